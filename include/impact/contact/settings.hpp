@@ -1,0 +1,40 @@
+#pragma once
+#include <limits>
+#include <string>
+
+/// What the user says of one contact (options.md, group contact). A plain value, lengths and stresses in run
+/// units.
+namespace impact {
+
+enum class Enforcement { penalty, auglag };
+enum class InitialOverlap { adjust, error, allow };
+enum class ImpactUpdate {
+  automatic,
+  stabilised,
+  none
+}; ///< automatic: stabilised when dt <= 20 h/c_p, else none
+enum class PenaltyGrowth {
+  on_slow_gap,
+  every_augmentation
+}; ///< decisions: grow when max|g| fell by less than 4; or the paper's rule
+
+struct ContactSettings {
+  static constexpr double automatic =
+      std::numeric_limits<double>::quiet_NaN();                   ///< "auto" for the numbers below
+  std::string id, secondary, primary;                             ///< primary "plane": the rigid plane below
+  double plane_point[3] = {0, 0, 0}, plane_normal[3] = {0, 1, 0}; ///< outward normal of the rigid half space
+  Enforcement enforce = Enforcement::auglag;
+  double penalty = automatic;           ///< stress per length; automatic: 10 E/h of the softer side
+  double penalty_increment = automatic; ///< automatic: the starting penalty
+  double penalty_max = automatic;       ///< automatic: 1e4 times the automatic penalty
+  PenaltyGrowth growth = PenaltyGrowth::on_slow_gap;
+  double gap_tol = automatic;       ///< a length; automatic: 1e-3 of the secondary facet
+  double pressure_tol = 1e-2;       ///< change relative to the largest multiplier
+  int points = 2;                   ///< Gauss points per secondary facet (P + 1)
+  double search_radius = automatic; ///< automatic: twice the longest facet
+  InitialOverlap initial = InitialOverlap::error;
+  double initial_tol = automatic; ///< automatic: 1e-3 of the facet
+  ImpactUpdate impact = ImpactUpdate::automatic;
+};
+
+} // namespace impact

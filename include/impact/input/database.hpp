@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <petscsys.h>
+#include <string>
+#include <vector>
+
+/// PETSc's options database as we read it: every value as text, so that a wrong one gets our message.
+namespace impact {
+
+/// One option as the user gave it; `key` has its dash.
+struct GivenOption {
+  std::string key, text;
+};
+
+/// Throws UserError(usage): `-key "text": reason`.
+[[noreturn]] void refuse_option(const GivenOption& option, const std::string& reason);
+
+/// Names (without dash, spelled as typed) of all options in the database. A blank-separated word of a value
+/// that begins with a dash is listed too; option_text tells it from an option.
+std::vector<std::string> option_names();
+
+/// Text of the option `name` (no dash, any case) without blanks around it, "" for an option without a value,
+/// empty when it was not given. Marks it as used for PETSc.
+std::optional<std::string> option_text(const std::string& name);
+
+/// Sets the text that PETSc's own readers of `name` will see.
+void replace_option(const std::string& name, const std::string& text);
+
+/// Folders of the options files named on the command line, in their order, then the working directory "".
+std::vector<std::string> option_folders();
+
+/// Path of an existing file: absolute, or below the first of option_folders() that has it. Collective; rank 0
+/// looks. Throws UserError(io) naming the folders.
+std::string find_input_file(MPI_Comm comm, const GivenOption& option);
+
+/// Whole text of a file, read on rank 0. Collective. Throws UserError(io).
+std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std::string& path);
+
+/// Options that nobody has read so far, each as "-name value", without those that PETSc reads at its end
+/// (-options_left, -log_view, ...). For the report after the first accepted step.
+std::vector<std::string> unconsumed_options();
+
+} // namespace impact

@@ -1,0 +1,33 @@
+#pragma once
+#include <impact/kernel/frame.hpp>
+
+/// Loads on one boundary facet (line of 2 nodes in the plane; triangle or quadrilateral in space), point by
+/// point, so that the caller evaluates its load where it stands. Lines run with the body on their left
+/// (counter-clockwise cells), faces counter-clockwise seen from outside: the normal below then points
+/// outward.
+namespace impact {
+
+/// One quadrature point of a facet; the rule integrates N_a N_b exactly on an affine facet.
+struct FacetPoint {
+  double N[4];
+  double dN[4][2];
+  double weight;
+};
+
+/// nodes = 2 (line), 3 (triangle) or 4 (quadrilateral); q < nodes, one point per node.
+FacetPoint facet_point(int nodes, int q);
+
+/// Position of the point, from node coordinates X [node][dim] to x [dim].
+void facet_position(const FacetPoint&, int nodes, int dim, const double* X, double* x);
+
+/// f [node][dim] += N_a t dA_0: a traction t [dim] per reference area that keeps its direction. X [node][dim]
+/// are reference coordinates; axisymmetric facets carry the weight 2 pi R.
+void add_dead_traction(const FacetPoint&, int nodes, Frame, const double* X, const double* t, double* f);
+
+/// f [node][dim] -= p N_a n da: a pressure per current area along the current normal. x [node][dim] are
+/// current coordinates. K [node][dim][node][dim], where not nullptr, += df/dx (unsymmetric on a boundary that
+/// is not closed).
+void add_follower_pressure(const FacetPoint&, int nodes, Frame, const double* x, double p, double* f,
+                           double* K);
+
+} // namespace impact

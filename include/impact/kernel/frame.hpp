@@ -1,0 +1,29 @@
+#pragma once
+
+/// How the plane of the mesh stands in space. Tensors are three-dimensional in every frame.
+namespace impact {
+
+enum class Frame {
+  plane_strain, ///< x, y; F_33 = 1; unit thickness
+  axisymmetric, ///< x = R, y = Z; F_33 = 1 + u_R / R; weight 2 pi R
+  solid         ///< x, y, z
+};
+
+inline constexpr int dimension(Frame f) { return f == Frame::solid ? 3 : 2; }
+
+/// Number of components of Grad u that vary: 11 12 21 22 (plane strain), + 33 (axisymmetric), row-major 3x3
+/// (solid).
+inline constexpr int gradient_size(Frame f) {
+  return f == Frame::plane_strain ? 4 : f == Frame::axisymmetric ? 5 : 9;
+}
+
+/// Point history: components of A = Cp^-1, then alpha. Plane frames: A11 A22 A33 A12 alpha; solid: A11 A22
+/// A33 A12 A23 A13 alpha. The start is A = 1, alpha = 0.
+inline constexpr int history_size(Frame f) { return f == Frame::solid ? 7 : 5; }
+inline constexpr int history_size(int dim) { return dim == 3 ? 7 : 5; }
+inline constexpr double history_start(int component) { return component < 3 ? 1 : 0; }
+
+/// Drive of the damage equation per point: E_plus, E_minus, H_0(alpha).
+inline constexpr int drive_size = 3;
+
+} // namespace impact

@@ -1,0 +1,55 @@
+#pragma once
+#include <impact/element/shape.hpp>
+#include <impact/kernel/frame.hpp>
+#include <impact/kernel/motion.hpp>
+#include <impact/material/point_law.hpp>
+#include <impact/math/batch.hpp>
+
+/// Integrals over a batch of cells that the ledger and the output read; nothing here enters an equation.
+namespace impact {
+
+struct EnergyInput {
+  const Batch* X = nullptr;       ///< [node][dim] reference coordinates
+  const Batch* u = nullptr;       ///< [node][dim]
+  const Batch* v = nullptr;       ///< [node][dim] velocity, or nullptr (= 0)
+  const Batch* phi = nullptr;     ///< [node], or nullptr (= 0)
+  const Batch* theta = nullptr;   ///< [node], or nullptr (= theta0)
+  const Batch* history = nullptr; ///< [point][history_size] of the same time as u; nullptr for Model::elastic
+};
+
+/// Sums over the points, per lane; stored_energy adds to them.
+struct EnergySums {
+  Batch elastic = 0;             ///< int g_1 E+ + g_2 E-   (with the J of the chosen locking cure)
+  Batch plastic = 0;             ///< int g_p H_s,  H_s = (1 - chi) H_0
+  Batch fracture = 0;            ///< int psi_phi
+  Batch kinetic = 0;             ///< int rho/2 v.v
+  Batch mass = 0;                ///< int rho
+  Batch momentum[3] = {0, 0, 0}; ///< int rho v
+};
+
+template <class Cell, Frame frame> void stored_energy(const PointLaw&, const EnergyInput&, EnergySums&);
+
+/// int lambda(phi_n) (phi - phi_n)^2 / dt, per lane; sum is added to. phi, phi_n [node].
+template <class Cell, Frame frame>
+void damage_dissipation(const PointLaw&, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
+                        Batch& sum);
+
+/// Averages over the reference volume of each cell.
+struct CellOutput {
+  Batch stress[6]; ///< Cauchy stress 11 22 33 12 23 13 (all parts of the motion's stress)
+  Batch von_mises; ///< of the average stress
+  Batch pressure;  ///< -tr sigma / 3 of the average stress
+  Batch alpha, phi;
+};
+
+/// in.history is the history of the same time as in.u, so that no flow happens here.
+template <class Cell, Frame frame> void cell_output(const PointLaw&, const MotionInput& in, CellOutput& out);
+
+/// M [node][node] += int rho N_a N_b (2 pi R in the axisymmetric frame).
+template <class Cell, Frame frame> void mass_matrix(const PointLaw&, const Batch* X, Batch* M);
+
+/// Smallest height of each cell, per lane: over the opposite side in simplices, between opposite sides at the
+/// centroid in quads and hexes. X [node][dim].
+template <class Cell> Batch cell_size(const Batch* X);
+
+} // namespace impact

@@ -1,0 +1,56 @@
+#pragma once
+#include <impact/element/shape.hpp>
+#include <impact/kernel/frame.hpp>
+#include <impact/material/point_law.hpp>
+#include <impact/math/batch.hpp>
+
+/// Momentum balance of one batch of cells in the total Lagrangian form (105):
+///   r_aI = int N_a,J P_iJ + rho N_a N_b a_b dV_0,   P = P_dev + p cof F + F (S_phi + S_d).
+/// Volumetric locking (law.parameters.locking): `none` takes p from the J of the point, `mean` from the cell
+/// mean of J (the force of an energy, symmetric), `fbar` from the J of the centroid with P = (J/J_0) P_dev +
+/// p(J_0) cof F. S_phi, S_d and the inertia use the unmodified F. Cells are lanes; arrays are of Batch,
+/// 8*IMPACT_LANES-byte aligned. Nothing here allocates, throws or traps: lanes that are marked bad may hold
+/// NaN.
+namespace impact {
+
+struct MotionInput {
+  const Batch* X = nullptr;     ///< [node][dim] reference coordinates
+  const Batch* u = nullptr;     ///< [node][dim] displacement at t_{n+1}
+  const Batch* u_n = nullptr;   ///< [node][dim] at t_n; read only when b_d > 0 (and in the step sums)
+  const Batch* accel = nullptr; ///< [node][dim] acceleration minus body force per mass; nullptr = none
+  const Batch* phi = nullptr;   ///< [node] frozen damage of this pass, or nullptr (= 0)
+  const Batch* theta = nullptr; ///< [node] temperature, or nullptr (= theta0)
+  const Batch* history =
+      nullptr;            ///< [point][history_size] committed history; may be nullptr for Model::elastic
+  double dt = 1;          ///< step of S_d = 2 b_d (C - C_n)/dt
+  double mass_shift = 0;  ///< tangent += mass_shift rho N_a N_b delta_ik
+  bool symmetric = false; ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
+};
+
+struct CellStatus {
+  int bad = 0;     ///< bit l set: lane l has J <= 0, a non-positive trace of b, a failed return map or a
+                   ///< non-finite result
+  Batch min_J = 0; ///< smallest det F over the points of the cell, per lane
+};
+
+/// Sums over the points of the cells, per lane; motion_advance adds to them.
+struct StepSums {
+  Batch plastic_dissipation = 0; ///< int g_p k_d dalpha,  k_d = chi k(alpha_{n+1})
+  Batch viscous_dissipation = 0; ///< int b_d |C - C_n|^2 / dt   (times g_e1 where b_d is degraded)
+  Batch plastic_work = 0;        ///< int g_1 [W(b_trial) - W(b)]
+};
+
+/// r [node][dim] += residual.
+template <class Cell, Frame frame> CellStatus motion_residual(const PointLaw&, const MotionInput&, Batch* r);
+
+/// r [node][dim] += residual and K [node][dim][node][dim] += its exact derivative (symmetrised where asked).
+template <class Cell, Frame frame>
+CellStatus motion_tangent(const PointLaw&, const MotionInput&, Batch* r, Batch* K);
+
+/// Evaluates the law at the accepted u: writes trial_history [point][history_size] and drive
+/// [point][drive_size] and adds to the step sums. trial_history may be nullptr for Model::elastic; it must
+/// not alias in.history.
+template <class Cell, Frame frame>
+CellStatus motion_advance(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive, StepSums&);
+
+} // namespace impact

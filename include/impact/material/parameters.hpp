@@ -1,0 +1,40 @@
+#pragma once
+#include <limits>
+#include <string>
+
+/// The symbols of one material, in any consistent set of units (Table 1 of the paper).
+/// A plain value: no defaults for physical parameters beyond "absent", which the option reader checks.
+namespace impact {
+
+enum class Model { elastic, j2, rigid };
+enum class Damage { none, at2 };                 ///< AT2: w(phi) = phi^2/2, width l = gamma (56)
+enum class Split { volumetric, none };           ///< g_e2 = 1, or g_e2 = g_e1 (the paper's run)
+enum class Degradation { quadratic, cubic };     ///< g_e1(phi)
+enum class PlasticDegradation { one, ge };       ///< g_p = 1 (the paper's run) or g_p = g_e1
+enum class DamageGradient { spatial, material }; ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
+enum class Locking { none, mean, fbar };         ///< volumetric locking cure on quads and hexes
+
+struct MaterialParameters {
+  std::string id;
+  Model model = Model::elastic;
+  double K = 0, G = 0;                                      ///< bulk and shear modulus (stress)
+  double rho = 0;                                           ///< reference density
+  double sigma_y = 0, voce_r = 0, voce_s = 0, linear_h = 0; ///< k = s_y + r(1 - exp(-s alpha)) + H alpha
+  double alpha_t = 0, theta0 = 298.15;                      ///< thermal expansion, reference temperature
+  double taylor_quinney = 0.9;                              ///< chi: k_d = chi k (model.md E9)
+  Damage damage = Damage::none;
+  double Gc = 0, gamma = 0;                           ///< toughness (force/length), layer width (length)
+  double c = std::numeric_limits<double>::infinity(); ///< damage rate: lambda = (1 + delta - phi)^zeta / c
+  double zeta = 1, delta = 0;
+  double b_d = 0;            ///< viscosity: S_d = 2 b_d Cdot (62)
+  bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
+  Split split = Split::volumetric;
+  Degradation ge = Degradation::quadratic;
+  double cubic_s = 1e-4; ///< slope parameter of the cubic degradation
+  PlasticDegradation gp = PlasticDegradation::one;
+  DamageGradient damage_gradient = DamageGradient::spatial;
+  double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
+  Locking locking = Locking::none;
+};
+
+} // namespace impact

@@ -1,0 +1,151 @@
+#pragma once
+#include <impact/material/crack.hpp>
+#include <impact/material/degradation.hpp>
+#include <impact/material/dissipation.hpp>
+#include <impact/material/elasticity.hpp>
+#include <impact/material/parameters.hpp>
+#include <impact/material/plasticity.hpp>
+#include <impact/material/thermal.hpp>
+#include <impact/math/tensor.hpp>
+
+/// The law of one material point: value in, value out, one template for Batch, double, std::complex and Dual.
+/// Kirchhoff stress tau = s + p J 1 with s = g_e1 G dev b and p = g_v U'(J_e)/J_th; the kernels may take p
+/// from another J (mean dilatation, F-bar). g_v = g_e1 where J_e >= 1, else g_e2.
+namespace impact {
+
+template <class T, int d> struct Kinematics {
+  Tensor<T, d> F, inverse_F;
+  T J_minus_1, J, J23; ///< J23 = J^(-2/3)
+};
+
+/// H = Grad u.
+template <class T, int d> Kinematics<T, d> kinematics(const Tensor<T, d>& H) {
+  Kinematics<T, d> k;
+  k.F = plus_identity(H);
+  k.J_minus_1 = detm1(H);
+  k.J = T(1.0) + k.J_minus_1;
+  k.inverse_F = inverse(k.F, k.J);
+  const T r = inverse_cbrt(k.J);
+  k.J23 = r * r;
+  return k;
+}
+
+/// History of one point at t_n.
+template <class T, int d> struct PointHistory {
+  Symmetric<T, d> A; ///< Cp^-1
+  T alpha;
+};
+
+template <class T, int d> PointHistory<T, d> virgin_history() { return {identity<T, d>(), T(0.0)}; }
+
+/// E+, E- and H_0: what drives the damage, and what the stored energy is made of.
+template <class T> struct PointEnergies { T plus, minus, plastic; };
+
+struct PointLaw {
+  MaterialParameters parameters;
+
+  bool flows() const { return parameters.model == Model::j2; }
+  bool viscous() const { return parameters.b_d > 0; }
+  bool crack_stress() const {
+    return parameters.damage == Damage::at2 && parameters.damage_gradient == DamageGradient::spatial;
+  }
+
+  /// Isochoric part: dev b after return, alpha_{n+1}; s = g.e1.g * G * dev_b.
+  template <class T, int d>
+  Return<T, d> isochoric(const Tensor<T, d>& H, const Kinematics<T, d>& k, const PointHistory<T, d>& old,
+                         const Degradations<T>& g) const {
+    Symmetric<T, d> e = left_strain(H);
+    if (!flows()) {
+      Return<T, d> r;
+      r.trial = r.dev_b = k.J23 * dev(e);
+      r.y = k.J23 * (T(1.0) + (1.0 / 3) * trace(e));
+      r.scale = T(1.0);
+      r.alpha = old.alpha;
+      r.dbeta = T(0.0);
+      r.plastic = value(k.J) < value(k.J);
+      r.failed = 0;
+      return r;
+    }
+    e = e + push(k.F, old.A - identity<T, d>());
+    const bool undegraded = parameters.damage == Damage::none || parameters.gp == PlasticDegradation::ge;
+    return return_map(parameters, e, k.J23, old.alpha, undegraded ? T(1.0) : g.p.g / g.e1.g);
+  }
+
+  /// g_v p, g_v dp/dJ at a volume ratio J, and which degradation g_v is.
+  template <class T>
+  Volumetric<T> pressure(const T& J_minus_1, const T& J_th, const Degradations<T>& g) const {
+    Volumetric<T> v = volumetric(parameters, J_minus_1, J_th);
+    const T g_v = select(value(v.Je_minus_1) >= Value<T>(0.0), g.e1.g, g.e2.g);
+    v.p = v.p * g_v;
+    v.dp = v.dp * g_v;
+    return v;
+  }
+
+  /// E+, E- from the isochoric excess z and the volume that the stress uses, H_0 from alpha.
+  template <class T> PointEnergies<T> energies(const T& z, const T& Je_minus_1, const T& alpha) const {
+    const T W = isochoric_energy(parameters, z), U = volumetric_energy(parameters, Je_minus_1);
+    const auto tension = value(Je_minus_1) >= Value<T>(0.0);
+    return {select(tension, W + U, W), select(tension, T(0.0), U),
+            flows() ? plastic_potential(parameters, alpha) : T(0.0)};
+  }
+
+  /// A_{n+1}: pull-back of b = dev_b + (1 + z) 1, unchanged where the point did not flow.
+  template <class T, int d>
+  PointHistory<T, d> updated(const Kinematics<T, d>& k, const PointHistory<T, d>& old, const Return<T, d>& r,
+                             const T& z) const {
+    if (!flows() || !any(r.plastic)) return old;
+    Symmetric<T, d> b = r.dev_b;
+    for (int i = 0; i < 3; ++i) b[i] = b[i] + (T(1.0) + z);
+    const Symmetric<T, d> A = (T(1.0) / k.J23) * push(k.inverse_F, b);
+    PointHistory<T, d> now{old.A, r.alpha};
+    for (int i = 0; i < symmetric_size(d); ++i) now.A[i] = select(r.plastic, A[i], old.A[i]);
+    return now;
+  }
+};
+
+/// Everything at one point where p comes from the J of the point itself: tau_c, the new history and the
+/// energies.
+template <class T, int d> struct PointInput {
+  Tensor<T, d> H; ///< Grad u
+  PointHistory<T, d> old;
+  T phi, theta;
+};
+template <class T, int d> struct PointResponse {
+  Kinematics<T, d> k;
+  Return<T, d> flow;
+  Symmetric<T, d> tau;
+  PointHistory<T, d> history;
+  PointEnergies<T> energy;
+};
+
+template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, const PointInput<T, d>& in) {
+  PointResponse<T, d> out;
+  const Degradations<T> g = degradations(law.parameters, in.phi);
+  out.k = kinematics(in.H);
+  out.flow = law.isochoric(in.H, out.k, in.old, g);
+  const Volumetric<T> v = law.pressure(out.k.J_minus_1, thermal_volume(law.parameters, in.theta), g);
+  out.tau = (law.parameters.G * g.e1.g) * out.flow.dev_b;
+  for (int i = 0; i < 3; ++i) out.tau[i] = out.tau[i] + v.p * out.k.J;
+  const T z = trace_excess(out.flow.dev_b, value(out.flow.y) - Value<T>(1.0));
+  out.history = law.updated(out.k, in.old, out.flow, z);
+  out.energy = law.energies(z, v.Je_minus_1, out.history.alpha);
+  return out;
+}
+
+/// P = tau F^-T
+template <class T, int d>
+Tensor<T, d> first_piola(const Symmetric<T, d>& tau, const Tensor<T, d>& inverse_F) {
+  Tensor<T, d> P;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (tensor_index(d, i, j) < 0) continue;
+      T s = T(0.0);
+      for (int k = 0; k < 3; ++k)
+        if (tensor_index(d, i, k) >= 0 && tensor_index(d, j, k) >= 0)
+          s += tau[symmetric_index(d, i, k)] * inverse_F[tensor_index(d, j, k)];
+      P[tensor_index(d, i, j)] = s;
+    }
+  return P;
+}
+
+} // namespace impact

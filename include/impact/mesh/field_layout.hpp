@@ -1,0 +1,39 @@
+#pragma once
+#include <impact/mesh/mesh.hpp>
+
+/// The dofs of one nodal field: `components` per mesh node, node-blocked. In a local vector (ghosts included)
+/// node i, component k stands at i * components + k; in a global vector at global_node[i] * components + k.
+namespace impact {
+
+class FieldLayout {
+public:
+  /// Clones the mesh's DM and lays `components` dofs on every vertex. Collective.
+  FieldLayout(const Mesh& mesh, std::string name, int components);
+
+  DM dm() const { return dm_; }
+  int components() const { return components_; }
+  const std::string& name() const { return name_; }
+  Handle<Vec> make_global() const;        ///< zeroed, block size set, named after the field. Collective.
+  std::vector<double> make_local() const; ///< zeroed [node][component], ghosts included
+
+  /// Copies a global vector into a local array, ghosts included. Collective.
+  void to_local(Vec global, std::vector<double>& local) const;
+  /// Adds a local array (contributions on ghosts included) into a global vector: one reverse message per
+  /// neighbour. Collective.
+  void add_to_global(const std::vector<double>& local, Vec global) const;
+  /// Sets owned entries of a global vector from a local array; ghosts are ignored. Collective.
+  void to_global(const std::vector<double>& local, Vec global) const;
+
+private:
+  std::string name_;
+  int components_;
+  Handle<DM> dm_;
+  Handle<Vec> work_; ///< local vector reused by the transfers
+  int node_count_;
+};
+
+/// Translations and infinitesimal rotations on the coordinates of the mesh, for algebraic multigrid
+/// (MatSetNearNullSpace). Needs components() == mesh.dim(). Collective.
+Handle<MatNullSpace> near_null_space(const FieldLayout& layout, const Mesh& mesh);
+
+} // namespace impact

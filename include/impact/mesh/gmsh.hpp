@@ -1,0 +1,49 @@
+#pragma once
+#include <impact/petsc/error.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+/// Mesh files of gmsh as plain arrays, checked; and gmsh itself as a program. Nothing here communicates.
+namespace impact {
+
+/// A physical group that has elements.
+struct GmshGroup {
+  std::string name; ///< from $PhysicalNames (blanks allowed) or region_<tag>, boundary_<tag>, curve_<tag>,
+                    ///< point_<tag>
+  int dim = 0, tag = 0;
+};
+
+/// Elements of one type that belong to the same groups.
+struct GmshBlock {
+  int dim = 0, nodes = 0;  ///< nodes per element
+  std::vector<int> groups; ///< indices into GmshFile::groups
+  std::vector<int> node;   ///< [element][nodes]
+};
+
+/// First-order mesh, gmsh's node order (which is VTK's for the shapes that we use).
+struct GmshFile {
+  int dim = 0;           ///< highest dimension of an element: 2 or 3
+  std::vector<double> x; ///< [node][3]
+  std::vector<GmshGroup> groups;
+  std::vector<GmshBlock> blocks;
+  int turned_cells = 0; ///< cells whose node order was clockwise and has been reversed
+};
+
+/// Reads version 4.1 or 2.2, ASCII or binary, and checks it: every element has known, distinct nodes; cells
+/// are triangles, quadrilaterals, tetrahedra or hexahedra of the same dimension, at least one group exists,
+/// each cell occurs once, coordinates are finite, 2D meshes are flat, each node belongs to a cell, cells do
+/// not fold over their neighbours. Clockwise cells are turned. Throws UserError(io) for an unreadable or
+/// garbled file, else UserError(data).
+GmshFile read_gmsh(const std::string& path);
+
+/// The checks of read_gmsh after parsing; sets `dim`, turns clockwise cells. Throws UserError(data).
+void check_gmsh(GmshFile& file, bool version4);
+
+/// Runs `gmsh` (found on PATH, no shell) on a .geo with `-setnumber`/`-setstring` for each parameter and
+/// writes `work_dir`/<stem>.msh in version 4.1; returns its path. Throws UserError(io) quoting gmsh's first
+/// error line, and UserError(usage) for a parameter whose name does not occur in the .geo.
+std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
+                     const std::string& work_dir);
+
+} // namespace impact

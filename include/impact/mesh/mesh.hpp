@@ -1,0 +1,146 @@
+#pragma once
+#include <impact/element/shape.hpp>
+#include <impact/petsc/handle.hpp>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+/// The distributed mesh: topology, coordinates and named groups, immutable after construction (total
+/// Lagrangian). Overlap 0: every cell lives on exactly one rank; nodes on rank borders are shared, one rank
+/// owns each. Node = mesh vertex, numbered 0..node_count-1 locally (vertex point minus vertex start), owned
+/// or ghost.
+namespace impact {
+
+/// Cells of one shape on this rank. connectivity[cell * nodes + a] = local node, usual finite-element order
+/// (counter-clockwise, VTK), positive Jacobian checked at construction.
+struct CellTable {
+  Shape shape;
+  std::vector<int> connectivity;
+  std::vector<PetscInt> point; ///< DMPlex point of each cell
+};
+
+/// Boundary facets of a named group on this rank, each owned by the rank of its cell.
+/// Node order gives the outward normal of the cell: in 2D (t_y, -t_x) with t = x_1 - x_0, in 3D (x_1-x_0) x
+/// (x_2-x_0).
+struct FacetTable {
+  int nodes_per_facet = 0;          ///< 2 (edges), 3 or 4; triangles in a mixed 3D table repeat the last node
+  std::vector<int> connectivity;    ///< [facet][nodes_per_facet] local nodes
+  std::vector<PetscInt> point;      ///< DMPlex point of each facet
+  std::vector<PetscInt> cell_point; ///< DMPlex point of the cell behind it
+  int count() const { return static_cast<int>(point.size()); }
+};
+
+/// One physical group of the mesh file.
+struct Group {
+  std::string name;
+  int dim = 0; ///< dim of the mesh: a region; dim - 1: a boundary; 0: points
+};
+
+class Mesh {
+public:
+  /// Takes a distributed, interpolated DMPlex (overlap 0) with one label per physical group name. A rank may
+  /// hold no cell at all. Collective. Throws UserError(data) for unsupported cells, inverted or degenerate
+  /// cells (named by region and coordinates).
+  Mesh(Handle<DM> dm, std::vector<Group> groups);
+
+  DM dm() const { return dm_; }
+  MPI_Comm comm() const;
+  int dim() const { return dim_; }
+  int node_count() const { return node_count_; } ///< local, ghosts included
+  int owned_node_count() const { return owned_node_count_; }
+  PetscInt global_node_count() const { return global_node_count_; }
+  PetscInt global_cell_count() const { return global_cell_count_; }
+  std::span<const double> coordinates() const { return coordinates_; } ///< [node][dim]
+  std::span<const CellTable> cells() const { return cells_; }
+  /// Global number of each local node: owned nodes are contiguous on a rank, in the order of PETSc's global
+  /// vectors.
+  std::span<const PetscInt> global_node() const { return global_node_; }
+  bool owned(int node) const { return owned_[static_cast<std::size_t>(node)] != 0; }
+  PetscInt vertex_point(int node) const { return vertex_start_ + node; }
+  PetscInt cell_start() const { return cell_start_; }                        ///< first DMPlex cell point
+  int cell_count() const { return static_cast<int>(table_of_cell_.size()); } ///< on this rank, all shapes
+  bool has_shape(Shape shape) const;                                         ///< on any rank
+
+  const std::vector<Group>& groups() const { return groups_; }
+  const Group* find_group(const std::string& name) const;
+  /// The group, or UserError(data) that lists the groups there are. Same on all ranks, not collective.
+  const Group& group(const std::string& name) const;
+  /// DMPlex points of the cells of a region (dim-dimensional group) on this rank. Throws UserError(data)
+  /// alike on all ranks when there is no such group or it is no region; so do facets (no boundary) and nodes.
+  std::vector<PetscInt> region_cells(const std::string& name) const;
+  /// Facets of a boundary group on this rank. A facet inside a body takes one of its two cells.
+  FacetTable facets(const std::string& name) const;
+  /// Sorted local nodes of a boundary, region or point group, complete on every rank (also where a rank holds
+  /// only the node and no facet or cell of the group). Collective.
+  std::vector<int> nodes(const std::string& name) const;
+  /// Shortest cell edge over all ranks, computed at construction.
+  double smallest_edge() const { return smallest_edge_; }
+  /// Names of the regions that hold a cell point, separated by commas; for messages.
+  std::string regions_of(PetscInt cell_point) const;
+
+private:
+  struct CellPlace {
+    int table, cell;
+  };
+  void read_coordinates();
+  void number_nodes();
+  void read_cells();
+  void check_cells() const;
+  void measure_edges();
+  DMLabel label(const std::string& name) const;
+  std::vector<PetscInt> labelled_points(const std::string& name) const;
+
+  Handle<DM> dm_;
+  int dim_ = 0, node_count_ = 0, owned_node_count_ = 0;
+  PetscInt vertex_start_ = 0, cell_start_ = 0, global_node_count_ = 0, global_cell_count_ = 0;
+  std::vector<double> coordinates_;
+  std::vector<CellTable> cells_;
+  std::vector<CellPlace> table_of_cell_; // [cell point - cell_start_]
+  unsigned shapes_ = 0;                  // bit per Shape, equal on all ranks
+  std::vector<PetscInt> global_node_;
+  std::vector<char> owned_;
+  std::vector<Group> groups_;
+  double smallest_edge_ = 0;
+};
+
+/// Cost of cells, for the partition.
+struct PartitionWeights {
+  std::map<std::string, int> region; ///< cost of a cell by region name; absent = 1
+  std::map<std::string, int>
+      boundary; ///< extra cost of a cell per facet on these boundaries (contact surfaces)
+};
+
+/// How a mesh is made from a file.
+struct MeshRequest {
+  std::string file; ///< .msh 4.1 (or 2.2 without overlapping groups) or .geo
+  std::map<std::string, std::string>
+      parameters;             ///< -mesh_set_<name>: values of DefineConstant names in a .geo
+  double scale = 1;           ///< every coordinate is multiplied by it
+  int refine = 0;             ///< uniform refinements
+  std::string work_dir = "."; ///< where a .geo's mesh is written
+  PartitionWeights weights;
+};
+
+/// Reads (or makes with gmsh, run as a program on rank 0, never through a shell), checks, distributes and
+/// orders the mesh. Clockwise cells are turned. Groups without a name are called region_<tag>,
+/// boundary_<tag>, curve_<tag>, point_<tag>. Collective. Partitioner: own type `metis` unless
+/// -petscpartitioner_type says otherwise. Throws UserError(io) for a file that cannot be read, made or
+/// understood and UserError(data) for a mesh that cannot be used: no groups, second order, mixed dimensions,
+/// duplicated, folded, inverted or degenerate cells, loose nodes.
+Mesh read_mesh(MPI_Comm comm, const MeshRequest& request);
+
+/// Moves the cells of a mesh to the ranks (overlap 0) by weight; `dm` is replaced. Returns the migration SF,
+/// empty when nothing moved (one rank). The graph may start on one rank (after reading) only with the type
+/// `metis`. Collective.
+Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights);
+
+/// Renumbers the points of each rank so that neighbours stand close in memory (reverse Cuthill-McKee).
+/// Collective.
+void order_for_locality(Handle<DM>& dm);
+
+/// The groups that read_mesh laid down as labels (a label's value is the group's dimension), in the order of
+/// the labels; for a mesh that comes from a checkpoint. Collective.
+std::vector<Group> groups_from_labels(DM dm);
+
+} // namespace impact

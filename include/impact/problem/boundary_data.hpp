@@ -1,0 +1,75 @@
+#pragma once
+#include <impact/mesh/field_layout.hpp>
+#include <impact/mesh/state_table.hpp>
+#include <impact/problem/boundary_conditions.hpp>
+#include <string>
+#include <vector>
+
+/// Prescribed values and loads resolved on one mesh: which local dofs are held, by which condition, and what
+/// acts on which facets and nodes. All expressions are evaluated at reference coordinates.
+namespace impact {
+
+/// One prescribed displacement dof (local numbering node * dim + component), owned by the first condition
+/// declared.
+struct FixedDof {
+  int dof = 0;
+  int condition = 0; ///< index into the conditions
+  int component = 0;
+};
+
+/// Facets under a dead traction or a follower pressure.
+struct LoadedFacets {
+  int condition = 0;
+  FacetTable facets;
+};
+
+class BoundaryData {
+public:
+  /// Finds groups, checks components and conflicts (two conditions with different values on one dof at t = 0
+  /// or t_end, a plane group for `symmetry`). Throws UserError(data). Collective.
+  BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end);
+
+  const std::vector<BoundaryCondition>& conditions() const { return conditions_; }
+  const std::vector<FixedDof>& fixed() const { return fixed_; }
+  /// [local node * dim + k] 1 where the displacement is prescribed.
+  const std::vector<char>& fixed_mask() const { return fixed_mask_; }
+  /// [local node] 1 where phi is prescribed.
+  const std::vector<char>& fixed_damage_mask() const { return damage_mask_; }
+
+  /// Sets the prescribed entries of u (local [node][dim]) at time t1. velocity and acceleration data are
+  /// integrated from t0, starting with u_n and the prescribed velocity v_n of those dofs (Gauss-Legendre, 5
+  /// points: exact to degree 9).
+  void set_displacement(double t0, double t1, const std::vector<double>& u_n, const std::vector<double>& v_n,
+                        std::vector<double>& u) const;
+  /// Velocity and acceleration of the prescribed dofs at t = 0 (one-sided differences of displacement data).
+  void set_initial_rates(double dt, std::vector<double>& v, std::vector<double>& a) const;
+  /// Velocity at t1 of dofs with acceleration data, integrated from v_n at t0 (the row
+  /// "prescribed_velocity").
+  void set_exact_velocity(double t0, double t1, const std::vector<double>& v_n, std::vector<double>& v) const;
+  void set_damage(double t, std::vector<double>& phi) const;
+
+  /// Acceleration-like body force per mass at the nodes, [node][dim]; false when none acts.
+  bool body_force(double t, std::vector<double>& f) const;
+  const std::vector<LoadedFacets>& tractions() const { return tractions_; } ///< dead, per reference area
+  const std::vector<LoadedFacets>& pressures() const { return pressures_; } ///< follower, per current area
+  /// Value of a traction or force condition at a reference point, per reference area. t [dim].
+  void traction(const LoadedFacets& load, const double* x, double t, double* value) const;
+  double pressure(const LoadedFacets& load, const double* x, double t) const;
+
+private:
+  void resolve_fixed(const Mesh& mesh, double t_end);
+  void resolve_loads(const Mesh& mesh);
+  double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const;
+
+  int dim_, node_count_;
+  std::vector<double> x_;
+  std::vector<BoundaryCondition> conditions_;
+  std::vector<FixedDof> fixed_;
+  std::vector<char> fixed_mask_, damage_mask_;
+  std::vector<std::pair<int, int>> damage_nodes_; ///< node, condition
+  std::vector<std::pair<int, int>> body_nodes_;   ///< node, condition
+  std::vector<LoadedFacets> tractions_, pressures_;
+  std::vector<double> force_area_; ///< per condition: reference area of a `force` group
+};
+
+} // namespace impact

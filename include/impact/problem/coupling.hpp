@@ -1,0 +1,94 @@
+#pragma once
+#include <impact/problem/damage.hpp>
+#include <impact/problem/motion.hpp>
+#include <impact/time/newmark.hpp>
+#include <impact/time/pass_shell.hpp>
+#include <impact/time/step_hooks.hpp>
+#include <memory>
+
+/// One step's staggered fixed point and how it hangs in the TS:
+///   TS -> SNES shell `coupling_` -> SNES shell `uzawa_` -> SNES `motion_`;  then SNES `damage_`.
+/// The residual and tangent reach `motion_` through SNESTSFormFunction, so that the TS supplies v and a.
+namespace impact {
+
+/// Work of one attempt, summed over its passes.
+struct StepCounts {
+  PetscInt newton = 0, linear = 0, uzawa = 0, damage = 0, damage_linear = 0, passes = 0;
+};
+
+/// Which linear solver and tangent are used where the options say nothing (decisions 11); `reason` is
+/// printed.
+struct SolverDefaults {
+  bool direct = true, multigrid = false, symmetric = false;
+  double cfl = 0; ///< dt c_p / shortest edge; 0 without inertia
+  bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
+  std::string reason;
+};
+/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
+SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
+                             double dt);
+
+class Coupling {
+public:
+  /// Hangs itself into `ts` (type set, not yet set up): I2Function, I2Jacobian, SNES, hooks except on_accept.
+  /// `damage` may be null. All references must outlive the TS. Collective.
+  Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTable& state,
+           const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
+           bool stabilise_contact);
+
+  const StepCounts& counts() const { return counts_; }
+  /// Newton iterations of the hardest motion solve of the attempt: what the step control calls its effort.
+  PetscInt hardest_newton() const { return hardest_newton_; }
+  /// Drops lagged factors, so that a run behaves after a checkpoint as one that resumed from it. Collective.
+  void forget_factors();
+  const MotionProblem::Increments& increments() const { return increments_; }
+  /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
+  std::string failure_text() const;
+  SNES motion_snes() const { return motion_snes_; }
+
+  void before_attempt(const Attempt& attempt);
+  void guess(const Attempt& attempt, Vec u);
+  void on_reject();
+  /// Hands the motion's present matrix to the solver; needed when the candidates changed outside a step.
+  void refresh_matrix();
+  /// Sets the motion's step data so that forces can be evaluated at a state between steps (start, restart).
+  /// Collective.
+  void begin_at_rest_of_step(double t, Vec u, Vec v);
+
+  /// Contact-stabilised Newmark: projection of the predictor and removal of the contact acceleration.
+  NewmarkHooks newmark_hooks();
+  double contact_scale() const { return contact_scale_; }
+  /// Contact force on the bodies that the last converged motion solve balanced.
+  Vec contact_force() const { return contact_force_; }
+  /// The part of the integrator's acceleration that the contact-stabilised update took out of the last step.
+  Vec contact_acceleration() const { return contact_acceleration_; }
+  bool stabilised() const { return stabilise_; }
+
+private:
+  PassResult coupling_pass(PetscInt pass, Vec u);
+  PassResult uzawa_pass(PetscInt pass, Vec u);
+  bool refresh_contact(Vec u);
+  void read_contact_scale();
+  void project_predictor(double t_n, double dt, Vec u_tilde);
+  void initial_acceleration(double t, Vec u, Vec v, Vec a);
+
+  TS ts_;
+  MotionProblem& motion_;
+  DamageProblem* damage_;
+  StateTable& state_;
+  CouplingScenario settings_;
+  bool inertia_, stabilise_;
+  double contact_scale_ = 1;
+  MotionStep step_;
+  std::vector<double> phi_frozen_, u_local_, u_before_;
+  PassShell coupling_shell_, uzawa_shell_;
+  Handle<SNES> uzawa_snes_, motion_snes_;
+  Handle<Vec> residual_, contact_force_, contact_acceleration_;
+  StepCounts counts_;
+  PetscInt hardest_newton_ = 0;
+  MotionProblem::Increments increments_;
+  std::string failure_;
+  bool cell_broke_ = false;
+};
+
+} // namespace impact

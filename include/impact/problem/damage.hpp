@@ -1,0 +1,66 @@
+#pragma once
+#include <impact/kernel/damage.hpp>
+#include <impact/mesh/sparse_assembly.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/handle.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/problem/settings.hpp>
+#include <optional>
+
+/// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1 (decisions 10). The
+/// unconstrained solution comes first; where it keeps the bounds it is the answer, else the variational
+/// inequality starts from its clipped values (SNESVINEWTONRSLS under the same prefix).
+namespace impact {
+
+struct DamageStep {
+  double t = 0, dt = 0;
+  const std::vector<double>* u = nullptr; ///< accepted displacement at t_{n+1}, local [node][dim]
+  const std::vector<double>* u_n = nullptr;
+  const std::vector<double>* phi_n = nullptr; ///< local [node]
+};
+
+struct DamageOutcome {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt newton = 0, linear = 0;
+};
+
+class DamageProblem {
+public:
+  /// Rows "drive" (and "damage_history" for DamageBounds::history, added here) of the table are read and
+  /// written.
+  DamageProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
+                const DamageScenario& settings);
+
+  /// Solves for phi at t_{n+1} from the trial half of "drive"; phi (local, ghosts consistent) holds the guess
+  /// on entry. Collective.
+  DamageOutcome solve(const DamageStep& step, std::vector<double>& phi);
+
+  Mat matrix() const { return assembly_->matrix(); }
+
+private:
+  void residual(Vec x, Vec f);
+  void tangent(Vec x);
+  template <class Output> bool evaluate(Vec x, bool with_tangent, Output&& output);
+  void raise_history();
+  void set_tolerances(SNES snes);
+  bool within_bounds(Vec x) const;
+
+  const Discretisation& d_;
+  StateTable& state_;
+  const BoundaryData& boundary_;
+  DamageScenario settings_;
+  DamageStep step_;
+  Mailbox mailbox_;
+  std::vector<double> X_, x_, r_;
+  std::vector<double> free_; ///< 1 where phi is solved for, 0 where prescribed or without damage
+  std::vector<int> owned_held_;
+  std::vector<std::size_t> drive_offset_;
+  std::vector<std::size_t> history_offset_;
+  std::optional<SparseAssembly> assembly_;
+  Handle<SNES> unconstrained_, bounded_;
+  Handle<Vec> solution_, residual_, diagonal_, lower_, upper_;
+  double reference_ = 0;
+};
+
+} // namespace impact

@@ -1,0 +1,51 @@
+#pragma once
+#include <impact/kernel/frame.hpp>
+#include <impact/material/point_law.hpp>
+#include <impact/mesh/cell_batches.hpp>
+#include <impact/mesh/field_layout.hpp>
+#include <impact/mesh/state_table.hpp>
+#include <string>
+#include <vector>
+
+/// Mesh, layouts and packed cells of one run: a value made by one call from a mesh, at the start, at a
+/// restart and after any later change of the mesh.
+namespace impact {
+
+/// A law and the regions it fills.
+struct MaterialAssignment {
+  PointLaw law;
+  std::vector<std::string> regions;
+};
+
+struct Discretisation {
+  Mesh mesh;
+  FieldLayout displacement; ///< dim components
+  FieldLayout scalar;       ///< one component (damage)
+  std::vector<MaterialAssignment> materials;
+  std::vector<CellGroup> groups;
+  Frame frame;
+  double thickness = 1; ///< multiplies integrals of plane problems in what is reported
+
+  int dim() const { return mesh.dim(); }
+  const PointLaw& law(const CellGroup& group) const {
+    return materials[static_cast<std::size_t>(group.material)].law;
+  }
+  std::size_t node_values(int components) const {
+    return static_cast<std::size_t>(mesh.node_count() * components);
+  }
+  bool has_damage() const;
+  bool has_viscosity() const;
+  bool has_plasticity() const;
+};
+
+/// Throws UserError(data) when a region is unknown, a cell has no material or two. Collective.
+Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
+                          double thickness);
+
+/// Adds the rows that the physics at hand keeps: u, v, a, phi, history, drive.
+void declare_state(const Discretisation& discretisation, StateTable& table);
+
+/// Doubles that one group needs for `components` per quadrature point: [batch][point][component][lane].
+std::size_t point_values(const CellGroup& group, int components);
+
+} // namespace impact

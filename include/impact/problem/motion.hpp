@@ -1,0 +1,120 @@
+#pragma once
+#include <impact/contact/interface.hpp>
+#include <impact/mesh/sparse_assembly.hpp>
+#include <impact/petsc/handle.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/problem/settings.hpp>
+#include <optional>
+#include <string>
+
+/// Balance of momentum of all bodies: residual, tangent and their parts (105)-(106).
+///   R(u) = M a + F_int(u; phi frozen, history committed) - F_ext(u, t) - s F_contact(u; lambda, eps)
+/// A pure function of its arguments and of the step's frozen state: it stores nothing (decisions 3).
+namespace impact {
+
+/// The first broken cell of an evaluation, for the message that a rejected step prints.
+struct BrokenCell {
+  double min_J = 0;
+  double x[3] = {0, 0, 0};
+  int material = -1;
+};
+
+/// What one attempt of a step holds fixed. Local arrays with ghosts.
+struct MotionStep {
+  double t_n = 0, t = 0, dt = 0;
+  const std::vector<double>* u_n = nullptr;
+  const std::vector<double>* phi = nullptr; ///< frozen damage of this pass, null without damage
+  double contact_scale = 1;                 ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+};
+
+/// Forces at an accepted state, for reactions and the ledger (global vectors, fixed rows included).
+struct ForceParts {
+  Handle<Vec> internal, external, contact;
+};
+
+class MotionProblem {
+public:
+  MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
+                std::vector<ContactInterface>& contacts, bool symmetric_tangent);
+
+  /// Fixes the step's data: loads at time t are evaluated once here.
+  void begin(const MotionStep& step);
+
+  /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Collective.
+  /// Returns false on all ranks when a cell lost its meaning anywhere.
+  bool residual(Vec u, Vec a, Vec f);
+  /// Tangent of R with mass_shift times the mass; prescribed rows and columns carry the mean diagonal.
+  /// Collective.
+  bool tangent(Vec u, double mass_shift);
+  Mat matrix() const { return assembly_->matrix(); }
+
+  /// Imposes the prescribed values of time t on u. Collective.
+  void impose(Vec u) const;
+  /// For integrators that do not impose values themselves: f = scale (u - prescribed(t)) on prescribed dofs,
+  /// after residual(), and `scale` on their diagonal, after tangent(). Collective.
+  void hold(Vec u, double scale, Vec f) const;
+  void hold_tangent(double scale);
+  /// Rebuilds contact candidates near u; true when the matrix was replaced by one with another pattern.
+  /// Collective.
+  bool update_contact(Vec u);
+
+  /// Evaluates the law at the accepted u into the trial halves of "history" and "drive". Collective.
+  struct Increments {
+    double plastic_dissipation = 0, viscous_dissipation = 0, plastic_work = 0;
+  };
+  bool advance(Vec u, Increments& sums);
+
+  /// Parts of the residual at u, prescribed rows included. Collective.
+  void parts(Vec u, ForceParts& parts);
+  /// y = M x, prescribed rows included. Collective.
+  void mass_multiply(Vec x, Vec y);
+  /// Solves M x = b on free dofs (prescribed entries of x keep their values, their columns lifted).
+  /// Collective.
+  void mass_solve(Vec b, Vec x);
+
+  /// Projection of a predictor on the admissible set: residual shift M (w - u_tilde) + s R_contact(w) and its
+  /// tangent, which takes the place of the motion's in matrix(). Collective.
+  void projection_residual(Vec w, Vec u_tilde, double shift, Vec f);
+  void projection_tangent(Vec w, double shift);
+
+  const Discretisation& discretisation() const { return d_; }
+  const BoundaryData& boundary() const { return boundary_; }
+  std::vector<ContactInterface>& contacts() { return contacts_; }
+  const BrokenCell& broken() const { return broken_; }
+  /// Reference force E h^(dim-1) 1e-10: the absolute tolerance that makes sense for the residual.
+  double reference_force() const { return reference_force_; }
+  double mass_shift_of_last_tangent() const { return last_mass_shift_; }
+
+private:
+  bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, std::vector<double>& r);
+  void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
+  void add_pressure_tangent(const std::vector<double>& u);
+  void note_broken(const CellGroup& group, int batch, int bad, const Batch& min_J);
+  void rebuild_matrix();
+  void build_mass();
+  void add_mass(SparseAssembly& assembly, double factor, bool masked) const;
+  void close_tangent(Vec u, bool pressures);
+  void zero_fixed(Vec f) const;
+
+  const Discretisation& d_;
+  StateTable& state_;
+  const BoundaryData& boundary_;
+  std::vector<ContactInterface>& contacts_;
+  bool symmetric_;
+  MotionStep step_;
+  std::optional<SparseAssembly> assembly_;
+  std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
+  std::vector<double> dead_load_, body_; // of the step's time
+  bool has_body_force_ = false;
+  std::vector<double> free_;     // 1 on free, 0 on prescribed dofs [node][dim]
+  std::vector<int> owned_fixed_; // owned local prescribed dofs
+  std::vector<std::size_t> history_offset_, drive_offset_;
+  BrokenCell broken_;
+  double reference_force_ = 0, last_mass_shift_ = 0;
+  Handle<Mat> mass_, mass_free_; // consistent mass; with prescribed rows and columns as identity
+  Handle<KSP> mass_solver_;
+  Handle<Vec> work_;
+};
+
+} // namespace impact

@@ -1,0 +1,42 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+/// Files that a kill, a full disk or a flipped bit cannot turn into wrong ones: replaced in one step, written
+/// through to the disk, recognised by a checksum. Every function works on the calling rank alone and throws
+/// UserError(io) that names the file and the system's reason.
+namespace impact {
+
+/// 64-bit FNV-1a. Each byte enters through invertible operations, so a change of a single byte is always
+/// seen.
+class Checksum {
+public:
+  void add(const void* data, std::size_t bytes);
+  std::uint64_t value() const { return value_; }
+
+private:
+  std::uint64_t value_ = 14695981039346656037ULL;
+};
+
+/// `value` as 16 hexadecimal digits.
+std::string to_hex(std::uint64_t value);
+
+/// Checksum of a whole file; `size` receives its length in bytes.
+std::uint64_t file_checksum(const std::string& file, std::uintmax_t& size);
+/// The bytes of a file.
+std::string read_file(const std::string& file);
+/// Makes a directory with its parents; one that exists is fine.
+void make_directories(const std::string& dir);
+/// Writes `text` to `<file>.tmp`, through to the disk, and renames it to `file`: a reader sees the old or the
+/// new text.
+void replace_file(const std::string& file, const std::string& text);
+/// Renames within one directory and writes the directory's entry through to the disk.
+void rename_durably(const std::string& from, const std::string& to);
+/// Waits until what the system holds of a file is on the disk.
+void sync_file(const std::string& file);
+/// Throws unless the file system of `file` can take `bytes` more (quotas included): they are allocated and
+/// given back.
+void require_space(const std::string& file, std::uintmax_t bytes);
+
+} // namespace impact

@@ -1,0 +1,87 @@
+#pragma once
+#include <impact/problem/coupling.hpp>
+#include <impact/run/history_file.hpp>
+#include <vector>
+
+/// The balance sheet of a run: energies, dissipation and work since t = 0, per material and total, and two
+/// checks.
+///   balance            the algorithmic identity of the integrator: kinetic energy, work of the forces that
+///   the motion
+///                      solves really balanced, and the integrator's own loss add up to zero up to Newton's
+///                      tolerance.
+///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
+/// Both relative to the largest energy or work so far. Plane problems: times the thickness.
+namespace impact {
+
+struct MaterialEnergies {
+  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0;
+  double momentum[3] = {0, 0, 0};
+};
+
+class Ledger {
+public:
+  /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
+  Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m);
+
+  /// Energies and forces of the start. u, v, a at t = 0. Collective.
+  void start(Vec u, Vec v, Vec a);
+  /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
+  void resume(Vec u, Vec v);
+  /// Energies of a state whose integrator tells no forces: work, balance and reactions become nan.
+  /// Collective.
+  void observe(Vec u, Vec v);
+  /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
+  /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Collective.
+  void book(double dt, Vec u, Vec v, Vec a);
+
+  /// Columns of the history file in the order of the option reference; names as in options.md.
+  void append_energies(HistoryFile::Row& row) const;
+  void append_reactions(HistoryFile::Row& row) const;
+  void append_materials(HistoryFile::Row& row) const;
+  double balance() const;
+  double balance_first_law() const;
+  double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
+  double phi_max() const { return phi_max_; }
+  double alpha_max() const { return alpha_max_; }
+  double energy_scale() const;
+  const MaterialEnergies& total() const { return total_; }
+
+private:
+  // Totals since t = 0, one global row, so that a restart continues them.
+  enum Total {
+    viscous,
+    damage,
+    plastic_dissipation,
+    numerical,
+    external,
+    contact_work,
+    identity,
+    start_energy,
+    scale,
+    count
+  };
+  double& sum(Total which) const { return totals_->trial[which]; }
+  void measure(Vec u, Vec v, bool trial);
+  void find_extremes(bool trial);
+  void find_reactions(const std::vector<double>& u);
+  double contact_energy(Vec u) const;
+  double stored() const;
+
+  MotionProblem& motion_;
+  Coupling* coupling_; ///< null with an integrator that is not ours: no work, no balance
+  StateTable& state_;
+  bool inertia_;
+  double alpha_m_;
+  StateRow *totals_, *internal_, *external_, *contact_, *inertia_force_;
+  std::vector<MaterialEnergies> materials_;
+  MaterialEnergies total_;
+  double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0;
+  std::vector<double> reaction_; ///< [condition][dim]
+  std::vector<double> mean_;     ///< [condition][dim] mean displacement of the condition's nodes
+  std::vector<std::vector<int>> condition_nodes_;
+  std::vector<double>
+      reaction_force_; ///< what closes the balance of momentum on prescribed dofs, [node][dim]
+  std::vector<double> X_;
+};
+
+} // namespace impact

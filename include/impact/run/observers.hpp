@@ -1,0 +1,91 @@
+#pragma once
+#include <impact/problem/coupling.hpp>
+#include <impact/run/field_output.hpp>
+#include <impact/run/history_file.hpp>
+#include <impact/run/ledger.hpp>
+#include <impact/run/scenario.hpp>
+#include <optional>
+#include <vector>
+
+/// What watches accepted steps: field files, the history file, probes and measures. Reads committed state
+/// only.
+namespace impact {
+
+/// An accepted state. Committed halves of the table hold it already.
+struct Snapshot {
+  long step = 0;
+  double time = 0, dt = 0;
+  int tries = 1;
+  Vec u = nullptr;
+};
+
+/// Fields by name: nodal ones from the state table, cell ones from the law, contact ones from the interfaces.
+class FieldSource {
+public:
+  FieldSource(MotionProblem& motion, const StateTable& state) : motion_(motion), state_(state) {}
+  /// Names that this run can give. A field is nodal when is_nodal(name).
+  std::vector<std::string> names() const;
+  static bool is_nodal(const std::string& name);
+  /// [local node][components] for nodal names. Collective.
+  std::vector<double> nodal(const std::string& name, const Snapshot& snapshot, int& components) const;
+  /// [group][batch][component][lane] for cell names. Collective.
+  std::vector<double> cellwise(const std::string& name, const Snapshot& snapshot, int& components) const;
+
+private:
+  MotionProblem& motion_;
+  const StateTable& state_;
+};
+
+class FieldObserver {
+public:
+  /// Throws UserError(usage) when a field is not offered by this run. Collective.
+  FieldObserver(const OutputScenario& output, const Scenario& scenario, const Discretisation& discretisation,
+                const FieldSource& source, std::optional<double> resume_after);
+  /// Writes when the output's times, interval or count of steps say so, and at the end. Collective.
+  void watch(const Snapshot& snapshot, bool last);
+  double written_until() const { return last_written_; }
+
+private:
+  OutputScenario settings_;
+  const Discretisation& d_;
+  const FieldSource& source_;
+  FieldOutput file_;
+  double next_time_ = 0, last_written_ = -1e300;
+};
+
+/// Name of the history file: that of the first csv output, else history.csv.
+std::string history_file_name(const Scenario& scenario);
+
+class HistoryObserver {
+public:
+  HistoryObserver(MPI_Comm comm, const std::string& file, const Scenario& scenario, MotionProblem& motion,
+                  const Ledger& ledger, StateTable& state, const FieldSource& source,
+                  std::optional<long> resume_after);
+  /// One row. Collective.
+  void watch(const Snapshot& snapshot, const StepCounts& counts);
+
+private:
+  void append_contacts(HistoryFile::Row& row, const Snapshot& snapshot) const;
+  void append_cracks(HistoryFile::Row& row);
+  void append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const;
+  void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
+  void locate_probes();
+  void check_fields() const;
+
+  struct Located {
+    int nodes[8];
+    double N[8];
+    int count = 0;         ///< 0 on ranks that do not hold the probe's cell
+    std::size_t batch = 0; ///< of all groups' batches, and the lane: where cell fields have the cell
+    std::size_t lane = 0;
+  };
+  const Scenario& scenario_;
+  MotionProblem& motion_;
+  const Ledger& ledger_;
+  StateTable& state_;
+  const FieldSource& source_;
+  HistoryFile file_;
+  std::vector<Located> probes_;
+};
+
+} // namespace impact

@@ -1,0 +1,34 @@
+#pragma once
+#include <chrono>
+#include <impact/run/ledger.hpp>
+#include <impact/run/observers.hpp>
+#include <string>
+
+/// What a run says on the terminal: the set-up, one line per accepted step with the estimated finish, the
+/// summary.
+namespace impact {
+
+/// Mesh, materials, solver. Collective.
+void report_setup(const Scenario& scenario, const Discretisation& discretisation,
+                  const SolverDefaults& solver);
+
+/// Options that nobody read are most often typing errors (ours are refused before the mesh is read).
+/// Collective. Throws UserError(usage) with -options_strict.
+void report_unused_options(MPI_Comm comm, bool strict);
+
+class Progress {
+public:
+  Progress(MPI_Comm comm, double t_end);
+  void header() const;
+  void line(const Snapshot& at, const StepCounts& counts, const Ledger& ledger, int active_points);
+  double wall() const;                      ///< seconds since construction
+  static std::string clock(double seconds); ///< h:mm:ss or m:ss
+
+private:
+  MPI_Comm comm_;
+  double t_end_;
+  std::chrono::steady_clock::time_point start_;
+  double first_time_ = -1;
+};
+
+} // namespace impact

@@ -1,0 +1,134 @@
+#pragma once
+#include <impact/contact/settings.hpp>
+#include <impact/input/units.hpp>
+#include <impact/material/parameters.hpp>
+#include <impact/problem/boundary_conditions.hpp>
+#include <impact/problem/settings.hpp>
+#include <map>
+#include <optional>
+#include <petscsys.h>
+#include <string>
+#include <vector>
+
+/// Everything one run is told, read once from the options database, complete, validated and printable.
+/// Nobody reads our keys after it (PETSc's own objects read theirs under their prefixes).
+namespace impact {
+
+struct Group;
+
+enum class PlaneMode { strain, axisymmetric }; ///< `stress` comes with the plane-stress law
+
+/// A number of the user's (`-param_v0`), in run units, a name in every expression.
+struct ParameterScenario {
+  std::string id;
+  double value = 0;
+};
+
+/// A table `name(t)` of every expression, from a CSV file.
+struct FunctionScenario {
+  std::string id;
+  std::string file; ///< resolved path
+};
+
+struct MeshScenario {
+  std::string file; ///< resolved path
+  double scale = 1;
+  int refine = 0;
+  std::map<std::string, std::string> set; ///< .geo parameters
+};
+
+struct MaterialScenario {
+  MaterialParameters law;
+  std::vector<std::string> regions; ///< physical names; default: the id
+  bool locking_automatic = true;    ///< mean for j2 on quads and hexes, else none
+};
+
+struct OutputScenario {
+  std::string id;
+  enum class Type { xdmf, csv } type = Type::xdmf;
+  std::vector<std::string> fields;
+  double dt = 0; ///< 0: not by time
+  int every = 0; ///< 0: not by steps
+  std::vector<double> times;
+  std::string file; ///< without directory; default: <id>.xdmf or history.csv
+};
+
+struct ProbeScenario {
+  std::string id, region; ///< region "" = any
+  double at[3] = {0, 0, 0};
+  std::vector<std::string> fields;
+};
+
+struct MeasureScenario {
+  std::string id, on;
+  std::vector<std::string> fields;
+  enum class Of { mean, min, max, sum } of = Of::mean;
+};
+
+struct TimeScenario {
+  std::string type = "newmark"; ///< newmark | static | alpha2
+  double dt = 0, max_time = 0;
+  int max_steps = 0;                          ///< 0: no limit
+  std::vector<double> table_times, table_dts; ///< -ts_times, -ts_dts
+};
+
+struct CheckpointScenario {
+  std::string dir; ///< default <output_dir>/checkpoints
+  int every = 0;
+  double wall = 600;
+  int keep = 2;
+  std::string restart = "none"; ///< none | auto | a file
+};
+
+struct Scenario {
+  std::string title, output_dir = ".";
+  UnitSystem units;
+  std::vector<ParameterScenario> params;
+  std::vector<FunctionScenario> functions;
+  int dim = 0; ///< 0: from the mesh
+  PlaneMode plane = PlaneMode::strain;
+  double thickness = 1;
+  bool dry_run = false, strict = false;
+  MeshScenario mesh;
+  std::vector<MaterialScenario> materials;
+  std::vector<BoundaryCondition> bcs;
+  std::vector<InitialCondition> ics;
+  std::vector<ContactSettings> contacts;
+  TimeScenario time;
+  DamageScenario damage;
+  CouplingScenario coupling;
+  TangentChoice tangent = TangentChoice::automatic;
+  ContactOperator contact_operator = ContactOperator::assembled;
+  std::vector<OutputScenario> outputs;
+  std::vector<ProbeScenario> probes;
+  std::vector<MeasureScenario> measures;
+  CheckpointScenario checkpoint;
+  double energy_tol = 0; ///< 0: off
+  enum class EnergyAction { warn, cut, stop } energy_action = EnergyAction::warn;
+  double crack_level = 0.9;
+
+  bool has_damage() const;
+  bool has_inertia() const { return time.type != "static"; }
+};
+
+/// Reads and checks everything (closed key set with suggestions, units, ranges, expressions). Collective.
+/// Throws UserError(usage) with one line for the first fault, UserError(io) for a file that cannot be read.
+/// With -help prints option_help() first. Values of -ts_dt and -ts_max_time with a unit are replaced by plain
+/// numbers in the database, because PETSc's TS reads them too.
+Scenario read_scenario(MPI_Comm comm);
+
+/// The resolved input as the user would type it, one key per line (header of the log, checkpoints, -dry_run).
+std::string print_scenario(const Scenario& scenario);
+
+/// Throws UserError(data) for the first option that names a group which the mesh does not have, or one of the
+/// wrong dimension, and for `-dim` and components that do not fit the mesh. No communication; alike on all
+/// ranks.
+void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int mesh_dim);
+
+/// What `-help` prints of our options.
+std::string option_help();
+
+/// The option reference page (Markdown), generated from the same tables; `impact -reference` prints it.
+std::string option_reference();
+
+} // namespace impact

@@ -1,0 +1,26 @@
+#pragma once
+#include <impact/contact/interface.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/run/scenario.hpp>
+#include <memory>
+#include <vector>
+
+/// What a scenario describes, built on the ranks at hand: mesh, laws, state, boundary data and contacts.
+namespace impact {
+
+struct Setup {
+  Discretisation discretisation;
+  StateTable state;
+  BoundaryData boundary;
+  std::vector<ContactInterface> contacts;
+};
+
+/// Its parts refer to each other, so it does not move. Collective. Throws UserError.
+std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario);
+
+/// u, v, a (of prescribed dofs) and phi at t = 0 into the state table: the initial conditions, then the
+/// boundary data, which win. Collective. Throws UserError.
+void set_initial_state(const Scenario& scenario, Setup& setup);
+
+} // namespace impact

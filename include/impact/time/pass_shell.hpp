@@ -1,0 +1,28 @@
+#pragma once
+#include <functional>
+#include <impact/petsc/error.hpp>
+#include <petscsnes.h>
+
+/// A SNES whose iteration is a pass of other solvers over the same unknown: staggering, augmentation. It
+/// stays a SNES for the command line: -<prefix>snes_max_it, _atol, _monitor, _converged_reason.
+namespace impact {
+
+/// One pass: what its inner solves said (negative: the pass failed) and how much it changed the state.
+struct PassResult {
+  SNESConvergedReason inner = SNES_CONVERGED_ITS;
+  PetscReal change = 0;
+};
+
+/// Runs pass 1, 2, .. on x until the change is below -<prefix>snes_atol. A failed pass ends with
+/// SNES_DIVERGED_INNER;
+/// -<prefix>snes_max_it passes without convergence with SNES_DIVERGED_MAX_IT, except that a single pass
+/// (max_it 1) counts as converged. The same on all ranks as far as `pass` answers the same.
+struct PassShell {
+  std::function<PassResult(PetscInt pass, Vec x)> pass;
+  Mailbox* mailbox = nullptr; // takes the exceptions of `pass`
+};
+
+/// Makes `snes` such a shell; `shell` must outlive it. To be called before SNESSetFromOptions.
+void make_pass_shell(SNES snes, PassShell& shell);
+
+} // namespace impact

@@ -1,0 +1,47 @@
+#pragma once
+#include <functional>
+#include <petscts.h>
+
+/// What a program does around the attempts of a step. All of it is collective: every rank must take the same
+/// way.
+namespace impact {
+
+/// One try at the step from t_n to t = t_n + dt.
+struct Attempt {
+  PetscReal t_n = 0;
+  PetscReal dt = 0;
+  PetscReal t = 0;
+  PetscInt number = 0; // 1 for the first try; 0 while the forces at the start are evaluated, where t = t_n
+};
+
+/// Answer of the second criterion: a refused step is tried again with dt times `factor`, 0 < factor < 1.
+struct Verdict {
+  bool accept = true;
+  PetscReal factor = 0.5;
+};
+
+/// Empty functions are skipped. The TS's own vectors hold u_n and v_n until `on_accept`, which sees t, u, v,
+/// a of the new step; step number TSGetStepNumber is still that of t_n there. Exceptions end the run through
+/// time_mailbox.
+struct StepHooks {
+  std::function<void(TS, const Attempt&)> before_attempt = {};
+  /// u holds the default guess of the nonlinear solve and may be changed.
+  std::function<void(TS, const Attempt&, Vec u)> guess = {};
+  /// Iterations that the control calls the step's effort; without it the iterations of the TS's SNES.
+  std::function<PetscInt(TS)> effort = {};
+  /// Called after a converged solve. If ranks differ the smallest factor of those that refuse counts.
+  std::function<Verdict(TS, const Attempt&, Vec u, Vec v, Vec a)> accept = {};
+  /// After a failed or refused try: drop the trial state.
+  std::function<void(TS, const Attempt&)> on_reject = {};
+  /// After the state was taken over: commit. There is no way back (TSRollBack is not offered).
+  std::function<void(TS, const Attempt&)> on_accept = {};
+};
+
+/// Replaces the hooks of a TS of type newmark or static; to be called after the type is set
+/// (set_time_options).
+void set_step_hooks(TS ts, StepHooks hooks);
+
+/// The try in progress, or the last one.
+const Attempt& current_attempt(TS ts);
+
+} // namespace impact

@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/interface.hpp>
+#include <impact/petsc/error.hpp>
+#include <limits>
+
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Point2<double> point_at(const std::vector<double>& x, int node) {
+  return {x[at(2 * node)], x[at(2 * node + 1)]};
+}
+
+bool all_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
+}
+
+double largest_move(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); i += 2) {
+    const double dx = a[i] - b[i], dy = a[i + 1] - b[i + 1];
+    largest = std::max(largest, dx * dx + dy * dy);
+  }
+  return std::sqrt(largest);
+}
+
+void sort_unique(std::vector<PetscInt>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
+// Order of two edges by their reference coordinates: of two equal distances every number of ranks takes the
+// same edge, which global node numbers would not give.
+bool precedes(const std::vector<double>& X, const int* a, const int* b) {
+  for (int i = 0; i < 2; ++i)
+    if (const Point2<double> x = point_at(X, a[i]), y = point_at(X, b[i]); x != y) return x < y;
+  return false;
+}
+
+// The rigid plane is flat and stands still under a variation: only the square of the first variation remains.
+std::array<double, 64> tangent_block(const ContactPoint& point, double scale, double eps) {
+  const std::array<double, 64> d2g =
+      point.node_count == 4 ? gap_hessian(point.shape, point.edge, point.foot) : std::array<double, 64>{};
+  return contact_tangent(scale * point.weight, eps, point.pressure, gap_gradient(point.shape, point.foot),
+                         d2g);
+}
+
+int position(const std::vector<PetscInt>& sorted, PetscInt value) {
+  return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
+}
+
+} // namespace
+
+bool ContactInterface::update_search(Vec u) {
+  if (against_plane() && !search_.outdated) return false;
+  std::vector<double> x = search_.own.gather(u);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += search_.own_X[i];
+  const bool finite = all_finite(x);
+  std::array<double, 2> mine = {finite ? 0.0 : 1.0, 0}, all{};
+  if (finite && !search_.outdated) mine[1] = largest_move(x, search_.built_at);
+  MPI_Allreduce(mine.data(), all.data(), 2, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
+  if (all[0] > 0 || (!search_.outdated && all[1] <= search_.skin / 2)) return false;
+
+  Candidates found = search(x);
+  const bool changed = !all_ranks_agree(mesh_->comm(), found.same_pairs(search_.candidates));
+  search_.candidates = std::move(found);
+  search_.built_at = std::move(x);
+  search_.outdated = false;
+  build_active(u);
+  return changed;
+}
+
+Candidates ContactInterface::search(const std::vector<double>& x) const {
+  if (against_plane()) return {};
+  SearchSecondary secondary;
+  secondary.node = secondary_.surface.node;
+  for (int slot : secondary_.slot) {
+    secondary.x.push_back(x[at(2 * slot)]);
+    secondary.x.push_back(x[at(2 * slot + 1)]);
+  }
+  std::vector<SearchFacet> primary;
+  for (int f = 0; f < primary_.surface.count(); ++f) {
+    const std::size_t a = at(2 * f), b = a + 1;
+    const Point2<double> x0 = point_at(x, primary_.slot[a]), x1 = point_at(x, primary_.slot[b]);
+    primary.push_back({{primary_.surface.node[a], primary_.surface.node[b]},
+                       {primary_.neighbour[a], primary_.neighbour[b]},
+                       {x0[0], x0[1], x1[0], x1[1]}});
+  }
+  return find_candidates(mesh_->comm(), secondary, primary, search_.radius + search_.skin);
+}
+
+void ContactInterface::build_active(Vec u) {
+  Active next;
+  next.nodes = secondary_.surface.node;
+  for (const SearchFacet& facet : search_.candidates.primary)
+    for (PetscInt node : {facet.node[0], facet.node[1], facet.neighbour[0], facet.neighbour[1]})
+      if (node >= 0) next.nodes.push_back(node);
+  sort_unique(next.nodes);
+  for (PetscInt node : secondary_.surface.node) next.secondary.push_back(position(next.nodes, node));
+  for (const SearchFacet& facet : search_.candidates.primary)
+    for (PetscInt node : {facet.node[0], facet.node[1], facet.neighbour[0], facet.neighbour[1]})
+      next.primary.push_back(node >= 0 ? position(next.nodes, node) : -1);
+  next.exchange = NodeExchange(mesh_->comm(), mesh_->owned_node_count(), 2, next.nodes);
+  active_ = std::move(next);
+  const Handle<Vec> X = layout_->make_global();
+  layout_->to_global(std::vector<double>(mesh_->coordinates().begin(), mesh_->coordinates().end()), X);
+  active_.X = active_.exchange.gather(X);
+  active_.built_at = current(u);
+  fetch_fixed();
+}
+
+void ContactInterface::fetch_fixed() {
+  active_.fixed.assign(2 * active_.nodes.size(), 0);
+  if (!fixed_) return;
+  const std::vector<double> flags = active_.exchange.gather(fixed_);
+  std::transform(flags.begin(), flags.end(), active_.fixed.begin(), [](double f) { return f > 0.5 ? 1 : 0; });
+}
+
+void ContactInterface::set_fixed_dofs(const std::vector<char>& fixed) {
+  if (!fixed_) fixed_ = layout_->make_global();
+  layout_->to_global(std::vector<double>(fixed.begin(), fixed.end()), fixed_);
+  fetch_fixed();
+}
+
+std::vector<std::pair<PetscInt, PetscInt>> ContactInterface::couplings() const {
+  std::vector<std::pair<PetscInt, PetscInt>> pairs;
+  const Candidates& list = search_.candidates;
+  for (int f = 0; f + 1 < static_cast<int>(list.offset.size()); ++f)
+    for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
+      for (PetscInt p : list.primary[at(list.facet[at(c)])].node)
+        for (std::size_t a = 0; a < 2; ++a) pairs.emplace_back(secondary_.surface.node[at(2 * f) + a], p);
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+std::vector<double> ContactInterface::current(Vec u) const {
+  std::vector<double> x = active_.exchange.gather(u);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += active_.X[i];
+  return x;
+}
+
+Foot<double> ContactInterface::plane_foot(const Point2<double>& x) const {
+  Point2<double> d = {x[0] - settings_.plane_point[0], x[1] - settings_.plane_point[1]};
+  if (environment_.plane_motion) d = detail::minus(d, environment_.plane_motion(time_));
+  Foot<double> foot;
+  foot.part = FootPart::edge;
+  foot.normal = {settings_.plane_normal[0], settings_.plane_normal[1]};
+  foot.gap = detail::dot(d, foot.normal);
+  return foot;
+}
+
+bool ContactInterface::face(const Point2<double>& x, const Point2<double>& normal, int facet,
+                            const std::vector<double>& coordinates, ContactPoint& point) const {
+  if (against_plane()) {
+    point.node_count = 2;
+    point.foot = plane_foot(x);
+    return retraction(point.foot, normal, infinity) < infinity;
+  }
+  double nearest = infinity;
+  const Candidates& list = search_.candidates;
+  for (int c = list.offset[at(facet)]; c < list.offset[at(facet + 1)]; ++c) {
+    const int* p = &active_.primary[at(4 * list.facet[at(c)])];
+    PrimaryEdge<double> edge{point_at(coordinates, p[0]), point_at(coordinates, p[1])};
+    edge.has_previous = p[2] >= 0;
+    edge.has_next = p[3] >= 0;
+    if (edge.has_previous) edge.previous = point_at(coordinates, p[2]);
+    if (edge.has_next) edge.next = point_at(coordinates, p[3]);
+    const Foot<double> foot = closest_point(x, edge);
+    const double distance = retraction(foot, normal, search_.radius);
+    if (!(distance < nearest ||
+          (distance == nearest && distance < infinity && precedes(active_.X, p, &point.node[2]))))
+      continue;
+    nearest = distance;
+    point.foot = foot;
+    point.edge = edge;
+    point.node[2] = p[0];
+    point.node[3] = p[1];
+  }
+  return nearest < infinity;
+}
+
+std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
+                                                   ContactStatus* status) const {
+  std::vector<ContactPoint> list;
+  const double eps = penalty_->trial[0];
+  ContactStatus seen;
+  seen.finite = all_finite(x);
+  seen.search_holds = against_plane() || largest_move(x, active_.built_at) <= search_.skin / 2;
+  for (int f = 0; f < secondary_.surface.count(); ++f) {
+    ContactPoint point;
+    point.facet = f;
+    point.node = {active_.secondary[at(2 * f)], active_.secondary[at(2 * f + 1)], -1, -1};
+    const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
+    const Point2<double> normal = detail::right_normal(x0, x1);
+    const double stretch = std::hypot(x1[0] - x0[0], x1[1] - x0[1]) / secondary_.surface.length[at(f)];
+    for (int q = 0; q < points_.per_facet; ++q) {
+      point.index = f * points_.per_facet + q;
+      point.shape = {points_.shape[at(2 * point.index)], points_.shape[at(2 * point.index + 1)]};
+      const Point2<double> x_s = {point.shape[0] * x0[0] + point.shape[1] * x1[0],
+                                  point.shape[0] * x0[1] + point.shape[1] * x1[1]};
+      if (!face(x_s, normal, f, x, point)) continue;
+      point.weight = points_.weight[at(point.index)];
+      point.stretch = stretch;
+      if (environment_.frame == Frame::axisymmetric)
+        point.stretch *= x_s[0] / (point.shape[0] * active_.X[at(2 * point.node[0])] +
+                                   point.shape[1] * active_.X[at(2 * point.node[1])]);
+      point.lambda = multiplier_->trial[at(point.index)];
+      point.pressure = contact_pressure(point.lambda, eps, point.foot.gap);
+      if (point.pressure > 0) ++seen.active;
+      seen.penetration = std::max(seen.penetration, -point.foot.gap);
+      list.push_back(point);
+    }
+  }
+  if (status != nullptr) *status = seen;
+  return list;
+}
+
+ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
+  const std::vector<double> x = current(u);
+  ContactStatus status;
+  std::vector<double> f(x.size(), 0.0);
+  for (const ContactPoint& point : points(x, &status)) {
+    if (!(point.pressure > 0)) continue;
+    const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
+    for (int a = 0; a < point.node_count; ++a)
+      for (int k = 0; k < 2; ++k)
+        f[at(2 * point.node[at(a)] + k)] -= scale * point.weight * point.pressure * dg[at(2 * a + k)];
+  }
+  active_.exchange.add(f, r);
+  return status;
+}
+
+ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
+  const std::vector<double> x = current(u);
+  ContactStatus status;
+  const double eps = penalty_->trial[0];
+  for (const ContactPoint& point : points(x, &status)) {
+    if (!(point.pressure > 0)) continue;
+    const std::array<double, 64> block = tangent_block(point, scale, eps);
+    std::array<PetscInt, 8> dof{};
+    for (int a = 0; a < point.node_count; ++a)
+      for (int k = 0; k < 2; ++k) {
+        const std::size_t i = at(2 * point.node[at(a)] + k);
+        // PETSc leaves out rows and columns with a negative index.
+        dof[at(2 * a + k)] = active_.fixed[i] ? -1 : 2 * active_.nodes[at(point.node[at(a)])] + k;
+      }
+    const int n = 2 * point.node_count;
+    std::array<double, 64> packed{};
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) packed[at(n * i + j)] = block[at(8 * i + j)];
+    check(MatSetValues(K, n, dof.data(), n, dof.data(), packed.data(), ADD_VALUES));
+  }
+  return status;
+}
+
+void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {
+  const std::vector<double> x = current(u);
+  std::vector<double> d = active_.exchange.gather(du), f(x.size(), 0.0);
+  for (std::size_t i = 0; i < d.size(); ++i)
+    if (active_.fixed[i]) d[i] = 0;
+  const double eps = penalty_->trial[0];
+  for (const ContactPoint& point : points(x, nullptr)) {
+    if (!(point.pressure > 0)) continue;
+    const std::array<double, 64> block = tangent_block(point, scale, eps);
+    for (int i = 0; i < 2 * point.node_count; ++i)
+      for (int j = 0; j < 2 * point.node_count; ++j)
+        f[at(2 * point.node[at(i / 2)] + i % 2)] +=
+            block[at(8 * i + j)] * d[at(2 * point.node[at(j / 2)] + j % 2)];
+  }
+  for (std::size_t i = 0; i < f.size(); ++i)
+    if (active_.fixed[i]) f[i] = 0;
+  active_.exchange.add(f, y);
+}
+
+} // namespace impact

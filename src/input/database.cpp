@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <impact/input/database.hpp>
+#include <impact/input/spelling.hpp>
+#include <impact/petsc/error.hpp>
+#include <memory>
+#include <sstream>
+
+namespace impact {
+
+namespace {
+
+std::string all_options() {
+  char* raw = nullptr;
+  check(PetscOptionsGetAll(nullptr, &raw));
+  std::string text = raw ? raw : "";
+  check(PetscFree(raw));
+  return text;
+}
+
+/// Read by PETSc in PetscInitialize or only in PetscFinalize, so that "unused" says nothing.
+bool read_at_the_ends(const std::string& name) {
+  for (const char* exact :
+       {"help", "version", "info", "citations", "saws_options", "options_file", "skip_petscrc"})
+    if (name == exact) return true;
+  for (const char* prefix : {"log_", "options_", "malloc", "memory_", "on_error", "mpi_", "petsc_"})
+    if (name.starts_with(prefix)) return true;
+  return false;
+}
+
+} // namespace
+
+void refuse_option(const GivenOption& option, const std::string& reason) {
+  throw UserError(ExitCode::usage, option.key + " \"" + option.text + "\": " + reason);
+}
+
+std::vector<std::string> option_names() {
+  std::vector<std::string> names;
+  std::istringstream words(all_options());
+  for (std::string word; words >> word;)
+    if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])))
+      names.push_back(word.substr(1));
+  return names;
+}
+
+std::optional<std::string> option_text(const std::string& name) {
+  PetscBool given = PETSC_FALSE;
+  const std::string key = "-" + name;
+  check(PetscOptionsHasName(nullptr, nullptr, key.c_str(), &given));
+  if (!given) return {};
+  const std::size_t size = all_options().size() + 1; // no value is longer than all options together
+  std::string text(size, '\0');
+  check(PetscOptionsGetString(nullptr, nullptr, key.c_str(), text.data(), size, &given));
+  text.resize(text.find('\0'));
+  const auto blank = [](unsigned char c) { return std::isspace(c) != 0; };
+  text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), blank));
+  text.erase(std::find_if_not(text.rbegin(), text.rend(), blank).base(), text.end());
+  return text;
+}
+
+void replace_option(const std::string& name, const std::string& text) {
+  check(PetscOptionsSetValue(nullptr, ("-" + name).c_str(), text.c_str()));
+}
+
+std::vector<std::string> option_folders() {
+  int count = 0;
+  char** arguments = nullptr;
+  check(PetscGetArgs(&count, &arguments));
+  std::vector<std::string> folders;
+  for (int i = 1; i + 1 < count; ++i) {
+    const std::string name = lower_case(arguments[i]);
+    if (name != "-options_file" && name != "-options_file_yaml") continue;
+    folders.push_back(std::filesystem::path(arguments[i + 1]).parent_path().string());
+  }
+  folders.emplace_back();
+  return folders;
+}
+
+std::string find_input_file(MPI_Comm comm, const GivenOption& option) {
+  std::string found;
+  on_rank_zero(comm, [&] {
+    if (option.text.empty()) refuse_option(option, "missing; allowed: the path of a file");
+    std::vector<std::string> looked;
+    for (const std::string& folder : option_folders()) {
+      const auto path = (std::filesystem::path(folder) / option.text).lexically_normal();
+      std::error_code none;
+      if (std::filesystem::is_regular_file(path, none)) {
+        found = path.string();
+        return;
+      }
+      const std::string text = path.string();
+      if (std::find(looked.begin(), looked.end(), text) == looked.end()) looked.push_back(text);
+    }
+    throw UserError(ExitCode::io,
+                    option.key + " \"" + option.text + "\": no such file; looked for " + join(looked));
+  });
+  return broadcast(comm, found);
+}
+
+std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std::string& path) {
+  std::string text;
+  on_rank_zero(comm, [&] {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream content;
+    content << file.rdbuf();
+    if (!file) throw UserError(ExitCode::io, option.key + " \"" + path + "\": cannot be read");
+    text = content.str();
+  });
+  return broadcast(comm, text);
+}
+
+std::vector<std::string> unconsumed_options() {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  std::vector<std::string> left;
+  for (PetscInt i = 0; i < count; ++i)
+    if (!read_at_the_ends(lower_case(names[i])))
+      left.push_back(std::string("-") + names[i] + (values[i] ? std::string(" ") + values[i] : ""));
+  check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  return left;
+}
+
+} // namespace impact

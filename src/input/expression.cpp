@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/input/expression.hpp>
+#include <impact/input/units.hpp>
+#include <impact/petsc/error.hpp>
+#include <muParser.h>
+#include <sstream>
+#include <stdexcept>
+
+namespace impact {
+
+namespace {
+
+double ramp(double t, double t0, double t1) {
+  if (t1 <= t0) return t < t0 ? 0. : 1.;
+  return std::clamp((t - t0) / (t1 - t0), 0., 1.);
+}
+double step(double t, double t0) { return t < t0 ? 0. : 1.; }
+double pulse(double t, double t0, double t1) { return t >= t0 && t < t1 ? 1. : 0.; }
+double look_up(void* table, double t) { return (*static_cast<const LinearTable*>(table))(t); }
+
+/// The language without the user's names. muParser's `_pi` and `_e` go, ours have no underscore.
+void define_language(mu::Parser& parser) {
+  parser.ClearConst();
+  parser.DefineConst("pi", 3.14159265358979323846);
+  parser.DefineConst("e", 2.71828182845904523536);
+  parser.DefineFun("ramp", ramp);
+  parser.DefineFun("step", step);
+  parser.DefineFun("pulse", pulse);
+}
+
+/// Position of an assignment `=` (not == <= >= !=); npos when there is none.
+std::size_t assignment(const std::string& text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] != '=') continue;
+    if (at + 1 < text.size() && text[at + 1] == '=') {
+      ++at;
+      continue;
+    }
+    if (at > 0 && (text[at - 1] == '<' || text[at - 1] == '>' || text[at - 1] == '!')) continue;
+    return at;
+  }
+  return std::string::npos;
+}
+
+std::string known_names(const ExpressionContext& context) {
+  std::string names = "x y z t pi";
+  for (const auto& [name, value] : context.parameters) names += " " + name;
+  for (const auto& [name, table] : context.tables) names += " " + name + "()";
+  return names;
+}
+
+std::string quoted(const std::string& key, const std::string& text) { return key + " \"" + text + "\""; }
+
+[[noreturn]] void refuse(const std::string& key, const std::string& text, const std::string& reason) {
+  throw UserError(ExitCode::usage, quoted(key, text) + ": " + reason);
+}
+
+std::string reason_of(const mu::Parser::exception_type& error, const ExpressionContext& context) {
+  const std::string place = " at character " + std::to_string(error.GetPos());
+  if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
+    return "unknown name '" + error.GetToken() + "'" + place + "; known: " + known_names(context);
+  std::string message = error.GetMsg();
+  while (!message.empty() && (message.back() == '.' || message.back() == '\n')) message.pop_back();
+  return message + (message.find("position") == std::string::npos && error.GetPos() >= 0 ? place : "") +
+         "; allowed: an expression of " + known_names(context);
+}
+
+} // namespace
+
+double LinearTable::operator()(double at) const {
+  const auto above = std::upper_bound(t.begin(), t.end(), at);
+  if (above == t.begin()) return value.front();
+  if (above == t.end()) return value.back();
+  const auto i = static_cast<std::size_t>(above - t.begin());
+  return value[i - 1] + (value[i] - value[i - 1]) * ((at - t[i - 1]) / (t[i] - t[i - 1]));
+}
+
+LinearTable parse_table(const std::string& csv) {
+  LinearTable table;
+  std::istringstream lines(csv);
+  std::string line;
+  bool header_seen = false;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const auto fail = [number](const char* reason) {
+      throw std::invalid_argument("line " + std::to_string(number) + ": " + reason);
+    };
+    line.erase(std::find(line.begin(), line.end(), '#'), line.end());
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\r'; }, ' ');
+    std::istringstream words(line);
+    std::vector<std::string> word;
+    for (std::string next; words >> next;) word.push_back(next);
+    if (word.empty()) continue;
+    const auto t = parse_number(word[0]);
+    if (!t && table.t.empty() && !std::exchange(header_seen, true)) continue;
+    const auto value = word.size() == 2 ? parse_number(word[1]) : std::nullopt;
+    if (!t || !value) fail("two numbers expected");
+    if (!table.t.empty() && *t <= table.t.back()) fail("the first column must increase");
+    table.t.push_back(*t);
+    table.value.push_back(*value);
+  }
+  if (table.t.empty()) throw std::invalid_argument("no rows");
+  return table;
+}
+
+bool reserved_in_expressions(const std::string& name) {
+  for (const char* variable : {"x", "y", "z", "t", "and", "or", "not"})
+    if (name == variable) return true;
+  mu::Parser parser;
+  define_language(parser);
+  return parser.GetConst().count(name) != 0 || parser.GetFunDef().count(name) != 0;
+}
+
+struct Expression::Impl {
+  Impl(std::string key_, std::string text_, const ExpressionContext& context_)
+      : key(std::move(key_)), text(std::move(text_)), context(context_) {
+    compile();
+  }
+  Impl(std::string key_, std::function<double(const double*, int, double)> function_)
+      : key(std::move(key_)), text("function"), function(std::move(function_)) {}
+  Impl(const Impl& other)
+      : key(other.key), text(other.text), context(other.context), function(other.function) {
+    if (!function) compile();
+  }
+  Impl& operator=(const Impl&) = delete;
+
+  void compile() {
+    if (const std::size_t at = assignment(text); at != std::string::npos)
+      refuse(key, text,
+             "'=' at character " + std::to_string(at) + " assigns; allowed: an expression, compare with ==");
+    try {
+      define_language(parser);
+      const char* names[] = {"x", "y", "z", "t"};
+      for (int i = 0; i < 4; ++i) parser.DefineVar(names[i], &variable[i]);
+      for (const auto& [name, value] : context.parameters) parser.DefineConst(name, value);
+      for (auto& [name, table] : context.tables) parser.DefineFunUserData(name, look_up, &table, false);
+      parser.SetExpr(text);
+      parser.Eval(); // muParser parses at the first evaluation; what it gives at the origin does not matter
+      if (parser.GetNumResults() != 1) refuse(key, text, "one value expected, not a list");
+    } catch (const mu::Parser::exception_type& error) {
+      refuse(key, text, reason_of(error, context));
+    }
+  }
+
+  std::string key, text;
+  ExpressionContext context;
+  std::function<double(const double*, int, double)> function; // in place of the parsed text
+  double variable[4] = {0, 0, 0, 0};
+  mu::Parser parser;
+};
+
+Expression::Expression(std::string key, std::string text, const ExpressionContext* context)
+    : impl_(std::make_unique<Impl>(std::move(key), std::move(text),
+                                   context ? *context : ExpressionContext{})) {}
+Expression::Expression(std::string key, std::function<double(const double*, int, double)> function)
+    : impl_(std::make_unique<Impl>(std::move(key), std::move(function))) {}
+Expression::Expression(const Expression& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
+Expression::Expression(Expression&&) noexcept = default;
+Expression& Expression::operator=(const Expression& other) {
+  if (this != &other) impl_ = std::make_unique<Impl>(*other.impl_);
+  return *this;
+}
+Expression& Expression::operator=(Expression&&) noexcept = default;
+Expression::~Expression() = default;
+
+double Expression::operator()(const double* x, int dim, double t) const {
+  Impl& impl = *impl_;
+  for (int i = 0; i < 3; ++i) impl.variable[i] = i < dim ? x[i] : 0.;
+  impl.variable[3] = t;
+  const double value = impl.function ? impl.function(x, dim, t) : impl.parser.Eval();
+  if (std::isfinite(value)) [[likely]]
+    return value;
+  std::string point;
+  for (int i = 0; i < dim; ++i) point += (i ? "," : "") + number_text(x[i]);
+  throw UserError(ExitCode::data, quoted(impl.key, impl.text) + ": " + number_text(value) + " at x=(" +
+                                      point + "), t=" + number_text(t) +
+                                      "; allowed: finite values everywhere and always");
+}
+
+const std::string& Expression::key() const { return impl_->key; }
+const std::string& Expression::text() const { return impl_->text; }
+
+} // namespace impact

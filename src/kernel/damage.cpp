@@ -1,0 +1,150 @@
+#include "cell_geometry.hpp"
+
+#include <impact/kernel/damage.hpp>
+
+namespace impact {
+
+namespace {
+
+/// C^-1 g, or g where the crack energy uses the material gradient.
+template <int d>
+Vector<Batch, d> flux_direction(const MaterialParameters& m, const Tensor<Batch, d>& inverse_F,
+                                const Vector<Batch, d>& g) {
+  if (m.damage_gradient == DamageGradient::material) return g;
+  const Vector<Batch, d> h = spatial_gradient(inverse_F, g);
+  Vector<Batch, d> w;
+  for (int i = 0; i < d; ++i) {
+    w[i] = inverse_F[tensor_index(d, i, 0)] * h[0];
+    for (int j = 1; j < d; ++j) w[i] += inverse_F[tensor_index(d, i, j)] * h[j];
+  }
+  return w;
+}
+
+/// Local source Y and its derivative with respect to phi.
+struct Source {
+  Batch Y, dY;
+};
+Source source(const MaterialParameters& m, const Batch& phi, const Batch* drive, const Batch& fatigue) {
+  const Degradations<Batch> g = degradations(m, phi);
+  const double crack = m.Gc / m.gamma;
+  return {g.e1.dg * drive[0] + g.e2.dg * drive[1] + g.p.dg * drive[2] + crack * phi - (1 / m.gamma) * fatigue,
+          g.e1.d2g * drive[0] + g.e2.d2g * drive[1] + g.p.d2g * drive[2] + Batch(crack)};
+}
+
+/// d(1/lambda)/dphi = zeta c (1 + delta - phi)^(-zeta-1), written with lambda.
+Batch inverse_viscosity_slope(const MaterialParameters& m, const Batch& lambda, const Batch& phi) {
+  return m.zeta / (lambda * (Batch(1.0 + m.delta) - phi));
+}
+
+template <class Cell, Frame frame, bool tangent>
+[[gnu::flatten]] int damage(const PointLaw& law, const DamageInput& in, Batch* r_out, Batch* K_out) {
+  constexpr int d = Cell::dim, n = Cell::nodes;
+  const MaterialParameters& m = law.parameters;
+  const auto& N = shape_table<Cell>.N;
+  const double theta = in.theta_d, crack = m.Gc * m.gamma;
+  const bool divided = in.form == DamageForm::divided;
+  Batch r[n], K[tangent ? n * n : 1];
+  for (int a = 0; a < n; ++a) r[a] = Batch(0.0);
+  if constexpr (tangent)
+    for (int i = 0; i < n * n; ++i) K[i] = Batch(0.0);
+  int bad = 0;
+
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> X;
+    point_geometry<Cell, frame>(in.X, q, X);
+    const Batch phi = interpolate<Cell>(in.phi, q), phi_n = interpolate<Cell>(in.phi_n, q);
+    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi);
+    const Vector<Batch, d> grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
+    const Batch fatigue = in.fatigue ? in.fatigue[q] : Batch(0.0);
+    const Batch lambda = damage_viscosity(m, phi_n);
+    // Both forms are w * inertia * (phi - phi_n) + w * scale * [Y, h]: the divided one multiplied by
+    // dt/lambda.
+    const Batch inertia = divided ? Batch(1.0) : lambda * (1 / in.dt);
+    const Batch scale = divided ? in.dt / lambda : Batch(1.0);
+
+    const Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(X, in.u);
+    const Batch J = Batch(1.0) + detm1(H);
+    bad |= bits(~(J > Batch(0.0)));
+    const Tensor<Batch, d> inverse_F = inverse(plus_identity(H), J);
+    const Source now = source(m, phi, in.drive + q * drive_size, fatigue);
+    Vector<Batch, d> flux = flux_direction(m, inverse_F, grad);
+    Vector<Batch, d> frozen = flux_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
+    Batch local = theta * now.Y;
+    for (int i = 0; i < d; ++i) {
+      flux[i] = theta * flux[i];
+      frozen[i] = theta * frozen[i];
+    }
+    if (theta < 1) {
+      const Tensor<Batch, d> H_n = gradient_of_vector<Cell, frame>(X, in.u_n);
+      const Tensor<Batch, d> inverse_F_n = inverse(plus_identity(H_n), Batch(1.0) + detm1(H_n));
+      local += (1 - theta) * source(m, phi_n, in.drive_n + q * drive_size, fatigue).Y;
+      const Vector<Batch, d> flux_n = flux_direction(m, inverse_F_n, grad_n);
+      for (int i = 0; i < d; ++i) {
+        flux[i] += (1 - theta) * flux_n[i];
+        frozen[i] += (1 - theta) * flux_n[i];
+      }
+    }
+    local = inertia * (phi - phi_n) + scale * local;
+    if (divided) { // w . Grad(1/lambda_n) term (112)
+      Batch dot = grad_n[0] * frozen[0];
+      for (int i = 1; i < d; ++i) dot += grad_n[i] * frozen[i];
+      local += (in.dt * crack) * (inverse_viscosity_slope(m, lambda, phi_n) * dot);
+    }
+    local *= X.weight;
+    const Batch gradient_scale = crack * (scale * X.weight);
+    for (int a = 0; a < n; ++a) {
+      Batch s = X.dN[a][0] * flux[0];
+      for (int i = 1; i < d; ++i) s += X.dN[a][i] * flux[i];
+      r[a] += N[q][a] * local + gradient_scale * s;
+    }
+    if constexpr (tangent) {
+      const Batch reaction = X.weight * (inertia + theta * (scale * now.dY));
+      for (int b = 0; b < n; ++b) {
+        Vector<Batch, d> g;
+        for (int i = 0; i < d; ++i) g[i] = X.dN[b][i];
+        const Vector<Batch, d> w = flux_direction(m, inverse_F, g);
+        for (int a = 0; a <= b; ++a) {
+          Batch s = X.dN[a][0] * w[0];
+          for (int i = 1; i < d; ++i) s += X.dN[a][i] * w[i];
+          K[a * n + b] += (N[q][a] * N[q][b]) * reaction + theta * (gradient_scale * s);
+        }
+      }
+    }
+  }
+
+  Batch finite = Batch(0.0);
+  for (int a = 0; a < n; ++a) {
+    finite += r[a] - r[a];
+    r_out[a] += r[a];
+  }
+  if constexpr (tangent)
+    for (int a = 0; a < n; ++a)
+      for (int b = 0; b < n; ++b) K_out[a * n + b] += K[a <= b ? a * n + b : b * n + a];
+  return bad | bits(~is_finite(finite));
+}
+
+} // namespace
+
+template <class Cell, Frame frame> int damage_residual(const PointLaw& law, const DamageInput& in, Batch* r) {
+  return damage<Cell, frame, false>(law, in, r, nullptr);
+}
+
+template <class Cell, Frame frame>
+int damage_tangent(const PointLaw& law, const DamageInput& in, Batch* r, Batch* K) {
+  return damage<Cell, frame, true>(law, in, r, K);
+}
+
+template int damage_residual<Tri3, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Tri3, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Quad4, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Quad4, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Tet4, Frame::solid>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Hex8, Frame::solid>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_tangent<Tri3, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Tri3, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Quad4, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Quad4, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Tet4, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Hex8, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+
+} // namespace impact

@@ -1,0 +1,118 @@
+#pragma once
+#include "motion_point.hpp"
+
+#include <impact/kernel/measure.hpp>
+
+/// Integrals over a batch of cells; instantiated in measure_plane.cpp and measure_solid.cpp.
+namespace impact {
+
+template <class Cell, Frame frame>
+void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
+  constexpr int d = Cell::dim;
+  const MaterialParameters& m = law.parameters;
+  CellState<Cell, frame> s;
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  for (int q = 0; q < Cell::points; ++q) {
+    const Batch w = s.geometry[q].weight;
+    const Kinematics<Batch, d> k = kinematics(s.H[q]);
+    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
+    const PointHistory<Batch, d> history = read_history<d>(law, in.history, q);
+    Symmetric<Batch, d> e = left_strain(s.H[q]);
+    if (law.flows()) e = e + push(k.F, history.A - identity<Batch, d>());
+    const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
+    const Batch z = trace_excess(k.J23 * dev(e), start);
+    const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
+    const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
+    const PointEnergies<Batch> energy = law.energies(z, Je, history.alpha);
+    sums.elastic += w * (g.e1.g * energy.plus + g.e2.g * energy.minus);
+    sums.plastic += w * (g.p.g * ((1 - m.taylor_quinney) * energy.plastic));
+    if (m.damage == Damage::at2 && in.phi) {
+      const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(s.geometry[q], in.phi);
+      const bool spatial = m.damage_gradient == DamageGradient::spatial;
+      sums.fracture += w * crack_energy(m, interpolate<Cell>(in.phi, q),
+                                        square(spatial ? spatial_gradient(k.inverse_F, grad) : grad));
+    }
+    sums.mass += m.rho * w;
+    if (in.v)
+      for (int i = 0; i < d; ++i) {
+        const Batch v = interpolate<Cell>(in.v, q, i);
+        sums.kinetic += (0.5 * m.rho) * (w * (v * v));
+        sums.momentum[i] += m.rho * (w * v);
+      }
+  }
+}
+
+template <class Cell, Frame frame>
+void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
+                        Batch& sum) {
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> g;
+    point_geometry<Cell, frame>(X, q, g);
+    const Batch old = interpolate<Cell>(phi_n, q), step = interpolate<Cell>(phi, q) - old;
+    sum += (1 / dt) * (g.weight * (damage_viscosity(law.parameters, old) * (step * step)));
+  }
+}
+
+template <class Cell, Frame frame>
+void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
+  constexpr int d = Cell::dim;
+  CellState<Cell, frame> s;
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();
+  out.alpha = out.phi = Batch(0.0);
+  for (int q = 0; q < Cell::points; ++q) {
+    const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
+    Vector<Batch, d> h;
+    const Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
+    const Batch w = s.geometry[q].weight / s.volume;
+    sigma = sigma + (w / e.k.J) * tau;
+    out.alpha += w * e.flow.alpha;
+    if (in.phi) out.phi += w * interpolate<Cell>(in.phi, q);
+  }
+  for (int i = 0; i < 6; ++i) out.stress[i] = i < symmetric_size(d) ? sigma[i] : Batch(0.0);
+  const Symmetric<Batch, d> deviator = dev(sigma);
+  out.von_mises = sqrt(1.5 * dot(deviator, deviator));
+  out.pressure = (-1.0 / 3) * trace(sigma);
+}
+
+template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const Batch* X, Batch* M) {
+  const auto& N = shape_table<Cell>.N;
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> g;
+    point_geometry<Cell, frame>(X, q, g);
+    const Batch w = law.parameters.rho * g.weight;
+    for (int a = 0; a < Cell::nodes; ++a)
+      for (int b = 0; b < Cell::nodes; ++b) M[a * Cell::nodes + b] += (N[q][a] * N[q][b]) * w;
+  }
+}
+
+/// Simplices: the smallest height, 1/max |Grad N_a|. Quads and hexes: the smallest distance of opposite sides
+/// at the centroid, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a.
+template <class Cell> Batch cell_size(const Batch* X) {
+  constexpr int d = Cell::dim;
+  PointGeometry<Cell, d == 2 ? Frame::plane_strain : Frame::solid> g;
+  Batch steepest = Batch(0.0);
+  constexpr auto& t = shape_table<Cell>;
+  if constexpr (Cell::nodes == d + 1) {
+    point_geometry(X, t.N0, t.dN0, 1, g);
+    for (int a = 0; a < Cell::nodes; ++a) {
+      Batch s = g.dN[a][0] * g.dN[a][0];
+      for (int i = 1; i < d; ++i) s += g.dN[a][i] * g.dN[a][i];
+      steepest = max(s, steepest);
+    }
+    return Batch(1.0) / sqrt(steepest);
+  } else {
+    point_geometry(X, t.N0, t.dN0, 1, g);
+    for (int k = 0; k < d; ++k) {
+      Vector<Batch, d> row;
+      for (int i = 0; i < d; ++i) {
+        row[i] = Batch(0.0);
+        for (int a = 0; a < Cell::nodes; ++a) row[i] += Cell::sign[a][k] * g.dN[a][i];
+      }
+      steepest = max(square(row), steepest);
+    }
+    return Batch(2.0) / sqrt(steepest);
+  }
+}
+
+} // namespace impact

@@ -1,0 +1,10 @@
+#include "motion_cell.hpp"
+
+namespace impact {
+
+template CellStatus motion_residual<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, Batch*);
+template CellStatus motion_tangent<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, Batch*, Batch*);
+template CellStatus motion_advance<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, Batch*, Batch*,
+                                                       StepSums&);
+
+} // namespace impact

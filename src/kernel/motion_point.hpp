@@ -1,0 +1,144 @@
+#pragma once
+#include "cell_geometry.hpp"
+
+#include <impact/kernel/motion.hpp>
+#include <impact/material/point_law.hpp>
+
+/// The law at the points of one batch of cells with the chosen volumetric locking cure.
+namespace impact {
+
+/// What all points of a cell share before the law is evaluated.
+template <class Cell, Frame frame> struct CellState {
+  PointGeometry<Cell, frame> geometry[Cell::points];
+  Tensor<Batch, Cell::dim> H[Cell::points];
+  Batch J_minus_1[Cell::points];
+  Batch volume;                      ///< reference volume
+  Batch volume_J;                    ///< J - 1 that p sees under `mean` and `fbar`
+  Batch mean_p, mean_dp;             ///< uniform p and dp/dJ of `mean`
+  PointGeometry<Cell, frame> centre; ///< set under `fbar`
+  Tensor<Batch, Cell::dim> centre_H;
+};
+
+template <class Cell>
+inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* phi, int q) {
+  return degradations(law.parameters, phi ? interpolate<Cell>(phi, q) : Batch(0.0));
+}
+
+template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
+  if (!theta || law.parameters.alpha_t == 0) return Batch(1.0);
+  return thermal_volume(law.parameters, interpolate<Cell>(theta, q));
+}
+
+/// Geometry, Grad u and the volume ratios; for `mean` also the uniform p = (1/V) int g_v U'(J_mean/J_th)/J_th
+/// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
+template <class Cell, Frame frame>
+inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
+                    CellState<Cell, frame>& s) {
+  s.volume = Batch(0.0);
+  Batch mean = Batch(0.0);
+  for (int q = 0; q < Cell::points; ++q) {
+    point_geometry<Cell, frame>(X, q, s.geometry[q]);
+    s.H[q] = gradient_of_vector<Cell, frame>(s.geometry[q], u);
+    s.J_minus_1[q] = detm1(s.H[q]);
+    s.volume += s.geometry[q].weight;
+    mean += s.geometry[q].weight * s.J_minus_1[q];
+  }
+  if (law.parameters.locking == Locking::mean) {
+    s.volume_J = mean / s.volume;
+    s.mean_p = s.mean_dp = Batch(0.0);
+    for (int q = 0; q < Cell::points; ++q) {
+      const Volumetric<Batch> v = law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
+                                               point_degradations<Cell>(law, phi, q));
+      s.mean_p += s.geometry[q].weight * v.p;
+      s.mean_dp += s.geometry[q].weight * v.dp;
+    }
+    s.mean_p = s.mean_p / s.volume;
+    s.mean_dp = s.mean_dp / s.volume;
+  } else if (law.parameters.locking == Locking::fbar) {
+    centroid_geometry<Cell, frame>(X, s.centre);
+    s.centre_H = gradient_of_vector<Cell, frame>(s.centre, u);
+    s.volume_J = detm1(s.centre_H);
+  }
+}
+
+template <int dim>
+inline PointHistory<Batch, dim> read_history(const PointLaw& law, const Batch* history, int q) {
+  if (!law.flows() || !history) return virgin_history<Batch, dim>();
+  const Batch* h = history + q * history_size(dim);
+  PointHistory<Batch, dim> p;
+  for (int i = 0; i < symmetric_size(dim); ++i) p.A[i] = h[i];
+  p.alpha = h[symmetric_size(dim)];
+  return p;
+}
+
+/// The law at one point.
+template <int dim> struct PointEvaluation {
+  Kinematics<Batch, dim> k;
+  Degradations<Batch> g;
+  Return<Batch, dim> flow;
+  Batch zeta;                ///< J/J_0 of F-bar, else 1
+  Batch p, dp;               ///< degraded p and dp/dJ at the volume of the cure
+  Batch Je_minus_1;          ///< of that volume
+  Symmetric<Batch, dim> tau; ///< zeta s + p J 1
+};
+
+template <class Cell, Frame frame>
+inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const MotionInput& in,
+                                                 const CellState<Cell, frame>& s, int q) {
+  const MaterialParameters& m = law.parameters;
+  PointEvaluation<Cell::dim> e;
+  e.k = kinematics(s.H[q]);
+  e.g = point_degradations<Cell>(law, in.phi, q);
+  e.flow = law.isochoric(s.H[q], e.k, read_history<Cell::dim>(law, in.history, q), e.g);
+  const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
+  const Volumetric<Batch> v = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
+  const bool mean = m.locking == Locking::mean;
+  e.p = mean ? s.mean_p : v.p;
+  e.dp = mean ? s.mean_dp : v.dp;
+  e.Je_minus_1 = v.Je_minus_1;
+  e.zeta = m.locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
+  e.tau = (m.G * (e.zeta * e.g.e1.g)) * e.flow.dev_b;
+  for (int i = 0; i < 3; ++i) e.tau[i] += e.p * e.k.J;
+  return e;
+}
+
+/// Factor b_d g of the viscous stress.
+inline Batch viscosity(const MaterialParameters& m, const Degradations<Batch>& g) {
+  return m.visc_degrade ? m.b_d * g.e1.g : Batch(m.b_d);
+}
+
+/// C - C_n at a point.
+template <class Cell, Frame frame>
+inline Symmetric<Batch, Cell::dim> step_of_C(const PointGeometry<Cell, frame>& g,
+                                             const Tensor<Batch, Cell::dim>& H,
+                                             const Tensor<Batch, Cell::dim>& F, const Batch* u_n) {
+  Tensor<Batch, Cell::dim> dH = gradient_of_vector<Cell, frame>(g, u_n);
+  for (int i = 0; i < tensor_size(Cell::dim); ++i) dH[i] = H[i] - dH[i];
+  return right_increment(F, dH);
+}
+
+/// tau_phi + tau_d: the parts of the stress that use the unmodified F.
+template <class Cell, Frame frame>
+inline Symmetric<Batch, Cell::dim>
+extra_stress(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s,
+             const PointEvaluation<Cell::dim>& e, int q, Vector<Batch, Cell::dim>& h) {
+  constexpr int d = Cell::dim;
+  Symmetric<Batch, d> tau = Batch(0.0) * e.tau;
+  if (law.crack_stress() && in.phi) {
+    h = spatial_gradient(e.k.inverse_F, gradient_of_scalar<Cell, frame>(s.geometry[q], in.phi));
+    tau = crack_stress(law.parameters, h);
+  }
+  if (law.viscous() && in.u_n) {
+    const auto dC = step_of_C<Cell, frame>(s.geometry[q], s.H[q], e.k.F, in.u_n);
+    tau = tau + ((2 / in.dt) * viscosity(law.parameters, e.g)) * push(e.k.F, dC);
+  }
+  return tau;
+}
+
+/// Collects the lanes that left the domain of the law.
+template <int dim> inline void note(CellStatus& status, const PointEvaluation<dim>& e) {
+  status.bad |= bits(~(e.k.J > Batch(0.0)) | ~(e.flow.y > Batch(0.0))) | e.flow.failed;
+  status.min_J = min(e.k.J, status.min_J);
+}
+
+} // namespace impact

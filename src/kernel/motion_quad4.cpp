@@ -1,0 +1,16 @@
+#include "motion_cell.hpp"
+
+namespace impact {
+
+template CellStatus motion_residual<Quad4, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*);
+template CellStatus motion_tangent<Quad4, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*,
+                                                               Batch*);
+template CellStatus motion_advance<Quad4, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*,
+                                                               Batch*, StepSums&);
+template CellStatus motion_residual<Quad4, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*);
+template CellStatus motion_tangent<Quad4, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*,
+                                                               Batch*);
+template CellStatus motion_advance<Quad4, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*,
+                                                               Batch*, StepSums&);
+
+} // namespace impact

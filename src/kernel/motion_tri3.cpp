@@ -1,0 +1,16 @@
+#include "motion_cell.hpp"
+
+namespace impact {
+
+template CellStatus motion_residual<Tri3, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*);
+template CellStatus motion_tangent<Tri3, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*,
+                                                              Batch*);
+template CellStatus motion_advance<Tri3, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*,
+                                                              Batch*, StepSums&);
+template CellStatus motion_residual<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*);
+template CellStatus motion_tangent<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*,
+                                                              Batch*);
+template CellStatus motion_advance<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*,
+                                                              Batch*, StepSums&);
+
+} // namespace impact

@@ -1,0 +1,57 @@
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <impact/petsc/error.hpp>
+#include <impact/run/scenario.hpp>
+#include <impact/run/simulation.hpp>
+
+namespace {
+
+// One clear line; with several ranks only an error that may differ between them ends the job by force.
+int report(const char* text, impact::ExitCode code, bool collective) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  if (!collective && size > 1) {
+    std::fprintf(stderr, "impact: rank %d: %s\n", rank, text);
+    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(code));
+  }
+  if (rank == 0) std::fprintf(stderr, "impact: %s\n", text);
+  return static_cast<int>(code);
+}
+
+bool asks_for_reference(int argc, char** argv) {
+  for (int i = 1; i < argc; ++i)
+    if (std::strcmp(argv[i], "-reference") == 0) return true;
+  return false;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) {
+    std::fprintf(stderr,
+                 "impact: this program was compiled for x86-64-v3 (AVX2, FMA), which this processor lacks\n");
+    return static_cast<int>(impact::ExitCode::internal);
+  }
+  if (asks_for_reference(argc, argv)) {
+    std::fputs(impact::option_reference().c_str(), stdout);
+    return 0;
+  }
+  std::signal(SIGPIPE, SIG_IGN); // a closed pipe behind the progress lines must not kill the run
+  PetscErrorCode start = PetscInitialize(&argc, &argv, nullptr, nullptr);
+  if (start != 0) return static_cast<int>(impact::ExitCode::usage);
+  impact::install_quiet_error_handler();
+  int code = 0;
+  try {
+    const impact::Scenario scenario = impact::read_scenario(PETSC_COMM_WORLD);
+    code = static_cast<int>(impact::simulate(PETSC_COMM_WORLD, scenario));
+  } catch (const impact::UserError& error) {
+    code = report(error.what(), error.code(), true);
+  } catch (const std::exception& error) {
+    code = report(error.what(), impact::ExitCode::internal, false);
+  }
+  PetscFinalize();
+  return code;
+}

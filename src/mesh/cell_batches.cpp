@@ -1,0 +1,107 @@
+#include <algorithm>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/mesh/cell_batches.hpp>
+#include <sstream>
+
+namespace impact {
+
+namespace {
+
+constexpr int shape_count = 4;
+
+std::string place_without_material(const Mesh& mesh, const CellTable& table, std::size_t cell) {
+  const int first = table.connectivity[cell * static_cast<std::size_t>(node_count(table.shape))];
+  std::ostringstream text;
+  text << "mesh: cell near (";
+  for (int i = 0; i < mesh.dim(); ++i)
+    text << (i ? ", " : "") << mesh.coordinates()[static_cast<std::size_t>(first * mesh.dim() + i)];
+  text << ") of " << mesh.regions_of(table.point[cell]) << " has no material; give its region one";
+  return text.str();
+}
+
+// One more than the largest material index of any rank.
+int count_materials(const Mesh& mesh, const std::vector<int>& material_of_cell) {
+  int mine = 0, all = 0;
+  for (const int m : material_of_cell) mine = std::max(mine, m + 1);
+  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, mesh.comm());
+  return all;
+}
+
+void pack(const CellTable& table, const std::vector<std::size_t>& cells, CellGroup& group) {
+  const int nodes = node_count(group.shape);
+  group.cell_count = static_cast<int>(cells.size());
+  group.batch_count = (group.cell_count + lanes - 1) / lanes;
+  group.node.reserve(static_cast<std::size_t>(group.batch_count * nodes * lanes));
+  for (int b = 0; b < group.batch_count; ++b) {
+    const auto cell = [&](int lane) {
+      return cells[static_cast<std::size_t>(std::min(b * lanes + lane, group.cell_count - 1))];
+    };
+    for (int a = 0; a < nodes; ++a)
+      for (int l = 0; l < lanes; ++l)
+        group.node.push_back(
+            table.connectivity[cell(l) * static_cast<std::size_t>(nodes) + static_cast<std::size_t>(a)]);
+    for (int l = 0; l < lanes; ++l) group.cell_point.push_back(table.point[cell(l)]);
+  }
+}
+
+} // namespace
+
+int CellGroup::lanes_in_use(int batch) const { return std::min(lanes, cell_count - batch * lanes); }
+
+std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell) {
+  const int materials = count_materials(mesh, material_of_cell);
+  // [material][shape][cell of the table of that shape]
+  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(materials * shape_count));
+  const CellTable* table_of_shape[shape_count] = {};
+  std::string trouble;
+  for (const CellTable& table : mesh.cells()) {
+    table_of_shape[static_cast<int>(table.shape)] = &table;
+    for (std::size_t c = 0; c < table.point.size() && trouble.empty(); ++c) {
+      const int m = material_of_cell[static_cast<std::size_t>(table.point[c] - mesh.cell_start())];
+      if (m < 0)
+        trouble = place_without_material(mesh, table, c);
+      else
+        members[static_cast<std::size_t>(m * shape_count + static_cast<int>(table.shape))].push_back(c);
+    }
+  }
+  throw_first(mesh.comm(), ExitCode::data, trouble);
+
+  std::vector<int> used(members.size()), used_anywhere(members.size());
+  std::transform(members.begin(), members.end(), used.begin(),
+                 [](const auto& m) { return m.empty() ? 0 : 1; });
+  MPI_Allreduce(used.data(), used_anywhere.data(), static_cast<int>(used.size()), MPI_INT, MPI_MAX,
+                mesh.comm());
+  std::vector<CellGroup> groups;
+  for (std::size_t k = 0; k < members.size(); ++k) {
+    if (used_anywhere[k] == 0) continue;
+    CellGroup& group = groups.emplace_back();
+    group.shape = static_cast<Shape>(k % shape_count);
+    group.material = static_cast<int>(k) / shape_count;
+    if (!members[k].empty()) pack(*table_of_shape[k % shape_count], members[k], group);
+  }
+  return groups;
+}
+
+void gather(const CellGroup& group, int batch, int components, const double* local, Batch* out) {
+  const int nodes = node_count(group.shape);
+  const int* node = group.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
+  for (int a = 0; a < nodes; ++a)
+    for (int k = 0; k < components; ++k) {
+      double values[lanes];
+      for (int l = 0; l < lanes; ++l) values[l] = local[node[a * lanes + l] * components + k];
+      out[a * components + k] = load(values);
+    }
+}
+
+void scatter_add(const CellGroup& group, int batch, int components, const Batch* values, double* local) {
+  const int nodes = node_count(group.shape), used = group.lanes_in_use(batch);
+  const int* node = group.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
+  for (int a = 0; a < nodes; ++a)
+    for (int k = 0; k < components; ++k) {
+      double lane[lanes];
+      store(lane, values[a * components + k]);
+      for (int l = 0; l < used; ++l) local[node[a * lanes + l] * components + k] += lane[l];
+    }
+}
+
+} // namespace impact

@@ -1,0 +1,131 @@
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <impact/mesh/gmsh.hpp>
+#include <spawn.h>
+#include <sstream>
+#include <string_view>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace impact {
+
+namespace {
+
+bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+bool has_word(const std::string& text, const std::string& word) {
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1))
+    if ((at == 0 || !is_word(text[at - 1])) &&
+        (at + word.size() == text.size() || !is_word(text[at + word.size()])))
+      return true;
+  return false;
+}
+
+// gmsh ignores names that it does not know; a misspelt one would silently give another mesh.
+void check_parameters(const std::string& geo, const std::map<std::string, std::string>& parameters) {
+  std::ifstream in(geo);
+  if (!in) throw UserError(ExitCode::io, geo + ": cannot be opened; is the path right?");
+  std::ostringstream text;
+  text << in.rdbuf();
+  const bool whole = !has_word(text.str(), "Include") && !has_word(text.str(), "Merge");
+  for (const auto& [name, value] : parameters)
+    if (name.empty() || (whole && !has_word(text.str(), name)))
+      throw UserError(ExitCode::usage, geo + ": has no parameter \"" + name + "\" (-mesh_set_" + name + ")");
+}
+
+std::vector<std::string> command(const std::string& geo, const std::map<std::string, std::string>& parameters,
+                                 const std::string& out) {
+  std::vector<std::string> words{"gmsh", "-3", "-format",  "msh41", "-order", "1",
+                                 "-nt",  "1",  "-nopopup", "-v",    "2"};
+  for (const auto& [name, value] : parameters) {
+    double number = 0;
+    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+    const bool numeric = error == std::errc() && end == value.data() + value.size();
+    words.insert(words.end(), {numeric ? "-setnumber" : "-setstring", name, value});
+  }
+  words.insert(words.end(), {"-o", out, geo});
+  return words;
+}
+
+// The launcher's variables would make a gmsh that is linked with MPI join our job.
+std::vector<char*> environment() {
+  static constexpr std::string_view heads[] = {"OMPI_", "PMIX_", "PMI_"};
+  std::vector<char*> kept;
+  for (char** entry = environ; *entry; ++entry)
+    if (std::none_of(std::begin(heads), std::end(heads),
+                     [&](std::string_view head) { return std::string_view(*entry).starts_with(head); }))
+      kept.push_back(*entry);
+  kept.push_back(nullptr);
+  return kept;
+}
+
+struct Ended {
+  int status = 0;
+  std::string said;
+};
+
+Ended run(std::vector<std::string> words) {
+  int channel[2];
+  if (pipe2(channel, O_CLOEXEC) != 0) throw UserError(ExitCode::io, "gmsh: no pipe to it");
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, channel[1], 1);
+  posix_spawn_file_actions_adddup2(&actions, channel[1], 2);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  std::vector<char*> variables = environment();
+  pid_t child = 0;
+  const int failed = posix_spawnp(&child, "gmsh", &actions, nullptr, arguments.data(), variables.data());
+  posix_spawn_file_actions_destroy(&actions);
+  close(channel[1]);
+  if (failed != 0) {
+    close(channel[0]);
+    throw UserError(ExitCode::io, std::string("gmsh: cannot be started (") + std::strerror(failed) +
+                                      "); install gmsh or give a .msh file");
+  }
+  Ended end;
+  char piece[4096];
+  for (ssize_t n = 0; (n = read(channel[0], piece, sizeof piece)) > 0 || (n < 0 && errno == EINTR);)
+    if (n > 0) end.said.append(piece, static_cast<std::size_t>(n));
+  close(channel[0]);
+  while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
+  }
+  return end;
+}
+
+std::string first_error(const std::string& said) {
+  std::istringstream lines(said);
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("Error") != std::string::npos) return line;
+  return "";
+}
+
+} // namespace
+
+std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
+                     const std::string& work_dir) {
+  namespace fs = std::filesystem;
+  check_parameters(geo, parameters);
+  std::error_code ignored;
+  fs::create_directories(work_dir, ignored);
+  const std::string out = (fs::path(work_dir) / fs::path(geo).stem()).string() + ".msh";
+  fs::remove(out, ignored); // a stale file must not pass for the new mesh
+  // -3 also serves plane geometries, whose surfaces it meshes on the way.
+  const Ended end = run(command(geo, parameters, out));
+  const std::string error = first_error(end.said);
+  if (!error.empty()) throw UserError(ExitCode::io, geo + ": gmsh says: " + error);
+  if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || !fs::exists(out))
+    throw UserError(ExitCode::io, geo + ": gmsh wrote no mesh to " + out + "; is the folder writable?");
+  return out;
+}
+
+} // namespace impact

@@ -1,0 +1,393 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/mesh/mesh.hpp>
+#include <limits>
+#include <sstream>
+
+namespace impact {
+
+namespace {
+
+// Node order of usual finite elements from DMPlex's closure order, which turns tetrahedra and hexahedra
+// inside out.
+constexpr int tet_order[4] = {1, 0, 2, 3};
+constexpr int hex_order[8] = {0, 3, 2, 1, 4, 5, 6, 7};
+
+int plex_position(Shape shape, int a) {
+  return shape == Shape::tet4 ? tet_order[a] : shape == Shape::hex8 ? hex_order[a] : a;
+}
+
+// Facets of the reference cells with outward normal; the fourth column of a tetrahedron repeats the third.
+constexpr int tri_facets[3][2] = {{0, 1}, {1, 2}, {2, 0}};
+constexpr int quad_facets[4][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
+constexpr int tet_facets[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+constexpr int hex_facets[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                  {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+
+struct FacetList {
+  const int* node;
+  int count, nodes;
+};
+
+FacetList facets_of(Shape shape) {
+  switch (shape) {
+  case Shape::tri3:
+    return {&tri_facets[0][0], 3, 2};
+  case Shape::quad4:
+    return {&quad_facets[0][0], 4, 2};
+  case Shape::tet4:
+    return {&tet_facets[0][0], 4, 3};
+  default:
+    return {&hex_facets[0][0], 6, 4};
+  }
+}
+
+bool shape_of(DMPolytopeType type, Shape& shape) {
+  switch (type) {
+  case DM_POLYTOPE_TRIANGLE:
+    shape = Shape::tri3;
+    return true;
+  case DM_POLYTOPE_QUADRILATERAL:
+    shape = Shape::quad4;
+    return true;
+  case DM_POLYTOPE_TETRAHEDRON:
+    shape = Shape::tet4;
+    return true;
+  case DM_POLYTOPE_HEXAHEDRON:
+    shape = Shape::hex8;
+    return true;
+  default:
+    return false;
+  }
+}
+
+// Vertices of the closure of a point, as local nodes, in DMPlex order.
+void closure_nodes(DM dm, PetscInt point, PetscInt vertex_start, PetscInt vertex_end,
+                   std::vector<int>& nodes) {
+  PetscInt size = 0, *closure = nullptr;
+  check(DMPlexGetTransitiveClosure(dm, point, PETSC_TRUE, &size, &closure));
+  nodes.clear();
+  for (PetscInt k = 0; k < size; ++k)
+    if (closure[2 * k] >= vertex_start && closure[2 * k] < vertex_end)
+      nodes.push_back(static_cast<int>(closure[2 * k] - vertex_start));
+  check(DMPlexRestoreTransitiveClosure(dm, point, PETSC_TRUE, &size, &closure));
+}
+
+// A relative det J of this size or less is round-off: the cell is flat.
+constexpr double degenerate = 1e-10;
+
+// Smallest det J over the points of the rule, in units of (longest extent of the cell)^dim.
+template <class Cell> double smallest_relative_det(const double* coordinates, const int* node) {
+  constexpr auto& table = shape_table<Cell>;
+  constexpr int dim = Cell::dim;
+  double extent = 0, smallest = std::numeric_limits<double>::infinity();
+  for (int a = 1; a < Cell::nodes; ++a)
+    for (int i = 0; i < dim; ++i)
+      extent = std::max(extent, std::abs(coordinates[node[a] * dim + i] - coordinates[node[0] * dim + i]));
+  for (int q = 0; q < Cell::points; ++q) {
+    double J[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, dim == 2 ? 1.0 : 0.0}};
+    for (int a = 0; a < Cell::nodes; ++a)
+      for (int i = 0; i < dim; ++i)
+        for (int k = 0; k < dim; ++k) J[i][k] += coordinates[node[a] * dim + i] * table.dN[q][a][k] / extent;
+    const double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
+                       J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+                       J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    smallest = std::isfinite(det) ? std::min(smallest, det) : -1;
+  }
+  return smallest;
+}
+
+} // namespace
+
+Mesh::Mesh(Handle<DM> dm, std::vector<Group> groups) : dm_(std::move(dm)), groups_(std::move(groups)) {
+  PetscInt dim = 0, end = 0;
+  check(DMGetDimension(dm_, &dim));
+  dim_ = static_cast<int>(dim);
+  if (dim_ != 2 && dim_ != 3)
+    throw UserError(ExitCode::data, "mesh: dimension " + std::to_string(dim_) + "; allowed 2 and 3");
+  check(DMPlexGetDepthStratum(dm_, 0, &vertex_start_, &end));
+  node_count_ = static_cast<int>(end - vertex_start_);
+  for (const Group& g : groups_) label(g.name);
+  read_coordinates();
+  number_nodes();
+  read_cells();
+  check_cells();
+  measure_edges();
+}
+
+MPI_Comm Mesh::comm() const { return PetscObjectComm(reinterpret_cast<PetscObject>(dm_.get())); }
+
+bool Mesh::has_shape(Shape shape) const { return (shapes_ >> static_cast<unsigned>(shape) & 1U) != 0; }
+
+void Mesh::read_coordinates() {
+  Vec values = nullptr;
+  PetscSection section = nullptr;
+  const PetscScalar* x = nullptr;
+  PetscInt coordinate_dim = 0;
+  check(DMGetCoordinateDim(dm_, &coordinate_dim));
+  throw_first(comm(), ExitCode::data,
+              coordinate_dim == dim_ ? "" : "mesh: coordinates have another dimension than the cells");
+  check(DMGetCoordinatesLocalSetUp(dm_));
+  check(DMGetCoordinatesLocal(dm_, &values));
+  check(DMGetCoordinateSection(dm_, &section));
+  coordinates_.resize(static_cast<std::size_t>(node_count_ * dim_));
+  if (node_count_ == 0) return;
+  check(VecGetArrayRead(values, &x));
+  for (int n = 0; n < node_count_; ++n) {
+    PetscInt offset = 0;
+    check(PetscSectionGetOffset(section, vertex_point(n), &offset));
+    for (int i = 0; i < dim_; ++i) coordinates_[static_cast<std::size_t>(n * dim_ + i)] = x[offset + i];
+  }
+  check(VecRestoreArrayRead(values, &x));
+}
+
+// Vertices that are leaves of the point SF are ghosts; owned ones are numbered rank by rank in the order of
+// points, which is the order in which PETSc lays global vectors.
+void Mesh::number_nodes() {
+  PetscSF sf = nullptr;
+  PetscInt roots = 0, leaves = 0, chart_end = 0;
+  const PetscInt* leaf = nullptr;
+  check(DMGetPointSF(dm_, &sf));
+  check(PetscSFGetGraph(sf, &roots, &leaves, &leaf, nullptr));
+  check(DMPlexGetChart(dm_, nullptr, &chart_end));
+  owned_.assign(static_cast<std::size_t>(node_count_), 1);
+  for (PetscInt k = 0; k < leaves; ++k) {
+    const PetscInt node = (leaf ? leaf[k] : k) - vertex_start_;
+    if (node >= 0 && node < node_count_) owned_[static_cast<std::size_t>(node)] = 0;
+  }
+  owned_node_count_ = static_cast<int>(std::count(owned_.begin(), owned_.end(), char{1}));
+
+  PetscInt mine = owned_node_count_, before = 0;
+  MPI_Exscan(&mine, &before, 1, MPIU_INT, MPI_SUM, comm());
+  MPI_Allreduce(&mine, &global_node_count_, 1, MPIU_INT, MPI_SUM, comm());
+  int rank = 0;
+  MPI_Comm_rank(comm(), &rank);
+  PetscInt next = rank == 0 ? 0 : before;
+  std::vector<PetscInt> number(static_cast<std::size_t>(chart_end), -1);
+  for (int n = 0; n < node_count_; ++n)
+    if (owned(n)) number[static_cast<std::size_t>(vertex_point(n))] = next++;
+  if (roots >= 0) {
+    const std::vector<PetscInt> root = number;
+    check(PetscSFBcastBegin(sf, MPIU_INT, root.data(), number.data(), MPI_REPLACE));
+    check(PetscSFBcastEnd(sf, MPIU_INT, root.data(), number.data(), MPI_REPLACE));
+  }
+  global_node_.assign(number.begin() + vertex_start_, number.begin() + vertex_start_ + node_count_);
+}
+
+void Mesh::read_cells() {
+  PetscInt end = 0;
+  check(DMPlexGetHeightStratum(dm_, 0, &cell_start_, &end));
+  if (node_count_ == 0) end = cell_start_;
+  table_of_cell_.reserve(static_cast<std::size_t>(end - cell_start_));
+  std::string trouble;
+  std::vector<int> closure;
+  int table_of_shape[4] = {-1, -1, -1, -1};
+  for (PetscInt point = cell_start_; point < end && trouble.empty(); ++point) {
+    DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
+    Shape shape{};
+    check(DMPlexGetCellType(dm_, point, &type));
+    if (!shape_of(type, shape) || dimension(shape) != dim_) {
+      trouble = std::string("mesh: a cell of type ") + DMPolytopeTypes[type] +
+                "; allowed are triangles and quadrilaterals in 2D, tetrahedra and hexahedra in 3D";
+      break;
+    }
+    int& table = table_of_shape[static_cast<int>(shape)];
+    if (table < 0) {
+      table = static_cast<int>(cells_.size());
+      cells_.push_back({shape, {}, {}});
+    }
+    CellTable& cells = cells_[static_cast<std::size_t>(table)];
+    table_of_cell_.push_back({table, static_cast<int>(cells.point.size())});
+    closure_nodes(dm_, point, vertex_start_, vertex_start_ + node_count_, closure);
+    for (int a = 0; a < impact::node_count(shape); ++a)
+      cells.connectivity.push_back(closure[static_cast<std::size_t>(plex_position(shape, a))]);
+    cells.point.push_back(point);
+  }
+  throw_first(comm(), ExitCode::data, trouble);
+
+  unsigned mine = 0;
+  for (const CellTable& t : cells_) mine |= 1U << static_cast<unsigned>(t.shape);
+  MPI_Allreduce(&mine, &shapes_, 1, MPI_UNSIGNED, MPI_BOR, comm());
+  const PetscInt count = cell_count();
+  MPI_Allreduce(&count, &global_cell_count_, 1, MPIU_INT, MPI_SUM, comm());
+}
+
+void Mesh::check_cells() const {
+  std::string trouble;
+  for (const CellTable& table : cells_) {
+    const std::size_t nodes = static_cast<std::size_t>(impact::node_count(table.shape));
+    for (std::size_t c = 0; c < table.point.size() && trouble.empty(); ++c) {
+      const int* node = &table.connectivity[c * nodes];
+      const double det = visit(table.shape, [&]<class Cell>(Cell) {
+        return smallest_relative_det<Cell>(coordinates_.data(), node);
+      });
+      if (det > degenerate) continue;
+      std::ostringstream text;
+      text << "mesh: " << (det < -degenerate ? "inverted" : "degenerate") << " cell in "
+           << regions_of(table.point[c]) << " near (";
+      for (int i = 0; i < dim_; ++i)
+        text << (i ? ", " : "") << coordinates_[static_cast<std::size_t>(node[0] * dim_ + i)];
+      text << "), smallest relative det J " << det
+           << "; it must be positive at all points; mend the mesh there";
+      trouble = text.str();
+    }
+  }
+  throw_first(comm(), ExitCode::data, trouble);
+}
+
+void Mesh::measure_edges() {
+  PetscInt start = 0, end = 0;
+  check(DMPlexGetDepthStratum(dm_, 1, &start, &end));
+  double shortest = std::numeric_limits<double>::infinity();
+  for (PetscInt edge = start; edge < end; ++edge) {
+    const PetscInt* cone = nullptr;
+    check(DMPlexGetCone(dm_, edge, &cone));
+    double square = 0;
+    for (int i = 0; i < dim_; ++i) {
+      const double d = coordinates_[static_cast<std::size_t>((cone[1] - vertex_start_) * dim_ + i)] -
+                       coordinates_[static_cast<std::size_t>((cone[0] - vertex_start_) * dim_ + i)];
+      square += d * d;
+    }
+    shortest = std::min(shortest, std::sqrt(square));
+  }
+  MPI_Allreduce(&shortest, &smallest_edge_, 1, MPI_DOUBLE, MPI_MIN, comm());
+}
+
+const Group* Mesh::find_group(const std::string& name) const {
+  const auto found =
+      std::find_if(groups_.begin(), groups_.end(), [&](const Group& g) { return g.name == name; });
+  return found == groups_.end() ? nullptr : &*found;
+}
+
+const Group& Mesh::group(const std::string& name) const {
+  if (const Group* found = find_group(name)) return *found;
+  std::string all;
+  for (const Group& g : groups_)
+    all += (all.empty() ? "" : ", ") + g.name + " (" + std::to_string(g.dim) + "D)";
+  throw UserError(ExitCode::data, "mesh: no physical group \"" + name + "\"; the mesh has: " + all);
+}
+
+DMLabel Mesh::label(const std::string& name) const {
+  DMLabel found = nullptr;
+  check(DMGetLabel(dm_, name.c_str(), &found));
+  if (!found) throw UserError(ExitCode::data, "mesh: group \"" + name + "\" has no label");
+  return found;
+}
+
+std::vector<PetscInt> Mesh::labelled_points(const std::string& name) const {
+  IS values = nullptr;
+  const PetscInt* value = nullptr;
+  PetscInt count = 0;
+  std::vector<PetscInt> points;
+  const DMLabel found = label(name);
+  check(DMLabelGetValueIS(found, &values));
+  const Handle<IS> owner(values);
+  check(ISGetLocalSize(values, &count));
+  check(ISGetIndices(values, &value));
+  for (PetscInt v = 0; v < count; ++v) {
+    Handle<IS> stratum;
+    const PetscInt* point = nullptr;
+    PetscInt size = 0;
+    check(DMLabelGetStratumIS(found, value[v], stratum.out()));
+    if (!stratum) continue;
+    check(ISGetLocalSize(stratum, &size));
+    check(ISGetIndices(stratum, &point));
+    points.insert(points.end(), point, point + size);
+    check(ISRestoreIndices(stratum, &point));
+  }
+  check(ISRestoreIndices(values, &value));
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+std::vector<PetscInt> Mesh::region_cells(const std::string& name) const {
+  if (group(name).dim != dim_)
+    throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no region; its dimension must be " +
+                                        std::to_string(dim_));
+  std::vector<PetscInt> points = labelled_points(name);
+  std::erase_if(points, [&](PetscInt p) { return p < cell_start_ || p >= cell_start_ + cell_count(); });
+  return points;
+}
+
+std::string Mesh::regions_of(PetscInt cell_point) const {
+  std::string names;
+  for (const Group& g : groups_) {
+    PetscInt value = -1;
+    if (g.dim != dim_) continue;
+    check(DMLabelGetValue(label(g.name), cell_point, &value));
+    if (value >= 0) names += (names.empty() ? "" : ", ") + g.name;
+  }
+  return names.empty() ? "no region" : names;
+}
+
+FacetTable Mesh::facets(const std::string& name) const {
+  if (group(name).dim != dim_ - 1)
+    throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no boundary; its dimension must be " +
+                                        std::to_string(dim_ - 1));
+  FacetTable table;
+  table.nodes_per_facet = dim_ == 2 ? 2 : has_shape(Shape::hex8) ? 4 : 3;
+  PetscInt start = 0, end = 0, leaves = 0;
+  const PetscInt* leaf = nullptr;
+  PetscSF sf = nullptr;
+  check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
+  check(DMGetPointSF(dm_, &sf));
+  check(PetscSFGetGraph(sf, nullptr, &leaves, &leaf, nullptr));
+  std::vector<int> wanted;
+  for (const PetscInt point : labelled_points(name)) {
+    PetscInt place = -1;
+    if (point < start || point >= end) continue;
+    if (leaves > 0 && leaf) check(PetscFindInt(point, leaves, leaf, &place));
+    if (place >= 0) continue; // a facet between two ranks belongs to the owner of the point
+    const PetscInt* support = nullptr;
+    check(DMPlexGetSupport(dm_, point, &support));
+    closure_nodes(dm_, point, vertex_start_, vertex_start_ + node_count_, wanted);
+    std::sort(wanted.begin(), wanted.end());
+    const CellPlace place_of_cell = table_of_cell_[static_cast<std::size_t>(support[0] - cell_start_)];
+    const CellTable& cells = cells_[static_cast<std::size_t>(place_of_cell.table)];
+    const int* node =
+        &cells.connectivity[static_cast<std::size_t>(place_of_cell.cell * impact::node_count(cells.shape))];
+    const FacetList list = facets_of(cells.shape);
+    for (int f = 0; f < list.count; ++f) {
+      std::vector<int> nodes;
+      for (int a = 0; a < list.nodes; ++a) nodes.push_back(node[list.node[f * list.nodes + a]]);
+      std::vector<int> sorted = nodes;
+      std::sort(sorted.begin(), sorted.end());
+      if (sorted != wanted) continue;
+      nodes.resize(static_cast<std::size_t>(table.nodes_per_facet), nodes.back());
+      table.connectivity.insert(table.connectivity.end(), nodes.begin(), nodes.end());
+      table.point.push_back(point);
+      table.cell_point.push_back(support[0]);
+    }
+  }
+  return table;
+}
+
+std::vector<int> Mesh::nodes(const std::string& name) const {
+  group(name);
+  PetscInt chart_end = 0, roots = 0;
+  PetscSF sf = nullptr;
+  check(DMPlexGetChart(dm_, nullptr, &chart_end));
+  std::vector<int> marked(static_cast<std::size_t>(chart_end), 0), closure;
+  for (const PetscInt point : labelled_points(name)) {
+    closure_nodes(dm_, point, vertex_start_, vertex_start_ + node_count_, closure);
+    for (const int n : closure) marked[static_cast<std::size_t>(vertex_point(n))] = 1;
+  }
+  check(DMGetPointSF(dm_, &sf));
+  check(PetscSFGetGraph(sf, &roots, nullptr, nullptr, nullptr));
+  if (roots >= 0) {
+    const std::vector<int> leaf = marked;
+    check(PetscSFReduceBegin(sf, MPI_INT, leaf.data(), marked.data(), MPI_MAX));
+    check(PetscSFReduceEnd(sf, MPI_INT, leaf.data(), marked.data(), MPI_MAX));
+    const std::vector<int> root = marked;
+    check(PetscSFBcastBegin(sf, MPI_INT, root.data(), marked.data(), MPI_REPLACE));
+    check(PetscSFBcastEnd(sf, MPI_INT, root.data(), marked.data(), MPI_REPLACE));
+  }
+  std::vector<int> result;
+  for (int n = 0; n < node_count_; ++n)
+    if (marked[static_cast<std::size_t>(vertex_point(n))] != 0) result.push_back(n);
+  return result;
+}
+
+} // namespace impact

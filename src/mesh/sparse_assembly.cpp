@@ -1,0 +1,255 @@
+#include <algorithm>
+#include <impact/mesh/sparse_assembly.hpp>
+#include <impact/petsc/error.hpp>
+#include <stdexcept>
+
+namespace impact {
+
+namespace {
+
+std::size_t at(int k) { return static_cast<std::size_t>(k); }
+
+// First value of each node's first row in an AIJ block.
+std::vector<PetscInt> row_bases(Mat block, int rows, int components) {
+  PetscInt count = 0;
+  const PetscInt *start = nullptr, *column = nullptr;
+  PetscBool done = PETSC_FALSE;
+  check(MatGetRowIJ(block, 0, PETSC_FALSE, PETSC_FALSE, &count, &start, &column, &done));
+  std::vector<PetscInt> base(at(rows));
+  for (int r = 0; r < rows; ++r) base[at(r)] = start[r * components];
+  check(MatRestoreRowIJ(block, 0, PETSC_FALSE, PETSC_FALSE, &count, &start, &column, &done));
+  return base;
+}
+
+} // namespace
+
+struct SparseAssembly::Impl {
+  const NodeGraph& graph;
+  const std::vector<CellGroup>& groups;
+  int components;
+  Mat own_block = nullptr,
+      foreign_block = nullptr;                  // borrowed from the matrix; the second is null on one rank
+  std::vector<PetscInt> own_base, foreign_base; // [row]
+  std::vector<int> foreign_columns;             // [row]
+  double *own = nullptr, *foreign = nullptr;    // the value arrays between open and close
+  bool is_open = false;
+  std::vector<std::size_t> ghost_base; // [ghost row] into `ghost`
+  std::vector<double> ghost, received; // message buffers
+  std::vector<MPI_Request> requests;   // persistent: receives, then sends
+
+  Impl(const NodeGraph& g, const std::vector<CellGroup>& c, int k) : graph(g), groups(c), components(k) {}
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    int finalized = 0;
+    MPI_Finalized(&finalized);
+    if (!finalized)
+      for (MPI_Request& request : requests) MPI_Request_free(&request);
+  }
+
+  void lay_messages(MPI_Comm comm, int tag);
+  void add_received();
+  template <int nodes, int c> void add(int group, int batch, const Batch* K);
+  template <int nodes> void add(int group, int batch, const Batch* K) {
+    switch (components) {
+    case 1:
+      return add<nodes, 1>(group, batch, K);
+    case 2:
+      return add<nodes, 2>(group, batch, K);
+    default:
+      return add<nodes, 3>(group, batch, K);
+    }
+  }
+};
+
+void SparseAssembly::Delete::operator()(Impl* impl) const { delete impl; }
+
+SparseAssembly::SparseAssembly(const FieldLayout& layout, const Mesh& mesh,
+                               const std::vector<CellGroup>& groups,
+                               const std::vector<std::pair<PetscInt, PetscInt>>& extra)
+    : own_graph_(std::make_unique<NodeGraph>(mesh, groups, extra)),
+      impl_(new Impl(*own_graph_, groups, layout.components())) {
+  create_matrix(layout);
+}
+
+SparseAssembly::SparseAssembly(const FieldLayout& layout, const NodeGraph& graph,
+                               const std::vector<CellGroup>& groups)
+    : impl_(new Impl(graph, groups, layout.components())) {
+  create_matrix(layout);
+}
+
+void SparseAssembly::create_matrix(const FieldLayout& layout) {
+  Impl& s = *impl_;
+  const NodeGraph& graph = s.graph;
+  const int rows = graph.row_count(), c = s.components;
+  if (c < 1 || c > 3) throw std::logic_error("SparseAssembly: 1 to 3 components per node");
+
+  std::vector<PetscInt> start{0}, column, merged;
+  for (int r = 0; r < rows; ++r) {
+    const auto list = graph.columns(r);
+    merged.resize(list.size());
+    std::merge(list.begin(), list.begin() + graph.own_columns(r), list.begin() + graph.own_columns(r),
+               list.end(), merged.begin());
+    for (int k = 0; k < c; ++k) {
+      for (const PetscInt node : merged)
+        for (int j = 0; j < c; ++j) column.push_back(node * c + j);
+      start.push_back(static_cast<PetscInt>(column.size()));
+    }
+  }
+  ISLocalToGlobalMapping mapping = nullptr;
+  check(MatCreate(graph.comm(), matrix_.out()));
+  check(MatSetSizes(matrix_, rows * c, rows * c, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetBlockSize(matrix_, c));
+  check(MatSetType(matrix_, MATAIJ));
+  check(MatSeqAIJSetPreallocationCSR(matrix_, start.data(), column.data(), nullptr));
+  check(MatMPIAIJSetPreallocationCSR(matrix_, start.data(), column.data(), nullptr));
+  check(DMGetLocalToGlobalMapping(layout.dm(), &mapping));
+  check(MatSetLocalToGlobalMapping(matrix_, mapping, mapping));
+  // The positions hold for this pattern only.
+  check(MatSetOption(matrix_, MAT_NEW_NONZERO_LOCATION_ERR, PETSC_TRUE));
+  check(MatSetOption(matrix_, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
+
+  PetscBool parallel = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix_.get()), MATMPIAIJ, &parallel));
+  s.own_block = matrix_;
+  if (parallel) check(MatMPIAIJGetSeqAIJ(matrix_, &s.own_block, &s.foreign_block, nullptr));
+  s.own_base = row_bases(s.own_block, rows, c);
+  if (parallel) s.foreign_base = row_bases(s.foreign_block, rows, c);
+  for (int r = 0; r < rows; ++r)
+    s.foreign_columns.push_back(static_cast<int>(graph.columns(r).size()) - graph.own_columns(r));
+  PetscMPIInt tag = 0;
+  check(PetscObjectGetNewTag(reinterpret_cast<PetscObject>(matrix_.get()), &tag));
+  s.lay_messages(PetscObjectComm(reinterpret_cast<PetscObject>(matrix_.get())), tag);
+}
+
+// Rows of one neighbour stand side by side in the buffer, so that it is the message.
+void SparseAssembly::Impl::lay_messages(MPI_Comm comm, int tag) {
+  const std::size_t block = at(components * components);
+  ghost_base.push_back(0);
+  for (int g = 0; g < graph.ghost_row_count(); ++g)
+    ghost_base.push_back(ghost_base.back() + block * graph.ghost_columns(g).size());
+  ghost.resize(ghost_base.back());
+  std::vector<std::size_t> received_base{0};
+  for (int k = 0; k < static_cast<int>(graph.received_rows().size()); ++k)
+    received_base.push_back(received_base.back() + block * graph.received_slots(k).size());
+  received.resize(received_base.back());
+  for (const auto& from : graph.receive()) {
+    const std::size_t first = received_base[at(from.first_row)];
+    MPI_Recv_init(received.data() + first, static_cast<int>(received_base[at(from.end_row)] - first),
+                  MPI_DOUBLE, from.rank, tag, comm, &requests.emplace_back());
+  }
+  for (const auto& to : graph.send()) {
+    const std::size_t first = ghost_base[at(to.first_row)];
+    MPI_Send_init(ghost.data() + first, static_cast<int>(ghost_base[at(to.end_row)] - first), MPI_DOUBLE,
+                  to.rank, tag, comm, &requests.emplace_back());
+  }
+}
+
+void SparseAssembly::open() {
+  Impl& s = *impl_;
+  if (s.is_open) return;
+  s.is_open = true;
+  check(MatSeqAIJGetArray(s.own_block, &s.own));
+  if (s.foreign_block) check(MatSeqAIJGetArray(s.foreign_block, &s.foreign));
+}
+
+// PETSc's assembly marks the matrix as changed, so that solvers see it; nothing of ours is left to be sent.
+void SparseAssembly::close() {
+  Impl& s = *impl_;
+  if (!s.is_open) return;
+  s.is_open = false;
+  check(MatSeqAIJRestoreArray(s.own_block, &s.own));
+  if (s.foreign_block) check(MatSeqAIJRestoreArray(s.foreign_block, &s.foreign));
+  s.own = s.foreign = nullptr;
+  check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
+  check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
+  check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_FALSE));
+}
+
+void SparseAssembly::zero() {
+  close();
+  check(MatZeroEntries(matrix_));
+  std::fill(impl_->ghost.begin(), impl_->ghost.end(), 0.0);
+}
+
+template <int nodes, int c> void SparseAssembly::Impl::add(int group, int batch, const Batch* K) {
+  const CellGroup& cells = groups[at(group)];
+  const int used = cells.lanes_in_use(batch);
+  const int* node = cells.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
+  const std::uint16_t* slot =
+      graph.slots(group).data() + static_cast<std::ptrdiff_t>(batch) * lanes * nodes * nodes;
+  const double* values = reinterpret_cast<const double*>(K);
+  const int* row_of_node = graph.row_of_node().data();
+  for (int l = 0; l < used; ++l, slot += nodes * nodes)
+    for (int a = 0; a < nodes; ++a) {
+      const int row = row_of_node[node[a * lanes + l]];
+      const double* from = values + static_cast<std::ptrdiff_t>(a) * c * nodes * c * lanes + l;
+      // Slots below `own_slots` stand at `base`, the others at `rest`; a ghost row has one list only.
+      int own_slots = 0, rest_slots = 0;
+      double *base = nullptr, *rest = nullptr;
+      if (row >= 0) {
+        own_slots = graph.own_columns(row);
+        rest_slots = foreign_columns[at(row)];
+        base = own + own_base[at(row)];
+        if (foreign) rest = foreign + foreign_base[at(row)];
+      } else {
+        own_slots = static_cast<int>(graph.ghost_columns(-1 - row).size());
+        base = ghost.data() + ghost_base[at(-1 - row)];
+      }
+      for (int b = 0; b < nodes; ++b) {
+        const int k = slot[a * nodes + b];
+        const bool first = k < own_slots;
+        const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(first ? own_slots : rest_slots) * c;
+        double* to = first ? base + k * c : rest + (k - own_slots) * c;
+        for (int i = 0; i < c; ++i)
+          for (int j = 0; j < c; ++j) to[i * stride + j] += from[((i * nodes + b) * c + j) * lanes];
+      }
+    }
+}
+
+void SparseAssembly::add(int group, int batch, const Batch* K) {
+  open();
+  visit(impl_->groups[at(group)].shape, [&]<class Cell>(Cell) { impl_->add<Cell::nodes>(group, batch, K); });
+}
+
+void SparseAssembly::Impl::add_received() {
+  const int c = components;
+  const double* from = received.data();
+  for (int k = 0; k < static_cast<int>(graph.received_rows().size()); ++k) {
+    const int row = graph.received_rows()[at(k)], own_slots = graph.own_columns(row);
+    const auto slots = graph.received_slots(k);
+    for (int i = 0; i < c; ++i)
+      for (const std::uint16_t slot : slots) {
+        double* to = slot < own_slots ? own + own_base[at(row)] + (i * own_slots + slot) * c
+                                      : foreign + foreign_base[at(row)] +
+                                            (i * foreign_columns[at(row)] + slot - own_slots) * c;
+        for (int j = 0; j < c; ++j) to[j] += *from++;
+      }
+  }
+}
+
+void SparseAssembly::finish() {
+  Impl& s = *impl_;
+  open();
+  if (!s.requests.empty()) {
+    MPI_Startall(static_cast<int>(s.requests.size()), s.requests.data());
+    MPI_Waitall(static_cast<int>(s.requests.size()), s.requests.data(), MPI_STATUSES_IGNORE);
+    s.add_received();
+    std::fill(s.ghost.begin(), s.ghost.end(), 0.0);
+  }
+  close();
+}
+
+void SparseAssembly::set_diagonal(const std::vector<int>& dofs, double value) {
+  Impl& s = *impl_;
+  open();
+  for (const int dof : dofs) {
+    const int row = s.graph.row_of_node()[at(dof / s.components)], k = dof % s.components;
+    const int own_slots = s.graph.own_columns(row), slot = s.graph.slot(row, s.graph.first_node() + row);
+    s.own[s.own_base[at(row)] + (k * own_slots + slot) * s.components + k] = value;
+  }
+  close();
+}
+
+} // namespace impact

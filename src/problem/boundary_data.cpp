@@ -1,0 +1,268 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <map>
+
+namespace impact {
+
+namespace {
+
+constexpr const char* axis_name[3] = {"x", "y", "z"};
+
+// Gauss-Legendre on [0,1], 5 points.
+constexpr std::array<double, 5> gauss_x = {0.04691007703066800, 0.23076534494715845, 0.5, 0.76923465505284155,
+                                           0.95308992296933200};
+constexpr std::array<double, 5> gauss_w = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                           0.23931433524968324, 0.11846344252809454};
+
+bool prescribes_motion(BcType type) {
+  return type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
+         type == BcType::velocity || type == BcType::acceleration;
+}
+
+std::string available_groups(const Mesh& mesh) {
+  std::string text;
+  for (int d = mesh.dim(); d >= 0; --d) {
+    std::string names;
+    for (const Group& group : mesh.groups())
+      if (group.dim == d) names += (names.empty() ? "" : ", ") + group.name;
+    if (!names.empty()) text += (text.empty() ? "" : "; ") + names + " (" + std::to_string(d) + "D)";
+  }
+  return text;
+}
+
+const Group& require_group(const Mesh& mesh, const BoundaryCondition& bc, const std::string& name) {
+  const Group* group = mesh.find_group(name);
+  if (group == nullptr)
+    throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + name +
+                                        "\": no such physical group; mesh has: " + available_groups(mesh));
+  return *group;
+}
+
+// Which coordinate is constant over the group; -1 when none is.
+int plane_axis(const Mesh& mesh, const std::vector<int>& nodes) {
+  const int dim = mesh.dim();
+  std::array<double, 3> low, high;
+  low.fill(1e300);
+  high.fill(-1e300);
+  for (int node : nodes)
+    for (int k = 0; k < dim; ++k) {
+      const double x = mesh.coordinates()[static_cast<std::size_t>(node * dim + k)];
+      low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], x);
+      high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], x);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, low.data(), 3, MPI_DOUBLE, MPI_MIN, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, high.data(), 3, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  const double tolerance = 1e-8 * mesh.smallest_edge();
+  for (int k = 0; k < dim; ++k)
+    if (high[static_cast<std::size_t>(k)] - low[static_cast<std::size_t>(k)] <= tolerance) return k;
+  return -1;
+}
+
+double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
+  const int dim = mesh.dim(), n = facets.nodes_per_facet;
+  auto x = [&](int a, int k) {
+    const int node = facets.connectivity[static_cast<std::size_t>(f * n + a)];
+    return mesh.coordinates()[static_cast<std::size_t>(node * dim + k)];
+  };
+  if (dim == 2) return std::hypot(x(1, 0) - x(0, 0), x(1, 1) - x(0, 1));
+  double area = 0;
+  for (int t = 1; t + 1 < n; ++t) {
+    double a[3], b[3];
+    for (int k = 0; k < 3; ++k) {
+      a[k] = x(t, k) - x(0, k);
+      b[k] = x(t + 1, k) - x(0, k);
+    }
+    area += 0.5 * std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+  }
+  return area;
+}
+
+} // namespace
+
+BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end)
+    : dim_(mesh.dim()), node_count_(mesh.node_count()),
+      x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
+      fixed_mask_(static_cast<std::size_t>(node_count_ * dim_), 0),
+      damage_mask_(static_cast<std::size_t>(node_count_), 0), force_area_(conditions_.size(), 0.0) {
+  resolve_fixed(mesh, t_end);
+  resolve_loads(mesh);
+}
+
+void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end) {
+  std::map<int, FixedDof> chosen;
+  std::string conflict;
+  for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    if (!prescribes_motion(bc.type) && bc.type != BcType::damage) continue;
+    for (const std::string& name : bc.on) {
+      require_group(mesh, bc, name);
+      const std::vector<int> nodes = mesh.nodes(name);
+      int axis = -1;
+      if (bc.type == BcType::symmetry) {
+        axis = plane_axis(mesh, nodes);
+        if (axis < 0)
+          throw UserError(ExitCode::data,
+                          "-bc_" + bc.id + "_type symmetry: group \"" + name +
+                              "\" is not a plane normal to a coordinate axis; prescribe the components"
+                              " by -bc_" +
+                              bc.id + "_ux .. instead");
+      }
+      for (int node : nodes) {
+        if (bc.type == BcType::damage) {
+          if (!damage_mask_[static_cast<std::size_t>(node)]) damage_nodes_.emplace_back(node, c);
+          damage_mask_[static_cast<std::size_t>(node)] = 1;
+          continue;
+        }
+        for (int k = 0; k < dim_; ++k) {
+          const bool held = bc.type == BcType::fix || k == axis || bc.component[k].has_value();
+          if (!held) continue;
+          const FixedDof mine{node * dim_ + k, c, k};
+          const auto [where, inserted] = chosen.emplace(mine.dof, mine);
+          if (inserted || !conflict.empty()) continue;
+          for (double t : {0.0, t_end}) {
+            const double a = prescribed(where->second, 0, t, 0, 0), b = prescribed(mine, 0, t, 0, 0);
+            if (std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b))) continue;
+            conflict = "-bc_" + conditions_[static_cast<std::size_t>(where->second.condition)].id +
+                       " and -bc_" + bc.id + " prescribe different u" + axis_name[k] + " (" +
+                       std::to_string(a) + ", " + std::to_string(b) + " at t=" + std::to_string(t) +
+                       ") on a common node; leave the component out of one of them";
+          }
+        }
+      }
+    }
+  }
+  throw_first(mesh.comm(), ExitCode::data, conflict);
+  for (const auto& [dof, fixed] : chosen) {
+    fixed_.push_back(fixed);
+    fixed_mask_[static_cast<std::size_t>(dof)] = 1;
+  }
+}
+
+void BoundaryData::resolve_loads(const Mesh& mesh) {
+  for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    if (bc.type == BcType::body_force) {
+      for (const std::string& name : bc.on) {
+        require_group(mesh, bc, name);
+        for (int node : mesh.nodes(name)) body_nodes_.emplace_back(node, c);
+      }
+      continue;
+    }
+    if (bc.type != BcType::traction && bc.type != BcType::pressure && bc.type != BcType::force) continue;
+    for (const std::string& name : bc.on) {
+      const Group& group = require_group(mesh, bc, name);
+      if (group.dim != dim_ - 1)
+        throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + name + "\": a load acts on a boundary (" +
+                                            std::to_string(dim_ - 1) + "D), this group is " +
+                                            std::to_string(group.dim) +
+                                            "D; mesh has: " + available_groups(mesh));
+      LoadedFacets load{c, mesh.facets(name)};
+      for (int f = 0; f < load.facets.count(); ++f)
+        force_area_[static_cast<std::size_t>(c)] += facet_area(mesh, load.facets, f);
+      (bc.type == BcType::pressure ? pressures_ : tractions_).push_back(std::move(load));
+    }
+  }
+  if (!force_area_.empty())
+    MPI_Allreduce(MPI_IN_PLACE, force_area_.data(), static_cast<int>(force_area_.size()), MPI_DOUBLE, MPI_SUM,
+                  mesh.comm());
+}
+
+double BoundaryData::prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const {
+  const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
+  if (!bc.component[fixed.component]) return 0; // fix, symmetry
+  const Expression& data = *bc.component[fixed.component];
+  const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
+  if (bc.type == BcType::displacement) return data(x, dim_, t1);
+  const double dt = t1 - t0;
+  double sum = 0;
+  for (std::size_t q = 0; q < gauss_x.size(); ++q) {
+    const double s = t0 + gauss_x[q] * dt;
+    const double weight = gauss_w[q] * dt * (bc.type == BcType::acceleration ? t1 - s : 1.0);
+    sum += weight * data(x, dim_, s);
+  }
+  return u_n + (bc.type == BcType::acceleration ? v_n * dt : 0.0) + sum;
+}
+
+void BoundaryData::set_displacement(double t0, double t1, const std::vector<double>& u_n,
+                                    const std::vector<double>& v_n, std::vector<double>& u) const {
+  for (const FixedDof& fixed : fixed_) {
+    const auto i = static_cast<std::size_t>(fixed.dof);
+    u[i] = prescribed(fixed, t0, t1, u_n[i], v_n[i]);
+  }
+}
+
+void BoundaryData::set_exact_velocity(double t0, double t1, const std::vector<double>& v_n,
+                                      std::vector<double>& v) const {
+  for (const FixedDof& fixed : fixed_) {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
+    if (bc.type != BcType::acceleration || !bc.component[fixed.component]) continue;
+    const auto i = static_cast<std::size_t>(fixed.dof);
+    const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
+    v[i] = v_n[i];
+    for (std::size_t q = 0; q < gauss_x.size(); ++q)
+      v[i] += gauss_w[q] * (t1 - t0) * (*bc.component[fixed.component])(x, dim_, t0 + gauss_x[q] * (t1 - t0));
+  }
+}
+
+void BoundaryData::set_initial_rates(double dt, std::vector<double>& v, std::vector<double>& a) const {
+  for (const FixedDof& fixed : fixed_) {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
+    const auto i = static_cast<std::size_t>(fixed.dof);
+    v[i] = a[i] = 0;
+    if (!bc.component[fixed.component]) continue;
+    const Expression& data = *bc.component[fixed.component];
+    const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
+    auto value = [&](double t) { return data(x, dim_, t); };
+    // One-sided second-order differences over a small part of the step: data may start at t = 0.
+    const double h = 1e-3 * dt;
+    if (bc.type == BcType::displacement) {
+      const double f0 = value(0), f1 = value(h), f2 = value(2 * h), f3 = value(3 * h);
+      v[i] = (-3 * f0 + 4 * f1 - f2) / (2 * h);
+      a[i] = (2 * f0 - 5 * f1 + 4 * f2 - f3) / (h * h);
+      // Below the round-off of the second difference the data are straight.
+      const double noise = 64 * 2.3e-16 * std::max({std::abs(f0), std::abs(f1), std::abs(f2), std::abs(f3)});
+      if (std::abs(a[i]) * h * h <= noise) a[i] = 0;
+    } else if (bc.type == BcType::velocity) {
+      v[i] = value(0);
+      a[i] = (-3 * value(0) + 4 * value(h) - value(2 * h)) / (2 * h);
+    } else {
+      a[i] = value(0);
+    }
+  }
+}
+
+void BoundaryData::set_damage(double t, std::vector<double>& phi) const {
+  for (const auto& [node, c] : damage_nodes_) {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    phi[static_cast<std::size_t>(node)] = (*bc.value)(&x_[static_cast<std::size_t>(node * dim_)], dim_, t);
+  }
+}
+
+bool BoundaryData::body_force(double t, std::vector<double>& f) const {
+  if (std::none_of(conditions_.begin(), conditions_.end(),
+                   [](const BoundaryCondition& bc) { return bc.type == BcType::body_force; }))
+    return false;
+  f.assign(static_cast<std::size_t>(node_count_ * dim_), 0.0);
+  for (const auto& [node, c] : body_nodes_)
+    for (int k = 0; k < dim_; ++k)
+      if (const auto& data = conditions_[static_cast<std::size_t>(c)].component[k])
+        f[static_cast<std::size_t>(node * dim_ + k)] +=
+            (*data)(&x_[static_cast<std::size_t>(node * dim_)], dim_, t);
+  return true;
+}
+
+void BoundaryData::traction(const LoadedFacets& load, const double* x, double t, double* value) const {
+  const auto c = static_cast<std::size_t>(load.condition);
+  const BoundaryCondition& bc = conditions_[c];
+  const double share = bc.type == BcType::force ? 1 / force_area_[c] : 1;
+  for (int k = 0; k < dim_; ++k) value[k] = bc.component[k] ? share * (*bc.component[k])(x, dim_, t) : 0.0;
+}
+
+double BoundaryData::pressure(const LoadedFacets& load, const double* x, double t) const {
+  return (*conditions_[static_cast<std::size_t>(load.condition)].value)(x, dim_, t);
+}
+
+} // namespace impact

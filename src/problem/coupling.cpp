@@ -1,0 +1,416 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/coupling.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+double longitudinal_speed(const MaterialParameters& p) { return std::sqrt((p.K + 4 * p.G / 3) / p.rho); }
+
+// The projection of a predictor as a SNES problem.
+struct Projection {
+  MotionProblem* motion;
+  double shift;
+  Vec goal;
+  Mailbox* mailbox;
+  static PetscErrorCode residual(SNES, Vec w, Vec f, void* context) {
+    auto& self = *static_cast<Projection*>(context);
+    return self.mailbox->guarded([&] { self.motion->projection_residual(w, self.goal, self.shift, f); });
+  }
+  static PetscErrorCode tangent(SNES, Vec w, Mat, Mat, void* context) {
+    auto& self = *static_cast<Projection*>(context);
+    return self.mailbox->guarded([&] { self.motion->projection_tangent(w, self.shift); });
+  }
+};
+
+std::string option_text(const char* name) {
+  char text[128] = "";
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsGetString(nullptr, nullptr, name, text, sizeof(text), &set));
+  return set ? text : "";
+}
+
+} // namespace
+
+SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, bool inertia, double dt) {
+  SolverDefaults choice;
+  const auto dofs = d.mesh.global_node_count() * d.dim();
+  double speed = 0;
+  for (const MaterialAssignment& m : d.materials)
+    if (m.law.parameters.rho > 0) speed = std::max(speed, longitudinal_speed(m.law.parameters));
+  choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
+  char text[160];
+  if (choice.resolves_waves() && !d.has_viscosity()) {
+    choice.direct = false;
+    choice.symmetric = true;
+    std::snprintf(text, sizeof(text), "cg + jacobi (dt is %.3g times h/c_p)", choice.cfl);
+  } else if (dofs <= (d.dim() == 2 ? 100000 : 20000)) {
+    std::snprintf(text, sizeof(text), "preonly + lu by mumps (%lld dofs)", static_cast<long long>(dofs));
+  } else {
+    choice.direct = false;
+    choice.multigrid = true;
+    std::snprintf(text, sizeof(text), "gmres + gamg with rigid body modes (%lld dofs)",
+                  static_cast<long long>(dofs));
+  }
+  choice.reason = text;
+  const std::string ksp = option_text("-motion_ksp_type"), mat = option_text("-mat_type");
+  if (!ksp.empty()) choice.symmetric = ksp == "cg" || ksp == "minres";
+  if (!ksp.empty() || !option_text("-motion_pc_type").empty()) choice.reason = "as the options say";
+  if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
+  return choice;
+}
+
+Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTable& state,
+                   const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
+                   bool stabilise_contact)
+    : ts_(ts), motion_(motion), damage_(damage), state_(state), settings_(settings), inertia_(inertia),
+      stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
+  const Discretisation& d = motion_.discretisation();
+  const MPI_Comm comm = d.mesh.comm();
+  residual_ = d.displacement.make_global();
+  contact_force_ = d.displacement.make_global();
+  contact_acceleration_ = d.displacement.make_global();
+  u_local_ = d.displacement.make_local();
+  if (damage_) phi_frozen_ = state_.row("phi").committed;
+
+  check(TSSetI2Function(
+      ts_, nullptr,
+      [](TS, PetscReal, Vec u, Vec, Vec a, Vec f, void* context) {
+        auto& self = *static_cast<Coupling*>(context);
+        return time_mailbox(self.ts_).guarded([&] {
+          if (self.motion_.residual(u, self.inertia_ ? a : nullptr, f)) return;
+          self.cell_broke_ = true;
+          check(SNESSetFunctionDomainError(self.motion_snes_));
+        });
+      },
+      this));
+  check(TSSetI2Jacobian(
+      ts_, motion_.matrix(), motion_.matrix(),
+      [](TS, PetscReal, Vec u, Vec, Vec, PetscReal, PetscReal shift_a, Mat, Mat, void* context) {
+        auto& self = *static_cast<Coupling*>(context);
+        return time_mailbox(self.ts_).guarded([&] {
+          if (self.motion_.tangent(u, self.inertia_ ? shift_a : 0)) return;
+          self.cell_broke_ = true;
+          check(SNESSetJacobianDomainError(self.motion_snes_));
+        });
+      },
+      this));
+
+  check(SNESCreate(comm, motion_snes_.out()));
+  check(SNESSetOptionsPrefix(motion_snes_, "motion_"));
+  check(SNESSetFunction(motion_snes_, residual_, SNESTSFormFunction, ts_));
+  refresh_matrix();
+  check(SNESSetTolerances(motion_snes_, motion_.reference_force(), 1e-8, 1e-12, 25, PETSC_DEFAULT));
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(SNESGetKSP(motion_snes_, &ksp));
+  check(KSPGetPC(ksp, &pc));
+  if (defaults.direct) {
+    check(KSPSetType(ksp, KSPPREONLY));
+    check(PCSetType(pc, PCLU));
+    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  } else if (defaults.multigrid) {
+    check(KSPSetType(ksp, KSPGMRES));
+    check(PCSetType(pc, PCGAMG));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+  } else {
+    check(KSPSetType(ksp, KSPCG));
+    check(PCSetType(pc, PCJACOBI));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
+  }
+  // Secant search for the zero of the force along the step: an energy's line search. Backtracking on the
+  // residual norm stalls where the volume is stiff (Cook's membrane, nu 0.4999: 25 iterations without
+  // convergence against 4).
+  SNESLineSearch search = nullptr;
+  check(SNESGetLineSearch(motion_snes_, &search));
+  check(SNESLineSearchSetType(search, SNESLINESEARCHCP));
+  check(SNESSetFromOptions(motion_snes_));
+
+  uzawa_shell_ = {[this](PetscInt pass, Vec u) { return uzawa_pass(pass, u); }, &time_mailbox(ts_)};
+  check(SNESCreate(comm, uzawa_snes_.out()));
+  check(SNESSetOptionsPrefix(uzawa_snes_, "uzawa_"));
+  make_pass_shell(uzawa_snes_, uzawa_shell_);
+  // The tolerances of gap and pressure belong to each contact: a pass changes 1 until all of them are met.
+  check(SNESSetTolerances(uzawa_snes_, 0.5, 0, 0, 30, PETSC_DEFAULT));
+  check(SNESSetFromOptions(uzawa_snes_));
+
+  SNES coupling = nullptr;
+  coupling_shell_ = {[this](PetscInt pass, Vec u) { return coupling_pass(pass, u); }, &time_mailbox(ts_)};
+  check(TSGetSNES(ts_, &coupling));
+  check(SNESSetOptionsPrefix(coupling, "coupling_"));
+  make_pass_shell(coupling, coupling_shell_);
+  check(SNESSetTolerances(coupling, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
+}
+
+void Coupling::refresh_matrix() {
+  check(SNESSetJacobian(motion_snes_, motion_.matrix(), motion_.matrix(), SNESTSFormJacobian, ts_));
+}
+
+void Coupling::read_contact_scale() {
+  // The integrator reads its options after this object exists.
+  if (!stabilise_) return;
+  const NewmarkParameters p = newmark_parameters(ts_);
+  contact_scale_ = p.alpha_m / (2 * p.beta);
+}
+
+void Coupling::before_attempt(const Attempt& attempt) {
+  state_.rollback();
+  counts_ = {};
+  hardest_newton_ = 0;
+  failure_.clear();
+  cell_broke_ = false;
+  read_contact_scale();
+  step_ = {};
+  step_.t_n = attempt.t_n;
+  step_.t = attempt.t;
+  step_.dt = attempt.dt;
+  step_.u_n = &state_.row("u").committed;
+  step_.contact_scale = contact_scale_;
+  if (damage_) {
+    phi_frozen_ = state_.row("phi").committed;
+    step_.phi = &phi_frozen_;
+  }
+  motion_.begin(step_);
+}
+
+void Coupling::guess(const Attempt& attempt, Vec u) {
+  // The last increment, scaled: prescribed nodes do not jump ahead of their neighbours, and unlike dt v_n it
+  // does not follow the alternation of v that an undamped integrator keeps at frequencies far above 1/dt.
+  std::vector<double> local = state_.row("u").committed;
+  const std::vector<double>& rate = state_.row("mean_rate").committed;
+  for (std::size_t i = 0; i < local.size(); ++i) local[i] += attempt.dt * rate[i];
+  motion_.discretisation().displacement.to_global(local, u);
+}
+
+void Coupling::on_reject() { state_.rollback(); }
+
+void Coupling::forget_factors() {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(motion_snes_, &ksp));
+  check(KSPReset(ksp));
+}
+
+bool Coupling::refresh_contact(Vec u) {
+  if (!motion_.update_contact(u)) return false;
+  // Another pattern: a new matrix, and the solver's factors with it.
+  KSP ksp = nullptr;
+  check(SNESGetKSP(motion_snes_, &ksp));
+  check(KSPReset(ksp));
+  refresh_matrix();
+  check(TSSetI2Jacobian(ts_, motion_.matrix(), motion_.matrix(), nullptr, nullptr));
+  return true;
+}
+
+PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
+  PassResult result;
+  refresh_contact(u);
+  check(SNESSolve(motion_snes_, nullptr, u));
+  PetscInt newton = 0, linear = 0;
+  check(SNESGetConvergedReason(motion_snes_, &result.inner));
+  check(SNESGetIterationNumber(motion_snes_, &newton));
+  check(SNESGetLinearSolveIterations(motion_snes_, &linear));
+  counts_.newton += newton;
+  hardest_newton_ = std::max(hardest_newton_, newton);
+  counts_.linear += linear;
+  counts_.uzawa += 1;
+  if (result.inner < 0) {
+    failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
+    return result;
+  }
+  // A body that moved beyond the skin may touch facets that the list did not hold.
+  bool converged = !refresh_contact(u);
+  for (ContactInterface& contact : motion_.contacts()) {
+    if (pass == 1) contact.start_augmentation();
+    converged = contact.review(u).converged && converged;
+  }
+  result.change = converged ? 0 : 1;
+  // The solution balances the force of the present multipliers: they change only where another solve follows.
+  check(VecSet(contact_force_, 0));
+  for (ContactInterface& contact : motion_.contacts()) contact.add_residual(u, -1, contact_force_);
+  if (!converged)
+    for (ContactInterface& contact : motion_.contacts()) contact.augment(u);
+  return result;
+}
+
+PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
+  PassResult result;
+  counts_.passes = pass;
+  if (pass == 1) motion_.impose(u);
+  if (pass > 1 && damage_) phi_frozen_ = state_.row("phi").trial;
+  check(SNESSolve(uzawa_snes_, nullptr, u));
+  check(SNESGetConvergedReason(uzawa_snes_, &result.inner));
+  if (result.inner < 0) {
+    if (failure_.empty()) failure_ = std::string("uzawa: ") + SNESConvergedReasons[result.inner];
+    return result;
+  }
+  if (!motion_.advance(u, increments_)) {
+    cell_broke_ = true;
+    failure_ = "the law failed at the solution";
+    result.inner = SNES_DIVERGED_FUNCTION_DOMAIN;
+    return result;
+  }
+  if (!damage_) return result;
+
+  motion_.discretisation().displacement.to_local(u, u_local_);
+  StateRow& phi = state_.row("phi");
+  DamageStep step;
+  step.t = step_.t;
+  step.dt = step_.dt;
+  step.u = &u_local_;
+  step.u_n = step_.u_n;
+  step.phi_n = &phi.committed;
+  phi.trial = phi_frozen_;
+  const DamageOutcome outcome = damage_->solve(step, phi.trial);
+  counts_.damage += outcome.newton;
+  counts_.damage_linear += outcome.linear;
+  result.inner = outcome.reason;
+  if (outcome.reason < 0) {
+    failure_ = std::string("damage: ") + SNESConvergedReasons[outcome.reason];
+    return result;
+  }
+  for (std::size_t i = 0; i < phi.trial.size(); ++i)
+    result.change = std::max(result.change, std::abs(phi.trial[i] - phi_frozen_[i]));
+  MPI_Allreduce(MPI_IN_PLACE, &result.change, 1, MPIU_REAL, MPIU_MAX, motion_.discretisation().mesh.comm());
+  return result;
+}
+
+std::string Coupling::failure_text() const {
+  const Discretisation& d = motion_.discretisation();
+  if (!cell_broke_) return failure_;
+  // The worst cell of all ranks speaks.
+  struct {
+    double J;
+    int rank;
+  } mine, worst;
+  MPI_Comm_rank(d.mesh.comm(), &mine.rank);
+  const BrokenCell& broken = motion_.broken();
+  mine.J = broken.material < 0 ? HUGE_VAL : std::isfinite(broken.min_J) ? broken.min_J : -HUGE_VAL;
+  MPI_Allreduce(&mine, &worst, 1, MPI_DOUBLE_INT, MPI_MINLOC, d.mesh.comm());
+  if (worst.J == HUGE_VAL) return failure_;
+  double data[5] = {broken.min_J, broken.x[0], broken.x[1], broken.x[2],
+                    static_cast<double>(broken.material)};
+  MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d.mesh.comm());
+  char text[240];
+  const char* what = data[0] <= 0 ? "cell inverted" : "law failed in a cell";
+  const auto& id = d.materials[static_cast<std::size_t>(data[4])].law.parameters.id;
+  if (d.dim() == 2)
+    std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g) in material %s", what, data[0], data[1],
+                  data[2], id.c_str());
+  else
+    std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g,%.6g) in material %s", what, data[0],
+                  data[1], data[2], data[3], id.c_str());
+  return text;
+}
+
+NewmarkHooks Coupling::newmark_hooks() {
+  NewmarkHooks hooks;
+  hooks.initial_acceleration = [this](TS, PetscReal t, Vec u, Vec v, Vec a) {
+    initial_acceleration(t, u, v, a);
+  };
+  if (!stabilise_) return hooks;
+  hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde) {
+    project_predictor(t_n, dt, u_tilde);
+  };
+  hooks.correct = [this](TS, Vec, Vec v, Vec a) {
+    check(VecSet(contact_acceleration_, 0));
+    PetscReal size = 0;
+    check(VecNorm(contact_force_, NORM_INFINITY, &size));
+    if (size == 0) return;
+    const NewmarkParameters p = newmark_parameters(ts_);
+    check(VecCopy(contact_force_, residual_));
+    check(VecScale(residual_, contact_scale_ / p.alpha_m));
+    motion_.mass_solve(residual_, contact_acceleration_);
+    check(VecAXPY(a, -1, contact_acceleration_));
+    check(VecAXPY(v, step_.dt * (2 * p.beta - p.gamma), contact_acceleration_));
+  };
+  return hooks;
+}
+
+void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
+  // min 1/2 |w - u_tilde|_M over the admissible w, with the contact's own enforcement and multipliers from
+  // zero.
+  double penetration = 0;
+  std::vector<std::pair<StateRow*, std::vector<double>>> kept;
+  for (ContactInterface& contact : motion_.contacts())
+    for (const char* name : {"_multiplier", "_penalty"}) {
+      StateRow& row = state_.row("contact_" + contact.id() + name);
+      kept.emplace_back(&row, row.trial);
+      if (name[1] == 'm') std::fill(row.trial.begin(), row.trial.end(), 0.0);
+    }
+  refresh_contact(u_tilde);
+  for (ContactInterface& contact : motion_.contacts())
+    penetration = std::max(penetration, contact.review(u_tilde).penetration);
+  if (penetration > 0) {
+    const NewmarkParameters p = newmark_parameters(ts_);
+    Projection problem{&motion_, p.alpha_m / (p.beta * dt * dt), nullptr, &time_mailbox(ts_)};
+    Handle<Vec> goal = motion_.discretisation().displacement.make_global(),
+                f = motion_.discretisation().displacement.make_global();
+    check(VecCopy(u_tilde, goal));
+    problem.goal = goal;
+    Handle<SNES> snes;
+    KSP ksp = nullptr;
+    check(SNESCreate(motion_.discretisation().mesh.comm(), snes.out()));
+    check(SNESGetKSP(motion_snes_, &ksp));
+    check(SNESSetKSP(snes, ksp));
+    check(SNESSetFunction(snes, f, Projection::residual, &problem));
+    check(SNESSetJacobian(snes, motion_.matrix(), motion_.matrix(), Projection::tangent, &problem));
+    check(SNESSetTolerances(snes, motion_.reference_force(), 1e-10, 1e-12, 25, PETSC_DEFAULT));
+    for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
+    for (int pass = 0; pass < 10; ++pass) {
+      check(SNESSolve(snes, nullptr, u_tilde));
+      bool converged = true;
+      for (ContactInterface& contact : motion_.contacts())
+        converged = contact.review(u_tilde).converged && converged;
+      if (converged) break;
+      for (ContactInterface& contact : motion_.contacts()) contact.augment(u_tilde);
+    }
+    SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+    check(SNESGetConvergedReason(snes, &reason));
+    if (reason < 0)
+      check(VecCopy(goal, u_tilde)); // without projection the step is still energy decaying, only less smooth
+  }
+  for (auto& [row, values] : kept) row->trial = std::move(values);
+  (void)t_n;
+}
+
+void Coupling::begin_at_rest_of_step(double t, Vec u, Vec v) {
+  // Between steps the viscous stress still wants C at an earlier time: a backward step short against
+  // everything else.
+  const Discretisation& d = motion_.discretisation();
+  read_contact_scale();
+  PetscReal dt = 0;
+  check(TSGetTimeStep(ts_, &dt));
+  const double h = 1e-6 * dt;
+  u_before_ = d.displacement.make_local();
+  std::vector<double> rate = d.displacement.make_local();
+  d.displacement.to_local(u, u_before_);
+  d.displacement.to_local(v, rate);
+  for (std::size_t i = 0; i < u_before_.size(); ++i) u_before_[i] -= h * rate[i];
+  MotionStep step;
+  step.t_n = t - h;
+  step.t = t;
+  step.dt = h;
+  step.u_n = &u_before_;
+  if (damage_) step.phi = &state_.row("phi").committed;
+  step.contact_scale = contact_scale_;
+  motion_.begin(step);
+}
+
+void Coupling::initial_acceleration(double t, Vec u, Vec v, Vec a) {
+  // M a_0 = F_ext - F_int(u_0, v_0) without contact on the free dofs; prescribed dofs keep the rate of their
+  // data.
+  const Discretisation& d = motion_.discretisation();
+  begin_at_rest_of_step(t, u, v);
+  ForceParts forces;
+  motion_.parts(u, forces);
+  check(VecAXPY(forces.external, -1, forces.internal));
+  d.displacement.to_global(state_.row("a").committed, a);
+  motion_.mass_solve(forces.external, a);
+}
+
+} // namespace impact

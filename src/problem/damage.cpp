@@ -1,0 +1,260 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/damage.hpp>
+
+namespace impact {
+
+namespace {
+
+bool damages(const PointLaw& law) { return law.parameters.damage != Damage::none; }
+
+} // namespace
+
+DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
+                             const BoundaryData& boundary, const DamageScenario& settings)
+    : d_(discretisation), state_(state), boundary_(boundary), settings_(settings),
+      X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), x_(d_.node_values(1)),
+      r_(d_.node_values(1)), free_(d_.node_values(1), 0.0),
+      drive_offset_(point_offsets(d_.groups, drive_size)), history_offset_(point_offsets(d_.groups, 1)) {
+  // A node is solved for when a damaging cell touches it on any rank.
+  double toughness = 0, width = 1;
+  for (const CellGroup& group : d_.groups)
+    if (damages(d_.law(group)))
+      for (int node : group.node) free_[static_cast<std::size_t>(node)] = 1;
+  for (const MaterialAssignment& m : d_.materials)
+    if (damages(m.law)) {
+      toughness = std::max(toughness, m.law.parameters.Gc);
+      width = m.law.parameters.gamma;
+    }
+  solution_ = d_.scalar.make_global();
+  d_.scalar.add_to_global(free_, solution_);
+  d_.scalar.to_local(solution_, free_);
+  for (std::size_t i = 0; i < free_.size(); ++i) {
+    free_[i] = free_[i] > 0 && !boundary_.fixed_damage_mask()[i] ? 1.0 : 0.0;
+    if (free_[i] == 0 && d_.mesh.owned(static_cast<int>(i))) owned_held_.push_back(static_cast<int>(i));
+  }
+  reference_ = 1e-12 * toughness / width * std::pow(d_.mesh.smallest_edge(), d_.dim());
+  if (settings_.bounds == DamageBounds::history) {
+    StateRow row{"damage_history", Support::cell_point, 1};
+    state_.add(std::move(row), history_offset_.back());
+  }
+  assembly_.emplace(d_.scalar, d_.mesh, d_.groups);
+  residual_ = d_.scalar.make_global();
+  diagonal_ = d_.scalar.make_global();
+  lower_ = d_.scalar.make_global();
+  upper_ = d_.scalar.make_global();
+
+  for (Handle<SNES>* snes : {&unconstrained_, &bounded_}) {
+    const bool bounded = snes == &bounded_;
+    if (bounded && settings_.bounds != DamageBounds::vi) continue;
+    check(SNESCreate(d_.mesh.comm(), snes->out()));
+    check(SNESSetOptionsPrefix(*snes, "damage_"));
+    check(SNESSetFunction(
+        *snes, residual_,
+        [](SNES, Vec x, Vec f, void* self) {
+          auto& problem = *static_cast<DamageProblem*>(self);
+          return problem.mailbox_.guarded([&] { problem.residual(x, f); });
+        },
+        this));
+    check(SNESSetJacobian(
+        *snes, matrix(), matrix(),
+        [](SNES, Vec x, Mat, Mat, void* self) {
+          auto& problem = *static_cast<DamageProblem*>(self);
+          return problem.mailbox_.guarded([&] { problem.tangent(x); });
+        },
+        this));
+    check(SNESSetType(*snes, bounded ? SNESVINEWTONRSLS : SNESNEWTONLS));
+    set_tolerances(*snes);
+    check(SNESSetFromOptions(*snes));
+    if (!bounded) check(SNESSetType(*snes, SNESNEWTONLS)); // -damage_snes_type names the bounded method
+    if (bounded) {
+      PetscBool gamg = PETSC_FALSE;
+      KSP ksp = nullptr;
+      PC pc = nullptr;
+      check(SNESGetKSP(*snes, &ksp));
+      check(KSPGetPC(ksp, &pc));
+      check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &gamg));
+      if (gamg)
+        throw UserError(ExitCode::usage,
+                        "-damage_pc_type gamg does not work with -damage_bounds vi (the reduced "
+                        "system changes its size); use icc, jacobi or hypre, or -damage_bounds history");
+    }
+  }
+}
+
+void DamageProblem::set_tolerances(SNES snes) {
+  check(SNESSetTolerances(snes, reference_, 1e-9, 1e-12, 100, PETSC_DEFAULT));
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPSetType(ksp, KSPCG));
+  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(KSPGetPC(ksp, &pc));
+  int size = 1;
+  MPI_Comm_size(d_.mesh.comm(), &size);
+  if (size == 1) {
+    check(PCSetType(pc, PCICC));
+  } else {
+    // Sub-blocks default to ILU(0), which is not symmetric in exact arithmetic terms that CG relies on.
+    check(PCSetType(pc, PCBJACOBI));
+    PetscBool set = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, nullptr, "-damage_sub_pc_type", &set));
+    if (!set) check(PetscOptionsSetValue(nullptr, "-damage_sub_pc_type", "icc"));
+  }
+}
+
+template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, Output&& output) {
+  d_.scalar.to_local(x, x_);
+  const StateRow& drive = state_.row("drive");
+  const StateRow* history = state_.find("damage_history");
+  bool sound = true;
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    if (!damages(law)) continue;
+    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim, n = Cell::nodes;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> X(group, b, X_), u(group, b, *step_.u), u_n(group, b, *step_.u_n);
+        const Gathered<Cell, 1> phi(group, b, x_), phi_n(group, b, *step_.phi_n), free(group, b, free_);
+        PointValues<Cell, drive_size> now, before;
+        now.load(drive.trial, drive_offset_[g], b);
+        before.load(drive.committed, drive_offset_[g], b);
+        if (history) {
+          PointValues<Cell, 1> H;
+          H.load(history->trial, history_offset_[g], b);
+          for (int q = 0; q < Cell::points; ++q)
+            now.value[static_cast<std::size_t>(q * drive_size)] = H.value[static_cast<std::size_t>(q)];
+        }
+        DamageInput in;
+        in.X = X.data();
+        in.u = u.data();
+        in.u_n = u_n.data();
+        in.phi = phi.data();
+        in.phi_n = phi_n.data();
+        in.drive = now.data();
+        in.drive_n = before.data();
+        in.dt = step_.dt;
+        in.form = settings_.form;
+        in.theta_d = settings_.theta;
+        std::array<Batch, static_cast<std::size_t>(n)> r{};
+        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        const int bad = with_tangent ? damage_tangent<Cell, frame>(law, in, r.data(), K.data())
+                                     : damage_residual<Cell, frame>(law, in, r.data());
+        sound = sound && (bad & ((1 << group.lanes_in_use(b)) - 1)) == 0;
+        if (with_tangent)
+          for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j)
+              K[static_cast<std::size_t>(i * n + j)] *=
+                  free.value[static_cast<std::size_t>(i)] * free.value[static_cast<std::size_t>(j)];
+        output(static_cast<int>(g), b, r.data(), K.data());
+      }
+    });
+  }
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+void DamageProblem::residual(Vec x, Vec f) {
+  std::fill(r_.begin(), r_.end(), 0.0);
+  const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
+    scatter_add(d_.groups[static_cast<std::size_t>(g)], b, 1, r, r_.data());
+  });
+  check(VecSet(f, 0));
+  d_.scalar.add_to_global(r_, f);
+  double* values = nullptr;
+  PetscInt start = 0;
+  check(VecGetOwnershipRange(f, &start, nullptr));
+  check(VecGetArray(f, &values));
+  for (int node : owned_held_) values[d_.mesh.global_node()[static_cast<std::size_t>(node)] - start] = 0;
+  check(VecRestoreArray(f, &values));
+  if (!sound)
+    for (SNES snes : {unconstrained_ ? unconstrained_.get() : nullptr, bounded_ ? bounded_.get() : nullptr})
+      if (snes) check(SNESSetFunctionDomainError(snes));
+}
+
+void DamageProblem::tangent(Vec x) {
+  assembly_->zero();
+  evaluate(x, true, [&](int g, int b, const Batch*, const Batch* K) { assembly_->add(g, b, K); });
+  assembly_->finish();
+  double sum = 0;
+  check(MatGetDiagonal(matrix(), diagonal_));
+  check(VecSum(diagonal_, &sum));
+  assembly_->set_diagonal(owned_held_,
+                          sum > 0 ? sum / static_cast<double>(d_.mesh.global_node_count()) : 1.0);
+}
+
+void DamageProblem::raise_history() {
+  if (!state_.find("damage_history")) return;
+  StateRow& history = state_.row("damage_history");
+  const StateRow& drive = state_.row("drive");
+  for (std::size_t i = 0; i < history.trial.size(); ++i) {
+    const std::size_t point = i / lanes, lane = i % lanes;
+    history.trial[i] = std::max(history.committed[i], drive.trial[point * drive_size * lanes + lane]);
+  }
+}
+
+bool DamageProblem::within_bounds(Vec x) const {
+  const double *value = nullptr, *low = nullptr, *high = nullptr;
+  PetscInt n = 0;
+  check(VecGetLocalSize(x, &n));
+  check(VecGetArrayRead(x, &value));
+  check(VecGetArrayRead(lower_, &low));
+  check(VecGetArrayRead(upper_, &high));
+  bool inside = true;
+  for (PetscInt i = 0; i < n; ++i)
+    inside = inside && value[i] >= low[i] - 1e-14 && value[i] <= high[i] + 1e-14;
+  check(VecRestoreArrayRead(upper_, &high));
+  check(VecRestoreArrayRead(lower_, &low));
+  check(VecRestoreArrayRead(x, &value));
+  return all_ranks_agree(d_.mesh.comm(), inside);
+}
+
+DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
+  step_ = step;
+  raise_history();
+  agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_damage(step.t, phi); });
+  d_.scalar.to_global(phi, solution_);
+  // Held values are their own bounds; a prescribed value below phi_n would be healing.
+  std::vector<double> low = *step.phi_n, high(low.size(), 1.0);
+  bool heals = false;
+  for (std::size_t i = 0; i < low.size(); ++i)
+    if (free_[i] == 0) {
+      heals = heals || phi[i] < low[i] - 1e-12;
+      low[i] = high[i] = phi[i];
+    }
+  if (!all_ranks_agree(d_.mesh.comm(), !heals))
+    throw UserError(ExitCode::data,
+                    "a prescribed phi is below the damage that the node already has; damage cannot heal");
+  d_.scalar.to_global(low, lower_);
+  d_.scalar.to_global(high, upper_);
+
+  DamageOutcome outcome;
+  const auto run = [&](SNES snes) {
+    mailbox_.deliver(SNESSolve(snes, nullptr, solution_));
+    PetscInt newton = 0, linear = 0;
+    check(SNESGetConvergedReason(snes, &outcome.reason));
+    check(SNESGetIterationNumber(snes, &newton));
+    check(SNESGetLinearSolveIterations(snes, &linear));
+    outcome.newton += newton;
+    outcome.linear += linear;
+  };
+  run(unconstrained_);
+  if (outcome.reason < 0) return outcome;
+  const bool bounded = settings_.bounds == DamageBounds::vi || settings_.bounds == DamageBounds::clip;
+  if (bounded && !within_bounds(solution_)) {
+    check(VecPointwiseMax(solution_, solution_, lower_));
+    check(VecPointwiseMin(solution_, solution_, upper_));
+    if (settings_.bounds == DamageBounds::vi) {
+      check(SNESVISetVariableBounds(bounded_, lower_, upper_));
+      run(bounded_);
+      check(VecPointwiseMax(solution_, solution_, lower_));
+      check(VecPointwiseMin(solution_, solution_, upper_));
+    }
+  }
+  d_.scalar.to_local(solution_, phi);
+  return outcome;
+}
+
+} // namespace impact

@@ -1,0 +1,111 @@
+#include <impact/petsc/error.hpp>
+#include <impact/problem/discretisation.hpp>
+
+namespace impact {
+
+bool Discretisation::has_damage() const {
+  for (const MaterialAssignment& m : materials)
+    if (m.law.parameters.damage != Damage::none) return true;
+  return false;
+}
+
+bool Discretisation::has_viscosity() const {
+  for (const MaterialAssignment& m : materials)
+    if (m.law.parameters.b_d > 0) return true;
+  return false;
+}
+
+bool Discretisation::has_plasticity() const {
+  for (const MaterialAssignment& m : materials)
+    if (m.law.parameters.model == Model::j2) return true;
+  return false;
+}
+
+std::size_t point_values(const CellGroup& group, int components) {
+  return static_cast<std::size_t>(group.batch_count) * static_cast<std::size_t>(point_count(group.shape)) *
+         static_cast<std::size_t>(components) * lanes;
+}
+
+namespace {
+
+std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<MaterialAssignment>& materials) {
+  PetscInt start = 0, end = 0;
+  check(DMPlexGetHeightStratum(mesh.dm(), 0, &start, &end));
+  std::vector<int> material(static_cast<std::size_t>(end - start), -1);
+  int first = -1, second = -1; // a pair of materials that claim one cell
+  for (int m = 0; m < static_cast<int>(materials.size()); ++m)
+    for (const std::string& region : materials[static_cast<std::size_t>(m)].regions) {
+      const Group* group = mesh.find_group(region);
+      if (group == nullptr || group->dim != mesh.dim()) {
+        std::string names;
+        for (const Group& g : mesh.groups())
+          if (g.dim == mesh.dim()) names += (names.empty() ? "" : ", ") + g.name;
+        throw UserError(ExitCode::data,
+                        "-material_" + materials[static_cast<std::size_t>(m)].law.parameters.id +
+                            "_region \"" + region + "\": no such region; the mesh has: " + names);
+      }
+      for (PetscInt point : mesh.region_cells(region)) {
+        int& mine = material[static_cast<std::size_t>(point - start)];
+        if (mine >= 0 && mine != m) {
+          first = mine;
+          second = m;
+        }
+        mine = m;
+      }
+    }
+  int clash[2] = {first, second};
+  MPI_Allreduce(MPI_IN_PLACE, clash, 2, MPI_INT, MPI_MAX, mesh.comm());
+  if (clash[0] >= 0)
+    throw UserError(ExitCode::data, "-material_" +
+                                        materials[static_cast<std::size_t>(clash[0])].law.parameters.id +
+                                        "_region and -material_" +
+                                        materials[static_cast<std::size_t>(clash[1])].law.parameters.id +
+                                        "_region share cells; give each cell one material");
+  return material;
+}
+
+} // namespace
+
+Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
+                          double thickness) {
+  const int dim = mesh.dim();
+  if (axisymmetric && dim != 2)
+    throw UserError(ExitCode::data,
+                    "-plane axisymmetric: the mesh is 3D; axisymmetric runs want a 2D mesh (x = R, y = Z)");
+  FieldLayout displacement(mesh, "u", dim), scalar(mesh, "phi", 1);
+  std::vector<CellGroup> groups = pack_cells(mesh, materials_of_cells(mesh, materials));
+  const Frame frame = dim == 3 ? Frame::solid : axisymmetric ? Frame::axisymmetric : Frame::plane_strain;
+  return {std::move(mesh),
+          std::move(displacement),
+          std::move(scalar),
+          std::move(materials),
+          std::move(groups),
+          frame,
+          dim == 2 && !axisymmetric ? thickness : 1.0};
+}
+
+void declare_state(const Discretisation& d, StateTable& table) {
+  for (const char* name : {"u", "v", "a", "mean_rate", "prescribed_velocity"}) {
+    StateRow row{name, Support::vertex, d.dim()};
+    row.output = name[1] == '\0';
+    table.add(std::move(row), d.node_values(d.dim()));
+  }
+  if (d.has_damage()) {
+    StateRow phi{"phi", Support::vertex, 1};
+    phi.output = true;
+    table.add(std::move(phi), d.node_values(1));
+  }
+  std::size_t history = 0, drive = 0;
+  for (const CellGroup& group : d.groups) {
+    history += point_values(group, history_size(d.frame));
+    drive += point_values(group, drive_size);
+  }
+  StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
+  // The virgin state: A = 1, alpha = 0.
+  const auto components = static_cast<std::size_t>(history_size(d.frame));
+  for (std::size_t i = 0; i < rows.committed.size(); ++i)
+    rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));
+  table.add({"drive", Support::cell_point, drive_size}, drive);
+}
+
+} // namespace impact

@@ -1,0 +1,436 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/kernel/measure.hpp>
+#include <impact/kernel/motion.hpp>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/motion.hpp>
+#include <impact/problem/surface_load.hpp>
+
+namespace impact {
+
+namespace {
+
+double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 * p.K + p.G); }
+
+// Rows and columns of prescribed dofs vanish from a cell matrix [dof][dof].
+template <int n> void mask(const Batch* free, Batch* K) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
+}
+
+} // namespace
+
+MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
+                             const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
+                             bool symmetric_tangent)
+    : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
+      symmetric_(symmetric_tangent), X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()),
+      u_(d_.node_values(d_.dim())), a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())),
+      dead_load_(d_.node_values(d_.dim())), free_(d_.node_values(d_.dim()), 1.0),
+      history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
+      drive_offset_(point_offsets(d_.groups, drive_size)) {
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (boundary_.fixed_mask()[i]) {
+      free_[i] = 0;
+      if (d_.mesh.owned(static_cast<int>(i) / d_.dim())) owned_fixed_.push_back(static_cast<int>(i));
+    }
+  double stiffest = 0;
+  for (const MaterialAssignment& m : d_.materials)
+    stiffest = std::max(stiffest, youngs_modulus(m.law.parameters));
+  reference_force_ = 1e-10 * stiffest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
+  work_ = d_.displacement.make_global();
+  for (ContactInterface& contact : contacts_) contact.set_fixed_dofs(boundary_.fixed_mask());
+  rebuild_matrix();
+}
+
+void MotionProblem::rebuild_matrix() {
+  std::vector<std::pair<PetscInt, PetscInt>> extra;
+  for (const ContactInterface& contact : contacts_) {
+    const auto pairs = contact.couplings();
+    extra.insert(extra.end(), pairs.begin(), pairs.end());
+  }
+  assembly_.reset();
+  assembly_.emplace(d_.displacement, d_.mesh, d_.groups, extra);
+  const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
+  check(MatSetNearNullSpace(matrix(), modes));
+}
+
+bool MotionProblem::update_contact(Vec u) {
+  bool changed = false;
+  for (ContactInterface& contact : contacts_) changed = contact.update_search(u) || changed;
+  if (changed) rebuild_matrix();
+  return changed;
+}
+
+void MotionProblem::begin(const MotionStep& step) {
+  step_ = step;
+  for (ContactInterface& contact : contacts_) contact.set_time(step.t);
+  std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
+  agree_on_errors(d_.mesh.comm(), [&] {
+    for (const LoadedFacets& load : boundary_.tractions())
+      add_dead_traction(
+          load.facets, d_.frame, X_,
+          [&](const double* x, double* value) { boundary_.traction(load, x, step_.t, value); }, dead_load_);
+    has_body_force_ = boundary_.body_force(step_.t, body_);
+    // Follower pressures are evaluated with every residual, where a rank must not fail alone: tried out here.
+    std::vector<double> unused(dead_load_.size());
+    add_pressures(X_, 1, unused);
+  });
+}
+
+void MotionProblem::impose(Vec u) const {
+  std::vector<double> local = d_.displacement.make_local();
+  d_.displacement.to_local(u, local);
+  boundary_.set_displacement(step_.t_n, step_.t, *step_.u_n, state_.row("prescribed_velocity").committed,
+                             local);
+  d_.displacement.to_global(local, u);
+}
+
+void MotionProblem::hold(Vec u, double scale, Vec f) const {
+  Handle<Vec> goal = d_.displacement.make_global();
+  check(VecCopy(u, goal));
+  impose(goal);
+  check(VecAYPX(goal, -1, u)); // u - prescribed, zero on free dofs
+  check(VecAXPY(f, scale, goal));
+}
+
+void MotionProblem::hold_tangent(double scale) { assembly_->set_diagonal(owned_fixed_, scale); }
+
+void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, const Batch& min_J) {
+  for (int l = 0; l < group.lanes_in_use(batch); ++l) {
+    if (!(bad & (1 << l))) continue;
+    if (broken_.material >= 0 && !(min_J[l] < broken_.min_J)) continue;
+    broken_.min_J = min_J[l];
+    broken_.material = group.material;
+    const int nodes = node_count(group.shape), dim = d_.dim();
+    for (int k = 0; k < dim; ++k) {
+      double sum = 0;
+      for (int a = 0; a < nodes; ++a) {
+        const int node = group.node[static_cast<std::size_t>((batch * nodes + a) * lanes + l)];
+        sum += X_[static_cast<std::size_t>(node * dim + k)];
+      }
+      broken_.x[k] = sum / nodes;
+    }
+  }
+}
+
+bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
+                              std::vector<double>& r) {
+  broken_ = {};
+  const StateRow& history = state_.row("history");
+  bool sound = true;
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim;
+      const bool viscous = law.parameters.b_d > 0;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u);
+        std::optional<Gathered<Cell, dim>> before, acceleration;
+        std::optional<Gathered<Cell, 1>> phi;
+        if (viscous) before.emplace(group, b, *step_.u_n);
+        if (accel) acceleration.emplace(group, b, *accel);
+        if (step_.phi) phi.emplace(group, b, *step_.phi);
+        PointValues<Cell, history_size(frame)> old;
+        old.load(history.committed, history_offset_[g], b);
+        MotionInput in;
+        in.X = X.data();
+        in.u = at.data();
+        in.u_n = viscous ? before->data() : nullptr;
+        in.accel = accel ? acceleration->data() : nullptr;
+        in.phi = step_.phi ? phi->data() : nullptr;
+        in.history = old.data();
+        in.dt = step_.dt;
+        std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
+        const CellStatus status = motion_residual<Cell, frame>(law, in, force.data());
+        const int used = (1 << group.lanes_in_use(b)) - 1;
+        if (status.bad & used) {
+          sound = false;
+          note_broken(group, b, status.bad & used, status.min_J);
+        }
+        scatter_add(group, b, dim, force.data(), r.data());
+      }
+    });
+  }
+  return sound;
+}
+
+void MotionProblem::add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r) {
+  for (const LoadedFacets& load : boundary_.pressures())
+    add_follower_pressure(
+        load.facets, d_.frame, X_, u,
+        [&](const double* x) { return sign * boundary_.pressure(load, x, step_.t); }, r);
+}
+
+void MotionProblem::add_pressure_tangent(const std::vector<double>& u) {
+  for (const LoadedFacets& load : boundary_.pressures())
+    add_follower_pressure_tangent(
+        load.facets, d_.frame, X_, u, [&](const double* x) { return -boundary_.pressure(load, x, step_.t); },
+        boundary_.fixed_mask(), d_.mesh.global_node(), matrix());
+}
+
+bool MotionProblem::residual(Vec u, Vec a, Vec f) {
+  d_.displacement.to_local(u, u_);
+  const std::vector<double>* accel = nullptr;
+  if (a) d_.displacement.to_local(a, a_);
+  if (a || has_body_force_) {
+    if (!a) std::fill(a_.begin(), a_.end(), 0.0);
+    if (has_body_force_)
+      for (std::size_t i = 0; i < a_.size(); ++i) a_[i] -= body_[i];
+    accel = &a_;
+  }
+  for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -dead_load_[i];
+  const bool sound = add_cells(u_, accel, r_);
+  add_pressures(u_, -1, r_);
+  check(VecSet(f, 0));
+  d_.displacement.add_to_global(r_, f);
+  for (ContactInterface& contact : contacts_) contact.add_residual(u, step_.contact_scale, f);
+  zero_fixed(f);
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+bool MotionProblem::tangent(Vec u, double mass_shift) {
+  broken_ = {};
+  last_mass_shift_ = mass_shift;
+  d_.displacement.to_local(u, u_);
+  const StateRow& history = state_.row("history");
+  bool sound = true;
+  assembly_->zero();
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim, n = Cell::nodes * dim;
+      const bool viscous = law.parameters.b_d > 0;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_), free(group, b, free_);
+        std::optional<Gathered<Cell, dim>> before;
+        std::optional<Gathered<Cell, 1>> phi;
+        if (viscous) before.emplace(group, b, *step_.u_n);
+        if (step_.phi) phi.emplace(group, b, *step_.phi);
+        PointValues<Cell, history_size(frame)> old;
+        old.load(history.committed, history_offset_[g], b);
+        MotionInput in;
+        in.X = X.data();
+        in.u = at.data();
+        in.u_n = viscous ? before->data() : nullptr;
+        in.phi = step_.phi ? phi->data() : nullptr;
+        in.history = old.data();
+        in.dt = step_.dt;
+        in.mass_shift = mass_shift;
+        in.symmetric = symmetric_;
+        std::array<Batch, static_cast<std::size_t>(n)> force{};
+        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        const CellStatus status = motion_tangent<Cell, frame>(law, in, force.data(), K.data());
+        const int used = (1 << group.lanes_in_use(b)) - 1;
+        if (status.bad & used) {
+          sound = false;
+          note_broken(group, b, status.bad & used, status.min_J);
+        }
+        mask<n>(free.data(), K.data());
+        assembly_->add(static_cast<int>(g), b, K.data());
+      }
+    });
+  }
+  close_tangent(u, true);
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+void MotionProblem::close_tangent(Vec u, bool pressures) {
+  assembly_->finish();
+  if (!contacts_.empty() || !boundary_.pressures().empty()) {
+    if (pressures) add_pressure_tangent(u_);
+    for (ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact_scale, matrix());
+    check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
+  }
+  // Prescribed rows were masked out; the mean of the other diagonals keeps the condition of the matrix.
+  check(MatGetDiagonal(matrix(), work_));
+  double sum = 0;
+  check(VecSum(work_, &sum));
+  double free_dofs = -static_cast<double>(owned_fixed_.size());
+  MPI_Allreduce(MPI_IN_PLACE, &free_dofs, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  free_dofs += static_cast<double>(d_.mesh.global_node_count() * d_.dim());
+  assembly_->set_diagonal(owned_fixed_, free_dofs > 0 && sum > 0 ? sum / free_dofs : 1.0);
+}
+
+void MotionProblem::zero_fixed(Vec f) const {
+  double* values = nullptr;
+  PetscInt start = 0;
+  check(VecGetArray(f, &values));
+  check(VecGetOwnershipRange(f, &start, nullptr));
+  const int dim = d_.dim();
+  for (int dof : owned_fixed_)
+    values[d_.mesh.global_node()[static_cast<std::size_t>(dof / dim)] * dim + dof % dim - start] = 0;
+  check(VecRestoreArray(f, &values));
+}
+
+void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f) {
+  check(VecWAXPY(work_, -1, u_tilde, w));
+  mass_multiply(work_, f);
+  check(VecScale(f, shift));
+  for (ContactInterface& contact : contacts_) contact.add_residual(w, step_.contact_scale, f);
+  zero_fixed(f);
+}
+
+void MotionProblem::projection_tangent(Vec w, double shift) {
+  assembly_->zero();
+  add_mass(*assembly_, shift, true);
+  close_tangent(w, false);
+}
+
+bool MotionProblem::advance(Vec u, Increments& sums) {
+  d_.displacement.to_local(u, u_);
+  StateRow& history = state_.row("history");
+  StateRow& drive = state_.row("drive");
+  bool sound = true;
+  double total[3] = {0, 0, 0};
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_), before(group, b, *step_.u_n);
+        std::optional<Gathered<Cell, 1>> phi;
+        if (step_.phi) phi.emplace(group, b, *step_.phi);
+        PointValues<Cell, history_size(frame)> old, next;
+        PointValues<Cell, drive_size> driving;
+        old.load(history.committed, history_offset_[g], b);
+        MotionInput in;
+        in.X = X.data();
+        in.u = at.data();
+        in.u_n = before.data();
+        in.phi = step_.phi ? phi->data() : nullptr;
+        in.history = old.data();
+        in.dt = step_.dt;
+        StepSums step_sums;
+        next.value = old.value;
+        const CellStatus status =
+            motion_advance<Cell, frame>(law, in, next.data(), driving.data(), step_sums);
+        const int used = group.lanes_in_use(b);
+        sound = sound && (status.bad & ((1 << used) - 1)) == 0;
+        next.store(history.trial, history_offset_[g], b);
+        driving.store(drive.trial, drive_offset_[g], b);
+        total[0] += lane_sum(step_sums.plastic_dissipation, used);
+        total[1] += lane_sum(step_sums.viscous_dissipation, used);
+        total[2] += lane_sum(step_sums.plastic_work, used);
+      }
+    });
+  }
+  MPI_Allreduce(MPI_IN_PLACE, total, 3, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  sums = {total[0], total[1], total[2]};
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+void MotionProblem::parts(Vec u, ForceParts& parts) {
+  for (Handle<Vec>* part : {&parts.internal, &parts.external, &parts.contact})
+    if (!*part) *part = d_.displacement.make_global();
+  d_.displacement.to_local(u, u_);
+  std::fill(r_.begin(), r_.end(), 0.0);
+  add_cells(u_, nullptr, r_);
+  check(VecSet(parts.internal, 0));
+  d_.displacement.add_to_global(r_, parts.internal);
+
+  r_ = dead_load_;
+  add_pressures(u_, 1, r_);
+  check(VecSet(parts.external, 0));
+  d_.displacement.add_to_global(r_, parts.external);
+  if (has_body_force_) {
+    Handle<Vec> f = d_.displacement.make_global(), Mf = d_.displacement.make_global();
+    d_.displacement.to_global(body_, f);
+    mass_multiply(f, Mf);
+    check(VecAXPY(parts.external, 1, Mf));
+  }
+
+  check(VecSet(parts.contact, 0));
+  for (ContactInterface& contact : contacts_) contact.add_residual(u, -1, parts.contact);
+}
+
+void MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool masked) const {
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim, nodes = Cell::nodes, n = nodes * dim;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> X(group, b, X_), free(group, b, free_);
+        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
+        mass_matrix<Cell, frame>(law, X.data(), m.data());
+        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        for (int i = 0; i < nodes; ++i)
+          for (int j = 0; j < nodes; ++j)
+            for (int k = 0; k < dim; ++k)
+              K[static_cast<std::size_t>((i * dim + k) * n + j * dim + k)] =
+                  Batch(factor) * m[static_cast<std::size_t>(i * nodes + j)];
+        if (masked) mask<n>(free.data(), K.data());
+        assembly.add(static_cast<int>(g), b, K.data());
+      }
+    });
+  }
+}
+
+void MotionProblem::build_mass() {
+  if (mass_) return;
+  for (const bool masked : {false, true}) {
+    SparseAssembly assembly(d_.displacement, d_.mesh, d_.groups);
+    add_mass(assembly, 1, masked);
+    assembly.finish();
+    if (masked) assembly.set_diagonal(owned_fixed_, 1.0);
+    Mat shared = assembly.matrix();
+    check(PetscObjectReference(reinterpret_cast<PetscObject>(shared)));
+    (masked ? mass_free_ : mass_) = Handle<Mat>(shared);
+  }
+  check(KSPCreate(d_.mesh.comm(), mass_solver_.out()));
+  check(KSPSetOptionsPrefix(mass_solver_, "motion_mass_"));
+  check(KSPSetType(mass_solver_, KSPCG));
+  PC pc = nullptr;
+  check(KSPGetPC(mass_solver_, &pc));
+  check(PCSetType(pc, PCJACOBI));
+  check(KSPSetTolerances(mass_solver_, 1e-13, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(KSPSetOperators(mass_solver_, mass_free_, mass_free_));
+}
+
+void MotionProblem::mass_multiply(Vec x, Vec y) {
+  build_mass();
+  check(MatMult(mass_, x, y));
+}
+
+void MotionProblem::mass_solve(Vec b, Vec x) {
+  build_mass();
+  // x = x_c + x_f: the columns of prescribed entries go to the right-hand side.
+  const int dim = d_.dim();
+  Handle<Vec> held = d_.displacement.make_global(), rhs = d_.displacement.make_global();
+  std::vector<PetscInt> rows;
+  std::vector<double> values;
+  PetscInt start = 0;
+  check(VecGetOwnershipRange(x, &start, nullptr));
+  const double* entries = nullptr;
+  check(VecGetArrayRead(x, &entries));
+  for (int dof : owned_fixed_) {
+    const PetscInt row = d_.mesh.global_node()[static_cast<std::size_t>(dof / dim)] * dim + dof % dim;
+    rows.push_back(row);
+    values.push_back(entries[row - start]);
+  }
+  check(VecRestoreArrayRead(x, &entries));
+  const auto set = [&](Vec target) {
+    check(
+        VecSetValues(target, static_cast<PetscInt>(rows.size()), rows.data(), values.data(), INSERT_VALUES));
+    check(VecAssemblyBegin(target));
+    check(VecAssemblyEnd(target));
+  };
+  set(held);
+  check(MatMult(mass_, held, rhs));
+  check(VecAYPX(rhs, -1, b));
+  set(rhs);
+  check(KSPSolve(mass_solver_, rhs, x));
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(mass_solver_, &reason));
+  if (reason < 0)
+    throw UserError(ExitCode::data,
+                    "the mass matrix cannot be inverted: give every material a positive -material_<id>_rho");
+}
+
+} // namespace impact

@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/run/observers.hpp>
+
+namespace impact {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string path_of(const OutputScenario& output, const Scenario& scenario) {
+  return scenario.output_dir + "/" + (output.file.empty() ? output.id + ".xdmf" : output.file);
+}
+
+} // namespace
+
+FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
+                             const Discretisation& discretisation, const FieldSource& source,
+                             std::optional<double> resume_after)
+    : settings_(output), d_(discretisation), source_(source),
+      file_(discretisation.mesh,
+            FieldFile{path_of(output, scenario), scenario.title, scenario.units.name, resume_after}) {
+  const std::vector<std::string> offered = source_.names();
+  if (settings_.fields.empty()) {
+    for (const char* name : {"u", "v", "phi", "stress", "von_mises", "alpha", "contact_pressure"})
+      if (std::find(offered.begin(), offered.end(), name) != offered.end())
+        settings_.fields.emplace_back(name);
+  }
+  for (const std::string& name : settings_.fields)
+    if (std::find(offered.begin(), offered.end(), name) == offered.end())
+      throw UserError(ExitCode::usage, "-output_" + settings_.id + "_fields: this run has no field '" + name +
+                                           "'; it has: " + joined(offered));
+  std::sort(settings_.times.begin(), settings_.times.end());
+  if (resume_after) {
+    last_written_ = *resume_after;
+    if (settings_.dt > 0)
+      next_time_ = (std::floor(*resume_after / settings_.dt * (1 + 1e-12)) + 1) * settings_.dt;
+  }
+}
+
+void FieldObserver::watch(const Snapshot& snapshot, bool last) {
+  const double t = snapshot.time, tolerance = 1e-9 * std::max(std::abs(t), snapshot.dt);
+  bool due = last || (snapshot.step == 0 && last_written_ < t);
+  if (settings_.every > 0 && snapshot.step % settings_.every == 0) due = true;
+  for (double time : settings_.times)
+    due = due ||
+          (time > last_written_ + tolerance && time <= t + tolerance && t - time <= snapshot.dt + tolerance);
+  if (settings_.dt > 0 && t >= next_time_ - tolerance) {
+    due = true;
+    while (next_time_ <= t + tolerance) next_time_ += settings_.dt;
+  }
+  if (!due || t <= last_written_) return;
+  std::vector<NodeField> nodes;
+  std::vector<CellField> cells;
+  std::vector<std::vector<double>> keep;
+  keep.reserve(settings_.fields.size());
+  for (const std::string& name : settings_.fields) {
+    int components = 1;
+    if (FieldSource::is_nodal(name)) {
+      keep.push_back(source_.nodal(name, snapshot, components));
+      nodes.push_back({name, components, keep.back()});
+    } else {
+      const std::vector<double> by_batch = source_.cellwise(name, snapshot, components);
+      keep.push_back(cells_in_mesh_order(d_.mesh, d_.groups, components, by_batch));
+      cells.push_back({name, components, keep.back()});
+    }
+  }
+  file_.write(t, nodes, cells);
+  last_written_ = t;
+}
+
+} // namespace impact

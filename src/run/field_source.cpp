@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/kernel/measure.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/run/observers.hpp>
+
+namespace impact {
+
+namespace {
+
+struct CellFieldName {
+  const char* name;
+  int components;
+};
+constexpr CellFieldName cell_fields[] = {{"stress", 6}, {"von_mises", 1}, {"pressure", 1}, {"alpha", 1}};
+
+} // namespace
+
+bool FieldSource::is_nodal(const std::string& name) {
+  return std::none_of(std::begin(cell_fields), std::end(cell_fields),
+                      [&](const CellFieldName& field) { return name == field.name; });
+}
+
+std::vector<std::string> FieldSource::names() const {
+  std::vector<std::string> names;
+  for (const auto& row : state_.rows())
+    if (row->output) names.push_back(row->name);
+  for (const CellFieldName& field : cell_fields) names.emplace_back(field.name);
+  if (!motion_.contacts().empty())
+    for (const char* name : {"contact_pressure", "contact_gap"}) names.emplace_back(name);
+  return names;
+}
+
+std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& snapshot,
+                                       int& components) const {
+  if (name.rfind("contact_", 0) == 0) {
+    components = 1;
+    std::vector<double> all(motion_.discretisation().node_values(1), name == "contact_gap" ? NAN : 0.0);
+    for (ContactInterface& contact : motion_.contacts()) {
+      std::vector<double> pressure, gap;
+      contact.nodal_fields(snapshot.u, pressure, gap);
+      const std::vector<double>& mine = name == "contact_gap" ? gap : pressure;
+      for (std::size_t i = 0; i < all.size(); ++i)
+        if (name != "contact_gap")
+          all[i] = std::max(all[i], mine[i]);
+        else if (!(all[i] <= mine[i]))
+          all[i] = mine[i];
+    }
+    return all;
+  }
+  const StateRow& row = state_.row(name);
+  components = row.components;
+  return row.committed;
+}
+
+std::vector<double> FieldSource::cellwise(const std::string& name, const Snapshot&, int& components) const {
+  const Discretisation& d = motion_.discretisation();
+  components = std::find_if(std::begin(cell_fields), std::end(cell_fields), [&](const CellFieldName& field) {
+                 return name == field.name;
+               })->components;
+  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
+  const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
+  const StateRow* phi_row = state_.find("phi");
+  const auto offset = point_offsets(d.groups, history_size(d.frame));
+  std::size_t size = 0;
+  for (const CellGroup& group : d.groups) size += static_cast<std::size_t>(group.batch_count) * lanes;
+  std::vector<double> values(size * static_cast<std::size_t>(components));
+  std::size_t cursor = 0;
+  for (std::size_t g = 0; g < d.groups.size(); ++g) {
+    const CellGroup& group = d.groups[g];
+    const PointLaw& law = d.law(group);
+    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> at(group, b, u), reference(group, b, X);
+        std::optional<Gathered<Cell, 1>> phi;
+        if (phi_row) phi.emplace(group, b, phi_row->committed);
+        PointValues<Cell, history_size(frame)> points;
+        points.load(history, offset[g], b);
+        MotionInput in;
+        in.X = reference.data();
+        in.u = at.data();
+        in.u_n =
+            at.data(); // the stress field leaves the viscous part out: it belongs to a step, not to a state
+        in.phi = phi_row ? phi->data() : nullptr;
+        in.history = points.data();
+        CellOutput out;
+        cell_output<Cell, frame>(law, in, out);
+        const Batch* source = name == "stress"      ? out.stress
+                              : name == "von_mises" ? &out.von_mises
+                              : name == "pressure"  ? &out.pressure
+                                                    : &out.alpha;
+        for (int k = 0; k < components; ++k)
+          for (int l = 0; l < lanes; ++l) values[cursor++] = source[k][l];
+      }
+    });
+  }
+  return values;
+}
+
+} // namespace impact

@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fcntl.h>
+#include <filesystem>
+#include <impact/petsc/error.hpp>
+#include <impact/run/durable_file.hpp>
+#include <impact/run/history_file.hpp>
+#include <sstream>
+#include <unistd.h>
+
+namespace impact {
+
+namespace {
+
+// to_chars, because printf follows the locale's decimal comma.
+std::string digits17(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
+  std::array<char, 40> text;
+  return {text.data(),
+          std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 17).ptr};
+}
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells;
+  std::istringstream in(line);
+  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+} // namespace
+
+HistoryFile::HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after,
+                         const std::string& note)
+    : comm_(comm), file_(std::move(file)) {
+  on_rank_zero(comm_, [&] {
+    make_directories(std::filesystem::path(file_).parent_path().string());
+    const bool keep = resume_after && std::filesystem::exists(file_);
+    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (keep ? 0 : O_TRUNC), 0666);
+    if (descriptor_ < 0) throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(errno));
+    if (keep) resume(*resume_after);
+    if (length_ == 0) start(note);
+  });
+}
+
+HistoryFile::HistoryFile(HistoryFile&& other) noexcept
+    : comm_(other.comm_), file_(std::move(other.file_)), descriptor_(std::exchange(other.descriptor_, -1)),
+      length_(other.length_), resumed_(other.resumed_), columns_(std::move(other.columns_)) {}
+
+HistoryFile& HistoryFile::operator=(HistoryFile&& other) noexcept {
+  std::swap(comm_, other.comm_);
+  std::swap(file_, other.file_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(length_, other.length_);
+  std::swap(resumed_, other.resumed_);
+  std::swap(columns_, other.columns_);
+  return *this;
+}
+
+HistoryFile::~HistoryFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void HistoryFile::start(const std::string& note) {
+  std::istringstream lines(note);
+  std::string text;
+  for (std::string line; std::getline(lines, line);) text += "# " + line + "\n";
+  if (!text.empty()) append(text);
+}
+
+// Keeps what comes before the first row of a later step. A row that is not whole ends the file there too: it
+// is what a kill left of a write.
+void HistoryFile::resume(long last_step) {
+  const std::string text = read_file(file_);
+  std::size_t keep = 0;
+  for (std::size_t at = 0, end = 0; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
+    const std::string line = text.substr(at, end - at);
+    if (line.empty() || line[0] != '#') {
+      const std::vector<std::string> cells = split(line);
+      if (columns_.empty()) {
+        if (cells.empty() || cells[0] != "step")
+          throw UserError(ExitCode::io, "cannot continue " + file_ +
+                                            ": its first line has no column `step`, so it is no "
+                                            "history of this program; move it away or name another file");
+        columns_ = cells;
+      } else {
+        double step = 0;
+        const bool whole =
+            cells.size() == columns_.size() &&
+            std::from_chars(cells[0].data(), cells[0].data() + cells[0].size(), step).ec == std::errc();
+        if (!whole || step > static_cast<double>(last_step)) break;
+      }
+    }
+    keep = end + 1;
+  }
+  length_ = columns_.empty() ? 0 : static_cast<long long>(keep);
+  resumed_ = !columns_.empty();
+  if (::ftruncate(descriptor_, length_) != 0)
+    throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(errno));
+}
+
+// What was written of a refused row is cut off again.
+void HistoryFile::append(const std::string& text) {
+  std::size_t done = 0;
+  while (done < text.size()) {
+    const ssize_t put =
+        ::pwrite(descriptor_, text.data() + done, text.size() - done, length_ + static_cast<long long>(done));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) {
+      const int error = errno;
+      const bool cut = ::ftruncate(descriptor_, length_) == 0;
+      throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(error) +
+                                        (cut ? "" : " (its last row is not whole)"));
+    }
+    done += static_cast<std::size_t>(put);
+  }
+  length_ += static_cast<long long>(done);
+}
+
+std::string HistoryFile::header(const Row& row) const {
+  std::string text;
+  for (const auto& [name, value] : row) text += (text.empty() ? "" : ",") + name;
+  return text + "\n";
+}
+
+std::string HistoryFile::line(const Row& row) const {
+  std::vector<double> values(columns_.size(), std::nan(""));
+  for (const auto& [name, value] : row) {
+    const auto found = std::find(columns_.begin(), columns_.end(), name);
+    if (found == columns_.end() && resumed_)
+      throw UserError(ExitCode::io, "cannot continue " + file_ + ": it has no column " + name +
+                                        "; ask for the same columns as before or name another file");
+    if (found == columns_.end())
+      throw std::logic_error("history: column " + name + " was not in the first row");
+    values[static_cast<std::size_t>(found - columns_.begin())] = value;
+  }
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : ",") + digits17(value);
+  return text + "\n";
+}
+
+void HistoryFile::write(const Row& row) {
+  on_rank_zero(comm_, [&] {
+    if (columns_.empty()) {
+      if (row.empty() || row[0].first != "step")
+        throw std::logic_error("history: the first column must be `step`");
+      const std::string names = header(row);
+      for (const auto& [name, value] : row) columns_.push_back(name);
+      try {
+        append(names);
+      } catch (...) {
+        columns_.clear();
+        throw;
+      }
+    }
+    append(line(row));
+  });
+}
+
+} // namespace impact

@@ -1,0 +1,314 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/run/observers.hpp>
+
+namespace impact {
+
+namespace {
+
+constexpr const char* axis[3] = {"x", "y", "z"};
+
+// Columns of a field with several components: u -> ux, uy; stress -> stress_xx, ..
+std::string column(const std::string& field, int component, int components) {
+  static constexpr const char* tensor[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
+  if (components == 1) return field;
+  if (components == 6) return field + "_" + tensor[component];
+  return field + axis[component];
+}
+
+// Reference coordinates of a point in a cell by Newton's method; false when it lies outside.
+template <class Cell> bool locate(const double* X, const double* at, double* N) {
+  constexpr int dim = Cell::dim;
+  typename Cell::Point xi = Cell::centroid();
+  for (int it = 0; it < 30; ++it) {
+    const auto shape = Cell::N(xi);
+    const auto slope = Cell::dN(xi);
+    double r[3] = {0, 0, 0}, J[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < dim; ++i) {
+      r[i] = at[i];
+      for (int j = 0; j < dim; ++j) J[i][j] = 0;
+      for (int a = 0; a < Cell::nodes; ++a) {
+        r[i] -= shape[static_cast<std::size_t>(a)] * X[a * dim + i];
+        for (int j = 0; j < dim; ++j)
+          J[i][j] += slope[static_cast<std::size_t>(a)][static_cast<std::size_t>(j)] * X[a * dim + i];
+      }
+    }
+    const double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
+                       J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+                       J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    double step = 0;
+    for (int i = 0; i < dim; ++i) { // Cramer
+      double A[3][3];
+      for (int p = 0; p < 3; ++p)
+        for (int q = 0; q < 3; ++q) A[p][q] = q == i ? r[p] : J[p][q];
+      const double d = (A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) -
+                        A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
+                        A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0])) /
+                       det;
+      xi[static_cast<std::size_t>(i)] += d;
+      step = std::max(step, std::abs(d));
+    }
+    if (!(step < 1e3)) return false;
+    if (step < 1e-13) break;
+  }
+  const auto shape = Cell::N(xi);
+  for (int a = 0; a < Cell::nodes; ++a) {
+    N[a] = shape[static_cast<std::size_t>(a)];
+    if (N[a] < -1e-9) return false;
+  }
+  return true;
+}
+
+// Where cell fields, [group][batch][component][lane], have the cell of a mesh point.
+void find_lane(const std::vector<CellGroup>& groups, PetscInt point, std::size_t& batch, std::size_t& lane) {
+  std::size_t first = 0;
+  for (const CellGroup& group : groups) {
+    const auto at = std::find(group.cell_point.begin(), group.cell_point.end(), point);
+    if (at != group.cell_point.end()) {
+      const auto index = static_cast<std::size_t>(at - group.cell_point.begin());
+      batch = first + index / lanes;
+      lane = index % lanes;
+      return;
+    }
+    first += static_cast<std::size_t>(group.batch_count);
+  }
+}
+
+} // namespace
+
+std::string history_file_name(const Scenario& scenario) {
+  for (const OutputScenario& output : scenario.outputs)
+    if (output.type == OutputScenario::Type::csv && !output.file.empty()) return output.file;
+  return "history.csv";
+}
+
+HistoryObserver::HistoryObserver(MPI_Comm comm, const std::string& file, const Scenario& scenario,
+                                 MotionProblem& motion, const Ledger& ledger, StateTable& state,
+                                 const FieldSource& source, std::optional<long> resume_after)
+    : scenario_(scenario), motion_(motion), ledger_(ledger), state_(state), source_(source),
+      file_(comm, file, resume_after) {
+  for (const MaterialAssignment& m : motion_.discretisation().materials)
+    if (m.law.parameters.damage != Damage::none)
+      state_.add(StateRow{"crack_" + m.law.parameters.id, Support::global, 4}, 4);
+  check_fields();
+  locate_probes();
+}
+
+void HistoryObserver::check_fields() const {
+  const std::vector<std::string> offered = source_.names();
+  const auto check_name = [&](const std::string& key, const std::string& field, bool nodal_only) {
+    std::string names;
+    for (const std::string& name : offered)
+      if (!nodal_only || FieldSource::is_nodal(name)) names += (names.empty() ? "" : ", ") + name;
+    if (std::find(offered.begin(), offered.end(), field) == offered.end() ||
+        (nodal_only && !FieldSource::is_nodal(field)))
+      throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
+                                           field + "'; it has: " + names);
+  };
+  for (const ProbeScenario& probe : scenario_.probes)
+    for (const std::string& field : probe.fields) check_name("-probe_" + probe.id + "_fields", field, false);
+  for (const MeasureScenario& measure : scenario_.measures)
+    for (const std::string& field : measure.fields)
+      check_name("-measure_" + measure.id + "_fields", field, true);
+}
+
+void HistoryObserver::locate_probes() {
+  const Discretisation& d = motion_.discretisation();
+  for (const ProbeScenario& probe : scenario_.probes) {
+    Located found;
+    std::vector<PetscInt> region =
+        probe.region.empty() ? std::vector<PetscInt>() : d.mesh.region_cells(probe.region);
+    for (const CellTable& table : d.mesh.cells())
+      visit(table.shape, [&]<class Cell>(Cell) {
+        for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
+          if (!probe.region.empty() &&
+              std::find(region.begin(), region.end(), table.point[c]) == region.end())
+            continue;
+          double X[Cell::nodes * Cell::dim], N[Cell::nodes];
+          for (int a = 0; a < Cell::nodes; ++a)
+            for (int k = 0; k < Cell::dim; ++k)
+              X[a * Cell::dim + k] = d.mesh.coordinates()[static_cast<std::size_t>(
+                  table.connectivity[c * static_cast<std::size_t>(Cell::nodes) +
+                                     static_cast<std::size_t>(a)] *
+                      Cell::dim +
+                  k)];
+          if (!locate<Cell>(X, probe.at, N)) continue;
+          found.count = Cell::nodes;
+          find_lane(d.groups, table.point[c], found.batch, found.lane);
+          for (int a = 0; a < Cell::nodes; ++a) {
+            found.nodes[a] =
+                table.connectivity[c * static_cast<std::size_t>(Cell::nodes) + static_cast<std::size_t>(a)];
+            found.N[a] = N[a];
+          }
+        }
+      });
+    // The lowest rank that holds the point keeps it.
+    int rank = 0, size = 1;
+    MPI_Comm_rank(d.mesh.comm(), &rank);
+    MPI_Comm_size(d.mesh.comm(), &size);
+    int owner = found.count > 0 ? rank : size;
+    MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, d.mesh.comm());
+    if (owner == size)
+      throw UserError(ExitCode::data, "-probe_" + probe.id + "_at: the point is in no cell of the mesh" +
+                                          (probe.region.empty() ? "" : " region '" + probe.region + "'") +
+                                          "; give reference coordinates inside a body");
+    if (owner != rank) found.count = 0;
+    probes_.push_back(found);
+  }
+}
+
+void HistoryObserver::append_contacts(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  for (ContactInterface& contact : motion_.contacts()) {
+    const ContactMeasures m = contact.measures(snapshot.u);
+    const std::string id = "contact_" + contact.id() + "_";
+    for (std::size_t k = 0; k < 2; ++k) row.emplace_back(id + "force_" + axis[k], m.force[k]);
+    row.emplace_back(id + "gap_min", m.gap_min);
+    row.emplace_back(id + "pressure_max", m.pressure_max);
+    row.emplace_back(id + "pressure_min", m.pressure_min);
+    row.emplace_back(id + "active", m.active);
+    row.emplace_back(id + "length", m.length);
+    for (std::size_t k = 0; k < 2; ++k)
+      row.emplace_back("impulse_" + contact.id() + "_" + axis[k], m.impulse[k]);
+  }
+}
+
+void HistoryObserver::append_cracks(HistoryFile::Row& row) {
+  const Discretisation& d = motion_.discretisation();
+  const StateRow* phi = state_.find("phi");
+  if (!phi) return;
+  const int dim = d.dim();
+  const auto X = d.mesh.coordinates();
+  for (std::size_t m = 0; m < d.materials.size(); ++m) {
+    const MaterialParameters& p = d.materials[m].law.parameters;
+    if (p.damage == Damage::none) continue;
+    StateRow& origin = state_.row("crack_" + p.id); // flag, x, y, z of the first cracked node
+    std::vector<char> mine(d.node_values(1), 0);
+    for (const CellGroup& group : d.groups)
+      if (group.material == static_cast<int>(m))
+        for (int node : group.node) mine[static_cast<std::size_t>(node)] = 1;
+    const auto farthest = [&](auto&& measure) {
+      struct {
+        double value;
+        int rank;
+      } best{-1, 0};
+      int node = -1;
+      for (int i = 0; i < d.mesh.node_count(); ++i) {
+        if (!mine[static_cast<std::size_t>(i)] ||
+            phi->committed[static_cast<std::size_t>(i)] <= scenario_.crack_level)
+          continue;
+        const double value = measure(i);
+        if (value > best.value) {
+          best.value = value;
+          node = i;
+        }
+      }
+      MPI_Comm_rank(d.mesh.comm(), &best.rank);
+      MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MAXLOC, d.mesh.comm());
+      std::array<double, 4> place{best.value >= 0 ? 1.0 : 0.0, NAN, NAN, NAN};
+      if (node >= 0)
+        for (int k = 0; k < dim; ++k)
+          place[static_cast<std::size_t>(k + 1)] = X[static_cast<std::size_t>(node * dim + k)];
+      MPI_Bcast(place.data(), 4, MPI_DOUBLE, best.rank, d.mesh.comm());
+      return place;
+    };
+    if (origin.committed[0] == 0) {
+      const auto first = farthest([&](int i) { return phi->committed[static_cast<std::size_t>(i)]; });
+      if (first[0] > 0)
+        for (std::size_t k = 0; k < 4; ++k)
+          origin.committed[k] = origin.trial[k] = std::isnan(first[k]) ? 0.0 : first[k];
+    }
+    std::array<double, 4> tip{0, NAN, NAN, NAN};
+    if (origin.committed[0] > 0)
+      tip = farthest([&](int i) {
+        double sum = 0;
+        for (int k = 0; k < dim; ++k) {
+          const double dx =
+              X[static_cast<std::size_t>(i * dim + k)] - origin.committed[static_cast<std::size_t>(k + 1)];
+          sum += dx * dx;
+        }
+        return sum;
+      });
+    for (int k = 0; k < dim; ++k)
+      row.emplace_back("crack_" + p.id + "_tip_" + axis[k], tip[static_cast<std::size_t>(k + 1)]);
+    row.emplace_back("crack_" + p.id + "_measure", ledger_.fracture_energy(m) / (p.Gc * d.thickness));
+  }
+}
+
+void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  const Discretisation& d = motion_.discretisation();
+  for (std::size_t i = 0; i < probes_.size(); ++i)
+    for (const std::string& field : scenario_.probes[i].fields) {
+      int components = 1;
+      const bool nodal = FieldSource::is_nodal(field);
+      const std::vector<double> values =
+          nodal ? source_.nodal(field, snapshot, components) : source_.cellwise(field, snapshot, components);
+      const Located& probe = probes_[i];
+      for (int k = 0; k < components; ++k) {
+        double sum = 0;
+        if (nodal)
+          for (int a = 0; a < probe.count; ++a)
+            sum += probe.N[a] * values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
+        else if (probe.count > 0)
+          sum = values[(probe.batch * static_cast<std::size_t>(components) + static_cast<std::size_t>(k)) *
+                           lanes +
+                       probe.lane];
+        MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+        row.emplace_back("probe_" + scenario_.probes[i].id + "_" + column(field, k, components), sum);
+      }
+    }
+}
+
+void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  const Discretisation& d = motion_.discretisation();
+  using Of = MeasureScenario::Of;
+  for (const MeasureScenario& measure : scenario_.measures) {
+    const std::vector<int> nodes = d.mesh.nodes(measure.on);
+    for (const std::string& field : measure.fields) {
+      int components = 1;
+      const std::vector<double> values = source_.nodal(field, snapshot, components);
+      for (int k = 0; k < components; ++k) {
+        double low = HUGE_VAL, high = -HUGE_VAL, sums[2] = {0, 0};
+        for (int node : nodes) {
+          if (!d.mesh.owned(node)) continue;
+          const double value = values[static_cast<std::size_t>(node * components + k)];
+          low = std::min(low, value);
+          high = std::max(high, value);
+          sums[0] += value;
+          sums[1] += 1;
+        }
+        MPI_Allreduce(MPI_IN_PLACE, &low, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
+        MPI_Allreduce(MPI_IN_PLACE, &high, 1, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+        MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+        const double value = measure.of == Of::min   ? low
+                             : measure.of == Of::max ? high
+                             : measure.of == Of::sum ? sums[0]
+                                                     : sums[0] / std::max(sums[1], 1.0);
+        row.emplace_back("measure_" + measure.id + "_" + column(field, k, components), value);
+      }
+    }
+  }
+}
+
+void HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) {
+  HistoryFile::Row row;
+  row.emplace_back("step", static_cast<double>(snapshot.step));
+  row.emplace_back("time", snapshot.time);
+  row.emplace_back("dt", snapshot.dt);
+  row.emplace_back("tries", snapshot.tries);
+  row.emplace_back("newton", counts.newton);
+  row.emplace_back("linear", counts.linear);
+  if (!motion_.contacts().empty()) row.emplace_back("uzawa", counts.uzawa);
+  if (motion_.discretisation().has_damage()) row.emplace_back("damage_its", counts.damage);
+  ledger_.append_energies(row);
+  ledger_.append_reactions(row);
+  append_contacts(row, snapshot);
+  ledger_.append_materials(row);
+  append_cracks(row);
+  append_probes(row, snapshot);
+  append_measures(row, snapshot);
+  file_.write(row);
+}
+
+} // namespace impact

@@ -1,0 +1,355 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/kernel/measure.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/run/ledger.hpp>
+
+namespace impact {
+
+namespace {
+
+// Sum over the owned dofs of a . b; both local arrays.
+double dot(const Mesh& mesh, const std::vector<double>& a, const std::vector<double>& b) {
+  const auto components = a.size() / static_cast<std::size_t>(mesh.node_count());
+  double sum = 0;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    if (!mesh.owned(node)) continue;
+    for (std::size_t k = 0; k < components; ++k) {
+      const std::size_t i = static_cast<std::size_t>(node) * components + k;
+      sum += a[i] * b[i];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  return sum;
+}
+
+std::vector<double> mean_of(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> mean(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) mean[i] = 0.5 * (a[i] + b[i]);
+  return mean;
+}
+
+} // namespace
+
+Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m)
+    : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), alpha_m_(alpha_m),
+      X_(motion.discretisation().mesh.coordinates().begin(),
+         motion.discretisation().mesh.coordinates().end()) {
+  const Discretisation& d = motion_.discretisation();
+  const auto vertex_row = [&](const char* name) {
+    StateRow row{name, Support::vertex, d.dim()};
+    return &state_.add(std::move(row), d.node_values(d.dim()));
+  };
+  StateRow totals{"ledger_totals", Support::global, Total::count};
+  totals_ = &state_.add(std::move(totals), Total::count);
+  internal_ = vertex_row("force_internal");
+  external_ = vertex_row("force_external");
+  contact_ = vertex_row("force_contact");
+  inertia_force_ = vertex_row("force_inertia");
+  materials_.resize(d.materials.size());
+  const auto& conditions = motion_.boundary().conditions();
+  reaction_.resize(conditions.size() * static_cast<std::size_t>(d.dim()));
+  mean_.resize(reaction_.size());
+  for (const BoundaryCondition& bc : conditions) {
+    std::vector<int> nodes;
+    for (const std::string& name : bc.on)
+      for (int node : d.mesh.nodes(name))
+        if (d.mesh.owned(node)) nodes.push_back(node);
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    condition_nodes_.push_back(std::move(nodes));
+  }
+}
+
+void Ledger::measure(Vec u, Vec v, bool trial) {
+  const Discretisation& d = motion_.discretisation();
+  std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;
+  d.displacement.to_local(u, u_local);
+  d.displacement.to_local(v, v_local);
+  const auto half = [trial](const StateRow& row) -> const std::vector<double>& {
+    return trial ? row.trial : row.committed;
+  };
+  const StateRow* phi_row = state_.find("phi");
+  const std::vector<double>& history = half(state_.row("history"));
+  const auto offset = point_offsets(d.groups, history_size(d.frame));
+  std::vector<double> values(d.materials.size() * 7, 0.0);
+  for (std::size_t g = 0; g < d.groups.size(); ++g) {
+    const CellGroup& group = d.groups[g];
+    const PointLaw& law = d.law(group);
+    double* mine = &values[static_cast<std::size_t>(group.material) * 7];
+    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_local), speed(group, b, v_local);
+        std::optional<Gathered<Cell, 1>> phi;
+        if (phi_row) phi.emplace(group, b, half(*phi_row));
+        PointValues<Cell, history_size(frame)> points;
+        points.load(history, offset[g], b);
+        EnergyInput in;
+        in.X = X.data();
+        in.u = at.data();
+        in.v = inertia_ ? speed.data() : nullptr;
+        in.phi = phi_row ? phi->data() : nullptr;
+        in.history = points.data();
+        EnergySums sums;
+        stored_energy<Cell, frame>(law, in, sums);
+        const int used = group.lanes_in_use(b);
+        mine[0] += lane_sum(sums.kinetic, used);
+        mine[1] += lane_sum(sums.elastic, used);
+        mine[2] += lane_sum(sums.plastic, used);
+        mine[3] += lane_sum(sums.fracture, used);
+        for (int k = 0; k < 3; ++k) mine[4 + k] += lane_sum(sums.momentum[k], used);
+      }
+    });
+  }
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
+                d.mesh.comm());
+  total_ = {};
+  for (std::size_t m = 0; m < materials_.size(); ++m) {
+    const double* v7 = &values[m * 7];
+    const double w = d.thickness;
+    materials_[m] = {w * v7[0], w * v7[1], w * v7[2], w * v7[3], {w * v7[4], w * v7[5], w * v7[6]}};
+    total_.kinetic += materials_[m].kinetic;
+    total_.elastic += materials_[m].elastic;
+    total_.plastic += materials_[m].plastic;
+    total_.fracture += materials_[m].fracture;
+  }
+  find_extremes(trial);
+}
+
+void Ledger::find_extremes(bool trial) {
+  const Discretisation& d = motion_.discretisation();
+  double extremes[2] = {0, 0};
+  if (const StateRow* phi = state_.find("phi"))
+    for (double value : trial ? phi->trial : phi->committed) extremes[0] = std::max(extremes[0], value);
+  const StateRow& row = state_.row("history");
+  const std::vector<double>& history = trial ? row.trial : row.committed;
+  const auto components = static_cast<std::size_t>(history_size(d.frame));
+  for (std::size_t i = (components - 1) * lanes; i < history.size(); i += components * lanes)
+    for (std::size_t l = 0; l < lanes; ++l) extremes[1] = std::max(extremes[1], history[i + l]);
+  MPI_Allreduce(MPI_IN_PLACE, extremes, 2, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  phi_max_ = extremes[0];
+  alpha_max_ = extremes[1];
+}
+
+double Ledger::contact_energy(Vec u) const {
+  double energy = 0;
+  for (ContactInterface& contact : motion_.contacts()) energy += contact.measures(u).energy;
+  return energy;
+}
+
+double Ledger::stored() const {
+  return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + energy_contact_;
+}
+
+void Ledger::start(Vec u, Vec v, Vec) {
+  const Discretisation& d = motion_.discretisation();
+  measure(u, v, false);
+  energy_contact_ = contact_energy(u);
+  sum(start_energy) = stored();
+  sum(scale) = std::abs(stored());
+  // Forces of the start: the half of the first step's work that belongs to t = 0.
+  ForceParts parts;
+  motion_.parts(u, parts);
+  d.displacement.to_local(parts.internal, internal_->trial);
+  d.displacement.to_local(parts.external, external_->trial);
+  // At the start the inertia balances these forces on the free dofs by the choice of a_0, contact apart.
+  for (std::size_t i = 0; i < internal_->trial.size(); ++i) {
+    if (motion_.boundary().fixed_mask()[i]) external_->trial[i] = internal_->trial[i];
+    inertia_force_->trial[i] = inertia_ ? external_->trial[i] - internal_->trial[i] : 0.0;
+  }
+  reaction_force_ = internal_->trial;
+  std::vector<double> loads = d.displacement.make_local();
+  d.displacement.to_local(parts.external, loads);
+  for (std::size_t i = 0; i < loads.size(); ++i) reaction_force_[i] -= loads[i];
+  std::vector<double> local = d.displacement.make_local();
+  d.displacement.to_local(u, local);
+  find_reactions(local);
+}
+
+void Ledger::observe(Vec u, Vec v) {
+  measure(u, v, false);
+  for (double& total : totals_->trial) total = NAN;
+  reaction_force_.assign(motion_.discretisation().node_values(motion_.discretisation().dim()), NAN);
+  std::vector<double> local = motion_.discretisation().displacement.make_local();
+  motion_.discretisation().displacement.to_local(u, local);
+  find_reactions(local);
+}
+
+void Ledger::resume(Vec u, Vec v) {
+  measure(u, v, false);
+  energy_contact_ = contact_energy(u);
+}
+
+void Ledger::book(double dt, Vec u, Vec v, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  const double w = d.thickness, s = coupling_->contact_scale();
+  const double kinetic_n = total_.kinetic;
+
+  // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history.
+  ForceParts parts;
+  motion_.parts(u, parts);
+  d.displacement.to_local(parts.internal, internal_->trial);
+  d.displacement.to_local(parts.external, external_->trial);
+  d.displacement.to_local(coupling_->contact_force(), contact_->trial);
+  if (inertia_) {
+    // M a_eq of the balance: a_eq = alpha_m a* + (1 - alpha_m) a_n with a* before the contact's share was
+    // taken out.
+    Handle<Vec> a_eq = d.displacement.make_global(), force = d.displacement.make_global();
+    d.displacement.to_global(state_.row("a").committed, a_eq);
+    check(VecScale(a_eq, 1 - alpha_m_));
+    check(VecAXPY(a_eq, alpha_m_, a));
+    check(VecAXPY(a_eq, alpha_m_, coupling_->contact_acceleration()));
+    motion_.mass_multiply(a_eq, force);
+    d.displacement.to_local(force, inertia_force_->trial);
+    // The contact-stabilised update lets s F_c act on the displacement but F_c on the body: that is what
+    // supports feel.
+    check(VecAXPY(a_eq, -(1 - 1 / s) * alpha_m_, coupling_->contact_acceleration()));
+    motion_.mass_multiply(a_eq, force);
+    d.displacement.to_local(force, reaction_force_);
+  } else {
+    reaction_force_.assign(inertia_force_->trial.size(), 0.0);
+    std::fill(inertia_force_->trial.begin(), inertia_force_->trial.end(), 0.0);
+  }
+  for (std::size_t i = 0; i < inertia_force_->trial.size(); ++i) {
+    reaction_force_[i] += internal_->trial[i] - external_->trial[i] - contact_->trial[i];
+    // Reactions close the balance on prescribed dofs; then J = M a_eq - s F_c takes the inertia's place.
+    const double balance =
+        inertia_force_->trial[i] + internal_->trial[i] - external_->trial[i] - s * contact_->trial[i];
+    if (motion_.boundary().fixed_mask()[i]) external_->trial[i] += balance;
+    inertia_force_->trial[i] -= s * contact_->trial[i];
+  }
+
+  std::vector<double> u_local = d.displacement.make_local();
+  d.displacement.to_local(u, u_local);
+  std::vector<double> du = u_local;
+  const std::vector<double>& u_n = state_.row("u").committed;
+  for (std::size_t i = 0; i < du.size(); ++i) du[i] -= u_n[i];
+  const double work_internal = w * dot(d.mesh, du, mean_of(internal_->committed, internal_->trial));
+  const double work_external = w * dot(d.mesh, du, mean_of(external_->committed, external_->trial));
+  const double work_inertia = w * dot(d.mesh, du, mean_of(inertia_force_->committed, inertia_force_->trial));
+  const double work_contact =
+      w * dot(d.mesh, du,
+              coupling_->stabilised() ? contact_->trial : mean_of(contact_->committed, contact_->trial));
+
+  measure(u, v, true);
+  energy_contact_ = contact_energy(u);
+  const double kinetic_change = total_.kinetic - kinetic_n;
+  const double loss = inertia_ ? work_inertia + work_contact - kinetic_change : 0.0;
+  sum(external) += work_external;
+  sum(contact_work) += work_contact;
+  sum(numerical) += loss;
+  sum(identity) += kinetic_change + loss + work_internal - work_external - work_contact;
+
+  sum(viscous) += w * coupling_->increments().viscous_dissipation;
+  sum(plastic_dissipation) += w * coupling_->increments().plastic_dissipation;
+  if (const StateRow* phi = state_.find("phi")) {
+    double lost = 0;
+    for (const CellGroup& group : d.groups) {
+      const PointLaw& law = d.law(group);
+      if (law.parameters.damage == Damage::none) continue;
+      with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+        for (int b = 0; b < group.batch_count; ++b) {
+          const Gathered<Cell, Cell::dim> X(group, b, X_);
+          const Gathered<Cell, 1> now(group, b, phi->trial), before(group, b, phi->committed);
+          Batch part = 0;
+          damage_dissipation<Cell, frame>(law, X.data(), now.data(), before.data(), dt, part);
+          lost += lane_sum(part, group.lanes_in_use(b));
+        }
+      });
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &lost, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+    sum(damage) += w * lost;
+  }
+  sum(scale) =
+      std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
+  find_reactions(u_local);
+}
+
+void Ledger::find_reactions(const std::vector<double>& u) {
+  const Discretisation& d = motion_.discretisation();
+  const auto dim = static_cast<std::size_t>(d.dim());
+  std::fill(reaction_.begin(), reaction_.end(), 0.0);
+  for (const FixedDof& fixed : motion_.boundary().fixed()) {
+    if (!d.mesh.owned(fixed.dof / d.dim())) continue;
+    const auto i = static_cast<std::size_t>(fixed.dof);
+    reaction_[static_cast<std::size_t>(fixed.condition) * dim + static_cast<std::size_t>(fixed.component)] +=
+        d.thickness * reaction_force_[i];
+  }
+  std::vector<double> sums(mean_.size() + condition_nodes_.size(), 0.0);
+  for (std::size_t c = 0; c < condition_nodes_.size(); ++c) {
+    for (int node : condition_nodes_[c])
+      for (std::size_t k = 0; k < dim; ++k) sums[c * dim + k] += u[static_cast<std::size_t>(node) * dim + k];
+    sums[mean_.size() + c] = static_cast<double>(condition_nodes_[c].size());
+  }
+  MPI_Allreduce(MPI_IN_PLACE, reaction_.data(), static_cast<int>(reaction_.size()), MPI_DOUBLE, MPI_SUM,
+                d.mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  for (std::size_t c = 0; c < condition_nodes_.size(); ++c)
+    for (std::size_t k = 0; k < dim; ++k)
+      mean_[c * dim + k] = sums[c * dim + k] / std::max(1.0, sums[mean_.size() + c]);
+}
+
+double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(scale) + 1e-300; }
+double Ledger::balance() const { return sum(identity) / energy_scale(); }
+
+double Ledger::balance_first_law() const {
+  const double lost = sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(numerical);
+  return (stored() + lost - sum(external) - sum(start_energy)) / energy_scale();
+}
+
+void Ledger::append_energies(HistoryFile::Row& row) const {
+  const Discretisation& d = motion_.discretisation();
+  const bool has_contact = !motion_.contacts().empty();
+  row.emplace_back("energy_kinetic", total_.kinetic);
+  row.emplace_back("energy_elastic", total_.elastic);
+  if (d.has_plasticity()) row.emplace_back("energy_plastic", total_.plastic);
+  if (d.has_damage()) row.emplace_back("energy_fracture", total_.fracture);
+  if (d.has_viscosity()) row.emplace_back("dissipated_viscous", sum(viscous));
+  if (d.has_damage()) row.emplace_back("dissipated_damage", sum(damage));
+  if (d.has_plasticity()) row.emplace_back("dissipated_plastic", sum(plastic_dissipation));
+  if (has_contact) row.emplace_back("energy_contact", energy_contact_);
+  row.emplace_back("dissipated_numerical", sum(numerical));
+  row.emplace_back("work_external", sum(external));
+  if (has_contact) row.emplace_back("work_contact", sum(contact_work));
+  row.emplace_back("balance", balance());
+  row.emplace_back("balance_first_law", balance_first_law());
+  if (d.has_damage()) row.emplace_back("phi_max", phi_max_);
+  if (d.has_plasticity()) row.emplace_back("alpha_max", alpha_max_);
+}
+
+void Ledger::append_reactions(HistoryFile::Row& row) const {
+  static constexpr const char* axis[3] = {"x", "y", "z"};
+  const int dim = motion_.discretisation().dim();
+  const auto& conditions = motion_.boundary().conditions();
+  for (std::size_t c = 0; c < conditions.size(); ++c) {
+    const BcType type = conditions[c].type;
+    if (type == BcType::body_force || type == BcType::damage) continue;
+    const bool holds = type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
+                       type == BcType::velocity || type == BcType::acceleration;
+    for (int k = 0; k < dim; ++k) {
+      const std::size_t i = c * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k);
+      if (holds) row.emplace_back("reaction_" + conditions[c].id + "_" + axis[k], reaction_[i]);
+    }
+    for (int k = 0; k < dim; ++k) {
+      const std::size_t i = c * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k);
+      row.emplace_back("mean_" + conditions[c].id + "_u" + axis[k], mean_[i]);
+    }
+  }
+}
+
+void Ledger::append_materials(HistoryFile::Row& row) const {
+  static constexpr const char* axis[3] = {"x", "y", "z"};
+  const Discretisation& d = motion_.discretisation();
+  for (std::size_t m = 0; m < materials_.size(); ++m) {
+    const std::string& id = d.materials[m].law.parameters.id;
+    for (int k = 0; k < d.dim(); ++k)
+      row.emplace_back("momentum_" + id + "_" + axis[k], materials_[m].momentum[k]);
+    row.emplace_back("energy_kinetic_" + id, materials_[m].kinetic);
+    row.emplace_back("energy_elastic_" + id, materials_[m].elastic);
+    if (d.has_plasticity()) row.emplace_back("energy_plastic_" + id, materials_[m].plastic);
+  }
+}
+
+} // namespace impact

@@ -1,0 +1,242 @@
+#include "scenario_tables.hpp"
+#include <filesystem>
+#include <impact/mesh/mesh.hpp>
+#include <impact/petsc/error.hpp>
+#include <map>
+
+/// What no single option can tell: defaults that hang on others, missing and contradicting options, names of
+/// groups.
+namespace impact {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& message) { throw UserError(ExitCode::usage, message); }
+
+bool any_plastic(const Scenario& scenario) {
+  return std::any_of(scenario.materials.begin(), scenario.materials.end(),
+                     [](const MaterialScenario& material) { return material.law.model == Model::j2; });
+}
+
+void complete_time(TimeScenario& time) {
+  if (time.table_times.empty() || time.table_dts.empty()) return;
+  if (time.dt == 0) time.dt = *std::max_element(time.table_dts.begin(), time.table_dts.end());
+  if (time.max_time == 0) time.max_time = time.table_times.back();
+}
+
+void complete_output(OutputScenario& output, const Scenario& scenario) {
+  if (output.dt == 0 && output.every == 0 && output.times.empty()) output.every = 1;
+  if (output.file.empty())
+    output.file = output.type == OutputScenario::Type::csv ? "history.csv" : output.id + ".xdmf";
+  if (output.type == OutputScenario::Type::csv || !output.fields.empty()) return;
+  output.fields = {"u"};
+  if (scenario.has_inertia()) output.fields.emplace_back("v");
+  if (scenario.has_damage()) output.fields.emplace_back("phi");
+  output.fields.insert(output.fields.end(), {"stress", "von_mises", "pressure"});
+  if (any_plastic(scenario)) output.fields.emplace_back("alpha");
+  if (!scenario.contacts.empty())
+    output.fields.insert(output.fields.end(), {"contact_pressure", "contact_gap"});
+}
+
+void check_time(const TimeScenario& time) {
+  if (time.table_times.empty() != time.table_dts.empty())
+    fail(std::string(time.table_times.empty() ? "-ts_times" : "-ts_dts") +
+         ": missing; allowed: -ts_times and -ts_dts together, or neither");
+  for (std::size_t i = 1; i < time.table_times.size(); ++i)
+    if (time.table_times[i] <= time.table_times[i - 1])
+      fail("-ts_times \"" + numbers_text(time.table_times) + "\": not increasing; allowed: increasing times");
+  if (!time.table_times.empty() && time.table_times.size() != time.table_dts.size() + 1)
+    fail("-ts_dts \"" + numbers_text(time.table_dts) + "\": " + std::to_string(time.table_dts.size()) +
+         " steps for " + std::to_string(time.table_times.size()) +
+         " times; allowed: one step less than times");
+  if (time.dt == 0) fail("-ts_dt: missing; allowed: a time step > 0; or give -ts_times and -ts_dts");
+  if (time.max_time == 0) fail("-ts_max_time: missing; allowed: the end of the run, > 0");
+}
+
+void check_materials(const Scenario& scenario) {
+  if (scenario.materials.empty())
+    fail("-materials: missing; allowed: a comma list of ids, one for each material");
+  std::map<std::string, std::string> owner;
+  bool body_force = false;
+  for (const BoundaryCondition& bc : scenario.bcs) body_force = body_force || bc.type == BcType::body_force;
+  for (const MaterialScenario& material : scenario.materials) {
+    const std::string prefix = "-material_" + material.law.id + "_";
+    for (const std::string& region : material.regions)
+      if (const auto [at, fresh] = owner.emplace(region, material.law.id); !fresh)
+        fail(prefix + "region \"" + region + "\": is made of material " + at->second +
+             " already; give each region to one material");
+    if (material.law.rho == 0 && (scenario.has_inertia() || body_force))
+      fail(prefix + "rho: missing; needed by " +
+           (body_force ? std::string("a body force") : "inertia; or run without it: -ts_type static"));
+  }
+}
+
+void check_condition(const BoundaryCondition& bc) {
+  const std::string prefix = "-bc_" + bc.id + "_";
+  const bool scalar = bc.type == BcType::pressure || bc.type == BcType::damage;
+  const bool bare = bc.type == BcType::fix || bc.type == BcType::symmetry;
+  bool components = false;
+  for (int k = 0; k < 3; ++k) {
+    if (!bc.component[k]) continue;
+    components = true;
+    if (scalar || bare)
+      fail(bc.component[k]->key() + " \"" + bc.component[k]->text() +
+           "\": has no meaning for this type; remove it" +
+           (scalar ? ", " + prefix + "value is what it takes"
+                   : ", or choose " + prefix + "type displacement"));
+  }
+  if (bc.value && !scalar)
+    fail(bc.value->key() + " \"" + bc.value->text() +
+         "\": has no meaning for this type; allowed with types pressure and damage");
+  if (scalar && !bc.value)
+    fail(prefix + "value: missing; allowed: an expression; the types pressure and damage need it");
+  if (!scalar && !bare && !components)
+    fail(prefix + "ux: missing; allowed: at least one of " + prefix + "ux, " + prefix + "uy, " + prefix +
+         "uz");
+}
+
+void check_contact(const ContactSettings& contact) {
+  const std::string prefix = "-contact_" + contact.id + "_";
+  const double* n = contact.plane_normal;
+  if (contact.primary == "plane" && n[0] == 0 && n[1] == 0 && n[2] == 0)
+    fail(prefix + "plane_normal \"0,0,0\": has no direction; allowed: a vector of any length but 0");
+  if (contact.secondary == "plane")
+    fail(prefix + "secondary \"plane\": a rigid plane is the primary side; exchange the two sides");
+  if (contact.penalty > contact.penalty_max)
+    fail(prefix + "penalty_max \"" + number_text(contact.penalty_max) +
+         "\": is less than the starting penalty; allowed: >= " + number_text(contact.penalty));
+}
+
+void check_alpha2(const Scenario& scenario) {
+  if (scenario.time.type != "alpha2") return;
+  const std::string remedy =
+      "; allowed with -ts_type alpha2: elastic bodies without damage, contact and viscosity; "
+      "remove it, or choose -ts_type newmark";
+  if (!scenario.contacts.empty())
+    fail("-contacts \"" + scenario.contacts.front().id + "\": not available" + remedy);
+  for (const MaterialScenario& material : scenario.materials) {
+    const std::string prefix = "-material_" + material.law.id + "_";
+    if (material.law.model != Model::elastic) fail(prefix + "model \"j2\": not available" + remedy);
+    if (material.law.damage != Damage::none) fail(prefix + "damage \"at2\": not available" + remedy);
+    if (material.law.b_d != 0)
+      fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
+  }
+}
+
+void check_outputs(const Scenario& scenario) {
+  std::map<std::string, std::string> writer;
+  for (const OutputScenario& output : scenario.outputs) {
+    const std::string prefix = "-output_" + output.id + "_";
+    const bool csv = output.type == OutputScenario::Type::csv;
+    if (csv && !output.fields.empty())
+      fail(prefix + "fields: has no meaning for type csv; the columns of the history are fixed, use -probes "
+                    "and -measures");
+    if (const auto [at, fresh] = writer.emplace(output.file, output.id); !fresh)
+      fail(prefix + "file \"" + output.file + "\": is written by output " + at->second +
+           " already; choose another name");
+  }
+}
+
+std::string groups_text(const std::vector<Group>& groups) {
+  std::string text;
+  for (int dim = 3; dim >= 0; --dim) {
+    std::string names;
+    for (const Group& group : groups)
+      if (group.dim == dim) names += (names.empty() ? "" : ", ") + group.name;
+    if (!names.empty()) text += (text.empty() ? "" : "; ") + names + " (" + std::to_string(dim) + "D)";
+  }
+  return text.empty() ? "none" : text;
+}
+
+class GroupCheck {
+public:
+  GroupCheck(const std::vector<Group>& groups, int dim) : groups_(groups), dim_(dim) {}
+
+  /// `dims`: allowed dimensions of the group; empty: any.
+  void operator()(const std::string& key, const std::string& name, const std::vector<int>& dims) const {
+    const Group* found = nullptr;
+    for (const Group& group : groups_)
+      if (group.name == name) found = &group;
+    if (!found) data(key + " \"" + name + "\": no such physical group; mesh has: " + groups_text(groups_));
+    if (dims.empty() || std::find(dims.begin(), dims.end(), found->dim) != dims.end()) return;
+    data(key + " \"" + name + "\": is a group of dimension " + std::to_string(found->dim) +
+         "; allowed: dimension " + std::to_string(dims.front()) + "; mesh has: " + groups_text(groups_));
+  }
+
+  void component(const std::optional<Expression>& third) const {
+    if (dim_ == 2 && third)
+      data(third->key() + " \"" + third->text() + "\": the mesh is plane; allowed: x and y components");
+  }
+
+  [[noreturn]] static void data(const std::string& message) { throw UserError(ExitCode::data, message); }
+
+private:
+  const std::vector<Group>& groups_;
+  int dim_;
+};
+
+void check_condition_groups(const Scenario& scenario, const GroupCheck& check, int dim) {
+  for (const BoundaryCondition& bc : scenario.bcs) {
+    const bool surface = bc.type == BcType::traction || bc.type == BcType::pressure;
+    const bool volume = bc.type == BcType::body_force;
+    for (const std::string& name : bc.on)
+      check("-bc_" + bc.id + "_on", name,
+            surface  ? std::vector<int>{dim - 1}
+            : volume ? std::vector<int>{dim}
+                     : std::vector<int>{});
+    check.component(bc.component[2]);
+  }
+  for (const InitialCondition& ic : scenario.ics) {
+    for (const std::string& name : ic.on) check("-ic_" + ic.id + "_on", name, {});
+    check.component(ic.u[2]);
+    check.component(ic.v[2]);
+  }
+}
+
+} // namespace
+
+void complete(Scenario& scenario) {
+  complete_time(scenario.time);
+  if (scenario.coupling.max_it == 0)
+    scenario.coupling.max_it = !scenario.has_inertia() && scenario.has_damage() ? 200 : 1;
+  if (scenario.checkpoint.dir.empty())
+    scenario.checkpoint.dir = (std::filesystem::path(scenario.output_dir) / "checkpoints").string();
+  for (OutputScenario& output : scenario.outputs) complete_output(output, scenario);
+  for (ProbeScenario& probe : scenario.probes)
+    if (probe.fields.empty()) probe.fields = {"u"};
+  for (MeasureScenario& measure : scenario.measures)
+    if (measure.fields.empty()) measure.fields = {"u"};
+}
+
+void check_scenario(const Scenario& scenario) {
+  check_time(scenario.time);
+  check_materials(scenario);
+  if (scenario.dim == 3 && scenario.plane == PlaneMode::axisymmetric)
+    fail("-plane \"axisymmetric\": the problem has three dimensions; allowed with -dim 2");
+  for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
+  for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
+  check_alpha2(scenario);
+  check_outputs(scenario);
+}
+
+void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int dim) {
+  if (scenario.dim != 0 && scenario.dim != dim)
+    GroupCheck::data("-dim \"" + std::to_string(scenario.dim) + "\": the mesh has dimension " +
+                     std::to_string(dim) + "; allowed: its dimension, or leave it out");
+  if (dim == 3 && scenario.plane == PlaneMode::axisymmetric)
+    GroupCheck::data("-plane \"axisymmetric\": the mesh has dimension 3; allowed: plane meshes");
+  const GroupCheck check(groups, dim);
+  for (const MaterialScenario& material : scenario.materials)
+    for (const std::string& region : material.regions)
+      check("-material_" + material.law.id + "_region", region, {dim});
+  check_condition_groups(scenario, check, dim);
+  for (const ContactSettings& contact : scenario.contacts) {
+    check("-contact_" + contact.id + "_secondary", contact.secondary, {dim - 1});
+    if (contact.primary != "plane") check("-contact_" + contact.id + "_primary", contact.primary, {dim - 1});
+  }
+  for (const ProbeScenario& probe : scenario.probes)
+    if (!probe.region.empty()) check("-probe_" + probe.id + "_on", probe.region, {dim});
+  for (const MeasureScenario& measure : scenario.measures)
+    check("-measure_" + measure.id + "_on", measure.on, {});
+}
+
+} // namespace impact

@@ -1,0 +1,261 @@
+#include "scenario_tables.hpp"
+
+/// The tables of the options whose names hold an id: -material_<id>_..., -bc_<id>_..., and so on.
+namespace impact {
+
+namespace {
+
+/// Rows `<stem>x`, `<stem>y`, `<stem>z` of an array of three expressions.
+template <class Struct, class Place, class UnitOf>
+void add_components(std::vector<OptionRow<Struct>>& rows, const std::string& stem, Place place,
+                    const std::string& about, UnitOf unit_of, const std::string& unit) {
+  for (int k = 0; k < 3; ++k)
+    rows.push_back(expression_row<Struct>(
+        stem + "xyz"[k], [=](auto& target) -> auto& { return place(target)[k]; }, {about, "", unit},
+        unit_of));
+}
+
+std::vector<std::string> mesh_fields() {
+  return {"u", "v", "a", "phi", "stress", "von_mises", "alpha", "pressure"};
+}
+
+std::vector<std::string> all_fields() {
+  std::vector<std::string> fields = mesh_fields();
+  fields.insert(fields.end(), {"contact_pressure", "contact_gap"});
+  return fields;
+}
+
+using Contact = ContactSettings;
+
+NumberWords automatic() { return {{"auto", Contact::automatic}}; }
+
+std::vector<OptionRow<Contact>> contact_side_rows() {
+  return {
+      text_row<Contact>("secondary", &Contact::secondary, {"boundary whose points are checked", "required"},
+                        "name of a boundary"),
+      text_row<Contact>("primary", &Contact::primary,
+                        {"boundary that they meet, or a rigid half space", "required"},
+                        "name of a boundary, plane"),
+      point_row<Contact>("plane_point", [](auto& c) -> auto& { return c.plane_point; },
+                         {"a point of the rigid plane", "0,0,0", "m"}),
+      point_row<Contact>("plane_normal", [](auto& c) -> auto& { return c.plane_normal; },
+                         {"normal of the rigid plane, away from its body", "0,1,0", "1"}),
+  };
+}
+
+std::vector<OptionRow<Contact>> enforcement_rows() {
+  return {
+      choice_row<Contact, Enforcement>(
+          "enforce", &Contact::enforce,
+          {"augmented Lagrangian (Uzawa) or penalty alone", "auglag", "", "", "(74)-(79)"},
+          {{"auglag", Enforcement::auglag}, {"penalty", Enforcement::penalty}}),
+      number_row<Contact>(
+          "penalty", &Contact::penalty,
+          {"starting penalty; auto: 10 E/h of the softer side", "auto", "N/m^3", "epsilon_N", "(75)"},
+          positive, automatic()),
+      number_row<Contact>("penalty_increment", &Contact::penalty_increment,
+                          {"added when the penalty grows; auto: the starting penalty", "auto", "N/m^3"},
+                          not_negative, automatic()),
+      number_row<Contact>("penalty_max", &Contact::penalty_max,
+                          {"largest penalty; auto: 1e4 times the automatic one", "auto", "N/m^3"}, positive,
+                          automatic()),
+      choice_row<Contact, PenaltyGrowth>(
+          "penalty_growth", &Contact::growth,
+          {"grow when an augmentation closed the gap by less than a factor 4, or at every one (the "
+           "paper's)",
+           "slow_gap"},
+          {{"slow_gap", PenaltyGrowth::on_slow_gap}, {"always", PenaltyGrowth::every_augmentation}}),
+      number_row<Contact>("gap_tol", &Contact::gap_tol,
+                          {"penetration at which augmentations end; auto: 1e-3 of the secondary facet",
+                           "auto", "m", "", "(77)-(79)"},
+                          positive, automatic()),
+      number_row<Contact>("pressure_tol", &Contact::pressure_tol,
+                          {"change of the multipliers against the largest at which they end", "1e-2", "1"},
+                          positive),
+  };
+}
+
+std::vector<OptionRow<Contact>> detection_rows() {
+  return {
+      count_row<Contact>("points", &Contact::points, {"Gauss points per secondary facet and direction", "2"},
+                         1, 5),
+      number_row<Contact>("search_radius", &Contact::search_radius,
+                          {"distance of candidate pairs; auto: twice the longest facet", "auto", "m"},
+                          positive, automatic()),
+      choice_row<Contact, InitialOverlap>("initial", &Contact::initial,
+                                          {"what becomes of bodies that overlap at the start", "error"},
+                                          {{"adjust", InitialOverlap::adjust},
+                                           {"error", InitialOverlap::error},
+                                           {"allow", InitialOverlap::allow}}),
+      number_row<Contact>("initial_tol", &Contact::initial_tol,
+                          {"overlap that is none; auto: 1e-3 of the secondary facet", "auto", "m"},
+                          not_negative, automatic()),
+      choice_row<Contact, ImpactUpdate>(
+          "impact", &Contact::impact,
+          {"treatment of the shock at touch; auto: stabilised with inertia", "auto"},
+          {{"auto", ImpactUpdate::automatic},
+           {"stabilised", ImpactUpdate::stabilised},
+           {"none", ImpactUpdate::none}}),
+  };
+}
+
+} // namespace
+
+std::string condition_unit(BcType type) {
+  switch (type) {
+  case BcType::displacement:
+    return "m";
+  case BcType::velocity:
+    return "m/s";
+  case BcType::acceleration:
+  case BcType::body_force:
+    return "m/s^2";
+  case BcType::traction:
+  case BcType::pressure:
+    return "Pa";
+  case BcType::force:
+    return "N";
+  case BcType::fix:
+  case BcType::symmetry:
+  case BcType::damage:
+    break;
+  }
+  return "1";
+}
+
+OptionClass<ParameterScenario> parameter_class() {
+  OptionRow<ParameterScenario> value = number_row<ParameterScenario>(
+      "", &ParameterScenario::value, {"value of the parameter `<id>` in every expression", "required", "any"},
+      any_number);
+  value.read = [](ParameterScenario& target, const GivenOption& option, const OptionContext& context) {
+    try {
+      target.value = parse_any_quantity(option.text, context.units);
+    } catch (const std::invalid_argument& reason) {
+      refuse_option(option, reason.what());
+    }
+  };
+  value.allowed = "number, alone or with a unit";
+  return {"param", "params", "Parameters are names in every expression, with values in run units.", {value}};
+}
+
+OptionClass<FunctionScenario> function_class() {
+  return {"function",
+          "functions",
+          "`<id>(t)` in an expression interpolates the table linearly; beyond its ends it is constant.",
+          {file_row<FunctionScenario>("table", &FunctionScenario::file,
+                                      {"two columns of numbers: t, value", "required"})}};
+}
+
+OptionClass<BoundaryCondition> boundary_class() {
+  using Bc = BoundaryCondition;
+  std::vector<OptionRow<Bc>> rows = {
+      list_row<Bc>("on", &Bc::on,
+                   {"groups of the mesh: boundaries, points, or regions with all their nodes", "required"}),
+      choice_row<Bc, BcType>(
+          "type", &Bc::type,
+          {"what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
+           "positive inwards; force is a total, spread over the reference area; body_force is per mass",
+           "displacement"},
+          {{"fix", BcType::fix},
+           {"displacement", BcType::displacement},
+           {"symmetry", BcType::symmetry},
+           {"velocity", BcType::velocity},
+           {"acceleration", BcType::acceleration},
+           {"traction", BcType::traction},
+           {"pressure", BcType::pressure},
+           {"force", BcType::force},
+           {"body_force", BcType::body_force},
+           {"damage", BcType::damage}}),
+  };
+  const auto unit_of = [](const Bc& bc) { return condition_unit(bc.type); };
+  add_components<Bc>(
+      rows, "u", [](auto& bc) -> auto& { return bc.component; },
+      "component of what the type names; left out: free, or no load", unit_of, "by type");
+  rows.push_back(expression_row<Bc>(
+      "value", [](auto& bc) -> auto& { return bc.value; },
+      {"scalar of pressure and damage (phi)", "", "by type"}, unit_of));
+  return {"bc", "bcs", "Values are expressions of x, y, z (reference coordinates) and t.", rows};
+}
+
+OptionClass<InitialCondition> initial_class() {
+  using Ic = InitialCondition;
+  std::vector<OptionRow<Ic>> rows = {
+      list_row<Ic>("on", &Ic::on, {"groups of the mesh", "required"}),
+  };
+  add_components<Ic>(
+      rows, "u", [](auto& ic) -> auto& { return ic.u; }, "initial displacement",
+      [](const Ic&) { return std::string("m"); }, "m");
+  add_components<Ic>(
+      rows, "v", [](auto& ic) -> auto& { return ic.v; }, "initial velocity",
+      [](const Ic&) { return std::string("m/s"); }, "m/s");
+  rows.push_back(expression_row<Ic>(
+      "phi", [](auto& ic) -> auto& { return ic.phi; }, {"initial damage", "", "1", "phi"},
+      [](const Ic&) { return std::string("1"); }));
+  return {"ic", "ics", "Boundary conditions win over initial ones.", rows};
+}
+
+OptionClass<ContactSettings> contact_class() {
+  std::vector<OptionRow<Contact>> rows = contact_side_rows();
+  for (auto& row : enforcement_rows()) rows.push_back(row);
+  for (auto& row : detection_rows()) rows.push_back(row);
+  return {"contact", "contacts",
+          "The secondary side carries the points that must not enter the primary one: take the finer, softer "
+          "or smaller "
+          "side.",
+          rows};
+}
+
+OptionClass<OutputScenario> output_class() {
+  using Output = OutputScenario;
+  return {"output",
+          "outputs",
+          "Without `_dt`, `_every` and `_times` every accepted step is written.",
+          {
+              choice_row<Output, Output::Type>("type", &Output::type,
+                                               {"fields for ParaView, or the history table", "xdmf"},
+                                               {{"xdmf", Output::Type::xdmf}, {"csv", Output::Type::csv}}),
+              list_row<Output>("fields", &Output::fields,
+                               {"what an xdmf output holds", "all that the physics has, without a"},
+                               all_fields()),
+              number_row<Output>("dt", &Output::dt,
+                                 {"written at the first step at or after each multiple", "", "s"}, positive,
+                                 {{"", 0.}}),
+              count_row<Output>("every", &Output::every, {"written every so many steps"}, 1),
+              numbers_row<Output>("times", &Output::times,
+                                  {"times that are hit exactly and written", "", "s"}, not_negative),
+              text_row<Output>("file", &Output::file, {"name below -output_dir", "<id>.xdmf, history.csv"},
+                               "file name"),
+          }};
+}
+
+OptionClass<ProbeScenario> probe_class() {
+  using Probe = ProbeScenario;
+  return {
+      "probe",
+      "probes",
+      "Values at a material point, as columns `probe_<id>_<field>` of the history.",
+      {
+          point_row<Probe>("at", [](auto& p) -> auto& { return p.at; },
+                           {"reference coordinates", "required", "m"}),
+          text_row<Probe>("on", &Probe::region, {"region, where two bodies meet", "any"}, "name of a region"),
+          list_row<Probe>("fields", &Probe::fields, {"what is written", "u"}, mesh_fields()),
+      }};
+}
+
+OptionClass<MeasureScenario> measure_class() {
+  using Measure = MeasureScenario;
+  return {"measure",
+          "measures",
+          "Values over a group, as columns `measure_<id>_<field>` of the history.",
+          {
+              text_row<Measure>("on", &Measure::on, {"group of the mesh", "required"}, "name of a group"),
+              list_row<Measure>("fields", &Measure::fields, {"what is written", "u"}, mesh_fields()),
+              choice_row<Measure, Measure::Of>("of", &Measure::of, {"what is taken of the values", "mean"},
+                                               {{"mean", Measure::Of::mean},
+                                                {"min", Measure::Of::min},
+                                                {"max", Measure::Of::max},
+                                                {"sum", Measure::Of::sum}}),
+          }};
+}
+
+} // namespace impact

@@ -1,0 +1,221 @@
+#include "scenario_tables.hpp"
+#include <cmath>
+#include <impact/petsc/error.hpp>
+
+/// The table of the options -material_<id>_..., and what is made of them.
+namespace impact {
+
+namespace {
+
+using Material = MaterialInput;
+using Law = MaterialParameters;
+
+/// Place of a member of the law in a MaterialInput.
+template <class Value> auto law(Value Law::*member) {
+  return [member](auto& material) -> auto& { return material.scenario.law.*member; };
+}
+
+/// A number that must be given when its physics is on: 0 = absent.
+OptionRow<Material> required(const std::string& name, double Law::*member, const OptionNote& note,
+                             double high) {
+  return number_row<Material>(name, law(member), note, {0, high, true, false}, {{"", 0.}});
+}
+
+std::vector<OptionRow<Material>> elastic_rows() {
+  const NumberWords none = {{"", MaterialInput::absent}};
+  return {
+      list_row<Material>("region", [](auto& m) -> auto& { return m.scenario.regions; },
+                         {"regions of the mesh made of it", "the id"}),
+      choice_row<Material, Model>("model", law(&Law::model),
+                                  {"what the material can do beside damage", "elastic"},
+                                  {{"elastic", Model::elastic}, {"j2", Model::j2}}),
+      number_row<Material>("E", &Material::E,
+                           {"Young's modulus, with nu", "required, or K and G", "Pa", "E", "(52)-(53)"},
+                           {0, 1e15, true, false}, none),
+      number_row<Material>("nu", &Material::nu,
+                           {"Poisson's ratio", "required, or K and G", "1", "nu", "(52)-(53)"},
+                           {-1, 0.5, true, true}, none),
+      number_row<Material>("K", &Material::K, {"bulk modulus, with G", "", "Pa", "K", "(52)"},
+                           {0, 1e15, true, false}, none),
+      number_row<Material>("G", &Material::G, {"shear modulus, with K", "", "Pa", "G", "(53)"},
+                           {0, 1e15, true, false}, none),
+      required("rho", &Law::rho,
+               {"reference density", "required with inertia or a body force", "kg/m^3", "rho_0", "(3)"}, 1e6),
+      choice_row<Material, Material::Locking>(
+          "locking", &Material::locking,
+          {"cure of volumetric locking in quads and hexes; auto: mean for j2, else none", "auto"},
+          {{"auto", Material::Locking::automatic},
+           {"mean", Material::Locking::mean},
+           {"fbar", Material::Locking::fbar},
+           {"none", Material::Locking::none}}),
+  };
+}
+
+std::vector<OptionRow<Material>> plastic_and_thermal_rows() {
+  return {
+      required("sigma_y", &Law::sigma_y, {"yield stress", "required with j2", "Pa", "sigma_y", "(55)"}, 1e15),
+      list_row<Material>(
+          "hardening", &Material::hardening,
+          {"parts of k = sigma_y + r (1 - exp(-s alpha)) + H alpha that must be given; they add"},
+          {"none", "voce", "linear"}),
+      number_row<Material>("voce_r", law(&Law::voce_r),
+                           {"saturation of the hardening", "0", "Pa", "r_p", "(55)"}, not_negative),
+      number_row<Material>("voce_s", law(&Law::voce_s), {"rate of the saturation", "0", "1", "s_p", "(55)"},
+                           not_negative),
+      number_row<Material>("linear_h", law(&Law::linear_h), {"linear hardening modulus", "0", "Pa", "H"},
+                           not_negative),
+      number_row<Material>("taylor_quinney", law(&Law::taylor_quinney),
+                           {"part of the plastic work that is dissipated", "0.9", "1", "chi"}, fraction),
+      number_row<Material>("alpha_t", law(&Law::alpha_t),
+                           {"thermal expansion", "0", "1/K", "alpha_t", "(46)"}, any_number),
+      number_row<Material>("theta0", law(&Law::theta0),
+                           {"reference temperature", "298.15", "K", "theta_0", "(46)"}, positive),
+  };
+}
+
+std::vector<OptionRow<Material>> damage_rows() {
+  return {
+      choice_row<Material, Damage>("damage", law(&Law::damage), {"crack model", "none", "", "", "(56)"},
+                                   {{"none", Damage::none}, {"at2", Damage::at2}}),
+      required("Gc", &Law::Gc, {"Griffith's fracture energy", "required with damage", "N/m", "G_c", "(56)"},
+               1e9),
+      required("gamma", &Law::gamma,
+               {"width of the phase layer", "required with damage", "m", "gamma", "(56)"}, 1e3),
+      number_row<Material>("c", law(&Law::c),
+                           {"damage rate; inf: rate-independent", "inf", "m^2/(N.s)", "c", "(63)"}, positive,
+                           {{"inf", unbounded}}),
+      number_row<Material>("zeta", law(&Law::zeta), {"exponent in the damage rate", "1", "1", "zeta", "(63)"},
+                           not_negative),
+      number_row<Material>(
+          "delta", law(&Law::delta),
+          {"shift in the damage rate: (1 + delta - phi)^zeta / c", "0", "1", "delta", "(63)"}, fraction),
+      number_row<Material>("b_d", law(&Law::b_d),
+                           {"viscous stress 2 b_d dC/dt", "0", "N.s/m^2", "b_d", "(62)"}, not_negative),
+      flag_row<Material>("visc_degrade", law(&Law::visc_degrade),
+                         {"damage weakens the viscous stress too", "off"}),
+      choice_row<Material, Split>(
+          "split", law(&Law::split),
+          {"which energy drives damage: all but volumetric compression, or all (the paper's run); "
+           "either way shear drives it in compression too",
+           "volumetric", "", "g_e2", "(49)"},
+          {{"volumetric", Split::volumetric}, {"none", Split::none}}),
+      choice_row<Material, Degradation>(
+          "ge", law(&Law::ge), {"degradation of the elastic energy", "quadratic", "", "g_e1", "(49)"},
+          {{"quadratic", Degradation::quadratic}, {"cubic", Degradation::cubic}}),
+      number_row<Material>("cubic_s", law(&Law::cubic_s),
+                           {"slope of the cubic degradation at phi = 0", "1e-4", "1", "s"},
+                           {0, 2, true, false}),
+      choice_row<Material, PlasticDegradation>(
+          "gp", law(&Law::gp), {"degradation of the plastic energy: 1 or g_e1", "one", "", "g_p", "(54)"},
+          {{"one", PlasticDegradation::one}, {"ge", PlasticDegradation::ge}}),
+      choice_row<Material, DamageGradient>(
+          "damage_gradient", law(&Law::damage_gradient),
+          {"gradient of phi in the crack energy", "spatial", "", "", "(56)"},
+          {{"spatial", DamageGradient::spatial}, {"material", DamageGradient::material}}),
+      number_row<Material>("residual_stiffness", law(&Law::residual_stiffness),
+                           {"part of the stiffness that stays in a crack", "1e-6", "1", "k"},
+                           {0, 1, false, true}),
+  };
+}
+
+[[noreturn]] void missing(const std::string& id, const std::string& name, const std::string& why) {
+  throw UserError(ExitCode::usage, "-material_" + id + "_" + name + ": missing; " + why);
+}
+
+void set_moduli(MaterialInput& input) {
+  Law& result = input.scenario.law;
+  const std::string prefix = "-material_" + result.id + "_";
+  const std::string remedy =
+      "give " + prefix + "E and " + prefix + "nu, or " + prefix + "K and " + prefix + "G";
+  const bool by_E = !std::isnan(input.E) || !std::isnan(input.nu),
+             by_K = !std::isnan(input.K) || !std::isnan(input.G);
+  if (by_E && by_K) throw UserError(ExitCode::usage, prefix + "E: contradicts K and G; " + remedy);
+  if (!by_K) {
+    if (std::isnan(input.E)) missing(result.id, "E", remedy);
+    if (std::isnan(input.nu)) missing(result.id, "nu", remedy);
+    result.K = input.E / (3 * (1 - 2 * input.nu));
+    result.G = input.E / (2 * (1 + input.nu));
+    return;
+  }
+  if (std::isnan(input.K)) missing(result.id, "K", remedy);
+  if (std::isnan(input.G)) missing(result.id, "G", remedy);
+  result.K = input.K;
+  result.G = input.G;
+}
+
+void check_plasticity(const MaterialInput& input) {
+  const Law& result = input.scenario.law;
+  if (result.model != Model::j2) return;
+  if (result.sigma_y == 0)
+    missing(result.id, "sigma_y", "-material_" + result.id + "_model j2 needs a yield stress");
+  for (const std::string& part : input.hardening) {
+    const std::string needed = " is needed by -material_" + result.id + "_hardening " + part;
+    if (part == "voce" && result.voce_r == 0) missing(result.id, "voce_r", "a positive value" + needed);
+    if (part == "voce" && result.voce_s == 0) missing(result.id, "voce_s", "a positive value" + needed);
+    if (part == "linear" && result.linear_h == 0) missing(result.id, "linear_h", "a positive value" + needed);
+  }
+}
+
+void check_damage(const Law& result) {
+  if (result.damage == Damage::none) return;
+  const std::string why = "-material_" + result.id + "_damage needs it";
+  if (result.Gc == 0) missing(result.id, "Gc", why);
+  if (result.gamma == 0) missing(result.id, "gamma", why);
+}
+
+} // namespace
+
+OptionClass<MaterialInput> material_class() {
+  std::vector<OptionRow<Material>> rows = elastic_rows();
+  for (auto& row : plastic_and_thermal_rows()) rows.push_back(row);
+  for (auto& row : damage_rows()) rows.push_back(row);
+  return {"material", "materials",
+          "`-material_<id>_like <other>` takes everything but the region from another material first.", rows};
+}
+
+MaterialScenario resolve_material(const MaterialInput& given) {
+  MaterialInput input = given;
+  set_moduli(input);
+  check_plasticity(input);
+  check_damage(input.scenario.law);
+  MaterialScenario& material = input.scenario;
+  if (material.regions.empty()) material.regions = {material.law.id};
+  material.locking_automatic = input.locking == Material::Locking::automatic;
+  switch (input.locking) {
+  case Material::Locking::automatic:
+    material.law.locking = material.law.model == Model::j2 ? Locking::mean : Locking::none;
+    break;
+  case Material::Locking::none:
+    material.law.locking = Locking::none;
+    break;
+  case Material::Locking::mean:
+    material.law.locking = Locking::mean;
+    break;
+  case Material::Locking::fbar:
+    material.law.locking = Locking::fbar;
+    break;
+  }
+  return material;
+}
+
+MaterialInput material_input(const MaterialScenario& material) {
+  MaterialInput input;
+  input.scenario = material;
+  input.K = material.law.K;
+  input.G = material.law.G;
+  if (material.locking_automatic) return input;
+  switch (material.law.locking) {
+  case Locking::none:
+    input.locking = Material::Locking::none;
+    break;
+  case Locking::mean:
+    input.locking = Material::Locking::mean;
+    break;
+  case Locking::fbar:
+    input.locking = Material::Locking::fbar;
+    break;
+  }
+  return input;
+}
+
+} // namespace impact

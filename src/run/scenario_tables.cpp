@@ -1,0 +1,183 @@
+#include "scenario_tables.hpp"
+
+namespace impact {
+
+namespace {
+
+using Global = Scenario;
+
+OptionGroup general_group() {
+  return {
+      "General",
+      "",
+      {
+          text_row<Global>("title", &Scenario::title, {"printed at the head of the log and of the outputs"},
+                           "text"),
+          text_row<Global>("output_dir", &Scenario::output_dir,
+                           {"everything that a run writes goes below it; made if missing", "."}, "path"),
+          choice_row<Global, UnitSystem>("units", &Scenario::units,
+                                         {"system of bare numbers and of everything that is written", "SI"},
+                                         {{"SI", *unit_system("SI")},
+                                          {"mm_t_s_MPa", *unit_system("mm_t_s_MPa")},
+                                          {"mm_kg_ms_GPa", *unit_system("mm_kg_ms_GPa")}}),
+          count_row<Global>("dim", &Scenario::dim, {"expected dimension of the mesh", "from the mesh"}, 2, 3),
+          choice_row<Global, PlaneMode>(
+              "plane", &Scenario::plane, {"kind of a 2D problem; axisymmetric: x is the radius", "strain"},
+              {{"strain", PlaneMode::strain}, {"axisymmetric", PlaneMode::axisymmetric}}),
+          number_row<Global>("thickness", &Scenario::thickness,
+                             {"of a plane problem; forces and energies are for it", "1", "m"}, positive),
+          flag_row<Global>("dry_run", &Scenario::dry_run,
+                           {"check everything, print the resolved input and the reports, stop", "off"}),
+          flag_row<Global>("options_strict", &Scenario::strict,
+                           {"PETSc options that nobody used are an error after the first step", "off"}),
+      }};
+}
+
+OptionGroup mesh_group() {
+  return {"Mesh",
+          "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file.",
+          {
+              file_row<Global>("mesh", [](auto& s) -> auto& { return s.mesh.file; },
+                               {"a .msh file (4.1), or a .geo file from which gmsh makes one", "required"}),
+              number_row<Global>(
+                  "mesh_scale", [](auto& s) -> auto& { return s.mesh.scale; },
+                  {"factor of all coordinates of the file", "1", "1"}, positive),
+              count_row<Global>(
+                  "dm_refine", [](auto& s) -> auto& { return s.mesh.refine; },
+                  {"uniform refinements after reading", "0"}, 0, 10),
+          }};
+}
+
+OptionGroup coupling_group() {
+  return {
+      "Coupling and damage",
+      "Motion and damage are solved in turn, each with the other one frozen; each such turn is a pass.",
+      {
+          count_row<Global>(
+              "coupling_snes_max_it", [](auto& s) -> auto& { return s.coupling.max_it; },
+              {"largest number of passes in a step", "1; 200 with -ts_type static and damage"}, 1),
+          number_row<Global>(
+              "coupling_snes_atol", [](auto& s) -> auto& { return s.coupling.atol; },
+              {"passes end when phi changes less than this anywhere", "1e-4", "1"}, positive),
+          choice_row<Global, DamageForm>(
+              "damage_form", [](auto& s) -> auto& { return s.damage.form; },
+              {"damage equation as it stands, or divided by its rate coefficient (the paper's)", "multiplied",
+               "", "", "(111)"},
+              {{"multiplied", DamageForm::multiplied}, {"divided", DamageForm::divided}}),
+          number_row<Global>(
+              "damage_theta", [](auto& s) -> auto& { return s.damage.theta; },
+              {"time weight of the damage equation: 1 backward Euler, 0.5 trapezoid", "1", "1", "theta"},
+              {0, 1, true, false}),
+          choice_row<Global, DamageBounds>("damage_bounds", [](auto& s) -> auto& { return s.damage.bounds; },
+                                           {"how phi_n <= phi <= 1 is kept: bound-constrained solve, "
+                                            "committed largest drive, cut off afterwards, "
+                                            "not at all",
+                                            "vi"},
+                                           {{"vi", DamageBounds::vi},
+                                            {"history", DamageBounds::history},
+                                            {"clip", DamageBounds::clip},
+                                            {"none", DamageBounds::none}}),
+          choice_row<Global, TangentChoice>(
+              "motion_tangent", &Scenario::tangent,
+              {"derivative of the residual, or its symmetric part (auto: where the linear solver needs it)",
+               "auto"},
+              {{"auto", TangentChoice::automatic},
+               {"consistent", TangentChoice::consistent},
+               {"symmetric", TangentChoice::symmetric}}),
+          choice_row<Global, ContactOperator>(
+              "contact_operator", &Scenario::contact_operator,
+              {"contact terms in the matrix, or beside it as an operator", "assembled"},
+              {{"assembled", ContactOperator::assembled}, {"shell", ContactOperator::shell}}),
+      }};
+}
+
+OptionGroup time_group() {
+  return {
+      "Time",
+      "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly.",
+      {
+          choice_row<Global, std::string>(
+              "ts_type", [](auto& s) -> auto& { return s.time.type; },
+              {"Newmark's method, no inertia (t is the load factor), or PETSc's alpha2 (elastic bodies only)",
+               "newmark", "", "", "(97)-(98)"},
+              {{"newmark", "newmark"}, {"static", "static"}, {"alpha2", "alpha2"}}),
+          number_row<Global>("ts_dt", [](auto& s) -> auto& { return s.time.dt; },
+                             {"time step; after a cut it grows back up to this", "required without -ts_times",
+                              "s", "Delta t"},
+                             positive, {{"", 0.}}),
+          number_row<Global>("ts_max_time", [](auto& s) -> auto& { return s.time.max_time; },
+                             {"end of the run", "required without -ts_times", "s"}, positive, {{"", 0.}}),
+          count_row<Global>(
+              "ts_max_steps", [](auto& s) -> auto& { return s.time.max_steps; },
+              {"largest number of steps", "no limit"}, 1),
+          numbers_row<Global>(
+              "ts_times", [](auto& s) -> auto& { return s.time.table_times; },
+              {"times between which the steps of -ts_dts hold, one more than these", "", "s"}, not_negative),
+          numbers_row<Global>(
+              "ts_dts", [](auto& s) -> auto& { return s.time.table_dts; },
+              {"time steps between the times of -ts_times", "", "s"}, positive),
+      }};
+}
+
+OptionGroup history_group() {
+  return {
+      "Energy balance and cracks",
+      "",
+      {
+          number_row<Global>("energy_tol", &Scenario::energy_tol,
+                             {"bound of the relative balance of a step; 0: none", "0", "1"}, not_negative),
+          choice_row<Global, Scenario::EnergyAction>("energy_action", &Scenario::energy_action,
+                                                     {"what happens beyond the bound", "warn"},
+                                                     {{"warn", Scenario::EnergyAction::warn},
+                                                      {"cut", Scenario::EnergyAction::cut},
+                                                      {"stop", Scenario::EnergyAction::stop}}),
+          number_row<Global>("crack_level", &Scenario::crack_level,
+                             {"phi from which a node counts as cracked in the history", "0.9", "1"},
+                             {0, 1, true, false}),
+      }};
+}
+
+OptionGroup checkpoint_group() {
+  return {
+      "Checkpoints",
+      "",
+      {
+          text_row<Global>(
+              "checkpoint_dir", [](auto& s) -> auto& { return s.checkpoint.dir; },
+              {"folder of the checkpoints", "<output_dir>/checkpoints"}, "path"),
+          number_row<Global>(
+              "checkpoint_wall", [](auto& s) -> auto& { return s.checkpoint.wall; },
+              {"seconds on the clock between checkpoints; 0: none by the clock", "600", "1"}, not_negative),
+          count_row<Global>(
+              "checkpoint_every", [](auto& s) -> auto& { return s.checkpoint.every; },
+              {"steps between checkpoints; 0: none by steps", "0"}, 0),
+          count_row<Global>(
+              "checkpoint_keep", [](auto& s) -> auto& { return s.checkpoint.keep; },
+              {"newest checkpoints that stay", "2"}, 1),
+          text_row<Global>(
+              "restart", [](auto& s) -> auto& { return s.checkpoint.restart; },
+              {"go on from the newest checkpoint if there is one, from the start, or from a file", "none"},
+              "auto, none, path of a checkpoint"),
+      }};
+}
+
+} // namespace
+
+std::vector<OptionGroup> global_groups() {
+  return {general_group(), mesh_group(), coupling_group(), time_group(), history_group(), checkpoint_group()};
+}
+
+std::vector<OptionRow<Scenario>> global_rows() {
+  std::vector<OptionRow<Scenario>> rows;
+  for (OptionGroup& group : global_groups())
+    rows.insert(rows.end(), std::make_move_iterator(group.rows.begin()),
+                std::make_move_iterator(group.rows.end()));
+  return rows;
+}
+
+std::vector<std::string> other_global_names() {
+  return {"params",  "functions", "materials", "bcs",  "ics",      "contacts",
+          "outputs", "probes",    "measures",  "help", "reference"};
+}
+
+} // namespace impact

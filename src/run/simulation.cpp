@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <impact/petsc/error.hpp>
+#include <impact/run/alpha2.hpp>
+#include <impact/run/checkpoint.hpp>
+#include <impact/run/ledger.hpp>
+#include <impact/run/observers.hpp>
+#include <impact/run/progress.hpp>
+#include <impact/run/setup.hpp>
+#include <impact/run/simulation.hpp>
+#include <impact/time/newmark.hpp>
+#include <impact/time/step_control.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+std::optional<Checkpoint> find_checkpoint(MPI_Comm comm, const Scenario& s) {
+  std::optional<Checkpoint> resume;
+  if (s.checkpoint.restart == "auto")
+    resume = newest_checkpoint(comm, s.checkpoint.dir);
+  else if (s.checkpoint.restart != "none")
+    resume = open_checkpoint(comm, s.checkpoint.restart);
+  if (resume)
+    for (const std::string& warning : resume->warnings)
+      check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
+  return resume;
+}
+
+// The contact-stabilised update belongs to steps that resolve waves. Far above that its contact force
+// alternates from step to step without damping, and the alternation grows (beam on wedge, dt = 1e5 h/c_p:
+// lost after 100 steps).
+bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
+  if (s.contacts.empty() || !s.has_inertia()) return false;
+  bool stabilise = false;
+  for (const ContactSettings& contact : s.contacts)
+    stabilise = stabilise || contact.impact == ImpactUpdate::stabilised ||
+                (contact.impact == ImpactUpdate::automatic && solver.resolves_waves());
+  check(PetscPrintf(comm, "impact update: %s (dt is %.3g times h/c_p)\n",
+                    stabilise ? "contact-stabilised" : "none, the steps do not resolve waves", solver.cfl));
+  return stabilise;
+}
+
+Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
+  Handle<TS> ts;
+  check(TSCreate(comm, ts.out()));
+  check(TSSetProblemType(ts, TS_NONLINEAR));
+  check(TSSetType(ts, s.time.type.c_str()));
+  check(TSSetTimeStep(ts, s.time.dt));
+  if (s.time.max_time > 0) check(TSSetMaxTime(ts, s.time.max_time));
+  check(TSSetMaxSteps(ts, s.time.max_steps > 0 ? s.time.max_steps : PETSC_MAX_INT));
+  return ts;
+}
+
+// The objects of a run in the order in which they depend on each other.
+class Simulation {
+public:
+  Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const SolverDefaults& solver,
+             const std::optional<Checkpoint>& resume);
+  ExitCode run();
+
+private:
+  void start(const std::optional<Checkpoint>& resume);
+  StepHooks hooks();
+  void accept(const Attempt& attempt);
+  void reject(const Attempt& attempt);
+  Verdict judge(const Attempt& attempt);
+  void write_state();
+  bool checkpoint_is_due();
+  int active_points();
+
+  MPI_Comm comm_;
+  const Scenario& s_;
+  Setup& setup_;
+  const Discretisation& d_;
+  bool inertia_;
+  MotionProblem motion_;
+  std::optional<DamageProblem> damage_;
+  Handle<TS> ts_;
+  Coupling coupling_;
+  std::optional<Ledger> ledger_;
+  FieldSource source_;
+  StateRow* control_;
+  std::optional<HistoryObserver> history_;
+  std::vector<FieldObserver> fields_;
+  Handle<Vec> u_, v_, a_;
+  Progress progress_;
+  Snapshot snapshot_;
+  double last_checkpoint_ = 0;
+  bool checked_options_ = false;
+};
+
+Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const SolverDefaults& solver,
+                       const std::optional<Checkpoint>& resume)
+    : comm_(comm), s_(s), setup_(setup), d_(setup.discretisation), inertia_(s.has_inertia()),
+      motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric),
+      damage_(d_.has_damage()
+                  ? std::optional<DamageProblem>(std::in_place, d_, setup.state, setup.boundary, s.damage)
+                  : std::nullopt),
+      ts_(make_integrator(comm, s)), coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, setup.state,
+                                               s.coupling, solver, inertia_, stabilises(comm, s, solver)),
+      source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
+      a_(d_.displacement.make_global()), progress_(comm, s.time.max_time) {
+  set_time_options(ts_);
+  ledger_.emplace(motion_, &coupling_, setup_.state, inertia_,
+                  inertia_ ? newmark_parameters(ts_).alpha_m : 1.0);
+  StateRow control{"step_control", Support::global, 4};
+  control_ = &setup_.state.add(std::move(control), 4);
+  std::optional<double> resume_time;
+  std::optional<long> resume_step;
+  if (resume) {
+    resume_time = resume->values.time;
+    resume_step = resume->values.step;
+  }
+  history_.emplace(comm, s.output_dir + "/" + history_file_name(s), s, motion_, *ledger_, setup_.state,
+                   source_, resume_step);
+  std::vector<double> exact_times;
+  for (const OutputScenario& output : s.outputs) {
+    if (output.type != OutputScenario::Type::xdmf) continue;
+    fields_.emplace_back(output, s, d_, source_, resume_time);
+    exact_times.insert(exact_times.end(), output.times.begin(), output.times.end());
+  }
+  start(resume);
+  set_exact_times(ts_, std::move(exact_times));
+  if (!s.time.table_times.empty()) set_step_table(ts_, s.time.table_times, s.time.table_dts);
+  if (inertia_) set_newmark_hooks(ts_, coupling_.newmark_hooks());
+  set_step_hooks(ts_, hooks());
+}
+
+void Simulation::start(const std::optional<Checkpoint>& resume) {
+  StateTable& state = setup_.state;
+  if (resume) {
+    read_checkpoint(*resume, {d_.mesh, d_.groups, state});
+    check(TSSetTime(ts_, resume->values.time));
+    check(TSSetStepNumber(ts_, static_cast<PetscInt>(resume->values.step)));
+    snapshot_.time = resume->values.time;
+    snapshot_.step = resume->values.step;
+  } else {
+    set_initial_state(s_, setup_);
+  }
+  d_.displacement.to_global(state.row("u").committed, u_);
+  d_.displacement.to_global(state.row("v").committed, v_);
+  d_.displacement.to_global(state.row("a").committed, a_);
+  check(TS2SetSolution(ts_, u_, v_));
+  snapshot_.u = u_;
+  motion_.update_contact(u_);
+  coupling_.refresh_matrix();
+  coupling_.begin_at_rest_of_step(snapshot_.time, u_, v_);
+  if (resume) {
+    if (inertia_) newmark_set_acceleration(ts_, a_);
+    const std::vector<double>& c = control_->committed;
+    set_step_control_state(ts_, {c[0], c[1] != 0, static_cast<PetscInt>(c[2]), static_cast<PetscInt>(c[3])});
+    ledger_->resume(u_, v_);
+    check(PetscPrintf(comm_, "resumed from %s at t = %.10g, step %ld\n", resume->file.c_str(), snapshot_.time,
+                      snapshot_.step));
+    return;
+  }
+  for (ContactInterface& contact : setup_.contacts) contact.advance(u_, u_, 0);
+  ledger_->start(u_, v_, a_);
+  state.commit();
+  history_->watch(snapshot_, {});
+  for (FieldObserver& field : fields_) field.watch(snapshot_, false);
+}
+
+StepHooks Simulation::hooks() {
+  StepHooks hooks;
+  hooks.before_attempt = [this](TS, const Attempt& attempt) { coupling_.before_attempt(attempt); };
+  hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling_.guess(attempt, guess); };
+  hooks.effort = [this](TS) { return coupling_.hardest_newton(); };
+  hooks.on_reject = [this](TS, const Attempt& attempt) { reject(attempt); };
+  hooks.on_accept = [this](TS, const Attempt& attempt) { accept(attempt); };
+  return hooks;
+}
+
+void Simulation::reject(const Attempt& attempt) {
+  const std::string why = coupling_.failure_text();
+  check(PetscPrintf(comm_, "impact: %s, step %ld try %d at t = %.10g, dt = %.4g; time step cut\n",
+                    why.empty() ? "step refused" : why.c_str(), snapshot_.step + 1,
+                    static_cast<int>(attempt.number), attempt.t, attempt.dt));
+  coupling_.on_reject();
+}
+
+void Simulation::accept(const Attempt& attempt) {
+  StateTable& state = setup_.state;
+  Vec u = nullptr, v = nullptr;
+  check(TS2GetSolution(ts_, &u, &v));
+  Vec a = inertia_ ? newmark_acceleration(ts_) : a_.get();
+  StateRow& row = state.row("u");
+  d_.displacement.to_local(u, row.trial);
+  d_.displacement.to_local(v, state.row("v").trial);
+  d_.displacement.to_local(a, state.row("a").trial);
+  std::vector<double>& rate = state.row("mean_rate").trial;
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (row.trial[i] - row.committed[i]) / attempt.dt;
+  StateRow& prescribed = state.row("prescribed_velocity");
+  setup_.boundary.set_exact_velocity(attempt.t_n, attempt.t, prescribed.committed, prescribed.trial);
+  if (!setup_.contacts.empty()) {
+    Handle<Vec> u_n = d_.displacement.make_global();
+    d_.displacement.to_global(row.committed, u_n);
+    for (ContactInterface& contact : setup_.contacts) contact.advance(u_n, u, attempt.dt);
+  }
+  ledger_->book(attempt.dt, u, v, a);
+  state.commit();
+
+  snapshot_.step += 1;
+  snapshot_.time = attempt.t;
+  snapshot_.dt = attempt.dt;
+  snapshot_.tries = static_cast<int>(attempt.number);
+  snapshot_.u = u;
+  history_->watch(snapshot_, coupling_.counts());
+  for (FieldObserver& field : fields_) field.watch(snapshot_, false);
+  progress_.line(snapshot_, coupling_.counts(), *ledger_, active_points());
+  if (!checked_options_) report_unused_options(comm_, s_.strict);
+  checked_options_ = true;
+  if (checkpoint_is_due()) write_state();
+}
+
+int Simulation::active_points() {
+  int active = 0;
+  for (ContactInterface& contact : setup_.contacts) active += contact.measures(snapshot_.u).active;
+  return active;
+}
+
+bool Simulation::checkpoint_is_due() {
+  if (s_.checkpoint.every > 0 && snapshot_.step % s_.checkpoint.every == 0) return true;
+  double waited = progress_.wall() - last_checkpoint_;
+  MPI_Bcast(&waited, 1, MPI_DOUBLE, 0, comm_);
+  return s_.checkpoint.wall > 0 && waited >= s_.checkpoint.wall;
+}
+
+void Simulation::write_state() {
+  const StepControlState c = step_control_state(ts_);
+  control_->committed = control_->trial = {c.dt, c.at_limit ? 1.0 : 0.0, static_cast<double>(c.easy_steps),
+                                           static_cast<double>(c.rejections)};
+  CheckpointValues values;
+  values.time = snapshot_.time;
+  values.step = snapshot_.step;
+  values.texts["options"] = print_scenario(s_);
+  write_checkpoint({d_.mesh, d_.groups, setup_.state}, values, {s_.checkpoint.dir, s_.checkpoint.keep});
+  // A resumed run builds its candidate list afresh and factors anew: so does this one, or they would part by
+  // round-off.
+  for (ContactInterface& contact : setup_.contacts) contact.forget_search();
+  coupling_.forget_factors();
+  last_checkpoint_ = progress_.wall();
+}
+
+ExitCode Simulation::run() {
+  progress_.header();
+  solve_in_time(ts_);
+  for (FieldObserver& field : fields_) field.watch(snapshot_, true);
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  check(TSGetConvergedReason(ts_, &reason));
+  check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
+                    reason > 0 ? "finished" : "gave up", snapshot_.time, snapshot_.step,
+                    Progress::clock(progress_.wall()).c_str(), ledger_->balance(),
+                    ledger_->balance_first_law()));
+  if (reason > 0) return ExitCode::ok;
+  check(PetscPrintf(
+      comm_, "impact: the step could not be solved (%s); the state before it is in a checkpoint in %s\n",
+      TSConvergedReasons[reason], s_.checkpoint.dir.c_str()));
+  write_state();
+  return ExitCode::solver;
+}
+
+} // namespace
+
+ExitCode simulate(MPI_Comm comm, const Scenario& s) {
+  register_time_types();
+  const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
+  const std::unique_ptr<Setup> setup = build_setup(comm, s);
+  const SolverDefaults solver = choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt);
+  report_setup(s, setup->discretisation, solver);
+  if (s.dry_run) {
+    set_initial_state(s, *setup);
+    check(PetscPrintf(comm, "dry run: the input is complete\n"));
+    return ExitCode::ok;
+  }
+  if (s.time.type == "alpha2") return simulate_alpha2(comm, s, *setup, solver);
+  return Simulation(comm, s, *setup, solver, resume).run();
+}
+
+} // namespace impact

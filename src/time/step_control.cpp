@@ -1,0 +1,215 @@
+#include "control.hpp"
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+
+namespace impact {
+
+namespace detail {
+
+namespace {
+
+constexpr PetscReal same_time = 1e-6; // fraction of dt
+constexpr PetscReal sliver = 0.1;     // fraction of dt
+
+StepControl& self(TSAdapt adapt) { return *static_cast<StepControl*>(adapt->data); }
+
+// The limit on dt for a step that starts at t.
+PetscReal limit_at(const StepControl& control, PetscReal t) {
+  if (control.table_times.empty()) return control.limit;
+  const auto& times = control.table_times;
+  const auto later = std::upper_bound(times.begin(), times.end(), t);
+  const auto interval = static_cast<std::size_t>(std::max<std::ptrdiff_t>(later - times.begin() - 1, 0));
+  return control.table_dts[std::min(interval, control.table_dts.size() - 1)];
+}
+
+// The next time to be hit after t: the last of those that count as one with the first.
+PetscReal next_time(const StepControl& control, PetscReal t, PetscReal max_time, PetscReal tolerance) {
+  std::vector<PetscReal> times = control.times;
+  times.insert(times.end(), control.table_times.begin(), control.table_times.end());
+  times.push_back(max_time);
+  PetscReal next = std::numeric_limits<PetscReal>::infinity();
+  for (const PetscReal time : times)
+    if (time - t > tolerance) next = std::min(next, time);
+  const PetscReal cluster = next + tolerance;
+  for (const PetscReal time : times)
+    if (time <= cluster) next = std::max(next, time);
+  return next;
+}
+
+StepPlan plan_from(TSAdapt adapt, StepControl& control, PetscReal t, PetscReal max_time) {
+  StepControlState& state = control.state;
+  const PetscReal limit = std::min(limit_at(control, t), adapt->dt_max);
+  state.at_limit = state.at_limit || state.dt <= 0 || state.dt >= limit;
+  if (state.at_limit) state.dt = limit;
+  const PetscReal target = next_time(control, t, max_time, same_time * state.dt);
+  const PetscReal rest = target - t;
+  if (rest <= (1 + same_time) * state.dt) return {rest, target};
+  if (rest < (1 + sliver) * state.dt) return {rest / 2, t + rest / 2};
+  return {state.dt, t + state.dt};
+}
+
+// An accepted step of size h: count it, let dt grow, answer with the next step.
+PetscErrorCode choose(TSAdapt adapt, TS ts, PetscReal h, PetscInt* next_scheme, PetscReal* next_h,
+                      PetscBool* accept, PetscReal* wlte, PetscReal* wltea, PetscReal* wlter) {
+  return self(adapt).mailbox.guarded([&] {
+    StepControl& control = self(adapt);
+    StepControlState& state = control.state;
+    if (control.limit <= 0) control.limit = h;
+    state.easy_steps = control.effort <= control.easy_its ? state.easy_steps + 1 : 0;
+    if (state.easy_steps >= control.easy_steps) {
+      state.easy_steps = 0;
+      state.dt *= control.grow;
+    }
+    *next_scheme = 0;
+    *next_h = plan_from(adapt, control, ts->ptime + h, ts->max_time).dt;
+    *accept = PETSC_TRUE;
+    *wlte = *wltea = *wlter = -1; // no estimate of the local error
+  });
+}
+
+void check_step(PetscReal dt) {
+  if (!(dt > 0) || !std::isfinite(dt))
+    throw UserError(ExitCode::usage,
+                    "-ts_dt: " + std::to_string(dt) + "; allowed: > 0; give the largest time step");
+}
+
+void check_table(const std::vector<PetscReal>& times, const std::vector<PetscReal>& dts) {
+  const bool lengths = dts.size() == times.size() || dts.size() + 1 == times.size();
+  const bool increasing =
+      std::adjacent_find(times.begin(), times.end(), [](auto a, auto b) { return !(a < b); }) == times.end();
+  const bool positive =
+      std::all_of(dts.begin(), dts.end(), [](auto dt) { return dt > 0 && std::isfinite(dt); });
+  if (times.empty() && dts.empty()) return;
+  if (!lengths || dts.empty() || !increasing || !positive)
+    throw UserError(ExitCode::usage,
+                    "-ts_times, -ts_dts: " + std::to_string(times.size()) + " times and " +
+                        std::to_string(dts.size()) +
+                        " steps; allowed: increasing times, steps > 0, as many steps as times or one "
+                        "fewer; for example -ts_times 0,10,50 -ts_dts 1,0.1");
+}
+
+// Not by PetscOptionsRealArray, whose -help prints the whole array.
+std::vector<PetscReal> read_reals(OptionItems PetscOptionsObject, const char* name) {
+  std::vector<PetscReal> values(1000);
+  auto count = static_cast<PetscInt>(values.size());
+  PetscBool given = PETSC_FALSE;
+  check(PetscOptionsGetRealArray(PetscOptionsObject->options, PetscOptionsObject->prefix, name, values.data(),
+                                 &count, &given));
+  values.resize(given ? static_cast<std::size_t>(count) : 0);
+  return values;
+}
+
+PetscErrorCode set_from_options(TSAdapt adapt, OptionItems PetscOptionsObject) {
+  return self(adapt).mailbox.guarded([&] {
+    StepControl& control = self(adapt);
+    check(PetscOptionsReal("-ts_adapt_grow", "Factor of dt after enough easy steps", nullptr, control.grow,
+                           &control.grow, nullptr));
+    check(PetscOptionsInt("-ts_adapt_easy_steps", "Easy steps in a row before dt grows", nullptr,
+                          control.easy_steps, &control.easy_steps, nullptr));
+    check(PetscOptionsInt("-ts_adapt_easy_its", "Most iterations of an easy step", nullptr, control.easy_its,
+                          &control.easy_its, nullptr));
+    if (!(control.grow >= 1) || control.easy_steps < 1 || control.easy_its < 0)
+      throw UserError(ExitCode::usage,
+                      "-ts_adapt_grow, _easy_steps, _easy_its: " + std::to_string(control.grow) + ", " +
+                          std::to_string(control.easy_steps) + ", " + std::to_string(control.easy_its) +
+                          "; allowed: >= 1, >= 1, >= 0; leave them out for 1.5, 4, 10");
+    auto times = read_reals(PetscOptionsObject, "-ts_times");
+    auto dts = read_reals(PetscOptionsObject, "-ts_dts");
+    if (times.empty() && dts.empty()) return;
+    check_table(times, dts);
+    control.table_times = std::move(times);
+    control.table_dts = std::move(dts);
+  });
+}
+
+PetscErrorCode view(TSAdapt adapt, PetscViewer viewer) {
+  const StepControlState& state = self(adapt).state;
+  return PetscViewerASCIIPrintf(viewer, "  remembered dt %g, easy steps %d, rejected tries %d\n",
+                                static_cast<double>(state.dt), static_cast<int>(state.easy_steps),
+                                static_cast<int>(state.rejections));
+}
+
+PetscErrorCode destroy(TSAdapt adapt) {
+  const std::unique_ptr<StepControl> owned(&self(adapt));
+  adapt->data = nullptr;
+  return {};
+}
+
+PetscErrorCode create(TSAdapt adapt) {
+  adapt->data = std::make_unique<StepControl>().release();
+  adapt->scale_solve_failed = 0.5;
+  adapt->ops->choose = choose;
+  adapt->ops->setfromoptions = set_from_options;
+  adapt->ops->view = view;
+  adapt->ops->destroy = destroy;
+  return {};
+}
+
+} // namespace
+
+StepControl* find_control(TS ts) {
+  TSAdapt adapt = nullptr;
+  check(TSGetAdapt(ts, &adapt));
+  TSAdaptType type = nullptr;
+  check(TSAdaptGetType(adapt, &type));
+  if (type == nullptr) check(TSAdaptSetType(adapt, step_control_type));
+  PetscBool ours = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(adapt), step_control_type, &ours));
+  return ours ? &self(adapt) : nullptr;
+}
+
+StepPlan plan_step(TS ts, StepControl& control) {
+  if (control.limit <= 0) {
+    check_step(ts->time_step);
+    control.limit = ts->time_step;
+  }
+  return plan_from(ts->adapt, control, ts->ptime, ts->max_time);
+}
+
+void note_rejection(TS ts, StepControl& control) {
+  StepControlState& state = control.state;
+  state.dt = ts->time_step;
+  state.at_limit = false;
+  state.easy_steps = 0;
+  ++state.rejections;
+}
+
+void register_step_control() { check(TSAdaptRegister(step_control_type, create)); }
+
+} // namespace detail
+
+namespace {
+
+detail::StepControl& control_of(TS ts) {
+  detail::StepControl* const control = detail::find_control(ts);
+  if (control == nullptr)
+    throw UserError(ExitCode::usage,
+                    "-ts_adapt_type: another type than step_control was chosen, which keeps neither "
+                    "exact times nor a state for restarts; leave the option out");
+  return *control;
+}
+
+} // namespace
+
+StepControlState step_control_state(TS ts) { return control_of(ts).state; }
+
+void set_step_control_state(TS ts, const StepControlState& state) { control_of(ts).state = state; }
+
+void set_exact_times(TS ts, std::vector<PetscReal> times) { control_of(ts).times = std::move(times); }
+
+void set_step_table(TS ts, std::vector<PetscReal> times, std::vector<PetscReal> dts) {
+  detail::check_table(times, dts);
+  detail::StepControl& control = control_of(ts);
+  control.table_times = std::move(times);
+  control.table_dts = std::move(dts);
+}
+
+void set_step_limit(TS ts, PetscReal dt) {
+  detail::check_step(dt);
+  control_of(ts).limit = dt;
+}
+
+} // namespace impact

@@ -1,0 +1,715 @@
+#include "two_blocks.hpp"
+#include <gtest/gtest.h>
+#include <impact/contact/interface.hpp>
+#include <numbers>
+
+using namespace impact;
+using namespace impact::contact_test;
+
+namespace {
+
+ContactSettings settings_of(double penalty) {
+  ContactSettings s;
+  s.id = "pair";
+  s.secondary = "upper_bottom";
+  s.primary = "lower_top";
+  s.penalty = penalty;
+  return s;
+}
+
+/// Mesh, layout, state and one contact. Everything collective on `comm`.
+struct Rig {
+  TwoBlocks blocks;
+  Mesh mesh;
+  FieldLayout layout;
+  StateTable state;
+  ContactInterface contact;
+
+  Rig(MPI_Comm comm, const TwoBlocks& b, const Partition& partition,
+      const ContactSettings& s = settings_of(100), ContactEnvironment environment = {})
+      : blocks(b), mesh(make_blocks(comm, b, partition)), layout(mesh, "u", 2),
+        contact(mesh, layout, s, with_frame(std::move(environment), b.frame), state) {}
+
+  static ContactEnvironment with_frame(ContactEnvironment environment, Frame frame) {
+    environment.frame = frame;
+    return environment;
+  }
+  Handle<Vec> at(const Motion& motion) const { return displacement(mesh, layout, blocks, motion); }
+  Handle<Vec> residual(Vec u, double scale = 1) const {
+    Handle<Vec> r = layout.make_global();
+    contact.add_residual(u, scale, r);
+    return r;
+  }
+};
+
+const Motion rest = [](int, double, double) { return std::array<double, 2>{0, 0}; };
+
+Motion sink(double depth) {
+  return [depth](int body, double, double) { return std::array<double, 2>{0, body == 1 ? -depth : 0}; };
+}
+
+// The blocks press into each other, bend and slide: all kinds of feet occur.
+const Motion crush = [](int body, double X, double Y) {
+  if (body == 0) return std::array<double, 2>{0.02 * Y, 0.03 * std::sin(3 * X)};
+  return std::array<double, 2>{0.05 + 0.02 * X * Y, -0.04 + 0.02 * std::cos(5 * X)};
+};
+
+// The lower surface folds into a valley with a node at its bottom; points of the upper one stand in the wedge
+// where the bottom itself is nearest.
+const Motion valley = [](int body, double X, double Y) {
+  if (body == 0) return std::array<double, 2>{0, 0.5 * std::abs(X - 0.9) * (Y + 0.6) / 0.6};
+  return std::array<double, 2>{0.001 * std::sin(X), -0.1};
+};
+
+const Motion wiggle = [](int body, double X, double Y) {
+  return std::array<double, 2>{std::sin(7 * X + 3 * Y + body), std::cos(4 * X - 5 * Y - 2 * body)};
+};
+
+double norm(Vec v) {
+  double n = 0;
+  check(VecNorm(v, NORM_2, &n));
+  return n;
+}
+
+double dot(Vec a, Vec b) {
+  double d = 0;
+  check(VecDot(a, b, &d));
+  return d;
+}
+
+double largest_difference(const NodeMap& a, const NodeMap& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (const auto& [key, value] : a) {
+    const auto other = b.find(key);
+    if (other == b.end()) return 1e300;
+    for (std::size_t k = 0; k < 2; ++k) largest = std::max(largest, std::abs(value[k] - other->second[k]));
+  }
+  return largest;
+}
+
+Handle<Mat> dense_enough_matrix(const Rig& rig) {
+  Handle<Mat> K;
+  const PetscInt n = 2 * rig.mesh.owned_node_count();
+  check(MatCreateAIJ(rig.mesh.comm(), n, n, PETSC_DETERMINE, PETSC_DETERMINE, 60, nullptr, 60, nullptr,
+                     K.out()));
+  check(MatSetOption(K, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  return K;
+}
+
+Handle<Mat> tangent(const Rig& rig, Vec u, double scale) {
+  Handle<Mat> K = dense_enough_matrix(rig);
+  rig.contact.add_tangent(u, scale, K);
+  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
+  return K;
+}
+
+const std::vector<std::pair<const char*, Partition>> partitions = {{"apart", bodies_apart},
+                                                                   {"mixed", bodies_mixed}};
+
+} // namespace
+
+TEST(ContactInterface, ResidualTangentAndMeasuresDoNotDependOnThePartition) {
+  for (const auto& [name, partition] : partitions)
+    for (const Motion& motion : {crush, valley}) {
+      TwoBlocks b;
+      b.bulge = true;
+      b.angle = 0.3;
+      std::vector<NodeMap> forces, products, again;
+      std::vector<ContactMeasures> measured;
+      for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
+        Rig rig(comm, b, partition);
+        const Handle<Vec> u = rig.at(motion), d = rig.at(wiggle), y = rig.layout.make_global();
+        rig.contact.update_search(u);
+        rig.contact.augment(u);
+        forces.push_back(node_map(rig.mesh, rig.layout, rig.residual(u, 2.5)));
+        rig.contact.multiply(u, 2.5, d, y);
+        products.push_back(node_map(rig.mesh, rig.layout, y));
+        measured.push_back(rig.contact.measures(u));
+        EXPECT_GT(norm(rig.residual(u)), 0.1);
+      }
+      double size = 0;
+      for (const auto& [key, value] : products[0])
+        size = std::max({size, std::abs(value[0]), std::abs(value[1])});
+      EXPECT_LE(largest_difference(forces[0], forces[1]), 1e-12) << name;
+      EXPECT_LE(largest_difference(products[0], products[1]), 1e-12 * size) << name;
+      EXPECT_EQ(measured[0].active, measured[1].active) << name;
+      EXPECT_GE(measured[0].active, 4) << name;
+      EXPECT_NEAR(measured[0].energy, measured[1].energy, 1e-12);
+      EXPECT_DOUBLE_EQ(measured[0].gap_min, measured[1].gap_min);
+      EXPECT_DOUBLE_EQ(measured[0].pressure_max, measured[1].pressure_max);
+      EXPECT_DOUBLE_EQ(measured[0].pressure_min, measured[1].pressure_min);
+      EXPECT_NEAR(measured[0].length, measured[1].length, 1e-12);
+    }
+}
+
+TEST(ContactInterface, EqualDistancesAreDecidedAlikeOnEveryNumberOfRanks) {
+  // One point straight below the ridge of a symmetric roof whose halves are numbered the other way round in
+  // parallel.
+  TwoBlocks b;
+  b.lower_cells = 2;
+  b.lower_right = 2;
+  b.upper_cells = 1;
+  b.upper_left = 0.5;
+  b.upper_right = 1.5;
+  const Motion roof = [](int body, double X, double Y) {
+    return std::array<double, 2>{0, body == 1 ? -0.05 : -0.25 * std::abs(X - 1) * (Y + 0.6)};
+  };
+  ContactSettings s = settings_of(100);
+  s.points = 1;
+  std::vector<std::array<double, 2>> force;
+  for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
+    Rig rig(
+        comm, b, [](int, double part, int ranks) { return part < 0.5 ? ranks - 1 : 0; }, s);
+    const Handle<Vec> u = rig.at(roof);
+    rig.contact.update_search(u);
+    force.push_back(rig.contact.measures(u).force);
+  }
+  EXPECT_GT(std::abs(force[0][0]), 0.1); // to one side, as the ridge has no normal
+  EXPECT_DOUBLE_EQ(force[0][0], force[1][0]);
+  EXPECT_DOUBLE_EQ(force[0][1], force[1][1]);
+}
+
+TEST(ContactInterface, ForcesAndMomentsOfBothBodiesCancel) {
+  for (const auto& [name, partition] : partitions)
+    for (const Motion& motion : {crush, valley}) {
+      TwoBlocks b;
+      b.bulge = true;
+      Rig rig(PETSC_COMM_WORLD, b, partition);
+      const Handle<Vec> u = rig.at(motion);
+      rig.contact.update_search(u);
+      rig.contact.augment(u);
+      const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(u)),
+                    moved = node_map(rig.mesh, rig.layout, u);
+      std::array<double, 2> sum{}, upper{};
+      double moment = 0, size = 0;
+      for (const auto& [key, f] : force) {
+        const auto& d = moved.at(key);
+        for (std::size_t k = 0; k < 2; ++k) {
+          sum[k] += f[k];
+          size += std::abs(f[k]);
+          if (key[0] > 0.5) upper[k] -= f[k]; // the residual is minus the force on the body
+        }
+        moment += (key[1] + d[0]) * f[1] - (key[2] + d[1]) * f[0];
+      }
+      ASSERT_GT(size, 1) << name;
+      EXPECT_LE(std::abs(sum[0]) + std::abs(sum[1]), 1e-12 * size) << name;
+      EXPECT_LE(std::abs(moment), 1e-12 * size) << name;
+      const ContactMeasures m = rig.contact.measures(u);
+      EXPECT_NEAR(m.force[0], upper[0], 1e-12 * size);
+      EXPECT_NEAR(m.force[1], upper[1], 1e-12 * size);
+      EXPECT_GT(m.force[1], 0.1); // the upper body is pushed up
+    }
+}
+
+TEST(ContactInterface, TangentIsTheDerivativeOfTheResidualAndEqualsTheMatrixFreeProduct) {
+  for (const auto& [name, partition] : partitions)
+    for (const Motion& motion : {crush, valley}) {
+      Rig rig(PETSC_COMM_WORLD, {}, partition);
+      const Handle<Vec> u = rig.at(motion), d = rig.at(wiggle);
+      rig.contact.update_search(u);
+      rig.contact.augment(u);
+      const Handle<Mat> K = tangent(rig, u, 1.5);
+      const Handle<Vec> assembled = rig.layout.make_global(), free = rig.layout.make_global();
+      check(MatMult(K, d, assembled));
+      rig.contact.multiply(u, 1.5, d, free);
+      const double size = norm(assembled);
+      ASSERT_GT(size, 1);
+      const double h = 1e-7;
+      const Handle<Vec> up = rig.layout.make_global(), down = rig.layout.make_global();
+      check(VecWAXPY(up, h, d, u));
+      check(VecWAXPY(down, -h, d, u));
+      const Handle<Vec> difference = rig.residual(up, 1.5), lower = rig.residual(down, 1.5);
+      check(VecAXPY(difference, -1, lower));
+      check(VecScale(difference, 1 / (2 * h)));
+      check(VecAXPY(difference, -1, assembled));
+      EXPECT_LE(norm(difference), 1e-6 * size) << name;
+      check(VecAXPY(free, -1, assembled));
+      EXPECT_LE(norm(free), 1e-13 * size) << name;
+      PetscBool symmetric = PETSC_FALSE;
+      check(MatIsTranspose(K, K, 1e-10, &symmetric));
+      EXPECT_TRUE(symmetric);
+    }
+}
+
+TEST(ContactInterface, ResidualIsTheDerivativeOfTheEnergy) {
+  TwoBlocks b;
+  b.bulge = true;
+  Rig rig(PETSC_COMM_WORLD, b, bodies_mixed);
+  const Handle<Vec> u = rig.at(crush), d = rig.at(wiggle), moved = rig.layout.make_global();
+  rig.contact.update_search(u);
+  rig.contact.augment(u);
+  const double h = 1e-6;
+  check(VecWAXPY(moved, h, d, u));
+  const double up = rig.contact.measures(moved).energy;
+  check(VecWAXPY(moved, -h, d, u));
+  const double down = rig.contact.measures(moved).energy, slope = dot(rig.residual(u), d);
+  ASSERT_GT(std::abs(slope), 0.1);
+  EXPECT_NEAR((up - down) / (2 * h), slope, 1e-6 * std::abs(slope));
+}
+
+TEST(ContactInterface, BottomOfAValleyPushesAlongTheDirectionToThePoint) {
+  // One point at (0.9 + s, -0.1) under the bottom (0.9, 0): its gap is minus the distance, its force points
+  // at the bottom.
+  TwoBlocks b;
+  b.upper_cells = 1;
+  b.upper_left = 0.41;
+  b.upper_right = 1.41;
+  ContactSettings s = settings_of(100);
+  s.points = 1;
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, b, partition, s);
+    const Handle<Vec> u = rig.at([](int body, double X, double Y) {
+      return body == 1 ? std::array<double, 2>{0, -0.1} : valley(body, X, Y);
+    });
+    rig.contact.update_search(u);
+    const ContactMeasures m = rig.contact.measures(u);
+    const double distance = std::hypot(0.01, 0.1);
+    EXPECT_EQ(m.active, 1) << name;
+    EXPECT_NEAR(m.gap_min, -distance, 1e-14) << name;
+    EXPECT_NEAR(m.force[0], -100 * 0.01, 1e-12) << name;
+    EXPECT_NEAR(m.force[1], 100 * 0.1, 1e-12) << name;
+  }
+}
+
+TEST(ContactInterface, FixedDofsHaveNoRowsAndColumnsOnAnyRank) {
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, {}, partition);
+    const Handle<Vec> u = rig.at(crush), d = rig.at(wiggle);
+    rig.contact.update_search(u);
+    // Every vertical dof of the lower surface and every horizontal one of the upper.
+    std::vector<char> fixed(rig.layout.make_local().size(), 0);
+    for (int node : rig.mesh.nodes("lower_top")) fixed[static_cast<std::size_t>(2 * node + 1)] = 1;
+    for (int node : rig.mesh.nodes("upper_bottom")) fixed[static_cast<std::size_t>(2 * node)] = 1;
+    const Handle<Mat> whole = tangent(rig, u, 1);
+    rig.contact.set_fixed_dofs(fixed);
+    const Handle<Mat> K = tangent(rig, u, 1);
+    rig.contact.forget_search();
+    rig.contact.update_search(u);
+    const Handle<Vec> flags = rig.layout.make_global(), masked = rig.layout.make_global();
+    rig.layout.to_global(std::vector<double>(fixed.begin(), fixed.end()), flags);
+    check(VecPointwiseMult(masked, flags, d));
+    check(VecAYPX(masked, -1, d)); // d without the fixed dofs
+    const Handle<Vec> expected = rig.layout.make_global(), assembled = rig.layout.make_global(),
+                      free = rig.layout.make_global();
+    check(MatMult(whole, masked, expected));
+    const Handle<Vec> held = rig.layout.make_global();
+    check(VecPointwiseMult(held, flags, expected));
+    check(VecAXPY(expected, -1, held));
+    check(MatMult(K, d, assembled));
+    rig.contact.multiply(u, 1, d, free);
+    const double size = norm(expected);
+    ASSERT_GT(size, 1);
+    ASSERT_GT(norm(held), 0.1) << "the test would hold for flags that are ignored";
+    check(VecAXPY(assembled, -1, expected));
+    check(VecAXPY(free, -1, expected));
+    EXPECT_LE(norm(assembled), 1e-13 * size) << name;
+    EXPECT_LE(norm(free), 1e-13 * size) << name;
+  }
+}
+
+TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, {}, partition);
+    const double skin = rig.contact.settings().search_radius / 2;
+    EXPECT_FALSE(rig.contact.update_search(rig.at(rest))); // built by the constructor
+    const auto before = rig.contact.couplings();
+    rig.contact.forget_search();
+    EXPECT_FALSE(rig.contact.update_search(rig.at(rest))); // built again, nothing changed
+    EXPECT_EQ(rig.contact.couplings(), before);
+    EXPECT_FALSE(rig.contact.update_search(rig.at(sink(0.499 * skin))));
+    EXPECT_EQ(rig.contact.couplings(), before);
+
+    // The force does not depend on when the list was built.
+    const Handle<Vec> u = rig.at([&](int body, double X, double Y) {
+      auto d = crush(body, X, Y);
+      d[0] += body == 1 ? 0.2 * skin : 0;
+      return d;
+    });
+    EXPECT_FALSE(rig.contact.update_search(u));
+    const Handle<Vec> old_list = rig.residual(u);
+    EXPECT_GT(norm(old_list), 0.1);
+    rig.contact.forget_search();
+    rig.contact.update_search(u);
+    const Handle<Vec> new_list = rig.residual(u);
+    check(VecAXPY(new_list, -1, old_list));
+    EXPECT_LE(norm(new_list), 1e-14 * norm(old_list)) << name;
+
+    const Handle<Vec> away = rig.at([](int body, double, double) {
+      return std::array<double, 2>{body * 0.9, 0};
+    });
+    const Handle<Vec> r = rig.layout.make_global();
+    int stale = rig.contact.add_residual(away, 1, r).search_holds ? 0 : 1;
+    MPI_Allreduce(MPI_IN_PLACE, &stale, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+    EXPECT_EQ(stale, 1);
+    EXPECT_TRUE(rig.contact.update_search(away));
+    EXPECT_TRUE(rig.contact.add_residual(away, 1, r).search_holds);
+  }
+}
+
+TEST(ContactInterface, FreeFlightIsFollowedByContactWhenTheBodiesMeet) {
+  TwoBlocks b;
+  b.gap = 3;
+  Rig rig(PETSC_COMM_WORLD, b, bodies_apart);
+  Handle<Vec> u = rig.at(rest);
+  EXPECT_EQ(rig.contact.add_residual(u, 1, rig.layout.make_global()).active, 0);
+  EXPECT_TRUE(rig.contact.review(u).converged);
+  EXPECT_TRUE(std::isnan(rig.contact.measures(u).gap_min));
+  u = rig.at(sink(2.9));
+  rig.contact.update_search(u);
+  EXPECT_NEAR(rig.contact.measures(u).gap_min, 0.1, 1e-12);
+  EXPECT_TRUE(rig.contact.review(u).converged);
+  u = rig.at(sink(3.02));
+  rig.contact.update_search(u);
+  const AugmentReport report = rig.contact.review(u);
+  EXPECT_FALSE(report.converged);
+  EXPECT_NEAR(report.penetration, 0.02, 1e-12);
+  EXPECT_EQ(report.active, 10);
+  EXPECT_NEAR(rig.contact.measures(u).force[1], 100 * 0.02 * 1.25, 1e-12);
+  EXPECT_NEAR(rig.contact.measures(u).length, 1.25, 1e-12);
+}
+
+TEST(ContactInterface, FastNodesDeeperThanAFacetAreNotLost) {
+  TwoBlocks b; // facets of 0.3 below, 0.25 above
+  b.gap = 0.01;
+  Rig rig(PETSC_COMM_WORLD, b, bodies_apart);
+  const Handle<Vec> u = rig.at(sink(0.46));
+  rig.contact.update_search(u);
+  EXPECT_NEAR(rig.contact.measures(u).force[1], 100 * 0.45 * 1.25, 1e-10);
+  // Deeper than the search radius of 0.6 no facet is taken for the one that was passed.
+  const Handle<Vec> lost = rig.at(sink(0.63));
+  rig.contact.update_search(lost);
+  EXPECT_EQ(rig.contact.measures(lost).force[1], 0);
+  // Even through the whole body, 0.6 high, when the search radius allows it.
+  ContactSettings deep = settings_of(100);
+  deep.search_radius = 0.8;
+  Rig through(PETSC_COMM_WORLD, b, bodies_apart, deep);
+  const Handle<Vec> below = through.at(sink(0.71));
+  through.contact.update_search(below);
+  EXPECT_NEAR(through.contact.measures(below).force[1], 100 * 0.7 * 1.25, 1e-10);
+}
+
+TEST(ContactInterface, SidesSwappedGiveTheOppositeForceOnMatchingLengths) {
+  TwoBlocks b; // the ends of the upper block stand on nodes of the lower one, the meshes do not match between
+  b.lower_cells = 7;
+  b.upper_left = 0.3;
+  b.upper_right = 1.5;
+  for (const auto& [name, partition] : partitions) {
+    Rig one(PETSC_COMM_WORLD, b, partition);
+    ContactSettings swapped = settings_of(100);
+    std::swap(swapped.secondary, swapped.primary);
+    Rig other(PETSC_COMM_WORLD, b, partition, swapped);
+    const Handle<Vec> u = one.at(sink(0.01)), v = other.at(sink(0.01));
+    const auto f = one.contact.measures(u).force, g = other.contact.measures(v).force;
+    EXPECT_NEAR(f[1], 100 * 0.01 * 1.2, 1e-13);
+    EXPECT_NEAR(f[0], 0, 1e-13);
+    EXPECT_NEAR(g[0], -f[0], 1e-13) << name;
+    EXPECT_NEAR(g[1], -f[1], 1e-13) << name;
+  }
+}
+
+TEST(ContactInterface, TurningTheWholeProblemTurnsTheForces) {
+  ContactMeasures straight;
+  for (int degrees = 0; degrees <= 90; degrees += 9) {
+    TwoBlocks b;
+    b.bulge = true;
+    b.angle = degrees * std::numbers::pi / 180;
+    Rig rig(PETSC_COMM_WORLD, b, bodies_mixed);
+    const Handle<Vec> u = rig.at(crush);
+    rig.contact.update_search(u);
+    const ContactMeasures m = rig.contact.measures(u);
+    if (degrees == 0) straight = m;
+    EXPECT_EQ(m.active, straight.active) << degrees;
+    EXPECT_NEAR(m.energy, straight.energy, 1e-10 * straight.energy) << degrees;
+    EXPECT_NEAR(m.gap_min, straight.gap_min, 1e-10) << degrees;
+    const auto turned = place(b, straight.force[0], straight.force[1]);
+    EXPECT_NEAR(m.force[0], turned[0], 1e-10) << degrees;
+    EXPECT_NEAR(m.force[1], turned[1], 1e-10) << degrees;
+  }
+}
+
+TEST(ContactInterface, AugmentationOfOneSpringReproducesTheOracle) {
+  // oracle.py O13 with the upper block as the spring's mass: k u = F - A <lambda - eps (g0 - u)>. Gaps and
+  // ratio as there.
+  const double k = 1e9, F = 5e3, g0 = 1e-6, A = 1.25, eps = 4e9 / A;
+  const std::array<double, 5> gaps = {-8e-07, -1.6e-07, -3.2e-08, -6.4e-09, -1.28e-09};
+  ContactSettings s = settings_of(eps);
+  s.gap_tol = 1e-8;
+  s.pressure_tol = 2e-3;
+  TwoBlocks b;
+  b.gap = g0;
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, b, partition, s);
+    rig.contact.start_augmentation();
+    double force = 0;
+    int converged_after = 0;
+    for (std::size_t i = 0; i < gaps.size(); ++i) {
+      const double down = (F - force + 4e9 * g0) / (k + 4e9);
+      const Handle<Vec> u = rig.at(sink(down));
+      EXPECT_NEAR(rig.contact.measures(u).force[1], F - k * down, 1e-6 * F) << "equilibrium " << i;
+      const AugmentReport report = rig.contact.augment(u);
+      EXPECT_NEAR(report.penetration, -gaps[i], 1e-14)
+          << name << " " << i; // rounding of coordinates of size one
+      EXPECT_DOUBLE_EQ(report.penalty, eps);
+      EXPECT_EQ(report.active, 10);
+      force = report.multiplier * A;
+      if (report.converged && converged_after == 0) converged_after = static_cast<int>(i) + 1;
+    }
+    EXPECT_NEAR(force, 4000, 4000 * std::pow(0.2, 5) * 1.01);
+    EXPECT_GE(force, 4000 * (1 - 2e-3));
+    // The gap is below 1e-8 first at the fourth, the relative change 0.2^i * 4 below 2e-3 first at the fifth.
+    EXPECT_EQ(converged_after, 5);
+  }
+}
+
+TEST(ContactInterface, PenaltyGrowsWhenTheGapFallsTooSlowlyOrByThePapersRule) {
+  ContactSettings s = settings_of(100);
+  s.penalty_increment = 50;
+  s.penalty_max = 220;
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_apart, s);
+  rig.contact.start_augmentation();
+  EXPECT_DOUBLE_EQ(rig.contact.augment(rig.at(sink(8e-3))).penalty, 100);
+  EXPECT_DOUBLE_EQ(rig.contact.augment(rig.at(sink(1.9e-3))).penalty, 100); // fell by more than 4
+  EXPECT_DOUBLE_EQ(rig.contact.augment(rig.at(sink(5e-4))).penalty, 100);   // by less
+  EXPECT_DOUBLE_EQ(rig.contact.augment(rig.at(sink(5e-4))).penalty, 150);
+  EXPECT_DOUBLE_EQ(rig.contact.augment(rig.at(sink(5e-4))).penalty, 200);
+  EXPECT_DOUBLE_EQ(rig.contact.augment(rig.at(sink(5e-4))).penalty, 220); // the cap
+  EXPECT_DOUBLE_EQ(rig.contact.review(rig.at(sink(5e-4))).penalty, 220);
+
+  s.growth = PenaltyGrowth::every_augmentation;
+  Rig paper(PETSC_COMM_WORLD, {}, bodies_apart, s);
+  paper.contact.start_augmentation();
+  EXPECT_DOUBLE_EQ(paper.contact.augment(paper.at(sink(8e-3))).penalty, 100);
+  EXPECT_DOUBLE_EQ(paper.contact.augment(paper.at(sink(1e-3))).penalty, 150);
+  EXPECT_DOUBLE_EQ(paper.contact.review(paper.at(sink(1e-4))).penalty, 200);
+}
+
+TEST(ContactInterface, MultipliersFollowTheStateTable) {
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_apart);
+  const Handle<Vec> u = rig.at(sink(0.01)), open = rig.at(sink(-1e-3));
+  const double width = 1.25;
+  rig.contact.augment(u);
+  EXPECT_NEAR(rig.contact.measures(u).force[1], width * 2, 1e-12);
+  rig.state.rollback();
+  EXPECT_NEAR(rig.contact.measures(u).force[1], width * 1, 1e-12);
+  rig.contact.augment(u);
+  rig.state.commit();
+  rig.state.rollback();
+  EXPECT_NEAR(rig.contact.measures(u).force[1], width * 2, 1e-12);
+  // A multiplier holds a slightly open point, and a review stores nothing.
+  EXPECT_NEAR(rig.contact.measures(open).force[1], width * 0.9, 1e-12);
+  rig.contact.review(open);
+  EXPECT_NEAR(rig.contact.measures(open).force[1], width * 0.9, 1e-12);
+  // Points that face nothing any more lose theirs.
+  const Handle<Vec> gone = rig.at(sink(-5));
+  rig.contact.update_search(gone);
+  EXPECT_FALSE(rig.contact.augment(gone).converged);
+  EXPECT_TRUE(rig.contact.review(gone).converged);
+  const Handle<Vec> back = rig.at(sink(0.01));
+  rig.contact.update_search(back);
+  EXPECT_NEAR(rig.contact.measures(back).force[1], width * 1, 1e-12);
+}
+
+TEST(ContactInterface, PurePenaltyNeverChangesMultipliers) {
+  ContactSettings s = settings_of(100);
+  s.enforce = Enforcement::penalty;
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_apart, s);
+  const Handle<Vec> u = rig.at(sink(0.01));
+  EXPECT_TRUE(rig.contact.augment(u).converged);
+  EXPECT_NEAR(rig.contact.measures(u).force[1], 1.25, 1e-12);
+}
+
+TEST(ContactInterface, WorkAndImpulseOfAStepAreTrapezoidal) {
+  ContactEnvironment environment;
+  environment.thickness = 3;
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, settings_of(100), environment);
+  const Handle<Vec> start = rig.at(rest), mid = rig.at(sink(0.01)), end = rig.at(sink(0.03));
+  rig.contact.advance(start, start, 0);
+  rig.state.commit();
+  rig.contact.advance(start, mid, 0.5);
+  rig.state.commit();
+  rig.contact.advance(mid, end, 0.25);
+  // The force is linear in the depth, so the work is exactly minus the energy: 3 * 100/2 * 0.03^2 * 1.25.
+  const ContactMeasures m = rig.contact.measures(end);
+  EXPECT_NEAR(m.energy, 0.16875, 1e-12);
+  EXPECT_NEAR(m.work, -m.energy, 1e-12);
+  EXPECT_NEAR(m.impulse[1], 3 * 1.25 * (0.5 * 0.5 + 0.25 * 2), 1e-12);
+  EXPECT_NEAR(m.impulse[0], 0, 1e-12);
+  rig.state.rollback();
+  EXPECT_NEAR(rig.contact.measures(end).impulse[1], 3 * 1.25 * 0.25, 1e-12);
+}
+
+TEST(ContactInterface, NodalFieldsOfAUniformContactAreUniform) {
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, {}, partition);
+    std::vector<double> pressure, gap;
+    rig.contact.nodal_fields(rig.at(sink(0.02)), pressure, gap);
+    std::vector<char> on_surface(pressure.size(), 0);
+    for (int node : rig.mesh.nodes("upper_bottom")) on_surface[static_cast<std::size_t>(node)] = 1;
+    for (std::size_t n = 0; n < pressure.size(); ++n) {
+      if (on_surface[n]) {
+        EXPECT_NEAR(pressure[n], 2, 1e-11) << name;
+        EXPECT_NEAR(gap[n], -0.02, 1e-13) << name;
+      } else {
+        EXPECT_EQ(pressure[n], 0);
+        EXPECT_TRUE(std::isnan(gap[n]));
+      }
+    }
+  }
+}
+
+TEST(ContactInterface, AxisymmetricAreaIsTheFullRing) {
+  TwoBlocks b;
+  b.frame = Frame::axisymmetric;
+  Rig rig(PETSC_COMM_WORLD, b, bodies_mixed);
+  const double ring = std::numbers::pi * (1.6 * 1.6 - 0.35 * 0.35);
+  const ContactMeasures m = rig.contact.measures(rig.at(sink(0.02)));
+  EXPECT_NEAR(m.force[1], 100 * 0.02 * ring, 1e-11);
+  EXPECT_NEAR(m.length, ring, 1e-11);
+  EXPECT_NEAR(m.pressure_max, 2, 1e-12);
+  // Pressures count on the current area: a ring grown by 10 % in R carries the same nominal pressure on more
+  // of it.
+  const ContactMeasures grown = rig.contact.measures(rig.at([](int body, double X, double) {
+    return std::array<double, 2>{body * 0.1 * X, -0.02 * body};
+  }));
+  EXPECT_NEAR(grown.pressure_max, 2 / 1.21, 1e-12);
+}
+
+TEST(ContactInterface, RigidPlaneHoldsABodyAtAnyAngleAndMoves) {
+  for (int degrees = 0; degrees <= 90; degrees += 15) {
+    TwoBlocks b;
+    b.angle = degrees * std::numbers::pi / 180;
+    const auto normal = place(b, 0, 1), point = place(b, 0.7, 0);
+    ContactSettings s = settings_of(100);
+    s.primary = "plane";
+    s.plane_point[0] = point[0];
+    s.plane_point[1] = point[1];
+    s.plane_normal[0] = 3 * normal[0];
+    s.plane_normal[1] = 3 * normal[1];
+    ContactEnvironment environment;
+    environment.plane_motion = [normal](double t) {
+      return std::array<double, 2>{-t * normal[0], -t * normal[1]};
+    };
+    Rig rig(PETSC_COMM_WORLD, b, bodies_mixed, s, environment);
+    EXPECT_TRUE(rig.contact.couplings().empty());
+    const Handle<Vec> u = rig.at(sink(0.02)), d = rig.at(wiggle), product = rig.layout.make_global();
+    const auto upward = place(b, 0, 1);
+    auto f = rig.contact.measures(u).force;
+    EXPECT_NEAR(f[0], 2.5 * upward[0], 1e-12) << degrees;
+    EXPECT_NEAR(f[1], 2.5 * upward[1], 1e-12) << degrees;
+    rig.contact.set_time(0.015); // the plane has gone down by 0.015
+    f = rig.contact.measures(u).force;
+    EXPECT_NEAR(f[0], 0.625 * upward[0], 1e-12) << degrees;
+    EXPECT_NEAR(f[1], 0.625 * upward[1], 1e-12) << degrees;
+    const Handle<Mat> K = tangent(rig, u, 1);
+    check(MatMult(K, d, product));
+    const double h = 1e-4; // the residual is linear
+    const Handle<Vec> moved = rig.layout.make_global();
+    check(VecWAXPY(moved, h, d, u));
+    const Handle<Vec> difference = rig.residual(moved), before = rig.residual(u);
+    check(VecAXPY(difference, -1, before));
+    check(VecAXPY(difference, -h, product));
+    EXPECT_GT(norm(product), 1);
+    EXPECT_LE(norm(difference), 1e-12 * norm(product));
+  }
+}
+
+TEST(ContactInterface, InitialOverlapIsAdjustedRefusedOrAllowedButRoundingIsNone) {
+  TwoBlocks b;
+  b.gap = -2e-4; // the tolerance is 1e-3 of the secondary facet, 2.5e-4
+  ContactSettings s = settings_of(100);
+  for (const auto& [name, partition] : partitions) {
+    s.initial = InitialOverlap::adjust;
+    Rig adjust(PETSC_COMM_WORLD, b, partition, s);
+    const InitialOverlapReport report = adjust.contact.initial_overlap();
+    EXPECT_EQ(report.nodes, 6) << name;
+    EXPECT_NEAR(report.deepest, 2e-4, 1e-15);
+    std::vector<double> expected(report.shift.size(), 0.0);
+    for (int node : adjust.mesh.nodes("upper_bottom"))
+      expected[static_cast<std::size_t>(2 * node + 1)] = 2e-4;
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(report.shift[i], expected[i], 1e-15) << name << i;
+
+    s.initial = InitialOverlap::error;
+    Rig refuse(PETSC_COMM_WORLD, b, partition, s);
+    try {
+      refuse.contact.initial_overlap();
+      ADD_FAILURE() << "an overlap was accepted";
+    } catch (const UserError& error) {
+      EXPECT_EQ(error.code(), ExitCode::data);
+      EXPECT_NE(std::string(error.what()).find("`upper_bottom` overlaps `lower_top` by 0.0002"),
+                std::string::npos)
+          << error.what();
+    }
+    s.initial = InitialOverlap::allow;
+    Rig allow(PETSC_COMM_WORLD, b, partition, s);
+    EXPECT_EQ(allow.contact.initial_overlap().nodes, 0);
+  }
+  s.initial = InitialOverlap::adjust;
+  TwoBlocks deep = b;
+  deep.gap = -3e-4;
+  Rig too_deep(PETSC_COMM_WORLD, deep, bodies_mixed, s);
+  EXPECT_THROW(too_deep.contact.initial_overlap(), UserError);
+  s.initial = InitialOverlap::error;
+  TwoBlocks touching = b;
+  touching.gap = -1e-15;
+  touching.angle = 0.7;
+  Rig touch(PETSC_COMM_WORLD, touching, bodies_mixed, s);
+  EXPECT_EQ(touch.contact.initial_overlap().nodes, 0);
+}
+
+TEST(ContactInterface, AutomaticValuesAndWarningsAreStated) {
+  ContactSettings s = settings_of(ContactSettings::automatic);
+  ContactEnvironment environment;
+  environment.modulus = 70;
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s, environment);
+  EXPECT_NEAR(rig.contact.settings().penalty, 10 * 70 / 0.25, 1e-9);
+  EXPECT_NEAR(rig.contact.settings().penalty_max, 1e5 * 70 / 0.25, 1e-4);
+  EXPECT_NEAR(rig.contact.settings().gap_tol, 2.5e-4, 1e-15);
+  EXPECT_NEAR(rig.contact.settings().search_radius, 0.6, 1e-12);
+  EXPECT_TRUE(rig.contact.warnings().empty());
+  TwoBlocks fine;
+  fine.lower_cells = 40; // facets of 0.0525 under points 0.125 apart
+  Rig slips(PETSC_COMM_WORLD, fine, bodies_mixed);
+  ASSERT_EQ(slips.contact.warnings().size(), 1U);
+  EXPECT_NE(slips.contact.warnings()[0].find("shorter than the spacing"), std::string::npos);
+}
+
+TEST(ContactInterface, WrongSettingsAreRefusedOnAllRanks) {
+  auto refused = [](const ContactSettings& s) {
+    try {
+      Rig rig(PETSC_COMM_WORLD, {}, bodies_apart, s);
+    } catch (const UserError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  ContactSettings s = settings_of(100);
+  s.primary = "lower_top_";
+  EXPECT_NE(refused(s).find("no boundary `lower_top_` in the mesh; boundaries are: lower_top, upper_bottom"),
+            std::string::npos);
+  s = settings_of(100);
+  s.primary = s.secondary;
+  EXPECT_NE(refused(s).find("-contact_pair_primary"), std::string::npos);
+  EXPECT_NE(refused(settings_of(ContactSettings::automatic)).find("-contact_pair_penalty"),
+            std::string::npos);
+  EXPECT_NE(refused(settings_of(-1)).find("-contact_pair_penalty: -1"), std::string::npos);
+  s = settings_of(100);
+  s.points = 0;
+  EXPECT_NE(refused(s).find("-contact_pair_points 0"), std::string::npos);
+  EXPECT_EQ(refused(settings_of(100)), "accepted");
+}
+
+TEST(ContactInterface, DisplacementThatIsNotANumberIsReportedAndLeavesTheListAlone) {
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_apart);
+  const auto before = rig.contact.couplings();
+  const Handle<Vec> u = rig.at([](int body, double, double) {
+    return std::array<double, 2>{0, body / 0.0 * 0.0};
+  });
+  EXPECT_FALSE(rig.contact.update_search(u));
+  EXPECT_EQ(rig.contact.couplings(), before);
+  int broken = rig.contact.add_residual(u, 1, rig.layout.make_global()).finite ? 0 : 1;
+  MPI_Allreduce(MPI_IN_PLACE, &broken, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  EXPECT_EQ(broken, 1);
+}

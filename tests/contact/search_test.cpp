@@ -1,0 +1,198 @@
+#include "two_blocks.hpp"
+#include <algorithm>
+#include <gtest/gtest.h>
+#include <impact/contact/search.hpp>
+#include <impact/contact/surface.hpp>
+#include <numbers>
+#include <random>
+#include <set>
+
+using namespace impact;
+using namespace impact::contact_test;
+
+namespace {
+
+// Edges scattered over a square; every rank makes the same ones from the same seed.
+struct Scatter {
+  SearchSecondary secondary;
+  std::vector<SearchFacet> primary;
+
+  Scatter(int secondary_count, int primary_count) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> anywhere(0, 10), small(-0.2, 0.2);
+    auto edge = [&](std::array<double, 4>& x) {
+      x[0] = anywhere(random);
+      x[1] = anywhere(random);
+      x[2] = x[0] + small(random);
+      x[3] = x[1] + small(random);
+    };
+    for (int s = 0; s < secondary_count; ++s) {
+      std::array<double, 4> x{};
+      edge(x);
+      secondary.node.insert(secondary.node.end(), {2 * s, 2 * s + 1});
+      secondary.x.insert(secondary.x.end(), x.begin(), x.end());
+    }
+    for (int p = 0; p < primary_count; ++p) {
+      SearchFacet facet{{1000000 + 2 * p, 1000000 + 2 * p + 1}, {-1, -1}, {}};
+      edge(facet.x);
+      if (p % 10 == 0) facet.node[0] = 2 * (p % secondary_count); // shares a node with a secondary edge
+      primary.push_back(facet);
+    }
+  }
+};
+
+using PairSet = std::set<std::array<PetscInt, 4>>;
+
+PairSet pairs(const SearchSecondary& secondary, const Candidates& found) {
+  PairSet all;
+  for (std::size_t s = 0; s + 1 < found.offset.size(); ++s)
+    for (int c = found.offset[s]; c < found.offset[s + 1]; ++c) {
+      const SearchFacet& p =
+          found.primary[static_cast<std::size_t>(found.facet[static_cast<std::size_t>(c)])];
+      all.insert({secondary.node[2 * s], secondary.node[2 * s + 1], p.node[0], p.node[1]});
+    }
+  return all;
+}
+
+// By the definition, every edge against every edge.
+PairSet by_hand(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary, double reach) {
+  PairSet all;
+  for (std::size_t s = 0; s < secondary.node.size() / 2; ++s)
+    for (const SearchFacet& p : primary) {
+      const double* x = &secondary.x[4 * s];
+      bool near = true;
+      for (std::size_t k = 0; k < 2; ++k)
+        near = near && std::min(p.x[k], p.x[2 + k]) - std::max(x[k], x[2 + k]) <= reach &&
+               std::min(x[k], x[2 + k]) - std::max(p.x[k], p.x[2 + k]) <= reach;
+      for (std::size_t a = 0; a < 2; ++a)
+        for (std::size_t b = 0; b < 2; ++b) near = near && secondary.node[2 * s + a] != p.node[b];
+      if (near) all.insert({secondary.node[2 * s], secondary.node[2 * s + 1], p.node[0], p.node[1]});
+    }
+  return all;
+}
+
+} // namespace
+
+TEST(ContactSearch, FindsExactlyThePairsOfTheDefinitionInSortedOrder) {
+  const Scatter scatter(300, 400);
+  const Candidates found = match_boxes(scatter.secondary, scatter.primary, 0.3);
+  const PairSet expected = by_hand(scatter.secondary, scatter.primary, 0.3);
+  ASSERT_GT(expected.size(), 500U);
+  EXPECT_EQ(pairs(scatter.secondary, found), expected);
+  EXPECT_EQ(found.facet.size(), expected.size()); // each once
+  for (std::size_t s = 0; s + 1 < found.offset.size(); ++s)
+    EXPECT_TRUE(
+        std::is_sorted(found.facet.begin() + found.offset[s], found.facet.begin() + found.offset[s + 1]));
+  EXPECT_TRUE(std::is_sorted(found.primary.begin(), found.primary.end(),
+                             [](const SearchFacet& a, const SearchFacet& b) { return a.node < b.node; }));
+}
+
+TEST(ContactSearch, RanksTogetherFindWhatOneRankFinds) {
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const Scatter whole(300, 400);
+  const Candidates serial = match_boxes(whole.secondary, whole.primary, 0.3);
+  SearchSecondary mine;
+  std::vector<int> number;
+  for (int s = 0; s < 300; ++s)
+    if (s * 7 % ranks == rank) {
+      number.push_back(s);
+      const std::size_t i = static_cast<std::size_t>(s);
+      mine.node.insert(mine.node.end(), {whole.secondary.node[2 * i], whole.secondary.node[2 * i + 1]});
+      mine.x.insert(mine.x.end(), whole.secondary.x.begin() + 4 * s, whole.secondary.x.begin() + 4 * s + 4);
+    }
+  std::vector<SearchFacet> primary;
+  for (int p = 0; p < 400; ++p)
+    if (p * 3 / 400 % ranks == rank) primary.push_back(whole.primary[static_cast<std::size_t>(p)]);
+  const Candidates found = find_candidates(PETSC_COMM_WORLD, mine, primary, 0.3);
+  std::size_t compared = 0;
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    const auto s = static_cast<std::size_t>(number[i]);
+    ASSERT_EQ(found.offset[i + 1] - found.offset[i], serial.offset[s + 1] - serial.offset[s]);
+    for (int c = 0; c < found.offset[i + 1] - found.offset[i]; ++c, ++compared) {
+      const auto a = static_cast<std::size_t>(found.facet[static_cast<std::size_t>(found.offset[i] + c)]);
+      const auto b = static_cast<std::size_t>(serial.facet[static_cast<std::size_t>(serial.offset[s] + c)]);
+      EXPECT_EQ(found.primary[a].node, serial.primary[b].node);
+      EXPECT_EQ(found.primary[a].x, serial.primary[b].x);
+    }
+  }
+  EXPECT_GT(compared, 0U);
+}
+
+TEST(ContactSearch, AnEmptySurfaceOnARankMeetsNothing) {
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  const Scatter whole(20, 30);
+  const Candidates found = find_candidates(PETSC_COMM_WORLD, rank == 0 ? whole.secondary : SearchSecondary{},
+                                           rank == 0 ? whole.primary : std::vector<SearchFacet>{}, 100);
+  EXPECT_EQ(found.facet.empty(), rank != 0);
+  EXPECT_EQ(found.offset.size(), rank == 0 ? 21U : 1U);
+}
+
+TEST(ContactSurface, GaussRulesIntegratePolynomialsExactly) {
+  for (int points = 1; points <= 16; ++points) {
+    const GaussRule rule = gauss_rule(points);
+    for (int degree = 0; degree <= 2 * points - 1; ++degree) {
+      double sum = 0;
+      for (std::size_t q = 0; q < rule.xi.size(); ++q) sum += rule.weight[q] * std::pow(rule.xi[q], degree);
+      EXPECT_NEAR(sum, degree % 2 == 0 ? 2.0 / (degree + 1) : 0, 1e-13)
+          << points << " points, degree " << degree;
+    }
+    EXPECT_TRUE(std::is_sorted(rule.xi.begin(), rule.xi.end()));
+  }
+  EXPECT_NEAR(gauss_rule(2).xi[1], 1 / std::numbers::sqrt3, 1e-15);
+}
+
+TEST(ContactSurface, FacetsLookOutwardAndKnowTheirNeighboursAcrossRanks) {
+  for (const Partition& partition : {Partition(bodies_apart), Partition(bodies_mixed)}) {
+    const TwoBlocks b;
+    const Mesh mesh = make_blocks(PETSC_COMM_WORLD, b, partition);
+    const FieldLayout layout(mesh, "u", 2);
+    const ContactSurface top = make_surface(mesh, "pair", "lower_top");
+    const std::vector<PetscInt> neighbour = surface_neighbours(layout, top);
+    int count = top.count(), ends = 0;
+    for (int f = 0; f < top.count(); ++f) {
+      const double* X = &top.X[static_cast<std::size_t>(4 * f)];
+      EXPECT_NEAR(top.length[static_cast<std::size_t>(f)], 0.3, 1e-14);
+      EXPECT_LT(X[2] - X[0], 0); // outward normal (t_y, -t_x) up: the way goes to the left
+      // Right end first: nothing before the rightmost edge, nothing after the leftmost.
+      EXPECT_EQ(neighbour[static_cast<std::size_t>(2 * f)]<0, X[0]> 2.1 - 1e-9);
+      EXPECT_EQ(neighbour[static_cast<std::size_t>(2 * f + 1)] < 0, X[2] < 1e-9);
+      for (int a = 0; a < 2; ++a)
+        if (neighbour[static_cast<std::size_t>(2 * f + a)] < 0) ++ends;
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
+    MPI_Allreduce(MPI_IN_PLACE, &ends, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
+    EXPECT_EQ(count, 7);
+    EXPECT_EQ(ends, 2);
+    const SurfacePoints points = make_points(top, "pair", 3, Frame::plane_strain);
+    double area = 0;
+    for (double weight : points.weight) area += weight;
+    MPI_Allreduce(MPI_IN_PLACE, &area, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+    EXPECT_NEAR(area, 2.1, 1e-13);
+  }
+}
+
+TEST(ContactSurface, PointsFollowTheConeOfTheFacet) {
+  const Mesh mesh = make_blocks(PETSC_COMM_WORLD, {}, bodies_mixed);
+  for (const char* group : {"lower_top", "upper_bottom", "lower_left"}) {
+    const ContactSurface surface = make_surface(mesh, "pair", group);
+    const FacetTable facets = mesh.facets(group);
+    const SurfacePoints points = make_points(surface, "pair", 2, Frame::plane_strain);
+    for (int f = 0; f < surface.count(); ++f) {
+      const PetscInt* cone = nullptr;
+      check(DMPlexGetCone(mesh.dm(), facets.point[static_cast<std::size_t>(f)], &cone));
+      const auto first = static_cast<std::size_t>(cone[0] - mesh.vertex_point(0));
+      const auto i = static_cast<std::size_t>(f);
+      double distance = 0;
+      for (std::size_t k = 0; k < 2; ++k) {
+        const double x =
+            points.shape[4 * i] * surface.X[4 * i + k] + points.shape[4 * i + 1] * surface.X[4 * i + 2 + k];
+        distance = std::hypot(distance, x - mesh.coordinates()[2 * first + k]);
+      }
+      // The first point is the one nearer to the first vertex of the cone.
+      EXPECT_NEAR(distance, surface.length[i] * (1 - 1 / std::numbers::sqrt3) / 2, 1e-14);
+    }
+  }
+}

@@ -1,0 +1,202 @@
+#include "reference_cell.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace impact;
+using reference::aluminium;
+using reference::Complex;
+using reference::Sampler;
+
+namespace {
+
+template <class C, Frame f> struct Element {
+  using Cell = C;
+  static constexpr Frame frame = f;
+};
+using Elements = testing::Types<Element<Tri3, Frame::plane_strain>, Element<Tri3, Frame::axisymmetric>,
+                                Element<Quad4, Frame::plane_strain>, Element<Quad4, Frame::axisymmetric>,
+                                Element<Tet4, Frame::solid>, Element<Hex8, Frame::solid>>;
+
+template <class> struct Motion : testing::Test {};
+TYPED_TEST_SUITE(Motion, Elements);
+
+/// The displacement of the cell with a complex step in dof k.
+template <class Case> std::vector<Complex> complex_u(const Case& c, int k) {
+  std::vector<Complex> u(c.u, c.u + Case::dofs);
+  u[unsigned(k)] += Complex(0, reference::step);
+  return u;
+}
+
+double largest(const std::vector<double>& x) {
+  double m = 0;
+  for (double v : x) m = std::fmax(m, std::fabs(v));
+  return m;
+}
+
+MaterialParameters option(int k) {
+  MaterialParameters m = aluminium();
+  m.locking = k % 3 == 0 ? Locking::mean : k % 3 == 1 ? Locking::fbar : Locking::none;
+  m.split = k % 2 ? Split::none : Split::volumetric;
+  m.gp = k % 4 < 2 ? PlasticDegradation::one : PlasticDegradation::ge;
+  m.b_d = k % 5 < 2 ? 0 : 1e5;
+  m.visc_degrade = k % 5 == 3;
+  m.damage_gradient = k % 7 < 5 ? DamageGradient::spatial : DamageGradient::material;
+  m.ge = k % 11 ? Degradation::quadratic : Degradation::cubic;
+  return m;
+}
+
+} // namespace
+
+TYPED_TEST(Motion, ResidualIsThatOfThePlainElement) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim;
+  Sampler random(11);
+  for (int k = 0; k < 80; ++k) {
+    const PointLaw law{option(k)};
+    const auto cases = reference::cases<Cell, frame>(random, k % 2 ? 0.03 : 0.003);
+    const reference::CellBatch<Cell, frame> batch(cases);
+    Batch r[dofs];
+    for (auto& x : r) x = 1.0; // the kernel adds
+    const CellStatus status = motion_residual<Cell, frame>(law, batch.input(cases[0].dt), r);
+    EXPECT_EQ(status.bad, 0);
+    for (int l = 0; l < lanes; ++l) {
+      const auto& c = cases[unsigned(l)];
+      const auto f = reference::force(law.parameters, c, std::vector<double>(c.u, c.u + dofs));
+      for (int i = 0; i < dofs; ++i) EXPECT_NEAR(r[i][l] - 1, f[unsigned(i)], 1e-11 * largest(f) + 1e-9);
+    }
+  }
+}
+
+// every locking cure, frame and split; elastic and flowing
+TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim;
+  Sampler random(12);
+  for (int k = 0; k < (250 + lanes - 1) / lanes * 4; ++k) { // 1000 cells
+    const PointLaw law{option(k)};
+    const auto cases = reference::cases<Cell, frame>(random, k % 2 ? 0.03 : 0.003);
+    const reference::CellBatch<Cell, frame> batch(cases);
+    Batch r[dofs], K[dofs * dofs], only[dofs];
+    for (auto& x : r) x = 0.0;
+    for (auto& x : only) x = 0.0;
+    for (auto& x : K) x = 0.0;
+    motion_tangent<Cell, frame>(law, batch.input(cases[0].dt), r, K);
+    motion_residual<Cell, frame>(law, batch.input(cases[0].dt), only);
+    for (int l = 0; l < lanes; ++l) {
+      std::vector<double> exact(unsigned(dofs * dofs));
+      for (int j = 0; j < dofs; ++j) {
+        const auto f = reference::force(law.parameters, cases[unsigned(l)], complex_u(cases[unsigned(l)], j));
+        for (int i = 0; i < dofs; ++i)
+          exact[unsigned(i * dofs + j)] = f[unsigned(i)].imag() / reference::step;
+      }
+      double worst = 0;
+      for (int i = 0; i < dofs * dofs; ++i) worst = std::fmax(worst, std::fabs(K[i][l] - exact[unsigned(i)]));
+      EXPECT_LT(worst, 1e-10 * largest(exact)) << "option " << k;
+      for (int i = 0; i < dofs; ++i) EXPECT_NEAR(r[i][l], only[i][l], 1e-12 * largest(exact) * 1e-3);
+    }
+  }
+}
+
+TYPED_TEST(Motion, SymmetricTangentIsTheSymmetricPart) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim;
+  Sampler random(13);
+  double defect = 0;
+  for (int k = 0; k < 12; ++k) {
+    const PointLaw law{option(k)};
+    const auto cases = reference::cases<Cell, frame>(random, 0.03);
+    const reference::CellBatch<Cell, frame> batch(cases);
+    Batch r[dofs], K[dofs * dofs], S[dofs * dofs];
+    for (auto& x : r) x = 0.0;
+    for (int i = 0; i < dofs * dofs; ++i) K[i] = S[i] = 0.0;
+    MotionInput in = batch.input(cases[0].dt);
+    motion_tangent<Cell, frame>(law, in, r, K);
+    in.symmetric = true;
+    motion_tangent<Cell, frame>(law, in, r, S);
+    double size = 0;
+    for (int i = 0; i < dofs * dofs; ++i) size = std::fmax(size, std::fabs(K[i][0]));
+    for (int i = 0; i < dofs; ++i)
+      for (int j = 0; j < dofs; ++j) {
+        EXPECT_NEAR(S[i * dofs + j][0], 0.5 * (K[i * dofs + j][0] + K[j * dofs + i][0]), 1e-12 * size);
+        defect = std::fmax(defect, std::fabs(K[i * dofs + j][0] - K[j * dofs + i][0]) / size);
+      }
+  }
+  EXPECT_GT(defect, 1e-4); // the flowing tangent is unsymmetric, so that the option does something
+}
+
+// at fixed random history; viscous potential and crack energy too
+TYPED_TEST(Motion, ElasticForceIsTheDerivativeOfTheEnergy) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim;
+  Sampler random(14);
+  for (int k = 0; k < 40; ++k) {
+    MaterialParameters m = option(2 * k);
+    if (m.locking == Locking::fbar) m.locking = Locking::none;
+    m.sigma_y = 1e15;
+    const auto cases = reference::cases<Cell, frame>(random, 0.03);
+    const reference::CellBatch<Cell, frame> batch(cases);
+    Batch r[dofs], K[dofs * dofs];
+    for (auto& x : r) x = 0.0;
+    for (auto& x : K) x = 0.0;
+    motion_tangent<Cell, frame>(PointLaw{m}, batch.input(cases[0].dt), r, K);
+    double size = 0;
+    for (auto& x : K) size = std::fmax(size, std::fabs(x[0]));
+    for (int i = 0; i < dofs; ++i)
+      for (int j = 0; j < i; ++j) EXPECT_NEAR(K[i * dofs + j][0], K[j * dofs + i][0], 1e-13 * size);
+    for (int l = 0; l < lanes; ++l) {
+      std::vector<double> f(unsigned(dofs), 0.0);
+      for (int i = 0; i < dofs; ++i)
+        f[unsigned(i)] = reference::energy(m, cases[unsigned(l)], complex_u(cases[unsigned(l)], i)).imag() /
+                         reference::step;
+      for (int i = 0; i < dofs; ++i) EXPECT_NEAR(r[i][l], f[unsigned(i)], 1e-11 * largest(f));
+    }
+  }
+}
+
+TYPED_TEST(Motion, InertiaIsTheConsistentMass) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim, dim = Cell::dim;
+  Sampler random(15);
+  MaterialParameters m = aluminium();
+  m.model = Model::elastic;
+  m.damage = Damage::none;
+  const auto cases = reference::cases<Cell, frame>(random, 0.0);
+  const reference::CellBatch<Cell, frame> batch(cases);
+  MotionInput in = batch.input(1);
+  in.theta = nullptr;
+  Batch r[dofs], K[dofs * dofs], zero[dofs], without[dofs * dofs];
+  for (int i = 0; i < dofs; ++i) r[i] = zero[i] = 0.0;
+  for (int i = 0; i < dofs * dofs; ++i) K[i] = without[i] = 0.0;
+  in.u = zero;
+  Batch unused[dofs];
+  for (auto& x : unused) x = 0.0;
+  motion_tangent<Cell, frame>(PointLaw{m}, in, unused, without);
+  in.accel = batch.accel;
+  in.mass_shift = 7e9;
+  motion_tangent<Cell, frame>(PointLaw{m}, in, r, K);
+  for (int l = 0; l < lanes; ++l) {
+    const auto& c = cases[unsigned(l)];
+    const auto at = reference::points<Cell, frame>(c.X);
+    double size = 0;
+    for (int i = 0; i < dofs * dofs; ++i) size = std::fmax(size, std::fabs(K[i][l]));
+    for (int a = 0; a < Cell::nodes; ++a)
+      for (int i = 0; i < dim; ++i) {
+        double f = 0;
+        for (int b = 0; b < Cell::nodes; ++b) {
+          double mass = 0;
+          for (const auto& q : at) mass += q.weight * m.rho * q.N[a] * q.N[b];
+          f += mass * c.accel[b * dim + i];
+          for (int j = 0; j < dim; ++j) {
+            const int entry = (a * dim + i) * dofs + b * dim + j;
+            EXPECT_NEAR(K[entry][l] - without[entry][l], i == j ? 7e9 * mass : 0, 1e-13 * size);
+          }
+        }
+        EXPECT_NEAR(r[a * dim + i][l], f, 1e-12 * std::fabs(f) + 1e-10);
+      }
+  }
+}

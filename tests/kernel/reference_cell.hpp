@@ -1,0 +1,250 @@
+#pragma once
+#include "../material/law_sampler.hpp"
+
+#include <impact/element/shape.hpp>
+#include <impact/kernel/motion.hpp>
+#include <numbers>
+#include <vector>
+
+/// A plain scalar element around the plain law: one cell, dense tensors, any locking cure; T is double or
+/// complex, so that forces can be compared with the complex step of the energy and tangents with that of the
+/// force.
+namespace reference {
+
+using impact::Frame;
+using impact::Locking;
+
+/// One random cell with its fields.
+template <class Cell, Frame frame> struct CellCase {
+  static constexpr int dim = Cell::dim, nodes = Cell::nodes, points = Cell::points, dofs = nodes * dim;
+  double X[dofs], u[dofs], u_n[dofs], accel[dofs], phi[nodes], theta[nodes];
+  impact::PointHistory<double, dim> history[points];
+  double dt = 1e-3, mass_shift = 0;
+
+  /// Distorted reference cell of size h; displacement = random affine map of size `strain` plus noise; random
+  /// history.
+  CellCase(Sampler& random, double strain, double h = 1e-3, double prestrain = 0.005) {
+    const double corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                 {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+    const double simplex[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    double H[3][3], H_n[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        H[i][j] = random.uniform(-strain, strain), H_n[i][j] = random.uniform(-strain, strain);
+    for (int a = 0; a < nodes; ++a) {
+      const double* c = nodes == dim + 1 ? simplex[a] : corner[a];
+      for (int i = 0; i < dim; ++i)
+        X[a * dim + i] =
+            h * (c[i] + random.uniform(-0.15, 0.15) + (frame == Frame::axisymmetric && i == 0 ? 2 : 0));
+      phi[a] = random.uniform(0, 0.8);
+      theta[a] = random.uniform(290, 400);
+    }
+    for (int a = 0; a < nodes; ++a)
+      for (int i = 0; i < dim; ++i) {
+        const int k = a * dim + i;
+        u[k] = random.uniform(-0.3, 0.3) * strain * h;
+        u_n[k] = random.uniform(-0.3, 0.3) * strain * h;
+        for (int j = 0; j < dim; ++j) u[k] += H[i][j] * X[a * dim + j], u_n[k] += H_n[i][j] * X[a * dim + j];
+        accel[k] = random.uniform(-1e6, 1e6);
+      }
+    for (auto& p : history) p = random.history<dim>(prestrain);
+  }
+};
+
+/// Gradients at one point: N, dN/dX and the weight.
+template <class Cell, Frame frame> struct Point {
+  double N[Cell::nodes], dN[Cell::nodes][Cell::dim], weight, R;
+
+  Point(const double* X, const typename Cell::Point& xi, double w) {
+    constexpr int d = Cell::dim;
+    const auto n = Cell::N(xi);
+    const auto g = Cell::dN(xi);
+    Matrix<double> J = unit<double>(); // dX_i/dxi_j
+    R = 0;
+    for (unsigned i = 0; i < d; ++i)
+      for (unsigned j = 0; j < d; ++j) {
+        J[3 * i + j] = 0;
+        for (unsigned a = 0; a < Cell::nodes; ++a) J[3 * i + j] += X[a * d + i] * g[a][j];
+      }
+    const Matrix<double> inv = inverse(J);
+    for (unsigned a = 0; a < Cell::nodes; ++a) {
+      N[a] = n[a];
+      R += n[a] * X[a * d];
+      for (unsigned i = 0; i < d; ++i) {
+        dN[a][i] = 0;
+        for (unsigned j = 0; j < d; ++j) dN[a][i] += g[a][j] * inv[3 * j + i];
+      }
+    }
+    weight = w * det(J) * (frame == Frame::axisymmetric ? 2 * std::numbers::pi * R : 1);
+  }
+
+  template <class T> Matrix<T> F(const T* u) const {
+    Matrix<T> f = unit<T>();
+    for (int i = 0; i < Cell::dim; ++i)
+      for (int j = 0; j < Cell::dim; ++j)
+        for (int a = 0; a < Cell::nodes; ++a) f[unsigned(3 * i + j)] += u[a * Cell::dim + i] * dN[a][j];
+    if (frame == Frame::axisymmetric)
+      for (int a = 0; a < Cell::nodes; ++a) f[8] += u[a * Cell::dim] * N[a] / R;
+    return f;
+  }
+  double at(const double* nodal) const {
+    double s = 0;
+    for (int a = 0; a < Cell::nodes; ++a) s += N[a] * nodal[a];
+    return s;
+  }
+  template <class T> void add_force(const Matrix<T>& P, T* r) const {
+    for (int a = 0; a < Cell::nodes; ++a)
+      for (int i = 0; i < Cell::dim; ++i) {
+        for (int j = 0; j < Cell::dim; ++j)
+          r[a * Cell::dim + i] += weight * P[unsigned(3 * i + j)] * dN[a][j];
+        if (frame == Frame::axisymmetric && i == 0) r[a * Cell::dim] += weight * P[8] * N[a] / R;
+      }
+  }
+  Matrix<double> outer_gradient(const double* nodal) const { // g (x) g of Grad phi
+    double g[3] = {0, 0, 0};
+    for (int i = 0; i < Cell::dim; ++i)
+      for (int a = 0; a < Cell::nodes; ++a) g[i] += nodal[a] * dN[a][i];
+    Matrix<double> m;
+    for (unsigned i = 0; i < 3; ++i)
+      for (unsigned j = 0; j < 3; ++j) m[3 * i + j] = g[i] * g[j];
+    return m;
+  }
+};
+
+template <class Cell, Frame frame> std::vector<Point<Cell, frame>> points(const double* X) {
+  std::vector<Point<Cell, frame>> p;
+  for (int q = 0; q < Cell::points; ++q) p.emplace_back(X, Cell::point(q), Cell::weight(q));
+  return p;
+}
+
+template <class T> Matrix<T> right_cauchy_green(const Matrix<T>& F) { return multiply(transpose(F), F); }
+
+/// Force vector of the cell without inertia.
+template <class Cell, Frame frame, class T>
+std::vector<T> force(const MaterialParameters& m, const CellCase<Cell, frame>& c, const std::vector<T>& u) {
+  const auto at = points<Cell, frame>(c.X);
+  const Point<Cell, frame> centre(c.X, Cell::centroid(), 1);
+  std::vector<T> r(u.size(), T(0.0));
+  T J_mean = 0.0, p_mean = 0.0;
+  double volume = 0;
+  for (const auto& q : at) {
+    J_mean += q.weight * det(q.F(u.data()));
+    volume += q.weight;
+  }
+  J_mean /= volume;
+  const T J_0 = det(centre.F(u.data()));
+  for (const auto& q : at)
+    p_mean += q.weight / volume * pressure(m, J_mean, T(J_theta(m, q.at(c.theta))), T(q.at(c.phi)));
+  for (int k = 0; k < Cell::points; ++k) {
+    const auto& q = at[unsigned(k)];
+    const T phi = q.at(c.phi), J_th = J_theta(m, q.at(c.theta));
+    const Matrix<T> F = q.F(u.data()), Fi = inverse(F), FiT = transpose(Fi);
+    const T J = det(F);
+    Matrix<T> tau = return_map(m, F, dense<Cell::dim>(c.history[k].A), c.history[k].alpha, phi).s;
+    T p = p_mean;
+    if (m.locking == Locking::none) p = pressure(m, J, J_th, phi);
+    if (m.locking == Locking::fbar) {
+      for (T& x : tau) x *= J / J_0;
+      p = pressure(m, J_0, J_th, phi);
+    }
+    for (unsigned i = 0; i < 3; ++i) tau[4 * i] += p * J;
+    Matrix<T> P = multiply(tau, FiT);
+    Matrix<T> S{};
+    if (m.b_d > 0) {
+      const Matrix<T> C = right_cauchy_green(F);
+      const Matrix<double> C_n = right_cauchy_green(q.F(c.u_n));
+      const T b = m.b_d * (m.visc_degrade ? g_e1(m, phi) : T(1.0));
+      for (unsigned i = 0; i < 9; ++i) S[i] += 2.0 * b / c.dt * (C[i] - C_n[i]);
+    }
+    if (m.damage == impact::Damage::at2 && m.damage_gradient == impact::DamageGradient::spatial) {
+      const Matrix<T> Ci = inverse(right_cauchy_green(F));
+      const Matrix<T> ww = multiply(multiply(Ci, q.outer_gradient(c.phi)), Ci);
+      for (unsigned i = 0; i < 9; ++i) S[i] -= m.Gc * m.gamma * ww[i];
+    }
+    const Matrix<T> FS = multiply(F, S);
+    for (unsigned i = 0; i < 9; ++i) P[i] += FS[i];
+    q.add_force(P, r.data());
+  }
+  return r;
+}
+
+/// Energy whose derivative the force of an elastic cell at fixed history is (locking none or mean), with the
+/// incremental viscous potential.
+template <class Cell, Frame frame, class T>
+T energy(const MaterialParameters& m, const CellCase<Cell, frame>& c, const std::vector<T>& u) {
+  const auto at = points<Cell, frame>(c.X);
+  T J_mean = 0.0, sum = 0.0;
+  double volume = 0;
+  for (const auto& q : at) {
+    J_mean += q.weight * det(q.F(u.data()));
+    volume += q.weight;
+  }
+  J_mean /= volume;
+  for (int k = 0; k < Cell::points; ++k) {
+    const auto& q = at[unsigned(k)];
+    const T phi = q.at(c.phi);
+    const Matrix<T> F = q.F(u.data()), C = right_cauchy_green(F);
+    const T J_vol = m.locking == Locking::mean ? J_mean : det(F);
+    sum += q.weight *
+           elastic_energy(m, C, dense<Cell::dim>(c.history[k].A), J_vol, phi, T(J_theta(m, q.at(c.theta))));
+    if (m.b_d > 0) {
+      const Matrix<double> C_n = right_cauchy_green(q.F(c.u_n));
+      T square = 0.0;
+      for (unsigned i = 0; i < 9; ++i) square += (C[i] - C_n[i]) * (C[i] - C_n[i]);
+      sum += q.weight * m.b_d * (m.visc_degrade ? g_e1(m, phi) : T(1.0)) / (2 * c.dt) * square;
+    }
+    if (m.damage == impact::Damage::at2 && m.damage_gradient == impact::DamageGradient::spatial) {
+      const Matrix<T> Ci = inverse(C);
+      const Matrix<double> gg = q.outer_gradient(c.phi);
+      for (unsigned i = 0; i < 9; ++i) sum += q.weight * m.Gc * m.gamma / 2 * Ci[i] * gg[i];
+    }
+  }
+  return sum;
+}
+
+/// The same cases as lanes of the library's input.
+template <class Cell, Frame frame> struct CellBatch {
+  using Case = CellCase<Cell, frame>;
+  static constexpr int dim = Cell::dim, nodes = Cell::nodes, dofs = nodes * dim,
+                       history_components = impact::history_size(dim);
+  impact::Batch X[dofs], u[dofs], u_n[dofs], accel[dofs], phi[nodes], theta[nodes];
+  impact::Batch history[Cell::points * history_components];
+
+  explicit CellBatch(const std::vector<Case>& cases) {
+    for (int l = 0; l < impact::lanes; ++l) {
+      const Case& c = cases[unsigned(l) % cases.size()];
+      for (int i = 0; i < dofs; ++i) {
+        X[i].set(l, c.X[i]);
+        u[i].set(l, c.u[i]);
+        u_n[i].set(l, c.u_n[i]);
+        accel[i].set(l, c.accel[i]);
+      }
+      for (int a = 0; a < nodes; ++a) phi[a].set(l, c.phi[a]), theta[a].set(l, c.theta[a]);
+      for (int q = 0; q < Cell::points; ++q) {
+        for (int i = 0; i < impact::symmetric_size(dim); ++i)
+          history[q * history_components + i].set(l, c.history[q].A[i]);
+        history[q * history_components + history_components - 1].set(l, c.history[q].alpha);
+      }
+    }
+  }
+  impact::MotionInput input(double dt) const {
+    impact::MotionInput in;
+    in.X = X;
+    in.u = u;
+    in.u_n = u_n;
+    in.phi = phi;
+    in.theta = theta;
+    in.history = history;
+    in.dt = dt;
+    return in;
+  }
+};
+
+template <class Cell, Frame frame>
+std::vector<CellCase<Cell, frame>> cases(Sampler& random, double strain, double prestrain = 0.005) {
+  std::vector<CellCase<Cell, frame>> c;
+  for (int l = 0; l < impact::lanes; ++l) c.emplace_back(random, strain, 1e-3, prestrain);
+  return c;
+}
+
+} // namespace reference

@@ -1,0 +1,131 @@
+#include "reference_cell.hpp"
+
+#include <gtest/gtest.h>
+#include <impact/kernel/damage.hpp>
+#include <impact/kernel/measure.hpp>
+
+using namespace impact;
+using reference::aluminium;
+using reference::Sampler;
+
+namespace {
+
+/// Every combination of the law's options, named for the message of a failure.
+template <class F> void for_every_law(F&& f) {
+  for (const Model model : {Model::elastic, Model::j2})
+    for (const Damage damage : {Damage::none, Damage::at2})
+      for (const Split split : {Split::volumetric, Split::none})
+        for (const Degradation ge : {Degradation::quadratic, Degradation::cubic})
+          for (const PlasticDegradation gp : {PlasticDegradation::one, PlasticDegradation::ge})
+            for (const DamageGradient gradient : {DamageGradient::spatial, DamageGradient::material})
+              for (const Locking locking : {Locking::none, Locking::mean, Locking::fbar})
+                for (const int viscous : {0, 1, 2}) {
+                  MaterialParameters m = aluminium();
+                  m.model = model, m.damage = damage, m.split = split, m.ge = ge, m.gp = gp;
+                  m.damage_gradient = gradient, m.locking = locking;
+                  m.b_d = viscous ? 1e5 : 0;
+                  m.visc_degrade = viscous == 2;
+                  m.residual_stiffness = 1e-6;
+                  f(m, "model " + std::to_string(int(model)) + " damage " + std::to_string(int(damage)) +
+                           " split " + std::to_string(int(split)) + " ge " + std::to_string(int(ge)) +
+                           " gp " + std::to_string(int(gp)) + " gradient " + std::to_string(int(gradient)) +
+                           " locking " + std::to_string(int(locking)) + " viscous " +
+                           std::to_string(viscous));
+                }
+}
+
+template <class Cell, Frame frame>
+void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& random) {
+  constexpr int dofs = Cell::nodes * Cell::dim, n = Cell::nodes, points = Cell::points,
+                size = history_size(Cell::dim);
+  const PointLaw law{m};
+  const auto cases = reference::cases<Cell, frame>(random, 0.02);
+  reference::CellBatch<Cell, frame> batch(cases);
+  MotionInput in = batch.input(1e-3);
+  Batch r[dofs], K[dofs * dofs], up[dofs], down[dofs], trial[points * size], drive[points * drive_size];
+  for (int i = 0; i < dofs; ++i) r[i] = up[i] = down[i] = 0.0;
+  for (auto& x : K) x = 0.0;
+  StepSums sums;
+  ASSERT_EQ((motion_tangent<Cell, frame>(law, in, r, K).bad), 0) << name;
+  ASSERT_EQ((motion_advance<Cell, frame>(law, in, trial, drive, sums).bad), 0) << name;
+
+  // the tangent along a random direction against a central difference
+  Batch direction[dofs];
+  const double h = 1e-9;
+  for (auto& x : direction) x = random.uniform(-1, 1);
+  for (int i = 0; i < dofs; ++i) batch.u[i] += h * direction[i];
+  motion_residual<Cell, frame>(law, in, up);
+  for (int i = 0; i < dofs; ++i) batch.u[i] -= 2 * h * direction[i];
+  motion_residual<Cell, frame>(law, in, down);
+  for (int i = 0; i < dofs; ++i) batch.u[i] += h * direction[i];
+  double error = 0, stiffness = 0;
+  for (int i = 0; i < dofs; ++i) {
+    double s = 0;
+    for (int j = 0; j < dofs; ++j) s += K[i * dofs + j][0] * direction[j][0];
+    error = std::fmax(error, std::fabs(s - (up[i][0] - down[i][0]) / (2 * h)));
+    stiffness = std::fmax(stiffness, std::fabs(s));
+  }
+  EXPECT_LT(error, 1e-5 * stiffness) << name;
+  EXPECT_GE(sums.plastic_dissipation[0], 0) << name;
+  EXPECT_GE(sums.viscous_dissipation[0], 0) << name;
+  EXPECT_EQ(sums.viscous_dissipation[0] > 0, m.b_d > 0) << name;
+
+  if (m.damage == Damage::at2)
+    for (const DamageForm form : {DamageForm::multiplied, DamageForm::divided}) {
+      Batch f[n], J[n * n], phi_n[n];
+      for (int a = 0; a < n; ++a) f[a] = 0.0, phi_n[a] = 0.5 * batch.phi[a];
+      for (auto& x : J) x = 0.0;
+      DamageInput d;
+      d.X = in.X, d.u = in.u, d.u_n = in.u_n, d.phi = in.phi, d.phi_n = phi_n, d.drive = d.drive_n = drive;
+      d.dt = 1e-4, d.form = form, d.theta_d = form == DamageForm::divided ? 0.5 : 1;
+      EXPECT_EQ((damage_tangent<Cell, frame>(law, d, f, J)), 0) << name;
+      for (int a = 0; a < n; ++a) {
+        EXPECT_TRUE(std::isfinite(J[a * n + a][0])) << name;
+        EXPECT_TRUE(m.ge == Degradation::cubic || J[a * n + a][0] > 0) << name; // the cubic one is not convex
+      }
+    }
+  EnergyInput e;
+  e.X = in.X, e.u = in.u, e.v = in.u_n, e.phi = in.phi, e.theta = in.theta, e.history = trial;
+  EnergySums energy;
+  stored_energy<Cell, frame>(law, e, energy);
+  EXPECT_GT(energy.elastic[0], 0) << name;
+  EXPECT_EQ(energy.plastic[0] > 0, m.model == Model::j2) << name;
+  EXPECT_EQ(energy.fracture[0] > 0, m.damage == Damage::at2) << name;
+  in.history = trial;
+  CellOutput out;
+  cell_output<Cell, frame>(law, in, out);
+  EXPECT_GT(out.von_mises[0], 0) << name;
+  EXPECT_LT(out.von_mises[0], 1e11) << name;
+}
+
+} // namespace
+
+TEST(Registry, EveryLawTakesAStepOnTri3) {
+  Sampler random(51);
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    one_step_of<Tri3, Frame::plane_strain>(m, name, random);
+    one_step_of<Tri3, Frame::axisymmetric>(m, name, random);
+  });
+}
+
+TEST(Registry, EveryLawTakesAStepOnQuad4) {
+  Sampler random(52);
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    one_step_of<Quad4, Frame::plane_strain>(m, name, random);
+    one_step_of<Quad4, Frame::axisymmetric>(m, name, random);
+  });
+}
+
+TEST(Registry, EveryLawTakesAStepOnTet4) {
+  Sampler random(53);
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    one_step_of<Tet4, Frame::solid>(m, name, random);
+  });
+}
+
+TEST(Registry, EveryLawTakesAStepOnHex8) {
+  Sampler random(54);
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    one_step_of<Hex8, Frame::solid>(m, name, random);
+  });
+}

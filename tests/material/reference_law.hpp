@@ -1,0 +1,129 @@
+#pragma once
+#include "../math/dense_matrix.hpp"
+
+#include <impact/material/parameters.hpp>
+
+/// A second, plain implementation of the point law on dense 3x3 arrays, after the reference script of the
+/// equations and not after the library: full tensors, textbook return map, no cancellation-free forms. T is
+/// double or std::complex<double>, so that any derivative can be taken by the complex step.
+namespace reference {
+
+using impact::MaterialParameters;
+
+inline MaterialParameters aluminium() {
+  MaterialParameters m;
+  const double E = 72.0e9, nu = 0.33;
+  m.G = E / (2 * (1 + nu));
+  m.K = E / (3 * (1 - 2 * nu));
+  m.rho = 2810;
+  m.model = impact::Model::j2;
+  m.sigma_y = 368e6;
+  m.voce_r = 78e6;
+  m.voce_s = 32;
+  m.alpha_t = 2.3e-5;
+  m.theta0 = 298.15;
+  m.damage = impact::Damage::at2;
+  m.Gc = 4950.6;
+  m.gamma = 0.5e-3;
+  m.c = 1e-3;
+  m.b_d = 0;
+  m.residual_stiffness = 0;
+  return m;
+}
+
+template <class T> T g_e1(const MaterialParameters& m, const T& phi) {
+  const T x = 1.0 - phi;
+  const T g =
+      m.ge == impact::Degradation::quadratic ? x * x : (3 - m.cubic_s) * x * x - (2 - m.cubic_s) * x * x * x;
+  const double k = m.residual_stiffness;
+  return m.damage == impact::Damage::none ? T(1.0) : (1 - k) * g + k;
+}
+template <class T> T g_e2(const MaterialParameters& m, const T& phi) {
+  return m.split == impact::Split::none ? g_e1(m, phi) : T(1.0);
+}
+template <class T> T g_p(const MaterialParameters& m, const T& phi) {
+  return m.gp == impact::PlasticDegradation::ge ? g_e1(m, phi) : T(1.0);
+}
+template <class T> T J_theta(const MaterialParameters& m, const T& theta) {
+  return std::exp(3 * m.alpha_t * (theta - m.theta0));
+}
+template <class T> T flow_stress(const MaterialParameters& m, const T& a) {
+  return m.sigma_y + m.voce_r * (1.0 - std::exp(-m.voce_s * a)) + m.linear_h * a;
+}
+template <class T> T flow_slope(const MaterialParameters& m, const T& a) {
+  return m.voce_r * m.voce_s * std::exp(-m.voce_s * a) + m.linear_h;
+}
+
+/// Degraded volumetric pressure dU/dJ at the ratio J.
+template <class T> T pressure(const MaterialParameters& m, const T& J, const T& J_th, const T& phi) {
+  const T Je = J / J_th;
+  const T g = real(Je) >= 1 ? g_e1(m, phi) : g_e2(m, phi);
+  return g * (m.K / 2) * (Je - 1.0 / Je) / J_th;
+}
+
+template <class T> struct Flow {
+  Matrix<T> s, A;
+  T alpha, dbeta;
+};
+
+/// Isochoric Kirchhoff stress, plastic metric and accumulated strain.
+template <class T>
+Flow<T> return_map(const MaterialParameters& m, const Matrix<T>& F, const Matrix<double>& A_n, double alpha_n,
+                   const T& phi) {
+  const double q = std::sqrt(2.0 / 3);
+  const T J = det(F), scale = std::pow(J, -1.0 / 3);
+  Matrix<T> Fb = F;
+  for (T& x : Fb) x *= scale;
+  const Matrix<T> b = multiply(multiply(Fb, A_n), transpose(Fb));
+  const T ge = g_e1(m, phi), gp = g_p(m, phi), mu = ge * m.G * trace(b) / 3.0;
+  Matrix<T> s = b;
+  for (unsigned i = 0; i < 3; ++i) s[4 * i] -= trace(b) / 3.0;
+  for (T& x : s) x *= ge * m.G;
+  const T norm = std::sqrt(dot(s, s));
+  const T f = norm - q * gp * flow_stress(m, T(alpha_n));
+  Flow<T> out{s, {}, T(alpha_n), T(0.0)};
+  for (unsigned i = 0; i < 9; ++i) out.A[i] = A_n[i];
+  if (m.model != impact::Model::j2 || real(f) <= 0) return out;
+  T db = f / (2.0 * mu + 2.0 / 3 * gp * flow_slope(m, T(alpha_n)));
+  for (int i = 0; i < 30; ++i) {
+    const T r = norm - 2.0 * mu * db - q * gp * flow_stress(m, T(alpha_n + q * db));
+    db += r / (2.0 * mu + 2.0 / 3 * gp * flow_slope(m, T(alpha_n + q * db)));
+  }
+  Matrix<T> d;
+  for (unsigned i = 0; i < 9; ++i) {
+    out.s[i] = s[i] - 2.0 * mu * db * s[i] / norm;
+    d[i] = out.s[i] / (ge * m.G);
+  }
+  const T J2 = dot(d, d) / 2.0, J3 = det(d);
+  T y = 1.0;
+  for (int i = 0; i < 60; ++i) y -= (y * y * y - J2 * y + J3 - 1.0) / (3.0 * y * y - J2);
+  for (unsigned i = 0; i < 3; ++i) d[4 * i] += y;
+  const Matrix<T> Fi = inverse(Fb);
+  out.A = multiply(multiply(Fi, d), transpose(Fi));
+  out.alpha = alpha_n + q * db;
+  out.dbeta = db;
+  return out;
+}
+
+/// tau_c with p from the J of the point.
+template <class T>
+Matrix<T> kirchhoff(const MaterialParameters& m, const Matrix<T>& F, const Matrix<double>& A_n,
+                    double alpha_n, const T& phi, const T& theta) {
+  Matrix<T> tau = return_map(m, F, A_n, alpha_n, phi).s;
+  const T J = det(F), p = pressure(m, J, J_theta(m, theta), phi);
+  for (unsigned i = 0; i < 3; ++i) tau[4 * i] += p * J;
+  return tau;
+}
+
+/// Elastic energy g_1 E+ + g_2 E- as a function of C and A.
+template <class T>
+T elastic_energy(const MaterialParameters& m, const Matrix<T>& C, const Matrix<double>& A, const T& J_vol,
+                 const T& phi, const T& J_th) {
+  T CA = 0.0;
+  for (unsigned i = 0; i < 9; ++i) CA += C[i] * A[i];
+  const T W = m.G / 2 * (std::pow(det(C), -1.0 / 3) * CA - 3.0), Je = J_vol / J_th;
+  const T U = m.K / 2 * ((Je * Je - 1.0) / 2.0 - std::log(Je));
+  return g_e1(m, phi) * W + (real(Je) >= 1 ? g_e1(m, phi) : g_e2(m, phi)) * U;
+}
+
+} // namespace reference

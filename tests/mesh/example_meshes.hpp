@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdlib>
+#include <impact/mesh/mesh.hpp>
+#include <impact/petsc/error.hpp>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace impact {
+
+/// Meshes of the repository for tests; a .geo's mesh is written below the working folder.
+inline MeshRequest example_mesh(const std::string& name, std::map<std::string, std::string> parameters = {}) {
+  const char* source = std::getenv("IMPACT_SOURCE_DIR");
+  MeshRequest request;
+  request.file = std::string(source ? source : ".") + "/meshes/" + name + ".geo";
+  request.parameters = std::move(parameters);
+  request.work_dir = "mesh_test_files";
+  return request;
+}
+
+/// Unit box with `n` cells along each edge; gmsh runs once for each kind.
+inline Mesh make_block(Shape shape, int n) {
+  static std::map<std::pair<Shape, int>, bool> made;
+  const bool simplex = shape == Shape::tri3 || shape == Shape::tet4;
+  MeshRequest request = example_mesh("block", {{"dim", std::to_string(dimension(shape))},
+                                               {"simplex", simplex ? "1" : "0"},
+                                               {"n", std::to_string(n)}});
+  request.work_dir += "/block" + std::to_string(static_cast<int>(shape)) + "_" + std::to_string(n);
+  if (std::exchange(made[{shape, n}], true)) {
+    request.file = request.work_dir + "/block.msh";
+    request.parameters.clear();
+  }
+  return read_mesh(PETSC_COMM_WORLD, request);
+}
+
+inline constexpr Shape all_shapes[] = {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8};
+
+inline double sum_over_ranks(double mine) {
+  double all = 0;
+  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+  return all;
+}
+
+inline double largest_over_ranks(double mine) {
+  double all = 0;
+  MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+  return all;
+}
+
+/// The message of the UserError that `body` throws, checked to be the same kind on all ranks; "" when it
+/// throws none.
+template <class Body> std::string user_error(ExitCode& code, Body&& body) {
+  try {
+    body();
+  } catch (const UserError& error) {
+    code = error.code();
+    return error.what();
+  }
+  code = ExitCode::ok;
+  return "";
+}
+
+} // namespace impact

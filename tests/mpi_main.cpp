@@ -1,0 +1,39 @@
+#include <gtest/gtest.h>
+#include <iostream>
+#include <petscsys.h>
+
+namespace {
+
+// The other ranks speak only when something failed there.
+class FailurePrinter : public testing::EmptyTestEventListener {
+public:
+  explicit FailurePrinter(int rank) : rank_(rank) {}
+
+private:
+  void OnTestPartResult(const testing::TestPartResult& result) override {
+    if (!result.failed()) return;
+    std::cerr << "rank " << rank_ << ": " << (result.file_name() ? result.file_name() : "") << ":"
+              << result.line_number() << ": " << result.summary() << std::endl;
+  }
+
+  int rank_;
+};
+
+} // namespace
+
+/// Test program for several ranks: prints on rank 0, fails when a test failed on any rank.
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 1;
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank != 0) {
+    testing::TestEventListeners& listeners = testing::UnitTest::GetInstance()->listeners();
+    delete listeners.Release(listeners.default_result_printer());
+    delete listeners.Release(listeners.default_xml_generator());
+    listeners.Append(new FailurePrinter(rank)); // gtest takes it over
+  }
+  int failed = RUN_ALL_TESTS();
+  MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+  return PetscFinalize() != 0 ? 1 : failed;
+}

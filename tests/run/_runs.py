@@ -1,0 +1,104 @@
+"""Runs the program from a script and compares what it writes with references."""
+import os
+import subprocess
+import sys
+
+import numpy
+
+PROGRAM = os.environ.get("IMPACT_PROGRAM", "impact")
+SOURCE = os.environ.get("IMPACT_SOURCE_DIR", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+_failures = []
+
+
+class Run:
+    """A finished run: `code`, `log` (all that was printed), `history` (see read_history) and its folder `dir`."""
+
+    def __init__(self, code, log, folder):
+        self.code, self.log, self.dir = code, log, folder
+        path = os.path.join(folder, "history.csv")
+        self.history = read_history(path) if os.path.exists(path) else {}
+
+    def __getitem__(self, column):
+        """A column of the history file as an array."""
+        return self.history[column]
+
+
+def read_history(path):
+    """Columns of a history file: name -> array. Lines that begin with # are notes."""
+    with open(path) as file:
+        lines = [line for line in file if not line.startswith("#")]
+    names = lines[0].strip().split(",")
+    rows = numpy.array([[float(word) for word in line.split(",")] for line in lines[1:] if line.strip()], ndmin=2)
+    return {name: rows[:, i] for i, name in enumerate(names)} if rows.size else {name: rows for name in names}
+
+
+def mesh(name):
+    """A file of the meshes folder."""
+    return os.path.join(SOURCE, "meshes", name)
+
+
+def option_file(name):
+    """A file of the options folder."""
+    return os.path.join(SOURCE, "options", name)
+
+
+def run(name, options, files=(), ranks=1, code=0):
+    """Runs the program in the folder `name` with option files and then `options` (dict without the leading dashes, or
+    list of words). Any other exit status than `code` (None: any) ends the script."""
+    words = []
+    for file in files:
+        words += ["-options_file", file]
+    if isinstance(options, dict):
+        for key, value in options.items():
+            # PETSc takes a word that begins with a minus for the next option.
+            text = str(value)
+            words += ["-" + key, " " + text if text.startswith("-") else text]
+    else:
+        words += list(options)
+    command = [PROGRAM] + words + ["-output_dir", name]
+    if ranks > 1:
+        command = ["mpirun", "-n", str(ranks)] + command
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if code is not None and done.returncode != code:
+        print(done.stdout[-4000:])
+        print(f"{name}: exit status {done.returncode}, expected {code}\n  {' '.join(command)}")
+        sys.exit(1)
+    return Run(done.returncode, done.stdout, name)
+
+
+def check(claim, measured, reference, tolerance, relative=True):
+    """Prints a measured number beside its reference; remembers when they differ by more than the tolerance."""
+    difference = abs(measured - reference)
+    if relative:
+        difference /= abs(reference)
+    good = bool(difference <= tolerance)
+    print(f"{'ok  ' if good else 'FAIL'} {claim}: {measured:.10g}, reference {reference:.10g}, "
+          f"{'relative ' if relative else ''}difference {difference:.2e}, tolerance {tolerance:.0e}", flush=True)
+    if not good:
+        _failures.append(claim)
+    return good
+
+
+def check_between(claim, measured, low, high):
+    """Prints a measured number with its interval; remembers when it lies outside."""
+    good = bool(low <= measured <= high)
+    print(f"{'ok  ' if good else 'FAIL'} {claim}: {measured:.10g}, expected {low:.10g} to {high:.10g}", flush=True)
+    if not good:
+        _failures.append(claim)
+    return good
+
+
+def require(claim, holds):
+    """A yes-or-no claim."""
+    print(f"{'ok  ' if holds else 'FAIL'} {claim}", flush=True)
+    if not holds:
+        _failures.append(claim)
+    return bool(holds)
+
+
+def finish():
+    """Ends the script: exit status 1 when a claim failed."""
+    if _failures:
+        print(f"{len(_failures)} of the claims failed: " + "; ".join(_failures))
+        sys.exit(1)
+    sys.exit(0)

@@ -1,0 +1,157 @@
+#include "scenario_options.hpp"
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace scenario_options;
+using impact::ExitCode;
+
+struct Row {
+  Options changes;
+  ExitCode code;
+  std::string message;
+};
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> all = {
+      {{{"-material_beam_Gcc", "1"}},
+       ExitCode::usage,
+       "unknown option -material_beam_Gcc; did you mean -material_beam_Gc?   (materials: beam, wedge)"},
+      {{{"-bc_push_uy", "0.1*sin(2*p*t)"}},
+       ExitCode::usage,
+       "-bc_push_uy \"0.1*sin(2*p*t)\": unknown name 'p' at character 10; known: x y z t pi v0 load()"},
+      {{{"-material_baem_E", "1"}},
+       ExitCode::usage,
+       "unknown option -material_baem_E; did you mean -material_beam_E?   (materials: beam, wedge)"},
+      {{{"-material_rod_E", "1"}},
+       ExitCode::usage,
+       "unknown option -material_rod_E   ('rod' is not declared; materials: beam, wedge)"},
+      {{{"-motion_kps_type", "cg"}},
+       ExitCode::usage,
+       "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: tangent, and "
+       "names that start "
+       "with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
+      {{{"-heat_foo", "1"}},
+       ExitCode::usage,
+       "unknown option -heat_foo   (after -heat_: names that start with snes_ ksp_ pc_ mat_ vec_ ts_ "
+       "fieldsplit_ sub_ mg_)"},
+      {{{"-damage_bound", "vi"}},
+       ExitCode::usage,
+       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: form, theta, bounds, "
+       "and names that "
+       "start with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
+      {{{"-order", "2"}}, ExitCode::usage, "-order \"2\": not available; remove it"},
+      {{{"-contact_operatro", "shell"}},
+       ExitCode::usage,
+       "unknown option -contact_operatro; did you mean -contact_operator?"},
+      {{{"-ts_tpye", "static"}}, ExitCode::usage, "unknown option -ts_tpye; did you mean -ts_type?"},
+      {{{"-material_beam_E", "72 GPs"}},
+       ExitCode::usage,
+       "-material_beam_E \"72 GPs\": unknown unit 'GPs'; allowed: a number in Pa, or one with a unit of that "
+       "kind"},
+      {{{"-material_beam_E", "72e9 m"}},
+       ExitCode::usage,
+       "-material_beam_E \"72e9 m\": 'm' has the wrong dimension; allowed: a number in Pa, or one with a "
+       "unit of that kind"},
+      {{{"-material_beam_nu", "0.7"}},
+       ExitCode::usage,
+       "-material_beam_nu \"0.7\": out of range; allowed: -1 < value < 0.5"},
+      {{{"-material_beam_model", "rigid"}},
+       ExitCode::usage,
+       "-material_beam_model \"rigid\": not available; allowed: elastic, j2"},
+      {{{"-material_beam_split", "spectral"}},
+       ExitCode::usage,
+       "-material_beam_split \"spectral\": not available; allowed: volumetric, none"},
+      {{{"-material_beam_damage", "at1"}},
+       ExitCode::usage,
+       "-material_beam_damage \"at1\": not available; allowed: none, at2; did you mean at2?"},
+      {{{"-plane", "stress"}},
+       ExitCode::usage,
+       "-plane \"stress\": not available; allowed: strain, axisymmetric"},
+      {{{"-material_beam_nu", "-"}},
+       ExitCode::usage,
+       "-material_beam_nu: missing; give -material_beam_E and -material_beam_nu, or -material_beam_K and "
+       "-material_beam_G"},
+      {{{"-material_beam_rho", "-"}},
+       ExitCode::usage,
+       "-material_beam_rho: missing; needed by inertia; or run without it: -ts_type static"},
+      {{{"-material_beam_model", "j2"}},
+       ExitCode::usage,
+       "-material_beam_sigma_y: missing; -material_beam_model j2 needs a yield stress"},
+      {{{"-material_beam_damage", "at2"}, {"-material_beam_Gc", "5 kN/m"}},
+       ExitCode::usage,
+       "-material_beam_gamma: missing; -material_beam_damage needs it"},
+      {{{"-material_beam_model", "j2"},
+        {"-material_beam_sigma_y", "3e8"},
+        {"-material_beam_hardening", "voce"}},
+       ExitCode::usage,
+       "-material_beam_voce_r: missing; a positive value is needed by -material_beam_hardening voce"},
+      {{{"-material_beam_like", "wedge"}},
+       ExitCode::usage,
+       "-material_wedge_like \"beam\": goes round in a circle: beam, wedge, beam"},
+      {{{"-material_wedge_like", "rod"}},
+       ExitCode::usage,
+       "-material_wedge_like \"rod\": no such material; allowed: beam, wedge"},
+      {{{"-material_wedge_region", "beam"}},
+       ExitCode::usage,
+       "-material_wedge_region \"beam\": is made of material beam already; give each region to one material"},
+      {{{"-bc_push_on", "-"}},
+       ExitCode::usage,
+       "-bc_push_on: missing; allowed: comma list of names; it is groups of the mesh: boundaries, points, or "
+       "regions with all "
+       "their nodes"},
+      {{{"-bc_push_type", "pressure"}},
+       ExitCode::usage,
+       "-bc_push_uy \"1e-3*t\": has no meaning for this type; remove it, -bc_push_value is what it takes"},
+      {{{"-bc_push_uy", "-"}},
+       ExitCode::usage,
+       "-bc_push_ux: missing; allowed: at least one of -bc_push_ux, -bc_push_uy, -bc_push_uz"},
+      {{{"-bc_push_uy", "1 s"}},
+       ExitCode::usage,
+       "-bc_push_uy \"1 s\": 's' has the wrong dimension; allowed: a number in m, or one with a unit of that "
+       "kind"},
+      {{{"-ts_dt", "-"}},
+       ExitCode::usage,
+       "-ts_dt: missing; allowed: a time step > 0; or give -ts_times and -ts_dts"},
+      {{{"-ts_times", "0,1,2"}, {"-ts_dts", "0.1"}},
+       ExitCode::usage,
+       "-ts_dts \"0.1\": 1 steps for 3 times; allowed: one step less than times"},
+      {{{"-ts_type", "alpha2"}},
+       ExitCode::usage,
+       "-contacts \"tip\": not available; allowed with -ts_type alpha2: elastic bodies without damage, "
+       "contact and "
+       "viscosity; remove it, or choose -ts_type newmark"},
+      {{{"-materials", "beam,Beam"}},
+       ExitCode::usage,
+       "-materials \"beam,Beam\": 'Beam' is declared twice; ids are unique, whatever their case"},
+      {{{"-materials", "beam,my_wedge"}},
+       ExitCode::usage,
+       "-materials \"beam,my_wedge\": 'my_wedge' is no id; allowed: lower-case letters and digits, no "
+       "underscore"},
+      {{{"-materials", "beam,ksp"}},
+       ExitCode::usage,
+       "-materials \"beam,ksp\": 'ksp' is a reserved word; choose another id"},
+      {{{"-params", "v0,t"}, {"-param_t", "1"}},
+       ExitCode::usage,
+       "-params \"v0,t\": 't' has a meaning in expressions already; choose another id"},
+      {{{"-mesh", "no/such.msh"}},
+       ExitCode::io,
+       "-mesh \"no/such.msh\": no such file; looked for no/such.msh"},
+      {{{"-output_vis_fields", "u,vonmises"}},
+       ExitCode::usage,
+       "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, stress, "
+       "von_mises, alpha, "
+       "pressure, contact_pressure, contact_gap; did you mean von_mises?"},
+  };
+  return all;
+}
+
+TEST(Scenario, MessagesSayWhatWhereAndWhatIsAllowed) {
+  for (const auto& [changes, code, message] : rows()) {
+    const Outcome result = outcome(with(changes));
+    EXPECT_EQ(result.code, code) << message;
+    EXPECT_EQ(result.message, message);
+  }
+}
+
+} // namespace

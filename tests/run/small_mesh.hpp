@@ -1,0 +1,134 @@
+#pragma once
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <impact/mesh/mesh.hpp>
+#include <impact/petsc/error.hpp>
+#include <string>
+#include <sys/resource.h>
+#include <vector>
+
+/// Small meshes and an empty directory per test, for tests of what a run writes.
+namespace impact::run_test {
+
+inline int rank_of(MPI_Comm comm) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  return rank;
+}
+
+/// An empty directory that all ranks know. Collective.
+inline std::string fresh_dir(const std::string& name) {
+  int ranks = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  const auto dir =
+      std::filesystem::temp_directory_path() / ("impact_run_test_" + std::to_string(ranks) + "_" + name);
+  on_rank_zero(PETSC_COMM_WORLD, [&] {
+    std::filesystem::remove_all(dir);
+    std::filesystem::create_directories(dir);
+  });
+  return dir.string();
+}
+
+/// For its lifetime a file of this process cannot grow beyond `bytes`: writes fail as on a full disk.
+class FileSizeLimit {
+public:
+  explicit FileSizeLimit(std::size_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+struct GmshText {
+  std::string nodes, elements;
+  int node_count = 0, element_count = 0;
+
+  int node(double x, double y, double z = 0) {
+    nodes += std::to_string(++node_count) + " " + std::to_string(x) + " " + std::to_string(y) + " " +
+             std::to_string(z) + "\n";
+    return node_count;
+  }
+  void element(int type, int group, const std::vector<int>& list) {
+    elements += std::to_string(++element_count) + " " + std::to_string(type) + " 2 " + std::to_string(group) +
+                " " + std::to_string(group);
+    for (const int n : list) elements += " " + std::to_string(n);
+    elements += "\n";
+  }
+  std::string text(const std::string& names) const {
+    return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n" + names + "$EndPhysicalNames\n$Nodes\n" +
+           std::to_string(node_count) + "\n" + nodes + "$EndNodes\n$Elements\n" +
+           std::to_string(element_count) + "\n" + elements + "$EndElements\n";
+  }
+};
+
+/// Quadrilaterals "lower" under triangles "upper", each with its own nodes on the line between them;
+/// boundaries "lower top" (n edges) and "upper_bottom". `shift` moves the upper body to the right.
+inline std::string two_bodies(int n, double shift = 0) {
+  GmshText mesh;
+  for (int body = 0; body < 2; ++body) {
+    const double left = body == 0 ? 0 : shift;
+    std::vector<int> id;
+    for (int j = 0; j <= 2; ++j)
+      for (int i = 0; i <= n; ++i) id.push_back(mesh.node(left + 0.25 * i, 0.25 * j + 0.5 * body));
+    const auto at = [&](int i, int j) { return id[static_cast<std::size_t>(j * (n + 1) + i)]; };
+    for (int j = 0; j < 2; ++j)
+      for (int i = 0; i < n; ++i) {
+        if (body == 0)
+          mesh.element(3, 1, {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+        else {
+          mesh.element(2, 2, {at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+          mesh.element(2, 2, {at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+      }
+    for (int i = 0; i < n; ++i)
+      mesh.element(1, body == 0 ? 3 : 4, {at(i, body == 0 ? 2 : 0), at(i + 1, body == 0 ? 2 : 0)});
+  }
+  return mesh.text("4\n2 1 \"lower\"\n2 2 \"upper\"\n1 3 \"lower top\"\n1 4 \"upper_bottom\"\n");
+}
+
+/// A block of n x n x n hexahedra "block" with the boundary "top".
+inline std::string block(int n) {
+  GmshText mesh;
+  std::vector<int> id;
+  for (int k = 0; k <= n; ++k)
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) id.push_back(mesh.node(0.5 * i, 0.5 * j, 0.5 * k));
+  const auto at = [&](int i, int j, int k) {
+    return id[static_cast<std::size_t>((k * (n + 1) + j) * (n + 1) + i)];
+  };
+  for (int k = 0; k < n; ++k)
+    for (int j = 0; j < n; ++j)
+      for (int i = 0; i < n; ++i)
+        mesh.element(5, 1,
+                     {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1),
+                      at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      mesh.element(3, 2, {at(i, j, n), at(i + 1, j, n), at(i + 1, j + 1, n), at(i, j + 1, n)});
+  return mesh.text("2\n3 1 \"block\"\n2 2 \"top\"\n");
+}
+
+/// Writes a mesh file and reads it on `comm`. Collective on PETSC_COMM_WORLD or on a part of it with its rank
+/// 0.
+inline Mesh mesh_of(MPI_Comm comm, const std::string& dir, const std::string& text) {
+  const std::string file = dir + "/mesh.msh";
+  on_rank_zero(comm, [&] { std::ofstream(file) << text; });
+  MeshRequest request;
+  request.file = file;
+  request.work_dir = dir;
+  return read_mesh(comm, request);
+}
+
+} // namespace impact::run_test
