@@ -5,6 +5,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
+#include <string>
 
 namespace {
 
@@ -39,10 +40,14 @@ int main(int argc, char** argv) {
     std::fputs(impact::option_reference().c_str(), stdout);
     return 0;
   }
-  std::signal(SIGPIPE, SIG_IGN); // a closed pipe behind the progress lines must not kill the run
-  PetscErrorCode start = PetscInitialize(&argc, &argv, nullptr, nullptr);
-  if (start != 0) return static_cast<int>(impact::ExitCode::usage);
-  impact::install_quiet_error_handler();
+  std::signal(SIGPIPE, SIG_IGN);         // a closed pipe behind the progress lines must not kill the run
+  impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
+  if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {
+    const std::string why = impact::last_petsc_message();
+    std::fprintf(stderr, "impact: the options cannot be read: %s; check -options_file\n", why.c_str());
+    return static_cast<int>(impact::ExitCode::usage);
+  }
+  std::signal(SIGPIPE, SIG_IGN); // PETSc puts a handler of its own in place
   int code = 0;
   try {
     const impact::Scenario scenario = impact::read_scenario(PETSC_COMM_WORLD);

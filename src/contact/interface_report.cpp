@@ -11,7 +11,7 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// The rule of decisions.md 14: a gap that fell by less than this factor makes the penalty grow.
+// The penalty's rule: a gap that fell by less than this factor makes the penalty grow.
 constexpr double wanted_fall = 4;
 
 } // namespace
@@ -38,7 +38,9 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
   report.penetration = largest[0];
   report.largest_gap = largest[1];
   report.multiplier = largest[2];
-  report.change = largest[3] > 0 ? (largest[2] > 0 ? largest[3] / largest[2] : 1) : 0;
+  // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
+  const double negligible = 1e-9 * penalty_->trial[0] * search_.radius;
+  report.change = largest[3] > 0 ? largest[3] / std::max(largest[2], negligible) : 0;
   report.penalty = penalty_->trial[0];
   report.converged = settings_.enforce == Enforcement::penalty ||
                      (report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol);

@@ -66,6 +66,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
         },
         this));
     check(SNESSetType(*snes, bounded ? SNESVINEWTONRSLS : SNESNEWTONLS));
+    if (!bounded) check(SNESSetConvergenceHistory(*snes, nullptr, nullptr, PETSC_DECIDE, PETSC_TRUE));
     set_tolerances(*snes);
     check(SNESSetFromOptions(*snes));
     if (!bounded) check(SNESSetType(*snes, SNESNEWTONLS)); // -damage_snes_type names the bounded method
@@ -82,6 +83,8 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
                         "system changes its size); use icc, jacobi or hypre, or -damage_bounds history");
     }
   }
+  substep_start_ = d_.scalar.make_local();
+  make_substeps();
 }
 
 void DamageProblem::set_tolerances(SNES snes) {
@@ -156,6 +159,18 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
+std::vector<SNES> DamageProblem::solvers() const {
+  std::vector<SNES> all;
+  for (const Handle<SNES>* snes : {&unconstrained_, &bounded_})
+    if (*snes) all.push_back(snes->get());
+  if (substeps_) {
+    SNES snes = nullptr;
+    check(TSGetSNES(substeps_, &snes));
+    all.push_back(snes);
+  }
+  return all;
+}
+
 void DamageProblem::residual(Vec x, Vec f) {
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
@@ -170,8 +185,7 @@ void DamageProblem::residual(Vec x, Vec f) {
   for (int node : owned_held_) values[d_.mesh.global_node()[static_cast<std::size_t>(node)] - start] = 0;
   check(VecRestoreArray(f, &values));
   if (!sound)
-    for (SNES snes : {unconstrained_ ? unconstrained_.get() : nullptr, bounded_ ? bounded_.get() : nullptr})
-      if (snes) check(SNESSetFunctionDomainError(snes));
+    for (SNES snes : solvers()) check(SNESSetFunctionDomainError(snes));
 }
 
 void DamageProblem::tangent(Vec x) {
@@ -230,6 +244,14 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
   d_.scalar.to_global(low, lower_);
   d_.scalar.to_global(high, upper_);
 
+  if (substeps_) return solve_substeps(step, phi);
+  // The norm that SNES saw before its first iteration.
+  const auto first_residual = [](SNES snes) {
+    PetscReal* history = nullptr;
+    PetscInt count = 0;
+    check(SNESGetConvergenceHistory(snes, &history, nullptr, &count));
+    return count > 0 ? history[0] : 0.0;
+  };
   DamageOutcome outcome;
   const auto run = [&](SNES snes) {
     mailbox_.deliver(SNESSolve(snes, nullptr, solution_));
@@ -241,6 +263,7 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     outcome.linear += linear;
   };
   run(unconstrained_);
+  const double start_norm = first_residual(unconstrained_);
   if (outcome.reason < 0) return outcome;
   const bool bounded = settings_.bounds == DamageBounds::vi || settings_.bounds == DamageBounds::clip;
   if (bounded && !within_bounds(solution_)) {
@@ -248,6 +271,12 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     check(VecPointwiseMin(solution_, solution_, upper_));
     if (settings_.bounds == DamageBounds::vi) {
       check(SNESVISetVariableBounds(bounded_, lower_, upper_));
+      // Its own first residual is small already: it is held to the accuracy of the unconstrained solve, and
+      // not below what a round-off of phi makes in the stiffest row (a cell stretched by an open crack).
+      PetscReal stiffest = 0;
+      check(VecMax(diagonal_, nullptr, &stiffest));
+      check(SNESSetTolerances(bounded_, std::max({reference_, 1e-9 * start_norm, 1e-12 * stiffest}),
+                              PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
       run(bounded_);
       check(VecPointwiseMax(solution_, solution_, lower_));
       check(VecPointwiseMin(solution_, solution_, upper_));

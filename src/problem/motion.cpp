@@ -23,12 +23,12 @@ template <int n> void mask(const Batch* free, Batch* K) {
 
 MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
-                             bool symmetric_tangent)
+                             bool symmetric_tangent, ContactOperator contact_operator)
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
-      symmetric_(symmetric_tangent), X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()),
-      u_(d_.node_values(d_.dim())), a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())),
-      dead_load_(d_.node_values(d_.dim())), free_(d_.node_values(d_.dim()), 1.0),
-      history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
+      symmetric_(symmetric_tangent), operator_(contact_operator),
+      X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
+      a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
+      free_(d_.node_values(d_.dim()), 1.0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
       drive_offset_(point_offsets(d_.groups, drive_size)) {
   for (std::size_t i = 0; i < free_.size(); ++i)
     if (boundary_.fixed_mask()[i]) {
@@ -38,15 +38,17 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
   double stiffest = 0;
   for (const MaterialAssignment& m : d_.materials)
     stiffest = std::max(stiffest, youngs_modulus(m.law.parameters));
-  reference_force_ = 1e-10 * stiffest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
+  reference_force_ = 1e-12 * stiffest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
   work_ = d_.displacement.make_global();
   for (ContactInterface& contact : contacts_) contact.set_fixed_dofs(boundary_.fixed_mask());
   rebuild_matrix();
+  if (operator_ == ContactOperator::shell && !contacts_.empty()) make_shell();
 }
 
 void MotionProblem::rebuild_matrix() {
   std::vector<std::pair<PetscInt, PetscInt>> extra;
   for (const ContactInterface& contact : contacts_) {
+    if (operator_ == ContactOperator::shell) break; // nothing of the contact stands in the matrix
     const auto pairs = contact.couplings();
     extra.insert(extra.end(), pairs.begin(), pairs.end());
   }
@@ -56,9 +58,29 @@ void MotionProblem::rebuild_matrix() {
   check(MatSetNearNullSpace(matrix(), modes));
 }
 
+void MotionProblem::make_shell() {
+  PetscInt rows = 0;
+  linearised_at_ = d_.displacement.make_global();
+  check(VecGetLocalSize(linearised_at_, &rows));
+  check(MatCreateShell(d_.mesh.comm(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, this, shell_.out()));
+  PetscErrorCode (*apply)(Mat, Vec, Vec) = [](Mat shell, Vec x, Vec y) -> PetscErrorCode {
+    MotionProblem* self = nullptr;
+    if (const PetscErrorCode code = MatShellGetContext(shell, &self); code != 0) return code;
+    Mailbox mailbox; // what is thrown here ends the linear solve and, with it, the step's callback
+    return mailbox.guarded([&] { self->multiply(x, y); });
+  };
+  check(MatShellSetOperation(shell_, MATOP_MULT, reinterpret_cast<void (*)()>(apply)));
+}
+
+void MotionProblem::multiply(Vec x, Vec y) {
+  check(MatMult(matrix(), x, y));
+  for (ContactInterface& contact : contacts_) contact.multiply(linearised_at_, step_.contact_scale, x, y);
+}
+
 bool MotionProblem::update_contact(Vec u) {
   bool changed = false;
   for (ContactInterface& contact : contacts_) changed = contact.update_search(u) || changed;
+  if (operator_ == ContactOperator::shell) return false;
   if (changed) rebuild_matrix();
   return changed;
 }
@@ -242,7 +264,10 @@ void MotionProblem::close_tangent(Vec u, bool pressures) {
   assembly_->finish();
   if (!contacts_.empty() || !boundary_.pressures().empty()) {
     if (pressures) add_pressure_tangent(u_);
-    for (ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact_scale, matrix());
+    if (shell_)
+      check(VecCopy(u, linearised_at_));
+    else
+      for (ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact_scale, matrix());
     check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }

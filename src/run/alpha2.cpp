@@ -76,7 +76,7 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   check(TSSetMaxSteps(ts, s.time.max_steps > 0 ? s.time.max_steps : PETSC_MAX_INT));
   check(TSSetExactFinalTime(ts, TS_EXACTFINALTIME_MATCHSTEP));
   const std::vector<double> u_start = setup.state.row("u").committed;
-  Problem problem{&motion, &u_start, 1e10 * motion.reference_force() / d.mesh.smallest_edge(), NAN, {}};
+  Problem problem{&motion, &u_start, 1e12 * motion.reference_force() / d.mesh.smallest_edge(), NAN, {}};
   check(TSSetI2Function(ts, nullptr, residual, &problem));
   check(TSSetI2Jacobian(ts, motion.matrix(), motion.matrix(), tangent, &problem));
   SNES snes = nullptr;

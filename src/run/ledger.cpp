@@ -178,6 +178,7 @@ void Ledger::observe(Vec u, Vec v) {
 }
 
 void Ledger::resume(Vec u, Vec v) {
+  reaction_force_ = motion_.discretisation().displacement.make_local();
   measure(u, v, false);
   energy_contact_ = contact_energy(u);
 }
@@ -186,6 +187,8 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
   const double w = d.thickness, s = coupling_->contact_scale();
   const double kinetic_n = total_.kinetic;
+  total_before_ = total_;
+  materials_before_ = materials_;
 
   // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history.
   ForceParts parts;
@@ -214,10 +217,13 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   }
   for (std::size_t i = 0; i < inertia_force_->trial.size(); ++i) {
     reaction_force_[i] += internal_->trial[i] - external_->trial[i] - contact_->trial[i];
-    // Reactions close the balance on prescribed dofs; then J = M a_eq - s F_c takes the inertia's place.
-    const double balance =
-        inertia_force_->trial[i] + internal_->trial[i] - external_->trial[i] - s * contact_->trial[i];
-    if (motion_.boundary().fixed_mask()[i]) external_->trial[i] += balance;
+    if (motion_.boundary().fixed_mask()[i]) {
+      // Held dofs: the reaction closes the balance, with F_c itself, not s F_c.
+      inertia_force_->trial[i] = reaction_force_[i] - internal_->trial[i] + external_->trial[i];
+      external_->trial[i] += reaction_force_[i];
+      continue;
+    }
+    // J = M a_eq - s F_c takes the place of the inertia.
     inertia_force_->trial[i] -= s * contact_->trial[i];
   }
 
@@ -265,6 +271,11 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(scale) =
       std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
   find_reactions(u_local);
+}
+
+void Ledger::unbook() {
+  total_ = total_before_;
+  materials_ = materials_before_;
 }
 
 void Ledger::find_reactions(const std::vector<double>& u) {

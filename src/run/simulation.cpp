@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
@@ -37,7 +38,10 @@ bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) 
     stabilise = stabilise || contact.impact == ImpactUpdate::stabilised ||
                 (contact.impact == ImpactUpdate::automatic && solver.resolves_waves());
   check(PetscPrintf(comm, "impact update: %s (dt is %.3g times h/c_p)\n",
-                    stabilise ? "contact-stabilised" : "none, the steps do not resolve waves", solver.cfl));
+                    stabilise                 ? "contact-stabilised"
+                    : solver.resolves_waves() ? "none, as asked"
+                                              : "none: the steps do not resolve waves",
+                    solver.cfl));
   return stabilise;
 }
 
@@ -64,7 +68,7 @@ private:
   StepHooks hooks();
   void accept(const Attempt& attempt);
   void reject(const Attempt& attempt);
-  Verdict judge(const Attempt& attempt);
+  Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
   void write_state();
   bool checkpoint_is_due();
   int active_points();
@@ -93,7 +97,7 @@ private:
 Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const SolverDefaults& solver,
                        const std::optional<Checkpoint>& resume)
     : comm_(comm), s_(s), setup_(setup), d_(setup.discretisation), inertia_(s.has_inertia()),
-      motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric),
+      motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric, s.contact_operator),
       damage_(d_.has_damage()
                   ? std::optional<DamageProblem>(std::in_place, d_, setup.state, setup.boundary, s.damage)
                   : std::nullopt),
@@ -101,6 +105,19 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                                                s.coupling, solver, inertia_, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time) {
+  if (coupling_.stabilised()) {
+    // Beside the stabilised update a little damping keeps the energy from rising with the contact's
+    // tolerances (equal bars: 1.0005 of the start undamped, 1 with it); -ts_newmark_* override.
+    PetscBool rho = PETSC_FALSE, beta = PETSC_FALSE, gamma = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, nullptr, "-ts_newmark_rho", &rho));
+    check(PetscOptionsHasName(nullptr, nullptr, "-ts_newmark_beta", &beta));
+    check(PetscOptionsHasName(nullptr, nullptr, "-ts_newmark_gamma", &gamma));
+    if (!rho && !beta && !gamma) {
+      set_newmark_parameters(ts_, newmark_with_radius(0.9));
+      check(
+          PetscPrintf(comm, "Newmark with -ts_newmark_rho 0.9, as nothing else was asked beside contact\n"));
+    }
+  }
   set_time_options(ts_);
   ledger_.emplace(motion_, &coupling_, setup_.state, inertia_,
                   inertia_ ? newmark_parameters(ts_).alpha_m : 1.0);
@@ -155,6 +172,11 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
                       snapshot_.step));
     return;
   }
+  if (inertia_) {
+    coupling_.initial_acceleration(0, u_, v_, a_);
+    newmark_set_acceleration(ts_, a_);
+    d_.displacement.to_local(a_, state.row("a").trial);
+  }
   for (ContactInterface& contact : setup_.contacts) contact.advance(u_, u_, 0);
   ledger_->start(u_, v_, a_);
   state.commit();
@@ -167,6 +189,7 @@ StepHooks Simulation::hooks() {
   hooks.before_attempt = [this](TS, const Attempt& attempt) { coupling_.before_attempt(attempt); };
   hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling_.guess(attempt, guess); };
   hooks.effort = [this](TS) { return coupling_.hardest_newton(); };
+  hooks.accept = [this](TS, const Attempt& attempt, Vec u, Vec v, Vec a) { return judge(attempt, u, v, a); };
   hooks.on_reject = [this](TS, const Attempt& attempt) { reject(attempt); };
   hooks.on_accept = [this](TS, const Attempt& attempt) { accept(attempt); };
   return hooks;
@@ -178,6 +201,22 @@ void Simulation::reject(const Attempt& attempt) {
                     why.empty() ? "step refused" : why.c_str(), snapshot_.step + 1,
                     static_cast<int>(attempt.number), attempt.t, attempt.dt));
   coupling_.on_reject();
+}
+
+Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
+  const double before = std::abs(ledger_->balance_first_law());
+  ledger_->book(attempt.dt, u, v, inertia_ ? a : a_.get());
+  const double residual = std::abs(ledger_->balance_first_law());
+  if (s_.energy_tol <= 0 || residual <= s_.energy_tol || residual <= before) return {};
+  check(PetscPrintf(comm_,
+                    "impact: energy balance: first-law residual %.3g exceeds -energy_tol %.3g at t = %.10g\n",
+                    residual, s_.energy_tol, attempt.t));
+  if (s_.energy_action == Scenario::EnergyAction::stop)
+    throw UserError(ExitCode::solver,
+                    "stopped by -energy_action stop; take smaller steps or more coupling passes");
+  if (s_.energy_action == Scenario::EnergyAction::warn) return {};
+  ledger_->unbook();
+  return {false, 0.5};
 }
 
 void Simulation::accept(const Attempt& attempt) {
@@ -198,7 +237,6 @@ void Simulation::accept(const Attempt& attempt) {
     d_.displacement.to_global(row.committed, u_n);
     for (ContactInterface& contact : setup_.contacts) contact.advance(u_n, u, attempt.dt);
   }
-  ledger_->book(attempt.dt, u, v, a);
   state.commit();
 
   snapshot_.step += 1;
@@ -271,7 +309,7 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s) {
   report_setup(s, setup->discretisation, solver);
   if (s.dry_run) {
     set_initial_state(s, *setup);
-    check(PetscPrintf(comm, "dry run: the input is complete\n"));
+    check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s).c_str()));
     return ExitCode::ok;
   }
   if (s.time.type == "alpha2") return simulate_alpha2(comm, s, *setup, solver);

@@ -48,8 +48,8 @@ void rates(TS ts, Integrator& self, Vec u) {
   const PetscReal alpha_m = self.scheme.parameters.alpha_m;
   check(VecWAXPY(trial.a, -1, trial.u_tilde, u));
   check(VecCopy(ts->vec_dot, trial.v));
-  check(VecAXPBYPCZ(trial.v, chi.chi4, chi.chi6, 1, trial.a, self.a)); // (98)
-  check(VecAXPBY(trial.a, -chi.chi3, chi.chi1, self.a));               // (97)
+  check(VecAXPBYPCZ(trial.v, chi.chi4, chi.chi6, 1, trial.a, self.a)); // (97)
+  check(VecAXPBY(trial.a, -chi.chi3, chi.chi1, self.a));               // (98)
   check(VecCopy(trial.a, trial.a_m));
   if (alpha_m != 1) check(VecAXPBY(trial.a_m, 1 - alpha_m, alpha_m, self.a));
 }

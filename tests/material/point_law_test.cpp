@@ -159,7 +159,7 @@ TEST(PointLaw, DissipatesAndKeepsVolumeAlongRandomPaths) {
       const double released = isochoric_energy(m, z_trial - z); // W(b_trial) - W(b)
       EXPECT_GE(released, 0);
       EXPECT_GE(now.history.alpha, state.alpha);
-      // plastic work = ||s|| dbeta up to O(dbeta^2) and the flow-rule approximation of model.md E10
+      // plastic work = ||s|| dbeta up to O(dbeta^2) and the flow-rule approximation of theory.md, E10
       const double norm = m.G * std::sqrt(dot(now.flow.dev_b, now.flow.dev_b)),
                    expected = norm * now.flow.dbeta;
       EXPECT_NEAR(released, expected, 0.03 * expected + 2 * m.G * now.flow.dbeta * now.flow.dbeta);

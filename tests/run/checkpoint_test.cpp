@@ -1,4 +1,4 @@
-#include "small_mesh.hpp"
+#include "../mesh/small_mesh.hpp"
 #include <bit>
 #include <cmath>
 #include <gtest/gtest.h>

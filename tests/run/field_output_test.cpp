@@ -1,4 +1,4 @@
-#include "small_mesh.hpp"
+#include "../mesh/small_mesh.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
 #include <impact/run/durable_file.hpp>

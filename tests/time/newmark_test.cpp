@@ -89,7 +89,7 @@ TEST(Newmark, DampedFamilyRemovesHighFrequencies) {
 }
 
 TEST(Newmark, RadiusGivesTheDampedFamily) {
-  const NewmarkParameters p = newmark_with_radius(0.8); // model.md 3.4
+  const NewmarkParameters p = newmark_with_radius(0.8);
   EXPECT_NEAR(p.alpha_m, 1.11111, 5e-6);
   EXPECT_NEAR(p.gamma, 0.61111, 5e-6);
   EXPECT_NEAR(p.beta, 0.308642, 5e-7);

@@ -13,7 +13,7 @@
 
 /// One contact between two surfaces in the plane, frictionless, integrated at points of the secondary facets
 /// (Gauss-point segment-to-segment): R_c(w) = -int p dg[w] dA_0 with p = <lambda - eps g> over the reference
-/// area (model.md 7, 7.1). The force at a displacement depends on the multipliers, the penalty and the
+/// area (theory.md, contact). The force at a displacement depends on the multipliers, the penalty and the
 /// candidate list alone, and on the list only in that it must hold every facet within the search radius:
 /// nothing is stored by an evaluation. Multipliers and penalty are rows of the state table; evaluations read
 /// the trial half.
@@ -124,7 +124,7 @@ public:
   /// What augment would do, without doing it. Collective.
   AugmentReport review(Vec u) const;
   /// lambda <- <lambda - eps g> at every secondary point, 0 where it faces nothing, then the penalty grows by
-  /// its rule (decisions.md 14). Pure penalty: nothing changes. Collective.
+  /// its rule. Pure penalty: nothing changes. Collective.
   AugmentReport augment(Vec u);
 
   /// After an accepted step: impulse and work of the step by the trapezoidal rule into the trial totals. A

@@ -2,7 +2,7 @@
 #include <limits>
 #include <string>
 
-/// What the user says of one contact (options.md, group contact). A plain value, lengths and stresses in run
+/// What the user says of one contact (options/README.md, contact). A plain value, lengths and stresses in run
 /// units.
 namespace impact {
 
@@ -16,7 +16,7 @@ enum class ImpactUpdate {
 enum class PenaltyGrowth {
   on_slow_gap,
   every_augmentation
-}; ///< decisions: grow when max|g| fell by less than 4; or the paper's rule
+}; ///< grow when max|g| fell by less than 4; or the paper's rule
 
 struct ContactSettings {
   static constexpr double automatic =

@@ -5,7 +5,7 @@
 
 /// Frictionless contact of one secondary point with one straight primary edge in the plane: foot point, gap
 /// (open positive), its exact first and second variation, and from them the force and tangent of the
-/// potential (p^2 - lambda^2) / (2 eps) with p = <lambda - eps g> (model.md E11, 7.1). In reference area
+/// potential (p^2 - lambda^2) / (2 eps) with p = <lambda - eps g> (theory.md, contact). In reference area
 /// weights the force is -p dg and the tangent eps H(p) dg dg - p d2g. Where the foot leaves the edge it
 /// stands on a vertex and the normal turns to the direction of the point seen from it, so that the distance
 /// stays continuous along a chain of edges.

@@ -60,9 +60,9 @@ template <int n, class T, int d> Modulus<T, n> assemble_modulus(const ModulusPar
   return a;
 }
 
-/// Closed form of the neo-Hookean/J2 law (model.md 2.1). pJ = p J; dpJ2 = J^2 dp/dJ of the J of the point (0
-/// where p is held fixed); zeta and moving_zeta are the F-bar factor J/J_0 of the isochoric stress (zeta = 1,
-/// false otherwise).
+/// Closed form of the neo-Hookean/J2 law (theory.md, consistent tangent). pJ = p J; dpJ2 = J^2 dp/dJ of the J
+/// of the point (0 where p is held fixed); zeta and moving_zeta are the F-bar factor J/J_0 of the isochoric
+/// stress (zeta = 1, false otherwise).
 template <int n, class T, int d>
 ModulusParts<T, d> law_modulus(const MaterialParameters& m, const Return<T, d>& flow, const T& g_e1,
                                const T& ratio, const T& pJ, const T& dpJ2, const T& zeta, bool moving_zeta,

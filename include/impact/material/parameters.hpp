@@ -21,7 +21,7 @@ struct MaterialParameters {
   double rho = 0;                                           ///< reference density
   double sigma_y = 0, voce_r = 0, voce_s = 0, linear_h = 0; ///< k = s_y + r(1 - exp(-s alpha)) + H alpha
   double alpha_t = 0, theta0 = 298.15;                      ///< thermal expansion, reference temperature
-  double taylor_quinney = 0.9;                              ///< chi: k_d = chi k (model.md E9)
+  double taylor_quinney = 0.9;                              ///< chi: k_d = chi k (theory.md, E9)
   Damage damage = Damage::none;
   double Gc = 0, gamma = 0;                           ///< toughness (force/length), layer width (length)
   double c = std::numeric_limits<double>::infinity(); ///< damage rate: lambda = (1 + delta - phi)^zeta / c

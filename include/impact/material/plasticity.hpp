@@ -39,9 +39,9 @@ template <class T, int d> struct Return {
   int failed;            ///< lanes whose scalar equation did not converge
 };
 
-/// Predictor, admissibility, return (model.md 2). `ratio` = g_p/g_e1, the degraded yield stress over the
-/// degraded modulus. e = F A F^T - 1 and J23 = J^(-2/3) define b_trial = J23 (1 + e). The multiplier is found
-/// on values; one more step in T carries its derivative.
+/// Predictor, admissibility, return (theory.md, return mapping). `ratio` = g_p/g_e1, the degraded yield
+/// stress over the degraded modulus. e = F A F^T - 1 and J23 = J^(-2/3) define b_trial = J23 (1 + e). The
+/// multiplier is found on values; one more step in T carries its derivative.
 template <class T, int d>
 Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
                         const T& ratio) {

@@ -13,6 +13,8 @@ template <class V> struct ScalarRoot {
 
 template <class V, class M, class F>
 ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&& r_and_slope) {
+  // Near the start of flow r is round-off of its terms: x is then as good as it can be.
+  const V floor = V(4e-15) * high;
   V x = start;
   M open = active;
   for (int it = 0; it < 60 && any(open); ++it) {
@@ -24,7 +26,7 @@ ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&
     next = select((next >= low) & (next <= high), next, V(0.5) * (low + high));
     const V step = abs(next - x);
     x = select(open, next, x);
-    open = open & (step > V(tolerance) * abs(next));
+    open = open & (step > V(tolerance) * abs(next) + floor);
   }
   return {x, bits(open)};
 }

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-/// What the user says of boundaries and of the start (options.md, groups "boundary conditions", "initial
-/// conditions").
+/// What the user says of boundaries and of the start (options/README.md, groups "boundary conditions",
+/// "initial conditions").
 namespace impact {
 
 enum class BcType {

@@ -16,7 +16,7 @@ struct StepCounts {
   PetscInt newton = 0, linear = 0, uzawa = 0, damage = 0, damage_linear = 0, passes = 0;
 };
 
-/// Which linear solver and tangent are used where the options say nothing (decisions 11); `reason` is
+/// Which linear solver and tangent are used where the options say nothing; `reason` is
 /// printed.
 struct SolverDefaults {
   bool direct = true, multigrid = false, symmetric = false;
@@ -49,6 +49,9 @@ public:
   void before_attempt(const Attempt& attempt);
   void guess(const Attempt& attempt, Vec u);
   void on_reject();
+  /// Consistent acceleration of the free dofs at a start, without contact; prescribed dofs keep row "a".
+  /// Collective.
+  void initial_acceleration(double t, Vec u, Vec v, Vec a);
   /// Hands the motion's present matrix to the solver; needed when the candidates changed outside a step.
   void refresh_matrix();
   /// Sets the motion's step data so that forces can be evaluated at a state between steps (start, restart).
@@ -70,7 +73,6 @@ private:
   bool refresh_contact(Vec u);
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde);
-  void initial_acceleration(double t, Vec u, Vec v, Vec a);
 
   TS ts_;
   MotionProblem& motion_;

@@ -8,7 +8,7 @@
 #include <impact/problem/settings.hpp>
 #include <optional>
 
-/// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1 (decisions 10). The
+/// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1. The
 /// unconstrained solution comes first; where it keeps the bounds it is the answer, else the variational
 /// inequality starts from its clipped values (SNESVINEWTONRSLS under the same prefix).
 namespace impact {
@@ -40,11 +40,16 @@ public:
 
 private:
   void residual(Vec x, Vec f);
+  std::vector<SNES> solvers() const;
   void tangent(Vec x);
   template <class Output> bool evaluate(Vec x, bool with_tangent, Output&& output);
   void raise_history();
   void set_tolerances(SNES snes);
   bool within_bounds(Vec x) const;
+  void make_substeps();
+  void start_substep(TS ts);
+  void substep_residual(TS ts, Vec x, Vec rate, Vec f);
+  DamageOutcome solve_substeps(const DamageStep& step, std::vector<double>& phi);
 
   const Discretisation& d_;
   StateTable& state_;
@@ -59,6 +64,9 @@ private:
   std::vector<std::size_t> history_offset_;
   std::optional<SparseAssembly> assembly_;
   Handle<SNES> unconstrained_, bounded_;
+  Handle<TS> substeps_; ///< when -damage_ts_dt asks for sub-steps
+  PetscReal substep_ = 0;
+  std::vector<double> substep_start_;
   Handle<Vec> solution_, residual_, diagonal_, lower_, upper_;
   double reference_ = 0;
 };

@@ -10,7 +10,7 @@
 
 /// Balance of momentum of all bodies: residual, tangent and their parts (105)-(106).
 ///   R(u) = M a + F_int(u; phi frozen, history committed) - F_ext(u, t) - s F_contact(u; lambda, eps)
-/// A pure function of its arguments and of the step's frozen state: it stores nothing (decisions 3).
+/// A pure function of its arguments and of the step's frozen state: it stores nothing.
 namespace impact {
 
 /// The first broken cell of an evaluation, for the message that a rejected step prints.
@@ -36,7 +36,8 @@ struct ForceParts {
 class MotionProblem {
 public:
   MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
-                std::vector<ContactInterface>& contacts, bool symmetric_tangent);
+                std::vector<ContactInterface>& contacts, bool symmetric_tangent,
+                ContactOperator contact_operator = ContactOperator::assembled);
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
@@ -47,7 +48,10 @@ public:
   /// Tangent of R with mass_shift times the mass; prescribed rows and columns carry the mean diagonal.
   /// Collective.
   bool tangent(Vec u, double mass_shift);
+  /// Bulk tangent, with the contact in it unless the contact operator is a shell: what a preconditioner sees.
   Mat matrix() const { return assembly_->matrix(); }
+  /// The operator of the linear system: matrix(), or a shell that adds the contact to it without assembling.
+  Mat jacobian() const { return shell_ ? shell_.get() : matrix(); }
 
   /// Imposes the prescribed values of time t on u. Collective.
   void impose(Vec u) const;
@@ -82,7 +86,7 @@ public:
   const BoundaryData& boundary() const { return boundary_; }
   std::vector<ContactInterface>& contacts() { return contacts_; }
   const BrokenCell& broken() const { return broken_; }
-  /// Reference force E h^(dim-1) 1e-10: the absolute tolerance that makes sense for the residual.
+  /// Reference force E h^(dim-1) 1e-12: the absolute tolerance that makes sense for the residual.
   double reference_force() const { return reference_force_; }
   double mass_shift_of_last_tangent() const { return last_mass_shift_; }
 
@@ -95,6 +99,8 @@ private:
   void build_mass();
   void add_mass(SparseAssembly& assembly, double factor, bool masked) const;
   void close_tangent(Vec u, bool pressures);
+  void multiply(Vec x, Vec y);
+  void make_shell();
   void zero_fixed(Vec f) const;
 
   const Discretisation& d_;
@@ -102,6 +108,7 @@ private:
   const BoundaryData& boundary_;
   std::vector<ContactInterface>& contacts_;
   bool symmetric_;
+  ContactOperator operator_;
   MotionStep step_;
   std::optional<SparseAssembly> assembly_;
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
@@ -115,6 +122,8 @@ private:
   Handle<Mat> mass_, mass_free_; // consistent mass; with prescribed rows and columns as identity
   Handle<KSP> mass_solver_;
   Handle<Vec> work_;
+  Handle<Mat> shell_;         // with ContactOperator::shell
+  Handle<Vec> linearised_at_; // where the shell's contact tangent is taken
 };
 
 } // namespace impact

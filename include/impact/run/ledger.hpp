@@ -33,8 +33,10 @@ public:
   /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
   /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Collective.
   void book(double dt, Vec u, Vec v, Vec a);
+  /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
+  void unbook();
 
-  /// Columns of the history file in the order of the option reference; names as in options.md.
+  /// Columns of the history file in the order of the option reference; names as in options/README.md.
   void append_energies(HistoryFile::Row& row) const;
   void append_reactions(HistoryFile::Row& row) const;
   void append_materials(HistoryFile::Row& row) const;
@@ -74,7 +76,8 @@ private:
   double alpha_m_;
   StateRow *totals_, *internal_, *external_, *contact_, *inertia_force_;
   std::vector<MaterialEnergies> materials_;
-  MaterialEnergies total_;
+  MaterialEnergies total_, total_before_;
+  std::vector<MaterialEnergies> materials_before_;
   double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0;
   std::vector<double> reaction_; ///< [condition][dim]
   std::vector<double> mean_;     ///< [condition][dim] mean displacement of the condition's nodes

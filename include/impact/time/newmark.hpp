@@ -4,8 +4,8 @@
 
 /// Newmark's method and its damped family with all forces at t_{n+1}: find u with
 ///   F(t_{n+1}, u, v_{n+1}, alpha_m a_{n+1} + (1 - alpha_m) a_n) = 0,
-///   a_{n+1} = chi1 (u - u_tilde) - chi3 a_n,             u_tilde = u_n + dt v_n               (97)
-///   v_{n+1} = v_n + chi4 (u - u_tilde) + chi6 a_n                                           (98)
+///   a_{n+1} = chi1 (u - u_tilde) - chi3 a_n,             u_tilde = u_n + dt v_n               (98)
+///   v_{n+1} = v_n + chi4 (u - u_tilde) + chi6 a_n                                           (97)
 /// which are the paper's formulas with chi2 = chi1 dt and chi5 = 1 - chi4 dt folded into u_tilde (99-104).
 ///
 /// Options, behind the prefix of the TS: -ts_newmark_beta (1/4), -ts_newmark_gamma (1/2); or -ts_newmark_rho,

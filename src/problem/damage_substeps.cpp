@@ -1,0 +1,117 @@
+#include <impact/problem/damage.hpp>
+#include <petscts.h>
+
+namespace impact {
+
+namespace {
+
+// -damage_ts_dt asks for sub-steps; its value is read by the TS itself.
+bool substeps_asked() {
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, "-damage_ts_dt", &set));
+  return set == PETSC_TRUE;
+}
+
+} // namespace
+
+void DamageProblem::make_substeps() {
+  if (!substeps_asked()) return;
+  if (settings_.form != DamageForm::multiplied || settings_.theta != 1)
+    throw UserError(ExitCode::usage,
+                    "-damage_ts_dt: sub-steps want -damage_form multiplied and -damage_theta 1; the "
+                    "theta of the sub-steps is -damage_ts_theta_theta");
+  check(TSCreate(d_.mesh.comm(), substeps_.out()));
+  check(TSSetOptionsPrefix(substeps_, "damage_"));
+  check(TSSetProblemType(substeps_, TS_NONLINEAR));
+  check(TSSetType(substeps_, TSBEULER));
+  check(TSSetApplicationContext(substeps_, this));
+  check(TSSetIFunction(
+      substeps_, nullptr,
+      [](TS ts, PetscReal, Vec x, Vec rate, Vec f, void* self) {
+        auto& problem = *static_cast<DamageProblem*>(self);
+        return problem.mailbox_.guarded([&] { problem.substep_residual(ts, x, rate, f); });
+      },
+      this));
+  check(TSSetIJacobian(
+      substeps_, matrix(), matrix(),
+      [](TS, PetscReal, Vec x, Vec, PetscReal shift, Mat, Mat, void* self) {
+        auto& problem = *static_cast<DamageProblem*>(self);
+        return problem.mailbox_.guarded([&] {
+          problem.step_.dt = 1 / shift;
+          problem.tangent(x);
+        });
+      },
+      this));
+  check(TSSetPreStep(substeps_, [](TS ts) -> PetscErrorCode {
+    DamageProblem* self = nullptr;
+    if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
+    return self->mailbox_.guarded([&] { self->start_substep(ts); });
+  }));
+  SNES snes = nullptr;
+  check(TSGetSNES(substeps_, &snes));
+  check(SNESSetType(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS));
+  set_tolerances(snes);
+  check(TSSetExactFinalTime(substeps_, TS_EXACTFINALTIME_MATCHSTEP));
+  check(TSSetFromOptions(substeps_));
+}
+
+// lambda and the lower bound belong to the damage at the start of the sub-step.
+void DamageProblem::start_substep(TS ts) {
+  Vec x = nullptr;
+  check(TSGetSolution(ts, &x));
+  d_.scalar.to_local(x, substep_start_);
+  step_.phi_n = &substep_start_;
+  if (settings_.bounds != DamageBounds::vi) return;
+  std::vector<double> low = substep_start_, high(low.size(), 1.0);
+  for (std::size_t i = 0; i < low.size(); ++i)
+    if (free_[i] == 0) high[i] = low[i];
+  d_.scalar.to_global(low, lower_);
+  d_.scalar.to_global(high, upper_);
+  SNES snes = nullptr;
+  check(TSGetSNES(ts, &snes));
+  check(SNESVISetVariableBounds(snes, lower_, upper_));
+}
+
+void DamageProblem::substep_residual(TS ts, Vec x, Vec, Vec f) {
+  // The rate is (x - start)/(theta dt) at the stage of a theta method.
+  PetscReal dt = 0, theta = 1;
+  PetscBool is_theta = PETSC_FALSE;
+  check(TSGetTimeStep(ts, &dt));
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ts), TSTHETA, &is_theta));
+  if (is_theta) check(TSThetaGetTheta(ts, &theta));
+  step_.dt = theta * dt;
+  residual(x, f);
+}
+
+DamageOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<double>& phi) {
+  DamageOutcome outcome;
+  PetscReal dt = 0;
+  if (substep_ == 0) check(TSGetTimeStep(substeps_, &substep_));
+  dt = std::min<PetscReal>(substep_, step.dt);
+  phi = *step.phi_n;
+  boundary_.set_damage(step.t, phi);
+  d_.scalar.to_global(phi, solution_);
+  check(TSSetTime(substeps_, 0));
+  check(TSSetStepNumber(substeps_, 0));
+  check(TSSetTimeStep(substeps_, dt));
+  check(TSSetMaxTime(substeps_, step.dt));
+  check(TSSetMaxSteps(substeps_, PETSC_MAX_INT));
+  const PetscErrorCode code = TSSolve(substeps_, solution_);
+  TSConvergedReason reason = TS_CONVERGED_ITERATING;
+  check(TSGetConvergedReason(substeps_, &reason));
+  if (reason < 0) {
+    last_petsc_message();
+    outcome.reason = SNES_DIVERGED_INNER;
+    return outcome;
+  }
+  mailbox_.deliver(code);
+  check(TSGetSNESIterations(substeps_, &outcome.newton));
+  check(TSGetKSPIterations(substeps_, &outcome.linear));
+  outcome.reason = SNES_CONVERGED_ITS;
+  d_.scalar.to_local(solution_, phi);
+  if (settings_.bounds == DamageBounds::clip || settings_.bounds == DamageBounds::vi)
+    for (std::size_t i = 0; i < phi.size(); ++i) phi[i] = std::min(1.0, std::max(phi[i], (*step.phi_n)[i]));
+  return outcome;
+}
+
+} // namespace impact

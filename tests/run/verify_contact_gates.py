@@ -1,0 +1,101 @@
+# labels: run
+# timeout: 60
+"""What a contact must not depend on: the angle of the whole set-up, which side is the secondary one, on which rank each
+body lies, the convergence criterion in use while nothing touches yet, and a step in which a body flies deep into the
+other one."""
+from math import cos, pi, sin
+
+import numpy
+from _runs import check, check_between, finish, mesh, require, run
+
+E, RHO, GAP, SPEED = 1e6, 1000.0, 0.0213, 1.0
+DT = 2.5e-3
+BASE = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 4, "mesh_set_n_upper": 3, "mesh_set_gap": GAP,
+    "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_E": E, "material_lower_nu": 0.3, "material_lower_rho": RHO,
+    "material_upper_like": "lower",
+    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
+    "ics": "flight", "ic_flight_on": "upper",
+    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    "ts_dt": DT, "ts_max_time": 0.25,
+    # Without augmentations, whose number may hang on the last digits of a multiplier.
+    "contact_face_enforce": "penalty", "ts_newmark_rho": 0.9,
+    "motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
+}
+SWAPPED = {"contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom"}
+
+
+def flight(angle, extra=None, **kwargs):
+    turn = angle * pi / 180
+    options = {**BASE, "mesh_set_angle": angle, "ic_flight_vx": repr(SPEED * sin(turn)),
+               "ic_flight_vy": repr(-SPEED * cos(turn)), **(extra or {})}
+    name = "run_" + "_".join(str(v) for v in (angle, *(extra or {}).values(), *kwargs.values()))
+    return run("".join(c if c.isalnum() or c in "_." else "_" for c in name)[:80], options, **kwargs)
+
+
+def impulse(r):
+    return numpy.hypot(r["impulse_face_x"], r["impulse_face_y"])
+
+
+def same(claim, a, b, tolerance):
+    """Energies, gap and impulse of two runs, relative to each column's largest value."""
+    if not require(f"{claim}: as many steps", len(a["time"]) == len(b["time"])):
+        return
+    worst = {}
+    for column in ("energy_kinetic", "energy_elastic", "contact_face_gap_min", "contact_face_length"):
+        scale = numpy.nanmax(abs(a[column]))
+        worst[column] = numpy.nanmax(abs(a[column] - b[column])) / scale
+        if (numpy.isnan(a[column]) != numpy.isnan(b[column])).any():
+            worst[column] = numpy.inf
+    worst["impulse"] = abs(impulse(a) - impulse(b)).max() / impulse(a).max()
+    name = max(worst, key=worst.get)
+    check(f"{claim}: largest difference, in {name}", worst[name], 0, tolerance, relative=False)
+
+
+reference = flight(0)
+momentum = -reference["momentum_upper_y"]
+energy = reference["energy_kinetic"] + reference["energy_elastic"]
+require("free flight first: nothing touches before the gap is closed",
+        not reference["contact_face_active"][reference["time"] < GAP / SPEED - DT].any())
+check_between("steps with contact", numpy.count_nonzero(reference["contact_face_active"]), 10, 95)
+check_between("largest energy over that of the start", energy.max() / energy[0], 0.97, 1.001)
+check("impulse on the flying block is its change of momentum", impulse(reference)[-1], momentum[0] - momentum[-1],
+      1e-9)
+
+for angle in (30, 90):
+    r = flight(angle)
+    same(f"turned by {angle} degrees", reference, r, 1e-8)
+    require("the same points are active", (r["contact_face_active"] == reference["contact_face_active"]).all())
+
+# Touch within rounding at the end of a step: multipliers of rounding size must not keep the augmentations going.
+r = flight(30, {"mesh_set_gap": 0.02, "contact_face_enforce": "auglag", "ts_max_steps": 40, "ts_max_time": 0.1})
+check_between("touch exactly at a step: most tries", r["tries"].max(), 1, 1)
+check("touch exactly at a step: the time that 40 steps reach", r["time"][-1], 0.1, 1e-9)
+
+print("criteria of Newton's method one by one; none may end a step blind after the free flight")
+for name, criterion in {"rtol": {"snes_rtol": 1e-9, "snes_stol": 0},
+                        "atol": {"snes_rtol": 0, "snes_atol": 1e-5, "snes_stol": 0},
+                        "stol": {"snes_rtol": 0, "snes_stol": 1e-9}}.items():
+    same(f"-motion_snes_{name} decides", reference,
+         flight(0, {f"motion_{key}": value for key, value in criterion.items()}), 1e-5)
+
+swapped = flight(0, SWAPPED)
+check("sides swapped: impulse", impulse(swapped)[-1], impulse(reference)[-1], 0.02)
+check("sides swapped: impulse on the flying block is its change of momentum", impulse(swapped)[-1],
+      swapped["momentum_upper_y"][-1] - swapped["momentum_upper_y"][0], 1e-9)
+
+# The simple partitioner deals the cells out in their order: the lower block's 16 to one rank, the upper's to another.
+even = {"mesh_set_n_upper": 4, "mesh_set_inset": 0.07}
+same("each body on its own rank", flight(0, even),
+     flight(0, {**even, "petscpartitioner_type": "simple"}, ranks=2), 1e-8)
+
+for step in (0.3, 0.5):
+    r = flight(0, {"ts_dt": step, "ts_max_time": 6 * step, "contact_face_impact": "stabilised",
+                   "contact_face_enforce": "auglag"})
+    print(f"     v dt = {step / 0.25:.1f} facets: tries {r['tries'].max():.0f}, smallest gap "
+          f"{numpy.nanmin(r['contact_face_gap_min']):.1e}, upward momentum {r['momentum_upper_y'][-1]:.4g}")
+    check_between(f"fast body, v dt = {step / 0.25:.1f} facets: impulse", impulse(r)[-1], 0.9 * momentum[0],
+                  2.5 * momentum[0])
+    check_between("smallest gap", numpy.nanmin(r["contact_face_gap_min"]), -1e-3, 1)
+finish()

@@ -1,0 +1,67 @@
+# labels: run
+# timeout: 60
+"""The same histories on 1 to 4 ranks and with METIS and PTScotch: two blocks in contact, and the notched beam with
+plasticity and fracture. Differences count relative to the largest value of a column."""
+import numpy
+from _runs import check, finish, mesh, option_file, require, run
+
+LU = {"motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
+      "motion_pc_factor_mat_solver_type": "mumps"}
+COUNTS = ("newton", "linear", "uzawa", "damage_its", "balance", "balance_first_law")
+
+BLOCKS = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
+    "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
+    "material_upper_like": "lower",
+    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
+    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
+    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    # Without augmentations, whose number may hang on the last digits of a multiplier.
+    "contact_face_enforce": "penalty",
+    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9, **LU,
+}
+BEAM = {
+    "output_vis_every": 100000, "ts_dt": 0.01, "ts_max_time": 0.14, "output_vis_times": 0.14,
+    "mesh_set_h_factor": 2, "damage_snes_rtol": 1e-12, "damage_ksp_type": "preonly", "damage_pc_type": "cholesky",
+    "damage_pc_factor_mat_solver_type": "mumps", **LU,
+}
+
+
+def compare(claim, a, b, tolerance):
+    if not require(f"{claim}: the same columns and steps",
+                   list(a.history) == list(b.history) and len(a["time"]) == len(b["time"])):
+        return
+    worst, where = 0.0, "time"
+    energy = max(abs(a[c]).max() for c in a.history if c.startswith(("energy", "work")))
+    for column, values in a.history.items():
+        other = b[column]
+        if column in COUNTS or column.startswith("crack"):
+            continue
+        if (numpy.isnan(values) != numpy.isnan(other)).any():
+            worst, where = numpy.inf, column
+            continue
+        scale = numpy.nanmax(abs(values), initial=0)
+        # A component that is zero but for the solver's tolerance is measured by its vector.
+        if column[-2:] in ("_x", "_y") and not column.startswith("crack"):
+            scale = max(numpy.nanmax(abs(a[column[:-1] + k]), initial=0) for k in "xy")
+        # Columns that are rounding noise say nothing.
+        if column.startswith(("energy", "work", "dissipated")) and scale < 1e-10 * energy:
+            continue
+        difference = numpy.nanmax(abs(values - other), initial=0) / scale if scale > 0 else 0
+        if difference > worst:
+            worst, where = difference, column
+    check(f"{claim}: largest difference, in {where}", worst, 0, tolerance, relative=False)
+
+
+for name, options, files, variants in (
+        ("blocks", BLOCKS, [], ((2, "metis"), (3, "metis"), (4, "metis"), (2, "simple"), (2, "ptscotch"))),
+        ("beam", BEAM, [option_file("beam_push.opts")], ((2, "metis"), (3, "ptscotch")))):
+    one = run(f"{name}_1", options, files=files)
+    last = {c: one[c][-1] for c in ("phi_max", "alpha_max", "contact_face_active") if c in one.history}
+    print(f"     {name}: {len(one['time']) - 1} steps, at the end {last}, tries at most {one['tries'].max():.0f}")
+    for ranks, partitioner in variants:
+        other = run(f"{name}_{ranks}_{partitioner}", {**options, "petscpartitioner_type": partitioner}, files=files,
+                    ranks=ranks)
+        compare(f"{name}, {ranks} ranks, {partitioner}", one, other, 1e-8)
+finish()

@@ -1,0 +1,51 @@
+# labels: run
+# timeout: 60
+"""Another linear solver changes the iteration counts and nothing else: the two blocks in contact with each solver, and
+with the fragments of options/solver."""
+import numpy
+from _runs import check, finish, mesh, option_file, require, run
+
+BLOCKS = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
+    "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
+    "material_upper_like": "lower",
+    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
+    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
+    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    # Without augmentations, whose number may hang on the last digits of a multiplier.
+    "contact_face_enforce": "penalty",
+    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9,
+    "motion_snes_rtol": 1e-10, "motion_ksp_rtol": 1e-11,
+}
+COLUMNS = ("energy_kinetic", "energy_elastic", "momentum_upper_x", "momentum_upper_y", "reaction_hold_y",
+           "contact_face_force_y", "contact_face_pressure_max")
+VARIANTS = {
+    "cg + jacobi": {"motion_ksp_type": "cg", "motion_pc_type": "jacobi"},
+    "gmres + jacobi": {"motion_ksp_type": "gmres", "motion_pc_type": "jacobi"},
+    "cg + hypre": {"motion_ksp_type": "cg", "motion_pc_type": "hypre"},
+    "gmres + gamg": {"motion_ksp_type": "gmres", "motion_pc_type": "gamg"},
+    "lu, superlu_dist": {"motion_ksp_type": "preonly", "motion_pc_type": "lu",
+                         "motion_pc_factor_mat_solver_type": "superlu_dist"},
+}
+
+
+def compare(claim, a, b, tolerance=1e-8):
+    if not require(f"{claim}: as many steps, no step cut", len(a["time"]) == len(b["time"]) and b["tries"].max() == 1):
+        return
+    differences = {c: abs(a[c] - b[c]).max() / abs(a[c]).max() for c in COLUMNS}
+    where = max(differences, key=differences.get)
+    check(f"{claim} ({b['linear'].sum():.0f} linear iterations): largest difference, in {where}", differences[where], 0,
+          tolerance, relative=False)
+    require(f"{claim}: the same points are active", (a["contact_face_active"] == b["contact_face_active"]).all())
+
+
+reference = run("mumps", {**BLOCKS, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
+                          "motion_pc_factor_mat_solver_type": "mumps"})
+require("the blocks touch", reference["contact_face_active"].max() > 0)
+for name, options in VARIANTS.items():
+    compare(name, reference, run(name.replace(" ", "_").replace(",", ""), {**BLOCKS, **options}))
+for fragment in ("direct", "jacobi", "hypre", "gamg"):
+    compare(f"solver/{fragment}.opts", reference,
+            run(fragment, BLOCKS, files=[option_file(f"solver/{fragment}.opts")]))
+finish()
