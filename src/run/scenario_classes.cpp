@@ -92,7 +92,8 @@ std::vector<OptionRow<Contact>> detection_rows() {
                           not_negative, automatic()),
       choice_row<Contact, ImpactUpdate>(
           "impact", &Contact::impact,
-          {"treatment of the shock at touch; auto: stabilised with inertia", "auto"},
+          {"treatment of the shock at touch; auto: stabilised where dt is at most 20 h/c_p, else none",
+           "auto"},
           {{"auto", ImpactUpdate::automatic},
            {"stabilised", ImpactUpdate::stabilised},
            {"none", ImpactUpdate::none}}),

@@ -1,0 +1,46 @@
+# labels: run
+# timeout: 240
+# processors: 2
+"""Every command of README.md after the set-up runs and succeeds. Runs of the beam are cut short (the last word on the
+command line wins), checkpoints are written the sooner, pictures drawn at times that the short run has."""
+import os
+import re
+import shlex
+import subprocess
+
+from _runs import SOURCE, finish, require
+
+SHORT = "0.004"
+
+
+def commands(text):
+    for section in ("Run", "Look at results"):
+        body = re.search(rf"^## {section}\n(.*?)^## ", text, re.S | re.M).group(1)
+        for block in re.findall(r"^```sh\n(.*?)^```", body, re.S | re.M):
+            yield from (line for line in block.splitlines() if line.strip())
+
+
+def shortened(words):
+    if any(word.endswith("beam_wedge.opts") for word in words):
+        words = ["2" if words[i - 1] == "-checkpoint_every" else word for i, word in enumerate(words)]
+        end = "0.006" if "-restart" in words else SHORT
+        return words + ["-ts_max_time", end]
+    return [f"0.001,{SHORT}" if words[i - 1] == "--times" else word for i, word in enumerate(words)]
+
+
+# A folder that looks like the top of the repository after a build.
+for name in ("options", "meshes", "tools"):
+    os.symlink(os.path.join(SOURCE, name), name)
+os.makedirs("build/release")
+os.symlink(os.environ["IMPACT_PROGRAM"], "build/release/impact")
+
+count = 0
+with open(os.path.join(SOURCE, "README.md"), encoding="utf-8") as readme:
+    for command in commands(readme.read()):
+        count += 1
+        done = subprocess.run(shortened(shlex.split(command)), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode:
+            print(done.stdout[-2000:])
+        require(f"exit status {done.returncode}: {command}", done.returncode == 0)
+require(f"README.md has commands: {count}", count >= 10)
+finish()
