@@ -77,6 +77,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTab
   const MPI_Comm comm = d.mesh.comm();
   residual_ = d.displacement.make_global();
   contact_force_ = d.displacement.make_global();
+  newton_start_ = d.displacement.make_global();
   contact_acceleration_ = d.displacement.make_global();
   u_local_ = d.displacement.make_local();
   if (damage_) phi_frozen_ = state_.row("phi").committed;
@@ -223,17 +224,42 @@ bool Coupling::refresh_contact(Vec u) {
   return true;
 }
 
-PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
-  PassResult result;
-  refresh_contact(u);
+SNESConvergedReason Coupling::solve_motion(Vec u) {
+  check(VecCopy(u, newton_start_));
+  SNESConvergedReason reason = run_motion(u);
+  if (reason != SNES_DIVERGED_MAX_IT && reason != SNES_DIVERGED_DTOL) return reason;
+  // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
+  // states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle.
+  SNESLineSearch search = nullptr;
+  SNESLineSearchType type = nullptr;
+  check(SNESGetLineSearch(motion_snes_, &search));
+  check(SNESLineSearchGetType(search, &type));
+  if (type == nullptr || std::strcmp(type, SNESLINESEARCHBT) == 0) return reason;
+  const std::string first = type;
+  check(VecCopy(newton_start_, u));
+  check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  reason = run_motion(u);
+  check(SNESLineSearchSetType(search, first.c_str()));
+  return reason;
+}
+
+SNESConvergedReason Coupling::run_motion(Vec u) {
   check(SNESSolve(motion_snes_, nullptr, u));
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   PetscInt newton = 0, linear = 0;
-  check(SNESGetConvergedReason(motion_snes_, &result.inner));
+  check(SNESGetConvergedReason(motion_snes_, &reason));
   check(SNESGetIterationNumber(motion_snes_, &newton));
   check(SNESGetLinearSolveIterations(motion_snes_, &linear));
   counts_.newton += newton;
   hardest_newton_ = std::max(hardest_newton_, newton);
   counts_.linear += linear;
+  return reason;
+}
+
+PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
+  PassResult result;
+  refresh_contact(u);
+  result.inner = solve_motion(u);
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];

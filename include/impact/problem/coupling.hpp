@@ -70,6 +70,8 @@ public:
 private:
   PassResult coupling_pass(PetscInt pass, Vec u);
   PassResult uzawa_pass(PetscInt pass, Vec u);
+  SNESConvergedReason solve_motion(Vec u);
+  SNESConvergedReason run_motion(Vec u);
   bool refresh_contact(Vec u);
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde);
@@ -85,7 +87,7 @@ private:
   std::vector<double> phi_frozen_, u_local_, u_before_;
   PassShell coupling_shell_, uzawa_shell_;
   Handle<SNES> uzawa_snes_, motion_snes_;
-  Handle<Vec> residual_, contact_force_, contact_acceleration_;
+  Handle<Vec> residual_, newton_start_, contact_force_, contact_acceleration_;
   StepCounts counts_;
   PetscInt hardest_newton_ = 0;
   MotionProblem::Increments increments_;
