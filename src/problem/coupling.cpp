@@ -352,9 +352,6 @@ std::string Coupling::failure_text() const {
 
 NewmarkHooks Coupling::newmark_hooks() {
   NewmarkHooks hooks;
-  hooks.initial_acceleration = [this](TS, PetscReal t, Vec u, Vec v, Vec a) {
-    initial_acceleration(t, u, v, a);
-  };
   if (!stabilise_) return hooks;
   hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde) {
     project_predictor(t_n, dt, u_tilde);

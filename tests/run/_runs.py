@@ -102,3 +102,18 @@ def finish():
         print(f"{len(_failures)} of the claims failed: " + "; ".join(_failures))
         sys.exit(1)
     sys.exit(0)
+
+
+# Two elastic blocks with non-matching sides: the upper one flies, touches the lower one and slides.
+TWO_BLOCKS = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
+    "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
+    "material_upper_like": "lower",
+    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
+    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
+    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    # Without augmentations, whose number may hang on the last digits of a multiplier.
+    "contact_face_enforce": "penalty",
+    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9,
+}

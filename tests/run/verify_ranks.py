@@ -3,24 +3,13 @@
 """The same histories on 1 to 4 ranks and with METIS and PTScotch: two blocks in contact, and the notched beam with
 plasticity and fracture. Differences count relative to the largest value of a column."""
 import numpy
-from _runs import check, finish, mesh, option_file, require, run
+from _runs import TWO_BLOCKS, check, finish, option_file, require, run
 
 LU = {"motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
       "motion_pc_factor_mat_solver_type": "mumps"}
 COUNTS = ("newton", "linear", "uzawa", "damage_its", "balance", "balance_first_law")
 
-BLOCKS = {
-    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
-    "mesh_set_inset": 0.1,
-    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
-    "material_upper_like": "lower",
-    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
-    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
-    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    # Without augmentations, whose number may hang on the last digits of a multiplier.
-    "contact_face_enforce": "penalty",
-    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9, **LU,
-}
+BLOCKS = {**TWO_BLOCKS, **LU}
 BEAM = {
     "output_vis_every": 100000, "ts_dt": 0.01, "ts_max_time": 0.14, "output_vis_times": 0.14,
     "mesh_set_h_factor": 2, "damage_snes_rtol": 1e-12, "damage_ksp_type": "preonly", "damage_pc_type": "cholesky",

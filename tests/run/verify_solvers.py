@@ -3,19 +3,10 @@
 """Another linear solver changes the iteration counts and nothing else: the two blocks in contact with each solver, and
 with the fragments of options/solver."""
 import numpy
-from _runs import check, finish, mesh, option_file, require, run
+from _runs import TWO_BLOCKS, check, finish, option_file, require, run
 
 BLOCKS = {
-    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
-    "mesh_set_inset": 0.1,
-    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
-    "material_upper_like": "lower",
-    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
-    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
-    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    # Without augmentations, whose number may hang on the last digits of a multiplier.
-    "contact_face_enforce": "penalty",
-    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9,
+    **TWO_BLOCKS,
     "motion_snes_rtol": 1e-10, "motion_ksp_rtol": 1e-11,
 }
 COLUMNS = ("energy_kinetic", "energy_elastic", "momentum_upper_x", "momentum_upper_y", "reaction_hold_y",
