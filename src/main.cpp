@@ -1,13 +1,26 @@
-#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <impact/petsc/error.hpp>
+#include <impact/run/checkpoint.hpp>
 #include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
+#include <impact/run/stop_requests.hpp>
 #include <string>
+#ifdef IMPACT_FAULT_INJECTION
+#include "fault_injection.hpp"
+#endif
 
 namespace {
+
+impact::StepProbe probe() {
+#ifdef IMPACT_FAULT_INJECTION
+  return impact::fault_probe();
+#else
+  return {};
+#endif
+}
 
 // One clear line; with several ranks only an error that may differ between them ends the job by force.
 int report(const char* text, impact::ExitCode code, bool collective) {
@@ -20,6 +33,14 @@ int report(const char* text, impact::ExitCode code, bool collective) {
   }
   if (rank == 0) std::fprintf(stderr, "impact: %s\n", text);
   return static_cast<int>(code);
+}
+
+[[noreturn]] void end_without_libraries(int code) {
+  int size = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &size);
+  std::fflush(nullptr);
+  if (size > 1) MPI_Abort(PETSC_COMM_WORLD, code);
+  std::_Exit(code);
 }
 
 bool asks_for_reference(int argc, char** argv) {
@@ -40,18 +61,20 @@ int main(int argc, char** argv) {
     std::fputs(impact::option_reference().c_str(), stdout);
     return 0;
   }
-  std::signal(SIGPIPE, SIG_IGN);         // a closed pipe behind the progress lines must not kill the run
+  impact::install_signal_handlers();
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {
     const std::string why = impact::last_petsc_message();
     std::fprintf(stderr, "impact: the options cannot be read: %s; check -options_file\n", why.c_str());
     return static_cast<int>(impact::ExitCode::usage);
   }
-  std::signal(SIGPIPE, SIG_IGN); // PETSc puts a handler of its own in place
+  impact::install_signal_handlers(); // PETSc put handlers of its own in place
   int code = 0;
   try {
     const impact::Scenario scenario = impact::read_scenario(PETSC_COMM_WORLD);
-    code = static_cast<int>(impact::simulate(PETSC_COMM_WORLD, scenario));
+    code = static_cast<int>(impact::simulate(PETSC_COMM_WORLD, scenario, probe()));
+  } catch (const impact::UnfinishedFile& error) {
+    end_without_libraries(report(error.what(), error.code(), true));
   } catch (const impact::UserError& error) {
     code = report(error.what(), error.code(), true);
   } catch (const std::exception& error) {

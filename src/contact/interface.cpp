@@ -11,6 +11,13 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
+// A point is held to its edge as long as it stands at most this part of half an edge beyond its ends,
+constexpr double hold_overlap = 0.05;
+// and is nearer than this part of its length; while Newton's method works it may stray to this place,
+constexpr double hold_range = 0.1, hold_limit = 1.5;
+// and a point that changes its edge more often within an attempt is held no longer.
+constexpr int switch_limit = 4;
+
 Point2<double> point_at(const std::vector<double>& x, int node) {
   return {x[at(2 * node)], x[at(2 * node + 1)]};
 }
@@ -26,6 +33,16 @@ double largest_move(const std::vector<double>& a, const std::vector<double>& b) 
     largest = std::max(largest, dx * dx + dy * dy);
   }
   return std::sqrt(largest);
+}
+
+// Of the nodes [slot].
+double largest_move(const std::vector<double>& a, const std::vector<double>& b,
+                    const std::vector<int>& slots) {
+  double largest = 0;
+  for (int slot : slots)
+    largest = std::max(
+        largest, std::hypot(a[at(2 * slot)] - b[at(2 * slot)], a[at(2 * slot + 1)] - b[at(2 * slot + 1)]));
+  return largest;
 }
 
 void sort_unique(std::vector<PetscInt>& v) {
@@ -55,23 +72,50 @@ int position(const std::vector<PetscInt>& sorted, PetscInt value) {
 
 } // namespace
 
+void ContactInterface::set_time(double t) {
+  time_ = t;
+  std::fill(holds_.begin(), holds_.end(), Hold());
+  switched_ = false;
+  fetch_start();
+}
+
+void ContactInterface::fetch_start() {
+  const StateRow* row = state_->find("u");
+  if (row == nullptr || against_plane()) return;
+  const Handle<Vec> u_n = layout_->make_global();
+  layout_->to_global(row->committed, u_n);
+  search_.start = search_.own.gather(u_n);
+  for (std::size_t i = 0; i < search_.start.size(); ++i) search_.start[i] += search_.own_X[i];
+  active_.start = current(u_n);
+}
+
 bool ContactInterface::update_search(Vec u) {
   if (against_plane() && !search_.outdated) return false;
   std::vector<double> x = search_.own.gather(u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += search_.own_X[i];
   const bool finite = all_finite(x);
-  std::array<double, 2> mine = {finite ? 0.0 : 1.0, 0}, all{};
+  // Not a number; moved since the list was built; moved since the start of the step, by side.
+  std::array<double, 4> mine = {finite ? 0.0 : 1.0, 0, 0, 0}, all{};
   if (finite && !search_.outdated) mine[1] = largest_move(x, search_.built_at);
-  MPI_Allreduce(mine.data(), all.data(), 2, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  if (finite && !search_.start.empty()) {
+    mine[2] = largest_move(x, search_.start, secondary_.slot);
+    mine[3] = largest_move(x, search_.start, primary_.slot);
+  }
+  MPI_Allreduce(mine.data(), all.data(), 4, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
-  if (all[0] > 0 || (!search_.outdated && all[1] <= search_.skin / 2)) return false;
-
-  Candidates found = search(x);
-  const bool changed = !all_ranks_agree(mesh_->comm(), found.same_pairs(search_.candidates));
-  search_.candidates = std::move(found);
-  search_.built_at = std::move(x);
-  search_.outdated = false;
-  build_active(u);
+  if (all[0] > 0) return false;
+  const double motion = all[2] + all[3];
+  bool changed = false;
+  if (search_.outdated || all[1] > search_.skin / 2 || motion > search_.reach) {
+    search_.reach = std::max(search_.radius, motion);
+    Candidates found = search(x);
+    changed = !all_ranks_agree(mesh_->comm(), found.same_pairs(search_.candidates));
+    search_.candidates = std::move(found);
+    search_.built_at = std::move(x);
+    search_.outdated = false;
+    build_active(u);
+  }
+  if (!against_plane()) hold_edges(current(u));
   return changed;
 }
 
@@ -91,7 +135,7 @@ Candidates ContactInterface::search(const std::vector<double>& x) const {
                        {primary_.neighbour[a], primary_.neighbour[b]},
                        {x0[0], x0[1], x1[0], x1[1]}});
   }
-  return find_candidates(mesh_->comm(), secondary, primary, search_.radius + search_.skin);
+  return find_candidates(mesh_->comm(), secondary, primary, search_.reach + search_.skin);
 }
 
 void ContactInterface::build_active(Vec u) {
@@ -112,6 +156,7 @@ void ContactInterface::build_active(Vec u) {
   active_.X = active_.exchange.gather(X);
   active_.built_at = current(u);
   fetch_fixed();
+  if (!search_.start.empty()) fetch_start();
 }
 
 void ContactInterface::fetch_fixed() {
@@ -155,22 +200,36 @@ Foot<double> ContactInterface::plane_foot(const Point2<double>& x) const {
   return foot;
 }
 
-bool ContactInterface::face(const Point2<double>& x, const Point2<double>& normal, int facet,
-                            const std::vector<double>& coordinates, ContactPoint& point) const {
+PrimaryEdge<double> ContactInterface::primary_edge(int candidate,
+                                                   const std::vector<double>& coordinates) const {
+  const int* p = &active_.primary[at(4 * search_.candidates.facet[at(candidate)])];
+  PrimaryEdge<double> edge{point_at(coordinates, p[0]), point_at(coordinates, p[1])};
+  edge.has_previous = p[2] >= 0;
+  edge.has_next = p[3] >= 0;
+  if (edge.has_previous) edge.previous = point_at(coordinates, p[2]);
+  if (edge.has_next) edge.next = point_at(coordinates, p[3]);
+  return edge;
+}
+
+bool ContactInterface::face(const Point2<double>& x, const Point2<double>& normal,
+                            const std::vector<double>& coordinates, const Hold& hold,
+                            ContactPoint& point) const {
   if (against_plane()) {
     point.node_count = 2;
     point.foot = plane_foot(x);
     return retraction(point.foot, normal, infinity) < infinity;
   }
+  return face_held(x, normal, coordinates, hold, point) || face_nearest(x, normal, coordinates, point) ||
+         face_passed(x, normal, coordinates, point);
+}
+
+bool ContactInterface::face_nearest(const Point2<double>& x, const Point2<double>& normal,
+                                    const std::vector<double>& coordinates, ContactPoint& point) const {
   double nearest = infinity;
   const Candidates& list = search_.candidates;
-  for (int c = list.offset[at(facet)]; c < list.offset[at(facet + 1)]; ++c) {
+  for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
     const int* p = &active_.primary[at(4 * list.facet[at(c)])];
-    PrimaryEdge<double> edge{point_at(coordinates, p[0]), point_at(coordinates, p[1])};
-    edge.has_previous = p[2] >= 0;
-    edge.has_next = p[3] >= 0;
-    if (edge.has_previous) edge.previous = point_at(coordinates, p[2]);
-    if (edge.has_next) edge.next = point_at(coordinates, p[3]);
+    const PrimaryEdge<double> edge = primary_edge(c, coordinates);
     const Foot<double> foot = closest_point(x, edge);
     const double distance = retraction(foot, normal, search_.radius);
     if (!(distance < nearest ||
@@ -183,6 +242,109 @@ bool ContactInterface::face(const Point2<double>& x, const Point2<double>& norma
     point.node[3] = p[1];
   }
   return nearest < infinity;
+}
+
+bool ContactInterface::face_held(const Point2<double>& x, const Point2<double>& normal,
+                                 const std::vector<double>& coordinates, const Hold& hold,
+                                 ContactPoint& point) const {
+  if (hold.edge[0] < 0) return false;
+  const Candidates& list = search_.candidates;
+  for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
+    if (list.primary[at(list.facet[at(c)])].node != hold.edge) continue;
+    const PrimaryEdge<double> edge = primary_edge(c, coordinates);
+    const Foot<double> foot = foot_on_line(x, edge);
+    // An iterate that flies off altogether, or over an open end, is judged as a point that nothing holds.
+    const bool goes_on = foot.xi < 0 ? edge.has_previous : edge.has_next;
+    if (std::abs(foot.xi) > (goes_on ? hold_limit : 1.0)) return false;
+    if (!(retraction(foot, normal, search_.radius) < infinity)) return false;
+    point.foot = foot;
+    point.edge = edge;
+    point.node[2] = active_.primary[at(4 * list.facet[at(c)])];
+    point.node[3] = active_.primary[at(4 * list.facet[at(c)] + 1)];
+    return true;
+  }
+  return false;
+}
+
+bool ContactInterface::face_passed(const Point2<double>& x, const Point2<double>& normal,
+                                   const std::vector<double>& coordinates, ContactPoint& point) const {
+  if (active_.start.empty()) return false;
+  const Point2<double> a = point_at(active_.start, point.node[0]), b = point_at(active_.start, point.node[1]);
+  const Point2<double> x_n = {point.shape[0] * a[0] + point.shape[1] * b[0],
+                              point.shape[0] * a[1] + point.shape[1] * b[1]};
+  double earliest = infinity;
+  const Candidates& list = search_.candidates;
+  for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
+    const int* p = &active_.primary[at(4 * list.facet[at(c)])];
+    const PrimaryEdge<double> edge = primary_edge(c, coordinates);
+    const Foot<double> foot = foot_on_line(x, edge);
+    if (!(foot.gap < -search_.radius) || !(retraction(foot, normal, infinity) < infinity)) continue;
+    // Positions between the start and now are taken as straight in time.
+    const PrimaryEdge<double> before = primary_edge(c, active_.start);
+    const double gap_n = foot_on_line(x_n, before).gap;
+    if (gap_n < -search_.radius) continue;
+    const double part = gap_n > 0 ? gap_n / (gap_n - foot.gap) : 0;
+    auto between = [part](const Point2<double>& from, const Point2<double>& to) {
+      return Point2<double>{from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};
+    };
+    const PrimaryEdge<double> then{between(before.x0, edge.x0), between(before.x1, edge.x1)};
+    if (!(std::abs(foot_on_line(between(x_n, x), then).xi) <= 1 + 1e-6)) continue;
+    if (!(part < earliest || (part == earliest && precedes(active_.X, p, &point.node[2])))) continue;
+    earliest = part;
+    point.foot = foot;
+    point.edge = edge;
+    point.node[2] = p[0];
+    point.node[3] = p[1];
+  }
+  return earliest < infinity;
+}
+
+void ContactInterface::hold_edges(const std::vector<double>& x) {
+  switched_ = false;
+  const double eps = penalty_->trial[0];
+  for (int f = 0; f < secondary_.surface.count(); ++f) {
+    ContactPoint point;
+    point.facet = f;
+    point.node = {active_.secondary[at(2 * f)], active_.secondary[at(2 * f + 1)], -1, -1};
+    const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
+    const Point2<double> normal = detail::right_normal(x0, x1);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const int index = f * points_.per_facet + q;
+      const double* N = &points_.shape[at(2 * index)];
+      point.shape = {N[0], N[1]};
+      const Point2<double> x_s = {N[0] * x0[0] + N[1] * x1[0], N[0] * x0[1] + N[1] * x1[1]};
+      Hold& hold = holds_[at(index)];
+      ContactPoint nearest = point, before = point, after = point;
+      const bool had = face(x_s, normal, x, hold, before);
+      Hold next{{-1, -1}, hold.switches};
+      if (hold.switches < switch_limit && face_nearest(x_s, normal, x, nearest)) {
+        auto stays_on = [&](const Foot<double>& line) {
+          return std::abs(line.xi) <= 1 + hold_overlap && std::abs(line.gap - nearest.foot.gap) <= hold_gap_;
+        };
+        const Point2<double> t = detail::minus(nearest.edge.x1, nearest.edge.x0);
+        if (std::abs(nearest.foot.gap) > hold_range * std::sqrt(detail::dot(t, t)))
+          next.edge = {-1, -1};
+        else if (ContactPoint held = point; face_held(x_s, normal, x, hold, held) && stays_on(held.foot))
+          next.edge = hold.edge;
+        else if (stays_on(foot_on_line(x_s, nearest.edge)))
+          next.edge = {active_.nodes[at(nearest.node[2])], active_.nodes[at(nearest.node[3])]};
+      }
+      const bool has = face(x_s, normal, x, next, after);
+      const double lambda = multiplier_->trial[at(index)];
+      auto presses = [&](bool faces, const ContactPoint& p) {
+        return faces && contact_pressure(lambda, eps, p.foot.gap) > 0;
+      };
+      if (presses(had, before) || presses(has, after)) {
+        const Point2<double> turn = detail::minus(after.foot.normal, before.foot.normal);
+        if (had != has || std::abs(after.foot.gap - before.foot.gap) > 1e-9 * hold_gap_ ||
+            std::abs(turn[0]) + std::abs(turn[1]) > 1e-10) {
+          switched_ = true;
+          ++next.switches;
+        }
+      }
+      hold = next;
+    }
+  }
 }
 
 std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
@@ -204,7 +366,7 @@ std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
       point.shape = {points_.shape[at(2 * point.index)], points_.shape[at(2 * point.index + 1)]};
       const Point2<double> x_s = {point.shape[0] * x0[0] + point.shape[1] * x1[0],
                                   point.shape[0] * x0[1] + point.shape[1] * x1[1]};
-      if (!face(x_s, normal, f, x, point)) continue;
+      if (!face(x_s, normal, x, holds_[at(point.index)], point)) continue;
       point.weight = points_.weight[at(point.index)];
       point.stretch = stretch;
       if (environment_.frame == Frame::axisymmetric)

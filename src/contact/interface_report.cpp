@@ -25,25 +25,32 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
   AugmentReport report;
   for (const ContactPoint& point : points(current(u), &status)) {
     lambda[at(point.index)] = point.pressure;
-    if (point.pressure > 0) report.largest_gap = std::max(report.largest_gap, std::abs(point.foot.gap));
+    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
+    report.largest_gap =
+        std::max(report.largest_gap, std::min(std::abs(point.foot.gap), point.pressure / penalty_->trial[0]));
+    if (point.pressure > 0 && !against_plane() && point.foot.gap < -search_.radius) report.settled = false;
   }
+  if (switched_) report.settled = false;
   double change = 0;
   for (std::size_t i = 0; i < lambda.size(); ++i) {
     report.multiplier = std::max(report.multiplier, lambda[i]);
     change = std::max(change, std::abs(lambda[i] - multiplier_->trial[i]));
   }
-  std::array<double, 4> largest = {status.penetration, report.largest_gap, report.multiplier, change};
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 4, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  std::array<double, 5> largest = {status.penetration, report.settled ? 0.0 : 1.0, report.multiplier, change,
+                                   report.largest_gap};
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 5, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   MPI_Allreduce(&status.active, &report.active, 1, MPI_INT, MPI_SUM, mesh_->comm());
   report.penetration = largest[0];
-  report.largest_gap = largest[1];
+  report.largest_gap = largest[4];
+  report.settled = largest[1] == 0;
   report.multiplier = largest[2];
   // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
   const double negligible = 1e-9 * penalty_->trial[0] * search_.radius;
   report.change = largest[3] > 0 ? largest[3] / std::max(largest[2], negligible) : 0;
   report.penalty = penalty_->trial[0];
-  report.converged = settings_.enforce == Enforcement::penalty ||
-                     (report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol);
+  report.converged =
+      report.settled && (settings_.enforce == Enforcement::penalty ||
+                         (report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol));
   return report;
 }
 
@@ -55,6 +62,7 @@ AugmentReport ContactInterface::review(Vec u) const {
 AugmentReport ContactInterface::augment(Vec u) {
   std::vector<double> lambda;
   const AugmentReport report = propose(u, lambda);
+  switched_ = false; // another solve follows
   if (settings_.enforce == Enforcement::penalty) return report;
   multiplier_->trial = std::move(lambda);
   const double before = penalty_->trial[1];

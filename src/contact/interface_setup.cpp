@@ -47,7 +47,7 @@ void require_positive(const ContactSettings& settings, const std::string& key, d
 ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displacement,
                                    const ContactSettings& settings, const ContactEnvironment& environment,
                                    StateTable& state)
-    : mesh_(&mesh), layout_(&displacement), settings_(settings), environment_(environment) {
+    : mesh_(&mesh), layout_(&displacement), state_(&state), settings_(settings), environment_(environment) {
   check_settings(settings_);
   secondary_.surface = make_surface(mesh, settings_.id, settings_.secondary);
   if (!against_plane()) {
@@ -56,6 +56,7 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   }
   points_ = make_points(secondary_.surface, settings_.id, settings_.points, environment_.frame);
   set_automatic_values();
+  holds_.assign(points_.weight.size(), Hold());
   declare_state(state);
   build_search_nodes();
   const Handle<Vec> at_rest = displacement.make_global();
@@ -104,8 +105,9 @@ void ContactInterface::set_automatic_values() {
   require_positive(settings_, "gap_tol", settings_.gap_tol);
   require_positive(settings_, "pressure_tol", settings_.pressure_tol);
   require_positive(settings_, "search_radius", settings_.search_radius);
-  search_.radius = settings_.search_radius;
+  search_.radius = search_.reach = settings_.search_radius;
   search_.skin = settings_.search_radius / 2;
+  hold_gap_ = std::min(settings_.gap_tol, 1e-3 * h);
 }
 
 void ContactInterface::declare_state(StateTable& state) {
@@ -161,7 +163,9 @@ InitialOverlapReport ContactInterface::initial_overlap() {
       const int* ends = &active_.secondary[at(2 * f)];
       auto place = [&](int node) { return Point2<double>{x[at(2 * node)], x[at(2 * node + 1)]}; };
       ContactPoint point;
-      if (!face(place(ends[a]), detail::right_normal(place(ends[0]), place(ends[1])), f, x, point)) continue;
+      point.facet = f;
+      if (!face(place(ends[a]), detail::right_normal(place(ends[0]), place(ends[1])), x, Hold(), point))
+        continue;
       const double depth = -point.foot.gap;
       // Coordinates that were meant to touch differ by rounding of their own size.
       if (!(depth >

@@ -1,9 +1,8 @@
+#include "motion_batch.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/measure.hpp>
-#include <impact/kernel/motion.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/surface_load.hpp>
 
@@ -17,6 +16,12 @@ double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 *
 template <int n> void mask(const Batch* free, Batch* K) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
+}
+
+template <int n> double trace(const Batch* K, int lanes_in_use) {
+  Batch sum = K[0];
+  for (int i = 1; i < n; ++i) sum += K[i * n + i];
+  return lane_sum(sum, lanes_in_use);
 }
 
 } // namespace
@@ -35,6 +40,13 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       free_[i] = 0;
       if (d_.mesh.owned(static_cast<int>(i) / d_.dim())) owned_fixed_.push_back(static_cast<int>(i));
     }
+  for (const CellGroup& group : d_.groups) {
+    std::vector<char>& held = held_batches_.emplace_back(static_cast<std::size_t>(group.batch_count), 0);
+    const std::size_t size = group.node.size() / std::max<std::size_t>(held.size(), 1);
+    for (std::size_t i = 0; i < group.node.size(); ++i)
+      for (int k = 0; k < d_.dim(); ++k)
+        if (free_[static_cast<std::size_t>(group.node[i] * d_.dim() + k)] == 0) held[i / size] = 1;
+  }
   double stiffest = 0;
   for (const MaterialAssignment& m : d_.materials)
     stiffest = std::max(stiffest, youngs_modulus(m.law.parameters));
@@ -137,36 +149,25 @@ void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, cons
   }
 }
 
+MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std::vector<double>* accel,
+                                        bool rates) const {
+  return {&X_, &u, rates ? step_.u_n : nullptr, accel, step_.phi, &state_.row("history").committed, step_.dt};
+}
+
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
                               std::vector<double>& r) {
   broken_ = {};
-  const StateRow& history = state_.row("history");
   bool sound = true;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim;
-      const bool viscous = law.parameters.b_d > 0;
+      const MotionFields fields = step_fields(u, accel, law.parameters.b_d > 0);
       for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u);
-        std::optional<Gathered<Cell, dim>> before, acceleration;
-        std::optional<Gathered<Cell, 1>> phi;
-        if (viscous) before.emplace(group, b, *step_.u_n);
-        if (accel) acceleration.emplace(group, b, *accel);
-        if (step_.phi) phi.emplace(group, b, *step_.phi);
-        PointValues<Cell, history_size(frame)> old;
-        old.load(history.committed, history_offset_[g], b);
-        MotionInput in;
-        in.X = X.data();
-        in.u = at.data();
-        in.u_n = viscous ? before->data() : nullptr;
-        in.accel = accel ? acceleration->data() : nullptr;
-        in.phi = step_.phi ? phi->data() : nullptr;
-        in.history = old.data();
-        in.dt = step_.dt;
+        const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
-        const CellStatus status = motion_residual<Cell, frame>(law, in, force.data());
+        const CellStatus status = motion_residual<Cell, frame>(law, batch.in, force.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
           sound = false;
@@ -217,50 +218,39 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
   broken_ = {};
   last_mass_shift_ = mass_shift;
   d_.displacement.to_local(u, u_);
-  const StateRow& history = state_.row("history");
   bool sound = true;
+  double diagonal = 0;
   assembly_->zero();
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim, n = Cell::nodes * dim;
-      const bool viscous = law.parameters.b_d > 0;
+      const MotionFields fields = step_fields(u_, nullptr, law.parameters.b_d > 0);
       for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_), free(group, b, free_);
-        std::optional<Gathered<Cell, dim>> before;
-        std::optional<Gathered<Cell, 1>> phi;
-        if (viscous) before.emplace(group, b, *step_.u_n);
-        if (step_.phi) phi.emplace(group, b, *step_.phi);
-        PointValues<Cell, history_size(frame)> old;
-        old.load(history.committed, history_offset_[g], b);
-        MotionInput in;
-        in.X = X.data();
-        in.u = at.data();
-        in.u_n = viscous ? before->data() : nullptr;
-        in.phi = step_.phi ? phi->data() : nullptr;
-        in.history = old.data();
-        in.dt = step_.dt;
-        in.mass_shift = mass_shift;
-        in.symmetric = symmetric_;
+        MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
+        batch.in.mass_shift = mass_shift;
+        batch.in.symmetric = symmetric_;
         std::array<Batch, static_cast<std::size_t>(n)> force{};
         std::array<Batch, static_cast<std::size_t>(n * n)> K{};
-        const CellStatus status = motion_tangent<Cell, frame>(law, in, force.data(), K.data());
+        const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, force.data(), K.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
           sound = false;
           note_broken(group, b, status.bad & used, status.min_J);
         }
-        mask<n>(free.data(), K.data());
+        if (held_batches_[g][static_cast<std::size_t>(b)])
+          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
+        diagonal += trace<n>(K.data(), group.lanes_in_use(b));
         assembly_->add(static_cast<int>(g), b, K.data());
       }
     });
   }
-  close_tangent(u, true);
+  close_tangent(u, true, diagonal);
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
-void MotionProblem::close_tangent(Vec u, bool pressures) {
+void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal) {
   assembly_->finish();
   if (!contacts_.empty() || !boundary_.pressures().empty()) {
     if (pressures) add_pressure_tangent(u_);
@@ -271,14 +261,12 @@ void MotionProblem::close_tangent(Vec u, bool pressures) {
     check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }
-  // Prescribed rows were masked out; the mean of the other diagonals keeps the condition of the matrix.
-  check(MatGetDiagonal(matrix(), work_));
-  double sum = 0;
-  check(VecSum(work_, &sum));
-  double free_dofs = -static_cast<double>(owned_fixed_.size());
-  MPI_Allreduce(MPI_IN_PLACE, &free_dofs, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
-  free_dofs += static_cast<double>(d_.mesh.global_node_count() * d_.dim());
-  assembly_->set_diagonal(owned_fixed_, free_dofs > 0 && sum > 0 ? sum / free_dofs : 1.0);
+  // Prescribed rows were masked out; the mean of the cells' other diagonals keeps the condition of the
+  // matrix.
+  double sums[2] = {diagonal, -static_cast<double>(owned_fixed_.size())};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  const double free_dofs = sums[1] + static_cast<double>(d_.mesh.global_node_count() * d_.dim());
+  assembly_->set_diagonal(owned_fixed_, free_dofs > 0 && sums[0] > 0 ? sums[0] / free_dofs : 1.0);
 }
 
 void MotionProblem::zero_fixed(Vec f) const {
@@ -302,8 +290,7 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
 
 void MotionProblem::projection_tangent(Vec w, double shift) {
   assembly_->zero();
-  add_mass(*assembly_, shift, true);
-  close_tangent(w, false);
+  close_tangent(w, false, add_mass(*assembly_, shift, true));
 }
 
 bool MotionProblem::advance(Vec u, Increments& sums) {
@@ -316,25 +303,15 @@ bool MotionProblem::advance(Vec u, Increments& sums) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
+      const MotionFields fields = step_fields(u_, nullptr, true);
       for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_), before(group, b, *step_.u_n);
-        std::optional<Gathered<Cell, 1>> phi;
-        if (step_.phi) phi.emplace(group, b, *step_.phi);
-        PointValues<Cell, history_size(frame)> old, next;
+        const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
+        PointValues<Cell, history_size(frame)> next;
         PointValues<Cell, drive_size> driving;
-        old.load(history.committed, history_offset_[g], b);
-        MotionInput in;
-        in.X = X.data();
-        in.u = at.data();
-        in.u_n = before.data();
-        in.phi = step_.phi ? phi->data() : nullptr;
-        in.history = old.data();
-        in.dt = step_.dt;
         StepSums step_sums;
-        next.value = old.value;
+        next.value = batch.history.value;
         const CellStatus status =
-            motion_advance<Cell, frame>(law, in, next.data(), driving.data(), step_sums);
+            motion_advance<Cell, frame>(law, batch.in, next.data(), driving.data(), step_sums);
         const int used = group.lanes_in_use(b);
         sound = sound && (status.bad & ((1 << used) - 1)) == 0;
         next.store(history.trial, history_offset_[g], b);
@@ -374,14 +351,15 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   for (ContactInterface& contact : contacts_) contact.add_residual(u, -1, parts.contact);
 }
 
-void MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool masked) const {
+double MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool masked) const {
+  double diagonal = 0;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim, nodes = Cell::nodes, n = nodes * dim;
       for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_), free(group, b, free_);
+        const Gathered<Cell, dim> X(group, b, X_);
         std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
         mass_matrix<Cell, frame>(law, X.data(), m.data());
         std::array<Batch, static_cast<std::size_t>(n * n)> K{};
@@ -390,11 +368,14 @@ void MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool maske
             for (int k = 0; k < dim; ++k)
               K[static_cast<std::size_t>((i * dim + k) * n + j * dim + k)] =
                   Batch(factor) * m[static_cast<std::size_t>(i * nodes + j)];
-        if (masked) mask<n>(free.data(), K.data());
+        if (masked && held_batches_[g][static_cast<std::size_t>(b)])
+          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
+        diagonal += trace<n>(K.data(), group.lanes_in_use(b));
         assembly.add(static_cast<int>(g), b, K.data());
       }
     });
   }
+  return diagonal;
 }
 
 void MotionProblem::build_mass() {

@@ -1,16 +1,41 @@
 #include <algorithm>
+#include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/run/checkpoint_file.hpp>
 #include <impact/run/durable_file.hpp>
+#include <impact/run/watchdog.hpp>
 #include <petscviewerhdf5.h>
 #include <sstream>
+#include <thread>
 
 namespace impact {
 
 namespace {
 
 constexpr const char* topology_name = "mesh"; // DMPlex finds what it stored by the names of the objects
+
+/// Waits until all ranks have come here. A rank with trouble waits only so long: the others may be inside a
+/// collective call that it has left, and never come.
+void await_all(MPI_Comm comm, const std::string& trouble) {
+  constexpr double patience = 5; // seconds
+  MPI_Request request = MPI_REQUEST_NULL;
+  int here = 0, done = 0;
+  MPI_Ibarrier(comm, &request);
+  if (trouble.empty()) {
+    MPI_Wait(&request, MPI_STATUS_IGNORE);
+    return;
+  }
+  for (const double start = MPI_Wtime(); done == 0 && MPI_Wtime() - start < patience;) {
+    MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  if (done != 0) return;
+  MPI_Comm_rank(comm, &here);
+  std::fprintf(stderr, "impact: rank %d: %s\n", here, trouble.c_str());
+  MPI_Abort(comm, static_cast<int>(ExitCode::io));
+}
 
 /// Runs PETSc calls that every rank takes part in; a failure on any rank is UserError(io) on all.
 template <class Body> void file_access(MPI_Comm comm, const std::string& what, Body&& body) {
@@ -22,6 +47,7 @@ template <class Body> void file_access(MPI_Comm comm, const std::string& what, B
   } catch (const PetscError& error) {
     trouble = what + ": " + error.what();
   }
+  await_all(comm, trouble);
   throw_first(comm, ExitCode::io, trouble);
 }
 
@@ -368,6 +394,10 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
   file = broadcast(comm, file);
   const std::string temporary = file + ".tmp";
   try {
+    const Watchdog watchdog(folder.patience + 1e-6 * static_cast<double>(bytes),
+                            "cannot write checkpoint " + file +
+                                ": the write does not end (-checkpoint_patience); look at the disk, then "
+                                "-restart auto goes on from the one before");
     file_access(comm, "cannot write checkpoint " + file, [&] {
       const Handle<PetscViewer> viewer = open_viewer(comm, temporary, FILE_MODE_WRITE);
       std::vector<std::string> sections;
@@ -376,19 +406,18 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
       for (const auto& row : state.table.rows())
         if (row->checkpointed && row->support != Support::global) write_row(state, *row, viewer, sections);
     });
-    sync_file(temporary);
-    MPI_Barrier(comm);
+    agree_on_errors(comm, [&] { sync_file(temporary); });
     on_rank_zero(comm, [&] {
       write_on_rank_zero(temporary, state, values);
       publish_checkpoint(file, values);
       remove_old_checkpoints(folder);
     });
-  } catch (...) {
+  } catch (const UserError& error) {
     int rank = 0;
     MPI_Comm_rank(comm, &rank);
     std::error_code ignored;
     if (rank == 0) std::filesystem::remove(temporary, ignored);
-    throw;
+    throw UnfinishedFile(error.code(), error.what());
   }
   return file;
 }

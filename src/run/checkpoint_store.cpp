@@ -246,6 +246,22 @@ std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& di
   return unpacked(bytes);
 }
 
+int retire_checkpoints(MPI_Comm comm, const std::string& dir, const std::string& resumed) {
+  int count = 0;
+  on_rank_zero(comm, [&] {
+    std::error_code error;
+    const bool here = !resumed.empty() && fs::equivalent(fs::path(resumed).parent_path() / ".", dir, error);
+    const long last = here ? number_of(fs::path(resumed).filename().string()) : -1;
+    for (const std::string& file : with_manifest(dir)) {
+      if (number_of(fs::path(file).filename().string()) <= last) continue;
+      rename_durably(manifest_of(file).string(), manifest_of(file).string() + ".old");
+      ++count;
+    }
+  });
+  MPI_Bcast(&count, 1, MPI_INT, 0, comm);
+  return count;
+}
+
 Checkpoint open_checkpoint(MPI_Comm comm, const std::string& file) {
   std::string bytes;
   on_rank_zero(comm, [&] {

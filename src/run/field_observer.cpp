@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/error.hpp>
 #include <impact/run/observers.hpp>
 
 namespace impact {
@@ -24,6 +25,7 @@ FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scena
     : settings_(output), d_(discretisation), source_(source),
       file_(discretisation.mesh,
             FieldFile{path_of(output, scenario), scenario.title, scenario.units.name, resume_after}) {
+  if (!file_.warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_.warning().c_str()));
   const std::vector<std::string> offered = source_.names();
   if (settings_.fields.empty()) {
     for (const char* name : {"u", "v", "phi", "stress", "von_mises", "alpha", "contact_pressure"})

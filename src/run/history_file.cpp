@@ -45,11 +45,13 @@ HistoryFile::HistoryFile(MPI_Comm comm, std::string file, std::optional<long> re
     if (keep) resume(*resume_after);
     if (length_ == 0) start(note);
   });
+  MPI_Bcast(&last_step_, 1, MPI_LONG, 0, comm_);
 }
 
 HistoryFile::HistoryFile(HistoryFile&& other) noexcept
     : comm_(other.comm_), file_(std::move(other.file_)), descriptor_(std::exchange(other.descriptor_, -1)),
-      length_(other.length_), resumed_(other.resumed_), columns_(std::move(other.columns_)) {}
+      length_(other.length_), resumed_(other.resumed_), last_step_(other.last_step_),
+      columns_(std::move(other.columns_)) {}
 
 HistoryFile& HistoryFile::operator=(HistoryFile&& other) noexcept {
   std::swap(comm_, other.comm_);
@@ -57,6 +59,7 @@ HistoryFile& HistoryFile::operator=(HistoryFile&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(length_, other.length_);
   std::swap(resumed_, other.resumed_);
+  std::swap(last_step_, other.last_step_);
   std::swap(columns_, other.columns_);
   return *this;
 }
@@ -93,6 +96,7 @@ void HistoryFile::resume(long last_step) {
             cells.size() == columns_.size() &&
             std::from_chars(cells[0].data(), cells[0].data() + cells[0].size(), step).ec == std::errc();
         if (!whole || step > static_cast<double>(last_step)) break;
+        last_step_ = static_cast<long>(step);
       }
     }
     keep = end + 1;

@@ -11,7 +11,8 @@ namespace {
 
 // Sum over the owned dofs of a . b; both local arrays.
 double dot(const Mesh& mesh, const std::vector<double>& a, const std::vector<double>& b) {
-  const auto components = a.size() / static_cast<std::size_t>(mesh.node_count());
+  // A rank may have no nodes at all.
+  const auto components = a.size() / static_cast<std::size_t>(std::max(mesh.node_count(), 1));
   double sum = 0;
   for (int node = 0; node < mesh.node_count(); ++node) {
     if (!mesh.owned(node)) continue;

@@ -191,6 +191,7 @@ bool Scenario::has_damage() const {
 
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
+  check_repeated_options(comm);
   check_option_names({class_keys(parameter_class()), class_keys(function_class()),
                       class_keys(material_class()), class_keys(boundary_class()), class_keys(initial_class()),
                       class_keys(contact_class()), class_keys(output_class()), class_keys(probe_class()),

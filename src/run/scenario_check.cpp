@@ -1,4 +1,5 @@
 #include "scenario_tables.hpp"
+#include <algorithm>
 #include <filesystem>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
@@ -122,6 +123,21 @@ void check_alpha2(const Scenario& scenario) {
   }
 }
 
+void check_checkpoints(const Scenario& scenario) {
+  const CheckpointScenario& checkpoint = scenario.checkpoint;
+  if (checkpoint.walltime > 0 && checkpoint.margin() >= checkpoint.walltime)
+    fail("-walltime_margin \"" + number_text(checkpoint.walltime_margin) +
+         "\": leaves nothing of the wall time; allowed: less than -walltime, " +
+         number_text(checkpoint.walltime));
+  if (scenario.time.type != "alpha2") return;
+  const std::string remedy = "; -ts_type alpha2 writes no checkpoints; remove it, or choose -ts_type newmark";
+  if (checkpoint.restart != "none") fail("-restart \"" + checkpoint.restart + "\": not available" + remedy);
+  if (checkpoint.every > 0)
+    fail("-checkpoint_every \"" + std::to_string(checkpoint.every) + "\": not available" + remedy);
+  if (checkpoint.walltime > 0)
+    fail("-walltime \"" + number_text(checkpoint.walltime) + "\": not available" + remedy);
+}
+
 void check_outputs(const Scenario& scenario) {
   std::map<std::string, std::string> writer;
   for (const OutputScenario& output : scenario.outputs) {
@@ -198,6 +214,8 @@ void complete(Scenario& scenario) {
   complete_time(scenario.time);
   if (scenario.coupling.max_it == 0)
     scenario.coupling.max_it = !scenario.has_inertia() && scenario.has_damage() ? 200 : 1;
+  const auto& steps = scenario.time.table_dts;
+  scenario.coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
   if (scenario.checkpoint.dir.empty())
     scenario.checkpoint.dir = (std::filesystem::path(scenario.output_dir) / "checkpoints").string();
   for (OutputScenario& output : scenario.outputs) complete_output(output, scenario);
@@ -215,6 +233,7 @@ void check_scenario(const Scenario& scenario) {
   for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
   for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
   check_alpha2(scenario);
+  check_checkpoints(scenario);
   check_outputs(scenario);
 }
 

@@ -1,6 +1,8 @@
 #include "scenario_tables.hpp"
+#include <cctype>
 #include <impact/petsc/error.hpp>
 #include <map>
+#include <sstream>
 
 /// The check of option names: the set of legal names of ours is closed, PETSc's names are left to PETSc.
 namespace impact {
@@ -11,9 +13,10 @@ const char* const solver_prefixes[] = {"motion_", "damage_", "heat_", "coupling_
 const char* const petsc_beginnings[] = {"snes_", "ksp_",        "pc_",  "mat_", "vec_",
                                         "ts_",   "fieldsplit_", "sub_", "mg_"};
 /// Beginnings under which no other name than ours exists.
-const char* const own_prefixes[] = {"mesh_", "checkpoint_", "restart_", "energy_", "crack_", "stop_"};
+const char* const own_prefixes[] = {"mesh_",   "checkpoint_", "restart_", "walltime_",
+                                    "energy_", "crack_",      "stop_"};
 /// Refused by name, so that nobody believes that they had an effect.
-const char* const not_available[] = {"order", "physics", "stops", "walltime", "ts_static_start", "ts_dt_cfl"};
+const char* const not_available[] = {"order", "physics", "stops", "ts_static_start", "ts_dt_cfl"};
 
 struct Legal {
   std::map<std::string, std::string> names; ///< lower case to the way we write it
@@ -138,7 +141,41 @@ void check_name(const std::string& typed, const Legal& legal) {
       unknown(typed, nearest_name(name, legal.globals, 5), "");
 }
 
+/// The lines of a file on which each option stands, in the order of the names.
+std::map<std::string, std::vector<int>> option_places(const std::string& text) {
+  std::map<std::string, std::vector<int>> places;
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::size_t dash = line.find_first_not_of(" \t");
+    if (dash == std::string::npos || line[dash] != '-' || dash + 1 == line.size()) continue;
+    if (std::isalpha(static_cast<unsigned char>(line[dash + 1])) == 0) continue;
+    const std::size_t end = line.find_first_of(" \t\r", dash);
+    places[lower_case(line.substr(dash + 1, end == std::string::npos ? end : end - dash - 1))].push_back(
+        number);
+  }
+  return places;
+}
+
 } // namespace
+
+void check_repeated_options(MPI_Comm comm) {
+  int count = 0;
+  char** arguments = nullptr;
+  check(PetscGetArgs(&count, &arguments));
+  for (int i = 1; i + 1 < count; ++i) {
+    if (lower_case(arguments[i]) != "-options_file") continue;
+    const std::string file = arguments[i + 1];
+    if (file.ends_with(".yml") || file.ends_with(".yaml")) continue;
+    const auto places = option_places(read_input_file(comm, {"-options_file", file}, file));
+    for (const auto& [name, lines] : places)
+      if (lines.size() > 1)
+        throw UserError(ExitCode::usage, "-" + name + ": given twice in " + file + ", lines " +
+                                             std::to_string(lines[0]) + " and " + std::to_string(lines[1]) +
+                                             "; remove one of them");
+  }
+}
 
 void check_option_names(const std::vector<ClassKeys>& classes) {
   const Legal legal = legal_names(classes);

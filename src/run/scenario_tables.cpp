@@ -1,4 +1,6 @@
 #include "scenario_tables.hpp"
+#include <cmath>
+#include <sstream>
 
 namespace impact {
 
@@ -59,6 +61,12 @@ OptionGroup coupling_group() {
           number_row<Global>(
               "coupling_snes_atol", [](auto& s) -> auto& { return s.coupling.atol; },
               {"passes end when phi changes less than this anywhere", "1e-4", "1"}, positive),
+          choice_row<Global, PassRelaxation>(
+              "coupling_relaxation", [](auto& s) -> auto& { return s.coupling.relaxation; },
+              {"what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi "
+               "itself",
+               "aitken"},
+              {{"aitken", PassRelaxation::aitken}, {"none", PassRelaxation::none}}),
           choice_row<Global, DamageForm>(
               "damage_form", [](auto& s) -> auto& { return s.damage.form; },
               {"damage equation as it stands, or divided by its rate coefficient (the paper's)", "multiplied",
@@ -84,6 +92,12 @@ OptionGroup coupling_group() {
               {{"auto", TangentChoice::automatic},
                {"consistent", TangentChoice::consistent},
                {"symmetric", TangentChoice::symmetric}}),
+          number_row<Global>(
+              "motion_reuse_tangent", [](auto& s) -> auto& { return s.coupling.reuse; },
+              {"the tangent serves on while an iteration with it leaves at most this part of the "
+               "residual; 0: full Newton",
+               "0.1 with a direct solver, else 0", "1"},
+              {0, 1, false, false}, {{"", -1.}}),
           choice_row<Global, ContactOperator>(
               "contact_operator", &Scenario::contact_operator,
               {"contact terms in the matrix, or beside it as an operator", "assembled"},
@@ -105,6 +119,11 @@ OptionGroup time_group() {
                              {"time step; after a cut it grows back up to this", "required without -ts_times",
                               "s", "Delta t"},
                              positive, {{"", 0.}}),
+          number_row<Global>("ts_adapt_dphi", [](auto& s) -> auto& { return s.coupling.max_dphi; },
+                             {"largest growth of phi in a step: dt shrinks down to a thousandth of -ts_dt "
+                              "while a crack runs faster; 0: no limit",
+                              "0", "1"},
+                             {0, 1}),
           number_row<Global>("ts_max_time", [](auto& s) -> auto& { return s.time.max_time; },
                              {"end of the run", "required without -ts_times", "s"}, positive, {{"", 0.}}),
           count_row<Global>(
@@ -137,10 +156,51 @@ OptionGroup history_group() {
       }};
 }
 
+constexpr const char* duration_form = "seconds, m:ss or h:mm:ss";
+
+/// Seconds of "3:50:00", "50:00" or "3000"; nothing else. Minutes and seconds behind a colon are below 60.
+double read_duration(const GivenOption& option) {
+  double seconds = 0;
+  std::istringstream parts(option.text);
+  int count = 0;
+  bool good = !option.text.empty() && option.text.back() != ':';
+  for (std::string part; good && std::getline(parts, part, ':'); ++count) {
+    const bool digits = part.find_first_not_of("0123456789.") == std::string::npos;
+    const auto value = digits ? parse_number(part) : std::nullopt;
+    good = value && (count == 0 || *value < 60) && count < 3;
+    if (good) seconds = 60 * seconds + *value;
+  }
+  if (!good || !(seconds > 0) || !std::isfinite(seconds))
+    refuse_option(option, std::string("is no duration; allowed: ") + duration_form);
+  return seconds;
+}
+
+OptionRow<Scenario> walltime_row() {
+  return {"walltime",
+          {"wall time of the job: in time before it ends the run writes a checkpoint and stops with exit "
+           "status 0",
+           "none"},
+          {},
+          duration_form,
+          [](Scenario& s, const GivenOption& option, const OptionContext&) {
+            s.checkpoint.walltime = read_duration(option);
+          },
+          [](const Scenario& s) {
+            return s.checkpoint.walltime > 0 ? number_text(s.checkpoint.walltime) : std::string();
+          }};
+}
+
 OptionGroup checkpoint_group() {
   return {
       "Checkpoints",
-      "",
+      "SIGUSR1 asks for a checkpoint, SIGUSR2 and SIGTERM for a checkpoint and the end of the run (exit "
+      "status 0), each "
+      "at the end of the step; one rank is enough. On restart mesh, dimension and units cannot change; "
+      "parameters, "
+      "materials, conditions, contacts, the damage equation and the time scheme only with `-restart_allow`; "
+      "solvers, "
+      "output, end time and time step at will. A run that starts anew takes the checkpoints in its folder "
+      "out of use.",
       {
           text_row<Global>(
               "checkpoint_dir", [](auto& s) -> auto& { return s.checkpoint.dir; },
@@ -154,10 +214,26 @@ OptionGroup checkpoint_group() {
           count_row<Global>(
               "checkpoint_keep", [](auto& s) -> auto& { return s.checkpoint.keep; },
               {"newest checkpoints that stay", "2"}, 1),
+          number_row<Global>(
+              "checkpoint_patience", [](auto& s) -> auto& { return s.checkpoint.patience; },
+              {"seconds, beside one per megabyte, after which a write that does not end is given up with "
+               "exit "
+               "status 4",
+               "60", "1"},
+              positive),
+          walltime_row(),
+          number_row<Global>(
+              "walltime_margin", [](auto& s) -> auto& { return s.checkpoint.walltime_margin; },
+              {"seconds of -walltime that are left when the run stops, beside one step and one checkpoint",
+               "auto: a tenth, at most 60", "1"},
+              not_negative, {{"auto", -1.}}),
           text_row<Global>(
               "restart", [](auto& s) -> auto& { return s.checkpoint.restart; },
               {"go on from the newest checkpoint if there is one, from the start, or from a file", "none"},
               "auto, none, path of a checkpoint"),
+          list_row<Global>(
+              "restart_allow", [](auto& s) -> auto& { return s.checkpoint.restart_allow; },
+              {"options, or their beginnings such as bc_push, that may differ from the checkpoint's"}),
       }};
 }
 

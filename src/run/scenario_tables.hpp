@@ -54,6 +54,10 @@ struct ClassKeys {
 /// Throws UserError(usage) for the first option in the database that looks like ours and is none.
 void check_option_names(const std::vector<ClassKeys>& classes);
 
+/// Throws UserError(usage) for an option that one options file gives twice: PETSc takes the last one in
+/// silence. Later files and the command line may override it. Collective.
+void check_repeated_options(MPI_Comm comm);
+
 /// Names of the global options that are no rows: registries and switches of the program.
 std::vector<std::string> other_global_names();
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/problem/rigid_motion.hpp>
 #include <impact/run/setup.hpp>
 
 namespace impact {
@@ -73,6 +74,10 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
   auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(boundary), {}});
   declare_state(setup->discretisation, setup->state);
   setup->contacts = make_contacts(s, setup->discretisation, setup->state);
+  if (!s.has_inertia())
+    for (const std::string& warning :
+         require_held_bodies(setup->discretisation, setup->boundary, setup->contacts))
+      PetscPrintf(comm, "impact: %s\n", warning.c_str());
   return setup;
 }
 

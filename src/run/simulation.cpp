@@ -1,13 +1,17 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/progress.hpp>
+#include <impact/run/restart_keys.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/simulation.hpp>
+#include <impact/run/stop_requests.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/step_control.hpp>
 #include <impact/time/types.hpp>
@@ -16,16 +20,42 @@ namespace impact {
 
 namespace {
 
+// The checkpoint to go on from, its options checked against those of this run.
 std::optional<Checkpoint> find_checkpoint(MPI_Comm comm, const Scenario& s) {
   std::optional<Checkpoint> resume;
   if (s.checkpoint.restart == "auto")
     resume = newest_checkpoint(comm, s.checkpoint.dir);
   else if (s.checkpoint.restart != "none")
     resume = open_checkpoint(comm, s.checkpoint.restart);
-  if (resume)
-    for (const std::string& warning : resume->warnings)
-      check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
+  if (!resume) {
+    if (s.checkpoint.restart == "auto")
+      check(PetscPrintf(comm,
+                        "impact: -restart auto: no finished checkpoint in %s; the run starts at t = 0\n",
+                        s.checkpoint.dir.c_str()));
+    return resume;
+  }
+  for (const std::string& warning : resume->warnings)
+    check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
+  const auto options = resume->values.texts.find("options");
+  if (options == resume->values.texts.end())
+    throw UserError(ExitCode::io, "cannot use checkpoint " + resume->file +
+                                      ": it does not hold the options of its run; restart from another one");
+  for (const std::string& note : check_restart_options(options->second, restart_options(comm, s),
+                                                       s.checkpoint.restart_allow, resume->file))
+    check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
   return resume;
+}
+
+// What an earlier run left must not be taken for what this one has computed.
+void retire_older_runs(MPI_Comm comm, const Scenario& s, const std::optional<Checkpoint>& resume) {
+  if (s.checkpoint.restart == "auto") return;
+  const int count = retire_checkpoints(comm, s.checkpoint.dir, resume ? resume->file : "");
+  if (count > 0)
+    check(
+        PetscPrintf(comm,
+                    "impact: %d checkpoint%s of an earlier run in %s no longer count%s (manifests renamed to "
+                    ".manifest.old)\n",
+                    count, count == 1 ? "" : "s", s.checkpoint.dir.c_str(), count == 1 ? "s" : ""));
 }
 
 // The contact-stabilised update belongs to steps that resolve waves. Far above that its contact force
@@ -60,7 +90,7 @@ Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
 class Simulation {
 public:
   Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const SolverDefaults& solver,
-             const std::optional<Checkpoint>& resume);
+             const std::optional<Checkpoint>& resume, const StepProbe& probe);
   ExitCode run();
 
 private:
@@ -68,9 +98,15 @@ private:
   StepHooks hooks();
   void accept(const Attempt& attempt);
   void reject(const Attempt& attempt);
+  void before_attempt(const Attempt& attempt);
+  void check_prescribed_data(const Attempt& attempt) const;
   Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
-  void write_state();
-  bool checkpoint_is_due();
+  Verdict judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a);
+  void write_fields(bool last);
+  void obey(const StopRequest& request);
+  void write_state(const StepControlState& c);
+  void save_after_failure();
+  bool checkpoint_is_due() const;
   int active_points();
 
   MPI_Comm comm_;
@@ -91,11 +127,17 @@ private:
   Progress progress_;
   Snapshot snapshot_;
   double last_checkpoint_ = 0;
+  std::string checkpoint_file_, stopped_by_;
   bool checked_options_ = false;
+  StopRequests requests_;
+  StepProbe probe_;
+  // -test_restep: every step is tried, refused and tried again with the same dt.
+  bool restep_ = false, repeats_ = false, forced_ = false;
+  StepControlState control_before_repeat_, control_at_start_;
 };
 
 Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const SolverDefaults& solver,
-                       const std::optional<Checkpoint>& resume)
+                       const std::optional<Checkpoint>& resume, const StepProbe& probe)
     : comm_(comm), s_(s), setup_(setup), d_(setup.discretisation), inertia_(s.has_inertia()),
       motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric, s.contact_operator),
       damage_(d_.has_damage()
@@ -104,7 +146,11 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
       ts_(make_integrator(comm, s)), coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, setup.state,
                                                s.coupling, solver, inertia_, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
-      a_(d_.displacement.make_global()), progress_(comm, s.time.max_time) {
+      a_(d_.displacement.make_global()), progress_(comm, s.time.max_time),
+      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), probe_(probe) {
+  PetscBool restep = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, "-test_restep", &restep));
+  restep_ = restep == PETSC_TRUE;
   if (coupling_.stabilised()) {
     // Beside the stabilised update a little damping keeps the energy from rising with the contact's
     // tolerances (equal bars: 1.0005 of the start undamped, 1 with it); -ts_newmark_* override.
@@ -131,6 +177,10 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   }
   history_.emplace(comm, s.output_dir + "/" + history_file_name(s), s, motion_, *ledger_, setup_.state,
                    source_, resume_step);
+  if (resume && history_->last_step() < resume->values.step)
+    check(PetscPrintf(
+        comm, "impact: %s has no rows up to the checkpoint's step %ld: the rows between are missing\n",
+        history_file_name(s).c_str(), resume->values.step));
   std::vector<double> exact_times;
   for (const OutputScenario& output : s.outputs) {
     if (output.type != OutputScenario::Type::xdmf) continue;
@@ -181,21 +231,54 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   ledger_->start(u_, v_, a_);
   state.commit();
   history_->watch(snapshot_, {});
-  for (FieldObserver& field : fields_) field.watch(snapshot_, false);
+  write_fields(false);
 }
 
 StepHooks Simulation::hooks() {
   StepHooks hooks;
-  hooks.before_attempt = [this](TS, const Attempt& attempt) { coupling_.before_attempt(attempt); };
+  hooks.before_attempt = [this](TS, const Attempt& attempt) { before_attempt(attempt); };
   hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling_.guess(attempt, guess); };
-  hooks.effort = [this](TS) { return coupling_.hardest_newton(); };
+  hooks.effort = [this](TS) { return coupling_.hardest_solve(); };
+  if (damage_ && s_.coupling.max_dphi > 0) hooks.utilisation = [this](TS) { return coupling_.utilisation(); };
   hooks.accept = [this](TS, const Attempt& attempt, Vec u, Vec v, Vec a) { return judge(attempt, u, v, a); };
   hooks.on_reject = [this](TS, const Attempt& attempt) { reject(attempt); };
   hooks.on_accept = [this](TS, const Attempt& attempt) { accept(attempt); };
   return hooks;
 }
 
+// A user's expression may lack a value at the nodes of some ranks alone: tried out where all of them can
+// agree.
+void Simulation::check_prescribed_data(const Attempt& attempt) const {
+  const BoundaryData& boundary = setup_.boundary;
+  const StateTable& state = setup_.state;
+  const std::vector<double>& v_n = state.row("prescribed_velocity").committed;
+  std::vector<double> unused = state.row("u").committed;
+  agree_on_errors(comm_, [&] {
+    boundary.set_displacement(attempt.t_n, attempt.t, state.row("u").committed, v_n, unused);
+    boundary.set_exact_velocity(attempt.t_n, attempt.t, v_n, unused);
+    if (const StateRow* phi = state.find("phi")) {
+      unused = phi->committed;
+      boundary.set_damage(attempt.t, unused);
+    }
+  });
+}
+
+void Simulation::before_attempt(const Attempt& attempt) {
+  if (repeats_) set_step_control_state(ts_, control_before_repeat_);
+  if (attempt.number == 1) control_at_start_ = step_control_state(ts_);
+  check_prescribed_data(attempt);
+  coupling_.before_attempt(attempt);
+  if (probe_.before) probe_.before(attempt, snapshot_.step + 1, setup_.state);
+}
+
 void Simulation::reject(const Attempt& attempt) {
+  if (probe_.after) probe_.after(attempt, snapshot_.step + 1, setup_.state);
+  if (forced_) {
+    forced_ = false;
+    coupling_.on_reject();
+    return;
+  }
+  repeats_ = false;
   const std::string why = coupling_.failure_text();
   check(PetscPrintf(comm_, "impact: %s, step %ld try %d at t = %.10g, dt = %.4g; time step cut\n",
                     why.empty() ? "step refused" : why.c_str(), snapshot_.step + 1,
@@ -204,6 +287,17 @@ void Simulation::reject(const Attempt& attempt) {
 }
 
 Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
+  const bool first = !repeats_;
+  repeats_ = false;
+  const Verdict verdict = judge_energy(attempt, u, v, a);
+  if (!restep_ || !verdict.accept || !first) return verdict;
+  ledger_->unbook();
+  repeats_ = forced_ = true;
+  control_before_repeat_ = step_control_state(ts_);
+  return {false, 1.0};
+}
+
+Verdict Simulation::judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a) {
   const double before = std::abs(ledger_->balance_first_law());
   ledger_->book(attempt.dt, u, v, inertia_ ? a : a_.get());
   const double residual = std::abs(ledger_->balance_first_law());
@@ -238,6 +332,7 @@ void Simulation::accept(const Attempt& attempt) {
     for (ContactInterface& contact : setup_.contacts) contact.advance(u_n, u, attempt.dt);
   }
   state.commit();
+  if (probe_.after) probe_.after(attempt, snapshot_.step + 1, state);
 
   snapshot_.step += 1;
   snapshot_.time = attempt.t;
@@ -245,11 +340,31 @@ void Simulation::accept(const Attempt& attempt) {
   snapshot_.tries = static_cast<int>(attempt.number);
   snapshot_.u = u;
   history_->watch(snapshot_, coupling_.counts());
-  for (FieldObserver& field : fields_) field.watch(snapshot_, false);
+  write_fields(false);
   progress_.line(snapshot_, coupling_.counts(), *ledger_, active_points());
   if (!checked_options_) report_unused_options(comm_, s_.strict);
   checked_options_ = true;
-  if (checkpoint_is_due()) write_state();
+  obey(requests_.ask(comm_, checkpoint_is_due()));
+}
+
+// A full disk costs field output, not the run.
+void Simulation::write_fields(bool last) {
+  for (FieldObserver& field : fields_) {
+    try {
+      field.watch(snapshot_, last);
+    } catch (const UserError& error) {
+      if (error.code() != ExitCode::io) throw;
+      check(PetscPrintf(comm_, "impact: %s; the run goes on without this output at t = %.10g\n", error.what(),
+                        snapshot_.time));
+    }
+  }
+}
+
+void Simulation::obey(const StopRequest& request) {
+  if (request.checkpoint) write_state(step_control_state(ts_));
+  if (request.stop.empty()) return;
+  stopped_by_ = request.stop;
+  check(TSSetConvergedReason(ts_, TS_CONVERGED_USER));
 }
 
 int Simulation::active_points() {
@@ -258,50 +373,80 @@ int Simulation::active_points() {
   return active;
 }
 
-bool Simulation::checkpoint_is_due() {
+bool Simulation::checkpoint_is_due() const {
   if (s_.checkpoint.every > 0 && snapshot_.step % s_.checkpoint.every == 0) return true;
-  double waited = progress_.wall() - last_checkpoint_;
-  MPI_Bcast(&waited, 1, MPI_DOUBLE, 0, comm_);
-  return s_.checkpoint.wall > 0 && waited >= s_.checkpoint.wall;
+  return s_.checkpoint.wall > 0 && progress_.wall() - last_checkpoint_ >= s_.checkpoint.wall;
 }
 
-void Simulation::write_state() {
-  const StepControlState c = step_control_state(ts_);
+void Simulation::write_state(const StepControlState& c) {
+  const double start = progress_.wall();
   control_->committed = control_->trial = {c.dt, c.at_limit ? 1.0 : 0.0, static_cast<double>(c.easy_steps),
                                            static_cast<double>(c.rejections)};
   CheckpointValues values;
   values.time = snapshot_.time;
   values.step = snapshot_.step;
-  values.texts["options"] = print_scenario(s_);
-  write_checkpoint({d_.mesh, d_.groups, setup_.state}, values, {s_.checkpoint.dir, s_.checkpoint.keep});
+  values.texts["options"] = restart_options(comm_, s_);
+  char version[256] = "";
+  check(PetscGetVersion(version, sizeof version));
+  values.texts["petsc_version"] = version;
+  checkpoint_file_ = write_checkpoint({d_.mesh, d_.groups, setup_.state}, values,
+                                      {s_.checkpoint.dir, s_.checkpoint.keep, s_.checkpoint.patience});
   // A resumed run builds its candidate list afresh and factors anew: so does this one, or they would part by
   // round-off.
   for (ContactInterface& contact : setup_.contacts) contact.forget_search();
   coupling_.forget_factors();
   last_checkpoint_ = progress_.wall();
+  requests_.note_checkpoint(last_checkpoint_ - start);
+  std::error_code unknown;
+  const auto bytes = std::filesystem::file_size(checkpoint_file_, unknown);
+  check(PetscPrintf(comm_, "checkpoint %s: %lld bytes in %.3f s\n", checkpoint_file_.c_str(),
+                    static_cast<long long>(bytes), last_checkpoint_ - start));
+}
+
+// The state before the step that failed is good, and worth keeping: without the cuts of dt, which belong to
+// the failed tries.
+void Simulation::save_after_failure() {
+  try {
+    write_state(control_at_start_);
+    check(PetscPrintf(comm_, "impact: the state at t = %.10g, step %ld, is in %s\n", snapshot_.time,
+                      snapshot_.step, checkpoint_file_.c_str()));
+  } catch (const UnfinishedFile&) {
+    throw;
+  } catch (const UserError& error) {
+    check(PetscPrintf(comm_, "impact: %s\n", error.what()));
+  }
 }
 
 ExitCode Simulation::run() {
   progress_.header();
-  solve_in_time(ts_);
-  for (FieldObserver& field : fields_) field.watch(snapshot_, true);
+  try {
+    solve_in_time(ts_);
+  } catch (const UserError& error) {
+    if (error.code() == ExitCode::solver || error.code() == ExitCode::data) save_after_failure();
+    throw;
+  }
+  // The last state of a run that goes on later is no output of its own.
+  if (stopped_by_.empty()) write_fields(true);
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   check(TSGetConvergedReason(ts_, &reason));
   check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
-                    reason > 0 ? "finished" : "gave up", snapshot_.time, snapshot_.step,
-                    Progress::clock(progress_.wall()).c_str(), ledger_->balance(),
-                    ledger_->balance_first_law()));
+                    !stopped_by_.empty() ? "stopped by request"
+                    : reason > 0         ? "finished"
+                                         : "gave up",
+                    snapshot_.time, snapshot_.step, Progress::clock(progress_.wall()).c_str(),
+                    ledger_->balance(), ledger_->balance_first_law()));
+  if (!stopped_by_.empty())
+    check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),
+                      checkpoint_file_.c_str()));
   if (reason > 0) return ExitCode::ok;
-  check(PetscPrintf(
-      comm_, "impact: the step could not be solved (%s); the state before it is in a checkpoint in %s\n",
-      TSConvergedReasons[reason], s_.checkpoint.dir.c_str()));
-  write_state();
+  check(PetscPrintf(comm_, "impact: the step could not be solved (%s)\n", TSConvergedReasons[reason]));
+  save_after_failure();
   return ExitCode::solver;
 }
 
 } // namespace
 
-ExitCode simulate(MPI_Comm comm, const Scenario& s) {
+ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   register_time_types();
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
   const std::unique_ptr<Setup> setup = build_setup(comm, s);
@@ -313,7 +458,8 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s) {
     return ExitCode::ok;
   }
   if (s.time.type == "alpha2") return simulate_alpha2(comm, s, *setup, solver);
-  return Simulation(comm, s, *setup, solver, resume).run();
+  retire_older_runs(comm, s, resume);
+  return Simulation(comm, s, *setup, solver, resume, probe).run();
 }
 
 } // namespace impact

@@ -19,7 +19,8 @@ struct StepControl {
   PetscReal limit = 0; // -ts_dt; 0: taken from the TS at the first step
   PetscReal grow = 1.5;
   PetscInt easy_steps = 4, easy_its = 10;
-  PetscInt effort = 0; // iterations of the step under judgement
+  PetscInt effort = 0;       // iterations of the step under judgement
+  PetscReal utilisation = 0; // part of its limits that the step under judgement used up; 0: there are none
   std::vector<PetscReal> times;
   std::vector<PetscReal> table_times, table_dts;
   Mailbox mailbox;

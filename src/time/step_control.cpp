@@ -13,6 +13,7 @@ namespace {
 
 constexpr PetscReal same_time = 1e-6; // fraction of dt
 constexpr PetscReal sliver = 0.1;     // fraction of dt
+constexpr PetscReal aim = 0.6;        // part of its limits that the next step shall use up
 
 StepControl& self(TSAdapt adapt) { return *static_cast<StepControl*>(adapt->data); }
 
@@ -59,9 +60,15 @@ PetscErrorCode choose(TSAdapt adapt, TS ts, PetscReal h, PetscInt* next_scheme, 
     StepControlState& state = control.state;
     if (control.limit <= 0) control.limit = h;
     state.easy_steps = control.effort <= control.easy_its ? state.easy_steps + 1 : 0;
-    if (state.easy_steps >= control.easy_steps) {
+    // A measured increment says more about the next step than a number of easy ones.
+    const bool measured = control.utilisation > 0;
+    if (state.easy_steps >= (measured ? 1 : control.easy_steps)) {
       state.easy_steps = 0;
       state.dt *= control.grow;
+    }
+    if (measured && state.dt > aim * h / control.utilisation) {
+      state.dt = aim * h / control.utilisation;
+      state.at_limit = false;
     }
     *next_scheme = 0;
     *next_h = plan_from(adapt, control, ts->ptime + h, ts->max_time).dt;
@@ -173,7 +180,8 @@ void note_rejection(TS ts, StepControl& control) {
   StepControlState& state = control.state;
   state.dt = ts->time_step;
   state.at_limit = false;
-  state.easy_steps = 0;
+  // What was just refused is not tried again at once.
+  state.easy_steps = control.utilisation > 0 ? -1 : 0;
   ++state.rejections;
 }
 

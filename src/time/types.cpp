@@ -79,6 +79,7 @@ bool attempt_step(TS ts, Integrator& integrator, PetscReal& next_dt) {
   if (StepControl* const control = find_control(ts)) {
     check(SNESGetIterationNumber(ts->snes, &control->effort));
     if (integrator.hooks.effort) control->effort = integrator.hooks.effort(ts);
+    if (integrator.hooks.utilisation) control->utilisation = integrator.hooks.utilisation(ts);
   }
   PetscBool accept = PETSC_TRUE;
   check(TSAdaptChoose(ts->adapt, ts, integrator.attempt.dt, nullptr, &next_dt, &accept));

@@ -390,6 +390,86 @@ TEST(ContactInterface, FastNodesDeeperThanAFacetAreNotLost) {
   EXPECT_NEAR(through.contact.measures(below).force[1], 100 * 0.7 * 1.25, 1e-10);
 }
 
+TEST(ContactInterface, PointThatPassedAFacetInTheStepIsHeldAtAnyDepth) {
+  TwoBlocks b; // facets of 0.3 below, 0.25 above; search radius 0.6
+  b.gap = 0.8;
+  const Motion aside = [](int body, double, double) {
+    return body == 1 ? std::array<double, 2>{6, -2.4} : std::array<double, 2>{0, 0};
+  };
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, b, partition);
+    StateRow row;
+    row.name = "u";
+    row.support = Support::vertex;
+    row.components = 2;
+    StateRow& start = rig.state.add(row, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+    rig.contact.set_time(0);
+    const Handle<Vec> u = rig.at(sink(2.4)), lost = rig.at(aside);
+    rig.contact.update_search(u);
+    EXPECT_NEAR(rig.contact.measures(u).force[1], 100 * 1.6 * 1.25, 1e-9) << name;
+    EXPECT_FALSE(rig.contact.review(u).settled) << name;
+    // At the height of the surface it was beside the block: nothing was passed.
+    rig.contact.update_search(lost);
+    EXPECT_EQ(rig.contact.measures(lost).active, 0) << name;
+    EXPECT_TRUE(rig.contact.review(lost).settled) << name;
+    // A body that was below before the step is no contact.
+    const Handle<Vec> below = rig.at(sink(2.3));
+    rig.layout.to_local(below, start.committed);
+    rig.contact.set_time(0);
+    rig.contact.update_search(u);
+    EXPECT_EQ(rig.contact.measures(u).active, 0) << name;
+  }
+}
+
+TEST(ContactInterface, PointsKeepTheirEdgeOverAVertexUntilTheOverlapEnds) {
+  // The lower surface has a flat kink at X = 0.9; one point crosses it, in contact, from the left.
+  TwoBlocks b;
+  b.upper_cells = 1;
+  b.upper_left = 0.4;
+  b.upper_right = 1.4;
+  const double slope = 0.004, half_edge = 0.15;
+  ContactSettings s = settings_of(100);
+  s.points = 1;
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, b, partition, s);
+    // The point at x: depth 0.001 below the node of the kink.
+    auto place_at = [&](double x) {
+      return rig.at([=](int body, double X, double Y) {
+        if (body == 1) return std::array<double, 2>{x - 0.9, -0.001};
+        return std::array<double, 2>{0, -slope * std::max(0.0, X - 0.9) * (Y + 0.6) / 0.6};
+      });
+    };
+    auto sideways = [&](Vec u) { return rig.contact.measures(u).force[0]; };
+    rig.contact.set_time(0);
+    const Handle<Vec> before = place_at(0.9 - 0.02 * half_edge), over = place_at(0.9 + 0.03 * half_edge),
+                      beyond = place_at(0.9 + 0.08 * half_edge);
+    rig.contact.update_search(before);
+    EXPECT_TRUE(rig.contact.review(before).settled) << name;
+    EXPECT_NEAR(sideways(before), 0, 1e-12) << name;
+    // Without another call nothing changes, even far over the vertex: Newton's method sees one edge.
+    EXPECT_NEAR(sideways(beyond), 0, 1e-12) << name;
+    rig.contact.update_search(over);
+    EXPECT_TRUE(rig.contact.review(over).settled) << name;
+    EXPECT_NEAR(sideways(over), 0, 1e-12) << name;
+    // Past the overlap the other edge pushes, and what was solved with the first one is no solution.
+    rig.contact.update_search(beyond);
+    EXPECT_FALSE(rig.contact.review(beyond).settled) << name;
+    EXPECT_FALSE(rig.contact.review(beyond).converged) << name;
+    EXPECT_NEAR(sideways(beyond) / rig.contact.measures(beyond).force[1], slope, 1e-9) << name;
+    rig.contact.update_search(beyond);
+    EXPECT_TRUE(rig.contact.review(beyond).settled) << name;
+    // Back within the overlap it stays on the second edge; a new attempt begins with the nearest.
+    rig.contact.update_search(over);
+    EXPECT_GT(sideways(over), 1e-6) << name;
+    const Handle<Vec> back = place_at(0.9 - 0.03 * half_edge);
+    rig.contact.update_search(back);
+    EXPECT_GT(sideways(back), 1e-6) << name;
+    rig.contact.set_time(0);
+    rig.contact.update_search(back);
+    EXPECT_NEAR(sideways(back), 0, 1e-12) << name;
+  }
+}
+
 TEST(ContactInterface, SidesSwappedGiveTheOppositeForceOnMatchingLengths) {
   TwoBlocks b; // the ends of the upper block stand on nodes of the lower one, the meshes do not match between
   b.lower_cells = 7;

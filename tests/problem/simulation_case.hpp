@@ -57,7 +57,9 @@ public:
     check(TSSetTimeStep(ts_, settings.dt));
     check(TSSetMaxTime(ts_, settings.t_end));
     check(TSSetMaxSteps(ts_, 100000));
-    coupling_.emplace(ts_, *motion_, nullptr, state_, CouplingScenario{}, solver, settings.inertia, false);
+    CouplingScenario full_newton; // its order is one of the claims
+    full_newton.reuse = 0;
+    coupling_.emplace(ts_, *motion_, nullptr, state_, full_newton, solver, settings.inertia, false);
     set_time_options(ts_);
     u_ = d_.displacement.make_global();
     v_ = d_.displacement.make_global();

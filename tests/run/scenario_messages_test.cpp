@@ -28,7 +28,8 @@ const std::vector<Row>& rows() {
        "unknown option -material_rod_E   ('rod' is not declared; materials: beam, wedge)"},
       {{{"-motion_kps_type", "cg"}},
        ExitCode::usage,
-       "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: tangent, and "
+       "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: tangent, "
+       "reuse_tangent, and "
        "names that start "
        "with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
       {{{"-heat_foo", "1"}},

@@ -47,7 +47,8 @@ TIGHT = {"contact_face_gap_tol": 1e-6, "contact_face_pressure_tol": 1e-3, "uzawa
 print(f"closed form: lateral stretch {STRETCH:.8f}, force {FORCE:.8g}, pressure {PRESSURE:.8g}")
 print("extremes over the closed form, by the number of points per facet, default tolerances")
 scatter, spread = {}, {}
-for points in (2, 4):
+for points in (2, 3, 4, 5):
+    # Odd numbers put the middle point of the middle facet on a node of the other surface, where the normal jumps.
     r = run(f"points_{points}", {**BASE, "contact_face_points": points})
     low, high = r["contact_face_pressure_min"][-1] / PRESSURE, r["contact_face_pressure_max"][-1] / PRESSURE
     stresses = sorted(-r[f"probe_{name}_stress_yy"][-1] / PRESSURE for name in PROBES)
@@ -60,6 +61,8 @@ for points in (2, 4):
     check(f"mean pressure, {points} points", mean, PRESSURE, 1e-3)
     check(f"balance of the plates, {points} points", r["reaction_plate_y"][-1] / r["reaction_press_y"][-1], -1, 1e-9)
     check_between("tries of the step", r["tries"].max(), 1, 1)
+    check_between("Uzawa passes", r["uzawa"][-1], 2, 15)
+    check_between("Newton iterations of a pass", r["newton"][-1] / r["uzawa"][-1], 1, 8)
 check_between("deviation of the stress below the surface, 2 points", scatter[2], 0, 1e-2)
 check_between("scatter of the point pressures, 4 points", spread[4], 0, 0.05)
 check_between("scatter of the point pressures, 4 points over 2 points", spread[4] / spread[2], 0, 0.5)

@@ -13,10 +13,15 @@
 
 /// One contact between two surfaces in the plane, frictionless, integrated at points of the secondary facets
 /// (Gauss-point segment-to-segment): R_c(w) = -int p dg[w] dA_0 with p = <lambda - eps g> over the reference
-/// area (theory.md, contact). The force at a displacement depends on the multipliers, the penalty and the
-/// candidate list alone, and on the list only in that it must hold every facet within the search radius:
-/// nothing is stored by an evaluation. Multipliers and penalty are rows of the state table; evaluations read
-/// the trial half.
+/// area (theory.md, contact). The force at a displacement depends on the multipliers, the penalty, the
+/// candidate list and the primary edges that points near the surface are held to: nothing is stored by an
+/// evaluation. Multipliers and penalty are rows of the state table; evaluations read the trial half.
+///
+/// Where the surface has a kink, the nearest edge changes from one side of a vertex to the other and with it
+/// the direction of the force, so that Newton's method may jump to and fro. update_search therefore ties
+/// every point near the surface to its edge, continued straight beyond the ends, until the next call, and
+/// lets go only when the point has left the edge by more than an overlap. The tie begins afresh with every
+/// attempt of a step (set_time), so it is no state.
 namespace impact {
 
 /// What the caller knows and the user's settings do not say.
@@ -52,12 +57,14 @@ struct ContactStatus {
 /// What an augmentation changes; equal on all ranks.
 struct AugmentReport {
   double penetration = 0; ///< max(-g) over all points
-  double largest_gap = 0; ///< max |g| over the points with p > 0
+  double largest_gap = 0; ///< max of |g|, at most p / eps, over the points with p > 0
   double multiplier = 0;  ///< largest new multiplier
   double change = 0;      ///< largest change of a multiplier over the largest new one
   double penalty = 0;     ///< the penalty that was used
   int active = 0;
-  bool converged = false; ///< penetration < gap_tol and change < pressure_tol; always so with pure penalty
+  bool settled = true; ///< no point changed its edge since the solve, none is deeper than the search radius
+  /// settled, and unless the penalty is all: penetration < gap_tol and change < pressure_tol
+  bool converged = false;
 };
 
 /// For the history file. Totals count from t = 0. Plane problems: times the thickness; axisymmetric: the full
@@ -96,16 +103,18 @@ public:
   /// Sentences for the user: primary facets shorter than the spacing of the points. Equal on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Time at which the rigid plane's motion is taken.
-  void set_time(double t) { time_ = t; }
+  /// Beginning of an attempt that ends at t: where the rigid plane's motion is taken. Points are tied to no
+  /// edge, and the committed row `u` of the table, where there is one, says where they start. Collective.
+  void set_time(double t);
   /// Local dofs [node * 2 + k] whose rows and columns tangent and multiply leave out; the residual keeps
   /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
   /// Collective.
   void set_fixed_dofs(const std::vector<char>& fixed);
 
-  /// Brings the candidate list up to date when a node moved more than half the skin; true on all ranks when
-  /// the set of pairs, hence the matrix pattern, changed. Collective: one reduction when nothing moved that
-  /// far.
+  /// Brings the candidate list up to date when a node moved more than half the skin, or farther since the
+  /// start of the step than the list reaches, and ties the points near the surface to their edges; true on
+  /// all ranks when the set of pairs, hence the matrix pattern, changed. Collective: one reduction when
+  /// nothing moved that far.
   bool update_search(Vec u);
   /// The next update_search builds the list afresh, as a restarted run does.
   void forget_search() { search_.outdated = true; }
@@ -151,8 +160,10 @@ private:
     std::vector<PetscInt> own_nodes; // sorted global nodes
     std::vector<double> own_X;       // [node][2]
     std::vector<double> built_at;    // current coordinates of own_nodes when the list was built
+    std::vector<double> start;       // coordinates of own_nodes at the start of the step; empty: unknown
     bool outdated = true;
     double radius = 0, skin = 0;
+    double reach = 0; // the list holds every facet so near: the radius, or the motion of the step if larger
     Candidates candidates;
   };
   // Everything that evaluations need, on compact numbers: own secondary nodes, candidate primary nodes, their
@@ -161,9 +172,16 @@ private:
     NodeExchange exchange;
     std::vector<PetscInt> nodes;     // sorted global nodes
     std::vector<double> X, built_at; // [node][2]
+    std::vector<double> start;       // [node][2] at the start of the step; empty: unknown
     std::vector<int> secondary;      // [facet][2]
     std::vector<int> primary;        // [primary][4]: node 0, node 1, neighbours (-1 at an end)
     std::vector<char> fixed;         // [node][2]
+  };
+
+  // The edge, by its global nodes, that a point is tied to.
+  struct Hold {
+    std::array<PetscInt, 2> edge = {-1, -1};
+    int switches = 0; // in this attempt, while it carried a pressure
   };
 
   void set_automatic_values();
@@ -172,17 +190,28 @@ private:
   Candidates search(const std::vector<double>& x) const;
   void build_active(Vec u);
   void fetch_fixed();
+  void fetch_start();
+  void hold_edges(const std::vector<double>& x);
   bool against_plane() const { return settings_.primary == "plane"; }
 
   std::vector<double> current(Vec u) const; // [node][2] of active_.nodes
   std::vector<ContactPoint> points(const std::vector<double>& x, ContactStatus* status) const;
   Foot<double> plane_foot(const Point2<double>& x) const;
-  bool face(const Point2<double>& x, const Point2<double>& normal, int facet,
-            const std::vector<double>& coordinates, ContactPoint& point) const;
+  // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
+  bool face(const Point2<double>& x, const Point2<double>& normal, const std::vector<double>& coordinates,
+            const Hold& hold, ContactPoint& point) const;
+  bool face_nearest(const Point2<double>& x, const Point2<double>& normal,
+                    const std::vector<double>& coordinates, ContactPoint& point) const;
+  bool face_held(const Point2<double>& x, const Point2<double>& normal,
+                 const std::vector<double>& coordinates, const Hold& hold, ContactPoint& point) const;
+  bool face_passed(const Point2<double>& x, const Point2<double>& normal,
+                   const std::vector<double>& coordinates, ContactPoint& point) const;
+  PrimaryEdge<double> primary_edge(int candidate, const std::vector<double>& coordinates) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda) const;
 
   const Mesh* mesh_;
   const FieldLayout* layout_;
+  const StateTable* state_;
   ContactSettings settings_;
   ContactEnvironment environment_;
   std::vector<std::string> warnings_;
@@ -190,7 +219,10 @@ private:
   SurfacePoints points_;
   Search search_;
   Active active_;
-  Handle<Vec> fixed_; // 1 at fixed dofs; absent: none
+  std::vector<Hold> holds_; // [secondary facet][point]
+  double hold_gap_ = 0;     // by which a held edge's gap may differ from the nearest edge's
+  bool switched_ = false;   // the last update_search changed what a point with pressure faces, on this rank
+  Handle<Vec> fixed_;       // 1 at fixed dofs; absent: none
   StateRow *multiplier_, *penalty_, *totals_, *force_;
   double time_ = 0;
 };

@@ -55,19 +55,27 @@ template <class T> struct Foot {
 /// An open end of a surface is continued straight by this part of half an edge before contact ends.
 inline constexpr double end_margin = 0.02;
 
+/// Foot, gap and normal on the straight line through the edge, without regard to its ends.
+template <class T> Foot<T> foot_on_line(const Point2<T>& x, const PrimaryEdge<T>& edge) {
+  using detail::dot;
+  const Point2<T> a = {(edge.x1[0] - edge.x0[0]) / 2.0, (edge.x1[1] - edge.x0[1]) / 2.0};
+  const Point2<T> centre = {(edge.x1[0] + edge.x0[0]) / 2.0, (edge.x1[1] + edge.x0[1]) / 2.0};
+  const Point2<T> d = detail::minus(x, centre);
+  Foot<T> foot;
+  foot.xi = dot(d, a) / dot(a, a);
+  foot.normal = detail::right_normal(edge.x0, edge.x1);
+  foot.gap = dot(d, foot.normal);
+  foot.part = FootPart::edge;
+  return foot;
+}
+
 /// The nearest point of the surface when it lies on this edge. At a vertex the sign of the distance is that
 /// of the sum of the two edges' normals, which is right for convex and concave corners of any angle.
 template <class T> Foot<T> closest_point(const Point2<T>& x, const PrimaryEdge<T>& edge) {
   using detail::dot, detail::minus, detail::real_part;
   using std::sqrt;
   const Point2<T> a = {(edge.x1[0] - edge.x0[0]) / 2.0, (edge.x1[1] - edge.x0[1]) / 2.0};
-  const Point2<T> centre = {(edge.x1[0] + edge.x0[0]) / 2.0, (edge.x1[1] + edge.x0[1]) / 2.0};
-  const Point2<T> d = minus(x, centre);
-  Foot<T> foot;
-  foot.xi = dot(d, a) / dot(a, a);
-  foot.normal = detail::right_normal(edge.x0, edge.x1);
-  foot.gap = dot(d, foot.normal);
-  foot.part = FootPart::edge;
+  Foot<T> foot = foot_on_line(x, edge);
   const double xi = real_part(foot.xi);
   if (std::abs(xi) <= 1) return foot;
 

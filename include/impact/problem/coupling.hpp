@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/problem/damage.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/problem/tangent_reuse.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/pass_shell.hpp>
 #include <impact/time/step_hooks.hpp>
@@ -37,8 +38,11 @@ public:
            bool stabilise_contact);
 
   const StepCounts& counts() const { return counts_; }
-  /// Newton iterations of the hardest motion solve of the attempt: what the step control calls its effort.
-  PetscInt hardest_newton() const { return hardest_newton_; }
+  /// Tangents of the hardest motion solve of the attempt (its iterations, with full Newton): what the step
+  /// control calls its effort.
+  PetscInt hardest_solve() const { return hardest_solve_; }
+  /// Largest growth of phi in the attempt over -ts_adapt_dphi; 0 without that limit.
+  PetscReal utilisation() const { return utilisation_; }
   /// Drops lagged factors, so that a run behaves after a checkpoint as one that resumed from it. Collective.
   void forget_factors();
   const MotionProblem::Increments& increments() const { return increments_; }
@@ -70,6 +74,8 @@ public:
 private:
   PassResult coupling_pass(PetscInt pass, Vec u);
   PassResult uzawa_pass(PetscInt pass, Vec u);
+  void relax_phi(PetscInt pass);
+  double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
   bool refresh_contact(Vec u);
@@ -85,11 +91,15 @@ private:
   double contact_scale_ = 1;
   MotionStep step_;
   std::vector<double> phi_frozen_, u_local_, u_before_;
+  std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve
+  double relaxation_ = 1;
+  PetscReal utilisation_ = 0;
+  TangentReuse reuse_{0};
   PassShell coupling_shell_, uzawa_shell_;
   Handle<SNES> uzawa_snes_, motion_snes_;
   Handle<Vec> residual_, newton_start_, contact_force_, contact_acceleration_;
   StepCounts counts_;
-  PetscInt hardest_newton_ = 0;
+  PetscInt hardest_solve_ = 0, tangents_ = 0;
   MotionProblem::Increments increments_;
   std::string failure_;
   bool cell_broke_ = false;

@@ -20,6 +20,8 @@ struct BrokenCell {
   int material = -1;
 };
 
+struct MotionFields;
+
 /// What one attempt of a step holds fixed. Local arrays with ghosts.
 struct MotionStep {
   double t_n = 0, t = 0, dt = 0;
@@ -91,14 +93,15 @@ public:
   double mass_shift_of_last_tangent() const { return last_mass_shift_; }
 
 private:
+  MotionFields step_fields(const std::vector<double>& u, const std::vector<double>* accel, bool rates) const;
   bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, std::vector<double>& r);
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   void add_pressure_tangent(const std::vector<double>& u);
   void note_broken(const CellGroup& group, int batch, int bad, const Batch& min_J);
   void rebuild_matrix();
   void build_mass();
-  void add_mass(SparseAssembly& assembly, double factor, bool masked) const;
-  void close_tangent(Vec u, bool pressures);
+  double add_mass(SparseAssembly& assembly, double factor, bool masked) const;
+  void close_tangent(Vec u, bool pressures, double diagonal);
   void multiply(Vec x, Vec y);
   void make_shell();
   void zero_fixed(Vec f) const;
@@ -114,8 +117,9 @@ private:
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
   std::vector<double> dead_load_, body_; // of the step's time
   bool has_body_force_ = false;
-  std::vector<double> free_;     // 1 on free, 0 on prescribed dofs [node][dim]
-  std::vector<int> owned_fixed_; // owned local prescribed dofs
+  std::vector<double> free_;                    // 1 on free, 0 on prescribed dofs [node][dim]
+  std::vector<int> owned_fixed_;                // owned local prescribed dofs
+  std::vector<std::vector<char>> held_batches_; // [group][batch]: has prescribed dofs
   std::vector<std::size_t> history_offset_, drive_offset_;
   BrokenCell broken_;
   double reference_force_ = 0, last_mass_shift_ = 0;

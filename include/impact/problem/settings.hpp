@@ -14,9 +14,17 @@ struct DamageScenario {
   DamageBounds bounds = DamageBounds::vi;
 };
 
+/// What the next pass of a staggered step starts from: the last phi, or one extrapolated from the last two
+/// passes.
+enum class PassRelaxation { none, aitken };
+
 struct CouplingScenario {
   int max_it = 1;
   double atol = 1e-4;
+  PassRelaxation relaxation = PassRelaxation::aitken;
+  double reuse = -1;   ///< of the tangent, see TangentReuse; negative: as suits the linear solver
+  double max_dphi = 0; ///< largest increment of phi in a step; 0: no limit
+  double dt = 0;       ///< -ts_dt
 };
 
 } // namespace impact

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <impact/petsc/error.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -35,6 +36,8 @@ struct CheckpointState {
 struct CheckpointFolder {
   std::string dir; ///< made when missing
   int keep = 2;    ///< newest ones that stay, at least 1
+  /// Seconds, beside one per megabyte, after which a write that does not end is given up with exit status 4.
+  double patience = 60;
 };
 
 /// A checkpoint whose checksum was found right.
@@ -44,15 +47,30 @@ struct Checkpoint {
   std::vector<std::string> warnings; ///< newer ones that were damaged: file and reason
 };
 
+/// A checkpoint that could not be written to its end. HDF5 and MPI's files are left in a state in which their
+/// own shutdown crashes: the program has to end without it (std::_Exit).
+class UnfinishedFile : public UserError {
+public:
+  using UserError::UserError;
+};
+
 /// Writes the committed halves of all rows with checkpointed == true and removes what is older than the
-/// newest `folder.keep`. Returns the file name. Collective. Throws UserError(io) on all ranks; checkpoints
-/// that were there before stay valid.
+/// newest `folder.keep`. Returns the file name. Collective. Throws UserError(io) on all ranks, as
+/// UnfinishedFile when the disk refused in the middle; checkpoints that were there before stay valid. When
+/// one rank alone is refused, so that the others wait for it inside HDF5, the job is aborted with the
+/// message and status 4.
 std::string write_checkpoint(const CheckpointState& state, const CheckpointValues& values,
                              const CheckpointFolder& folder);
 
 /// The newest undamaged checkpoint of a directory; empty when it holds none at all. Collective. Throws
 /// UserError(io) when there are some and all are damaged: a run never starts anew unasked.
 std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& dir);
+
+/// Takes the checkpoints of a directory out of use, or those newer than `resumed` when it is one of them: a
+/// run that starts over must not be continued from what an earlier one left. Their manifests are renamed to
+/// .manifest.old; the files go when newer checkpoints follow. Returns how many there were. Collective. Throws
+/// UserError(io).
+int retire_checkpoints(MPI_Comm comm, const std::string& dir, const std::string& resumed = {});
 
 /// The checkpoint of that name. Collective. Throws UserError(io) when it is missing or damaged.
 Checkpoint open_checkpoint(MPI_Comm comm, const std::string& file);

@@ -32,6 +32,9 @@ public:
   /// Column names in the file's order; empty before the first row. On rank 0.
   const std::vector<std::string>& columns() const { return columns_; }
 
+  /// Step of the last row that was kept from before, -1 when there is none.
+  long last_step() const { return last_step_; }
+
 private:
   void start(const std::string& note);
   void resume(long last_step);
@@ -44,6 +47,7 @@ private:
   int descriptor_ = -1;
   long long length_ = 0; // bytes up to the end of the last whole row
   bool resumed_ = false;
+  long last_step_ = -1;
   std::vector<std::string> columns_;
 };
 

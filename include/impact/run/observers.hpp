@@ -63,6 +63,8 @@ public:
                   std::optional<long> resume_after);
   /// One row. Collective.
   void watch(const Snapshot& snapshot, const StepCounts& counts);
+  /// Step of the last row that a resumed file kept, -1 without one. On all ranks.
+  long last_step() const { return file_.last_step(); }
 
 private:
   void append_contacts(HistoryFile::Row& row, const Snapshot& snapshot) const;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <impact/contact/settings.hpp>
 #include <impact/input/units.hpp>
 #include <impact/material/parameters.hpp>
@@ -77,7 +78,13 @@ struct CheckpointScenario {
   int every = 0;
   double wall = 600;
   int keep = 2;
-  std::string restart = "none"; ///< none | auto | a file
+  double patience = 60;
+  double walltime = 0;                    ///< seconds of the whole job; 0: no limit
+  double walltime_margin = -1;            ///< seconds; -1: a tenth of `walltime`, at most 60
+  std::string restart = "none";           ///< none | auto | a file
+  std::vector<std::string> restart_allow; ///< guarded options that may differ from the checkpoint's
+
+  double margin() const { return walltime_margin >= 0 ? walltime_margin : std::min(60.0, walltime / 10); }
 };
 
 struct Scenario {

@@ -6,7 +6,9 @@
 /// (-ts_adapt_scale_solve_failed), four easy steps in a row (-ts_adapt_easy_steps) let it grow by 1.5
 /// (-ts_adapt_grow) up to the limit: -ts_dt, or the step table -ts_times t0,t1,.. -ts_dts d0,d1,.. (dt = d_i
 /// between t_i and t_{i+1}; the last d goes on). A step is easy when it took at most -ts_adapt_easy_its
-/// (default 10) iterations. The run gives up with TS_DIVERGED_STEP_REJECTED after -ts_max_reject (10) refused
+/// (default 10) iterations. Where the hook `utilisation` measures the step's increments against limits, dt
+/// follows it instead of the count of easy steps: grown after each easy step, and at most what is expected to
+/// use up 0.6 of them. The run gives up with TS_DIVERGED_STEP_REJECTED after -ts_max_reject (10) refused
 /// tries of one step or when dt falls under -ts_adapt_dt_min.
 ///
 /// Given times, the times of the table and -ts_max_time are hit exactly: the time after such a step equals

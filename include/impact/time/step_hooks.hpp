@@ -29,6 +29,9 @@ struct StepHooks {
   std::function<void(TS, const Attempt&, Vec u)> guess = {};
   /// Iterations that the control calls the step's effort; without it the iterations of the TS's SNES.
   std::function<PetscInt(TS)> effort = {};
+  /// Part of the limits on its increments that the solved step used up, 1 at the limit: dt follows it from
+  /// step to step. Empty or 0: no limits.
+  std::function<PetscReal(TS)> utilisation = {};
   /// Called after a converged solve. If ranks differ the smallest factor of those that refuse counts.
   std::function<Verdict(TS, const Attempt&, Vec u, Vec v, Vec a)> accept = {};
   /// After a failed or refused try: drop the trial state.

@@ -1,0 +1,34 @@
+#pragma once
+#include <array>
+#include <impact/contact/interface.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Bodies that could move rigidly: without inertia their stiffness matrix is singular, and a solver ends with
+/// a pivot or with a nonsense displacement instead of a sentence.
+namespace impact {
+
+/// A set of cells connected by nodes that the prescribed displacements do not hold.
+struct FreeBody {
+  std::string regions;              ///< of its cells, separated by commas
+  std::array<double, 3> centre{};   ///< mean of its nodes
+  std::vector<std::string> motions; ///< "translation in x", "rotation about (0, 0)"
+  bool touched = false;             ///< by a contact that is closed in the undeformed state
+};
+
+/// Bodies with a rigid motion that vanishes at no prescribed dof, the same list on all ranks, by their lowest
+/// global node. The motions are infinitesimal: 3 in the plane, 1 with a ring's symmetry (along the axis), 6
+/// in space. Two cells that share one node count as one body: a hinge of that kind is not found. Collective.
+std::vector<FreeBody> find_free_bodies(const Discretisation& discretisation, const BoundaryData& boundary);
+
+/// For runs without inertia: a body that nothing holds throws UserError(data) that names it, its motions and
+/// the remedy. One that contact touches from the start is held perhaps: returns a sentence of warning for
+/// each. Contact that closes later holds nothing in the first step. Collective.
+std::vector<std::string> require_held_bodies(const Discretisation& discretisation,
+                                             const BoundaryData& boundary,
+                                             std::span<const ContactInterface> contacts);
+
+} // namespace impact

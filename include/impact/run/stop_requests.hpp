@@ -1,0 +1,46 @@
+#pragma once
+#include <petscsys.h>
+#include <string>
+
+/// What the outside asks of a run between two steps: signals and the wall clock. A handler only counts; the
+/// ranks agree at the end of a step, so a signal to one rank is enough.
+namespace impact {
+
+/// SIGUSR1: checkpoint; SIGUSR2 and SIGTERM: checkpoint and stop. SIGPIPE and SIGXFSZ are ignored: a closed
+/// pipe behind the progress lines and a file above its quota become error codes of the write. Once before
+/// PetscInitialize, and once after it, because PETSc sets handlers of its own. Also starts the clock of
+/// seconds_since_start at the first call.
+void install_signal_handlers();
+
+/// Seconds on the clock since the program started.
+double seconds_since_start();
+
+struct StopRequest {
+  bool checkpoint = false;
+  std::string stop; ///< why the run shall stop; empty: it shall not
+};
+
+/// Limits by the clock, in seconds; 0: none.
+struct WallLimits {
+  double walltime = 0; ///< of the whole job, counted from the start of the program
+  double margin = 0;   ///< what must be left when the run stops
+};
+
+class StopRequests {
+public:
+  explicit StopRequests(WallLimits limits) : limits_(limits) {}
+
+  /// Signals since the last call, and whether the rest of the wall time still holds the margin, one more step
+  /// and one checkpoint, as long as the longest ones so far. `checkpoint_due` of rank 0 is passed on.
+  /// Collective, once per step.
+  StopRequest ask(MPI_Comm comm, bool checkpoint_due);
+  /// Tells how long a checkpoint took.
+  void note_checkpoint(double seconds);
+
+private:
+  WallLimits limits_;
+  double last_asked_ = -1, longest_step_ = 0, longest_checkpoint_ = 0;
+  int seen_[3] = {0, 0, 0};
+};
+
+} // namespace impact

@@ -1,0 +1,166 @@
+#include "fault_injection.hpp"
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <dlfcn.h>
+#include <limits>
+#include <memory>
+#include <string>
+#include <sys/types.h>
+#include <sys/uio.h>
+#include <unistd.h>
+#include <vector>
+
+namespace {
+
+std::vector<std::string> words_of_fault() {
+  const char* text = std::getenv("IMPACT_FAULT");
+  std::vector<std::string> words(1);
+  for (const char* c = text ? text : ""; *c != '\0'; ++c) {
+    if (*c == ':')
+      words.emplace_back();
+    else
+      words.back() += *c;
+  }
+  return words;
+}
+
+struct FileFault {
+  bool kills = false, fills = false;
+  long from = 0;
+  std::string part = "checkpoint_";
+};
+
+const FileFault& file_fault() {
+  static const FileFault fault = [] {
+    FileFault made;
+    const std::vector<std::string> words = words_of_fault();
+    made.kills = words[0] == "kill";
+    made.fills = words[0] == "full";
+    if (words.size() > 1) made.from = std::atol(words[1].c_str());
+    if (words.size() > 2) made.part = words[2];
+    return made;
+  }();
+  return fault;
+}
+
+std::atomic<long> calls{0};
+
+/// True when the call on that path must fail.
+bool fails(const char* path) {
+  const FileFault& fault = file_fault();
+  if (std::strstr(path, fault.part.c_str()) == nullptr) return false;
+  const long number = ++calls;
+  if (fault.kills && number == fault.from) kill(getpid(), SIGKILL);
+  if (!fault.fills || number < fault.from) return false;
+  errno = ENOSPC;
+  return true;
+}
+
+bool fails(int file) {
+  if (!file_fault().kills && !file_fault().fills) return false;
+  char link[64], path[4096];
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", file);
+  const ssize_t length = readlink(link, path, sizeof path - 1);
+  if (length <= 0) return false;
+  path[length] = '\0';
+  return fails(path);
+}
+
+/// The library's function behind ours.
+template <class Function> Function* original(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
+
+} // namespace
+
+// These stand before the library's functions for every part of the program, HDF5 and MPI included.
+extern "C" {
+
+ssize_t write(int file, const void* data, size_t bytes) {
+  static const auto real = original<ssize_t(int, const void*, size_t)>("write");
+  return fails(file) ? -1 : real(file, data, bytes);
+}
+ssize_t pwrite(int file, const void* data, size_t bytes, off_t at) {
+  static const auto real = original<ssize_t(int, const void*, size_t, off_t)>("pwrite");
+  return fails(file) ? -1 : real(file, data, bytes, at);
+}
+ssize_t pwrite64(int file, const void* data, size_t bytes, off64_t at) {
+  static const auto real = original<ssize_t(int, const void*, size_t, off64_t)>("pwrite64");
+  return fails(file) ? -1 : real(file, data, bytes, at);
+}
+ssize_t writev(int file, const iovec* parts, int count) {
+  static const auto real = original<ssize_t(int, const iovec*, int)>("writev");
+  return fails(file) ? -1 : real(file, parts, count);
+}
+ssize_t pwritev(int file, const iovec* parts, int count, off_t at) {
+  static const auto real = original<ssize_t(int, const iovec*, int, off_t)>("pwritev");
+  return fails(file) ? -1 : real(file, parts, count, at);
+}
+ssize_t pwritev64(int file, const iovec* parts, int count, off64_t at) {
+  static const auto real = original<ssize_t(int, const iovec*, int, off64_t)>("pwritev64");
+  return fails(file) ? -1 : real(file, parts, count, at);
+}
+int ftruncate(int file, off_t length) noexcept {
+  static const auto real = original<int(int, off_t)>("ftruncate");
+  return fails(file) ? -1 : real(file, length);
+}
+int posix_fallocate(int file, off_t at, off_t bytes) {
+  static const auto real = original<int(int, off_t, off_t)>("posix_fallocate");
+  return fails(file) ? ENOSPC : real(file, at, bytes);
+}
+int fsync(int file) {
+  static const auto real = original<int(int)>("fsync");
+  return fails(file) ? -1 : real(file);
+}
+int rename(const char* from, const char* to) noexcept {
+  static const auto real = original<int(const char*, const char*)>("rename");
+  return fails(to) ? -1 : real(from, to);
+}
+
+} // extern "C"
+
+namespace impact {
+
+namespace {
+
+/// The row that every evaluation at a quadrature point, or at a node where there is no history, depends on.
+StateRow* poisoned_row(StateTable& table) {
+  for (const char* name : {"history", "phi"})
+    if (table.find(name)) return &table.row(name);
+  return nullptr;
+}
+
+} // namespace
+
+StepProbe fault_probe() {
+  const std::vector<std::string> words = words_of_fault();
+  if (words[0] != "nan") return {};
+  const auto number = [&](std::size_t i, long fallback) {
+    return words.size() > i ? std::atol(words[i].c_str()) : fallback;
+  };
+  const long step_of_fault = number(1, 1), rank_of_fault = number(2, 0), tries = number(3, 1);
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  if (rank != rank_of_fault) return {};
+  StepProbe probe;
+  auto kept = std::make_shared<std::vector<double>>();
+  probe.before = [=](const Attempt& attempt, long step, StateTable& table) {
+    StateRow* row = poisoned_row(table);
+    if (step != step_of_fault || attempt.number > tries || !row || row->committed.empty()) return;
+    *kept = row->committed;
+    row->committed[0] = row->trial[0] = std::numeric_limits<double>::quiet_NaN();
+  };
+  probe.after = [=](const Attempt&, long, StateTable& table) {
+    StateRow* row = poisoned_row(table);
+    if (kept->empty() || !row) return;
+    row->committed = *kept;
+    kept->clear();
+  };
+  return probe;
+}
+
+} // namespace impact

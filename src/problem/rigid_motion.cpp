@@ -1,0 +1,384 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/rigid_motion.hpp>
+#include <map>
+#include <numeric>
+
+namespace impact {
+
+namespace {
+
+class UnionFind {
+public:
+  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  std::size_t root(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  // The lower number becomes the root.
+  void join(std::size_t i, std::size_t j) {
+    i = root(i);
+    j = root(j);
+    parent_[std::max(i, j)] = std::min(i, j);
+  }
+
+private:
+  std::vector<std::size_t> parent_;
+};
+
+struct Bodies {
+  std::vector<int> of_node; // [local node]
+  int count = 0;            // over all ranks; a body's number is the same on all of them
+};
+
+std::vector<double> gather_all(MPI_Comm comm, const std::vector<double>& mine) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(static_cast<std::size_t>(ranks) + 1, 0);
+  const int count = static_cast<int>(mine.size());
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
+  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+  std::vector<double> all(static_cast<std::size_t>(starts.back()));
+  MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, comm);
+  return all;
+}
+
+// Each rank joins the nodes of its cells and calls a piece by its lowest global node. A node on a border lies
+// in a piece of its owner and in one of each rank that sees it: these pairs of names, known to all ranks,
+// join the pieces.
+Bodies find_bodies(const Discretisation& d) {
+  const Mesh& mesh = d.mesh;
+  const auto nodes = static_cast<std::size_t>(mesh.node_count());
+  UnionFind piece(nodes);
+  for (const CellTable& table : mesh.cells()) {
+    const auto n = static_cast<std::size_t>(node_count(table.shape));
+    for (std::size_t i = 0; i < table.connectivity.size(); ++i)
+      piece.join(static_cast<std::size_t>(table.connectivity[i / n * n]),
+                 static_cast<std::size_t>(table.connectivity[i]));
+  }
+  std::vector<double> lowest(nodes, HUGE_VAL), name(nodes);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    double& low = lowest[piece.root(i)];
+    low = std::min(low, static_cast<double>(mesh.global_node()[i]));
+  }
+  for (std::size_t i = 0; i < nodes; ++i) name[i] = lowest[piece.root(i)];
+  std::vector<double> owners_name = name;
+  const Handle<Vec> owned = d.scalar.make_global();
+  d.scalar.to_global(name, owned);
+  d.scalar.to_local(owned, owners_name);
+  std::vector<std::pair<double, double>> pairs;
+  for (std::size_t i = 0; i < nodes; ++i) pairs.emplace_back(name[i], owners_name[i]);
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<double> flat;
+  for (const auto& [a, b] : pairs) flat.insert(flat.end(), {a, b});
+  flat = gather_all(mesh.comm(), flat);
+
+  std::map<double, std::size_t> number; // of a piece, by rising name
+  for (double a : flat) number.emplace(a, 0);
+  std::size_t next = 0;
+  for (auto& [piece_name, index] : number) index = next++;
+  UnionFind joined(number.size());
+  for (std::size_t i = 0; i < flat.size(); i += 2) joined.join(number.at(flat[i]), number.at(flat[i + 1]));
+  std::map<std::size_t, int> body; // of a root, by rising root
+  for (std::size_t i = 0; i < number.size(); ++i)
+    if (joined.root(i) == i) body.emplace(i, static_cast<int>(body.size()));
+  Bodies bodies{std::vector<int>(nodes), static_cast<int>(body.size())};
+  for (std::size_t i = 0; i < nodes; ++i) bodies.of_node[i] = body.at(joined.root(number.at(name[i])));
+  return bodies;
+}
+
+int mode_count(Frame frame) { return frame == Frame::solid ? 6 : frame == Frame::axisymmetric ? 1 : 3; }
+
+// Component k of each rigid motion at a place x from the centre of the body, rotations over its size.
+void rigid_modes(Frame frame, const double* x, int k, double* mode) {
+  std::fill(mode, mode + mode_count(frame), 0.0);
+  if (frame == Frame::axisymmetric) {
+    mode[0] = k == 1 ? 1 : 0;
+    return;
+  }
+  mode[k] = 1;
+  if (frame == Frame::plane_strain) {
+    mode[2] = k == 0 ? -x[1] : x[0];
+    return;
+  }
+  // Rotation about axis j: e_j x x.
+  const int next = (k + 1) % 3, last = (k + 2) % 3;
+  mode[3 + next] = x[last];
+  mode[3 + last] = -x[next];
+}
+
+std::string rounded(double value, double scale) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g", std::abs(value) < 1e-9 * scale ? 0.0 : value);
+  return text;
+}
+
+// Eigenvalues by rising size with their unit vectors, of a small symmetric matrix [n][n]: Jacobi's rotations.
+struct Eigen {
+  double value;
+  std::vector<double> vector;
+};
+
+std::vector<Eigen> eigen_of(std::vector<double> A, int size) {
+  const auto n = static_cast<std::size_t>(size);
+  std::vector<double> V(n * n, 0.0); // rows are the vectors
+  double norm = 0;
+  for (std::size_t i = 0; i < n; ++i) V[i * n + i] = 1;
+  for (double entry : A) norm = std::max(norm, std::abs(entry));
+  for (int sweep = 0; sweep < 50; ++sweep) {
+    bool turned = false;
+    for (std::size_t p = 0; p < n; ++p)
+      for (std::size_t q = p + 1; q < n; ++q) {
+        const double off = A[p * n + q];
+        if (std::abs(off) <= 1e-17 * norm) continue;
+        turned = true;
+        const double theta = (A[q * n + q] - A[p * n + p]) / (2 * off);
+        const double t = std::copysign(1 / (std::abs(theta) + std::hypot(theta, 1.0)), theta);
+        const double c = 1 / std::hypot(t, 1.0), s = t * c;
+        for (std::size_t k = 0; k < n; ++k) {
+          const double kp = A[k * n + p], kq = A[k * n + q];
+          A[k * n + p] = c * kp - s * kq;
+          A[k * n + q] = s * kp + c * kq;
+        }
+        for (std::size_t k = 0; k < n; ++k) {
+          const double pk = A[p * n + k], qk = A[q * n + k];
+          A[p * n + k] = c * pk - s * qk;
+          A[q * n + k] = s * pk + c * qk;
+          const double vp = V[p * n + k], vq = V[q * n + k];
+          V[p * n + k] = c * vp - s * vq;
+          V[q * n + k] = s * vp + c * vq;
+        }
+      }
+    if (!turned) break;
+  }
+  std::vector<Eigen> pairs;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto start = V.begin() + static_cast<std::ptrdiff_t>(i * n);
+    pairs.push_back({A[i * n + i], {start, start + static_cast<std::ptrdiff_t>(n)}});
+  }
+  std::sort(pairs.begin(), pairs.end(), [](const Eigen& a, const Eigen& b) { return a.value < b.value; });
+  return pairs;
+}
+
+// Vectors that span the null space of a symmetric, positive semidefinite matrix [n][n].
+std::vector<std::vector<double>> null_space(const std::vector<double>& matrix, int n) {
+  const std::vector<Eigen> pairs = eigen_of(matrix, n);
+  std::vector<std::vector<double>> vectors;
+  // Two held nodes at a distance h in a body of size L give the eigenvalue (h/L)^2; rounding gives 1e-16.
+  for (const Eigen& pair : pairs)
+    if (pair.value <= 1e-13 * pairs.back().value) vectors.push_back(pair.vector);
+  return vectors;
+}
+
+constexpr const char* axis_name[3] = {"x", "y", "z"};
+
+// Rotations among the null vectors in space. A null vector whose rotation is zero is a translation; the
+// rotations' span is that of the vectors' last three entries.
+void name_rotations(const std::vector<std::vector<double>>& null, std::size_t rotations,
+                    std::vector<std::string>& motions) {
+  std::vector<double> product(9, 0.0); // sum of r r^T over the null vectors
+  for (const std::vector<double>& v : null)
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) product[3 * i + j] += v[3 + i] * v[3 + j];
+  const std::vector<Eigen> pairs = eigen_of(product, 3);
+  std::size_t named = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    double share = 0; // of the axis in the span of the last vectors
+    for (std::size_t r = 3 - rotations; r < 3; ++r) share += pairs[r].vector[k] * pairs[r].vector[k];
+    if (share < 1 - 1e-9) continue;
+    motions.push_back(std::string("rotation about ") + axis_name[k]);
+    ++named;
+  }
+  if (named == rotations) return;
+  const std::vector<double>& axis = pairs.back().vector;
+  if (rotations == 1)
+    motions.push_back("rotation about the direction (" + rounded(axis[0], 1) + ", " + rounded(axis[1], 1) +
+                      ", " + rounded(axis[2], 1) + ")");
+  else
+    motions.push_back(std::to_string(rotations - named) + " more rotation" +
+                      (rotations - named > 1 ? "s" : "") + " about oblique axes");
+}
+
+std::vector<std::string> name_motions(Frame frame, const std::vector<double>& gram,
+                                      const std::array<double, 3>& centre, double size) {
+  const int modes = mode_count(frame);
+  const std::vector<std::vector<double>> null = null_space(gram, modes);
+  std::vector<std::string> motions;
+  if (null.empty()) return motions;
+  if (frame == Frame::axisymmetric) return {"translation in y, along the axis"};
+  // Prescribed dofs lie along the axes: a translation is free exactly where its component is prescribed
+  // nowhere.
+  const int dim = frame == Frame::solid ? 3 : 2;
+  for (int k = 0; k < dim; ++k)
+    if (gram[static_cast<std::size_t>(k * modes + k)] == 0)
+      motions.push_back(std::string("translation in ") + axis_name[k]);
+  const std::size_t translations = motions.size();
+  if (null.size() == translations) return motions;
+  if (dim == 3) {
+    name_rotations(null, null.size() - translations, motions);
+  } else if (translations == 0) {
+    const std::vector<double>& v = null.front(); // vanishes at x - centre = size (-v_1, v_0) / v_2
+    motions.push_back("rotation about (" + rounded(centre[0] - size * v[1] / v[2], size) + ", " +
+                      rounded(centre[1] + size * v[0] / v[2], size) + ")");
+  } else {
+    motions.push_back("rotation");
+  }
+  return motions;
+}
+
+struct Geometry {
+  std::vector<std::array<double, 3>> centre; // [body]
+  std::vector<double> size;                  // [body] largest distance of a node from the centre
+};
+
+Geometry measure(const Mesh& mesh, const Bodies& bodies) {
+  const auto dim = static_cast<std::size_t>(mesh.dim()), count = static_cast<std::size_t>(bodies.count);
+  std::vector<double> sum(4 * count, 0.0);
+  const auto X = mesh.coordinates();
+  for (int i = 0; i < mesh.node_count(); ++i) {
+    if (!mesh.owned(i)) continue;
+    const auto node = static_cast<std::size_t>(i);
+    double* of_body = &sum[4 * static_cast<std::size_t>(bodies.of_node[node])];
+    for (std::size_t k = 0; k < dim; ++k) of_body[k] += X[node * dim + k];
+    of_body[3] += 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
+  Geometry g{std::vector<std::array<double, 3>>(count), std::vector<double>(count, 0.0)};
+  for (std::size_t b = 0; b < count; ++b)
+    for (std::size_t k = 0; k < 3; ++k) g.centre[b][k] = sum[4 * b + k] / sum[4 * b + 3];
+  for (std::size_t node = 0; node < static_cast<std::size_t>(mesh.node_count()); ++node) {
+    const auto b = static_cast<std::size_t>(bodies.of_node[node]);
+    double distance = 0;
+    for (std::size_t k = 0; k < dim; ++k) distance = std::hypot(distance, X[node * dim + k] - g.centre[b][k]);
+    g.size[b] = std::max(g.size[b], distance);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, g.size.data(), bodies.count, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  return g;
+}
+
+// [body][mode][mode]: sum over the prescribed dofs of the modes' products there. Its null space are the rigid
+// motions that no prescribed dof feels.
+std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& boundary, const Bodies& bodies,
+                                  const Geometry& geometry) {
+  const int modes = mode_count(d.frame), dim = d.dim();
+  const auto n = static_cast<std::size_t>(modes);
+  std::vector<double> gram(static_cast<std::size_t>(bodies.count) * n * n, 0.0);
+  const auto X = d.mesh.coordinates();
+  for (const FixedDof& fixed : boundary.fixed()) {
+    const int node = fixed.dof / dim;
+    if (!d.mesh.owned(node)) continue;
+    const auto b = static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)]);
+    double x[3] = {0, 0, 0}, mode[6];
+    for (int k = 0; k < dim; ++k)
+      x[k] = (X[static_cast<std::size_t>(node * dim + k)] - geometry.centre[b][static_cast<std::size_t>(k)]) /
+             geometry.size[b];
+    rigid_modes(d.frame, x, fixed.component, mode);
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  return gram;
+}
+
+// [body] names of the regions that hold cells of it.
+std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
+  std::vector<std::string> regions(static_cast<std::size_t>(bodies.count));
+  for (const Group& group : mesh.groups()) {
+    if (group.dim != mesh.dim()) continue;
+    std::vector<int> holds(static_cast<std::size_t>(bodies.count), 0);
+    for (int node : mesh.nodes(group.name))
+      holds[static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)])] = 1;
+    MPI_Allreduce(MPI_IN_PLACE, holds.data(), bodies.count, MPI_INT, MPI_MAX, mesh.comm());
+    for (std::size_t b = 0; b < regions.size(); ++b)
+      if (holds[b]) regions[b] += (regions[b].empty() ? "" : ", ") + group.name;
+  }
+  return regions;
+}
+
+// [body] 1 where a side of a contact that is closed at u = 0 belongs to it.
+std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies,
+                                std::span<const ContactInterface> contacts) {
+  std::vector<int> touched(static_cast<std::size_t>(bodies.count), 0);
+  const Handle<Vec> undeformed = d.displacement.make_global();
+  for (const ContactInterface& contact : contacts) {
+    const ContactSettings& settings = contact.settings();
+    if (!(contact.measures(undeformed).gap_min <= settings.gap_tol)) continue; // nan: nothing is near
+    for (const std::string& side : {settings.secondary, settings.primary})
+      if (side != "plane")
+        for (int node : d.mesh.nodes(side))
+          touched[static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)])] = 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, touched.data(), bodies.count, MPI_INT, MPI_MAX, d.mesh.comm());
+  return touched;
+}
+
+std::vector<FreeBody> free_bodies(const Discretisation& d, const BoundaryData& boundary,
+                                  std::span<const ContactInterface> contacts) {
+  const Bodies bodies = find_bodies(d);
+  const Geometry geometry = measure(d.mesh, bodies);
+  const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry);
+  const auto entries = static_cast<std::ptrdiff_t>(mode_count(d.frame) * mode_count(d.frame));
+  std::vector<FreeBody> free;
+  std::vector<std::size_t> number; // of the free bodies
+  for (std::size_t b = 0; b < static_cast<std::size_t>(bodies.count); ++b) {
+    const auto start = gram.begin() + static_cast<std::ptrdiff_t>(b) * entries;
+    std::vector<std::string> motions =
+        name_motions(d.frame, {start, start + entries}, geometry.centre[b], geometry.size[b]);
+    if (motions.empty()) continue;
+    free.push_back({"", geometry.centre[b], std::move(motions), false});
+    number.push_back(b);
+  }
+  if (free.empty()) return free;
+  const std::vector<std::string> regions = name_regions(d.mesh, bodies);
+  const std::vector<int> touched = touched_bodies(d, bodies, contacts);
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    free[i].regions = regions[number[i]];
+    free[i].touched = touched[number[i]] != 0;
+  }
+  return free;
+}
+
+std::string describe(const FreeBody& body, int dim) {
+  std::string text = "the body of region " + body.regions + " around (";
+  for (int k = 0; k < dim; ++k) {
+    char value[32];
+    std::snprintf(value, sizeof(value), "%s%.4g", k > 0 ? ", " : "",
+                  body.centre[static_cast<std::size_t>(k)]);
+    text += value;
+  }
+  return text + ")";
+}
+
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+} // namespace
+
+std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary) {
+  return free_bodies(d, boundary, {});
+}
+
+std::vector<std::string> require_held_bodies(const Discretisation& d, const BoundaryData& boundary,
+                                             std::span<const ContactInterface> contacts) {
+  std::vector<std::string> warnings;
+  for (const FreeBody& body : free_bodies(d, boundary, contacts)) {
+    const std::string who = describe(body, d.dim()), motions = list_of(body.motions);
+    if (!body.touched)
+      throw UserError(ExitCode::data,
+                      "-ts_type static: " + who + " is not held against " + motions +
+                          "; prescribe displacements on it (-bcs, -bc_<id>_on, -bc_<id>_type) or keep the "
+                          "inertia (-ts_type newmark)");
+    warnings.push_back(who + " is held by contact alone against " + motions +
+                       "; should Newton's method fail, prescribe displacements on it or keep the inertia "
+                       "(-ts_type newmark)");
+  }
+  return warnings;
+}
+
+} // namespace impact

@@ -1,0 +1,189 @@
+#include "scenario_tables.hpp"
+#include <algorithm>
+#include <filesystem>
+#include <impact/petsc/error.hpp>
+#include <impact/run/durable_file.hpp>
+#include <impact/run/restart_keys.hpp>
+#include <set>
+#include <sstream>
+
+namespace impact {
+
+namespace {
+
+const std::set<std::string> frozen_names = {"units", "dim", "plane", "mesh", "mesh_scale", "dm_refine"};
+
+/// Global options that say how a run is solved, written and ended, not what it computes.
+const std::set<std::string> free_names = {"title",
+                                          "output_dir",
+                                          "dry_run",
+                                          "options_strict",
+                                          "motion_tangent",
+                                          "energy_tol",
+                                          "energy_action",
+                                          "crack_level",
+                                          "contact_operator",
+                                          "coupling_snes_max_it",
+                                          "ts_dt",
+                                          "ts_max_time",
+                                          "ts_max_steps",
+                                          "coupling_snes_atol",
+                                          "coupling_relaxation",
+                                          "ts_times",
+                                          "ts_dts",
+                                          "ts_adapt_dphi",
+                                          "motion_reuse_tangent",
+                                          "checkpoint_dir",
+                                          "checkpoint_wall",
+                                          "checkpoint_every",
+                                          "checkpoint_keep",
+                                          "checkpoint_patience",
+                                          "walltime",
+                                          "walltime_margin",
+                                          "restart",
+                                          "restart_allow",
+                                          "outputs",
+                                          "probes",
+                                          "measures"};
+
+bool starts_with_any(const std::string& name, std::initializer_list<const char*> beginnings) {
+  return std::any_of(beginnings.begin(), beginnings.end(),
+                     [&](const char* beginning) { return name.starts_with(beginning); });
+}
+
+/// PETSc's options that choose the scheme; its others choose solvers.
+bool chooses_scheme(const std::string& name) {
+  return starts_with_any(name, {"ts_newmark_", "ts_alpha_", "damage_ts_"});
+}
+
+using Values = std::map<std::string, std::string>;
+
+Values values_of(const std::string& lines) {
+  Values values;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) {
+    if (line.size() < 2 || line[0] != '-') continue;
+    const std::size_t blank = line.find(' ');
+    std::string value = blank == std::string::npos ? "" : line.substr(blank + 1);
+    if (value.size() > 1 && value.front() == '"' && value.back() == '"')
+      value = value.substr(1, value.size() - 2);
+    values[line.substr(1, blank == std::string::npos ? blank : blank - 1)] = value;
+  }
+  return values;
+}
+
+std::string text_of(const Values& values, const std::string& key) {
+  const auto found = values.find(key);
+  return found == values.end() ? "(not given)" : "\"" + found->second + "\"";
+}
+
+bool same(const std::string& key, const std::string& a, const std::string& b) {
+  const bool path = key == "mesh" || (key.starts_with("function_") && key.ends_with("_file"));
+  const auto name = [](const std::string& text) { return std::filesystem::path(text).filename(); };
+  return path ? name(a) == name(b) : a == b;
+}
+
+/// Keys whose values differ, in alphabetical order.
+std::vector<std::string> changed_keys(const Values& before, const Values& now) {
+  std::set<std::string> keys;
+  for (const Values* values : {&before, &now})
+    for (const auto& [key, value] : *values) keys.insert(key);
+  std::vector<std::string> changed;
+  for (const std::string& key : keys) {
+    const auto a = before.find(key), b = now.find(key);
+    const bool both = a != before.end() && b != now.end();
+    if (key == "dim" && !both) continue; // a check of the mesh that was added or dropped
+    if (!both || !same(key, a->second, b->second)) changed.push_back(key);
+  }
+  return changed;
+}
+
+bool covers(const std::string& entry, const std::string& key) {
+  // The resolved options have the moduli K and G for E and nu.
+  const bool modulus = key.starts_with("material_") && (key.ends_with("_k") || key.ends_with("_g"));
+  const std::string material = key.substr(0, key.rfind('_'));
+  return key == entry || key.starts_with(entry + "_") ||
+         (modulus && (entry == material + "_e" || entry == material + "_nu"));
+}
+
+/// An entry may carry the dash of its option and any case.
+std::string bare(const std::string& entry) {
+  return lower_case(entry.starts_with("-") ? entry.substr(1) : entry);
+}
+
+void check_entries(const std::vector<std::string>& allow, const Values& before, const Values& now) {
+  std::vector<std::string> names;
+  for (const Values* values : {&before, &now})
+    for (const auto& [key, value] : *values) names.push_back(key);
+  for (const std::string& entry : allow) {
+    const bool fits = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+      return covers(bare(entry), lower_case(name));
+    });
+    if (fits) continue;
+    const std::string near = nearest_name(bare(entry), names, 3);
+    throw UserError(ExitCode::usage, "-restart_allow \"" + entry +
+                                         "\": no option of this run or of its checkpoint" +
+                                         (near.empty() ? "" : "; did you mean " + near + "?") +
+                                         "; allowed: names of options, or their beginnings such as bc_<id>");
+  }
+}
+
+} // namespace
+
+RestartKey restart_key(const std::string& name) {
+  if (frozen_names.count(name) || name.starts_with("mesh_set_")) return RestartKey::frozen;
+  if (free_names.count(name) || starts_with_any(name, {"output_", "probe_", "measure_"}))
+    return RestartKey::free;
+  return RestartKey::guarded;
+}
+
+std::string restart_options(MPI_Comm comm, const Scenario& scenario) {
+  std::string lines = print_scenario(scenario);
+  for (const std::string& name : option_names())
+    if (chooses_scheme(lower_case(name)))
+      if (const auto text = option_text(name)) lines += option_line(lower_case(name), *text);
+  for (const FunctionScenario& function : scenario.functions) {
+    std::string sum;
+    on_rank_zero(comm, [&] {
+      std::uintmax_t size = 0;
+      sum = to_hex(file_checksum(function.file, size));
+    });
+    lines += option_line("function_" + function.id + "_content", broadcast(comm, sum));
+  }
+  return lines;
+}
+
+std::vector<std::string> check_restart_options(const std::string& stored, const std::string& now,
+                                               const std::vector<std::string>& allow,
+                                               const std::string& checkpoint) {
+  const Values before = values_of(stored), after = values_of(now);
+  check_entries(allow, before, after);
+  std::vector<std::string> notes;
+  std::string refused, names;
+  for (const std::string& key : changed_keys(before, after)) {
+    const RestartKey kind = restart_key(key);
+    if (kind == RestartKey::free) continue;
+    const std::string change = text_of(after, key) + " instead of " + text_of(before, key);
+    if (kind == RestartKey::frozen)
+      throw UserError(ExitCode::usage, "-" + key + ": " + change + " in checkpoint " + checkpoint +
+                                           "; mesh, dimension and units cannot change on restart; "
+                                           "give the old value, or start anew without -restart");
+    const bool allowed = std::any_of(allow.begin(), allow.end(), [&](const std::string& entry) {
+      return covers(bare(entry), lower_case(key));
+    });
+    if (allowed) {
+      notes.push_back("restart with a changed option: -" + key + " " + change);
+      continue;
+    }
+    refused += (refused.empty() ? "-" : "; -") + key + ": " + change;
+    names += (names.empty() ? "" : ",") + key;
+  }
+  if (!refused.empty())
+    throw UserError(ExitCode::usage, refused + " in checkpoint " + checkpoint +
+                                         "; the physics of a run changes on restart only with "
+                                         "-restart_allow " +
+                                         names);
+  return notes;
+}
+
+} // namespace impact

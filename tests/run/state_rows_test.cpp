@@ -1,0 +1,172 @@
+#include "../mesh/small_mesh.hpp"
+#include <bit>
+#include <cstdint>
+#include <gtest/gtest.h>
+#include <impact/problem/damage.hpp>
+#include <impact/run/checkpoint.hpp>
+#include <impact/run/ledger.hpp>
+#include <map>
+
+namespace impact {
+namespace {
+
+// Plasticity, damage with the committed drive, viscosity and contact on two bodies: everything that adds
+// rows.
+struct AllPhysics {
+  Discretisation d;
+  StateTable state;
+  BoundaryData boundary;
+  std::vector<ContactInterface> contacts;
+  std::optional<MotionProblem> motion;
+  std::optional<DamageProblem> damage;
+  std::optional<Ledger> ledger;
+
+  explicit AllPhysics(Mesh mesh)
+      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower", "upper"}}}, false, 1)),
+        boundary(d.mesh, {}, 1) {
+    declare_state(d, state);
+    ContactSettings settings;
+    settings.id = "face";
+    settings.secondary = "upper_bottom";
+    settings.primary = "lower top";
+    ContactEnvironment environment;
+    environment.modulus = 1;
+    contacts.emplace_back(d.mesh, d.displacement, settings, environment, state);
+    motion.emplace(d, state, boundary, contacts, false);
+    DamageScenario bounds;
+    bounds.bounds = DamageBounds::history;
+    damage.emplace(d, state, boundary, bounds);
+    ledger.emplace(*motion, nullptr, state, true, 1);
+  }
+  static MaterialParameters law() {
+    MaterialParameters m;
+    m.model = Model::j2;
+    m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = 1;
+    m.sigma_y = 0.1;
+    m.damage = Damage::at2;
+    return m;
+  }
+};
+
+using Rows = std::map<std::string, std::pair<Support, int>>;
+
+// The rows of a run with all its physics, but for "step_control" of the time loop. A change here changes what
+// a checkpoint holds: old ones cannot be read any more.
+const Rows known = {
+    {"u", {Support::vertex, 2}},
+    {"v", {Support::vertex, 2}},
+    {"a", {Support::vertex, 2}},
+    {"mean_rate", {Support::vertex, 2}},           // guess of the next step
+    {"prescribed_velocity", {Support::vertex, 2}}, // of dofs with acceleration data
+    {"phi", {Support::vertex, 1}},
+    {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
+    {"drive", {Support::cell_point, 3}},
+    {"damage_history", {Support::cell_point, 1}},
+    {"contact_face_multiplier", {Support::facet_point, 1}},
+    {"contact_face_penalty", {Support::global, 2}},
+    {"contact_face_totals", {Support::global, 5}},
+    {"contact_face_force", {Support::vertex, 2}},
+    {"ledger_totals", {Support::global, 0}}, // as many as the ledger counts
+    {"force_internal", {Support::vertex, 2}},
+    {"force_external", {Support::vertex, 2}},
+    {"force_contact", {Support::vertex, 2}},
+    {"force_inertia", {Support::vertex, 2}},
+};
+
+AllPhysics make() {
+  return AllPhysics(
+      run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("state_rows"), run_test::two_bodies(6)));
+}
+
+// Numbers that use all bits, say where they belong and are the same wherever a place is stored twice: ghosts,
+// padding lanes, all ranks of a global row.
+std::vector<double> numbers(const AllPhysics& run, const StateRow& row, double salt) {
+  std::vector<double> values(row.committed.size());
+  const auto number = [&](double place, std::size_t k) {
+    return std::sin(salt + 3 * place + 7 * static_cast<double>(k + row.name.size())) / 3;
+  };
+  const auto components = static_cast<std::size_t>(row.components);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = number(static_cast<double>(i), 0);
+  if (row.support == Support::vertex)
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = number(static_cast<double>(run.d.mesh.global_node()[i / components]), i % components);
+  if (row.support == Support::cell_point) {
+    std::size_t next = 0;
+    for (const CellGroup& g : run.d.groups)
+      for (int b = 0; b < g.batch_count; ++b)
+        for (int q = 0; q < point_count(g.shape); ++q)
+          for (std::size_t k = 0; k < components; ++k)
+            for (int l = 0; l < lanes; ++l)
+              values[next++] = number(
+                  static_cast<double>(g.cell_point[static_cast<std::size_t>(b * lanes + l)] * 16 + q), k);
+  }
+  return values;
+}
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+  });
+}
+
+TEST(StateRows, AreExactlyTheKnownOnesAndAllAreKeptByCheckpoints) {
+  const AllPhysics run = make();
+  Rows missing = known;
+  for (const auto& row : run.state.rows()) {
+    const auto found = missing.find(row->name);
+    ASSERT_NE(found, missing.end()) << "row " << row->name << " is not known here";
+    EXPECT_EQ(row->support, found->second.first) << row->name;
+    if (found->second.second > 0) {
+      EXPECT_EQ(row->components, found->second.second) << row->name;
+    }
+    EXPECT_TRUE(row->checkpointed) << row->name << " would be lost at a restart";
+    EXPECT_TRUE(row->has_trial) << row->name << " would keep what a rejected step wrote";
+    EXPECT_EQ(row->committed.size(), row->trial.size()) << row->name;
+    missing.erase(found);
+  }
+  for (const auto& [name, shape] : missing) ADD_FAILURE() << "row " << name << " is not in the table";
+}
+
+TEST(StateRows, RollbackAndCommitReachEveryValueOfEveryRow) {
+  AllPhysics run = make();
+  std::size_t values = 0;
+  for (const auto& row : run.state.rows()) {
+    row->committed = numbers(run, *row, 1);
+    row->trial = numbers(run, *row, 2);
+    values += row->committed.size();
+  }
+  EXPECT_GT(values, 0u);
+  run.state.rollback();
+  for (const auto& row : run.state.rows()) {
+    EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 1))) << row->name << ": rollback changed t_n";
+    EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name << " keeps what a rejected step wrote";
+    row->trial = numbers(run, *row, 3);
+  }
+  run.state.commit();
+  for (const auto& row : run.state.rows()) {
+    EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 3))) << row->name << " lost an accepted step";
+    EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name;
+  }
+}
+
+TEST(StateRows, ACheckpointReturnsEveryBitOfEveryRow) {
+  AllPhysics run = make();
+  for (const auto& row : run.state.rows()) {
+    row->committed = numbers(run, *row, 4);
+    row->trial = numbers(run, *row, 5); // of an attempt that is under way: not in the checkpoint
+  }
+  const std::string file = write_checkpoint({run.d.mesh, run.d.groups, run.state}, {},
+                                            {run_test::fresh_dir("state_rows_checkpoint"), 1});
+  for (const auto& row : run.state.rows()) {
+    row->committed.assign(row->committed.size(), -7);
+    row->trial.assign(row->trial.size(), -7);
+  }
+  read_checkpoint(open_checkpoint(PETSC_COMM_WORLD, file), {run.d.mesh, run.d.groups, run.state});
+  for (const auto& row : run.state.rows()) {
+    EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 4))) << row->name << " is not what was written";
+    EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name;
+  }
+}
+
+} // namespace
+} // namespace impact

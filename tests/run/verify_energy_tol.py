@@ -1,0 +1,58 @@
+# labels: run
+# timeout: 60
+"""What -energy_tol and -energy_action do, on a bar that is pulled until its strength falls: with one pass of motion and
+damage in a step the damage lags behind, so that steps this long miss the first law on purpose."""
+import re
+
+import numpy
+
+import _runs as runs
+
+TOL = 0.02
+BAR = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_n": 1,
+       "materials": "solid", "material_solid_E": 210e3, "material_solid_nu": 0.3, "material_solid_damage": "at2",
+       "material_solid_Gc": 2.7, "material_solid_gamma": 0.015, "bcs": "x,y,pull", "bc_x_on": "left", "bc_x_ux": 0,
+       "bc_y_on": "bottom", "bc_y_uy": 0, "bc_pull_on": "right", "bc_pull_ux": "0.04*t", "ts_dt": 0.1,
+       "ts_max_time": 1, "coupling_snes_max_it": 1}
+
+
+def told(run):
+    """Residuals that the messages name."""
+    return [float(x) for x in re.findall(r"first-law residual (\S+) exceeds -energy_tol", run.log)]
+
+
+off = runs.run("off", BAR)
+residual = abs(off["balance_first_law"])
+print("     first-law residual of each step:", " ".join(f"{x:.3g}" for x in residual))
+runs.check_between("without the option: the residual passes the bound that is set below", residual.max(), 2 * TOL, 10)
+runs.require("without the option: no message", not told(off))
+
+warned = runs.run("warn", {**BAR, "energy_tol": TOL})
+growing = [x for before, x in zip(residual, residual[1:]) if x > TOL and x > before]
+runs.require("warn: the same history as without", all(
+    numpy.array_equal(off[c], warned[c], equal_nan=True) for c in off.history))
+runs.require("warn: one message for each step beyond the bound whose residual grew", len(told(warned)) == len(growing))
+for x, y in zip(told(warned), growing):
+    runs.check("warn: the residual in the message and in the history", x, y, 1e-2)
+
+stopped = runs.run("stop", {**BAR, "energy_tol": TOL, "energy_action": "stop"}, code=5)
+runs.require("stop: exit 5 with one message and the remedy", len(told(stopped)) == 1
+             and "stopped by -energy_action stop; take smaller steps or more coupling passes" in stopped.log)
+runs.require("stop: the history ends before the step beyond the bound", numpy.array_equal(
+    stopped["time"], off["time"][:len(stopped["time"])]) and residual[len(stopped["time"])] > TOL
+    and residual[:len(stopped["time"])].max() <= TOL)
+
+cut = runs.run("cut", {**BAR, "energy_tol": TOL, "energy_action": "cut"})
+runs.require("cut: the refused steps are cut", "time step cut" in cut.log and len(told(cut)) > 0)
+runs.check("cut: the run reaches its end", cut["time"][-1], 1, 1e-12)
+runs.check_between("cut: tries of a step at most", cut["tries"].max(), 2, 10)
+runs.check_between("cut: residual at the end", abs(cut["balance_first_law"][-1]), 0, TOL)
+beyond = [x for before, x in zip(abs(cut["balance_first_law"]), abs(cut["balance_first_law"][1:]))
+          if x > TOL and x > before]
+runs.require("cut: no accepted step passed the bound with a growing residual", not beyond)
+
+# The remedy: passes until motion and damage agree.
+agreed = runs.run("agreed", {**BAR, "ts_dt": 0.005, "coupling_snes_max_it": 100, "coupling_snes_atol": 1e-8,
+                             "energy_tol": TOL, "energy_action": "stop"})
+runs.check("with passes and short steps nothing stops", agreed["time"][-1], 1, 1e-12)
+runs.finish()

@@ -1,0 +1,64 @@
+# labels: run
+# timeout: 60
+"""Contact beside the matrix (-contact_operator shell) gives the histories of contact in the matrix, to the tolerance
+of the solvers: two blocks that meet in flight, with penalty and with augmentations, and two that are pressed together
+without inertia, on 1 and 2 ranks. A preconditioner that cannot see the contact is refused where it is the solver."""
+import numpy
+from _runs import TWO_BLOCKS, check, check_between, finish, mesh, require, run
+
+TIGHT = {"motion_snes_rtol": 1e-12, "motion_ksp_rtol": 1e-12}
+# CG, the default for such small steps, meets an indefinite matrix under the grown penalty of the augmented case.
+FACTOR = {"motion_pc_type": "lu", "motion_pc_factor_mat_solver_type": "mumps"}
+FLIGHT = {**TWO_BLOCKS, **TIGHT, **FACTOR, "ts_max_time": 0.03}
+AUGMENTED = {**FLIGHT, "contact_face_enforce": "auglag", "contact_face_gap_tol": 1e-6,
+             "contact_face_pressure_tol": 1e-4, "uzawa_snes_max_it": 50}
+PRESSED = {
+    **TIGHT, "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5,
+    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_upper_like": "lower",
+    "bcs": "plate,press", "bc_plate_on": "lower_bottom", "bc_plate_type": "fix", "bc_press_on": "upper_top",
+    "bc_press_ux": "0.01*t", "bc_press_uy": "-0.02*t", "contacts": "face", "contact_face_secondary": "upper_bottom",
+    "contact_face_primary": "lower_top", "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1,
+}
+# Iterations, and sums of differences that are rounding noise.
+SKIPPED = ("newton", "linear", "balance", "balance_first_law")
+
+
+def largest_difference(a, b):
+    """Over all columns, relative to the largest value of the column, or of the vector that it belongs to."""
+    energy = max(abs(a[c]).max() for c in a.history if c.startswith(("energy", "work")))
+    worst, where = 0.0, "time"
+    for column, values in a.history.items():
+        if column in SKIPPED:
+            continue
+        scale = numpy.nanmax(abs(values), initial=0)
+        if column[-2:] in ("_x", "_y"):
+            scale = max(numpy.nanmax(abs(a[column[:-1] + k]), initial=0) for k in "xy")
+        if column.startswith(("energy", "work", "dissipated")):
+            scale = energy
+        same_gaps = (numpy.isnan(values) == numpy.isnan(b[column])).all()
+        difference = numpy.nanmax(abs(values - b[column]), initial=0)
+        difference = difference / scale if same_gaps and scale > 0 else 0 if same_gaps else numpy.inf
+        if difference > worst:
+            worst, where = difference, column
+    return worst, where
+
+
+for name, options in (("penalty", FLIGHT), ("augmented", AUGMENTED), ("pressed", PRESSED)):
+    assembled = run(f"{name}_assembled", {**options, "motion_ksp_type": "preonly"})
+    touched = assembled["contact_face_active"].max()
+    check_between(f"{name}: points in contact", touched, 4, 1000)
+    for ranks in (1,) if name == "penalty" else (1, 2):
+        shell = run(f"{name}_shell_{ranks}", {**options, "contact_operator": "shell", "motion_ksp_type": "gmres"},
+                    ranks=ranks)
+        if not require(f"{name}, {ranks} ranks: the same steps", len(shell["time"]) == len(assembled["time"])):
+            continue
+        worst, where = largest_difference(assembled, shell)
+        check(f"{name}, {ranks} ranks: largest difference, in {where}", worst, 0, 1e-8, relative=False)
+        # What shows that the contact is not in the matrix that is factored.
+        check_between(f"{name}, {ranks} ranks: linear iterations, shell over assembled",
+                      shell["linear"].sum() / assembled["linear"].sum(), 1.5, 100)
+
+r = run("preonly", {**PRESSED, "contact_operator": "shell", "motion_ksp_type": "preonly"}, code=2)
+require("preonly with the shell is refused and the remedy named",
+        "impact: -motion_ksp_type preonly:" in r.log and "gmres" in r.log)
+finish()
