@@ -72,8 +72,9 @@ int position(const std::vector<PetscInt>& sorted, PetscInt value) {
 
 } // namespace
 
-void ContactInterface::set_time(double t) {
+void ContactInterface::set_time(double t, double mass_shift) {
   time_ = t;
+  penalty_->trial[2] = inertia_penalty_ * mass_shift;
   std::fill(holds_.begin(), holds_.end(), Hold());
   switched_ = false;
   fetch_start();
@@ -301,7 +302,7 @@ bool ContactInterface::face_passed(const Point2<double>& x, const Point2<double>
 
 void ContactInterface::hold_edges(const std::vector<double>& x) {
   switched_ = false;
-  const double eps = penalty_->trial[0];
+  const double eps = penalty();
   for (int f = 0; f < secondary_.surface.count(); ++f) {
     ContactPoint point;
     point.facet = f;
@@ -350,7 +351,7 @@ void ContactInterface::hold_edges(const std::vector<double>& x) {
 std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
                                                    ContactStatus* status) const {
   std::vector<ContactPoint> list;
-  const double eps = penalty_->trial[0];
+  const double eps = penalty();
   ContactStatus seen;
   seen.finite = all_finite(x);
   seen.search_holds = against_plane() || largest_move(x, active_.built_at) <= search_.skin / 2;
@@ -401,7 +402,7 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
 ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
   const std::vector<double> x = current(u);
   ContactStatus status;
-  const double eps = penalty_->trial[0];
+  const double eps = penalty();
   for (const ContactPoint& point : points(x, &status)) {
     if (!(point.pressure > 0)) continue;
     const std::array<double, 64> block = tangent_block(point, scale, eps);
@@ -426,7 +427,7 @@ void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {
   std::vector<double> d = active_.exchange.gather(du), f(x.size(), 0.0);
   for (std::size_t i = 0; i < d.size(); ++i)
     if (active_.fixed[i]) d[i] = 0;
-  const double eps = penalty_->trial[0];
+  const double eps = penalty();
   for (const ContactPoint& point : points(x, nullptr)) {
     if (!(point.pressure > 0)) continue;
     const std::array<double, 64> block = tangent_block(point, scale, eps);

@@ -27,7 +27,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
     lambda[at(point.index)] = point.pressure;
     // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
     report.largest_gap =
-        std::max(report.largest_gap, std::min(std::abs(point.foot.gap), point.pressure / penalty_->trial[0]));
+        std::max(report.largest_gap, std::min(std::abs(point.foot.gap), point.pressure / penalty()));
     if (point.pressure > 0 && !against_plane() && point.foot.gap < -search_.radius) report.settled = false;
   }
   if (switched_) report.settled = false;
@@ -45,9 +45,9 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
   report.settled = largest[1] == 0;
   report.multiplier = largest[2];
   // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
-  const double negligible = 1e-9 * penalty_->trial[0] * search_.radius;
+  const double negligible = 1e-9 * penalty() * search_.radius;
   report.change = largest[3] > 0 ? largest[3] / std::max(largest[2], negligible) : 0;
-  report.penalty = penalty_->trial[0];
+  report.penalty = penalty();
   report.converged =
       report.settled && (settings_.enforce == Enforcement::penalty ||
                          (report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol));
@@ -95,7 +95,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
 
 ContactMeasures ContactInterface::measures(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const double eps = penalty_->trial[0];
+  const double eps = penalty();
   std::array<double, 5> sum{}; // force x y, length, energy, active
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure

@@ -91,6 +91,11 @@ void ContactInterface::set_automatic_values() {
   };
   const double size = environment_.length > 0 ? environment_.length : h;
   const double penalty = 10 * environment_.modulus / size;
+  // Augmentations shrink the gap by k/(k + eps), k the stiffness against moving the surface. Steps far
+  // shorter than a wave needs through a cell meet the cell's mass rather than its modulus: k about rho h/3
+  // mass_shift.
+  if (automatic(settings_.penalty) && settings_.enforce == Enforcement::auglag)
+    inertia_penalty_ = 2.5 * environment_.density * size;
   if (automatic(settings_.penalty) && !(penalty > 0))
     throw usage(settings_, "penalty", "auto needs Young's modulus of a side; give a number");
   fill(settings_.penalty, penalty);
@@ -122,8 +127,9 @@ void ContactInterface::declare_state(StateTable& state) {
   };
   multiplier_ =
       &state.add(row("multiplier", Support::facet_point, 1, settings_.secondary), points_.weight.size());
-  penalty_ = &state.add(row("penalty", Support::global, 2, ""), 2); // penalty, gap of the last augmentation
-  totals_ = &state.add(row("totals", Support::global, 5, ""), 5);   // impulse x y, work, last force x y
+  // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
+  penalty_ = &state.add(row("penalty", Support::global, 3, ""), 3);
+  totals_ = &state.add(row("totals", Support::global, 5, ""), 5); // impulse x y, work, last force x y
   force_ = &state.add(row("force", Support::vertex, 2, ""), at(2 * mesh_->node_count()));
   penalty_->committed[0] = penalty_->trial[0] = settings_.penalty;
 }

@@ -203,6 +203,10 @@ void Coupling::before_attempt(const Attempt& attempt) {
   step_.dt = attempt.dt;
   step_.u_n = &state_.row("u").committed;
   step_.contact_scale = contact_scale_;
+  if (inertia_) {
+    const NewmarkParameters p = newmark_parameters(ts_);
+    step_.mass_shift = p.alpha_m / (p.beta * attempt.dt * attempt.dt);
+  }
   if (damage_) {
     phi_frozen_ = state_.row("phi").committed;
     step_.phi = &phi_frozen_;
@@ -458,11 +462,9 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
     check(VecCopy(u_tilde, goal));
     problem.goal = goal;
     Handle<SNES> snes;
-    KSP ksp = nullptr;
     reuse_.forget();
     check(SNESCreate(motion_.discretisation().mesh.comm(), snes.out()));
-    check(SNESGetKSP(motion_snes_, &ksp));
-    check(SNESSetKSP(snes, ksp));
+    check(SNESSetKSP(snes, projection_solver()));
     check(SNESSetFunction(snes, f, Projection::residual, &problem));
     check(SNESSetJacobian(snes, motion_.jacobian(), motion_.matrix(), Projection::tangent, &problem));
     check(SNESSetTolerances(snes, motion_.reference_force(), 1e-10, 1e-12, 25, PETSC_DEFAULT));
@@ -485,11 +487,37 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
     }
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
     check(SNESGetConvergedReason(snes, &reason));
-    if (reason < 0)
-      check(VecCopy(goal, u_tilde)); // without projection the step is still energy decaying, only less smooth
+    if (reason < 0) {
+      // Without projection the step is still energy decaying, only less smooth.
+      check(VecCopy(goal, u_tilde));
+      if (!projection_failed_)
+        check(PetscPrintf(motion_.discretisation().mesh.comm(),
+                          "impact: the predictor of the step from t = %.10g could not be projected on the "
+                          "contact (%s); it is taken as it is, here and wherever that happens again\n",
+                          t_n, SNESConvergedReasons[reason]));
+      projection_failed_ = true;
+    }
   }
   for (auto& [row, values] : kept) row->trial = std::move(values);
-  (void)t_n;
+}
+
+KSP Coupling::projection_solver() {
+  // The motion's own solver, unless that needs a definite matrix: a pressed point on a vertex makes it
+  // indefinite.
+  KSP ksp = nullptr;
+  PetscBool definite = PETSC_FALSE;
+  check(SNESGetKSP(motion_snes_, &ksp));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(ksp), &definite, KSPCG, KSPMINRES, ""));
+  if (!definite) return ksp;
+  if (!projection_ksp_) {
+    PC pc = nullptr;
+    check(KSPCreate(motion_.discretisation().mesh.comm(), projection_ksp_.out()));
+    check(KSPSetType(projection_ksp_, KSPGMRES));
+    check(KSPSetTolerances(projection_ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+    check(KSPGetPC(projection_ksp_, &pc));
+    check(PCSetType(pc, PCJACOBI)); // mass and a few penalties: well conditioned by its diagonal
+  }
+  return projection_ksp_;
 }
 
 void Coupling::begin_at_rest_of_step(double t, Vec u, Vec v) {

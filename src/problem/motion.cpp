@@ -99,7 +99,7 @@ bool MotionProblem::update_contact(Vec u) {
 
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
-  for (ContactInterface& contact : contacts_) contact.set_time(step.t);
+  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())

@@ -51,7 +51,8 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
           {{"auglag", Enforcement::auglag}, {"penalty", Enforcement::penalty}}),
       number_row<Contact>(
           "penalty", &Contact::penalty,
-          {"starting penalty; auto: 10 E/h of the softer side", "auto", "N/m^3", "epsilon_N", "(75)"},
+          {"starting penalty; auto: 10 E/h of the softer side, with auglag more in steps far below h/c_p",
+           "auto", "N/m^3", "epsilon_N", "(75)"},
           positive, automatic()),
       number_row<Contact>("penalty_increment", &Contact::penalty_increment,
                           {"added when the penalty grows; auto: the starting penalty", "auto", "N/m^3"},

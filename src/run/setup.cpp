@@ -52,6 +52,9 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
     environment.frame = d.frame;
     environment.thickness = d.thickness;
     environment.modulus = softer_modulus(d);
+    if (s.has_inertia())
+      for (const MaterialAssignment& m : d.materials)
+        environment.density = std::max(environment.density, m.law.parameters.rho);
     contacts.emplace_back(d.mesh, d.displacement, settings, environment, state);
     for (const std::string& warning : contacts.back().warnings())
       PetscPrintf(d.mesh.comm(), "impact: %s\n", warning.c_str());

@@ -59,13 +59,15 @@ bool judge(TS ts, Integrator& integrator) {
   if (!integrator.hooks.accept) return true;
   const Trial& trial = integrator.trial;
   const Verdict verdict = integrator.hooks.accept(ts, integrator.attempt, trial.u, trial.v, trial.a);
-  if (!verdict.accept && !(verdict.factor > 0 && verdict.factor < 1))
+  if (!verdict.accept && !(verdict.factor > 0 && verdict.factor <= 1))
     throw std::logic_error("a refused step needs a factor between 0 and 1");
-  PetscReal factor = verdict.accept ? 1 : verdict.factor;
+  constexpr PetscReal accepted = 2;
+  PetscReal factor = verdict.accept ? accepted : verdict.factor;
   MPI_Allreduce(MPI_IN_PLACE, &factor, 1, MPIU_REAL, MPIU_MIN,
                 PetscObjectComm(reinterpret_cast<PetscObject>(ts)));
+  if (factor == accepted) return true;
   ts->time_step *= factor;
-  return factor == 1;
+  return false;
 }
 
 // Solves and judges one try; true when it is to be taken over, with the size of the next step.

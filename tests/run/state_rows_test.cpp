@@ -63,7 +63,7 @@ const Rows known = {
     {"drive", {Support::cell_point, 3}},
     {"damage_history", {Support::cell_point, 1}},
     {"contact_face_multiplier", {Support::facet_point, 1}},
-    {"contact_face_penalty", {Support::global, 2}},
+    {"contact_face_penalty", {Support::global, 3}},
     {"contact_face_totals", {Support::global, 5}},
     {"contact_face_force", {Support::vertex, 2}},
     {"ledger_totals", {Support::global, 0}}, // as many as the ledger counts

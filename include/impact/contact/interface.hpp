@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <impact/contact/node_exchange.hpp>
@@ -29,6 +30,7 @@ struct ContactEnvironment {
   Frame frame = Frame::plane_strain;
   double thickness = 1; ///< multiplies what is reported of plane problems
   double modulus = 0;   ///< Young's modulus of the softer undegraded side
+  double density = 0;   ///< of the heaviest side where bodies have inertia, else 0
   double length = 0;    ///< cell size beside the surface; 0: mean secondary facet
   std::function<std::array<double, 2>(double)>
       plane_motion; ///< displacement of the rigid plane; empty: at rest
@@ -104,8 +106,10 @@ public:
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Beginning of an attempt that ends at t: where the rigid plane's motion is taken. Points are tied to no
-  /// edge, and the committed row `u` of the table, where there is one, says where they start. Collective.
-  void set_time(double t);
+  /// edge, and the committed row `u` of the table, where there is one, says where they start. `mass_shift`
+  /// (1/s^2) is the factor of the mass in the tangent, 0 without inertia: an automatic penalty of an
+  /// augmented Lagrangian is raised to 2.5 rho h mass_shift for the attempt. Collective.
+  void set_time(double t, double mass_shift = 0);
   /// Local dofs [node * 2 + k] whose rows and columns tangent and multiply leave out; the residual keeps
   /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
   /// Collective.
@@ -150,6 +154,7 @@ public:
   InitialOverlapReport initial_overlap();
 
 private:
+  double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
   struct Side {
     ContactSurface surface;
     std::vector<PetscInt> neighbour; // [facet][2]
@@ -224,6 +229,7 @@ private:
   bool switched_ = false;   // the last update_search changed what a point with pressure faces, on this rank
   Handle<Vec> fixed_;       // 1 at fixed dofs; absent: none
   StateRow *multiplier_, *penalty_, *totals_, *force_;
+  double inertia_penalty_ = 0; // over the mass shift
   double time_ = 0;
 };
 

@@ -81,6 +81,7 @@ private:
   bool refresh_contact(Vec u);
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde);
+  KSP projection_solver();
 
   TS ts_;
   MotionProblem& motion_;
@@ -97,6 +98,8 @@ private:
   TangentReuse reuse_{0};
   PassShell coupling_shell_, uzawa_shell_;
   Handle<SNES> uzawa_snes_, motion_snes_;
+  Handle<KSP> projection_ksp_; // where the motion's own solver needs a definite matrix
+  bool projection_failed_ = false;
   Handle<Vec> residual_, newton_start_, contact_force_, contact_acceleration_;
   StepCounts counts_;
   PetscInt hardest_solve_ = 0, tangents_ = 0;

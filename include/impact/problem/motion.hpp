@@ -28,6 +28,7 @@ struct MotionStep {
   const std::vector<double>* u_n = nullptr;
   const std::vector<double>* phi = nullptr; ///< frozen damage of this pass, null without damage
   double contact_scale = 1;                 ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+  double mass_shift = 0;                    ///< factor of the mass in the tangent, 1/s^2; 0 without inertia
 };
 
 /// Forces at an accepted state, for reactions and the ledger (global vectors, fixed rows included).

@@ -14,7 +14,8 @@ struct Attempt {
   PetscInt number = 0; // 1 for the first try; 0 while the forces at the start are evaluated, where t = t_n
 };
 
-/// Answer of the second criterion: a refused step is tried again with dt times `factor`, 0 < factor < 1.
+/// Answer of the second criterion: a refused step is tried again with dt times `factor`, 0 < factor <= 1;
+/// with 1 the same step is repeated.
 struct Verdict {
   bool accept = true;
   PetscReal factor = 0.5;

@@ -1,0 +1,93 @@
+# labels: run
+# timeout: 60
+"""R9: a full disk, a quota, a folder that cannot be written. The checkpoint before stays whole and is what the next run
+goes on from; field output is given up with a message while the run goes on; everything else ends with exit status 4 and
+one line. A full disk is a write that fails (impact_faulty), a limit on the size of files, and a small tmpfs where the
+test may mount one."""
+import os
+import resource
+import subprocess
+
+from _reliability import (BOTH, FAULTY, crashed, field_times, fields_fault, finish_within, largest_difference, log_of,
+                          ranks_of, rows, start, wait_for, with_mesh)
+from _runs import check, finish, require
+
+OPTIONS = {**with_mesh(BOTH), "restart": "auto", "checkpoint_patience": 3}
+require("undisturbed run", finish_within(start("whole", OPTIONS), 60) == 0)
+require("undisturbed run on 2 ranks", finish_within(start("whole_2", OPTIONS, 2), 60) == 0)
+size = os.path.getsize("whole/checkpoints/checkpoint_000006.h5")
+print(f"     a checkpoint has {size} bytes")
+
+
+def says(folder, code, path):
+    said = [line for line in log_of(folder).splitlines() if line.startswith("impact: ")]
+    return (code == 4 and bool(said) and path in said[-1] and "PETSC ERROR" not in log_of(folder)
+            and ("No space" in said[-1] or "too large" in said[-1] or "denied" in said[-1] or "Not a directory" in said[-1]
+                 or "Read-only" in said[-1] or "cannot" in said[-1]))
+
+
+def goes_on(folder, whole, ranks=1):
+    code = finish_within(start(folder, OPTIONS, ranks), 60)
+    require(f"{folder}: with space again the same command ends (status {code})", code == 0)
+    gap, column = largest_difference(folder, whole)
+    check(f"{folder}: largest difference from the undisturbed run, in {column}", gap, 0, 1e-12, relative=False)
+
+
+# Checkpoints: the k-th change of a checkpoint file fails, and all after it.
+for name, first, ranks in (("at_first", 1, 1), ("in_second", 60, 1), ("in_third", 100, 2)):
+    folder = "full_" + name
+    code = finish_within(start(folder, OPTIONS, ranks, FAULTY, f"full:{first}:checkpoint_"), 60)
+    require(f"{folder}: status 4 (is {code}) and a line that names the file", says(folder, code, "checkpoint_"))
+    goes_on(folder, "whole_2" if ranks == 2 else "whole", ranks)
+
+# A quota below the size of a checkpoint, and of the field output alone.
+run = start("quota", {**OPTIONS, "checkpoint_every": 15})
+wait_for("quota", lambda: rows("quota") > 1 or run.poll() is not None)
+for pid in ranks_of(run):  # not from the start, because MPI makes files of its own
+    resource.prlimit(pid, resource.RLIMIT_FSIZE, (size // 2, size // 2))
+code = finish_within(run, 60)
+require(f"quota: status 4 (is {code}), no signal", says("quota", code, "checkpoint_") and not crashed(code))
+goes_on("quota", "whole")
+
+code = finish_within(start("fields", OPTIONS, 1, FAULTY, "full:120:vis."), 60)
+log = log_of("fields")
+require(f"field output on a full disk: the run goes on to its end (status {code})",
+        code == 0 and "goes on without this output" in log and rows("fields") == rows("whole"))
+require(f"field output on a full disk: what was written stays readable {fields_fault('fields')}",
+        not fields_fault("fields") and 0 < len(field_times("fields")) < len(field_times("whole")))
+
+code = finish_within(start("history", OPTIONS, 1, FAULTY, "full:20:history.csv"), 60)
+require(f"history on a full disk: status 4 (is {code}) and a line", says("history", code, "history.csv"))
+goes_on("history", "whole")
+
+# No folder at all.
+open("a_file", "w").close()
+code = finish_within(start("nowhere", {**OPTIONS, "checkpoint_dir": "a_file/x"}),
+                     20)
+require(f"checkpoint folder below a file: status 4 (is {code})", says("nowhere", code, "a_file"))
+if os.geteuid() != 0:
+    os.makedirs("locked")
+    os.chmod("locked", 0o500)
+    code = finish_within(start("locked", {**OPTIONS, "checkpoint_dir": "locked/x"}), 20)
+    require(f"read-only folder: status 4 (is {code})", says("locked", code, "locked"))
+    os.chmod("locked", 0o700)
+else:
+    print("     read-only folder: not tried, because nothing is read-only for root; /proc takes its place")
+    code = finish_within(start("proc", {**OPTIONS, "checkpoint_dir": "/proc/impact"}), 20)
+    require(f"a folder that the system refuses: status 4 (is {code})", says("proc", code, "/proc/impact"))
+
+os.makedirs("small", exist_ok=True)
+mounted = os.geteuid() == 0 and subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={8 * size}", "none", "small"],
+                                               stderr=subprocess.DEVNULL).returncode == 0
+if mounted:
+    try:
+        code = finish_within(start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_keep": 9}), 60)
+        require(f"full tmpfs: status 4 (is {code})", says("tmpfs", code, "checkpoint_"))
+        done = start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_every": 0})
+        require("full tmpfs: the run goes on from what was written before", finish_within(done, 60) == 0
+                and "resumed from small" in log_of("tmpfs"))
+    finally:
+        subprocess.run(["umount", "small"], check=True)
+else:
+    print("     tmpfs: not mounted, no right to")
+finish()
