@@ -1,11 +1,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/run/checkpoint_file.hpp>
+#include <impact/run/checkpoint_image.hpp>
 #include <impact/run/durable_file.hpp>
 #include <impact/run/watchdog.hpp>
+#include <memory>
 #include <petscviewerhdf5.h>
 #include <sstream>
 #include <thread>
@@ -128,24 +131,30 @@ Handle<DM> section_dm(const Mesh& mesh, const RowPlaces& places) {
   return dm;
 }
 
-/// Calls copy(place in the row, place in the local vector of `section`) for every double of a row; lanes that
-/// pad a batch (they repeat its last cell) only when asked for. False when the row has another size than its
-/// places.
-template <class Copy>
-bool for_each_double(const CheckpointState& state, const StateRow& row, const RowPlaces& places,
-                     PetscSection section, bool padding, Copy&& copy) {
-  const auto offset_of = [&](PetscInt point) {
+/// The place of a point's first double in the local vector of a section.
+auto local_offset(PetscSection section) {
+  return [section](PetscInt point) {
     PetscInt offset = 0;
     check(PetscSectionGetOffset(section, point, &offset));
-    return static_cast<std::size_t>(offset);
+    return offset;
   };
+}
+
+/// Calls copy(place in the row, offset_of(point) + number) for every double of a row, except those of points
+/// with a negative offset; lanes that pad a batch (they repeat its last cell) only when asked for. False when
+/// the row has another size than its places.
+template <class Offset, class Copy>
+bool for_each_double(const CheckpointState& state, const StateRow& row, const RowPlaces& places,
+                     Offset&& offset_of, bool padding, Copy&& copy) {
   if (row.support != Support::cell_point) {
     std::size_t next = 0;
     for (std::size_t k = 0; k < places.point.size(); ++k) {
       const auto count = static_cast<std::size_t>(places.doubles[k]);
       if (next + count > row.committed.size()) return false;
-      const std::size_t offset = offset_of(places.point[k]);
-      for (std::size_t i = 0; i < count; ++i) copy(next++, offset + i);
+      const PetscInt offset = offset_of(places.point[k]);
+      for (std::size_t i = 0; i < count && offset >= 0; ++i)
+        copy(next + i, static_cast<std::size_t>(offset) + i);
+      next += count;
     }
     return next == row.committed.size();
   }
@@ -157,8 +166,9 @@ bool for_each_double(const CheckpointState& state, const StateRow& row, const Ro
       if (first + per_cell * width > row.committed.size()) return false;
       const auto used = static_cast<std::size_t>(padding ? lanes : group.lanes_in_use(b));
       for (std::size_t l = 0; l < used; ++l) {
-        const std::size_t offset = offset_of(group.cell_point[static_cast<std::size_t>(b) * width + l]);
-        for (std::size_t i = 0; i < per_cell; ++i) copy(first + i * width + l, offset + i);
+        const PetscInt offset = offset_of(group.cell_point[static_cast<std::size_t>(b) * width + l]);
+        for (std::size_t i = 0; i < per_cell && offset >= 0; ++i)
+          copy(first + i * width + l, static_cast<std::size_t>(offset) + i);
       }
     }
   }
@@ -242,13 +252,144 @@ void write_row(const CheckpointState& state, const StateRow& row, PetscViewer vi
   PetscScalar* value = nullptr;
   check(VecGetArray(local, &value));
   const bool good =
-      for_each_double(state, row, places, section, false,
+      for_each_double(state, row, places, local_offset(section), false,
                       [&](std::size_t from, std::size_t to) { value[to] = row.committed[from]; });
   check(VecRestoreArray(local, &value));
   check_size(mesh, row, good);
   check(DMLocalToGlobal(dm, local, INSERT_VALUES, global));
   check(PetscObjectSetName(reinterpret_cast<PetscObject>(global.get()), row.name.c_str()));
   check(DMPlexGlobalVectorView(topology, viewer, dm, global));
+}
+
+bool in_sections(const StateRow& row) { return row.checkpointed && row.support != Support::global; }
+
+/// Where the numbers of a row go in every checkpoint of a mesh.
+struct RowPattern {
+  RowPlaces places;
+  std::vector<PetscInt> offset;   // per point of the chart: of its first double in this rank's; -1: another's
+  std::size_t first = 0, own = 0; // this rank's doubles among those of all, and their number
+  std::size_t row_size = 0;
+  std::vector<FileRange> ranges;
+};
+
+/// The layout of the first checkpoint of a mesh, for those that follow.
+struct Pattern {
+  std::string rows; // as in row_list
+  std::vector<RowPattern> row;
+  CheckpointImage image;
+};
+
+constexpr const char* pattern_name = "impact_checkpoint_pattern"; // composed with the mesh: it lives as long
+
+RowPattern row_pattern(const Mesh& mesh, const StateRow& row) {
+  RowPattern pattern;
+  pattern.places = places_of(mesh, row);
+  pattern.row_size = row.committed.size();
+  const Handle<DM> dm = section_dm(mesh, pattern.places);
+  PetscSection section = nullptr;
+  PetscInt own = 0, end = 0;
+  check(DMGetGlobalSection(dm, &section));
+  check(PetscSectionGetConstrainedStorageSize(section, &own));
+  MPI_Scan(&own, &end, 1, MPIU_INT, MPI_SUM, mesh.comm());
+  pattern.own = static_cast<std::size_t>(own);
+  pattern.first = static_cast<std::size_t>(end - own);
+  for (PetscInt p = pattern.places.start; p < pattern.places.end; ++p) {
+    PetscInt doubles = 0, offset = 0;
+    check(PetscSectionGetDof(section, p, &doubles));
+    check(PetscSectionGetOffset(section, p, &offset));
+    pattern.offset.push_back(doubles > 0 ? offset - (end - own) : -1);
+  }
+  return pattern;
+}
+
+/// Keeps the layout of a file that holds mesh and rows but not yet the values of the run. Nothing is kept
+/// when HDF5 chose one that cannot be filled in place. Collective.
+void keep_pattern(const CheckpointState& state, const std::string& file) {
+  const MPI_Comm comm = state.mesh.comm();
+  std::vector<RowPattern> rows;
+  std::vector<FileRange> gaps;
+  for (const auto& row : state.table.rows())
+    if (in_sections(*row)) rows.push_back(row_pattern(state.mesh, *row));
+  std::string found; // the ranges as bytes, to send them
+  on_rank_zero(comm, [&] {
+    const hdf5::File in(file, hdf5::File::Mode::read);
+    std::size_t next = 0;
+    for (const auto& row : state.table.rows()) {
+      if (!in_sections(*row)) continue;
+      const std::vector<FileRange> ranges =
+          data_ranges(in, std::string("/topologies/") + topology_name + "/dms/" +
+                              rows[next++].places.section_name + "/vecs/" + row->name + "/" + row->name);
+      const std::size_t count = ranges.size();
+      found.append(reinterpret_cast<const char*>(&count), sizeof count);
+      found.append(reinterpret_cast<const char*>(ranges.data()), count * sizeof(FileRange));
+    }
+  });
+  found = broadcast(comm, found);
+  const char* at = found.data();
+  bool good = true;
+  for (RowPattern& row : rows) {
+    std::size_t count = 0;
+    std::memcpy(&count, at, sizeof count);
+    row.ranges.resize(count);
+    if (count > 0) std::memcpy(row.ranges.data(), at + sizeof count, count * sizeof(FileRange));
+    at += sizeof count + count * sizeof(FileRange);
+    std::uint64_t stored = 0, all = 0, own = row.own * sizeof(double);
+    for (const FileRange& range : row.ranges) stored += range.bytes;
+    MPI_Allreduce(&own, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
+    good = good && stored == all;
+    gaps.insert(gaps.end(), row.ranges.begin(), row.ranges.end());
+  }
+  if (!good) return;
+  std::unique_ptr<Pattern> pattern;
+  agree_on_errors(comm, [&] {
+    pattern = std::make_unique<Pattern>(
+        Pattern{row_list(state.table), std::move(rows), CheckpointImage(comm, file, gaps)});
+  });
+  PetscContainer container = nullptr;
+  check(PetscContainerCreate(comm, &container));
+  check(PetscContainerSetUserDestroy(container, [](void* kept) -> PetscErrorCode {
+    delete static_cast<Pattern*>(kept);
+    return 0;
+  }));
+  check(PetscContainerSetPointer(container, pattern.release()));
+  check(PetscObjectCompose(reinterpret_cast<PetscObject>(state.mesh.dm()), pattern_name,
+                           reinterpret_cast<PetscObject>(container)));
+  check(PetscContainerDestroy(&container));
+}
+
+/// The layout of the mesh's earlier checkpoint if the state still has the same rows. Collective.
+const Pattern* kept_pattern(const CheckpointState& state) {
+  PetscObject kept = nullptr;
+  check(PetscObjectQuery(reinterpret_cast<PetscObject>(state.mesh.dm()), pattern_name, &kept));
+  if (kept == nullptr) return nullptr;
+  void* pointer = nullptr;
+  check(PetscContainerGetPointer(reinterpret_cast<PetscContainer>(kept), &pointer));
+  const auto* pattern = static_cast<const Pattern*>(pointer);
+  bool same = pattern->rows == row_list(state.table);
+  std::size_t next = 0;
+  for (const auto& row : state.table.rows())
+    if (same && in_sections(*row)) same = pattern->row[next++].row_size == row->committed.size();
+  return all_ranks_agree(state.mesh.comm(), same) ? pattern : nullptr;
+}
+
+/// Fills an empty file as write_mesh, write_point_keys and write_row would. This rank's part: does not
+/// communicate.
+void write_in_pattern(const CheckpointState& state, const Pattern& pattern, const SharedFile& out) {
+  pattern.image.write(out);
+  std::size_t next = 0;
+  for (const auto& row : state.table.rows()) {
+    if (!in_sections(*row)) continue;
+    const RowPattern& to = pattern.row[next++];
+    const auto value = std::make_unique_for_overwrite<double[]>(to.own);
+    const auto offset_of = [&](PetscInt point) {
+      return to.offset[static_cast<std::size_t>(point - to.places.start)];
+    };
+    const double* from = row->committed.data();
+    if (!for_each_double(state, *row, to.places, offset_of, false,
+                         [&](std::size_t k, std::size_t place) { value[place] = from[k]; }))
+      throw std::logic_error("state row " + row->name + " does not have the size of its mesh");
+    write_ranges(out, to.ranges, to.first * sizeof(double), value.get(), to.own * sizeof(double));
+  }
 }
 
 /// More than the file will need, over all ranks. Collective.
@@ -347,7 +488,7 @@ void read_row(const CheckpointState& state, StateRow& row, PetscViewer viewer, P
     good = good && doubles == places.doubles[k];
   }
   check(VecGetArrayRead(local, &value));
-  good = good && for_each_double(state, row, places, section, true,
+  good = good && for_each_double(state, row, places, local_offset(section), true,
                                  [&](std::size_t to, std::size_t from) { row.committed[to] = value[from]; });
   check(VecRestoreArrayRead(local, &value));
   check_size(mesh, row, good);
@@ -398,18 +539,33 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
                             "cannot write checkpoint " + file +
                                 ": the write does not end (-checkpoint_patience); look at the disk, then "
                                 "-restart auto goes on from the one before");
-    file_access(comm, "cannot write checkpoint " + file, [&] {
-      const Handle<PetscViewer> viewer = open_viewer(comm, temporary, FILE_MODE_WRITE);
-      std::vector<std::string> sections;
-      write_mesh(state.mesh, viewer);
-      write_point_keys(state.mesh, viewer);
-      for (const auto& row : state.table.rows())
-        if (row->checkpointed && row->support != Support::global) write_row(state, *row, viewer, sections);
-    });
-    agree_on_errors(comm, [&] { sync_file(temporary); });
-    on_rank_zero(comm, [&] {
+    const std::string what = "cannot write checkpoint " + file;
+    if (const Pattern* pattern = kept_pattern(state)) {
+      on_rank_zero(comm, [&] { SharedFile(temporary, what, SharedFile::Mode::create); });
+      agree_on_errors(comm, [&] {
+        write_in_pattern(state, *pattern, SharedFile(temporary, what, SharedFile::Mode::fill));
+      });
+    } else {
+      file_access(comm, what, [&] {
+        const Handle<PetscViewer> viewer = open_viewer(comm, temporary, FILE_MODE_WRITE);
+        std::vector<std::string> sections;
+        write_mesh(state.mesh, viewer);
+        write_point_keys(state.mesh, viewer);
+        for (const auto& row : state.table.rows())
+          if (in_sections(*row)) write_row(state, *row, viewer, sections);
+      });
+      keep_pattern(state, temporary);
+    }
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    std::string manifest;
+    agree_on_errors(comm, [&] { // the other ranks sync what their nodes hold
+      if (rank > 0) return sync_file(temporary);
       write_on_rank_zero(temporary, state, values);
-      publish_checkpoint(file, values);
+      manifest = seal_checkpoint(file, values);
+    });
+    on_rank_zero(comm, [&] {
+      publish_checkpoint(file, manifest);
       remove_old_checkpoints(folder);
     });
   } catch (const UserError& error) {
@@ -431,7 +587,7 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
   const Handle<PetscSF> points = stored_points(state.mesh, viewer, checkpoint.file);
   file_access(comm, what, [&] {
     for (const auto& row : state.table.rows())
-      if (row->checkpointed && row->support != Support::global) read_row(state, *row, viewer, points);
+      if (in_sections(*row)) read_row(state, *row, viewer, points);
   });
   for (const auto& row : state.table.rows()) {
     if (!row->checkpointed) continue;

@@ -16,7 +16,7 @@ namespace impact {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* first_line = "impact checkpoint 1";
+constexpr const char* first_line = "impact checkpoint 2";
 
 fs::path manifest_of(const fs::path& file) { return fs::path(file).replace_extension(".manifest"); }
 
@@ -59,10 +59,10 @@ std::vector<std::string> with_manifest(const std::string& dir) {
 
 std::string manifest_text(const std::string& file, const CheckpointValues& values) {
   std::uintmax_t size = 0;
-  const std::uint64_t sum = file_checksum(file, size);
+  const std::uint64_t sum = file_checksum(file + ".tmp", size);
   std::ostringstream text;
   text.precision(17);
-  text << first_line << "\nfile " << fs::path(file).filename().string() << "\nsize " << size << "\nfnv1a64 "
+  text << first_line << "\nfile " << fs::path(file).filename().string() << "\nsize " << size << "\nchecksum "
        << to_hex(sum) << "\nstep " << values.step << "\ntime " << values.time << '\n';
   Checksum own;
   own.add(text.str().data(), text.str().size());
@@ -84,10 +84,19 @@ std::string next_checkpoint_file(const std::string& dir) {
   return (fs::path(dir) / name_of(last + 1)).string();
 }
 
-void publish_checkpoint(const std::string& file, const CheckpointValues& values) {
-  sync_file(file + ".tmp");
-  rename_durably(file + ".tmp", file);
-  replace_file(manifest_of(file).string(), manifest_text(file, values));
+std::string seal_checkpoint(const std::string& file, const CheckpointValues& values) {
+  const std::string temporary = file + ".tmp";
+  begin_sync(temporary); // the disk works while the sum is taken
+  std::string manifest = manifest_text(file, values);
+  sync_file(temporary);
+  return manifest;
+}
+
+void publish_checkpoint(const std::string& file, const std::string& manifest) {
+  rename_file(file + ".tmp", file);
+  // Makes both names last. Had the disk only the manifest after a crash, the checkpoint would count as
+  // damaged and the one before, which is removed later, as the newest.
+  replace_file(manifest_of(file).string(), manifest);
 }
 
 void remove_old_checkpoints(const CheckpointFolder& folder) {
@@ -123,7 +132,7 @@ std::string fault_of_checkpoint(const std::string& file) {
     const std::uint64_t content = file_checksum(file, size);
     if (entry(text, "size") != std::to_string(size))
       return "it has " + std::to_string(size) + " bytes instead of " + entry(text, "size");
-    if (entry(text, "fnv1a64") != to_hex(content))
+    if (entry(text, "checksum") != to_hex(content))
       return "its content does not have the checksum of the manifest";
     return {};
   } catch (const std::exception& error) {

@@ -1,11 +1,15 @@
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <impact/petsc/error.hpp>
 #include <impact/run/durable_file.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
+#include <utility>
+#include <vector>
 
 namespace impact {
 
@@ -48,6 +52,7 @@ public:
     const int error = ::posix_fallocate(id_, 0, static_cast<off_t>(bytes));
     if (error != 0) fail(what_, file_, error);
   }
+  void begin_sync() const { ::sync_file_range(id_, 0, 0, SYNC_FILE_RANGE_WRITE); }
   // Some file systems cannot sync a directory and say EINVAL; there is nothing better to do on them.
   void sync() const {
     if (::fsync(id_) != 0 && errno != EINVAL && errno != ENOTSUP) fail(what_, file_, errno);
@@ -80,15 +85,30 @@ std::string to_hex(std::uint64_t value) {
 }
 
 std::uint64_t file_checksum(const std::string& file, std::uintmax_t& size) {
+  constexpr std::size_t block = 64;
   const Descriptor in(file, O_RDONLY, "cannot read");
-  std::string buffer(std::size_t{1} << 20, '\0');
-  Checksum sum;
+  std::vector<char> buffer(std::size_t{1} << 18); // stays in the cache next to the processor
+  std::array<std::uint64_t, 8> sum;
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = k + 1;
   size = 0;
-  while (const std::size_t got = in.read(buffer.data(), buffer.size())) {
-    sum.add(buffer.data(), got);
-    size += got;
+  for (std::size_t held = buffer.size(); held == buffer.size();) {
+    held = 0;
+    while (const std::size_t got = in.read(buffer.data() + held, buffer.size() - held)) held += got;
+    size += held;
+    const std::size_t whole = (held + block - 1) / block * block;
+    std::memset(buffer.data() + held, 0, whole - held);
+    for (std::size_t at = 0; at < whole; at += block) {
+      std::array<std::uint64_t, 8> word;
+      std::memcpy(word.data(), buffer.data() + at, block);
+      for (std::size_t k = 0; k < sum.size(); ++k)
+        sum[k] = std::rotl((sum[k] ^ word[k]) * 0x9e3779b97f4a7c15ULL, 29);
+    }
   }
-  return sum.value();
+  Checksum all;
+  all.add(sum.data(), sizeof sum);
+  const std::uint64_t length = size;
+  all.add(&length, sizeof length);
+  return all.value();
 }
 
 std::string read_file(const std::string& file) {
@@ -115,12 +135,18 @@ void replace_file(const std::string& file, const std::string& text) {
   rename_durably(temporary, file);
 }
 
-void rename_durably(const std::string& from, const std::string& to) {
+void rename_file(const std::string& from, const std::string& to) {
   if (std::rename(from.c_str(), to.c_str()) != 0) fail("cannot write", to, errno);
+}
+
+void rename_durably(const std::string& from, const std::string& to) {
+  rename_file(from, to);
   Descriptor(folder_of(to), O_RDONLY | O_DIRECTORY, "cannot write").sync();
 }
 
 void sync_file(const std::string& file) { Descriptor(file, O_RDONLY, "cannot write").sync(); }
+
+void begin_sync(const std::string& file) { Descriptor(file, O_RDONLY, "cannot write").begin_sync(); }
 
 void require_space(const std::string& file, std::uintmax_t bytes) {
   const std::string probe = file + ".space";
@@ -132,6 +158,47 @@ void require_space(const std::string& file, std::uintmax_t bytes) {
                     std::string(error.what()) + " (" + std::to_string(bytes) + " bytes are needed)");
   }
   ::unlink(probe.c_str());
+}
+
+SharedFile::SharedFile(const std::string& file, std::string what, Mode mode) : what_(std::move(what)) {
+  const int flags = mode == Mode::create ? O_WRONLY | O_CREAT | O_TRUNC
+                    : mode == Mode::fill ? O_WRONLY
+                                         : O_RDONLY;
+  do id_ = ::open(file.c_str(), flags | O_CLOEXEC, 0666);
+  while (id_ < 0 && errno == EINTR);
+  if (id_ < 0) fail(errno);
+}
+
+SharedFile::~SharedFile() { ::close(id_); }
+
+void SharedFile::fail(int error) const { throw UserError(ExitCode::io, what_ + ": " + std::strerror(error)); }
+
+std::uint64_t SharedFile::size() const {
+  struct stat status {};
+  if (::fstat(id_, &status) != 0) fail(errno);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+void SharedFile::read(std::uint64_t at, void* data, std::uint64_t bytes) const {
+  for (auto* to = static_cast<char*>(data); bytes > 0;) {
+    const ssize_t got = ::pread(id_, to, bytes, static_cast<off_t>(at));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) fail(got < 0 ? errno : EIO);
+    to += got;
+    at += static_cast<std::uint64_t>(got);
+    bytes -= static_cast<std::uint64_t>(got);
+  }
+}
+
+void SharedFile::write(std::uint64_t at, const void* data, std::uint64_t bytes) const {
+  for (const auto* from = static_cast<const char*>(data); bytes > 0;) {
+    const ssize_t put = ::pwrite(id_, from, bytes, static_cast<off_t>(at));
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) fail(errno);
+    from += put;
+    at += static_cast<std::uint64_t>(put);
+    bytes -= static_cast<std::uint64_t>(put);
+  }
 }
 
 } // namespace impact

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -7,6 +8,9 @@
 #include <impact/run/field_output.hpp>
 #include <impact/run/hdf5_file.hpp>
 #include <impact/run/xdmf.hpp>
+#include <map>
+#include <set>
+#include <string_view>
 
 namespace impact {
 
@@ -100,10 +104,69 @@ std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   return list;
 }
 
-std::string frame_group(int number) {
+std::string frame_name(int number) {
   char name[32];
-  std::snprintf(name, sizeof name, "/fields/%06d", number);
+  std::snprintf(name, sizeof name, "%06d.h5", number);
   return name;
+}
+
+std::string mesh_name(int number) { return "mesh_" + std::to_string(number) + ".h5"; }
+
+/// What the name of a file in our folder says: "000012.h5", "mesh_0.h5", or one of these with the ending of a
+/// file that was not finished or set aside. Other names have the number -1.
+struct OwnName {
+  bool mesh = false, finished = false;
+  int number = -1;
+};
+
+OwnName own_name(const std::string& name) {
+  OwnName own;
+  own.mesh = name.starts_with("mesh_");
+  const char *begin = name.data() + (own.mesh ? 5 : 0), *end = name.data() + name.size();
+  int number = -1;
+  const auto [rest, error] = std::from_chars(begin, end, number);
+  const std::string_view ending(rest, end);
+  if (error != std::errc{} || number < 0 || !ending.starts_with(".h5")) return own;
+  own.number = number;
+  own.finished = ending == ".h5";
+  return own;
+}
+
+std::vector<std::string> names_in(const std::string& folder) {
+  std::vector<std::string> names;
+  try {
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      names.push_back(entry.path().filename().string());
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw UserError(ExitCode::io, "cannot read directory " + folder + ": " + error.code().message());
+  }
+  return names;
+}
+
+void remove_file(const std::string& file) {
+  std::error_code error;
+  std::filesystem::remove(file, error);
+  if (error) throw UserError(ExitCode::io, "cannot remove " + file + ": " + error.message());
+}
+
+/// Finished files of one kind by their number.
+std::map<int, std::string> finished_files(const std::string& folder, bool meshes) {
+  std::map<int, std::string> files;
+  for (const std::string& name : names_in(folder))
+    if (const OwnName own = own_name(name); own.finished && own.mesh == meshes) files[own.number] = name;
+  return files;
+}
+
+/// Puts the complete file on the disk; after a failure nothing of it stays.
+void publish(std::unique_ptr<hdf5::File> file, const std::string& target, const std::string& failure) {
+  if (!failure.empty()) throw UserError(ExitCode::io, failure);
+  try {
+    replace_file(target, file->image());
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(target + ".tmp", ignored);
+    throw;
+  }
 }
 
 std::string without_extension(const std::string& path) {
@@ -112,7 +175,7 @@ std::string without_extension(const std::string& path) {
 
 } // namespace
 
-/// `nodes_in_order` and the counts hold on every rank; files and the list of what they contain live on rank
+/// `nodes_in_order` and the counts hold on every rank; files and the lists of what they contain live on rank
 /// 0.
 struct FieldOutput::Impl {
   MPI_Comm comm = MPI_COMM_NULL;
@@ -122,15 +185,25 @@ struct FieldOutput::Impl {
   std::vector<int> nodes_in_order; // owned local nodes by global number
   std::size_t node_count = 0, cell_count = 0;
   std::uint64_t global_nodes = 0, global_cells = 0;
-  int mesh_number = 0, next_frame = 0;
+  std::vector<std::string> mesh_sums; // of xdmf.meshes
+  std::size_t mesh_index = 0;         // into xdmf.meshes: the one of this run
+  int next_mesh = 0, next_frame = 0;
 
-  std::string h5() const { return path + ".h5"; }
+  std::string folder() const { return path + ".fields"; }
+  std::string file(const std::string& name) const { return folder() + "/" + name; }
+  /// As the .xdmf names it.
+  std::string relative(const std::string& name) const {
+    return std::filesystem::path(folder()).filename().string() + "/" + name;
+  }
   void take_numbering(const Mesh& mesh);
   std::vector<double> owned_values(const double* values, int components, int width) const;
-  std::string resume(double after, std::uint64_t mesh_sum);
-  void read_meshes(const hdf5::File& file);
-  void read_frames(hdf5::File& file, double after);
-  void write_mesh(const Mesh& mesh, std::uint64_t sum);
+  bool find_mesh(const std::string& sum, std::string& warning);
+  void find_frames(double after, std::string& warning);
+  XdmfFrame read_frame(const std::string& name) const;
+  void set_aside(const std::string& name, const std::exception& error, std::string& warning) const;
+  void remove_all_but_named() const;
+  std::unique_ptr<hdf5::File> create(const std::string& target, std::uint64_t bytes) const;
+  void write_mesh(const Mesh& mesh, const std::string& sum);
   template <class T>
   void write_dataset(hdf5::File* file, std::string& failure, const std::string& name, hsize_t width,
                      hsize_t rows, const std::vector<T>& mine) const;
@@ -197,7 +270,13 @@ void FieldOutput::Impl::write_dataset(hdf5::File* file, std::string& failure, co
   });
 }
 
-void FieldOutput::Impl::write_mesh(const Mesh& mesh, std::uint64_t sum) {
+/// Made in memory, see publish(). A disk that is too full says so here, before the fields are collected.
+std::unique_ptr<hdf5::File> FieldOutput::Impl::create(const std::string& target, std::uint64_t bytes) const {
+  require_space(target, bytes);
+  return std::make_unique<hdf5::File>(target, hdf5::File::Mode::in_memory);
+}
+
+void FieldOutput::Impl::write_mesh(const Mesh& mesh, const std::string& sum) {
   const std::vector<Shape> shapes = shapes_on_any_rank(mesh);
   const bool mixed = shapes.size() > 1;
   const std::vector<std::int64_t> cells = connectivity(mesh, mixed);
@@ -205,88 +284,107 @@ void FieldOutput::Impl::write_mesh(const Mesh& mesh, std::uint64_t sum) {
   MPI_Allreduce(&mine, &length, 1, MPI_INT64_T, MPI_SUM, comm);
   const hsize_t width = mixed ? 1 : static_cast<hsize_t>(impact::node_count(shapes.at(0)));
 
-  const std::string group = "/mesh/" + std::to_string(mesh_number);
-  std::unique_ptr<hdf5::File> file;
+  const std::string name = mesh_name(next_mesh);
+  std::unique_ptr<hdf5::File> h5;
   std::string failure;
   on_rank_zero(comm, [&] {
-    require_space(h5(), margin + sizeof(double) * (3 * global_nodes + static_cast<std::uint64_t>(length)));
-    file = std::make_unique<hdf5::File>(h5(), std::filesystem::exists(h5()) ? hdf5::File::Mode::update
-                                                                            : hdf5::File::Mode::create);
+    h5 =
+        create(file(name), margin + sizeof(double) * (3 * global_nodes + static_cast<std::uint64_t>(length)));
   });
-  write_dataset(file.get(), failure, group + "/geometry", 3, global_nodes,
+  write_dataset(h5.get(), failure, "/geometry", 3, global_nodes,
                 owned_values(mesh.coordinates().data(), mesh.dim(), 3));
-  write_dataset(file.get(), failure, group + "/topology", width, static_cast<hsize_t>(length) / width, cells);
+  write_dataset(h5.get(), failure, "/topology", width, static_cast<hsize_t>(length) / width, cells);
   on_rank_zero(comm, [&] {
-    if (!failure.empty()) throw UserError(ExitCode::io, failure);
-    XdmfMesh entry{group, mixed ? "Mixed" : xdmf_name(shapes[0]), global_nodes, global_cells,
-                   static_cast<std::uint64_t>(length)};
-    file->write(group + "/cells", entry.cell_type);
-    file->set_attribute(group, "cell_count", static_cast<double>(global_cells));
-    file->write(group + "/checksum", to_hex(sum)); // last: it says that the rest is there
-    file->close();
+    const XdmfMesh entry{relative(name), mixed ? "Mixed" : xdmf_name(shapes[0]), global_nodes, global_cells,
+                         static_cast<std::uint64_t>(length)};
+    if (failure.empty()) {
+      h5->write("/cells", entry.cell_type);
+      h5->write("/cell_count", std::vector<double>{static_cast<double>(global_cells)});
+      h5->write("/checksum", sum);
+    }
+    publish(std::move(h5), file(name), failure);
+    mesh_index = xdmf.meshes.size();
     xdmf.meshes.push_back(entry);
+    mesh_sums.push_back(sum);
+    ++next_mesh;
   });
 }
 
-void FieldOutput::Impl::read_meshes(const hdf5::File& file) {
-  for (int m = 0;; ++m) {
-    const std::string group = "/mesh/" + std::to_string(m);
-    if (!file.has(group + "/checksum")) return;
-    const auto topology = file.extent(group + "/topology");
-    std::uint64_t length = 1;
-    for (const hsize_t n : topology) length *= n;
-    xdmf.meshes.push_back({group, file.read_text(group + "/cells"), file.extent(group + "/geometry").at(0),
-                           static_cast<std::uint64_t>(file.attribute(group, "cell_count", 0)), length});
-  }
+/// Renames a file that cannot be used and adds what the user is told.
+void FieldOutput::Impl::set_aside(const std::string& name, const std::exception& error,
+                                  std::string& warning) const {
+  rename_durably(file(name), file(name) + ".damaged");
+  warning +=
+      std::string(warning.empty() ? "" : "; ") + error.what() + "; it was kept as " + file(name) + ".damaged";
 }
 
-/// Times up to `after` are taken into the list; later ones, and one that a kill left unfinished, are removed.
-void FieldOutput::Impl::read_frames(hdf5::File& file, double after) {
-  for (const std::string& name : file.list("/fields")) {
-    const std::string group = "/fields/" + name;
-    const double time = file.attribute(group, "time", after + 1), mesh = file.attribute(group, "mesh", -1);
-    if (!(time <= after) || mesh < 0 || mesh >= static_cast<double>(xdmf.meshes.size())) {
-      file.remove(group);
+/// Takes up the meshes that are there; true when this run's is among them. On rank 0.
+bool FieldOutput::Impl::find_mesh(const std::string& sum, std::string& warning) {
+  bool found = false;
+  for (const auto& [number, name] : finished_files(folder(), true)) {
+    next_mesh = number + 1;
+    try {
+      const hdf5::File h5(file(name), hdf5::File::Mode::read);
+      std::uint64_t length = 1;
+      for (const hsize_t n : h5.extent("/topology")) length *= n;
+      const XdmfMesh entry{relative(name), h5.read_text("/cells"), h5.extent("/geometry").at(0),
+                           static_cast<std::uint64_t>(h5.read_numbers("/cell_count").at(0)), length};
+      mesh_sums.push_back(h5.read_text("/checksum"));
+      xdmf.meshes.push_back(entry);
+    } catch (const std::exception& error) {
+      set_aside(name, error, warning);
       continue;
     }
-    XdmfFrame frame{time, group, static_cast<std::size_t>(mesh), {}};
-    for (const bool on_nodes : {true, false})
-      for (const std::string& field : file.list(group + (on_nodes ? "/node" : "/cell"))) {
-        const auto extent = file.extent(group + (on_nodes ? "/node/" : "/cell/") + field);
-        frame.fields.push_back({field, on_nodes, extent.size() > 1 ? static_cast<int>(extent[1]) : 1});
-      }
-    next_frame = std::max(next_frame, std::stoi(name) + 1);
-    xdmf.frames.push_back(std::move(frame));
+    if (mesh_sums.back() == sum) {
+      mesh_index = mesh_sums.size() - 1;
+      found = true;
+    }
+  }
+  return found;
+}
+
+XdmfFrame FieldOutput::Impl::read_frame(const std::string& name) const {
+  const hdf5::File h5(file(name), hdf5::File::Mode::read);
+  const auto mesh = std::find(mesh_sums.begin(), mesh_sums.end(), h5.read_text("/mesh"));
+  if (mesh == mesh_sums.end())
+    throw UserError(ExitCode::io, "cannot use " + file(name) + ": its mesh is not there");
+  XdmfFrame frame{
+      h5.read_numbers("/time").at(0), relative(name), static_cast<std::size_t>(mesh - mesh_sums.begin()), {}};
+  for (const bool on_nodes : {true, false})
+    for (const std::string& field : h5.list(on_nodes ? "/node" : "/cell")) {
+      const auto extent = h5.extent((on_nodes ? "/node/" : "/cell/") + field);
+      frame.fields.push_back({field, on_nodes, extent.size() > 1 ? static_cast<int>(extent[1]) : 1});
+    }
+  return frame;
+}
+
+/// Takes the times up to `after` into the list. On rank 0.
+void FieldOutput::Impl::find_frames(double after, std::string& warning) {
+  for (const auto& [number, name] : finished_files(folder(), false)) {
+    try {
+      XdmfFrame frame = read_frame(name);
+      // The number grows with the time; a file that breaks this was left by times that were dropped before.
+      if (frame.time > after || (!xdmf.frames.empty() && frame.time <= xdmf.frames.back().time)) continue;
+      xdmf.frames.push_back(std::move(frame));
+      next_frame = number + 1;
+    } catch (const std::exception& error) {
+      set_aside(name, error, warning);
+    }
   }
 }
 
-/// Takes up the old file, on rank 0; returns a warning when it could not be read and was set aside.
-std::string FieldOutput::Impl::resume(double after, std::uint64_t mesh_sum) {
-  mesh_number = -1;
-  try {
-    hdf5::File file(h5(), hdf5::File::Mode::update);
-    read_meshes(file);
-    read_frames(file, after);
-    for (std::size_t m = 0; m < xdmf.meshes.size(); ++m)
-      if (file.read_text(xdmf.meshes[m].group + "/checksum") == to_hex(mesh_sum))
-        mesh_number = static_cast<int>(m);
-    // What a kill left of a mesh that was being written.
-    const std::string unfinished = "/mesh/" + std::to_string(xdmf.meshes.size());
-    if (file.has(unfinished)) file.remove(unfinished);
-    file.close();
-    return {};
-  } catch (const std::exception& error) {
-    xdmf.meshes.clear();
-    xdmf.frames.clear();
-    mesh_number = -1;
-    next_frame = 0;
-    std::string aside;
-    for (int k = 1; aside.empty() || std::filesystem::exists(aside); ++k)
-      aside = path + ".damaged-" + std::to_string(k) + ".h5";
-    rename_durably(h5(), aside);
-    return std::string(error.what()) + "; it was kept as " + aside +
-           ", the field output starts anew from here";
+/// Of the files that may be ours, those stay that the .xdmf names, the mesh of this run, and what was set
+/// aside.
+void FieldOutput::Impl::remove_all_but_named() const {
+  std::set<std::string> stays;
+  if (!xdmf.meshes.empty()) stays.insert(xdmf.meshes[mesh_index].file);
+  for (const XdmfFrame& frame : xdmf.frames) {
+    stays.insert(frame.file);
+    stays.insert(xdmf.meshes[frame.mesh].file);
   }
+  for (const std::string& name : names_in(folder()))
+    if (own_name(name).number >= 0 && stays.count(relative(name)) == 0 && !name.ends_with(".damaged"))
+      remove_file(file(name));
 }
 
 FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file) : impl_(std::make_unique<Impl>()) {
@@ -311,29 +409,31 @@ FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file) : impl_(std::m
   Checksum whole;
   whole.add(all.data(), all.size() * sizeof(std::uint64_t));
 
-  int write_the_mesh = 0;
+  const std::string sum = to_hex(whole.value());
+  int write_the_mesh = 1;
   on_rank_zero(self.comm, [&] {
-    const std::filesystem::path target(self.path);
-    make_directories(target.parent_path().string());
+    make_directories(self.folder());
     self.xdmf.title = file.title;
     self.xdmf.units = file.units;
-    self.xdmf.data_file = target.filename().string() + ".h5";
-    if (file.resume_after && std::filesystem::exists(self.h5())) {
-      warning_ = self.resume(*file.resume_after, whole.value());
+    if (file.resume_after) {
+      if (self.find_mesh(sum, warning_)) write_the_mesh = 0;
     } else {
-      std::filesystem::remove(self.path + ".xdmf");
-      hdf5::File(self.h5(), hdf5::File::Mode::create).close();
-      self.mesh_number = -1;
+      remove_file(self.path + ".xdmf");
+      self.remove_all_but_named();
     }
-    write_the_mesh = self.mesh_number < 0 ? 1 : 0;
-    if (write_the_mesh != 0) self.mesh_number = static_cast<int>(self.xdmf.meshes.size());
+  });
+  MPI_Bcast(&write_the_mesh, 1, MPI_INT, 0, self.comm);
+  if (write_the_mesh != 0) self.write_mesh(mesh, sum);
+  if (!file.resume_after) return;
+  on_rank_zero(self.comm, [&] {
+    self.find_frames(*file.resume_after, warning_);
+    if (self.xdmf.frames.empty())
+      remove_file(self.path + ".xdmf");
+    else
+      self.replace_xdmf();
+    self.remove_all_but_named();
   });
   warning_ = broadcast(self.comm, warning_);
-  MPI_Bcast(&write_the_mesh, 1, MPI_INT, 0, self.comm);
-  if (write_the_mesh != 0) self.write_mesh(mesh, whole.value());
-  on_rank_zero(self.comm, [&] {
-    if (!self.xdmf.frames.empty()) self.replace_xdmf();
-  });
 }
 
 FieldOutput::FieldOutput(FieldOutput&&) noexcept = default;
@@ -345,8 +445,8 @@ void FieldOutput::Impl::write_fields(hdf5::File* file, std::string& failure, Xdm
                                      const std::vector<CellField>& cells) const {
   for (const NodeField& field : nodes) {
     const int width = static_cast<int>(stored_width(field.components));
-    write_dataset(file, failure, frame.group + "/node/" + field.name, static_cast<hsize_t>(width),
-                  global_nodes, owned_values(field.values.data(), field.components, width));
+    write_dataset(file, failure, "/node/" + field.name, static_cast<hsize_t>(width), global_nodes,
+                  owned_values(field.values.data(), field.components, width));
     frame.fields.push_back({field.name, true, width});
   }
   for (const CellField& field : cells) {
@@ -358,8 +458,7 @@ void FieldOutput::Impl::write_fields(hdf5::File* file, std::string& failure, Xdm
       rows.insert(rows.end(), row, row + field.components);
       rows.resize(rows.size() + static_cast<std::size_t>(width - field.components), 0.0);
     }
-    write_dataset(file, failure, frame.group + "/cell/" + field.name, static_cast<hsize_t>(width),
-                  global_cells, rows);
+    write_dataset(file, failure, "/cell/" + field.name, static_cast<hsize_t>(width), global_cells, rows);
     frame.fields.push_back({field.name, false, width});
   }
 }
@@ -378,37 +477,37 @@ void FieldOutput::write(double time, const std::vector<NodeField>& nodes,
   if (!all_ranks_agree(self.comm, good))
     throw std::logic_error("field output: a field has a wrong size or an impossible name");
 
-  XdmfFrame frame{time, frame_group(self.next_frame), static_cast<std::size_t>(self.mesh_number), {}};
-  std::unique_ptr<hdf5::File> file;
-  std::string failure;
-  // HDF5 does not survive a disk that fills while it writes, so the space is asked for before the file is
-  // touched.
   std::uint64_t bytes = margin;
   for (const NodeField& f : nodes) bytes += sizeof(double) * self.global_nodes * stored_width(f.components);
   for (const CellField& f : cells) bytes += sizeof(double) * self.global_cells * stored_width(f.components);
+  auto& frames = self.xdmf.frames;
+  XdmfFrame frame{time, {}, self.mesh_index, {}};
+  std::string name;
+  std::unique_ptr<hdf5::File> file;
+  std::string failure;
+  const auto same =
+      std::find_if(frames.begin(), frames.end(), [&](const XdmfFrame& f) { return f.time == time; });
   on_rank_zero(self.comm, [&] {
-    require_space(self.h5(), bytes);
-    file = std::make_unique<hdf5::File>(self.h5(), hdf5::File::Mode::update);
-    if (file->has(frame.group)) file->remove(frame.group); // left by a write that failed
-    file->make_group(frame.group);
+    name = same != frames.end() ? std::filesystem::path(same->file).filename().string()
+                                : frame_name(self.next_frame);
+    frame.file = self.relative(name);
+    file = self.create(self.file(name), bytes);
   });
   self.write_fields(file.get(), failure, frame, nodes, cells);
   on_rank_zero(self.comm, [&] {
-    if (!failure.empty()) throw UserError(ExitCode::io, failure);
-    auto& frames = self.xdmf.frames;
-    for (std::size_t k = 0; k < frames.size(); ++k)
-      if (frames[k].time == time) {
-        file->remove(frames[k].group);
-        frames.erase(frames.begin() + static_cast<std::ptrdiff_t>(k));
-        break;
-      }
-    file->set_attribute(frame.group, "mesh", self.mesh_number);
-    file->set_attribute(frame.group, "time", time);
-    file->close();
-    frames.push_back(frame);
+    if (failure.empty()) {
+      file->write("/mesh", self.mesh_sums[self.mesh_index]);
+      file->write("/time", std::vector<double>{time});
+    }
+    publish(std::move(file), self.file(name), failure);
+    if (same != frames.end()) {
+      *same = frame;
+    } else {
+      frames.push_back(frame);
+      ++self.next_frame;
+    }
     self.replace_xdmf();
   });
-  ++self.next_frame;
 }
 
 std::vector<double> cells_in_mesh_order(const Mesh& mesh, const std::vector<CellGroup>& groups,

@@ -42,7 +42,8 @@ File::File(std::string name, Mode mode) : name_(std::move(name)), mode_(mode) {
   const Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // Objects forgotten by an earlier failure must not keep a file half open.
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
-  const hid_t id = mode == Mode::create
+  if (mode == Mode::in_memory) H5Pset_fapl_core(access, std::size_t{1} << 22, 0);
+  const hid_t id = mode == Mode::create || mode == Mode::in_memory
                        ? H5Fcreate(name_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access)
                        : H5Fopen(name_.c_str(), mode == Mode::read ? H5F_ACC_RDONLY : H5F_ACC_RDWR, access);
   id_ = Id(checked(id, "open"), H5Fclose);
@@ -81,11 +82,6 @@ void File::make_group(const std::string& path) {
   const Id parents(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(parents, 1);
   Id(checked(H5Gcreate2(id_, path.c_str(), parents, H5P_DEFAULT, H5P_DEFAULT), path), H5Gclose);
-}
-
-void File::remove(const std::string& path) {
-  const Quiet quiet;
-  checked(H5Ldelete(id_, path.c_str(), H5P_DEFAULT), path);
 }
 
 Id File::make_dataset(const std::string& path, hid_t type, const std::vector<hsize_t>& extent) {
@@ -177,6 +173,14 @@ void File::close() {
   const Quiet quiet;
   if (mode_ != Mode::read) checked(H5Fflush(id_, H5F_SCOPE_GLOBAL), "flush");
   if (!id_.close()) fail("close");
+}
+
+std::string File::image() const {
+  const Quiet quiet;
+  checked(H5Fflush(id_, H5F_SCOPE_GLOBAL), "flush");
+  std::string bytes(static_cast<std::size_t>(checked(H5Fget_file_image(id_, nullptr, 0), "size")), '\0');
+  checked(H5Fget_file_image(id_, bytes.data(), bytes.size()), "image");
+  return bytes;
 }
 
 } // namespace impact::hdf5

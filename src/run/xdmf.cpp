@@ -41,13 +41,12 @@ std::string item(const std::string& file, const std::string& dataset, const std:
          "\" Precision=\"8\" Format=\"HDF\">" + escaped(file) + ":" + escaped(dataset) + "</DataItem>";
 }
 
-std::string topology(const XdmfFile& file, const XdmfMesh& mesh) {
+std::string topology(const XdmfMesh& mesh) {
   std::string extent = std::to_string(mesh.topology_length);
   if (mesh.cell_type != "Mixed" && mesh.cells > 0)
     extent = std::to_string(mesh.cells) + " " + std::to_string(mesh.topology_length / mesh.cells);
   return "        <Topology TopologyType=\"" + mesh.cell_type + "\" NumberOfElements=\"" +
-         std::to_string(mesh.cells) + "\">" + item(file.data_file, mesh.group + "/topology", extent, false) +
-         "</Topology>\n";
+         std::to_string(mesh.cells) + "\">" + item(mesh.file, "/topology", extent, false) + "</Topology>\n";
 }
 
 // Six components stay in the order xx yy zz xy yz xz as a Matrix: ParaView names them so, while its readers
@@ -59,18 +58,16 @@ std::string attribute(const XdmfFile& file, const XdmfFrame& frame, const XdmfFi
   if (field.components > 1) extent += " " + std::to_string(field.components);
   return "        <Attribute Name=\"" + escaped(field.name) + "\" AttributeType=\"" + type + "\" Center=\"" +
          (field.on_nodes ? "Node" : "Cell") + "\">" +
-         item(file.data_file, frame.group + (field.on_nodes ? "/node/" : "/cell/") + field.name, extent,
-              true) +
+         item(frame.file, (field.on_nodes ? "/node/" : "/cell/") + field.name, extent, true) +
          "</Attribute>\n";
 }
 
 std::string grid(const XdmfFile& file, const XdmfFrame& frame) {
   const XdmfMesh& mesh = file.meshes[frame.mesh];
   std::string text = "      <Grid Name=\"mesh\" GridType=\"Uniform\">\n        <Time Value=\"" +
-                     exact(frame.time) + "\"/>\n" + topology(file, mesh) +
+                     exact(frame.time) + "\"/>\n" + topology(mesh) +
                      "        <Geometry GeometryType=\"XYZ\">" +
-                     item(file.data_file, mesh.group + "/geometry", std::to_string(mesh.nodes) + " 3", true) +
-                     "</Geometry>\n";
+                     item(mesh.file, "/geometry", std::to_string(mesh.nodes) + " 3", true) + "</Geometry>\n";
   for (const XdmfField& field : frame.fields) text += attribute(file, frame, field);
   return text + "      </Grid>\n";
 }

@@ -9,6 +9,7 @@ import time
 import xml.etree.ElementTree
 
 import h5py
+import numpy
 
 import _runs
 from _modes import difference
@@ -169,6 +170,39 @@ def fields_fault(folder, name="vis"):
 def field_times(folder, name="vis"):
     root = xml.etree.ElementTree.parse(os.path.join(folder, name + ".xdmf")).getroot()
     return [float(time.get("Value")) for time in root.iter("Time")]
+
+
+def field_values(folder, name="vis"):
+    """Arrays of the field output by (time, field), read through the .xdmf."""
+    values = {}
+    for grid in xml.etree.ElementTree.parse(os.path.join(folder, name + ".xdmf")).getroot().iter("Grid"):
+        if grid.get("GridType") != "Uniform":
+            continue
+        time = float(grid.find("Time").get("Value"))
+        items = [(part.get("Name", part.tag), part.find("DataItem")) for part in grid if part.find("DataItem") is not None]
+        for field, item in items:
+            file, data = item.text.strip().split(":", 1)
+            with h5py.File(os.path.join(folder, file), "r") as h5:
+                values[time, field] = h5[data][()]
+    return values
+
+
+def fields_difference(folder, reference, partly=False):
+    """Largest difference of two field outputs, relative to the largest value of each field, and where it is; infinite
+    when one has other times or fields. `partly`: what `folder` lacks does not count."""
+    found, right = field_values(folder), field_values(reference)
+    if not (set(found) <= set(right) if partly else set(found) == set(right)):
+        return numpy.inf, f"times or fields {sorted(set(found) ^ set(right))}"
+    scale = {}
+    for (_, field), values in right.items():
+        scale[field] = max(scale.get(field, 0), numpy.abs(values).max(initial=0))
+    worst = (0.0, "")
+    for (time, field), values in found.items():
+        if values.shape != right[time, field].shape:
+            return numpy.inf, f"shape of {field} at t = {time:g}"
+        gap = numpy.abs(values - right[time, field]).max(initial=0) / (scale[field] or 1)
+        worst = max(worst, (float(gap), f"{field} at t = {time:g}"))
+    return worst
 
 
 def largest_difference(folder, reference):

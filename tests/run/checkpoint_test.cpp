@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/durable_file.hpp>
+#include <impact/run/hdf5_file.hpp>
 #include <limits>
+#include <map>
 
 namespace impact {
 namespace {
@@ -200,6 +202,90 @@ TEST_P(CheckpointOn2DAnd3D, HoldsTheMeshItself) {
   read_checkpoint(found, loaded.state());
   for (const char* name : {"u", "phi", "lambda"})
     EXPECT_EQ(loaded.table.row(name).committed, loaded.expected(loaded.table.row(name))) << name;
+}
+
+// The first checkpoint of a mesh is laid out by HDF5, the later ones take its layout over.
+TEST_P(CheckpointOn2DAnd3D, HasItsOwnNumbersInTheLayoutOfAnEarlierOne) {
+  const std::string dir = fresh_dir("later");
+  int ranks = 1;
+  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
+  Case written(mesh_of(PETSC_COMM_WORLD, dir, text()), surface());
+  for (const auto& row : written.table.rows())
+    for (double& x : row->committed) x = 7;
+  const std::string first = write_checkpoint(written.state(), {0.1, 10, {{"n", 3}}, {}}, {dir, 2});
+  written.fill();
+  const auto found =
+      open_checkpoint(PETSC_COMM_WORLD, write_checkpoint(written.state(), some_values, {dir, 2}));
+  EXPECT_EQ(found.values.texts, some_values.texts);
+  EXPECT_EQ(found.values.numbers.count("n"), 0U);
+  Case fresh(mesh_of(PETSC_COMM_WORLD, dir, text()), surface());
+  read_checkpoint(found, fresh.state());
+  EXPECT_TRUE(fresh.restored());
+  read_checkpoint(open_checkpoint(PETSC_COMM_WORLD, first), fresh.state());
+  EXPECT_FALSE(all_ranks_agree(PETSC_COMM_WORLD, fresh.restored()));
+
+  const bool one_of_few = rank_of(PETSC_COMM_WORLD) < std::max(1, ranks - 1);
+  MPI_Comm few = MPI_COMM_NULL;
+  MPI_Comm_split(PETSC_COMM_WORLD, one_of_few ? 0 : MPI_UNDEFINED, 0, &few);
+  if (one_of_few) {
+    Case loaded(read_checkpoint_mesh(few, found), surface());
+    read_checkpoint(found, loaded.state());
+    for (const char* name : {"u", "phi", "lambda"})
+      EXPECT_EQ(loaded.table.row(name).committed, loaded.expected(loaded.table.row(name))) << name;
+    Case moved(mesh_of(few, dir + "/.", text()), surface());
+    read_checkpoint(found, moved.state());
+    EXPECT_TRUE(moved.restored());
+    MPI_Comm_free(&few);
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+}
+
+/// Name and numbers of every data set of a file.
+std::map<std::string, std::vector<double>> data_sets(const std::string& name) {
+  const hdf5::File file(name, hdf5::File::Mode::read);
+  std::map<std::string, std::vector<double>> all;
+  const auto collect = [](hid_t, const char* path, const H5O_info_t* info, void* out) -> herr_t {
+    if (info->type == H5O_TYPE_DATASET)
+      (*static_cast<std::map<std::string, std::vector<double>>*>(out))[path];
+    return 0;
+  };
+  EXPECT_GE(H5Ovisit(file.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect, &all), 0);
+  for (auto& [path, numbers] : all) numbers = file.read_numbers(path);
+  return all;
+}
+
+TEST_P(CheckpointOn2DAnd3D, IsTheFileThatHDF5WouldWrite) {
+  const std::string dir = fresh_dir("same_file");
+  Case anew(mesh_of(PETSC_COMM_WORLD, dir, text()), surface()),
+      later(mesh_of(PETSC_COMM_WORLD, dir, text()), surface());
+  anew.fill();
+  write_checkpoint(later.state(), some_values, {dir + "/later", 2});
+  later.fill();
+  const std::string second = write_checkpoint(later.state(), some_values, {dir + "/later", 2}),
+                    first = write_checkpoint(anew.state(), some_values, {dir + "/anew", 2});
+  on_rank_zero(PETSC_COMM_WORLD, [&] {
+    auto right = data_sets(first), found = data_sets(second);
+    EXPECT_GT(right.size(), 20U);
+    for (auto* sets : {&right, &found}) { // the one number that is none
+      EXPECT_TRUE(std::isnan(sets->at("impact/given/numbers/nan").at(0)));
+      sets->erase("impact/given/numbers/nan");
+    }
+    EXPECT_TRUE(right == found);
+    EXPECT_EQ(fs::file_size(first), fs::file_size(second));
+  });
+}
+
+TEST_P(CheckpointOn2DAnd3D, HoldsARowThatAnEarlierOneHadNot) {
+  const std::string dir = fresh_dir("more_rows");
+  Case written(mesh_of(PETSC_COMM_WORLD, dir, text()), surface()),
+      fresh(mesh_of(PETSC_COMM_WORLD, dir, text()), surface());
+  write_checkpoint(written.state(), some_values, {dir, 2});
+  for (Case* c : {&written, &fresh})
+    c->table.add({"theta", Support::vertex, 1}, static_cast<std::size_t>(c->mesh.node_count()));
+  written.fill();
+  read_checkpoint(open_checkpoint(PETSC_COMM_WORLD, write_checkpoint(written.state(), some_values, {dir, 2})),
+                  fresh.state());
+  EXPECT_TRUE(fresh.restored());
 }
 
 INSTANTIATE_TEST_SUITE_P(, CheckpointOn2DAnd3D, testing::Values(false, true), [](const auto& which) {

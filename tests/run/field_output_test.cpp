@@ -6,6 +6,9 @@
 #include <impact/run/hdf5_file.hpp>
 #include <map>
 #include <set>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace impact {
 namespace {
@@ -58,7 +61,7 @@ std::string attribute_of(const std::string& tag, const std::string& name) {
 }
 
 struct Item {
-  std::string group; // HDF5 path
+  std::string file, path; // the HDF5 file, and the data set in it
   std::vector<hsize_t> extent;
 };
 struct Grid {
@@ -70,7 +73,7 @@ struct Grid {
 };
 
 /// Reads the .xdmf, checking that tags are closed in order. On rank 0.
-std::vector<Grid> read_xdmf(const std::string& file, const std::string& data_file) {
+std::vector<Grid> read_xdmf(const std::string& file) {
   const std::string text = read_file(file);
   std::vector<Grid> grids;
   std::vector<std::string> open;
@@ -104,19 +107,28 @@ std::vector<Grid> read_xdmf(const std::string& file, const std::string& data_fil
       Item& item = grids.back().items[current];
       std::istringstream numbers(attribute_of(tag, "Dimensions"));
       for (hsize_t n = 0; numbers >> n;) item.extent.push_back(n);
-      EXPECT_EQ(content.substr(0, data_file.size() + 1), data_file + ":");
-      item.group = content.substr(data_file.size() + 1);
+      item.file = (fs::path(file).parent_path() / content.substr(0, content.find(':'))).string();
+      item.path = content.substr(content.find(':') + 1);
     }
   }
   EXPECT_TRUE(open.empty());
   return grids;
 }
 
+std::vector<double> numbers(const Item& item) {
+  return hdf5::File(item.file, hdf5::File::Mode::read).read_numbers(item.path);
+}
+
+std::set<std::string> names_in(const std::string& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
 /// Every data set that the .xdmf names exists with its dimensions, and holds the values of the place it
 /// belongs to.
 void expect_right(const std::string& path, const Mesh& mesh, const std::vector<double>& times) {
-  const hdf5::File file(path + ".h5", hdf5::File::Mode::read);
-  const std::vector<Grid> grids = read_xdmf(path + ".xdmf", fs::path(path).filename().string() + ".h5");
+  const std::vector<Grid> grids = read_xdmf(path + ".xdmf");
   ASSERT_EQ(grids.size(), times.size());
   const auto nodes = static_cast<hsize_t>(mesh.global_node_count()),
              cells = static_cast<hsize_t>(mesh.global_cell_count());
@@ -128,13 +140,13 @@ void expect_right(const std::string& path, const Mesh& mesh, const std::vector<d
                                                              {"phi", "Scalar Node"},
                                                              {"stress", "Matrix Cell"},
                                                              {"material", "Scalar Cell"}}));
-    for (const auto& [name, item] : grid.items) EXPECT_EQ(file.extent(item.group), item.extent) << name;
+    for (const auto& [name, item] : grid.items)
+      EXPECT_EQ(hdf5::File(item.file, hdf5::File::Mode::read).extent(item.path), item.extent) << name;
     EXPECT_EQ(grid.items.at("u").extent, (std::vector<hsize_t>{nodes, 3}));
     EXPECT_EQ(grid.items.at("stress").extent, (std::vector<hsize_t>{cells, 6}));
 
-    const auto x = file.read_numbers(grid.items.at("geometry").group),
-               u = file.read_numbers(grid.items.at("u").group);
-    const auto phi = file.read_numbers(grid.items.at("phi").group);
+    const auto x = numbers(grid.items.at("geometry")), u = numbers(grid.items.at("u"));
+    const auto phi = numbers(grid.items.at("phi"));
     for (std::size_t n = 0; n < nodes; ++n) {
       for (int k = 0; k < 3; ++k) {
         const double right =
@@ -143,9 +155,8 @@ void expect_right(const std::string& path, const Mesh& mesh, const std::vector<d
       }
       EXPECT_EQ(phi[n], times[g] + x[3 * n]);
     }
-    const auto topology = file.read_numbers(grid.items.at("topology").group);
-    const auto stress = file.read_numbers(grid.items.at("stress").group),
-               material = file.read_numbers(grid.items.at("material").group);
+    const auto topology = numbers(grid.items.at("topology"));
+    const auto stress = numbers(grid.items.at("stress")), material = numbers(grid.items.at("material"));
     const bool mixed = grid.topology == "Mixed";
     const std::map<double, std::size_t> size_of_type = {{4, 3}, {5, 4}, {6, 4}, {9, 8}};
     std::size_t at = 0;
@@ -207,9 +218,8 @@ TEST(FieldOutput, WritesHexahedraAsOneTopology) {
   write(output, mesh, 0.5);
   check_file(path, mesh, {0.5});
   on_rank_zero(PETSC_COMM_WORLD, [&] {
-    EXPECT_EQ(read_xdmf(path + ".xdmf", "vis.h5")[0].topology, "Hexahedron");
-    EXPECT_EQ(read_xdmf(path + ".xdmf", "vis.h5")[0].items.at("topology").extent,
-              (std::vector<hsize_t>{27, 8}));
+    EXPECT_EQ(read_xdmf(path + ".xdmf")[0].topology, "Hexahedron");
+    EXPECT_EQ(read_xdmf(path + ".xdmf")[0].items.at("topology").extent, (std::vector<hsize_t>{27, 8}));
   });
 }
 
@@ -226,11 +236,104 @@ TEST(FieldOutput, RestartDropsLaterTimesAndRepeatsNone) {
   write(output, mesh, 0.25);
   write(output, mesh, 0.25);
   check_file(path, mesh, {0.0, 0.1, 0.25});
-  on_rank_zero(PETSC_COMM_WORLD,
-               [&] { EXPECT_EQ(hdf5::File(path + ".h5", hdf5::File::Mode::read).list("/mesh").size(), 1U); });
+  on_rank_zero(PETSC_COMM_WORLD, [&] {
+    EXPECT_EQ(names_in(path + ".fields"),
+              (std::set<std::string>{"mesh_0.h5", "000000.h5", "000001.h5", "000002.h5"}));
+  });
+}
+
+TEST(FieldOutput, ANewRunLeavesNoFilesOfAnEarlierOne) {
+  const std::string dir = fresh_dir("fields_anew"), path = dir + "/vis";
+  const Mesh mesh = mesh_of(PETSC_COMM_WORLD, dir, two_bodies(4));
+  {
+    FieldOutput output(mesh, {path, "", ""});
+    for (const double t : {0.0, 0.1, 0.2}) write(output, mesh, t);
+    on_rank_zero(PETSC_COMM_WORLD, [&] {
+      for (const char* name : {"000003.h5.tmp", "000003.h5.space", "mesh_1.h5.tmp", "notes.txt"})
+        std::ofstream(path + ".fields/" + name) << "x";
+    });
+  }
   FieldOutput anew(mesh, {path, "", ""});
+  on_rank_zero(PETSC_COMM_WORLD, [&] { EXPECT_FALSE(fs::exists(path + ".xdmf")); });
   write(anew, mesh, 0.7);
   check_file(path, mesh, {0.7});
+  on_rank_zero(PETSC_COMM_WORLD, [&] {
+    EXPECT_EQ(names_in(path + ".fields"), (std::set<std::string>{"mesh_0.h5", "000000.h5", "notes.txt"}));
+  });
+}
+
+/// Ends the process without any of its clean-up when somebody reads the values.
+class DeadlyValues {
+public:
+  explicit DeadlyValues(std::size_t count)
+      : count_(count),
+        at_(mmap(nullptr, count * sizeof(double), PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)) {
+    std::signal(SIGSEGV, SIG_DFL);
+    const rlimit no_core{0, 0};
+    setrlimit(RLIMIT_CORE, &no_core);
+  }
+  std::span<const double> span() const { return {static_cast<const double*>(at_), count_}; }
+
+private:
+  std::size_t count_;
+  void* at_;
+};
+
+/// Runs `body` in a copy of this process; 0 when it came to its end.
+int signal_that_ended(const std::function<void()>& body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    body();
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+// On one rank, as the process that dies is a copy of this one. reliability_kills_fields.py kills
+// at every call.
+TEST(FieldOutput, AKilledWriteLeavesTheEarlierTimesAndIsMadeUpFor) {
+  const std::string dir = fresh_dir("fields_killed"), path = dir + "/vis";
+  if (rank_of(PETSC_COMM_WORLD) == 0) {
+    const Mesh mesh = mesh_of(PETSC_COMM_SELF, dir, two_bodies(12));
+    {
+      FieldOutput output(mesh, {path, "", ""});
+      for (const double t : {0.0, 0.1}) write(output, mesh, t);
+      for (const std::size_t last : {1U, 0U}) {
+        const auto killed_write = [&] {
+          const Fields fields(mesh, 0.2);
+          const DeadlyValues deadly((last == 1 ? 6U : 1U) * static_cast<std::size_t>(mesh.cell_count()));
+          std::vector<CellField> cells = fields.cells();
+          cells[1 - last].values = deadly.span();
+          output.write(0.2, fields.nodes(mesh.dim()), cells);
+        };
+        EXPECT_EQ(signal_that_ended(killed_write), SIGSEGV);
+        expect_right(path, mesh, {0.0, 0.1});
+      }
+    }
+    FieldOutput resumed(mesh, {path, "", "", 0.15});
+    EXPECT_EQ(resumed.warning(), "");
+    EXPECT_EQ(names_in(path + ".fields"), (std::set<std::string>{"mesh_0.h5", "000000.h5", "000001.h5"}));
+    write(resumed, mesh, 0.2);
+    expect_right(path, mesh, {0.0, 0.1, 0.2});
+  }
+  MPI_Barrier(PETSC_COMM_WORLD);
+}
+
+TEST(FieldOutput, RestartTakesUpATimeThatTheXdmfDoesNotNameYet) {
+  const std::string dir = fresh_dir("fields_unnamed"), path = dir + "/vis";
+  const Mesh mesh = mesh_of(PETSC_COMM_WORLD, dir, two_bodies(4));
+  {
+    FieldOutput output(mesh, {path, "", ""});
+    write(output, mesh, 0.0);
+    on_rank_zero(PETSC_COMM_WORLD, [&] { fs::copy_file(path + ".xdmf", dir + "/before.xdmf"); });
+    write(output, mesh, 0.1);
+    on_rank_zero(PETSC_COMM_WORLD, [&] { fs::rename(dir + "/before.xdmf", path + ".xdmf"); });
+  }
+  check_file(path, mesh, {0.0});
+  FieldOutput output(mesh, {path, "", "", 0.1});
+  check_file(path, mesh, {0.0, 0.1});
 }
 
 TEST(FieldOutput, ContinuesAFileOfAnotherNumberOfRanks) {
@@ -247,16 +350,22 @@ TEST(FieldOutput, ContinuesAFileOfAnotherNumberOfRanks) {
   check_file(path, mesh, {0.0, 0.1});
 }
 
-TEST(FieldOutput, SetsADamagedFileAsideAndSaysSo) {
+TEST(FieldOutput, SetsADamagedFileAsideAndKeepsTheOtherTimes) {
   const std::string dir = fresh_dir("fields_damaged"), path = dir + "/vis";
   const Mesh mesh = mesh_of(PETSC_COMM_WORLD, dir, two_bodies(4));
-  for (int k = 1; k <= 2; ++k) {
-    on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(path + ".h5") << "not HDF5"; });
+  {
+    FieldOutput output(mesh, {path, "", ""});
+    for (const double t : {0.0, 0.1, 0.2}) write(output, mesh, t);
+  }
+  // The mesh is written anew, and what was written on it belongs to it.
+  for (const std::string name : {"000001.h5", "mesh_0.h5"}) {
+    const std::string damaged = path + ".fields/" + name;
+    on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(damaged) << "not HDF5"; });
     FieldOutput output(mesh, {path, "", "", 0.5});
-    EXPECT_NE(output.warning().find(path + ".damaged-" + std::to_string(k) + ".h5"), std::string::npos)
+    EXPECT_NE(output.warning().find("it was kept as " + damaged + ".damaged"), std::string::npos)
         << output.warning();
-    write(output, mesh, 0.6);
-    check_file(path, mesh, {0.6});
+    check_file(path, mesh, {0.0, 0.2});
+    on_rank_zero(PETSC_COMM_WORLD, [&] { EXPECT_EQ(read_file(damaged + ".damaged"), "not HDF5"); });
   }
 }
 
@@ -267,8 +376,9 @@ TEST(FieldOutput, SaysOnAllRanksThatItCannotWrite) {
   const std::string message = io_error_of([&] { FieldOutput(mesh, {dir + "/file/vis", "", ""}); });
   EXPECT_NE(message.find(dir + "/file"), std::string::npos) << message;
   FieldOutput output(mesh, {dir + "/vis", "", ""});
-  on_rank_zero(PETSC_COMM_WORLD, [&] { fs::remove(dir + "/vis.h5"); });
-  EXPECT_NE(io_error_of([&] { write(output, mesh, 0.0); }).find(dir + "/vis.h5"), std::string::npos);
+  on_rank_zero(PETSC_COMM_WORLD, [&] { fs::remove_all(dir + "/vis.fields"); });
+  EXPECT_NE(io_error_of([&] { write(output, mesh, 0.0); }).find(dir + "/vis.fields/000000.h5"),
+            std::string::npos);
 }
 
 TEST(FieldOutput, KeepsTheOldTimesWhenTheDiskIsFullAndGoesOnLater) {
@@ -279,7 +389,7 @@ TEST(FieldOutput, KeepsTheOldTimesWhenTheDiskIsFullAndGoesOnLater) {
   {
     const FileSizeLimit limit(20000);
     const std::string message = io_error_of([&] { write(output, mesh, 0.2); });
-    EXPECT_NE(message.find(path + ".h5"), std::string::npos) << message;
+    EXPECT_NE(message.find(path + ".fields/000001.h5"), std::string::npos) << message;
     EXPECT_NE(message.find("File too large"), std::string::npos) << message;
     check_file(path, mesh, {0.1});
   }

@@ -49,7 +49,7 @@ code = finish_within(run, 60)
 require(f"quota: status 4 (is {code}), no signal", says("quota", code, "checkpoint_") and not crashed(code))
 goes_on("quota", "whole")
 
-code = finish_within(start("fields", OPTIONS, 1, FAULTY, "full:120:vis."), 60)
+code = finish_within(start("fields", OPTIONS, 1, FAULTY, "full:60:vis."), 60)
 log = log_of("fields")
 require(f"field output on a full disk: the run goes on to its end (status {code})",
         code == 0 and "goes on without this output" in log and rows("fields") == rows("whole"))

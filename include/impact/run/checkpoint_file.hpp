@@ -12,8 +12,10 @@ inline constexpr double checkpoint_version = 1;
 
 /// A name in `dir` that was never used before: one above the highest number there.
 std::string next_checkpoint_file(const std::string& dir);
-/// Turns <file>.tmp into `file` and writes its manifest, each through to the disk.
-void publish_checkpoint(const std::string& file, const CheckpointValues& values);
+/// Writes <file>.tmp through to the disk and returns the manifest of `file`.
+std::string seal_checkpoint(const std::string& file, const CheckpointValues& values);
+/// Turns <file>.tmp into `file` and writes its manifest, both names through to the disk.
+void publish_checkpoint(const std::string& file, const std::string& manifest);
 /// Removes all but the newest `keep` and whatever unfinished files earlier kills left.
 void remove_old_checkpoints(const CheckpointFolder& folder);
 /// Why a file cannot be trusted, empty when size, checksum and manifest agree.

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-/// Fields over time as <path>.xdmf + <path>.h5 (ParaView opens the first): the mesh once, in reference
-/// coordinates, then one grid per written time. The .h5 is closed and the .xdmf complete after every write,
-/// so a run can be looked at while it goes on and a kill leaves readable files. Vectors of plane problems get
-/// a third component 0.
+/// Fields over time as <path>.xdmf (which ParaView opens) and a folder <path>.fields: the mesh once, in
+/// reference coordinates, and a file for each written time. Every file is written under another name, through
+/// to the disk, and then renamed, the .xdmf last: a run can be looked at while it goes on, and a kill or a
+/// full disk costs at most the time that is being written. Vectors of plane problems get a third component 0.
 ///
-/// Layout of the .h5: /mesh/<m>/{geometry [node][3], topology}, /fields/<k>/{node,cell}/<name>
-/// [entity][component] with attributes `time` and `mesh` (the m they belong to) on /fields/<k>. Nodes in the
-/// mesh's global numbering.
+/// mesh_<m>.h5: /geometry [node][3], /topology, /checksum; nodes in the mesh's global numbering, which
+/// another number of ranks changes. <k>.h5, in six digits: /node/<name> and /cell/<name> [entity][component],
+/// /mesh (the checksum of the mesh they belong to), /time.
 namespace impact {
 
 struct NodeField {
@@ -31,15 +31,13 @@ struct CellField {
 struct FieldFile {
   std::string path;         ///< with or without .xdmf; missing directories are made
   std::string title, units; ///< kept in the .xdmf
-  /// Continue an existing file after this time: later times are dropped. Empty: start anew, replacing old
-  /// files.
+  /// Continue existing files after this time: later times are dropped. Empty: start anew, removing old files.
   std::optional<double> resume_after = std::nullopt;
 };
 
 class FieldOutput {
 public:
-  /// Writes the mesh (unless the resumed file holds it already). Collective. Throws UserError(io) on all
-  /// ranks.
+  /// Writes the mesh (unless a resumed output has it already). Collective. Throws UserError(io) on all ranks.
   FieldOutput(const Mesh& mesh, const FieldFile& file);
   FieldOutput(FieldOutput&&) noexcept;
   FieldOutput& operator=(FieldOutput&&) noexcept;
@@ -49,7 +47,7 @@ public:
   /// ranks. Collective. Throws UserError(io) on all ranks; the times written before stay readable.
   void write(double time, const std::vector<NodeField>& nodes, const std::vector<CellField>& cells);
 
-  /// What the user should know about the file that was resumed (empty: nothing), equal on all ranks.
+  /// What the user should know about the files that were resumed (empty: nothing), equal on all ranks.
   const std::string& warning() const { return warning_; }
 
 private:

@@ -49,7 +49,9 @@ private:
 /// An open file; what it throws names the file.
 class File {
 public:
-  enum class Mode { create, update, read };
+  /// in_memory: nothing is on the disk, because HDF5 crashes at the end of a program when a disk fills while
+  /// it writes; see image().
+  enum class Mode { create, update, read, in_memory };
   File(std::string name, Mode mode);
   ~File();
   File(const File&) = delete;
@@ -61,7 +63,6 @@ public:
   std::vector<std::string>
   list(const std::string& path) const;      ///< names in a group, sorted; none if it is missing
   void make_group(const std::string& path); ///< with its parents; one that exists is fine
-  void remove(const std::string& path);
 
   /// An empty data set of `type` (parents are made); write_slab fills rows [first, first + rows) of it.
   Id make_dataset(const std::string& path, hid_t type, const std::vector<hsize_t>& extent);
@@ -79,6 +80,8 @@ public:
 
   /// Writes everything out and closes.
   void close();
+  /// The bytes of a file in memory, as they have to stand on the disk.
+  std::string image() const;
 
 private:
   [[noreturn]] void fail(const std::string& what) const;

@@ -3,11 +3,12 @@
 #include <string>
 #include <vector>
 
-/// The XDMF 3 description of fields over time that are stored in one HDF5 file.
+/// The XDMF 3 description of fields over time that are stored in HDF5 files. Files are named relative to the
+/// .xdmf.
 namespace impact {
 
 struct XdmfMesh {
-  std::string group;     ///< holds geometry [nodes][3] and topology
+  std::string file;      ///< holds /geometry [nodes][3] and /topology
   std::string cell_type; ///< Triangle, Quadrilateral, Tetrahedron, Hexahedron or Mixed
   std::uint64_t nodes, cells;
   std::uint64_t topology_length; ///< integers in the topology
@@ -21,13 +22,13 @@ struct XdmfField {
 
 struct XdmfFrame {
   double time;
-  std::string group; ///< fields lie in <group>/node/<name> and <group>/cell/<name>
-  std::size_t mesh;  ///< index into XdmfFile::meshes
+  std::string file; ///< fields lie in /node/<name> and /cell/<name>
+  std::size_t mesh; ///< index into XdmfFile::meshes
   std::vector<XdmfField> fields;
 };
 
 struct XdmfFile {
-  std::string title, units, data_file; ///< data_file: name of the .h5, relative to the .xdmf
+  std::string title, units;
   std::vector<XdmfMesh> meshes;
   std::vector<XdmfFrame> frames;
 
