@@ -17,25 +17,29 @@ std::string path_of(const OutputScenario& output, const Scenario& scenario) {
   return scenario.output_dir + "/" + (output.file.empty() ? output.id + ".xdmf" : output.file);
 }
 
+// The output's fields, checked; those that are usual and at hand when none were named.
+OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
+  const std::vector<std::string> offered = source.names();
+  if (output.fields.empty())
+    for (const char* name : {"u", "v", "phi", "stress", "von_mises", "alpha", "contact_pressure"})
+      if (std::find(offered.begin(), offered.end(), name) != offered.end()) output.fields.emplace_back(name);
+  for (const std::string& name : output.fields)
+    if (std::find(offered.begin(), offered.end(), name) == offered.end())
+      throw UserError(ExitCode::usage, "-output_" + output.id + "_fields: this run has no field '" + name +
+                                           "'; it has: " + joined(offered));
+  return output;
+}
+
 } // namespace
 
+// Fields are checked before the file is opened, which removes what an earlier run left there.
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
                              const Discretisation& discretisation, const FieldSource& source,
                              std::optional<double> resume_after)
-    : settings_(output), d_(discretisation), source_(source),
+    : settings_(with_fields(output, source)), d_(discretisation), source_(source),
       file_(discretisation.mesh,
             FieldFile{path_of(output, scenario), scenario.title, scenario.units.name, resume_after}) {
   if (!file_.warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_.warning().c_str()));
-  const std::vector<std::string> offered = source_.names();
-  if (settings_.fields.empty()) {
-    for (const char* name : {"u", "v", "phi", "stress", "von_mises", "alpha", "contact_pressure"})
-      if (std::find(offered.begin(), offered.end(), name) != offered.end())
-        settings_.fields.emplace_back(name);
-  }
-  for (const std::string& name : settings_.fields)
-    if (std::find(offered.begin(), offered.end(), name) == offered.end())
-      throw UserError(ExitCode::usage, "-output_" + settings_.id + "_fields: this run has no field '" + name +
-                                           "'; it has: " + joined(offered));
   std::sort(settings_.times.begin(), settings_.times.end());
   if (resume_after) {
     last_written_ = *resume_after;
