@@ -50,7 +50,9 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     choice.symmetric = true;
     std::snprintf(text, sizeof(text), "cg + jacobi (dt is %.3g times h/c_p)", choice.cfl);
   } else if (dofs <= (d.dim() == 2 ? 100000 : 20000)) {
-    std::snprintf(text, sizeof(text), "preonly + lu by mumps (%lld dofs)", static_cast<long long>(dofs));
+    const std::string package = option_text("-motion_pc_factor_mat_solver_type");
+    std::snprintf(text, sizeof(text), "preonly + lu by %.40s (%lld dofs)",
+                  package.empty() ? "mumps" : package.c_str(), static_cast<long long>(dofs));
   } else {
     choice.direct = false;
     choice.multigrid = true;
