@@ -70,6 +70,14 @@ int position(const std::vector<PetscInt>& sorted, PetscInt value) {
   return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
 }
 
+// The point faces this edge, whose nodes are p[0] and p[1] in the interface's list.
+void stand_on(const PrimaryEdge<double>& edge, const Foot<double>& foot, const int* p, ContactPoint& point) {
+  point.foot = foot;
+  point.edge = edge;
+  point.node[2] = p[0];
+  point.node[3] = p[1];
+}
+
 } // namespace
 
 void ContactInterface::set_time(double t, double mass_shift) {
@@ -237,10 +245,7 @@ bool ContactInterface::face_nearest(const Point2<double>& x, const Point2<double
           (distance == nearest && distance < infinity && precedes(active_.X, p, &point.node[2]))))
       continue;
     nearest = distance;
-    point.foot = foot;
-    point.edge = edge;
-    point.node[2] = p[0];
-    point.node[3] = p[1];
+    stand_on(edge, foot, p, point);
   }
   return nearest < infinity;
 }
@@ -258,10 +263,7 @@ bool ContactInterface::face_held(const Point2<double>& x, const Point2<double>& 
     const bool goes_on = foot.xi < 0 ? edge.has_previous : edge.has_next;
     if (std::abs(foot.xi) > (goes_on ? hold_limit : 1.0)) return false;
     if (!(retraction(foot, normal, search_.radius) < infinity)) return false;
-    point.foot = foot;
-    point.edge = edge;
-    point.node[2] = active_.primary[at(4 * list.facet[at(c)])];
-    point.node[3] = active_.primary[at(4 * list.facet[at(c)] + 1)];
+    stand_on(edge, foot, &active_.primary[at(4 * list.facet[at(c)])], point);
     return true;
   }
   return false;
@@ -292,10 +294,7 @@ bool ContactInterface::face_passed(const Point2<double>& x, const Point2<double>
     if (!(std::abs(foot_on_line(between(x_n, x), then).xi) <= 1 + 1e-6)) continue;
     if (!(part < earliest || (part == earliest && precedes(active_.X, p, &point.node[2])))) continue;
     earliest = part;
-    point.foot = foot;
-    point.edge = edge;
-    point.node[2] = p[0];
-    point.node[3] = p[1];
+    stand_on(edge, foot, p, point);
   }
   return earliest < infinity;
 }

@@ -13,24 +13,11 @@ import numpy
 
 import _runs
 from _modes import difference
-from _runs import PROGRAM, mesh
+from _runs import BREAKING_BLOCKS, PROGRAM, mesh
 
 FAULTY = os.environ.get("IMPACT_FAULTY", os.path.join(os.path.dirname(PROGRAM), "impact_faulty"))
 
-# A plastic, breaking block that is hit by another one: every kind of state there is.
-BOTH = {
-    "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017, "mesh_set_inset": 0.1,
-    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
-    "material_lower_model": "j2", "material_lower_sigma_y": 3e3, "material_lower_hardening": "linear",
-    "material_lower_linear_h": 1e5, "material_lower_damage": "at2", "material_lower_Gc": 50,
-    "material_lower_gamma": 0.4, "material_upper_like": "lower", "material_upper_model": "elastic",
-    "material_upper_damage": "none",
-    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
-    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
-    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9, "checkpoint_every": 5,
-    "outputs": "vis", "output_vis_every": 3, "output_vis_fields": "u,phi",
-}
+BOTH = {**BREAKING_BLOCKS, "checkpoint_every": 5, "output_vis_fields": "u,phi"}
 CONTACT = {key: value for key, value in BOTH.items()
            if not re.search("lower_(model|sigma_y|hardening|linear_h|damage|Gc|gamma)$|upper_(model|damage)$", key)}
 CONTACT["output_vis_fields"] = "u,contact_pressure"

@@ -105,7 +105,7 @@ def finish():
 
 
 # Two elastic blocks with non-matching sides: the upper one flies, touches the lower one and slides.
-TWO_BLOCKS = {
+_BLOCKS = {
     "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
     "mesh_set_inset": 0.1,
     "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
@@ -113,7 +113,14 @@ TWO_BLOCKS = {
     "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
     "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
     "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    # Without augmentations, whose number may hang on the last digits of a multiplier.
-    "contact_face_enforce": "penalty",
     "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9,
+}
+# Without augmentations, whose number may hang on the last digits of a multiplier.
+TWO_BLOCKS = {**_BLOCKS, "contact_face_enforce": "penalty"}
+# With multipliers, and a lower block that flows and breaks: every kind of state there is.
+BREAKING_BLOCKS = {
+    **_BLOCKS, "material_lower_model": "j2", "material_lower_sigma_y": 3e3, "material_lower_hardening": "linear",
+    "material_lower_linear_h": 1e5, "material_lower_damage": "at2", "material_lower_Gc": 50,
+    "material_lower_gamma": 0.4, "material_upper_model": "elastic", "material_upper_damage": "none",
+    "outputs": "vis", "output_vis_every": 3,
 }

@@ -4,23 +4,10 @@
 import re
 
 import numpy
-from _runs import check, finish, mesh, option_file, require, run
+from _runs import BREAKING_BLOCKS, check, finish, option_file, require, run
 
 COUNTS = ("newton", "linear", "uzawa", "damage_its", "balance", "balance_first_law")
-BLOCKS = {
-    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
-    "mesh_set_inset": 0.1,
-    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_lower_rho": 1000,
-    "material_lower_model": "j2", "material_lower_sigma_y": 3e3, "material_lower_hardening": "linear",
-    "material_lower_linear_h": 1e5, "material_lower_damage": "at2", "material_lower_Gc": 50,
-    "material_lower_gamma": 0.4, "material_upper_like": "lower", "material_upper_model": "elastic",
-    "material_upper_damage": "none",
-    "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
-    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
-    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    "outputs": "vis", "output_vis_every": 3,
-    "ts_dt": 2e-3, "ts_newmark_rho": 0.9, "checkpoint_every": 10,
-}
+BLOCKS = {**BREAKING_BLOCKS, "checkpoint_every": 10}
 BEAM = {"output_vis_dt": 0.02, "ts_dt": 0.01, "mesh_set_h_factor": 2, "checkpoint_every": 4, "output_vis_times": 0.13}
 
 
