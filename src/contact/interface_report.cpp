@@ -13,24 +13,44 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // The penalty's rule: a gap that fell by less than this factor makes the penalty grow.
 constexpr double wanted_fall = 4;
+// The semismooth method has converged when its active gaps are less than this part of a facet.
+constexpr double newton_gap = 1e-11;
+
+// The force on the secondary side.
+void add_force(const Constraint& c, std::array<double, 2>& force) {
+  if (!c.active) return;
+  for (std::size_t a = 0; a < c.share.size(); ++a)
+    for (std::size_t k = 0; k < 2; ++k) force[k] += c.weight * c.pressure * c.gradient[2 * a + k];
+}
 
 } // namespace
+
+void ContactInterface::share(std::vector<double>& multipliers) const {
+  if (multiplier_->support != Support::vertex) return;
+  // One constraint per node, evaluated by the node's owner.
+  std::vector<double> pairs = layout_->make_local();
+  for (std::size_t node = 0; node < multipliers.size(); ++node) pairs[2 * node] = multipliers[node];
+  const Handle<Vec> owned = layout_->make_global();
+  layout_->to_global(pairs, owned);
+  layout_->to_local(owned, pairs);
+  for (std::size_t node = 0; node < multipliers.size(); ++node) multipliers[node] = pairs[2 * node];
+}
 
 void ContactInterface::start_augmentation() { penalty_->trial[1] = 0; }
 
 AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) const {
-  ContactStatus status;
-  // A point that faces nothing carries nothing.
+  // A constraint that faces nothing carries nothing.
   lambda.assign(multiplier_->trial.size(), 0.0);
   AugmentReport report;
-  for (const ContactPoint& point : points(current(u), &status)) {
-    lambda[at(point.index)] = point.pressure;
+  const ContactStatus status = visit(form_->nodes().current(u), Derivatives::none, [&](const Constraint& c) {
+    lambda[at(c.index)] = std::max(0.0, c.pressure);
     // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
-    report.largest_gap =
-        std::max(report.largest_gap, std::min(std::abs(point.foot.gap), point.pressure / penalty()));
-    if (point.pressure > 0 && !against_plane() && point.foot.gap < -search_.radius) report.settled = false;
-  }
-  if (switched_) report.settled = false;
+    if (c.active)
+      report.largest_gap = std::max(report.largest_gap, std::min(std::abs(c.gap), c.pressure / penalty()));
+    if (c.active && c.gap < form_->deepest()) report.settled = false;
+  });
+  share(lambda);
+  if (form_->switched()) report.settled = false;
   double change = 0;
   for (std::size_t i = 0; i < lambda.size(); ++i) {
     report.multiplier = std::max(report.multiplier, lambda[i]);
@@ -45,13 +65,37 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
   report.settled = largest[1] == 0;
   report.multiplier = largest[2];
   // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
-  const double negligible = 1e-9 * penalty() * search_.radius;
+  const double negligible = 1e-9 * penalty() * settings_.search_radius;
   report.change = largest[3] > 0 ? largest[3] / std::max(largest[2], negligible) : 0;
   report.penalty = penalty();
-  report.converged =
-      report.settled && (settings_.enforce == Enforcement::penalty ||
-                         (report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol));
+  switch (settings_.enforce) {
+  case Enforcement::penalty:
+    report.converged = report.settled;
+    break;
+  case Enforcement::semismooth:
+    if (!fallen_back_) {
+      report.converged = report.settled && gaps_closed(u);
+      break;
+    }
+    [[fallthrough]];
+  case Enforcement::automatic:
+  case Enforcement::auglag:
+    report.converged =
+        report.settled && report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol;
+  }
   return report;
+}
+
+bool ContactInterface::gaps_closed(Vec u) const {
+  if (!semismooth()) return true;
+  const std::vector<double> x = form_->nodes().current(u);
+  std::array<double, 2> largest = {0, 0}; // gap, coordinate
+  visit(x, Derivatives::none, [&](const Constraint& c) {
+    if (c.active) largest[0] = std::max(largest[0], std::abs(c.gap));
+  });
+  for (double coordinate : x) largest[1] = std::max(largest[1], std::abs(coordinate));
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  return largest[0] <= std::max(newton_gap * mean_length_, 1e-14 * largest[1]);
 }
 
 AugmentReport ContactInterface::review(Vec u) const {
@@ -62,9 +106,10 @@ AugmentReport ContactInterface::review(Vec u) const {
 AugmentReport ContactInterface::augment(Vec u) {
   std::vector<double> lambda;
   const AugmentReport report = propose(u, lambda);
-  switched_ = false; // another solve follows
+  form_->clear_switched(); // another solve follows
   if (settings_.enforce == Enforcement::penalty) return report;
   multiplier_->trial = std::move(lambda);
+  if (semismooth()) return report;
   const double before = penalty_->trial[1];
   const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
   if (settings_.growth == PenaltyGrowth::every_augmentation || slow)
@@ -85,8 +130,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
   std::array<double, 2> force{};
-  for (const ContactPoint& point : points(current(u), nullptr))
-    for (std::size_t k = 0; k < 2; ++k) force[k] += point.weight * point.pressure * point.foot.normal[k];
+  visit(form_->nodes().current(u), Derivatives::first, [&](const Constraint& c) { add_force(c, force); });
   MPI_Allreduce(MPI_IN_PLACE, force.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const std::vector<double>& before = totals_->committed;
   totals_->trial = {before[0] + dt * (before[3] + force[0]) / 2, before[1] + dt * (before[4] + force[1]) / 2,
@@ -99,16 +143,19 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   std::array<double, 5> sum{}; // force x y, length, energy, active
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure
-  for (const ContactPoint& point : points(current(u), nullptr)) {
-    largest[0] = std::max(largest[0], -point.foot.gap);
-    sum[3] += point.weight * contact_potential(point.lambda, eps, point.foot.gap);
-    if (!(point.pressure > 0)) continue;
-    for (std::size_t k = 0; k < 2; ++k) sum[k] += point.weight * point.pressure * point.foot.normal[k];
-    sum[2] += point.weight * point.stretch;
+  visit(form_->nodes().current(u), Derivatives::first, [&](const Constraint& c) {
+    largest[0] = std::max(largest[0], -c.gap);
+    // Multipliers that hold g = 0 exactly store nothing.
+    if (!semismooth()) sum[3] += c.weight * contact_potential(c.lambda, eps, c.gap);
+    if (!c.active) return;
+    std::array<double, 2> force{};
+    add_force(c, force);
+    for (std::size_t k = 0; k < 2; ++k) sum[k] += force[k];
+    sum[2] += c.weight * c.stretch;
     sum[4] += 1;
-    largest[1] = std::max(largest[1], point.pressure / point.stretch);
-    largest[2] = std::max(largest[2], -point.pressure / point.stretch);
-  }
+    largest[1] = std::max(largest[1], c.pressure / c.stretch);
+    largest[2] = std::max(largest[2], -c.pressure / c.stretch);
+  });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 5, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   const double thick = environment_.frame == Frame::axisymmetric ? 1 : environment_.thickness;
@@ -126,35 +173,31 @@ ContactMeasures ContactInterface::measures(Vec u) const {
 }
 
 void ContactInterface::nodal_fields(Vec u, std::vector<double>& pressure, std::vector<double>& gap) const {
-  // Sums of weight times pressure and weight over all points of the facets at a node; of gap over those that
-  // face.
-  std::vector<double> p = layout_->make_local(), g = layout_->make_local();
-  for (int f = 0; f < secondary_.surface.count(); ++f)
-    for (int q = 0; q < points_.per_facet; ++q)
-      for (int a = 0; a < 2; ++a) {
-        const int index = f * points_.per_facet + q;
-        p[at(2 * secondary_.surface.local[at(2 * f + a)] + 1)] +=
-            points_.weight[at(index)] * points_.shape[at(2 * index + a)];
-      }
-  for (const ContactPoint& point : points(current(u), nullptr))
-    for (int a = 0; a < 2; ++a) {
-      const int node = secondary_.surface.local[at(2 * point.facet + a)];
-      const double weight = point.weight * point.shape[at(a)];
-      p[at(2 * node)] += weight * point.pressure / point.stretch;
-      g[at(2 * node)] += weight * point.foot.gap;
-      g[at(2 * node + 1)] += weight;
+  // By nodes: reference area times pressure; area times gap, and that area, over the constraints that face
+  // something.
+  const ContactNodes& nodes = form_->nodes();
+  std::vector<double> p(2 * nodes.global.size(), 0.0), g(p.size(), 0.0);
+  visit(nodes.current(u), Derivatives::none, [&](const Constraint& c) {
+    for (std::size_t a = 0; a < c.share.size(); ++a) {
+      const double weight = c.weight * c.share[a];
+      const std::size_t i = 2 * at(c.node[a]);
+      p[i] += weight * c.pressure / c.stretch;
+      g[i] += weight * c.gap;
+      g[i + 1] += weight;
     }
-  for (std::vector<double>* field : {&p, &g}) {
+  });
+  std::vector<double> local_p = layout_->make_local(), local_g = layout_->make_local();
+  for (auto [mine, local] : {std::pair{&p, &local_p}, std::pair{&g, &local_g}}) {
     const Handle<Vec> sum = layout_->make_global();
-    layout_->add_to_global(*field, sum);
-    layout_->to_local(sum, *field);
+    nodes.exchange.add(*mine, sum);
+    layout_->to_local(sum, *local);
   }
   const auto count = at(mesh_->node_count());
   pressure.assign(count, 0.0);
   gap.assign(count, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t node = 0; node < count; ++node) {
-    if (p[2 * node + 1] > 0) pressure[node] = p[2 * node] / p[2 * node + 1];
-    if (g[2 * node + 1] > 0) gap[node] = g[2 * node] / g[2 * node + 1];
+    if (form_->nodal_area()[node] > 0) pressure[node] = local_p[2 * node] / form_->nodal_area()[node];
+    if (local_g[2 * node + 1] > 0) gap[node] = local_g[2 * node] / local_g[2 * node + 1];
   }
 }
 

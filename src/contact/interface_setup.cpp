@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <impact/contact/gauss_point_form.hpp>
 #include <impact/contact/interface.hpp>
+#include <impact/contact/mortar_form.hpp>
 #include <impact/petsc/error.hpp>
 #include <limits>
 
@@ -24,6 +26,12 @@ UserError usage(const ContactSettings& settings, const std::string& key, const s
 }
 
 void check_settings(ContactSettings& settings) {
+  const bool mortar = settings.method == ContactMethod::mortar;
+  if (settings.enforce == Enforcement::automatic)
+    settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
+  if (mortar && settings.primary == "plane")
+    throw usage(settings, "method",
+                "`mortar` needs two surfaces of the mesh; take gpts against a rigid plane");
   if (settings.secondary == settings.primary)
     throw usage(settings, "primary",
                 "`" + settings.primary + "` is also the secondary surface; name two different groups");
@@ -49,29 +57,30 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
                                    StateTable& state)
     : mesh_(&mesh), layout_(&displacement), state_(&state), settings_(settings), environment_(environment) {
   check_settings(settings_);
-  secondary_.surface = make_surface(mesh, settings_.id, settings_.secondary);
-  if (!against_plane()) {
-    primary_.surface = make_surface(mesh, settings_.id, settings_.primary);
-    primary_.neighbour = surface_neighbours(displacement, primary_.surface);
-  }
-  points_ = make_points(secondary_.surface, settings_.id, settings_.points, environment_.frame);
-  set_automatic_values();
-  holds_.assign(points_.weight.size(), Hold());
+  ContactSurface secondary = make_surface(mesh, settings_.id, settings_.secondary), primary;
+  if (!against_plane()) primary = make_surface(mesh, settings_.id, settings_.primary);
+  set_automatic_values(secondary, primary);
+  if (settings_.method == ContactMethod::mortar)
+    form_ = std::make_unique<MortarForm>(mesh, displacement, settings_, environment_.frame,
+                                         std::move(secondary), primary);
+  else
+    form_ = std::make_unique<GaussPointForm>(
+        mesh, displacement, settings_, environment_.frame, std::move(secondary), primary,
+        std::min(settings_.gap_tol, 1e-3 * mean_length_), environment_.plane_motion);
   declare_state(state);
-  build_search_nodes();
   const Handle<Vec> at_rest = displacement.make_global();
   update_search(at_rest);
 }
 
-void ContactInterface::set_automatic_values() {
+void ContactInterface::set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary) {
   std::array<double, 3> longest = {0, 0, -1e300},
                         sum = {0, 0, 0}; // secondary, primary, minus the shortest primary
-  for (double length : secondary_.surface.length) {
+  for (double length : secondary.length) {
     longest[0] = std::max(longest[0], length);
     sum[0] += length;
     sum[1] += 1;
   }
-  for (double length : primary_.surface.length) {
+  for (double length : primary.length) {
     longest[1] = std::max(longest[1], length);
     longest[2] = std::max(longest[2], -length);
   }
@@ -94,7 +103,7 @@ void ContactInterface::set_automatic_values() {
   // Augmentations shrink the gap by k/(k + eps), k the stiffness against moving the surface. Steps far
   // shorter than a wave needs through a cell meet the cell's mass rather than its modulus: k about rho h/3
   // mass_shift.
-  if (automatic(settings_.penalty) && settings_.enforce == Enforcement::auglag)
+  if (automatic(settings_.penalty) && settings_.enforce != Enforcement::penalty)
     inertia_penalty_ = 2.5 * environment_.density * size;
   if (automatic(settings_.penalty) && !(penalty > 0))
     throw usage(settings_, "penalty", "auto needs Young's modulus of a side; give a number");
@@ -110,85 +119,47 @@ void ContactInterface::set_automatic_values() {
   require_positive(settings_, "gap_tol", settings_.gap_tol);
   require_positive(settings_, "pressure_tol", settings_.pressure_tol);
   require_positive(settings_, "search_radius", settings_.search_radius);
-  search_.radius = search_.reach = settings_.search_radius;
-  search_.skin = settings_.search_radius / 2;
-  hold_gap_ = std::min(settings_.gap_tol, 1e-3 * h);
+  mean_length_ = h;
 }
 
 void ContactInterface::declare_state(StateTable& state) {
   const std::string name = "contact_" + settings_.id;
-  auto row = [&](const std::string& what, Support support, int components, const std::string& surface) {
-    StateRow r;
-    r.name = name + "_" + what;
-    r.support = support;
-    r.components = components;
-    r.surface = surface;
-    return r;
+  auto row = [&](const std::string& what, Support support, int components) {
+    return StateRow{name + "_" + what, support, components};
   };
-  multiplier_ =
-      &state.add(row("multiplier", Support::facet_point, 1, settings_.secondary), points_.weight.size());
+  const auto [multipliers, count] = form_->multiplier_row(name + "_multiplier");
+  multiplier_ = &state.add(multipliers, count);
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
-  penalty_ = &state.add(row("penalty", Support::global, 3, ""), 3);
-  totals_ = &state.add(row("totals", Support::global, 5, ""), 5); // impulse x y, work, last force x y
-  force_ = &state.add(row("force", Support::vertex, 2, ""), at(2 * mesh_->node_count()));
+  penalty_ = &state.add(row("penalty", Support::global, 3), 3);
+  totals_ = &state.add(row("totals", Support::global, 5), 5); // impulse x y, work, last force x y
+  force_ = &state.add(row("force", Support::vertex, 2), at(2 * mesh_->node_count()));
   penalty_->committed[0] = penalty_->trial[0] = settings_.penalty;
-}
-
-void ContactInterface::build_search_nodes() {
-  std::vector<PetscInt>& nodes = search_.own_nodes;
-  nodes = secondary_.surface.node;
-  nodes.insert(nodes.end(), primary_.surface.node.begin(), primary_.surface.node.end());
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-  search_.own_X.resize(2 * nodes.size());
-  for (Side* side : {&secondary_, &primary_})
-    for (std::size_t i = 0; i < side->surface.node.size(); ++i) {
-      const auto place = std::lower_bound(nodes.begin(), nodes.end(), side->surface.node[i]) - nodes.begin();
-      side->slot.push_back(static_cast<int>(place));
-      for (std::size_t k = 0; k < 2; ++k)
-        search_.own_X[2 * static_cast<std::size_t>(place) + k] = side->surface.X[2 * i + k];
-    }
-  search_.own = NodeExchange(mesh_->comm(), mesh_->owned_node_count(), 2, nodes);
 }
 
 InitialOverlapReport ContactInterface::initial_overlap() {
   const Handle<Vec> at_rest = layout_->make_global();
   update_search(at_rest);
-  const std::vector<double> x = current(at_rest);
+  const ContactNodes& nodes = form_->nodes();
   InitialOverlapReport report;
-  report.shift = layout_->make_local();
-  std::vector<double> count = layout_->make_local();
+  std::vector<double> shift(2 * nodes.global.size(), 0.0), count(shift.size(), 0.0);
   struct {
     double depth = 0;
     int rank = 0;
   } mine, deepest;
   MPI_Comm_rank(mesh_->comm(), &mine.rank);
   Point2<double> where = {0, 0};
-  for (int f = 0; f < secondary_.surface.count(); ++f)
-    for (int a = 0; a < 2; ++a) {
-      const int* ends = &active_.secondary[at(2 * f)];
-      auto place = [&](int node) { return Point2<double>{x[at(2 * node)], x[at(2 * node + 1)]}; };
-      ContactPoint point;
-      point.facet = f;
-      if (!face(place(ends[a]), detail::right_normal(place(ends[0]), place(ends[1])), x, Hold(), point))
-        continue;
-      const double depth = -point.foot.gap;
-      // Coordinates that were meant to touch differ by rounding of their own size.
-      if (!(depth >
-            1e-9 * (secondary_.surface.length[at(f)] + std::hypot(place(ends[a])[0], place(ends[a])[1]))))
-        continue;
-      if (depth > mine.depth) {
-        mine.depth = depth;
-        where = place(ends[a]);
-      }
-      for (int k = 0; k < 2; ++k) {
-        report.shift[at(2 * secondary_.surface.local[at(2 * f + a)] + k)] += depth * point.foot.normal[at(k)];
-        count[at(2 * secondary_.surface.local[at(2 * f + a)] + k)] += 1;
-      }
+  form_->visit_overlaps(nodes.X, [&](int node, double depth, const Point2<double>& direction) {
+    if (depth > mine.depth) {
+      mine.depth = depth;
+      where = {nodes.X[at(2 * node)], nodes.X[at(2 * node + 1)]};
     }
+    for (std::size_t k = 0; k < 2; ++k) shift[2 * at(node) + k] += depth * direction[k];
+    count[at(2 * node)] += 1;
+  });
   MPI_Allreduce(&mine, &deepest, 1, MPI_DOUBLE_INT, MPI_MAXLOC, mesh_->comm());
   MPI_Bcast(where.data(), 2, MPI_DOUBLE, deepest.rank, mesh_->comm());
   report.deepest = deepest.depth;
+  report.shift = layout_->make_local();
   const bool forbidden =
       settings_.initial == InitialOverlap::error ||
       (settings_.initial == InitialOverlap::adjust && report.deepest > settings_.initial_tol);
@@ -199,21 +170,19 @@ InitialOverlapReport ContactInterface::initial_overlap() {
                                         "); part the bodies, or use -contact_" + settings_.id +
                                         "_initial adjust with a larger _initial_tol (now " +
                                         number(settings_.initial_tol) + "), or allow");
-  if (settings_.initial != InitialOverlap::adjust) {
-    std::fill(report.shift.begin(), report.shift.end(), 0.0);
-    return report;
-  }
-  // Both edges at a node, on any ranks, have their say; the node takes the mean.
-  const Handle<Vec> total = layout_->make_global(), edges = layout_->make_global();
-  layout_->add_to_global(report.shift, total);
-  layout_->add_to_global(count, edges);
+  if (settings_.initial != InitialOverlap::adjust) return report;
+  // All facets at a node, on any ranks, have their say; the node takes the mean.
+  const Handle<Vec> total = layout_->make_global(), facets = layout_->make_global();
+  nodes.exchange.add(shift, total);
+  nodes.exchange.add(count, facets);
+  std::vector<double> said = layout_->make_local();
   layout_->to_local(total, report.shift);
-  layout_->to_local(edges, count);
+  layout_->to_local(facets, said);
   int moved = 0;
   for (int node = 0; node < mesh_->node_count(); ++node) {
-    if (count[at(2 * node)] == 0) continue;
+    if (said[at(2 * node)] == 0) continue;
     if (mesh_->owned(node)) ++moved;
-    for (int k = 0; k < 2; ++k) report.shift[at(2 * node + k)] /= count[at(2 * node)];
+    for (int k = 0; k < 2; ++k) report.shift[at(2 * node + k)] /= said[at(2 * node)];
   }
   MPI_Allreduce(&moved, &report.nodes, 1, MPI_INT, MPI_SUM, mesh_->comm());
   return report;

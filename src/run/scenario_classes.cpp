@@ -45,10 +45,23 @@ std::vector<OptionRow<Contact>> contact_side_rows() {
 
 std::vector<OptionRow<Contact>> enforcement_rows() {
   return {
+      choice_row<Contact, ContactMethod>(
+          "method", &Contact::method,
+          {"constraints at Gauss points, or for mean gaps about the nodes (mortar)", "gpts"},
+          {{"gpts", ContactMethod::gauss_points}, {"mortar", ContactMethod::mortar}}),
+      choice_row<Contact, MultiplierSpace>(
+          "multipliers", &Contact::multipliers,
+          {"shape functions of the mortar's multipliers, or their biorthogonal ones", "standard"},
+          {{"standard", MultiplierSpace::standard}, {"dual", MultiplierSpace::dual}}),
       choice_row<Contact, Enforcement>(
           "enforce", &Contact::enforce,
-          {"augmented Lagrangian (Uzawa) or penalty alone", "auglag", "", "", "(74)-(79)"},
-          {{"auglag", Enforcement::auglag}, {"penalty", Enforcement::penalty}}),
+          {"augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; auto: "
+           "semismooth with mortar, else auglag",
+           "auto", "", "", "(74)-(79)"},
+          {{"auto", Enforcement::automatic},
+           {"auglag", Enforcement::auglag},
+           {"penalty", Enforcement::penalty},
+           {"semismooth", Enforcement::semismooth}}),
       number_row<Contact>(
           "penalty", &Contact::penalty,
           {"starting penalty; auto: 10 E/h of the softer side, with auglag more in steps far below h/c_p",

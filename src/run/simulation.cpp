@@ -450,7 +450,10 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   register_time_types();
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
   const std::unique_ptr<Setup> setup = build_setup(comm, s);
-  const SolverDefaults solver = choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt);
+  const bool closes_gaps = std::any_of(setup->contacts.begin(), setup->contacts.end(),
+                                       [](const ContactInterface& contact) { return contact.semismooth(); });
+  const SolverDefaults solver =
+      choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, closes_gaps);
   report_setup(s, setup->discretisation, solver);
   if (s.dry_run) {
     set_initial_state(s, *setup);

@@ -6,7 +6,9 @@
 /// units.
 namespace impact {
 
-enum class Enforcement { penalty, auglag };
+enum class ContactMethod { gauss_points, mortar };
+enum class MultiplierSpace { standard, dual }; ///< of the mortar method
+enum class Enforcement { automatic, penalty, auglag, semismooth };
 enum class InitialOverlap { adjust, error, allow };
 enum class ImpactUpdate {
   automatic,
@@ -23,10 +25,12 @@ struct ContactSettings {
       std::numeric_limits<double>::quiet_NaN();                   ///< "auto" for the numbers below
   std::string id, secondary, primary;                             ///< primary "plane": the rigid plane below
   double plane_point[3] = {0, 0, 0}, plane_normal[3] = {0, 1, 0}; ///< outward normal of the rigid half space
-  Enforcement enforce = Enforcement::auglag;
-  double penalty = automatic;           ///< stress per length; automatic: 10 E/h of the softer side
-  double penalty_increment = automatic; ///< automatic: the starting penalty
-  double penalty_max = automatic;       ///< automatic: 1e4 times the automatic penalty
+  ContactMethod method = ContactMethod::gauss_points;
+  MultiplierSpace multipliers = MultiplierSpace::standard;
+  Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
+  double penalty = automatic;                   ///< stress per length; automatic: 10 E/h of the softer side
+  double penalty_increment = automatic;         ///< automatic: the starting penalty
+  double penalty_max = automatic;               ///< automatic: 1e4 times the automatic penalty
   PenaltyGrowth growth = PenaltyGrowth::on_slow_gap;
   double gap_tol = automatic;       ///< a length; automatic: 1e-3 of the secondary facet
   double pressure_tol = 1e-2;       ///< change relative to the largest multiplier

@@ -25,9 +25,11 @@ struct SolverDefaults {
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
   std::string reason;
 };
-/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
+/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. `closes_gaps`: the linear solves
+/// close the gaps of a semismooth contact, with weights that spoil the condition for an iterative method. Not
+/// collective.
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
-                             double dt);
+                             double dt, bool closes_gaps = false);
 
 class Coupling {
 public:
@@ -82,6 +84,8 @@ private:
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde);
   KSP projection_solver();
+  bool semismooth() const;
+  void update_multipliers_in(SNES snes);
 
   TS ts_;
   MotionProblem& motion_;
@@ -100,6 +104,8 @@ private:
   Handle<SNES> uzawa_snes_, motion_snes_;
   Handle<KSP> projection_ksp_; // where the motion's own solver needs a definite matrix
   bool projection_failed_ = false;
+  SNES solving_ = nullptr;    // whose linear solves close the gaps of the semismooth method
+  Handle<Vec> bare_residual_; // what the right-hand side was before they were added
   Handle<Vec> residual_, newton_start_, contact_force_, contact_acceleration_;
   StepCounts counts_;
   PetscInt hardest_solve_ = 0, tangents_ = 0;

@@ -1,0 +1,85 @@
+#pragma once
+#include <functional>
+#include <impact/contact/pair_search.hpp>
+#include <impact/kernel/contact_pair.hpp>
+#include <impact/mesh/state_table.hpp>
+#include <span>
+
+/// How a contact is discretised: a list of gap constraints with their derivatives. What becomes of them, the
+/// enforcement, is the business of ContactInterface, the same for every form.
+///   potential  sum_c w_c psi(g_c, lambda_c),  psi = (p^2 - lambda^2) / (2 eps),  p = <lambda - eps g>
+/// w_c: reference area; g_c: gap, or mean gap over that area. The gaps do not change under rigid motions, so
+/// that the forces -w p dg conserve linear and angular momentum to rounding.
+namespace impact {
+
+/// How gaps become pressures, for given multipliers.
+///   penalty, augmented Lagrangian   p = <lambda - eps g>
+///   semismooth Newton               p = lambda where lambda - eps g > 0 (active), else 0
+/// In the second form the linear solves make the active gaps vanish, with the weight gamma; the converged
+/// state does not know its value.
+struct PressureLaw {
+  std::span<const double> lambda;
+  double eps = 0, gamma = 0;
+  bool semismooth = false;
+
+  double multiplier(int index) const { return lambda[static_cast<std::size_t>(index)]; }
+  bool active(int index, double gap) const { return multiplier(index) - eps * gap > 0; }
+  double pressure(int index, double gap) const {
+    return active(index, gap) ? multiplier(index) - (semismooth ? 0 : eps * gap) : 0;
+  }
+  /// -dp/dg where active, or the weight of the gap in the linear solves.
+  double stiffness(double scale = 1) const { return semismooth ? gamma * scale : eps; }
+};
+
+/// How many derivatives of the gaps are wanted. Second ones come only where the constraint is active.
+enum class Derivatives { none, first, second };
+
+/// One constraint at one displacement. The spans live as long as the visit.
+struct Constraint {
+  int index = 0;                  ///< place of its multiplier
+  double weight = 0, stretch = 1; ///< reference area; current over reference area
+  double gap = 0, lambda = 0, pressure = 0;
+  bool active = false;
+  double scale = 1;              ///< of gamma: one over the square of the part of the weight that is covered
+  std::span<const int> node;     ///< into ContactForm::nodes(), secondary ones first
+  std::span<const double> share; ///< of the secondary nodes in the constraint, sum 1
+  std::span<const double> gradient; ///< [node][2]
+  std::span<const double> hessian;  ///< [node][2][node][2]
+};
+using ConstraintVisitor = std::function<void(const Constraint&)>;
+
+class ContactForm {
+public:
+  virtual ~ContactForm() = default;
+
+  /// Name, support and components of the row that holds one multiplier per constraint, and its length.
+  virtual std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const = 0;
+  /// Beginning of an attempt that ends at t; `u_n`: where it starts, or null. Collective.
+  virtual void begin_attempt(double t, Vec u_n) = 0;
+  /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
+  /// Collective.
+  virtual PairSearch::Outcome update(Vec u, const PressureLaw& law) = 0;
+  /// The next update builds the pairs afresh.
+  virtual void forget() = 0;
+  /// True when the last update changed what a constraint with pressure faces, on this rank.
+  virtual bool switched() const = 0;
+  virtual void clear_switched() = 0;
+  virtual const ContactNodes& nodes() const = 0;
+  /// Pairs of global nodes whose dofs tangents may couple: sorted, each once.
+  virtual std::vector<std::pair<PetscInt, PetscInt>> couplings() const = 0;
+  /// False where the coordinates x of nodes() left the range of the pairs.
+  virtual bool pairs_hold(const std::vector<double>& x) const = 0;
+  /// Gap below which a constraint lies deeper than the search can judge; -infinity where it always can.
+  virtual double deepest() const = 0;
+  /// All constraints that face something, in an order that every evaluation repeats.
+  virtual void visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+                     const ConstraintVisitor& visitor) const = 0;
+  /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
+  virtual const std::vector<double>& nodal_area() const = 0;
+  /// Overlap of the secondary nodes at the coordinates x: depth and outward direction at places of nodes().
+  /// A node that lies on several facets may come several times, on any rank.
+  using OverlapVisitor = std::function<void(int node, double depth, const Point2<double>& direction)>;
+  virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
+};
+
+} // namespace impact

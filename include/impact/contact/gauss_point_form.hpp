@@ -1,0 +1,89 @@
+#pragma once
+#include <array>
+#include <impact/contact/form.hpp>
+#include <impact/contact/settings.hpp>
+#include <limits>
+
+/// Gauss-point segment-to-segment contact in the plane: one gap constraint at every point of the secondary
+/// facets, to the nearest place of the primary surface or to a rigid plane (theory.md, contact).
+///
+/// Where the surface has a kink, the nearest edge changes from one side of a vertex to the other and with it
+/// the direction of the force, so that Newton's method may jump to and fro. `update` therefore ties every
+/// point near the surface to its edge, continued straight beyond the ends, until the next call, and lets go
+/// only when the point has left the edge by more than an overlap. The tie begins afresh with every attempt of
+/// a step, so it is no state.
+namespace impact {
+
+class GaussPointForm : public ContactForm {
+public:
+  /// Displacement of the rigid plane; empty: at rest.
+  using PlaneMotion = std::function<std::array<double, 2>(double)>;
+
+  /// `primary` is empty against the rigid plane of the settings. Settings without automatic values;
+  /// `hold_gap`: by which a held edge's gap may differ from the nearest edge's. Collective.
+  GaussPointForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings, Frame frame,
+                 ContactSurface secondary, const ContactSurface& primary, double hold_gap,
+                 PlaneMotion motion);
+
+  std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
+  void begin_attempt(double t, Vec u_n) override;
+  PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
+  void forget() override { search_.forget(); }
+  bool switched() const override { return switched_; }
+  void clear_switched() override { switched_ = false; }
+  const ContactNodes& nodes() const override { return search_.nodes(); }
+  std::vector<std::pair<PetscInt, PetscInt>> couplings() const override;
+  bool pairs_hold(const std::vector<double>& x) const override { return search_.holds_for(x); }
+  double deepest() const override {
+    return against_plane() ? -std::numeric_limits<double>::infinity() : -search_.radius();
+  }
+  void visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+             const ConstraintVisitor& visitor) const override;
+  const std::vector<double>& nodal_area() const override { return nodal_area_; }
+  void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
+
+private:
+  // A point of a secondary facet and what it faces.
+  struct Point {
+    int facet = 0, index = 0;      // secondary facet of this rank; facet * points + point
+    int node_count = 4;            // 4, or 2 against the rigid plane
+    std::array<int, 4> node{};     // into nodes(): secondary 0, 1, primary 0, 1
+    std::array<double, 2> shape{}; // secondary shape functions
+    Foot<double> foot;
+    PrimaryEdge<double> edge;
+  };
+  // The edge, by its global nodes, that a point is tied to.
+  struct Hold {
+    std::array<PetscInt, 2> edge = {-1, -1};
+    int switches = 0; // in this attempt, while it carried a pressure
+  };
+
+  bool against_plane() const { return settings_.primary == "plane"; }
+  void hold_edges(const std::vector<double>& x, const PressureLaw& law);
+  Foot<double> plane_foot(const Point2<double>& x) const;
+  // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
+  bool face(const Point2<double>& x, const Point2<double>& normal, const std::vector<double>& coordinates,
+            const Hold& hold, Point& point) const;
+  bool face_nearest(const Point2<double>& x, const Point2<double>& normal,
+                    const std::vector<double>& coordinates, Point& point) const;
+  bool face_held(const Point2<double>& x, const Point2<double>& normal,
+                 const std::vector<double>& coordinates, const Hold& hold, Point& point) const;
+  bool face_passed(const Point2<double>& x, const Point2<double>& normal,
+                   const std::vector<double>& coordinates, Point& point) const;
+  static void stand_on(const PrimaryEdge<double>& edge, const Foot<double>& foot, const int* p, Point& point);
+  PrimaryEdge<double> primary_edge(int candidate, const std::vector<double>& coordinates) const;
+
+  ContactSettings settings_;
+  Frame frame_;
+  PlaneMotion plane_motion_;
+  ContactSurface secondary_;
+  SurfacePoints points_;
+  std::vector<double> nodal_area_;
+  PairSearch search_;
+  std::vector<Hold> holds_; // [secondary facet][point]
+  double hold_gap_;
+  bool switched_ = false;
+  double time_ = 0;
+};
+
+} // namespace impact

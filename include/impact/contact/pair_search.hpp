@@ -1,0 +1,74 @@
+#pragma once
+#include <impact/contact/node_exchange.hpp>
+#include <impact/contact/search.hpp>
+#include <impact/contact/surface.hpp>
+#include <impact/mesh/field_layout.hpp>
+#include <impact/mesh/mesh.hpp>
+#include <utility>
+#include <vector>
+
+/// Which primary facets the secondary facets of this rank may meet, kept while nothing moves more than half a
+/// skin, and the nodes that evaluations of these pairs need, fetched from whichever ranks own them.
+namespace impact {
+
+/// The nodes of a contact on this rank, on compact numbers.
+struct ContactNodes {
+  NodeExchange exchange;
+  std::vector<PetscInt> global; ///< sorted
+  std::vector<double> X;        ///< [node][2] reference coordinates
+  std::vector<double> start;    ///< [node][2] at the start of the step; empty: unknown
+  std::vector<int> secondary;   ///< [secondary facet][2]
+  std::vector<int> primary;     ///< [candidate primary][4]: node 0, node 1, neighbours (-1 at an end)
+  std::vector<double> built_at; ///< [node][2] when the list was made
+
+  /// [node][2] at the displacement u. Collective.
+  std::vector<double> current(Vec u) const;
+};
+
+class PairSearch {
+public:
+  enum class Outcome { kept, rebuilt, other_pairs };
+
+  PairSearch() = default;
+  /// `secondary`: global nodes [facet][2] of the facets that this rank evaluates, whoever owns their cells,
+  /// and `secondary_X` [facet][2][2]; `primary`: the facets of this rank's cells, empty on all ranks where
+  /// the primary is no surface of the mesh. Mesh and layout must outlive the search. Collective.
+  PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
+             const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
+             bool has_primary);
+
+  /// Where the bodies stand at the start of a step; the list then reaches as far as they move. Collective.
+  void set_start(Vec u_n);
+  /// Makes the list anew when a node moved more than half the skin, or farther since the start of the step
+  /// than the list reaches. The same on all ranks. Collective: one reduction when nothing moved that far.
+  Outcome update(Vec u);
+  /// The next update makes the list anew, as a restarted run does.
+  void forget() { outdated_ = true; }
+
+  const Candidates& candidates() const { return candidates_; }
+  const ContactNodes& nodes() const { return nodes_; }
+  double radius() const { return radius_; }
+  /// False: something moved so far that the list may miss a facet. x: [node][2] of nodes().
+  bool holds_for(const std::vector<double>& x) const;
+
+private:
+  Candidates search(const std::vector<double>& x) const;
+  void fetch_nodes(Vec u);
+  void fetch_start();
+
+  const Mesh* mesh_ = nullptr;
+  const FieldLayout* layout_ = nullptr;
+  std::vector<PetscInt> secondary_, primary_, neighbour_; // [facet][2]
+  std::vector<int> secondary_slot_, primary_slot_;        // [facet][2] into the static nodes
+  NodeExchange static_;                                   // nodes of this rank's facets of both surfaces
+  std::vector<double> static_X_;                          // [node][2]
+  std::vector<double> static_built_at_, static_start_;    // [node][2]; start empty: unknown
+  Handle<Vec> u_n_;                                       // at the start of the step; absent: unknown
+  bool has_primary_ = false, outdated_ = true;
+  double radius_ = 0, skin_ = 0;
+  double reach_ = 0; // the list holds every facet so near: the radius, or the motion of the step if larger
+  Candidates candidates_;
+  ContactNodes nodes_;
+};
+
+} // namespace impact

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/pair_search.hpp>
+#include <impact/petsc/error.hpp>
+
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool all_finite(const std::vector<double>& x) {
+  return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
+}
+
+double largest_move(const std::vector<double>& a, const std::vector<double>& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.size(); i += 2) {
+    const double dx = a[i] - b[i], dy = a[i + 1] - b[i + 1];
+    largest = std::max(largest, dx * dx + dy * dy);
+  }
+  return std::sqrt(largest);
+}
+
+// Of the nodes [slot].
+double largest_move(const std::vector<double>& a, const std::vector<double>& b,
+                    const std::vector<int>& slots) {
+  double largest = 0;
+  for (int slot : slots)
+    largest = std::max(
+        largest, std::hypot(a[at(2 * slot)] - b[at(2 * slot)], a[at(2 * slot + 1)] - b[at(2 * slot + 1)]));
+  return largest;
+}
+
+void sort_unique(std::vector<PetscInt>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
+int position(const std::vector<PetscInt>& sorted, PetscInt value) {
+  return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
+}
+
+} // namespace
+
+std::vector<double> ContactNodes::current(Vec u) const {
+  std::vector<double> x = exchange.gather(u);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += X[i];
+  return x;
+}
+
+PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
+                       const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
+                       bool has_primary)
+    : mesh_(&mesh), layout_(&layout), secondary_(secondary), primary_(primary.node),
+      has_primary_(has_primary), radius_(radius), skin_(radius / 2), reach_(radius) {
+  if (has_primary) neighbour_ = surface_neighbours(layout, primary);
+  std::vector<PetscInt> nodes = secondary_;
+  nodes.insert(nodes.end(), primary_.begin(), primary_.end());
+  sort_unique(nodes);
+  static_X_.resize(2 * nodes.size());
+  const auto place = [&](const std::vector<PetscInt>& node, const std::vector<double>& X,
+                         std::vector<int>& slot) {
+    for (std::size_t i = 0; i < node.size(); ++i) {
+      slot.push_back(position(nodes, node[i]));
+      for (std::size_t k = 0; k < 2; ++k) static_X_[2 * at(slot.back()) + k] = X[2 * i + k];
+    }
+  };
+  place(secondary_, secondary_X, secondary_slot_);
+  place(primary_, primary.X, primary_slot_);
+  static_ = NodeExchange(mesh.comm(), mesh.owned_node_count(), 2, nodes);
+}
+
+void PairSearch::set_start(Vec u_n) {
+  if (!has_primary_) return;
+  if (!u_n_) u_n_ = layout_->make_global();
+  check(VecCopy(u_n, u_n_));
+  static_start_ = static_.gather(u_n_);
+  for (std::size_t i = 0; i < static_start_.size(); ++i) static_start_[i] += static_X_[i];
+  fetch_start();
+}
+
+void PairSearch::fetch_start() { nodes_.start = nodes_.current(u_n_); }
+
+PairSearch::Outcome PairSearch::update(Vec u) {
+  if (!has_primary_ && !outdated_) return Outcome::kept;
+  std::vector<double> x = static_.gather(u);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += static_X_[i];
+  const bool finite = all_finite(x);
+  // Not a number; moved since the list was built; moved since the start of the step, by side.
+  std::array<double, 4> mine = {finite ? 0.0 : 1.0, 0, 0, 0}, all{};
+  if (finite && !outdated_) mine[1] = largest_move(x, static_built_at_);
+  if (finite && !static_start_.empty()) {
+    mine[2] = largest_move(x, static_start_, secondary_slot_);
+    mine[3] = largest_move(x, static_start_, primary_slot_);
+  }
+  MPI_Allreduce(mine.data(), all.data(), 4, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
+  if (all[0] > 0) return Outcome::kept;
+  const double motion = all[2] + all[3];
+  if (!outdated_ && all[1] <= skin_ / 2 && motion <= reach_) return Outcome::kept;
+  reach_ = std::max(radius_, motion);
+  Candidates found = search(x);
+  const bool changed = !all_ranks_agree(mesh_->comm(), found.same_pairs(candidates_));
+  candidates_ = std::move(found);
+  static_built_at_ = std::move(x);
+  outdated_ = false;
+  fetch_nodes(u);
+  return changed ? Outcome::other_pairs : Outcome::rebuilt;
+}
+
+Candidates PairSearch::search(const std::vector<double>& x) const {
+  if (!has_primary_) return {};
+  SearchSecondary secondary;
+  secondary.node = secondary_;
+  for (int slot : secondary_slot_) {
+    secondary.x.push_back(x[at(2 * slot)]);
+    secondary.x.push_back(x[at(2 * slot + 1)]);
+  }
+  std::vector<SearchFacet> primary;
+  for (std::size_t f = 0; f + 1 < primary_.size(); f += 2) {
+    const std::size_t x0 = 2 * at(primary_slot_[f]), x1 = 2 * at(primary_slot_[f + 1]);
+    primary.push_back({{primary_[f], primary_[f + 1]},
+                       {neighbour_[f], neighbour_[f + 1]},
+                       {x[x0], x[x0 + 1], x[x1], x[x1 + 1]}});
+  }
+  return find_candidates(mesh_->comm(), secondary, primary, reach_ + skin_);
+}
+
+void PairSearch::fetch_nodes(Vec u) {
+  ContactNodes next;
+  next.global = secondary_;
+  for (const SearchFacet& facet : candidates_.primary)
+    for (PetscInt node : {facet.node[0], facet.node[1], facet.neighbour[0], facet.neighbour[1]})
+      if (node >= 0) next.global.push_back(node);
+  sort_unique(next.global);
+  for (PetscInt node : secondary_) next.secondary.push_back(position(next.global, node));
+  for (const SearchFacet& facet : candidates_.primary)
+    for (PetscInt node : {facet.node[0], facet.node[1], facet.neighbour[0], facet.neighbour[1]})
+      next.primary.push_back(node >= 0 ? position(next.global, node) : -1);
+  next.exchange = NodeExchange(mesh_->comm(), mesh_->owned_node_count(), 2, next.global);
+  const Handle<Vec> X = layout_->make_global();
+  layout_->to_global(std::vector<double>(mesh_->coordinates().begin(), mesh_->coordinates().end()), X);
+  next.X = next.exchange.gather(X);
+  next.built_at = next.current(u);
+  nodes_ = std::move(next);
+  if (u_n_) fetch_start();
+}
+
+bool PairSearch::holds_for(const std::vector<double>& x) const {
+  return !has_primary_ || largest_move(x, nodes_.built_at) <= skin_ / 2;
+}
+
+} // namespace impact

@@ -1,0 +1,110 @@
+#pragma once
+#include "two_blocks.hpp"
+#include <gtest/gtest.h>
+#include <impact/contact/interface.hpp>
+
+/// A contact between the two blocks with its mesh, layout and state, and displacements at which all kinds of
+/// feet occur; for tests of the forms of contact.
+namespace impact::contact_test {
+
+inline ContactSettings settings_of(double penalty) {
+  ContactSettings s;
+  s.id = "pair";
+  s.secondary = "upper_bottom";
+  s.primary = "lower_top";
+  s.penalty = penalty;
+  return s;
+}
+
+/// Mesh, layout, state and one contact. Everything collective on `comm`.
+struct Rig {
+  TwoBlocks blocks;
+  Mesh mesh;
+  FieldLayout layout;
+  StateTable state;
+  ContactInterface contact;
+
+  Rig(MPI_Comm comm, const TwoBlocks& b, const Partition& partition,
+      const ContactSettings& s = settings_of(100), ContactEnvironment environment = {})
+      : blocks(b), mesh(make_blocks(comm, b, partition)), layout(mesh, "u", 2),
+        contact(mesh, layout, s, with_frame(std::move(environment), b.frame), state) {}
+
+  static ContactEnvironment with_frame(ContactEnvironment environment, Frame frame) {
+    environment.frame = frame;
+    return environment;
+  }
+  Handle<Vec> at(const Motion& motion) const { return displacement(mesh, layout, blocks, motion); }
+  Handle<Vec> residual(Vec u, double scale = 1) const {
+    Handle<Vec> r = layout.make_global();
+    contact.add_residual(u, scale, r);
+    return r;
+  }
+};
+
+inline const Motion rest = [](int, double, double) { return std::array<double, 2>{0, 0}; };
+
+inline Motion sink(double depth) {
+  return [depth](int body, double, double) { return std::array<double, 2>{0, body == 1 ? -depth : 0}; };
+}
+
+// The blocks press into each other, bend and slide: all kinds of feet occur.
+inline const Motion crush = [](int body, double X, double Y) {
+  if (body == 0) return std::array<double, 2>{0.02 * Y, 0.03 * std::sin(3 * X)};
+  return std::array<double, 2>{0.05 + 0.02 * X * Y, -0.04 + 0.02 * std::cos(5 * X)};
+};
+
+// The lower surface folds into a valley with a node at its bottom; points of the upper one stand in the wedge
+// where the bottom itself is nearest.
+inline const Motion valley = [](int body, double X, double Y) {
+  if (body == 0) return std::array<double, 2>{0, 0.5 * std::abs(X - 0.9) * (Y + 0.6) / 0.6};
+  return std::array<double, 2>{0.001 * std::sin(X), -0.1};
+};
+
+inline const Motion wiggle = [](int body, double X, double Y) {
+  return std::array<double, 2>{std::sin(7 * X + 3 * Y + body), std::cos(4 * X - 5 * Y - 2 * body)};
+};
+
+inline double norm(Vec v) {
+  double n = 0;
+  check(VecNorm(v, NORM_2, &n));
+  return n;
+}
+
+inline double dot(Vec a, Vec b) {
+  double d = 0;
+  check(VecDot(a, b, &d));
+  return d;
+}
+
+inline double largest_difference(const NodeMap& a, const NodeMap& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double largest = 0;
+  for (const auto& [key, value] : a) {
+    const auto other = b.find(key);
+    if (other == b.end()) return 1e300;
+    for (std::size_t k = 0; k < 2; ++k) largest = std::max(largest, std::abs(value[k] - other->second[k]));
+  }
+  return largest;
+}
+
+inline Handle<Mat> dense_enough_matrix(const Rig& rig) {
+  Handle<Mat> K;
+  const PetscInt n = 2 * rig.mesh.owned_node_count();
+  check(MatCreateAIJ(rig.mesh.comm(), n, n, PETSC_DETERMINE, PETSC_DETERMINE, 60, nullptr, 60, nullptr,
+                     K.out()));
+  check(MatSetOption(K, MAT_NEW_NONZERO_ALLOCATION_ERR, PETSC_FALSE));
+  return K;
+}
+
+inline Handle<Mat> tangent(const Rig& rig, Vec u, double scale) {
+  Handle<Mat> K = dense_enough_matrix(rig);
+  rig.contact.add_tangent(u, scale, K);
+  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
+  return K;
+}
+
+inline const std::vector<std::pair<const char*, Partition>> partitions = {{"apart", bodies_apart},
+                                                                          {"mixed", bodies_mixed}};
+
+} // namespace impact::contact_test
