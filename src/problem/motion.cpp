@@ -231,9 +231,8 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
         MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         batch.in.mass_shift = mass_shift;
         batch.in.symmetric = symmetric_;
-        std::array<Batch, static_cast<std::size_t>(n)> force{};
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
-        const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, force.data(), K.data());
+        std::array<Batch, static_cast<std::size_t>(n * n)> K;
+        const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, nullptr, K.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
           sound = false;
