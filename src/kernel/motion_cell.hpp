@@ -217,9 +217,8 @@ template <class Cell, Frame frame> struct VolumeCoupling {
   }
 };
 
-/// Flattened: everything is inlined here, so that tensors of a point live in registers (twice as fast).
 template <class Cell, Frame frame, bool tangent>
-[[gnu::flatten]] CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
+inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
   const auto& t = shape_table<Cell>;
   const Locking locking = law.parameters.locking;
@@ -272,14 +271,69 @@ template <class Cell, Frame frame, bool tangent>
   return status;
 }
 
+/// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs registers
+/// and chains of selections even where it is not.
+enum class Terms { elastic, undamaged, all };
+
+inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
+  const MaterialParameters& m = law.parameters;
+  const bool undamaged = m.damage == Damage::none && !law.viscous() && (!in.theta || m.alpha_t == 0);
+  if (!undamaged) return Terms::all;
+  return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
+}
+
+/// The same law and input with everything outside `terms` left at its default: constants, by which the compiler
+/// finds the branches that are never taken.
+inline PointLaw restricted(const PointLaw& law, Terms terms) {
+  if (terms == Terms::all) return law;
+  const MaterialParameters& m = law.parameters;
+  PointLaw r;
+  r.parameters.K = m.K;
+  r.parameters.G = m.G;
+  r.parameters.rho = m.rho;
+  if (terms == Terms::elastic) return r;
+  r.parameters.model = m.model;
+  r.parameters.sigma_y = m.sigma_y;
+  r.parameters.voce_r = m.voce_r;
+  r.parameters.voce_s = m.voce_s;
+  r.parameters.linear_h = m.linear_h;
+  r.parameters.taylor_quinney = m.taylor_quinney;
+  r.parameters.locking = m.locking;
+  return r;
+}
+inline MotionInput restricted(MotionInput in, Terms terms) {
+  if (terms != Terms::all) in.phi = in.theta = in.u_n = nullptr;
+  return in;
+}
+
+/// Flattened: everything is inlined here, so that tensors of a point live in registers (twice as fast).
+template <class Cell, Frame frame, bool tangent, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
+  return motion<Cell, frame, tangent>(restricted(law, terms), restricted(in, terms), r, K);
+}
+
+/// Calls f(constant) for the terms of this law.
+template <class F> decltype(auto) with_terms(Terms terms, F&& f) {
+  switch (terms) {
+  case Terms::elastic:
+    return f(std::integral_constant<Terms, Terms::elastic>{});
+  case Terms::undamaged:
+    return f(std::integral_constant<Terms, Terms::undamaged>{});
+  default:
+    return f(std::integral_constant<Terms, Terms::all>{});
+  }
+}
+
 template <class Cell, Frame frame>
 CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
-  return motion<Cell, frame, false>(law, in, r, nullptr);
+  return with_terms(terms_of(law, in),
+                    [&](auto terms) { return motion_with<Cell, frame, false, terms>(law, in, r, nullptr); });
 }
 
 template <class Cell, Frame frame>
 CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
-  return motion<Cell, frame, true>(law, in, r, K);
+  return with_terms(terms_of(law, in),
+                    [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
 }
 
 template <class Cell, Frame frame>
