@@ -23,7 +23,8 @@ template <int d> inline Batch invert_jacobian(const Batch* jacobian, Batch* inve
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
         const int a = (i + 1) % 3, b = (i + 2) % 3, k = (j + 1) % 3, l = (j + 2) % 3;
-        inverse[3 * j + i] = jacobian[3 * a + k] * jacobian[3 * b + l] - jacobian[3 * a + l] * jacobian[3 * b + k];
+        inverse[3 * j + i] =
+            jacobian[3 * a + k] * jacobian[3 * b + l] - jacobian[3 * a + l] * jacobian[3 * b + k];
       }
     det = jacobian[0] * inverse[0] + jacobian[3] * inverse[1] + jacobian[6] * inverse[2];
     const Batch s = Batch(1.0) / det;
@@ -165,7 +166,8 @@ inline Tensor<Batch, Cell::dim> mapped_gradient(const PointMap<Cell, frame>& map
 
 /// Grad of a nodal scalar at point q.
 template <class Cell, Frame frame>
-inline Vector<Batch, Cell::dim> gradient_of_scalar(const PointMap<Cell, frame>& map, const Batch* nodal, int q) {
+inline Vector<Batch, Cell::dim> gradient_of_scalar(const PointMap<Cell, frame>& map, const Batch* nodal,
+                                                   int q) {
   constexpr int d = Cell::dim;
   Batch slope[d];
   reference_gradient<Cell, 1>(shape_table<Cell>.dN[q], nodal, slope);

@@ -1,5 +1,6 @@
 #pragma once
 #include "motion_point.hpp"
+#include "motion_terms.hpp"
 
 #include <impact/material/modulus.hpp>
 
@@ -8,7 +9,8 @@ namespace impact {
 
 template <class Cell> inline constexpr int dofs = Cell::nodes* Cell::dim;
 
-/// The map of the current configuration at one point: inverse[k * dim + j] = dxi_k/dx_j and, axisymmetric, 1/r.
+/// The map of the current configuration at one point: inverse[k * dim + j] = dxi_k/dx_j and, axisymmetric,
+/// 1/r.
 template <class Cell, Frame frame> struct CurrentMap {
   Batch inverse[Cell::dim * Cell::dim];
   Batch inverse_r;
@@ -35,7 +37,8 @@ template <class Cell, Frame frame> struct SpatialGradients {
 
 template <class Cell, Frame frame>
 inline void spatial_gradients(const CurrentMap<Cell, frame>& map, const double (&N)[Cell::nodes],
-                              const double (&dN)[Cell::nodes][Cell::dim], SpatialGradients<Cell, frame>& out) {
+                              const double (&dN)[Cell::nodes][Cell::dim],
+                              SpatialGradients<Cell, frame>& out) {
   constexpr int d = Cell::dim;
   for (int a = 0; a < Cell::nodes; ++a)
     for (int i = 0; i < d; ++i) {
@@ -47,13 +50,14 @@ inline void spatial_gradients(const CurrentMap<Cell, frame>& map, const double (
     for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = N[a] * map.inverse_r;
 }
 
-/// Fluxes of the internal force at the points, r_ai = int tau_ij g_a,j dV_0: w tau_ij dxi_k/dx_j, which multiply
-/// dN_a/dxi_k, and w tau_33/r, which multiplies N_a in the radial force of the axisymmetric frame.
+/// Fluxes of the internal force at the points, r_ai = int tau_ij g_a,j dV_0: w tau_ij dxi_k/dx_j, which
+/// multiply dN_a/dxi_k, and w tau_33/r, which multiplies N_a in the radial force of the axisymmetric frame.
 template <class Cell, Frame frame> struct Fluxes {
   Batch flux[Cell::points][Cell::dim * Cell::dim];
   Batch hoop[frame == Frame::axisymmetric ? Cell::points : 1];
 
-  void set(int q, const CurrentMap<Cell, frame>& map, const Batch& weight, const Symmetric<Batch, Cell::dim>& tau) {
+  void set(int q, const CurrentMap<Cell, frame>& map, const Batch& weight,
+           const Symmetric<Batch, Cell::dim>& tau) {
     constexpr int d = Cell::dim;
     const Symmetric<Batch, d> w = weight * tau;
     for (int i = 0; i < d; ++i)
@@ -74,15 +78,14 @@ template <class Cell, Frame frame> struct Fluxes {
   }
 };
 
-/// K_ai,bk += w g_a,j a_ij,kl g_b,l; only blocks a <= b where `upper`. One column bk after the other, so that its
-/// w a_ij,kl g_b,l stay in registers while the rows pass.
-template <class Cell, Frame frame>
+/// K_ai,bk += w g_a,j a_ij,kl g_b,l; only blocks a <= b where `upper`. One column bk after the other, so that
+/// its w a_ij,kl g_b,l stay in registers while the rows pass; unrolled, because branches at the end of loops
+/// of one to eight rounds are mispredicted.
+template <class Cell, Frame frame, bool upper>
 inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
-                          const Modulus<Batch, gradient_size(frame)>& a, const Batch& weight, bool upper,
-                          Batch* K) {
+                          const Modulus<Batch, gradient_size(frame)>& a, const Batch& weight, Batch* K) {
   constexpr int d = Cell::dim, n = gradient_size(frame), m = dofs<Cell>;
-  for (int b = 0; b < Cell::nodes; ++b) {
-    const int last = upper ? b + 1 : Cell::nodes;
+  unroll<Cell::nodes>([&](auto b) {
     Batch g[d];
     for (int l = 0; l < d; ++l) g[l] = weight * G.g[b][l];
     for (int k = 0; k < d; ++k) {
@@ -93,16 +96,18 @@ inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
         if constexpr (frame == Frame::axisymmetric)
           if (k == 0) D[I] += a.c[I][4] * (weight * G.ring[b]);
       }
-      for (int c = 0; c < last; ++c)
+      unroll<(upper ? b + 1 : Cell::nodes)>([&](auto c) {
+        Batch* column = K + c * d * m + b * d + k;
         for (int i = 0; i < d; ++i) {
-          Batch s = K[(c * d + i) * m + b * d + k];
+          Batch s = column[i * m];
           for (int j = 0; j < d; ++j) s += G.g[c][j] * D[d * i + j];
           if constexpr (frame == Frame::axisymmetric)
             if (i == 0) s += G.ring[c] * D[4];
-          K[(c * d + i) * m + b * d + k] = s;
+          column[i * m] = s;
         }
+      });
     }
-  }
+  });
 }
 
 /// v_ai: derivative of the volume ratio J with respect to u_ai, J g_a.
@@ -135,8 +140,8 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
   }
 }
 
-/// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h =
-/// spatial gradient of phi.
+/// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h
+/// = spatial gradient of phi.
 template <class Cell, Frame frame>
 inline Modulus<Batch, gradient_size(frame)>
 modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cell::dim>& e,
@@ -175,7 +180,8 @@ template <class Cell> inline void take_symmetric_part(Batch* K) {
 }
 
 /// How the stress of a point moves with the volume ratio J_0 that the cure shares between the points. Mean
-/// dilatation: K += (p'/V) v v^T with v_ai = int J g_ai dV_0. F-bar: dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof F.
+/// dilatation: K += (p'/V) v v^T with v_ai = int J g_ai dV_0. F-bar: dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof
+/// F.
 template <class Cell, Frame frame> struct VolumeCoupling {
   Batch row[dofs<Cell>]; ///< v, or dJ_0/du of the centroid
   Batch J_0;
@@ -248,7 +254,10 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
       SpatialGradients<Cell, frame> G;
       spatial_gradients(map, t.N[q], t.dN[q], G);
       const auto a = modulus_at<Cell, frame>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q]);
-      add_stiffness<Cell, frame>(G, a, w, upper, K);
+      if (upper)
+        add_stiffness<Cell, frame, true>(G, a, w, K);
+      else
+        add_stiffness<Cell, frame, false>(G, a, w, K);
       if (locking == Locking::mean) coupling.add_point(G, w * e.k.J);
       if (locking == Locking::fbar) coupling.add_tangent(law, e, G, w, K);
     }
@@ -271,74 +280,9 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
   return status;
 }
 
-/// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs registers
-/// and chains of selections even where it is not.
-enum class Terms { elastic, undamaged, all };
-
-inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
-  const MaterialParameters& m = law.parameters;
-  const bool undamaged = m.damage == Damage::none && !law.viscous() && (!in.theta || m.alpha_t == 0);
-  if (!undamaged) return Terms::all;
-  return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
-}
-
-/// The same law and input with everything outside `terms` left at its default: constants, by which the compiler
-/// finds the branches that are never taken.
-inline PointLaw restricted(const PointLaw& law, Terms terms) {
-  if (terms == Terms::all) return law;
-  const MaterialParameters& m = law.parameters;
-  PointLaw r;
-  r.parameters.K = m.K;
-  r.parameters.G = m.G;
-  r.parameters.rho = m.rho;
-  if (terms == Terms::elastic) return r;
-  r.parameters.model = m.model;
-  r.parameters.sigma_y = m.sigma_y;
-  r.parameters.voce_r = m.voce_r;
-  r.parameters.voce_s = m.voce_s;
-  r.parameters.linear_h = m.linear_h;
-  r.parameters.taylor_quinney = m.taylor_quinney;
-  r.parameters.locking = m.locking;
-  return r;
-}
-inline MotionInput restricted(MotionInput in, Terms terms) {
-  if (terms != Terms::all) in.phi = in.theta = in.u_n = nullptr;
-  return in;
-}
-
-/// Flattened: everything is inlined here, so that tensors of a point live in registers (twice as fast).
-template <class Cell, Frame frame, bool tangent, Terms terms>
-[[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
-  return motion<Cell, frame, tangent>(restricted(law, terms), restricted(in, terms), r, K);
-}
-
-/// Calls f(constant) for the terms of this law.
-template <class F> decltype(auto) with_terms(Terms terms, F&& f) {
-  switch (terms) {
-  case Terms::elastic:
-    return f(std::integral_constant<Terms, Terms::elastic>{});
-  case Terms::undamaged:
-    return f(std::integral_constant<Terms, Terms::undamaged>{});
-  default:
-    return f(std::integral_constant<Terms, Terms::all>{});
-  }
-}
-
 template <class Cell, Frame frame>
-CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
-  return with_terms(terms_of(law, in),
-                    [&](auto terms) { return motion_with<Cell, frame, false, terms>(law, in, r, nullptr); });
-}
-
-template <class Cell, Frame frame>
-CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
-  return with_terms(terms_of(law, in),
-                    [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
-}
-
-template <class Cell, Frame frame>
-[[gnu::flatten]] CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history,
-                                           Batch* drive, StepSums& sums) {
+inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                          StepSums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellStatus status{0, Batch(1e300)};
@@ -374,6 +318,39 @@ template <class Cell, Frame frame>
     }
   }
   return status;
+}
+
+/// Flattened: everything is inlined here, so that tensors of a point live in registers (twice as fast).
+template <class Cell, Frame frame, bool tangent, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
+                                                       Batch* K) {
+  return motion<Cell, frame, tangent>(restricted(law, terms), restricted(in, terms), r, K);
+}
+
+template <class Cell, Frame frame, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
+                                                        Batch* trial_history, Batch* drive, StepSums& sums) {
+  return advance<Cell, frame>(restricted(law, terms), restricted(in, terms), trial_history, drive, sums);
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
+  return with_terms(terms_of(law, in),
+                    [&](auto terms) { return motion_with<Cell, frame, false, terms>(law, in, r, nullptr); });
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
+  return with_terms(terms_of(law, in),
+                    [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                          StepSums& sums) {
+  return with_terms(terms_of(law, in), [&](auto terms) {
+    return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
+  });
 }
 
 } // namespace impact

@@ -3,13 +3,13 @@
 #include <impact/math/batch.hpp>
 #include <impact/math/unroll.hpp>
 
-/// Gradients of nodal fields with respect to the reference coordinates xi at all points of a cell at once, and
-/// the transpose, which turns fluxes at the points into nodal forces.
+/// Gradients of nodal fields with respect to the reference coordinates xi at all points of a cell at once,
+/// and the transpose, which turns fluxes at the points into nodal forces.
 ///
-/// On simplices the gradient is constant. Quadrilaterals and hexahedra pass through the polynomial modes of the
-/// cell, v(xi) = sum_a m_a prod_k xi_k over the directions k in which node a lies at xi_k = +1. Nodes -> modes
-/// and modes -> points are sums and differences of pairs along one direction after the other: 55 operations per
-/// component of a hexahedron where sums over the nodes at every point take 192.
+/// On simplices the gradient is constant. Quadrilaterals and hexahedra pass through the polynomial modes of
+/// the cell, v(xi) = sum_a m_a prod_k xi_k over the directions k in which node a lies at xi_k = +1. Nodes ->
+/// modes and modes -> points are sums and differences of pairs along one direction after the other: 55
+/// operations per component of a hexahedron where sums over the nodes at every point take 192.
 namespace impact {
 
 template <class Cell> inline constexpr bool is_simplex = Cell::nodes == Cell::dim + 1;
@@ -29,8 +29,8 @@ template <class Cell> constexpr int across(int a, int k) {
   return other;
 }
 
-/// What a derivative of mode a is multiplied by at the points: 2^-dim from the shape functions, and |xi| of the
-/// points for every direction of the mode but the differentiated one.
+/// What a derivative of mode a is multiplied by at the points: 2^-dim from the shape functions, and |xi| of
+/// the points for every direction of the mode but the differentiated one.
 template <class Cell> constexpr double mode_scale(int a) {
   double scale = 1;
   int directions = 0;
@@ -41,7 +41,8 @@ template <class Cell> constexpr double mode_scale(int a) {
   return scale;
 }
 
-/// (v-, v+) -> (v- + v+, v+ - v-) for the pairs along direction k; only the modes of direction `of` where given.
+/// (v-, v+) -> (v- + v+, v+ - v-) for the pairs along direction k; only the modes of direction `of` where
+/// given.
 template <class Cell, int k, int of = k> inline void sums_and_differences(Batch* v) {
   unroll<Cell::nodes>([&](auto node) {
     constexpr int a = node, b = across<Cell>(a, k);
@@ -72,8 +73,7 @@ inline void reference_gradients(const Batch* nodal, Batch (*out)[components * Ce
   for (int i = 0; i < components; ++i)
     if constexpr (is_simplex<Cell>) {
       for (int k = 0; k < d; ++k)
-        for (int q = 0; q < Cell::points; ++q)
-          out[q][i * d + k] = nodal[(k + 1) * components + i] - nodal[i];
+        for (int q = 0; q < Cell::points; ++q) out[q][i * d + k] = nodal[(k + 1) * components + i] - nodal[i];
     } else {
       Batch mode[Cell::nodes];
       unroll<Cell::nodes>([&](auto a) { mode[a] = nodal[a * components + i]; });
