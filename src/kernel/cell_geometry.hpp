@@ -9,6 +9,61 @@
 /// Reference gradients, weights and gradients of nodal fields of one batch of cells.
 namespace impact {
 
+/// Grad xi (inverse[k * dim + j] = dxi_k/dX_j) and dV_0 where dX_i/dxi_j = jacobian[i * dim + j].
+template <int d> inline Batch invert_jacobian(const Batch* jacobian, Batch* inverse) {
+  Batch det;
+  if constexpr (d == 2) {
+    det = jacobian[0] * jacobian[3] - jacobian[1] * jacobian[2];
+    const Batch s = Batch(1.0) / det;
+    inverse[0] = jacobian[3] * s;
+    inverse[1] = -(jacobian[1] * s);
+    inverse[2] = -(jacobian[2] * s);
+    inverse[3] = jacobian[0] * s;
+  } else {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3, k = (j + 1) % 3, l = (j + 2) % 3;
+        inverse[3 * j + i] =
+            jacobian[3 * a + k] * jacobian[3 * b + l] - jacobian[3 * a + l] * jacobian[3 * b + k];
+      }
+    det = jacobian[0] * inverse[0] + jacobian[3] * inverse[1] + jacobian[6] * inverse[2];
+    const Batch s = Batch(1.0) / det;
+    for (int i = 0; i < 9; ++i) inverse[i] *= s;
+  }
+  return det;
+}
+
+/// How the reference cell lies in the reference configuration, at one point.
+template <class Cell, Frame frame> struct PointMap {
+  Batch inverse[Cell::dim * Cell::dim]; ///< dxi_k/dX_j
+  Batch weight;                         ///< dV_0
+  Batch inverse_R;                      ///< 1/R, set in the axisymmetric frame
+};
+
+/// N are the shape functions and w is the weight of the point.
+template <class Cell, Frame frame>
+inline void point_map(const Batch* X, const Batch* jacobian, const double (&N)[Cell::nodes], double w,
+                      PointMap<Cell, frame>& out) {
+  out.weight = w * invert_jacobian<Cell::dim>(jacobian, out.inverse);
+  if constexpr (frame == Frame::axisymmetric) {
+    Batch R = N[0] * X[0];
+    for (int a = 1; a < Cell::nodes; ++a) R += N[a] * X[a * Cell::dim];
+    out.inverse_R = Batch(1.0) / R;
+    out.weight *= 2 * std::numbers::pi * R;
+  }
+}
+
+/// dv_i/dxi_k, [i * dim + k], where the reference derivatives of the shape functions are dN.
+template <class Cell, int components>
+inline void reference_gradient(const double (&dN)[Cell::nodes][Cell::dim], const Batch* nodal, Batch* slope) {
+  for (int i = 0; i < components; ++i)
+    for (int k = 0; k < Cell::dim; ++k) {
+      Batch s = dN[0][k] * nodal[i];
+      for (int a = 1; a < Cell::nodes; ++a) s += dN[a][k] * nodal[a * components + i];
+      slope[i * Cell::dim + k] = s;
+    }
+}
+
 /// At one point (or the centroid): gradients of the shape functions, N_a/R of the axisymmetric frame, dV_0.
 template <class Cell, Frame frame> struct PointGeometry {
   Batch dN[Cell::nodes][Cell::dim];
@@ -22,58 +77,25 @@ inline void point_geometry(const Batch* X, const double (&N)[Cell::nodes],
                            const double (&dN)[Cell::nodes][Cell::dim], double w,
                            PointGeometry<Cell, frame>& out) {
   constexpr int d = Cell::dim;
-  Batch jacobian[d][d]; // dX_i / dxi_j
-  for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j) {
-      Batch s = dN[0][j] * X[i];
-      for (int a = 1; a < Cell::nodes; ++a) s += dN[a][j] * X[a * d + i];
-      jacobian[i][j] = s;
-    }
-  Batch inverse[d][d], det; // dxi_j / dX_i as inverse[j][i]
-  if constexpr (d == 2) {
-    det = jacobian[0][0] * jacobian[1][1] - jacobian[0][1] * jacobian[1][0];
-    const Batch s = Batch(1.0) / det;
-    inverse[0][0] = jacobian[1][1] * s;
-    inverse[0][1] = -(jacobian[0][1] * s);
-    inverse[1][0] = -(jacobian[1][0] * s);
-    inverse[1][1] = jacobian[0][0] * s;
-  } else {
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const int a = (i + 1) % 3, b = (i + 2) % 3, k = (j + 1) % 3, l = (j + 2) % 3;
-        inverse[j][i] = jacobian[a][k] * jacobian[b][l] - jacobian[a][l] * jacobian[b][k];
-      }
-    det = jacobian[0][0] * inverse[0][0] + jacobian[1][0] * inverse[0][1] + jacobian[2][0] * inverse[0][2];
-    const Batch s = Batch(1.0) / det;
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) inverse[i][j] *= s;
-  }
+  Batch jacobian[d * d]; // dX_i / dxi_j
+  reference_gradient<Cell, d>(dN, X, jacobian);
+  PointMap<Cell, frame> map;
+  point_map<Cell, frame>(X, jacobian, N, w, map);
   for (int a = 0; a < Cell::nodes; ++a)
     for (int i = 0; i < d; ++i) {
-      Batch s = dN[a][0] * inverse[0][i];
-      for (int j = 1; j < d; ++j) s += dN[a][j] * inverse[j][i];
+      Batch s = dN[a][0] * map.inverse[i];
+      for (int j = 1; j < d; ++j) s += dN[a][j] * map.inverse[j * d + i];
       out.dN[a][i] = s;
     }
-  out.weight = w * det;
-  if constexpr (frame == Frame::axisymmetric) {
-    Batch R = N[0] * X[0];
-    for (int a = 1; a < Cell::nodes; ++a) R += N[a] * X[a * d];
-    const Batch s = Batch(1.0) / R;
-    for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = N[a] * s;
-    out.weight *= 2 * std::numbers::pi * R;
-  }
+  out.weight = map.weight;
+  if constexpr (frame == Frame::axisymmetric)
+    for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = N[a] * map.inverse_R;
 }
 
 template <class Cell, Frame frame>
 inline void point_geometry(const Batch* X, int q, PointGeometry<Cell, frame>& out) {
   const auto& t = shape_table<Cell>;
   point_geometry<Cell, frame>(X, t.N[q], t.dN[q], t.weight[q], out);
-}
-
-template <class Cell, Frame frame>
-inline void centroid_geometry(const Batch* X, PointGeometry<Cell, frame>& out) {
-  const auto& t = shape_table<Cell>;
-  point_geometry<Cell, frame>(X, t.N0, t.dN0, 1, out);
 }
 
 /// Value of a nodal scalar at point q.
@@ -119,6 +141,42 @@ inline Tensor<Batch, Cell::dim> gradient_of_vector(const PointGeometry<Cell, fra
       for (int a = 0; a < Cell::nodes; ++a) H[4] += nodal[a * d] * g.ring[a];
   }
   return H;
+}
+
+/// Grad v from dv_i/dxi_k where the shape functions are N, with v_R/R in the 33 component of the axisymmetric
+/// frame.
+template <class Cell, Frame frame>
+inline Tensor<Batch, Cell::dim> mapped_gradient(const PointMap<Cell, frame>& map, const Batch* slope,
+                                                const double (&N)[Cell::nodes], const Batch* nodal) {
+  constexpr int d = Cell::dim;
+  Tensor<Batch, d> H;
+  for (int i = 0; i < d; ++i)
+    for (int j = 0; j < d; ++j) {
+      Batch s = slope[i * d] * map.inverse[j];
+      for (int k = 1; k < d; ++k) s += slope[i * d + k] * map.inverse[k * d + j];
+      H[d * i + j] = s;
+    }
+  if constexpr (d == 2) H[4] = Batch(0.0);
+  if constexpr (frame == Frame::axisymmetric) {
+    for (int a = 0; a < Cell::nodes; ++a) H[4] += N[a] * nodal[a * d];
+    H[4] *= map.inverse_R;
+  }
+  return H;
+}
+
+/// Grad of a nodal scalar at point q.
+template <class Cell, Frame frame>
+inline Vector<Batch, Cell::dim> gradient_of_scalar(const PointMap<Cell, frame>& map, const Batch* nodal,
+                                                   int q) {
+  constexpr int d = Cell::dim;
+  Batch slope[d];
+  reference_gradient<Cell, 1>(shape_table<Cell>.dN[q], nodal, slope);
+  Vector<Batch, d> r;
+  for (int j = 0; j < d; ++j) {
+    r[j] = slope[0] * map.inverse[j];
+    for (int k = 1; k < d; ++k) r[j] += slope[k] * map.inverse[k * d + j];
+  }
+  return r;
 }
 
 } // namespace impact

@@ -13,7 +13,7 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
   for (int q = 0; q < Cell::points; ++q) {
-    const Batch w = s.geometry[q].weight;
+    const Batch w = s.map[q].weight;
     const Kinematics<Batch, d> k = kinematics(s.H[q]);
     const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
     const PointHistory<Batch, d> history = read_history<d>(law, in.history, q);
@@ -27,7 +27,7 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
     sums.elastic += w * (g.e1.g * energy.plus + g.e2.g * energy.minus);
     sums.plastic += w * (g.p.g * ((1 - m.taylor_quinney) * energy.plastic));
     if (m.damage == Damage::at2 && in.phi) {
-      const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(s.geometry[q], in.phi);
+      const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(s.map[q], in.phi, q);
       const bool spatial = m.damage_gradient == DamageGradient::spatial;
       sums.fracture += w * crack_energy(m, interpolate<Cell>(in.phi, q),
                                         square(spatial ? spatial_gradient(k.inverse_F, grad) : grad));
@@ -64,7 +64,7 @@ void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
     Vector<Batch, d> h;
     const Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
-    const Batch w = s.geometry[q].weight / s.volume;
+    const Batch w = s.map[q].weight / s.volume;
     sigma = sigma + (w / e.k.J) * tau;
     out.alpha += w * e.flow.alpha;
     if (in.phi) out.phi += w * interpolate<Cell>(in.phi, q);

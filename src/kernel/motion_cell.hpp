@@ -1,5 +1,6 @@
 #pragma once
 #include "motion_point.hpp"
+#include "motion_terms.hpp"
 
 #include <impact/material/modulus.hpp>
 
@@ -8,69 +9,105 @@ namespace impact {
 
 template <class Cell> inline constexpr int dofs = Cell::nodes* Cell::dim;
 
-/// Spatial gradients g_a = F^-T Grad N_a of the shape functions, with N_a/r in the axisymmetric frame.
+/// The map of the current configuration at one point: inverse[k * dim + j] = dxi_k/dx_j and, axisymmetric,
+/// 1/r.
+template <class Cell, Frame frame> struct CurrentMap {
+  Batch inverse[Cell::dim * Cell::dim];
+  Batch inverse_r;
+};
+
+template <class Cell, Frame frame>
+inline void current_map(const PointMap<Cell, frame>& map, const Tensor<Batch, Cell::dim>& inverse_F,
+                        CurrentMap<Cell, frame>& out) {
+  constexpr int d = Cell::dim;
+  for (int k = 0; k < d; ++k)
+    for (int i = 0; i < d; ++i) {
+      Batch s = map.inverse[k * d] * inverse_F[i];
+      for (int j = 1; j < d; ++j) s += map.inverse[k * d + j] * inverse_F[d * j + i];
+      out.inverse[k * d + i] = s;
+    }
+  if constexpr (frame == Frame::axisymmetric) out.inverse_r = map.inverse_R * inverse_F[4];
+}
+
+/// Spatial gradients g_a of the shape functions, with N_a/r in the axisymmetric frame.
 template <class Cell, Frame frame> struct SpatialGradients {
   Batch g[Cell::nodes][Cell::dim];
   Batch ring[frame == Frame::axisymmetric ? Cell::nodes : 1];
 };
 
 template <class Cell, Frame frame>
-inline void spatial_gradients(const PointGeometry<Cell, frame>& X, const Tensor<Batch, Cell::dim>& inverse_F,
+inline void spatial_gradients(const CurrentMap<Cell, frame>& map, const double (&N)[Cell::nodes],
+                              const double (&dN)[Cell::nodes][Cell::dim],
                               SpatialGradients<Cell, frame>& out) {
   constexpr int d = Cell::dim;
   for (int a = 0; a < Cell::nodes; ++a)
     for (int i = 0; i < d; ++i) {
-      Batch s = X.dN[a][0] * inverse_F[i];
-      for (int j = 1; j < d; ++j) s += X.dN[a][j] * inverse_F[d * j + i];
+      Batch s = dN[a][0] * map.inverse[i];
+      for (int k = 1; k < d; ++k) s += dN[a][k] * map.inverse[k * d + i];
       out.g[a][i] = s;
     }
   if constexpr (frame == Frame::axisymmetric)
-    for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = X.ring[a] * inverse_F[4];
+    for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = N[a] * map.inverse_r;
 }
 
-/// r_ai += w P_iJ N_a,J
-template <class Cell, Frame frame>
-inline void add_force(const PointGeometry<Cell, frame>& X, const Tensor<Batch, Cell::dim>& P, Batch* r) {
-  constexpr int d = Cell::dim;
-  Tensor<Batch, d> wP;
-  for (int i = 0; i < tensor_size(d); ++i) wP[i] = X.weight * P[i];
-  for (int a = 0; a < Cell::nodes; ++a)
-    for (int i = 0; i < d; ++i) {
-      Batch s = wP[d * i] * X.dN[a][0];
-      for (int j = 1; j < d; ++j) s += wP[d * i + j] * X.dN[a][j];
-      if constexpr (frame == Frame::axisymmetric)
-        if (i == 0) s += wP[4] * X.ring[a];
-      r[a * d + i] += s;
-    }
-}
+/// Fluxes of the internal force at the points, r_ai = int tau_ij g_a,j dV_0: w tau_ij dxi_k/dx_j, which
+/// multiply dN_a/dxi_k, and w tau_33/r, which multiplies N_a in the radial force of the axisymmetric frame.
+template <class Cell, Frame frame> struct Fluxes {
+  Batch flux[Cell::points][Cell::dim * Cell::dim];
+  Batch hoop[frame == Frame::axisymmetric ? Cell::points : 1];
 
-/// K_ai,bk += w g_a,j a_ij,kl g_b,l; only blocks a <= b where `upper`.
-template <class Cell, Frame frame>
-inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
-                          const Modulus<Batch, gradient_size(frame)>& a, const Batch& weight, bool upper,
-                          Batch* K) {
-  constexpr int d = Cell::dim, n = gradient_size(frame), m = dofs<Cell>;
-  for (int b = 0; b < Cell::nodes; ++b) {
-    Batch D[n][d]; // w a_I,kl g_b,l
-    for (int I = 0; I < n; ++I)
+  void set(int q, const CurrentMap<Cell, frame>& map, const Batch& weight,
+           const Symmetric<Batch, Cell::dim>& tau) {
+    constexpr int d = Cell::dim;
+    const Symmetric<Batch, d> w = weight * tau;
+    for (int i = 0; i < d; ++i)
       for (int k = 0; k < d; ++k) {
-        Batch s = a.c[I][d * k] * G.g[b][0];
-        for (int l = 1; l < d; ++l) s += a.c[I][d * k + l] * G.g[b][l];
-        if constexpr (frame == Frame::axisymmetric)
-          if (k == 0) s += a.c[I][4] * G.ring[b];
-        D[I][k] = weight * s;
+        Batch s = w[symmetric_index(d, i, 0)] * map.inverse[k * d];
+        for (int j = 1; j < d; ++j) s += w[symmetric_index(d, i, j)] * map.inverse[k * d + j];
+        flux[q][i * d + k] = s;
       }
-    const int last = upper ? b + 1 : Cell::nodes;
-    for (int c = 0; c < last; ++c)
-      for (int i = 0; i < d; ++i)
-        for (int k = 0; k < d; ++k) {
-          Batch s = G.g[c][0] * D[d * i][k];
-          for (int j = 1; j < d; ++j) s += G.g[c][j] * D[d * i + j][k];
-          if constexpr (frame == Frame::axisymmetric)
-            if (i == 0) s += G.ring[c] * D[4][k];
-          K[(c * d + i) * m + b * d + k] += s;
-        }
+    if constexpr (frame == Frame::axisymmetric) hoop[q] = w[2] * map.inverse_r;
   }
+
+  void add_forces(Batch* r) const {
+    constexpr int d = Cell::dim;
+    add_nodal_forces<Cell, d>(flux, r);
+    if constexpr (frame == Frame::axisymmetric)
+      for (int q = 0; q < Cell::points; ++q)
+        for (int a = 0; a < Cell::nodes; ++a) r[a * d] += shape_table<Cell>.N[q][a] * hoop[q];
+  }
+};
+
+/// K_ai,bk += w g_a,j a_ij,kl g_b,l; only blocks a <= b where `upper`. One column bk after the other, so that
+/// its w a_ij,kl g_b,l stay in registers while the rows pass; unrolled, because branches at the end of loops
+/// of one to eight rounds are mispredicted.
+template <class Cell, Frame frame, bool upper>
+inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
+                          const Modulus<Batch, gradient_size(frame)>& a, const Batch& weight, Batch* K) {
+  constexpr int d = Cell::dim, n = gradient_size(frame), m = dofs<Cell>;
+  unroll<Cell::nodes>([&](auto b) {
+    Batch g[d];
+    for (int l = 0; l < d; ++l) g[l] = weight * G.g[b][l];
+    for (int k = 0; k < d; ++k) {
+      Batch D[n];
+      for (int I = 0; I < n; ++I) {
+        D[I] = a.c[I][d * k] * g[0];
+        for (int l = 1; l < d; ++l) D[I] += a.c[I][d * k + l] * g[l];
+        if constexpr (frame == Frame::axisymmetric)
+          if (k == 0) D[I] += a.c[I][4] * (weight * G.ring[b]);
+      }
+      unroll<(upper ? b + 1 : Cell::nodes)>([&](auto c) {
+        Batch* column = K + c * d * m + b * d + k;
+        for (int i = 0; i < d; ++i) {
+          Batch s = column[i * m];
+          for (int j = 0; j < d; ++j) s += G.g[c][j] * D[d * i + j];
+          if constexpr (frame == Frame::axisymmetric)
+            if (i == 0) s += G.ring[c] * D[4];
+          column[i * m] = s;
+        }
+      });
+    }
+  });
 }
 
 /// v_ai: derivative of the volume ratio J with respect to u_ai, J g_a.
@@ -88,8 +125,8 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
   constexpr int d = Cell::dim, m = dofs<Cell>;
   const auto& N = shape_table<Cell>.N;
   for (int q = 0; q < Cell::points; ++q) {
-    const Batch w = law.parameters.rho * s.geometry[q].weight;
-    if (in.accel)
+    const Batch w = law.parameters.rho * s.map[q].weight;
+    if (r && in.accel)
       for (int i = 0; i < d; ++i) {
         const Batch f = w * interpolate<Cell>(in.accel, q, i);
         for (int a = 0; a < Cell::nodes; ++a) r[a * d + i] += N[q][a] * f;
@@ -103,12 +140,12 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
   }
 }
 
-/// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d, h = spatial gradient
-/// of phi.
+/// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h
+/// = spatial gradient of phi.
 template <class Cell, Frame frame>
 inline Modulus<Batch, gradient_size(frame)>
 modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cell::dim>& e,
-           const Symmetric<Batch, Cell::dim>& tau_extra, const Vector<Batch, Cell::dim>& h,
+           const Symmetric<Batch, Cell::dim>* tau_extra, const Vector<Batch, Cell::dim>& h,
            const Tensor<Batch, Cell::dim>& H) {
   constexpr int n = gradient_size(frame);
   const MaterialParameters& m = law.parameters;
@@ -116,7 +153,7 @@ modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cel
   const Batch J = e.k.J, dpJ2 = m.locking == Locking::none ? e.dp * (J * J) : Batch(0.0);
   ModulusParts<Batch, Cell::dim> parts = law_modulus<n>(
       m, e.flow, e.g.e1.g, e.g.p.g / e.g.e1.g, Batch(e.p * J), dpJ2, e.zeta, fbar, in.symmetric && !fbar);
-  parts.tau = parts.tau + tau_extra;
+  if (tau_extra) parts.tau = parts.tau + *tau_extra;
   Modulus<Batch, n> a = assemble_modulus<n>(parts);
   if (law.crack_stress() && in.phi) add_crack(a, m.Gc * m.gamma, h);
   if (law.viscous() && in.u_n) {
@@ -127,109 +164,125 @@ modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cel
   return a;
 }
 
-/// Adds the local blocks to the caller's matrix; `upper` fills the lower blocks by symmetry, `average` takes
-/// the symmetric part.
-template <class Cell> inline void add_matrix(const Batch* k, bool upper, bool average, Batch* K) {
+/// The blocks below the diagonal from those above.
+template <class Cell> inline void mirror(Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
   for (int a = 0; a < Cell::nodes; ++a)
-    for (int b = 0; b < Cell::nodes; ++b)
+    for (int b = 0; b < a; ++b)
       for (int i = 0; i < d; ++i)
-        for (int j = 0; j < d; ++j) {
-          const int here = (a * d + i) * m + b * d + j, there = (b * d + j) * m + a * d + i;
-          if (average)
-            K[here] += 0.5 * (k[here] + k[there]);
-          else
-            K[here] += k[upper && a > b ? there : here];
-        }
+        for (int j = 0; j < d; ++j) K[(a * d + i) * m + b * d + j] = K[(b * d + j) * m + a * d + i];
 }
 
-/// Flattened: everything is inlined here, so that tensors of a point live in registers (twice as fast).
+template <class Cell> inline void take_symmetric_part(Batch* K) {
+  constexpr int m = dofs<Cell>;
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < i; ++j) K[i * m + j] = K[j * m + i] = 0.5 * (K[i * m + j] + K[j * m + i]);
+}
+
+/// How the stress of a point moves with the volume ratio J_0 that the cure shares between the points. Mean
+/// dilatation: K += (p'/V) v v^T with v_ai = int J g_ai dV_0. F-bar: dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof
+/// F.
+template <class Cell, Frame frame> struct VolumeCoupling {
+  Batch row[dofs<Cell>]; ///< v, or dJ_0/du of the centroid
+  Batch J_0;
+
+  void start(const CellState<Cell, frame>& s, Locking locking) {
+    for (Batch& x : row) x = Batch(0.0);
+    J_0 = Batch(1.0) + s.volume_J;
+    if (locking != Locking::fbar) return;
+    CurrentMap<Cell, frame> map;
+    SpatialGradients<Cell, frame> G;
+    current_map(s.centre, inverse(plus_identity(s.centre_H), J_0), map);
+    spatial_gradients(map, shape_table<Cell>.N0, shape_table<Cell>.dN0, G);
+    add_point(G, J_0);
+  }
+  void add_point(const SpatialGradients<Cell, frame>& G, const Batch& J) {
+    for (int a = 0; a < Cell::nodes; ++a)
+      for (int i = 0; i < Cell::dim; ++i) row[a * Cell::dim + i] += J * volume_gradient<Cell, frame>(G, a, i);
+  }
+  void add_tangent(const CellState<Cell, frame>& s, Batch* K) const {
+    const Batch factor = s.mean_dp / s.volume;
+    for (int i = 0; i < dofs<Cell>; ++i) add_row(i, factor * row[i], K);
+  }
+  void add_tangent(const PointLaw& law, const PointEvaluation<Cell::dim>& e,
+                   const SpatialGradients<Cell, frame>& G, const Batch& weight, Batch* K) const {
+    constexpr int d = Cell::dim;
+    Symmetric<Batch, d> dtau = (-law.parameters.G * (e.zeta * e.g.e1.g / J_0)) * e.flow.dev_b;
+    for (int i = 0; i < 3; ++i) dtau[i] += e.dp * e.k.J;
+    for (int a = 0; a < Cell::nodes; ++a)
+      for (int i = 0; i < d; ++i) {
+        Batch f = dtau[symmetric_index(d, i, 0)] * G.g[a][0];
+        for (int j = 1; j < d; ++j) f += dtau[symmetric_index(d, i, j)] * G.g[a][j];
+        if constexpr (frame == Frame::axisymmetric)
+          if (i == 0) f += dtau[2] * G.ring[a];
+        add_row(a * d + i, weight * f, K);
+      }
+  }
+  void add_row(int i, const Batch& f, Batch* K) const {
+    for (int j = 0; j < dofs<Cell>; ++j) K[i * dofs<Cell> + j] += f * row[j];
+  }
+};
+
 template <class Cell, Frame frame, bool tangent>
-[[gnu::flatten]] CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r_out, Batch* K_out) {
+inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
+  const auto& t = shape_table<Cell>;
   const Locking locking = law.parameters.locking;
-  const bool fbar = locking == Locking::fbar, mean = locking == Locking::mean;
-  const bool upper = !fbar && (in.symmetric || !law.flows());
+  const bool upper = locking != Locking::fbar && (in.symmetric || !law.flows());
+  const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
 
-  Batch r[m], K[tangent ? m * m : 1], volume_row[tangent ? m : 1], centre_row[tangent ? m : 1];
-  for (int i = 0; i < m; ++i) r[i] = Batch(0.0);
+  Fluxes<Cell, frame> fluxes;
+  VolumeCoupling<Cell, frame> coupling;
   if constexpr (tangent) {
     for (int i = 0; i < m * m; ++i) K[i] = Batch(0.0);
-    for (int i = 0; i < m; ++i) volume_row[i] = Batch(0.0);
-    if (fbar) {
-      SpatialGradients<Cell, frame> G;
-      const Batch J_0 = Batch(1.0) + s.volume_J;
-      spatial_gradients<Cell, frame>(s.centre, inverse(plus_identity(s.centre_H), J_0), G);
-      for (int a = 0; a < Cell::nodes; ++a)
-        for (int i = 0; i < d; ++i) centre_row[a * d + i] = J_0 * volume_gradient<Cell, frame>(G, a, i);
-    }
+    if (locking != Locking::none) coupling.start(s, locking);
   }
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
     note(status, e);
+    const Batch w = s.map[q].weight;
+    CurrentMap<Cell, frame> map;
+    current_map(s.map[q], e.k.inverse_F, map);
     Vector<Batch, d> h;
-    const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
-    const Symmetric<Batch, d> tau_extra =
-        extra ? extra_stress<Cell, frame>(law, in, s, e, q, h) : Batch(0.0) * e.tau;
-    add_force<Cell, frame>(s.geometry[q], first_piola(extra ? e.tau + tau_extra : e.tau, e.k.inverse_F), r);
+    Symmetric<Batch, d> tau_extra;
+    if (extra) tau_extra = extra_stress<Cell, frame>(law, in, s, e, q, h);
+    fluxes.set(q, map, w, extra ? e.tau + tau_extra : e.tau);
     if constexpr (tangent) {
       SpatialGradients<Cell, frame> G;
-      spatial_gradients<Cell, frame>(s.geometry[q], e.k.inverse_F, G);
-      const auto a = modulus_at<Cell, frame>(law, in, e, tau_extra, h, s.H[q]);
-      const Batch w = s.geometry[q].weight, wJ = w * e.k.J;
-      add_stiffness<Cell, frame>(G, a, w, upper, K);
-      if (mean)
-        for (int b = 0; b < Cell::nodes; ++b)
-          for (int i = 0; i < d; ++i) volume_row[b * d + i] += wJ * volume_gradient<Cell, frame>(G, b, i);
-      if (fbar) { // dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof F
-        Batch force[m];
-        for (int i = 0; i < m; ++i) force[i] = Batch(0.0);
-        const Batch J_0 = Batch(1.0) + s.volume_J;
-        Symmetric<Batch, d> dtau = (-law.parameters.G * (e.zeta * e.g.e1.g / J_0)) * e.flow.dev_b;
-        for (int i = 0; i < 3; ++i) dtau[i] += e.dp * e.k.J;
-        add_force<Cell, frame>(s.geometry[q], first_piola(dtau, e.k.inverse_F), force);
-        for (int i = 0; i < m; ++i)
-          for (int j = 0; j < m; ++j) K[i * m + j] += force[i] * centre_row[j];
-      }
+      spatial_gradients(map, t.N[q], t.dN[q], G);
+      const auto a = modulus_at<Cell, frame>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q]);
+      if (upper)
+        add_stiffness<Cell, frame, true>(G, a, w, K);
+      else
+        add_stiffness<Cell, frame, false>(G, a, w, K);
+      if (locking == Locking::mean) coupling.add_point(G, w * e.k.J);
+      if (locking == Locking::fbar) coupling.add_tangent(law, e, G, w, K);
     }
   }
+  if (r) fluxes.add_forces(r);
   if constexpr (tangent)
-    if (mean) {
-      const Batch factor = s.mean_dp / s.volume;
-      for (int i = 0; i < m; ++i) {
-        const Batch f = factor * volume_row[i];
-        for (int j = 0; j < m; ++j) K[i * m + j] += f * volume_row[j];
-      }
-    }
+    if (locking == Locking::mean) coupling.add_tangent(s, K);
   if (in.accel || (tangent && in.mass_shift != 0))
     add_inertia<Cell, frame>(law, in, s, r, tangent ? K : nullptr);
 
   Batch finite = Batch(0.0);
-  for (int i = 0; i < m; ++i) {
-    finite += r[i] - r[i];
-    r_out[i] += r[i];
+  if (r)
+    for (int i = 0; i < m; ++i) finite += r[i] - r[i];
+  if constexpr (tangent) {
+    for (int i = 0; i < m; ++i) finite += K[i * m + i] - K[i * m + i];
+    if (upper) mirror<Cell>(K);
+    if (locking == Locking::fbar && in.symmetric) take_symmetric_part<Cell>(K);
   }
   status.bad |= bits(~is_finite(finite));
-  if constexpr (tangent) add_matrix<Cell>(K, upper, fbar && in.symmetric, K_out);
   return status;
 }
 
 template <class Cell, Frame frame>
-CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
-  return motion<Cell, frame, false>(law, in, r, nullptr);
-}
-
-template <class Cell, Frame frame>
-CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
-  return motion<Cell, frame, true>(law, in, r, K);
-}
-
-template <class Cell, Frame frame>
-[[gnu::flatten]] CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history,
-                                           Batch* drive, StepSums& sums) {
+inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                          StepSums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellStatus status{0, Batch(1e300)};
@@ -240,7 +293,7 @@ template <class Cell, Frame frame>
     note(status, e);
     const PointHistory<Batch, d> old = read_history<d>(law, in.history, q);
     const Batch z_trial = e.flow.y - Batch(1.0);
-    const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.geometry[q].weight;
+    const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
     const PointEnergies<Batch> energy = law.energies(z, e.Je_minus_1, now.alpha);
     if (trial_history) {
@@ -260,11 +313,44 @@ template <class Cell, Frame frame>
       sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
     }
     if (law.viscous() && in.u_n) {
-      const auto dC = step_of_C<Cell, frame>(s.geometry[q], s.H[q], e.k.F, in.u_n);
+      const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
       sums.viscous_dissipation += w * ((1 / in.dt) * (viscosity(m, e.g) * dot(dC, dC)));
     }
   }
   return status;
+}
+
+/// Flattened: everything is inlined here, so that tensors of a point live in registers (twice as fast).
+template <class Cell, Frame frame, bool tangent, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
+                                                       Batch* K) {
+  return motion<Cell, frame, tangent>(restricted(law, terms), restricted(in, terms), r, K);
+}
+
+template <class Cell, Frame frame, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
+                                                        Batch* trial_history, Batch* drive, StepSums& sums) {
+  return advance<Cell, frame>(restricted(law, terms), restricted(in, terms), trial_history, drive, sums);
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
+  return with_terms(terms_of(law, in),
+                    [&](auto terms) { return motion_with<Cell, frame, false, terms>(law, in, r, nullptr); });
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
+  return with_terms(terms_of(law, in),
+                    [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                          StepSums& sums) {
+  return with_terms(terms_of(law, in), [&](auto terms) {
+    return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
+  });
 }
 
 } // namespace impact

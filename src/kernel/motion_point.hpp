@@ -1,5 +1,6 @@
 #pragma once
 #include "cell_geometry.hpp"
+#include "reference_gradient.hpp"
 
 #include <impact/kernel/motion.hpp>
 #include <impact/material/point_law.hpp>
@@ -9,13 +10,12 @@ namespace impact {
 
 /// What all points of a cell share before the law is evaluated.
 template <class Cell, Frame frame> struct CellState {
-  PointGeometry<Cell, frame> geometry[Cell::points];
-  Tensor<Batch, Cell::dim> H[Cell::points];
-  Batch J_minus_1[Cell::points];
-  Batch volume;                      ///< reference volume
-  Batch volume_J;                    ///< J - 1 that p sees under `mean` and `fbar`
-  Batch mean_p, mean_dp;             ///< uniform p and dp/dJ of `mean`
-  PointGeometry<Cell, frame> centre; ///< set under `fbar`
+  PointMap<Cell, frame> map[Cell::points];
+  Tensor<Batch, Cell::dim> H[Cell::points]; ///< Grad u
+  Batch volume;                             ///< reference volume
+  Batch volume_J;                           ///< J - 1 that p sees under `mean` and `fbar`
+  Batch mean_p, mean_dp;                    ///< uniform p and dp/dJ of `mean`
+  PointMap<Cell, frame> centre;             ///< of the centroid, set under `fbar`
   Tensor<Batch, Cell::dim> centre_H;
 };
 
@@ -34,29 +34,35 @@ template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, con
 template <class Cell, Frame frame>
 inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
                     CellState<Cell, frame>& s) {
+  constexpr int d = Cell::dim;
+  const auto& t = shape_table<Cell>;
+  Batch jacobian[Cell::points][d * d], slope[Cell::points][d * d]; // dX_i/dxi_k, du_i/dxi_k
+  reference_gradients<Cell, d>(X, jacobian);
+  reference_gradients<Cell, d>(u, slope);
   s.volume = Batch(0.0);
-  Batch mean = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    point_geometry<Cell, frame>(X, q, s.geometry[q]);
-    s.H[q] = gradient_of_vector<Cell, frame>(s.geometry[q], u);
-    s.J_minus_1[q] = detm1(s.H[q]);
-    s.volume += s.geometry[q].weight;
-    mean += s.geometry[q].weight * s.J_minus_1[q];
+    point_map<Cell, frame>(X, jacobian[q], t.N[q], t.weight[q], s.map[q]);
+    s.H[q] = mapped_gradient<Cell, frame>(s.map[q], slope[q], t.N[q], u);
+    s.volume += s.map[q].weight;
   }
   if (law.parameters.locking == Locking::mean) {
+    Batch mean = Batch(0.0);
+    for (int q = 0; q < Cell::points; ++q) mean += s.map[q].weight * detm1(s.H[q]);
     s.volume_J = mean / s.volume;
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {
       const Volumetric<Batch> v = law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
                                                point_degradations<Cell>(law, phi, q));
-      s.mean_p += s.geometry[q].weight * v.p;
-      s.mean_dp += s.geometry[q].weight * v.dp;
+      s.mean_p += s.map[q].weight * v.p;
+      s.mean_dp += s.map[q].weight * v.dp;
     }
     s.mean_p = s.mean_p / s.volume;
     s.mean_dp = s.mean_dp / s.volume;
   } else if (law.parameters.locking == Locking::fbar) {
-    centroid_geometry<Cell, frame>(X, s.centre);
-    s.centre_H = gradient_of_vector<Cell, frame>(s.centre, u);
+    reference_gradient<Cell, d>(t.dN0, X, jacobian[0]);
+    reference_gradient<Cell, d>(t.dN0, u, slope[0]);
+    point_map<Cell, frame>(X, jacobian[0], t.N0, 1, s.centre);
+    s.centre_H = mapped_gradient<Cell, frame>(s.centre, slope[0], t.N0, u);
     s.volume_J = detm1(s.centre_H);
   }
 }
@@ -109,11 +115,14 @@ inline Batch viscosity(const MaterialParameters& m, const Degradations<Batch>& g
 
 /// C - C_n at a point.
 template <class Cell, Frame frame>
-inline Symmetric<Batch, Cell::dim> step_of_C(const PointGeometry<Cell, frame>& g,
-                                             const Tensor<Batch, Cell::dim>& H,
-                                             const Tensor<Batch, Cell::dim>& F, const Batch* u_n) {
-  Tensor<Batch, Cell::dim> dH = gradient_of_vector<Cell, frame>(g, u_n);
-  for (int i = 0; i < tensor_size(Cell::dim); ++i) dH[i] = H[i] - dH[i];
+inline Symmetric<Batch, Cell::dim> step_of_C(const CellState<Cell, frame>& s,
+                                             const Tensor<Batch, Cell::dim>& F, const Batch* u_n, int q) {
+  constexpr int d = Cell::dim;
+  const auto& t = shape_table<Cell>;
+  Batch slope[d * d];
+  reference_gradient<Cell, d>(t.dN[q], u_n, slope);
+  Tensor<Batch, d> dH = mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], u_n);
+  for (int i = 0; i < tensor_size(d); ++i) dH[i] = s.H[q][i] - dH[i];
   return right_increment(F, dH);
 }
 
@@ -125,11 +134,11 @@ extra_stress(const PointLaw& law, const MotionInput& in, const CellState<Cell, f
   constexpr int d = Cell::dim;
   Symmetric<Batch, d> tau = Batch(0.0) * e.tau;
   if (law.crack_stress() && in.phi) {
-    h = spatial_gradient(e.k.inverse_F, gradient_of_scalar<Cell, frame>(s.geometry[q], in.phi));
+    h = spatial_gradient(e.k.inverse_F, gradient_of_scalar<Cell, frame>(s.map[q], in.phi, q));
     tau = crack_stress(law.parameters, h);
   }
   if (law.viscous() && in.u_n) {
-    const auto dC = step_of_C<Cell, frame>(s.geometry[q], s.H[q], e.k.F, in.u_n);
+    const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
     tau = tau + ((2 / in.dt) * viscosity(law.parameters, e.g)) * push(e.k.F, dC);
   }
   return tau;

@@ -82,26 +82,4 @@ std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& mate
   return groups;
 }
 
-void gather(const CellGroup& group, int batch, int components, const double* local, Batch* out) {
-  const int nodes = node_count(group.shape);
-  const int* node = group.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
-  for (int a = 0; a < nodes; ++a)
-    for (int k = 0; k < components; ++k) {
-      double values[lanes];
-      for (int l = 0; l < lanes; ++l) values[l] = local[node[a * lanes + l] * components + k];
-      out[a * components + k] = load(values);
-    }
-}
-
-void scatter_add(const CellGroup& group, int batch, int components, const Batch* values, double* local) {
-  const int nodes = node_count(group.shape), used = group.lanes_in_use(batch);
-  const int* node = group.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
-  for (int a = 0; a < nodes; ++a)
-    for (int k = 0; k < components; ++k) {
-      double lane[lanes];
-      store(lane, values[a * components + k]);
-      for (int l = 0; l < used; ++l) local[node[a * lanes + l] * components + k] += lane[l];
-    }
-}
-
 } // namespace impact

@@ -21,6 +21,12 @@ std::vector<PetscInt> row_bases(Mat block, int rows, int components) {
   return base;
 }
 
+// Adds one lane's block of a node pair.
+template <int nodes, int c> void add_block(const double* from, double* to, int stride) {
+  for (int i = 0; i < c; ++i, from += nodes * c * lanes, to += stride)
+    for (int j = 0; j < c; ++j) to[j] += from[j * lanes];
+}
+
 } // namespace
 
 struct SparseAssembly::Impl {
@@ -45,6 +51,23 @@ struct SparseAssembly::Impl {
     MPI_Finalized(&finalized);
     if (!finalized)
       for (MPI_Request& request : requests) MPI_Request_free(&request);
+  }
+
+  // Where the first of a node's rows stands: slots below `own_slots` at `own`, the others at `rest` (null
+  // where there are none); the next row follows after the stride.
+  struct Rows {
+    double *own, *rest;
+    int own_slots, own_stride, rest_stride;
+  };
+  Rows rows_of(int node) {
+    const int row = graph.row_of_node()[at(node)];
+    if (row < 0) { // a ghost row has one list only
+      const int slots = static_cast<int>(graph.ghost_columns(-1 - row).size());
+      return {ghost.data() + ghost_base[at(-1 - row)], nullptr, slots, slots * components, 0};
+    }
+    const int slots = graph.own_columns(row), more = foreign_columns[at(row)];
+    return {own + own_base[at(row)], more > 0 ? foreign + foreign_base[at(row)] : nullptr, slots,
+            slots * components, more * components};
   }
 
   void lay_messages(MPI_Comm comm, int tag);
@@ -173,38 +196,28 @@ void SparseAssembly::zero() {
   std::fill(impl_->ghost.begin(), impl_->ghost.end(), 0.0);
 }
 
+// A node's rows for all lanes before the next node's, so that its part of K stays in the nearest cache.
 template <int nodes, int c> void SparseAssembly::Impl::add(int group, int batch, const Batch* K) {
   const CellGroup& cells = groups[at(group)];
   const int used = cells.lanes_in_use(batch);
   const int* node = cells.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
-  const std::uint16_t* slot =
+  const std::uint16_t* slots =
       graph.slots(group).data() + static_cast<std::ptrdiff_t>(batch) * lanes * nodes * nodes;
   const double* values = reinterpret_cast<const double*>(K);
-  const int* row_of_node = graph.row_of_node().data();
-  for (int l = 0; l < used; ++l, slot += nodes * nodes)
-    for (int a = 0; a < nodes; ++a) {
-      const int row = row_of_node[node[a * lanes + l]];
-      const double* from = values + static_cast<std::ptrdiff_t>(a) * c * nodes * c * lanes + l;
-      // Slots below `own_slots` stand at `base`, the others at `rest`; a ghost row has one list only.
-      int own_slots = 0, rest_slots = 0;
-      double *base = nullptr, *rest = nullptr;
-      if (row >= 0) {
-        own_slots = graph.own_columns(row);
-        rest_slots = foreign_columns[at(row)];
-        base = own + own_base[at(row)];
-        if (foreign) rest = foreign + foreign_base[at(row)];
-      } else {
-        own_slots = static_cast<int>(graph.ghost_columns(-1 - row).size());
-        base = ghost.data() + ghost_base[at(-1 - row)];
-      }
-      for (int b = 0; b < nodes; ++b) {
-        const int k = slot[a * nodes + b];
-        const bool first = k < own_slots;
-        const std::ptrdiff_t stride = static_cast<std::ptrdiff_t>(first ? own_slots : rest_slots) * c;
-        double* to = first ? base + k * c : rest + (k - own_slots) * c;
-        for (int i = 0; i < c; ++i)
-          for (int j = 0; j < c; ++j) to[i * stride + j] += from[((i * nodes + b) * c + j) * lanes];
-      }
+  for (int a = 0; a < nodes; ++a, values += c * nodes * c * lanes)
+    for (int l = 0; l < used; ++l) {
+      const Rows to = rows_of(node[a * lanes + l]);
+      const std::uint16_t* slot = slots + (l * nodes + a) * nodes;
+      if (to.rest == nullptr)
+        for (int b = 0; b < nodes; ++b)
+          add_block<nodes, c>(values + b * c * lanes + l, to.own + slot[b] * c, to.own_stride);
+      else
+        for (int b = 0; b < nodes; ++b) {
+          const int k = slot[b] - to.own_slots;
+          const bool rest = k >= 0;
+          add_block<nodes, c>(values + b * c * lanes + l, rest ? to.rest + k * c : to.own + slot[b] * c,
+                              rest ? to.rest_stride : to.own_stride);
+        }
     }
 }
 

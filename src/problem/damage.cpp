@@ -174,7 +174,8 @@ std::vector<SNES> DamageProblem::solvers() const {
 void DamageProblem::residual(Vec x, Vec f) {
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
-    scatter_add(d_.groups[static_cast<std::size_t>(g)], b, 1, r, r_.data());
+    const CellGroup& group = d_.groups[static_cast<std::size_t>(g)];
+    visit(group.shape, [&]<class Cell>(Cell) { scatter_add<Cell, 1>(group, b, r, r_.data()); });
   });
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);

@@ -150,8 +150,10 @@ void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, cons
 }
 
 MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std::vector<double>* accel,
-                                        bool rates) const {
-  return {&X_, &u, rates ? step_.u_n : nullptr, accel, step_.phi, &state_.row("history").committed, step_.dt};
+                                        const PointLaw& law) const {
+  return {&X_,     &u,        law.viscous() ? step_.u_n : nullptr,
+          accel,   step_.phi, law.flows() ? &state_.row("history").committed : nullptr,
+          step_.dt};
 }
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
@@ -163,7 +165,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim;
-      const MotionFields fields = step_fields(u, accel, law.parameters.b_d > 0);
+      const MotionFields fields = step_fields(u, accel, law);
       for (int b = 0; b < group.batch_count; ++b) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
@@ -173,7 +175,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
           sound = false;
           note_broken(group, b, status.bad & used, status.min_J);
         }
-        scatter_add(group, b, dim, force.data(), r.data());
+        scatter_add<Cell, dim>(group, b, force.data(), r.data());
       }
     });
   }
@@ -226,14 +228,13 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim, n = Cell::nodes * dim;
-      const MotionFields fields = step_fields(u_, nullptr, law.parameters.b_d > 0);
+      const MotionFields fields = step_fields(u_, nullptr, law);
       for (int b = 0; b < group.batch_count; ++b) {
         MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         batch.in.mass_shift = mass_shift;
         batch.in.symmetric = symmetric_;
-        std::array<Batch, static_cast<std::size_t>(n)> force{};
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
-        const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, force.data(), K.data());
+        std::array<Batch, static_cast<std::size_t>(n * n)> K;
+        const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, nullptr, K.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
           sound = false;
@@ -303,18 +304,17 @@ bool MotionProblem::advance(Vec u, Increments& sums) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      const MotionFields fields = step_fields(u_, nullptr, true);
+      const MotionFields fields = step_fields(u_, nullptr, law);
       for (int b = 0; b < group.batch_count; ++b) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         PointValues<Cell, history_size(frame)> next;
         PointValues<Cell, drive_size> driving;
         StepSums step_sums;
-        next.value = batch.history.value;
-        const CellStatus status =
-            motion_advance<Cell, frame>(law, batch.in, next.data(), driving.data(), step_sums);
+        const CellStatus status = motion_advance<Cell, frame>(
+            law, batch.in, law.flows() ? next.data() : nullptr, driving.data(), step_sums);
         const int used = group.lanes_in_use(b);
         sound = sound && (status.bad & ((1 << used) - 1)) == 0;
-        next.store(history.trial, history_offset_[g], b);
+        if (law.flows()) next.store(history.trial, history_offset_[g], b);
         driving.store(drive.trial, drive_offset_[g], b);
         total[0] += lane_sum(step_sums.plastic_dissipation, used);
         total[1] += lane_sum(step_sums.viscous_dissipation, used);

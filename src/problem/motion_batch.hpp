@@ -6,7 +6,7 @@
 namespace impact {
 
 /// Nodal fields as local arrays [node][components], the committed history as a row; a null pointer leaves the
-/// term out.
+/// term, or the history of a law without flow, out.
 struct MotionFields {
   const std::vector<double>*X, *u, *u_n, *accel, *phi, *history;
   double dt;
@@ -21,18 +21,20 @@ template <class Cell, Frame frame> struct MotionBatch {
   MotionInput in;
 
   MotionBatch(const CellGroup& group, int batch, const MotionFields& fields, std::size_t history_offset) {
-    const auto read = [&](const std::vector<double>* field, int components, auto& values) -> const Batch* {
+    const auto read = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
       if (field == nullptr) return nullptr;
-      gather(group, batch, components, field->data(), values.data());
+      gather<Cell, components>(group, batch, field->data(), values.data());
       return values.data();
     };
-    in.X = read(fields.X, Cell::dim, X);
-    in.u = read(fields.u, Cell::dim, u);
-    in.u_n = read(fields.u_n, Cell::dim, u_n);
-    in.accel = read(fields.accel, Cell::dim, accel);
-    in.phi = read(fields.phi, 1, phi);
-    history.load(*fields.history, history_offset, batch);
-    in.history = history.data();
+    in.X = read.template operator()<Cell::dim>(fields.X, X);
+    in.u = read.template operator()<Cell::dim>(fields.u, u);
+    in.u_n = read.template operator()<Cell::dim>(fields.u_n, u_n);
+    in.accel = read.template operator()<Cell::dim>(fields.accel, accel);
+    in.phi = read.template operator()<1>(fields.phi, phi);
+    if (fields.history != nullptr) {
+      history.load(*fields.history, history_offset, batch);
+      in.history = history.data();
+    }
     in.dt = fields.dt;
   }
   MotionBatch(const MotionBatch&) = delete;

@@ -99,6 +99,58 @@ TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
   }
 }
 
+// the kernels are compiled for elastic, undamaged and all laws: a parameter that one of them forgot shows
+// here
+TYPED_TEST(Motion, MaterialWithoutDamageIsDamageableMaterialAtZeroDamage) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim, values = Cell::points * history_size(Cell::dim);
+  Sampler random(21);
+  for (int k = 0; k < 24; ++k) {
+    MaterialParameters m = option(k);
+    m.model = k % 2 ? Model::j2 : Model::elastic;
+    m.b_d = 0;
+    m.linear_h = 3e8;
+    m.taylor_quinney = 0.7;
+    const auto cases = reference::cases<Cell, frame>(random, 0.03);
+    const reference::CellBatch<Cell, frame> batch(cases);
+    struct Result {
+      Batch r[dofs], K[dofs * dofs], history[values], drive[Cell::points * drive_size];
+      StepSums sums;
+    } with, without;
+    const auto evaluate = [&](Damage damage, Result& out) {
+      m.damage = damage;
+      const PointLaw law{m};
+      Batch phi[Cell::nodes];
+      for (Batch& x : phi) x = 0.0;
+      MotionInput in = batch.input(1);
+      in.phi = damage == Damage::none ? nullptr : phi;
+      in.theta = nullptr;
+      in.accel = batch.accel;
+      in.mass_shift = 1e9;
+      in.symmetric = k % 4 < 2;
+      for (Batch& x : out.r) x = 0.0;
+      motion_tangent<Cell, frame>(law, in, out.r, out.K);
+      motion_advance<Cell, frame>(law, in, out.history, out.drive, out.sums);
+    };
+    evaluate(Damage::at2, with);
+    evaluate(Damage::none, without);
+    const auto expect_equal = [&](const Batch* a, const Batch* b, int n) {
+      double size = 0;
+      for (int i = 0; i < n; ++i) size = std::fmax(size, std::fabs(b[i][0]));
+      for (int i = 0; i < n; ++i)
+        for (int l = 0; l < lanes; ++l) EXPECT_NEAR(a[i][l], b[i][l], 1e-12 * size) << "option " << k;
+    };
+    expect_equal(without.r, with.r, dofs);
+    expect_equal(without.K, with.K, dofs * dofs);
+    expect_equal(without.history, with.history, values);
+    expect_equal(without.drive, with.drive, Cell::points * drive_size);
+    expect_equal(&without.sums.plastic_dissipation, &with.sums.plastic_dissipation, 1);
+    expect_equal(&without.sums.plastic_work, &with.sums.plastic_work, 1);
+    EXPECT_EQ(with.sums.plastic_work[0] > 0, m.model == Model::j2);
+  }
+}
+
 TYPED_TEST(Motion, SymmetricTangentIsTheSymmetricPart) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;

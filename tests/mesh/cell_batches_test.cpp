@@ -16,7 +16,8 @@ TEST(CellBatches, GatherThenScatterCountsTheCellsOfEachNode) {
     const auto groups = pack_cells(mesh, one_material(mesh));
     ASSERT_EQ(groups.size(), 1U);
     EXPECT_EQ(sum_over_ranks(groups[0].cell_count), mesh.global_cell_count());
-    const int components = 2, nodes = node_count(shape);
+    constexpr int components = 2;
+    const int nodes = node_count(shape);
     std::vector<double> in(static_cast<std::size_t>(mesh.node_count() * components)), out(in.size()),
         expected(in.size());
     for (std::size_t k = 0; k < in.size(); ++k) in[k] = 1.0 + 0.25 * static_cast<double>(k);
@@ -28,8 +29,10 @@ TEST(CellBatches, GatherThenScatterCountsTheCellsOfEachNode) {
         }
     std::vector<Batch> values(static_cast<std::size_t>(nodes * components));
     for (int b = 0; b < groups[0].batch_count; ++b) {
-      gather(groups[0], b, components, in.data(), values.data());
-      scatter_add(groups[0], b, components, values.data(), out.data());
+      visit(shape, [&]<class Cell>(Cell) {
+        gather<Cell, components>(groups[0], b, in.data(), values.data());
+        scatter_add<Cell, components>(groups[0], b, values.data(), out.data());
+      });
     }
     EXPECT_EQ(out, expected); // multiples of 1/4: exact
   }

@@ -43,7 +43,8 @@ struct StepSums {
 /// r [node][dim] += residual.
 template <class Cell, Frame frame> CellStatus motion_residual(const PointLaw&, const MotionInput&, Batch* r);
 
-/// r [node][dim] += residual and K [node][dim][node][dim] += its exact derivative (symmetrised where asked).
+/// K [node][dim][node][dim] = the exact derivative of the residual (symmetrised where asked); r += residual
+/// unless nullptr.
 template <class Cell, Frame frame>
 CellStatus motion_tangent(const PointLaw&, const MotionInput&, Batch* r, Batch* K);
 

@@ -46,7 +46,8 @@ template <class T, int d> T trace_excess(const Symmetric<T, d>& dev_b, const Val
     const V y = V(1.0) + z;
     const V step = (z * (V(3.0) + z * (V(3.0) + z)) - j2 * y + j3) / (V(3.0) * y * y - j2);
     z = z - step;
-    if (!any(abs(step) > V(1e-9) * abs(z) + V(1e-300))) break;
+    // the error left is a fraction z of the step's square, and the last line squares it again
+    if (!any(abs(step) > V(1e-5) * abs(z) + V(1e-300))) break;
   }
   const V y = V(1.0) + z;
   const T r = T(z * (V(3.0) + z * (V(3.0) + z))) - J2 * T(y) + J3;

@@ -21,7 +21,7 @@ template <class T> T plastic_potential(const MaterialParameters& m, const T& alp
   T h = m.sigma_y * alpha + (0.5 * m.linear_h) * (alpha * alpha);
   if (m.voce_r != 0) {
     const T x = m.voce_s * alpha;
-    h = h + (m.voce_r / m.voce_s) * (x + exp(-x) - T(1.0));
+    h = h + (m.voce_r / m.voce_s) * (x + exp((-m.voce_s) * alpha) - T(1.0));
   }
   return h;
 }
@@ -73,8 +73,9 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
     return V(Nv - V(2.0) * muv * x - q * (c * h.k));
   };
   const V first = f / (V(2.0) * muv + (2.0 / 3) * (c * value(start.dk)));
+  // A last step below 1e-4 of the root leaves an error of its square, and the step in T squares that again.
   const auto root = scalar_root(select(out.plastic, first, V(0.0)), V(0.0), V(V(0.5) * Nv / muv), out.plastic,
-                                1e-6, residual);
+                                1e-4, residual);
   V slope;
   residual(root.x, slope);
   const T r = N - 2.0 * (mu * T(root.x)) - q * (ratio * hardening(m, T(alpha_n + T(q * root.x))).k);

@@ -50,15 +50,20 @@ struct Batch {
 /// Bit l is set where lane l of the mask is true.
 inline int bits(Mask m) {
   int b = 0;
+#ifdef __AVX__
+  if constexpr (lanes % 4 == 0) { // one instruction for the sign bits of four lanes
+    typedef double Four __attribute__((vector_size(32)));
+    Four part[lanes / 4];
+    __builtin_memcpy(part, &m, sizeof m);
+    for (int k = 0; k < lanes / 4; ++k) b |= __builtin_ia32_movmskpd256(part[k]) << (4 * k);
+    return b;
+  }
+#endif
   for (int l = 0; l < lanes; ++l) b |= m.v[l] ? 1 << l : 0;
   return b;
 }
 
-inline bool any(Mask m) {
-  std::int64_t b = 0;
-  for (int l = 0; l < lanes; ++l) b |= m.v[l];
-  return b != 0;
-}
+inline bool any(Mask m) { return bits(m) != 0; }
 inline bool all(Mask m) { return !any(~m); }
 inline Batch select(Mask m, Batch a, Batch b) {
   return reinterpret_cast<Batch::Vector>((reinterpret_cast<Mask::Vector>(a.v) & m.v) |

@@ -22,10 +22,35 @@ struct CellGroup {
 /// coordinates. Collective.
 std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell);
 
+/// The local nodes of one batch, [node][lane].
+template <class Cell> const int* batch_nodes(const CellGroup& group, int batch) {
+  return group.node.data() + static_cast<std::ptrdiff_t>(batch) * Cell::nodes * lanes;
+}
+
 /// Gathers `components` values per node of one batch from a local array [node][component].
-/// out: [node][component] of Batch, nodes = number of nodes of the shape.
-void gather(const CellGroup& group, int batch, int components, const double* local, Batch* out);
+/// out: [node][component] of Batch.
+template <class Cell, int components>
+void gather(const CellGroup& group, int batch, const double* local, Batch* out) {
+  const int* node = batch_nodes<Cell>(group, batch);
+  for (int a = 0; a < Cell::nodes; ++a) {
+    const double* from[lanes];
+    for (int l = 0; l < lanes; ++l)
+      from[l] = local + static_cast<std::ptrdiff_t>(node[a * lanes + l]) * components;
+    for (int k = 0; k < components; ++k)
+      for (int l = 0; l < lanes; ++l) out[a * components + k].set(l, from[l][k]);
+  }
+}
+
 /// Adds [node][component] of Batch to the local array; padding lanes are skipped.
-void scatter_add(const CellGroup& group, int batch, int components, const Batch* values, double* local);
+template <class Cell, int components>
+void scatter_add(const CellGroup& group, int batch, const Batch* values, double* local) {
+  const int* node = batch_nodes<Cell>(group, batch);
+  const int used = group.lanes_in_use(batch);
+  for (int l = 0; l < used; ++l)
+    for (int a = 0; a < Cell::nodes; ++a) {
+      double* to = local + static_cast<std::ptrdiff_t>(node[a * lanes + l]) * components;
+      for (int k = 0; k < components; ++k) to[k] += values[a * components + k][l];
+    }
+}
 
 } // namespace impact

@@ -27,7 +27,7 @@ template <class Body> void with_shape(const CellGroup& group, Frame frame, Body&
 template <class Cell, int components> struct Gathered {
   std::array<Batch, static_cast<std::size_t>(Cell::nodes* components)> value;
   Gathered(const CellGroup& group, int batch, const std::vector<double>& local) {
-    gather(group, batch, components, local.data(), value.data());
+    gather<Cell, components>(group, batch, local.data(), value.data());
   }
   const Batch* data() const { return value.data(); }
 };

@@ -94,7 +94,8 @@ public:
   double mass_shift_of_last_tangent() const { return last_mass_shift_; }
 
 private:
-  MotionFields step_fields(const std::vector<double>& u, const std::vector<double>* accel, bool rates) const;
+  MotionFields step_fields(const std::vector<double>& u, const std::vector<double>* accel,
+                           const PointLaw& law) const;
   bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, std::vector<double>& r);
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   void add_pressure_tangent(const std::vector<double>& u);
