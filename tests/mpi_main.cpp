@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <impact/petsc/file_access.hpp>
 #include <iostream>
 #include <petscsys.h>
 
@@ -24,6 +25,7 @@ private:
 /// Test program for several ranks: prints on rank 0, fails when a test failed on any rank.
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  impact::choose_file_access();
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 1;
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
