@@ -2,6 +2,9 @@
 #include <impact/petsc/file_access.hpp>
 #include <iostream>
 #include <petscsys.h>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace {
 
@@ -37,5 +40,9 @@ int main(int argc, char** argv) {
   }
   int failed = RUN_ALL_TESTS();
   MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+#ifdef __SANITIZE_ADDRESS__
+  // Now, and not again at the end: MPI's libraries are still in place, and what they keep bears their names.
+  __lsan_do_leak_check();
+#endif
   return PetscFinalize() != 0 ? 1 : failed;
 }

@@ -347,8 +347,24 @@ void ContactInterface::hold_edges(const std::vector<double>& x) {
   }
 }
 
-std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
-                                                   ContactStatus* status) const {
+void ContactInterface::sharpen(const std::vector<double>& u, ContactPoint& point) const {
+  if (point.node_count != 4 || point.foot.part != FootPart::edge) return;
+  std::array<Point2<double>, 4> y{};
+  const std::size_t origin = at(2 * point.node[2]);
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::size_t i = at(2 * point.node[a]) + k;
+      y[a][k] = (active_.X[i] - active_.X[origin + k]) + (u[i] - u[origin + k]);
+    }
+  const Point2<double> x = {point.shape[0] * y[0][0] + point.shape[1] * y[1][0],
+                            point.shape[0] * y[0][1] + point.shape[1] * y[1][1]};
+  point.foot = foot_on_line(x, PrimaryEdge<double>{y[2], y[3]});
+}
+
+std::vector<ContactPoint> ContactInterface::points(Vec at_u, ContactStatus* status) const {
+  const std::vector<double> u = active_.exchange.gather(at_u);
+  std::vector<double> x = u;
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += active_.X[i];
   std::vector<ContactPoint> list;
   const double eps = penalty();
   ContactStatus seen;
@@ -367,6 +383,7 @@ std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
       const Point2<double> x_s = {point.shape[0] * x0[0] + point.shape[1] * x1[0],
                                   point.shape[0] * x0[1] + point.shape[1] * x1[1]};
       if (!face(x_s, normal, x, holds_[at(point.index)], point)) continue;
+      sharpen(u, point);
       point.weight = points_.weight[at(point.index)];
       point.stretch = stretch;
       if (environment_.frame == Frame::axisymmetric)
@@ -384,10 +401,9 @@ std::vector<ContactPoint> ContactInterface::points(const std::vector<double>& x,
 }
 
 ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
-  const std::vector<double> x = current(u);
   ContactStatus status;
-  std::vector<double> f(x.size(), 0.0);
-  for (const ContactPoint& point : points(x, &status)) {
+  std::vector<double> f(active_.X.size(), 0.0);
+  for (const ContactPoint& point : points(u, &status)) {
     if (!(point.pressure > 0)) continue;
     const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
     for (int a = 0; a < point.node_count; ++a)
@@ -399,10 +415,9 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
 }
 
 ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
-  const std::vector<double> x = current(u);
   ContactStatus status;
   const double eps = penalty();
-  for (const ContactPoint& point : points(x, &status)) {
+  for (const ContactPoint& point : points(u, &status)) {
     if (!(point.pressure > 0)) continue;
     const std::array<double, 64> block = tangent_block(point, scale, eps);
     std::array<PetscInt, 8> dof{};
@@ -422,12 +437,11 @@ ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
 }
 
 void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {
-  const std::vector<double> x = current(u);
-  std::vector<double> d = active_.exchange.gather(du), f(x.size(), 0.0);
+  std::vector<double> d = active_.exchange.gather(du), f(active_.X.size(), 0.0);
   for (std::size_t i = 0; i < d.size(); ++i)
     if (active_.fixed[i]) d[i] = 0;
   const double eps = penalty();
-  for (const ContactPoint& point : points(x, nullptr)) {
+  for (const ContactPoint& point : points(u, nullptr)) {
     if (!(point.pressure > 0)) continue;
     const std::array<double, 64> block = tangent_block(point, scale, eps);
     for (int i = 0; i < 2 * point.node_count; ++i)

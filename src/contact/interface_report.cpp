@@ -23,7 +23,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
   // A point that faces nothing carries nothing.
   lambda.assign(multiplier_->trial.size(), 0.0);
   AugmentReport report;
-  for (const ContactPoint& point : points(current(u), &status)) {
+  for (const ContactPoint& point : points(u, &status)) {
     lambda[at(point.index)] = point.pressure;
     // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
     report.largest_gap =
@@ -85,7 +85,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
   std::array<double, 2> force{};
-  for (const ContactPoint& point : points(current(u), nullptr))
+  for (const ContactPoint& point : points(u, nullptr))
     for (std::size_t k = 0; k < 2; ++k) force[k] += point.weight * point.pressure * point.foot.normal[k];
   MPI_Allreduce(MPI_IN_PLACE, force.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const std::vector<double>& before = totals_->committed;
@@ -99,7 +99,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   std::array<double, 5> sum{}; // force x y, length, energy, active
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure
-  for (const ContactPoint& point : points(current(u), nullptr)) {
+  for (const ContactPoint& point : points(u, nullptr)) {
     largest[0] = std::max(largest[0], -point.foot.gap);
     sum[3] += point.weight * contact_potential(point.lambda, eps, point.foot.gap);
     if (!(point.pressure > 0)) continue;
@@ -136,7 +136,7 @@ void ContactInterface::nodal_fields(Vec u, std::vector<double>& pressure, std::v
         p[at(2 * secondary_.surface.local[at(2 * f + a)] + 1)] +=
             points_.weight[at(index)] * points_.shape[at(2 * index + a)];
       }
-  for (const ContactPoint& point : points(current(u), nullptr))
+  for (const ContactPoint& point : points(u, nullptr))
     for (int a = 0; a < 2; ++a) {
       const int node = secondary_.surface.local[at(2 * point.facet + a)];
       const double weight = point.weight * point.shape[at(a)];

@@ -200,7 +200,10 @@ private:
   bool against_plane() const { return settings_.primary == "plane"; }
 
   std::vector<double> current(Vec u) const; // [node][2] of active_.nodes
-  std::vector<ContactPoint> points(const std::vector<double>& x, ContactStatus* status) const;
+  std::vector<ContactPoint> points(Vec u, ContactStatus* status) const;
+  // The foot on the edge's line once more, from differences of X and of u: those of x = X + u lose what the
+  // displacements are smaller than the coordinates, and a penalty makes a pressure of it.
+  void sharpen(const std::vector<double>& u, ContactPoint& point) const;
   Foot<double> plane_foot(const Point2<double>& x) const;
   // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
   bool face(const Point2<double>& x, const Point2<double>& normal, const std::vector<double>& coordinates,
