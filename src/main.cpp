@@ -3,6 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/file_access.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
@@ -61,6 +62,7 @@ int main(int argc, char** argv) {
     std::fputs(impact::option_reference().c_str(), stdout);
     return 0;
   }
+  impact::choose_file_access();
   impact::install_signal_handlers();
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {

@@ -1,6 +1,10 @@
 #include <gtest/gtest.h>
+#include <impact/petsc/file_access.hpp>
 #include <iostream>
 #include <petscsys.h>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 namespace {
 
@@ -24,6 +28,7 @@ private:
 /// Test program for several ranks: prints on rank 0, fails when a test failed on any rank.
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
+  impact::choose_file_access();
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 1;
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
@@ -35,5 +40,9 @@ int main(int argc, char** argv) {
   }
   int failed = RUN_ALL_TESTS();
   MPI_Allreduce(MPI_IN_PLACE, &failed, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+#ifdef __SANITIZE_ADDRESS__
+  // Now, and not again at the end: MPI's libraries are still in place, and what they keep bears their names.
+  __lsan_do_leak_check();
+#endif
   return PetscFinalize() != 0 ? 1 : failed;
 }

@@ -2,6 +2,7 @@
 #include <impact/run/alpha2.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/progress.hpp>
+#include <impact/run/stop_requests.hpp>
 
 namespace impact {
 
@@ -103,6 +104,8 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   Progress progress(comm, s.time.max_time);
   Snapshot snapshot;
   snapshot.u = u;
+  StopRequests requests({});
+  std::string stopped_by;
   const auto observe = [&](double t, double dt) {
     d.displacement.to_local(u, setup.state.row("u").committed);
     d.displacement.to_local(v, setup.state.row("v").committed);
@@ -114,11 +117,20 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   problem.begin(0);
   observe(0, 0);
   progress.header();
+  const auto obey = [&] {
+    const StopRequest request = requests.ask(comm, false);
+    if (request.checkpoint && request.stop.empty())
+      check(PetscPrintf(comm, "impact: no checkpoint: -ts_type alpha2 writes none; the run goes on\n"));
+    if (request.stop.empty()) return;
+    stopped_by = request.stop;
+    check(TSSetConvergedReason(ts, TS_CONVERGED_USER));
+  };
   struct Watch {
     const decltype(observe)* call;
+    const decltype(obey)* stop;
     Snapshot* snapshot;
     Mailbox* mailbox;
-  } watch{&observe, &snapshot, &problem.mailbox};
+  } watch{&observe, &obey, &snapshot, &problem.mailbox};
   check(TSSetApplicationContext(ts, &watch));
   check(TSSetPostStep(ts, [](TS stepper) -> PetscErrorCode {
     Watch* at = nullptr;
@@ -129,6 +141,7 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
       check(TSGetPrevTime(stepper, &t_n));
       at->snapshot->step += 1;
       (*at->call)(t, t - t_n);
+      (*at->stop)();
     });
   }));
   problem.mailbox.deliver(TSSolve(ts, nullptr));
@@ -137,6 +150,11 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   check(PetscPrintf(comm, "%s at t = %.10g after %ld steps in %s (alpha2)\n",
                     reason > 0 ? "finished" : "gave up", snapshot.time, snapshot.step,
                     Progress::clock(progress.wall()).c_str()));
+  if (!stopped_by.empty())
+    check(PetscPrintf(
+        comm,
+        "stopped by request (%s); -ts_type alpha2 writes no checkpoints, so that it can only start over\n",
+        stopped_by.c_str()));
   return reason > 0 ? ExitCode::ok : ExitCode::solver;
 }
 

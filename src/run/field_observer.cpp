@@ -41,25 +41,24 @@ FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scena
             FieldFile{path_of(output, scenario), scenario.title, scenario.units.name, resume_after}) {
   if (!file_.warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_.warning().c_str()));
   std::sort(settings_.times.begin(), settings_.times.end());
-  if (resume_after) {
-    last_written_ = *resume_after;
-    if (settings_.dt > 0)
-      next_time_ = (std::floor(*resume_after / settings_.dt * (1 + 1e-12)) + 1) * settings_.dt;
-  }
+  if (resume_after && settings_.dt > 0)
+    next_time_ = (std::floor(*resume_after / settings_.dt * (1 + 1e-12)) + 1) * settings_.dt;
 }
 
+// The last time that is written is asked of the files: a kill after the last checkpoint may have taken the
+// output at the end, which the resumed run, though it has no step to take, then makes up for.
 void FieldObserver::watch(const Snapshot& snapshot, bool last) {
+  const double written = file_.last_time();
   const double t = snapshot.time, tolerance = 1e-9 * std::max(std::abs(t), snapshot.dt);
-  bool due = last || (snapshot.step == 0 && last_written_ < t);
+  bool due = last || (snapshot.step == 0 && written < t);
   if (settings_.every > 0 && snapshot.step % settings_.every == 0) due = true;
   for (double time : settings_.times)
-    due = due ||
-          (time > last_written_ + tolerance && time <= t + tolerance && t - time <= snapshot.dt + tolerance);
+    due = due || (time > written + tolerance && time <= t + tolerance && t - time <= snapshot.dt + tolerance);
   if (settings_.dt > 0 && t >= next_time_ - tolerance) {
     due = true;
     while (next_time_ <= t + tolerance) next_time_ += settings_.dt;
   }
-  if (!due || t <= last_written_) return;
+  if (!due || t <= written) return;
   std::vector<NodeField> nodes;
   std::vector<CellField> cells;
   std::vector<std::vector<double>> keep;
@@ -76,7 +75,6 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
     }
   }
   file_.write(t, nodes, cells);
-  last_written_ = t;
 }
 
 } // namespace impact

@@ -434,6 +434,8 @@ FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file) : impl_(std::m
     self.remove_all_but_named();
   });
   warning_ = broadcast(self.comm, warning_);
+  if (!self.xdmf.frames.empty()) last_time_ = self.xdmf.frames.back().time;
+  MPI_Bcast(&last_time_, 1, MPI_DOUBLE, 0, self.comm);
 }
 
 FieldOutput::FieldOutput(FieldOutput&&) noexcept = default;
@@ -508,6 +510,7 @@ void FieldOutput::write(double time, const std::vector<NodeField>& nodes,
     }
     self.replace_xdmf();
   });
+  last_time_ = std::max(last_time_, time);
 }
 
 std::vector<double> cells_in_mesh_order(const Mesh& mesh, const std::vector<CellGroup>& groups,

@@ -111,6 +111,21 @@ std::string bare(const std::string& entry) {
   return lower_case(entry.starts_with("-") ? entry.substr(1) : entry);
 }
 
+/// What an entry may be: guarded options, those of one material, condition or contact by their common
+/// beginning.
+std::string allowed_entries(const std::vector<std::string>& names) {
+  std::set<std::string> entries;
+  for (const std::string& name : names) {
+    if (restart_key(name) != RestartKey::guarded) continue;
+    const bool one_of_many =
+        starts_with_any(name, {"material_", "bc_", "ic_", "contact_", "function_", "param_"});
+    entries.insert(one_of_many ? name.substr(0, name.find('_', name.find('_') + 1)) : name);
+  }
+  std::string list;
+  for (const std::string& entry : entries) list += (list.empty() ? "" : ", ") + entry;
+  return list;
+}
+
 void check_entries(const std::vector<std::string>& allow, const Values& before, const Values& now) {
   std::vector<std::string> names;
   for (const Values* values : {&before, &now})
@@ -124,7 +139,7 @@ void check_entries(const std::vector<std::string>& allow, const Values& before, 
     throw UserError(ExitCode::usage, "-restart_allow \"" + entry +
                                          "\": no option of this run or of its checkpoint" +
                                          (near.empty() ? "" : "; did you mean " + near + "?") +
-                                         "; allowed: names of options, or their beginnings such as bc_<id>");
+                                         "; allowed: " + allowed_entries(names) + " and names that begin so");
   }
 }
 

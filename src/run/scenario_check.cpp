@@ -143,6 +143,10 @@ void check_outputs(const Scenario& scenario) {
   for (const OutputScenario& output : scenario.outputs) {
     const std::string prefix = "-output_" + output.id + "_";
     const bool csv = output.type == OutputScenario::Type::csv;
+    if (!csv && scenario.time.type == "alpha2")
+      fail(prefix + "type \"xdmf\": not available; -ts_type alpha2 writes the history alone; allowed: csv; "
+                    "remove it, or "
+                    "choose -ts_type newmark");
     if (csv && !output.fields.empty())
       fail(prefix + "fields: has no meaning for type csv; the columns of the history are fixed, use -probes "
                     "and -measures");

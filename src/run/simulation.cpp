@@ -23,11 +23,14 @@ namespace {
 // The checkpoint to go on from, its options checked against those of this run.
 std::optional<Checkpoint> find_checkpoint(MPI_Comm comm, const Scenario& s) {
   std::optional<Checkpoint> resume;
+  const std::string now = restart_options(comm, s);
   if (s.checkpoint.restart == "auto")
     resume = newest_checkpoint(comm, s.checkpoint.dir);
   else if (s.checkpoint.restart != "none")
     resume = open_checkpoint(comm, s.checkpoint.restart);
   if (!resume) {
+    check_restart_options(now, now, s.checkpoint.restart_allow,
+                          ""); // a misspelt entry shows at the first start
     if (s.checkpoint.restart == "auto")
       check(PetscPrintf(comm,
                         "impact: -restart auto: no finished checkpoint in %s; the run starts at t = 0\n",
@@ -40,8 +43,8 @@ std::optional<Checkpoint> find_checkpoint(MPI_Comm comm, const Scenario& s) {
   if (options == resume->values.texts.end())
     throw UserError(ExitCode::io, "cannot use checkpoint " + resume->file +
                                       ": it does not hold the options of its run; restart from another one");
-  for (const std::string& note : check_restart_options(options->second, restart_options(comm, s),
-                                                       s.checkpoint.restart_allow, resume->file))
+  for (const std::string& note :
+       check_restart_options(options->second, now, s.checkpoint.restart_allow, resume->file))
     check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
   return resume;
 }

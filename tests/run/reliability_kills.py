@@ -20,7 +20,7 @@ print(f"     IMPACT_SEED={seed}")
 PROBLEMS = {"contact": CONTACT, "fracture": FRACTURE, "both": BOTH}
 CASES = [(name, ranks) for ranks in (1, 2) for name in PROBLEMS] if long() else [("both", 1), ("both", 2)]
 INTERVAL = 5
-FILES = {"checkpoint_": 160, "vis.": 95, "history.csv": 20}  # about as many write calls as a run makes
+FILES = {"checkpoint_": 900, "vis.": 95, "history.csv": 20}  # about as many write calls as a run makes
 
 duration = {}
 for name, ranks in CASES:

@@ -4,7 +4,7 @@
 time that is being written. The times before stay readable and right; after -restart auto every time is there once, with
 the values of an undisturbed run, and no file beside those that the .xdmf names. Tried at every call of one output after a
 checkpoint, with a restart for each set of files that a kill left; with IMPACT_LONG=1 at every call of the run, with a
-restart after each."""
+restart after each. And between the checkpoint of the last step and the output at the end, when no step is left to take."""
 import os
 import re
 import shutil
@@ -61,6 +61,20 @@ for call in CALLS:
         faults.append(f"call {call}, resumed: files {sorted(there ^ named)}")
     gap, place = fields_difference(folder, "whole")
     worst, where = max((worst, where), (gap, f"{place} after the kill at call {call} and restart"))
+# The end is at a checkpoint but at no third step: its output is due because the run ends.
+at_end = {**OPTIONS, "output_vis_every": 3}
+for ranks in (1, 2):
+    reference, folder = f"whole_{ranks}", f"killed_{ranks}"
+    require(f"undisturbed run on {ranks} rank(s)", finish_within(start(reference, at_end, ranks), 60) == 0)
+    right = field_times(reference)
+    killed = finish_within(start(folder, at_end, ranks, FAULTY, f"kill:1:{len(right) - 1:06d}.h5"), 30)
+    left_then = field_times(folder)
+    code = finish_within(start(folder, at_end, ranks), 30)
+    fault = fields_fault(folder)
+    require(f"{ranks} rank(s), killed before the last output: {left_then}, then {field_times(folder)} of {right} {fault}",
+            killed != 0 and left_then == right[:-1] and code == 0 and not fault and field_times(folder) == right)
+    gap, place = fields_difference(folder, reference)
+    worst, where = max((worst, where), (gap, f"{place} after a kill at the end and restart, {ranks} ranks"))
 print(f"     {kills} kills, {restarts} restarts; times in the .xdmf after them: {left}")
 for fault in faults:
     print("     " + fault)

@@ -40,6 +40,11 @@ refused({"ic_flight_vx": 0.4}, "-ic_flight_vx", '"0.4"', '"0.3"', "-restart_allo
 said = attempt("run", {"restart": "auto", "restart_allow": "bc_hodl"}, 2)
 require(f"  an entry that fits nothing is refused: {said}", len(said) == 1 and "bc_hodl" in said[0])
 
+for nothing in ({"restart": "auto"}, {}):  # neither a checkpoint nor a request to go on from one
+    said = attempt("empty", {**nothing, "restart_allow": "bc_hodl"}, 2)
+    require(f"  and when there is nothing to resume: {said}", len(said) == 1 and "bc_hodl" in said[0]
+            and "bc_hold" in said[0] and "material_lower" in said[0])
+
 # Free ones: the end, the output, the solver, the checkpoints.
 said = attempt("run", {"restart": "auto", "checkpoint_every": 4, "title": "again", "motion_ksp_rtol": 1e-8}, 0)
 check("free options changed: difference from the uninterrupted run", largest_difference("run", "whole")[0], 0, 1e-12,

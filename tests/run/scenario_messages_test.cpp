@@ -12,6 +12,16 @@ struct Row {
   std::string message;
 };
 
+// Changes that lead to a run with alpha2 that is accepted, and more of them.
+Options alpha2(Options more) {
+  more.insert({{"-ts_type", "alpha2"},
+               {"-contacts", "-"},
+               {"-contact_tip_secondary", "-"},
+               {"-contact_tip_primary", "-"},
+               {"-outputs", "-"}});
+  return more;
+}
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> all = {
       {{{"-material_beam_Gcc", "1"}},
@@ -122,6 +132,20 @@ const std::vector<Row>& rows() {
        "-contacts \"tip\": not available; allowed with -ts_type alpha2: elastic bodies without damage, "
        "contact and "
        "viscosity; remove it, or choose -ts_type newmark"},
+      {alpha2({{"-checkpoint_every", "5"}}), ExitCode::usage,
+       "-checkpoint_every \"5\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
+       "-ts_type "
+       "newmark"},
+      {alpha2({{"-restart", "auto"}}), ExitCode::usage,
+       "-restart \"auto\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
+       "-ts_type newmark"},
+      {alpha2({{"-walltime", "60"}}), ExitCode::usage,
+       "-walltime \"60\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
+       "-ts_type newmark"},
+      {alpha2({{"-outputs", "vis"}}), ExitCode::usage,
+       "-output_vis_type \"xdmf\": not available; -ts_type alpha2 writes the history alone; allowed: csv; "
+       "remove it, or "
+       "choose -ts_type newmark"},
       {{{"-materials", "beam,Beam"}},
        ExitCode::usage,
        "-materials \"beam,Beam\": 'Beam' is declared twice; ids are unique, whatever their case"},
@@ -145,6 +169,10 @@ const std::vector<Row>& rows() {
        "pressure, contact_pressure, contact_gap; did you mean von_mises?"},
   };
   return all;
+}
+
+TEST(Scenario, Alpha2IsAcceptedWithoutWhatItDoesNotWrite) {
+  EXPECT_EQ(outcome(with(alpha2({}))).message, "");
 }
 
 TEST(Scenario, MessagesSayWhatWhereAndWhatIsAllowed) {

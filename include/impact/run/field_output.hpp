@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/mesh/cell_batches.hpp>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -47,6 +48,9 @@ public:
   /// ranks. Collective. Throws UserError(io) on all ranks; the times written before stay readable.
   void write(double time, const std::vector<NodeField>& nodes, const std::vector<CellField>& cells);
 
+  /// The last time in the files, -infinity without one; equal on all ranks.
+  double last_time() const { return last_time_; }
+
   /// What the user should know about the files that were resumed (empty: nothing), equal on all ranks.
   const std::string& warning() const { return warning_; }
 
@@ -54,6 +58,7 @@ private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
   std::string warning_;
+  double last_time_ = -std::numeric_limits<double>::infinity();
 };
 
 /// Brings values of cell groups, [group][batch][component][lane], into the cell order of CellField.

@@ -43,14 +43,13 @@ public:
                 const FieldSource& source, std::optional<double> resume_after);
   /// Writes when the output's times, interval or count of steps say so, and at the end. Collective.
   void watch(const Snapshot& snapshot, bool last);
-  double written_until() const { return last_written_; }
 
 private:
   OutputScenario settings_;
   const Discretisation& d_;
   const FieldSource& source_;
   FieldOutput file_;
-  double next_time_ = 0, last_written_ = -1e300;
+  double next_time_ = 0;
 };
 
 /// Name of the history file: that of the first csv output, else history.csv.
