@@ -37,7 +37,8 @@ GaussPointForm::GaussPointForm(const Mesh& mesh, const FieldLayout& layout, cons
       points_(make_points(secondary_, settings.id, settings.points, frame)),
       search_(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
               settings.primary != "plane"),
-      holds_(points_.weight.size()), hold_gap_(hold_gap) {
+      holds_(points_.weight.size()), anchors_(settings.friction > 0 ? points_.weight.size() : 0),
+      hold_gap_(hold_gap) {
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int q = 0; q < points_.per_facet; ++q)
@@ -62,11 +63,47 @@ void GaussPointForm::begin_attempt(double t, Vec u_n) {
   time_ = t;
   std::fill(holds_.begin(), holds_.end(), Hold());
   switched_ = false;
-  if (u_n) search_.set_start(u_n);
+  if (u_n) anchor(u_n);
+}
+
+void GaussPointForm::anchor(Vec u) {
+  search_.set_start(u);
+  const std::vector<double>& x = nodes().start;
+  if (anchors_.empty()) return;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    Point point;
+    point.facet = f;
+    point.node = {nodes().secondary[at(2 * f)], nodes().secondary[at(2 * f + 1)], -1, -1};
+    const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const int index = f * points_.per_facet + q;
+      const double* N = &points_.shape[at(2 * index)];
+      Anchor& anchor = anchors_[at(index)];
+      anchor = {};
+      anchor.place = {N[0] * x0[0] + N[1] * x1[0], N[0] * x0[1] + N[1] * x1[1]};
+      anchor.valid = against_plane() || face_nearest(anchor.place, detail::right_normal(x0, x1), x, point);
+      if (!anchor.valid || against_plane()) continue;
+      const double xi = point.foot.xi;
+      anchor.node = {nodes().global[at(point.node[2])], nodes().global[at(point.node[3])]};
+      anchor.pair = {{N[0], N[1]}, {(1 - xi) / 2, (1 + xi) / 2}};
+    }
+  }
+  locate_anchors();
+}
+
+void GaussPointForm::locate_anchors() {
+  const std::vector<PetscInt>& global = nodes().global;
+  for (Anchor& anchor : anchors_)
+    for (std::size_t b = 0; b < 2; ++b) {
+      const auto place = std::lower_bound(global.begin(), global.end(), anchor.node[b]);
+      anchor.slot[b] =
+          place != global.end() && *place == anchor.node[b] ? static_cast<int>(place - global.begin()) : -1;
+    }
 }
 
 PairSearch::Outcome GaussPointForm::update(Vec u, const PressureLaw& law) {
   const PairSearch::Outcome outcome = search_.update(u);
+  if (outcome != PairSearch::Outcome::kept) locate_anchors();
   if (!against_plane()) hold_edges(nodes().current(u), law);
   return outcome;
 }
@@ -78,6 +115,17 @@ std::vector<std::pair<PetscInt, PetscInt>> GaussPointForm::couplings() const {
     for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
       for (PetscInt p : list.primary[at(list.facet[at(c)])].node)
         for (std::size_t a = 0; a < 2; ++a) pairs.emplace_back(secondary_.node[at(2 * f) + a], p);
+  // Friction couples the edge that a point lay on at the start of the step with the one that it is on now.
+  if (!anchors_.empty())
+    for (int f = 0; f + 1 < static_cast<int>(list.offset.size()); ++f) {
+      std::vector<PetscInt> together;
+      for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
+        for (PetscInt p : list.primary[at(list.facet[at(c)])].node) together.push_back(p);
+      std::sort(together.begin(), together.end());
+      together.erase(std::unique(together.begin(), together.end()), together.end());
+      for (std::size_t i = 0; i < together.size(); ++i)
+        for (std::size_t j = i + 1; j < together.size(); ++j) pairs.emplace_back(together[i], together[j]);
+    }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
@@ -233,8 +281,20 @@ void GaussPointForm::stand_on(const PrimaryEdge<double>& edge, const Foot<double
   point.node[3] = p[1];
 }
 
-void GaussPointForm::visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+// The foot on the edge's line once more, with all its digits: a penalty makes a pressure of what is lost.
+void GaussPointForm::sharpen(const std::vector<double>& u, Point& point) const {
+  if (point.node_count != 4 || point.foot.part != FootPart::edge) return;
+  std::array<Point2<double>, 4> y{};
+  for (std::size_t a = 0; a < 4; ++a) y[a] = nodes().place(point.node[a], point.node[2], u);
+  const Point2<double> x = {point.shape[0] * y[0][0] + point.shape[1] * y[1][0],
+                            point.shape[0] * y[0][1] + point.shape[1] * y[1][1]};
+  point.foot = foot_on_line(x, PrimaryEdge<double>{y[2], y[3]});
+}
+
+void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                            const ConstraintVisitor& visitor) const {
+  Workspace w;
+  const std::vector<double> x = nodes().current(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     Point point;
     point.facet = f;
@@ -248,7 +308,7 @@ void GaussPointForm::visit(const std::vector<double>& x, Derivatives derivatives
       const Point2<double> x_s = {point.shape[0] * x0[0] + point.shape[1] * x1[0],
                                   point.shape[0] * x0[1] + point.shape[1] * x1[1]};
       if (!face(x_s, normal, x, holds_[at(point.index)], point)) continue;
-      const std::span<const int> node(point.node.data(), at(point.node_count));
+      sharpen(u, point);
       Constraint c;
       c.index = point.index;
       c.weight = points_.weight[at(point.index)];
@@ -260,22 +320,70 @@ void GaussPointForm::visit(const std::vector<double>& x, Derivatives derivatives
       c.lambda = law.multiplier(c.index);
       c.active = law.active(c.index, c.gap);
       c.pressure = law.pressure(c.index, c.gap);
-      c.node = node;
+      std::copy(point.node.begin(), point.node.end(), w.node.begin());
+      c.node = {w.node.data(), at(point.node_count)};
       c.share = point.shape;
-      std::array<double, 8> dg{};
-      std::array<double, 64> d2g{};
+      add_slip(point, u, x_s, w, c);
+      const std::size_t n = 2 * c.node.size();
       if (derivatives != Derivatives::none) {
-        dg = gap_gradient(point.shape, point.foot);
-        c.gradient = {dg.data(), 2 * node.size()};
+        w.gradient.fill(0);
+        const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
+        std::copy_n(dg.begin(), 2 * point.node_count, w.gradient.begin());
+        c.gradient = {w.gradient.data(), n};
       }
       if (derivatives == Derivatives::second && c.active) {
         // The rigid plane is flat and stands still under a variation: no second variation.
-        if (point.node_count == 4) d2g = gap_hessian(point.shape, point.edge, point.foot);
-        c.hessian = {d2g.data(), 4 * node.size() * node.size()};
+        w.hessian.fill(0);
+        if (point.node_count == 4) {
+          const std::array<double, 64> d2g = gap_hessian(point.shape, point.edge, point.foot);
+          for (std::size_t i = 0; i < 8; ++i) std::copy_n(&d2g[8 * i], 8, &w.hessian[n * i]);
+        }
+        c.hessian = {w.hessian.data(), n * n};
       }
       visitor(c);
     }
   }
+}
+
+void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s,
+                              Workspace& w, Constraint& c) const {
+  if (anchors_.empty()) return;
+  const Anchor& anchor = anchors_[at(point.index)];
+  if (!anchor.valid) return;
+  w.slip_gradient.fill(0);
+  w.slip_hessian.fill(0);
+  if (against_plane()) {
+    const Point2<double> t = {-point.foot.normal[1], point.foot.normal[0]};
+    c.slip = detail::dot(t, detail::minus(x_s, anchor.place));
+    for (std::size_t a = 0; a < 2; ++a)
+      for (std::size_t k = 0; k < 2; ++k) w.slip_gradient[2 * a + k] = point.shape[a] * t[k];
+  } else {
+    if (anchor.slot[0] < 0 || anchor.slot[1] < 0) return;
+    std::size_t count = c.node.size();
+    std::array<std::size_t, 4> place = {0, 1, 0, 0};
+    for (std::size_t b = 0; b < 2; ++b) {
+      const auto end = w.node.begin() + static_cast<std::ptrdiff_t>(count);
+      const auto found = std::find(w.node.begin(), end, anchor.slot[b]);
+      place[2 + b] = static_cast<std::size_t>(found - w.node.begin());
+      if (found == end) w.node[count++] = anchor.slot[b];
+    }
+    c.node = {w.node.data(), count};
+    const auto place_of = [&](int node) { return nodes().place(node, point.node[0], u); };
+    const std::array<Point2<double>, 2> s = {place_of(point.node[0]), place_of(point.node[1])},
+                                        p = {place_of(anchor.slot[0]), place_of(anchor.slot[1])};
+    const Slip slip = slip_of(s, p, anchor.pair);
+    const std::array<double, 64> H = slip_hessian(s, p, anchor.pair);
+    c.slip = slip.value;
+    const std::size_t n = 2 * count;
+    for (std::size_t i = 0; i < 8; ++i) {
+      w.slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
+      for (std::size_t j = 0; j < 8; ++j)
+        w.slip_hessian[n * (2 * place[i / 2] + i % 2) + 2 * place[j / 2] + j % 2] += H[8 * i + j];
+    }
+  }
+  c.slides = true;
+  c.slip_gradient = {w.slip_gradient.data(), 2 * c.node.size()};
+  c.slip_hessian = {w.slip_hessian.data(), 4 * c.node.size() * c.node.size()};
 }
 
 void GaussPointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {

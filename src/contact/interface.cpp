@@ -22,22 +22,46 @@ bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
 
-// scale weight (stiffness dg dg - p d2g), [node][2][node][2].
-void tangent_block(const Constraint& c, const PressureLaw& law, double scale, std::vector<double>& block) {
-  const std::size_t n = c.gradient.size();
-  block.resize(n * n);
-  const double square = scale * c.weight * law.stiffness(c.scale);
-  const double curved = scale * c.weight * c.pressure;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      block[n * i + j] = square * c.gradient[i] * c.gradient[j] - curved * c.hessian[n * i + j];
-}
-
 } // namespace
 
 PressureLaw ContactInterface::law() const {
   if (!semismooth()) return {multiplier_->trial, penalty()};
   return {multiplier_->trial, activity_weight * penalty(), newton_weight * penalty(), true};
+}
+
+double ContactInterface::tangential_stiffness(const Constraint& c) const {
+  return semismooth() ? newton_weight * penalty() * c.scale : penalty();
+}
+
+Traction ContactInterface::traction(const Constraint& c) const {
+  if (traction_ == nullptr || friction_suspended_ || !c.slides || !c.active) return {};
+  const double held = traction_->trial[at(c.index)], limit = settings_.friction * std::max(c.pressure, 0.0);
+  if (!semismooth()) return coulomb(held + penalty() * c.slip, limit);
+  // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
+  Traction t = coulomb(held + activity_weight * penalty() * c.slip, limit);
+  if (t.direction == 0) t.value = held;
+  return t;
+}
+
+void ContactInterface::tangent_block(const Constraint& c, double scale, std::vector<double>& block) const {
+  // scale w (k dg dg - p d2g), and with friction k_t ds ds where it sticks, -mu k ds dg where it slides, + t
+  // d2s.
+  const std::size_t n = c.gradient.size();
+  block.resize(n * n);
+  const double stiffness = law().stiffness(c.scale), weight = scale * c.weight;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      block[n * i + j] =
+          weight * (stiffness * c.gradient[i] * c.gradient[j] - c.pressure * c.hessian[n * i + j]);
+  if (traction_ == nullptr || friction_suspended_ || !c.slides) return;
+  const Traction t = traction(c);
+  const double stick = t.direction == 0 ? tangential_stiffness(c) : 0;
+  const double slide = settings_.friction * t.direction * stiffness;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      block[n * i + j] +=
+          weight * (c.slip_gradient[i] * (stick * c.slip_gradient[j] - slide * c.gradient[j]) +
+                    t.value * c.slip_hessian[n * i + j]);
 }
 
 void ContactInterface::set_time(double t, double mass_shift) {
@@ -71,12 +95,12 @@ void ContactInterface::set_fixed_dofs(const std::vector<char>& fixed) {
   fetch_fixed();
 }
 
-ContactStatus ContactInterface::visit(const std::vector<double>& x, Derivatives derivatives,
+ContactStatus ContactInterface::visit(const std::vector<double>& u, Derivatives derivatives,
                                       const ConstraintVisitor& visitor) const {
   ContactStatus seen;
-  seen.finite = all_finite(x);
-  seen.search_holds = form_->pairs_hold(x);
-  form_->visit(x, derivatives, law(), [&](const Constraint& c) {
+  seen.finite = all_finite(u);
+  seen.search_holds = form_->pairs_hold(form_->nodes().current(u));
+  form_->visit(u, derivatives, law(), [&](const Constraint& c) {
     if (c.active) ++seen.active;
     seen.penetration = std::max(seen.penetration, -c.gap);
     visitor(c);
@@ -85,13 +109,14 @@ ContactStatus ContactInterface::visit(const std::vector<double>& x, Derivatives 
 }
 
 ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
-  const std::vector<double> x = form_->nodes().current(u);
-  std::vector<double> f(x.size(), 0.0);
-  const ContactStatus status = visit(x, Derivatives::first, [&](const Constraint& c) {
+  const std::vector<double> values = form_->nodes().displacement(u);
+  std::vector<double> f(values.size(), 0.0);
+  const ContactStatus status = visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
-    for (std::size_t a = 0; a < c.node.size(); ++a)
-      for (std::size_t k = 0; k < 2; ++k)
-        f[2 * at(c.node[a]) + k] -= scale * c.weight * c.pressure * c.gradient[2 * a + k];
+    const double t = traction(c).value;
+    for (std::size_t i = 0; i < c.gradient.size(); ++i)
+      f[2 * at(c.node[i / 2]) + i % 2] -=
+          scale * c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
   });
   form_->nodes().exchange.add(f, r);
   return status;
@@ -100,25 +125,31 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
 void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
   if (!semismooth()) return;
   const PressureLaw law = this->law();
-  const std::vector<double> x = form_->nodes().current(u);
-  std::vector<double> f(x.size(), 0.0);
-  visit(x, Derivatives::first, [&](const Constraint& c) {
+  const std::vector<double> values = form_->nodes().displacement(u);
+  std::vector<double> f(values.size(), 0.0);
+  visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
+    const double gap = law.stiffness(c.scale) * c.gap;
+    const bool slides = traction_ != nullptr && !friction_suspended_ && c.slides;
+    const double direction = slides ? traction(c).direction : 0;
+    const double slip = !slides          ? 0
+                        : direction == 0 ? tangential_stiffness(c) * c.slip
+                                         : -settings_.friction * direction * gap;
     for (std::size_t i = 0; i < c.gradient.size(); ++i)
       if (!fixed_here_[2 * at(c.node[i / 2]) + i % 2])
-        f[2 * at(c.node[i / 2]) + i % 2] += scale * c.weight * law.stiffness(c.scale) * c.gap * c.gradient[i];
+        f[2 * at(c.node[i / 2]) + i % 2] +=
+            scale * c.weight * (gap * c.gradient[i] + (slides ? slip * c.slip_gradient[i] : 0));
   });
   form_->nodes().exchange.add(f, r);
 }
 
 ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
-  const PressureLaw law = this->law();
   const ContactNodes& nodes = form_->nodes();
   std::vector<PetscInt> dof;
   std::vector<double> block;
-  return visit(nodes.current(u), Derivatives::second, [&](const Constraint& c) {
+  return visit(nodes.displacement(u), Derivatives::second, [&](const Constraint& c) {
     if (!c.active) return;
-    tangent_block(c, law, scale, block);
+    tangent_block(c, scale, block);
     dof.clear();
     for (int node : c.node)
       for (std::size_t k = 0; k < 2; ++k)
@@ -131,14 +162,13 @@ ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
 }
 
 void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {
-  const PressureLaw law = this->law();
   const ContactNodes& nodes = form_->nodes();
   std::vector<double> d = nodes.exchange.gather(du), f(d.size(), 0.0), block;
   for (std::size_t i = 0; i < d.size(); ++i)
     if (fixed_here_[i]) d[i] = 0;
-  visit(nodes.current(u), Derivatives::second, [&](const Constraint& c) {
+  visit(nodes.displacement(u), Derivatives::second, [&](const Constraint& c) {
     if (!c.active) return;
-    tangent_block(c, law, scale, block);
+    tangent_block(c, scale, block);
     const std::size_t n = c.gradient.size();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j)
@@ -155,7 +185,7 @@ void ContactInterface::start_newton(Vec u) {
   // solution where nothing else holds a body.
   const double touch = 1e-8 * mean_length_, token = touch * penalty();
   std::vector<double> lambda = multiplier_->trial;
-  visit(form_->nodes().current(u), Derivatives::none, [&](const Constraint& c) {
+  visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
     if (!(c.lambda > 0)) lambda[at(c.index)] = std::abs(c.gap) < touch ? token : 0.0;
   });
   share(lambda);
@@ -166,22 +196,36 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
   const ContactNodes& nodes = form_->nodes();
   const PressureLaw law = this->law();
   const std::vector<double> d = nodes.exchange.gather(du);
-  std::vector<double> lambda(multiplier_->trial.size(), 0.0);
-  std::vector<char> active(lambda.size(), 0);
-  visit(nodes.current(u), Derivatives::first, [&](const Constraint& c) {
+  std::vector<double> lambda(multiplier_->trial.size(), 0.0), held(lambda.size(), 0.0);
+  std::vector<char> active(lambda.size(), 0); // 1: sticks or has no friction; 2: slides
+  const auto kind = [&](const Constraint& c) {
+    return static_cast<char>(traction(c).direction == 0 ? 1 : 2);
+  };
+  visit(nodes.displacement(u), Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
-    double gap = c.gap;
-    for (std::size_t a = 0; a < c.node.size(); ++a)
-      for (std::size_t k = 0; k < 2; ++k) gap += c.gradient[2 * a + k] * d[2 * at(c.node[a]) + k];
+    double gap = c.gap, slip = c.slip;
+    for (std::size_t i = 0; i < c.gradient.size(); ++i) {
+      const double change = d[2 * at(c.node[i / 2]) + i % 2];
+      gap += c.gradient[i] * change;
+      if (c.slides) slip += c.slip_gradient[i] * change;
+    }
     lambda[at(c.index)] = c.lambda - law.stiffness(c.scale) * gap;
-    active[at(c.index)] = 1;
+    active[at(c.index)] = kind(c);
+    if (traction_ == nullptr || friction_suspended_ || !c.slides) return;
+    const double direction = traction(c).direction;
+    held[at(c.index)] = direction == 0 ? traction_->trial[at(c.index)] + tangential_stiffness(c) * slip
+                                       : settings_.friction * direction * std::max(0.0, lambda[at(c.index)]);
   });
   share(lambda);
   multiplier_->trial = std::move(lambda);
+  if (traction_ != nullptr && !friction_suspended_) {
+    share(held);
+    traction_->trial = std::move(held);
+  }
   bool same = true;
   std::vector<char> then(active.size(), 0);
-  visit(nodes.current(next), Derivatives::none, [&](const Constraint& c) {
-    if (c.active) then[at(c.index)] = 1;
+  visit(nodes.displacement(next), Derivatives::none, [&](const Constraint& c) {
+    if (c.active) then[at(c.index)] = kind(c);
   });
   same = then == active;
   return !all_ranks_agree(mesh_->comm(), same);

@@ -16,14 +16,28 @@ constexpr double wanted_fall = 4;
 // The semismooth method has converged when its active gaps are less than this part of a facet.
 constexpr double newton_gap = 1e-11;
 
+} // namespace
+
 // The force on the secondary side.
-void add_force(const Constraint& c, std::array<double, 2>& force) {
+void ContactInterface::add_force(const Constraint& c, std::array<double, 2>& force) const {
   if (!c.active) return;
-  for (std::size_t a = 0; a < c.share.size(); ++a)
-    for (std::size_t k = 0; k < 2; ++k) force[k] += c.weight * c.pressure * c.gradient[2 * a + k];
+  const double t = traction(c).value;
+  for (std::size_t i = 0; i < 2 * c.share.size(); ++i)
+    force[i % 2] += c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
 }
 
-} // namespace
+double ContactInterface::friction_loss(Vec u) const {
+  if (!frictional()) return 0;
+  double loss = 0;
+  visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
+    const Traction t = traction(c);
+    if (t.direction == 0) return;
+    const double elastic = semismooth() ? 0 : (t.value - traction_->trial[at(c.index)]) / penalty();
+    loss += c.weight * t.value * (c.slip - elastic);
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &loss, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  return environment_.frame == Frame::axisymmetric ? loss : environment_.thickness * loss;
+}
 
 void ContactInterface::share(std::vector<double>& multipliers) const {
   if (multiplier_->support != Support::vertex) return;
@@ -38,24 +52,32 @@ void ContactInterface::share(std::vector<double>& multipliers) const {
 
 void ContactInterface::start_augmentation() { penalty_->trial[1] = 0; }
 
-AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) const {
+AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
+                                        std::vector<double>& traction) const {
   // A constraint that faces nothing carries nothing.
   lambda.assign(multiplier_->trial.size(), 0.0);
+  traction.assign(traction_ != nullptr ? lambda.size() : 0, 0.0);
   AugmentReport report;
-  const ContactStatus status = visit(form_->nodes().current(u), Derivatives::none, [&](const Constraint& c) {
-    lambda[at(c.index)] = std::max(0.0, c.pressure);
-    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
-    if (c.active)
-      report.largest_gap = std::max(report.largest_gap, std::min(std::abs(c.gap), c.pressure / penalty()));
-    if (c.active && c.gap < form_->deepest()) report.settled = false;
-  });
+  const ContactStatus status =
+      visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
+        lambda[at(c.index)] = std::max(0.0, c.pressure);
+        if (traction_ != nullptr) traction[at(c.index)] = this->traction(c).value;
+        // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
+        if (c.active)
+          report.largest_gap =
+              std::max(report.largest_gap, std::min(std::abs(c.gap), c.pressure / penalty()));
+        if (c.active && c.gap < form_->deepest()) report.settled = false;
+      });
   share(lambda);
+  if (traction_ != nullptr) share(traction);
   if (form_->switched()) report.settled = false;
   double change = 0;
   for (std::size_t i = 0; i < lambda.size(); ++i) {
     report.multiplier = std::max(report.multiplier, lambda[i]);
     change = std::max(change, std::abs(lambda[i] - multiplier_->trial[i]));
   }
+  for (std::size_t i = 0; i < traction.size(); ++i)
+    change = std::max(change, std::abs(traction[i] - traction_->trial[i]));
   std::array<double, 5> largest = {status.penetration, report.settled ? 0.0 : 1.0, report.multiplier, change,
                                    report.largest_gap};
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 5, MPI_DOUBLE, MPI_MAX, mesh_->comm());
@@ -88,27 +110,32 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda) cons
 
 bool ContactInterface::gaps_closed(Vec u) const {
   if (!semismooth()) return true;
-  const std::vector<double> x = form_->nodes().current(u);
-  std::array<double, 2> largest = {0, 0}; // gap, coordinate
-  visit(x, Derivatives::none, [&](const Constraint& c) {
-    if (c.active) largest[0] = std::max(largest[0], std::abs(c.gap));
+  const std::vector<double> values = form_->nodes().displacement(u);
+  std::array<double, 2> largest = {0, 0}; // gap or slip that must vanish, coordinate
+  visit(values, Derivatives::none, [&](const Constraint& c) {
+    if (!c.active) return;
+    largest[0] = std::max(largest[0], std::abs(c.gap));
+    if (traction_ != nullptr && !friction_suspended_ && c.slides && traction(c).direction == 0)
+      largest[0] = std::max(largest[0], std::abs(c.slip));
   });
-  for (double coordinate : x) largest[1] = std::max(largest[1], std::abs(coordinate));
+  for (double coordinate : form_->nodes().current(values))
+    largest[1] = std::max(largest[1], std::abs(coordinate));
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   return largest[0] <= std::max(newton_gap * mean_length_, 1e-14 * largest[1]);
 }
 
 AugmentReport ContactInterface::review(Vec u) const {
-  std::vector<double> lambda;
-  return propose(u, lambda);
+  std::vector<double> lambda, traction;
+  return propose(u, lambda, traction);
 }
 
 AugmentReport ContactInterface::augment(Vec u) {
-  std::vector<double> lambda;
-  const AugmentReport report = propose(u, lambda);
+  std::vector<double> lambda, traction;
+  const AugmentReport report = propose(u, lambda, traction);
   form_->clear_switched(); // another solve follows
   if (settings_.enforce == Enforcement::penalty) return report;
   multiplier_->trial = std::move(lambda);
+  if (traction_ != nullptr && !friction_suspended_) traction_->trial = std::move(traction);
   if (semismooth()) return report;
   const double before = penalty_->trial[1];
   const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
@@ -130,11 +157,18 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
   std::array<double, 2> force{};
-  visit(form_->nodes().current(u), Derivatives::first, [&](const Constraint& c) { add_force(c, force); });
+  visit(form_->nodes().displacement(u), Derivatives::first,
+        [&](const Constraint& c) { add_force(c, force); });
   MPI_Allreduce(MPI_IN_PLACE, force.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const std::vector<double>& before = totals_->committed;
   totals_->trial = {before[0] + dt * (before[3] + force[0]) / 2, before[1] + dt * (before[4] + force[1]) / 2,
                     before[2] - twice_work / 2, force[0], force[1]};
+  if (traction_ == nullptr) return;
+  // What sticks from now on does so with the traction of this state.
+  std::vector<double> lambda, traction;
+  propose(u, lambda, traction);
+  traction_->trial = std::move(traction);
+  form_->anchor(u);
 }
 
 ContactMeasures ContactInterface::measures(Vec u) const {
@@ -143,11 +177,14 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   std::array<double, 5> sum{}; // force x y, length, energy, active
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure
-  visit(form_->nodes().current(u), Derivatives::first, [&](const Constraint& c) {
+  visit(form_->nodes().displacement(u), Derivatives::first, [&](const Constraint& c) {
     largest[0] = std::max(largest[0], -c.gap);
     // Multipliers that hold g = 0 exactly store nothing.
     if (!semismooth()) sum[3] += c.weight * contact_potential(c.lambda, eps, c.gap);
     if (!c.active) return;
+    const Traction t = traction(c);
+    // A penalty keeps the traction's energy too; augmentations take it for a multiplier.
+    if (settings_.enforce == Enforcement::penalty) sum[3] += c.weight * t.value * t.value / (2 * eps);
     std::array<double, 2> force{};
     add_force(c, force);
     for (std::size_t k = 0; k < 2; ++k) sum[k] += force[k];
@@ -177,7 +214,7 @@ void ContactInterface::nodal_fields(Vec u, std::vector<double>& pressure, std::v
   // something.
   const ContactNodes& nodes = form_->nodes();
   std::vector<double> p(2 * nodes.global.size(), 0.0), g(p.size(), 0.0);
-  visit(nodes.current(u), Derivatives::none, [&](const Constraint& c) {
+  visit(nodes.displacement(u), Derivatives::none, [&](const Constraint& c) {
     for (std::size_t a = 0; a < c.share.size(); ++a) {
       const double weight = c.weight * c.share[a];
       const std::size_t i = 2 * at(c.node[a]);

@@ -119,6 +119,8 @@ void ContactInterface::set_automatic_values(const ContactSurface& secondary, con
   require_positive(settings_, "gap_tol", settings_.gap_tol);
   require_positive(settings_, "pressure_tol", settings_.pressure_tol);
   require_positive(settings_, "search_radius", settings_.search_radius);
+  if (!(settings_.friction >= 0) || !std::isfinite(settings_.friction))
+    throw usage(settings_, "friction", number(settings_.friction) + " is negative or not a number");
   mean_length_ = h;
 }
 
@@ -129,6 +131,8 @@ void ContactInterface::declare_state(StateTable& state) {
   };
   const auto [multipliers, count] = form_->multiplier_row(name + "_multiplier");
   multiplier_ = &state.add(multipliers, count);
+  traction_ = nullptr;
+  if (frictional()) traction_ = &state.add(form_->multiplier_row(name + "_traction").first, count);
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
   penalty_ = &state.add(row("penalty", Support::global, 3), 3);
   totals_ = &state.add(row("totals", Support::global, 5), 5); // impulse x y, work, last force x y

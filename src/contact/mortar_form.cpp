@@ -127,7 +127,47 @@ std::pair<StateRow, std::size_t> MortarForm::multiplier_row(const std::string& n
 void MortarForm::begin_attempt(double, Vec u_n) {
   std::fill(switches_.begin(), switches_.end(), 0);
   switched_ = false;
-  if (u_n) search_.set_start(u_n);
+  if (u_n) anchor(u_n);
+}
+
+void MortarForm::anchor(Vec u) {
+  search_.set_start(u);
+  if (!(settings_.friction > 0)) return;
+  const std::vector<double>& x = nodes().start;
+  const Facing facing = facing_at(x);
+  anchors_.assign(owned_.size(), {});
+  for (std::size_t i = 0; i < owned_.size(); ++i)
+    for (std::size_t side = 0; side < 2; ++side) {
+      const int f = owned_[i].facet[side];
+      if (f < 0) continue;
+      const std::size_t a = 1 - side;
+      for (int c : facing[at(f)]) {
+        const auto edge = secondary_edge(f, x), primary = primary_edge(c, x);
+        const CoveredPart<double> part = covered_part(edge, primary);
+        if (!(part.end > part.begin)) continue;
+        const MortarWeights w = mortar_weights(edge, primary, facets_[at(f)].edge);
+        Anchor anchor;
+        anchor.facet = f;
+        anchor.node = search_.candidates().primary[at(search_.candidates().facet[at(c)])].node;
+        for (std::size_t b = 0; b < 2; ++b) {
+          anchor.pair.c[b] = w.D[a][b] / owned_[i].weight;
+          anchor.pair.m[b] = w.M[a][b] / owned_[i].weight;
+        }
+        anchors_[i].push_back(anchor);
+      }
+    }
+  locate_anchors();
+}
+
+void MortarForm::locate_anchors() {
+  const std::vector<PetscInt>& global = nodes().global;
+  for (std::vector<Anchor>& anchors : anchors_)
+    for (Anchor& anchor : anchors)
+      for (std::size_t b = 0; b < 2; ++b) {
+        const auto place = std::lower_bound(global.begin(), global.end(), anchor.node[b]);
+        anchor.slot[b] =
+            place != global.end() && *place == anchor.node[b] ? static_cast<int>(place - global.begin()) : -1;
+      }
 }
 
 std::array<Point2<double>, 2> MortarForm::secondary_edge(int facet, const std::vector<double>& x) const {
@@ -191,6 +231,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
   switched_ = false;
   Facing next = facing_at(x);
   if (outcome != PairSearch::Outcome::kept) {
+    locate_anchors();
     // Candidates have other numbers now: what faced is forgotten, and the caller solves again anyway.
     facing_ = std::move(next);
     return outcome;
@@ -259,10 +300,23 @@ std::vector<std::pair<PetscInt, PetscInt>> MortarForm::couplings() const {
   return pairs;
 }
 
-void MortarForm::visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                        const ConstraintVisitor& visitor) const {
+  // Both edges as seen from the first node of the secondary one.
+  const auto edge_at = [&](int facet, int first, int second) {
+    const int origin = nodes().secondary[2 * at(facet)];
+    return std::array<Point2<double>, 2>{nodes().place(first, origin, u), nodes().place(second, origin, u)};
+  };
+  const auto secondary_at = [&](int facet) {
+    return edge_at(facet, nodes().secondary[2 * at(facet)], nodes().secondary[2 * at(facet) + 1]);
+  };
+  const auto primary_at = [&](int facet, int candidate) {
+    const int* on_primary = &nodes().primary[at(4 * search_.candidates().facet[at(candidate)])];
+    return edge_at(facet, on_primary[0], on_primary[1]);
+  };
+  const auto radius = [&](int n) { return nodes().X[2 * at(n)] + u[2 * at(n)]; };
   std::vector<int> node;
-  std::vector<double> share, gradient, hessian;
+  std::vector<double> share, gradient, hessian, slip_gradient, slip_hessian;
   // A pair's four nodes by their place in `node`.
   struct Piece {
     std::size_t side;
@@ -278,7 +332,8 @@ void MortarForm::visit(const std::vector<double>& x, Derivatives derivatives, co
     }
     return static_cast<std::size_t>(found - node.begin());
   };
-  for (const Node& owner : owned_) {
+  for (std::size_t number = 0; number < owned_.size(); ++number) {
+    const Node& owner = owned_[number];
     node.clear();
     pieces.clear();
     Constraint c;
@@ -297,15 +352,16 @@ void MortarForm::visit(const std::vector<double>& x, Derivatives derivatives, co
       if (f < 0) continue;
       const MortarEdge& edge = facets_[at(f)].edge;
       const std::size_t a = 1 - side;
-      const auto s = secondary_edge(f, x);
+      const auto s = secondary_at(f);
       share[place_of(nodes().secondary[2 * at(f) + a])] = 1;
       const std::array<double, 2> ring =
           frame_ == Frame::axisymmetric
-              ? std::array<double, 2>{2 * std::numbers::pi * s[0][0], 2 * std::numbers::pi * s[1][0]}
+              ? std::array<double, 2>{2 * std::numbers::pi * radius(nodes().secondary[2 * at(f)]),
+                                      2 * std::numbers::pi * radius(nodes().secondary[2 * at(f) + 1])}
               : std::array<double, 2>{1, 1};
       area += length_of(s) * (2 * ring[a] + ring[1 - a]) / 6;
       for (int candidate : facing_[at(f)]) {
-        const auto p = primary_edge(candidate, x);
+        const auto p = primary_at(f, candidate);
         const CoveredPart<double> part = covered_part(s, p);
         if (!(part.end > part.begin)) continue;
         CoveredPart<double> unit = part;
@@ -331,6 +387,13 @@ void MortarForm::visit(const std::vector<double>& x, Derivatives derivatives, co
       }
     }
     if (pieces.empty()) continue;
+    if (!anchors_.empty())
+      for (const Anchor& anchor : anchors_[number]) {
+        if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
+        c.slides = true;
+        for (int slot : anchor.slot) place_of(slot);
+      }
+    gradient.resize(2 * node.size(), 0.0);
     c.gap /= owner.weight;
     c.stretch = area / owner.weight;
     const double cover = std::max(std::abs(covered) / owner.weight, least_cover);
@@ -341,6 +404,29 @@ void MortarForm::visit(const std::vector<double>& x, Derivatives derivatives, co
     c.node = node;
     c.share = share;
     c.gradient = gradient;
+    if (c.slides) {
+      const std::size_t n = 2 * node.size();
+      slip_gradient.assign(n, 0.0);
+      slip_hessian.assign(derivatives == Derivatives::second ? n * n : 0, 0.0);
+      for (const Anchor& anchor : anchors_[number]) {
+        if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
+        const auto s = secondary_at(anchor.facet);
+        const auto p = edge_at(anchor.facet, anchor.slot[0], anchor.slot[1]);
+        const Slip slip = slip_of(s, p, anchor.pair);
+        c.slip += slip.value;
+        const std::array<std::size_t, 4> place = {place_of(nodes().secondary[2 * at(anchor.facet)]),
+                                                  place_of(nodes().secondary[2 * at(anchor.facet) + 1]),
+                                                  place_of(anchor.slot[0]), place_of(anchor.slot[1])};
+        for (std::size_t i = 0; i < 8; ++i) slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
+        if (derivatives != Derivatives::second) continue;
+        const std::array<double, 64> H = impact::slip_hessian(s, p, anchor.pair);
+        for (std::size_t i = 0; i < 8; ++i)
+          for (std::size_t j = 0; j < 8; ++j)
+            slip_hessian[n * (2 * place[i / 2] + i % 2) + 2 * place[j / 2] + j % 2] += H[8 * i + j];
+      }
+      c.slip_gradient = slip_gradient;
+      c.slip_hessian = slip_hessian;
+    }
     if (derivatives == Derivatives::none) c.gradient = {};
     if (derivatives == Derivatives::second && c.active) {
       const std::size_t n = 2 * node.size();
@@ -348,8 +434,9 @@ void MortarForm::visit(const std::vector<double>& x, Derivatives derivatives, co
       for (const Piece& piece : pieces) {
         std::array<double, 2> factor = {0, 0};
         factor[1 - piece.side] = 1 / owner.weight;
-        const auto H = mortar_pair_hessian(secondary_edge(piece.facet, x), primary_edge(piece.candidate, x),
-                                           facets_[at(piece.facet)].edge, factor);
+        const auto H =
+            mortar_pair_hessian(secondary_at(piece.facet), primary_at(piece.facet, piece.candidate),
+                                facets_[at(piece.facet)].edge, factor);
         for (std::size_t i = 0; i < 8; ++i)
           for (std::size_t j = 0; j < 8; ++j)
             hessian[n * (2 * piece.place[i / 2] + i % 2) + 2 * piece.place[j / 2] + j % 2] += H[8 * i + j];

@@ -43,8 +43,8 @@ int position(const std::vector<PetscInt>& sorted, PetscInt value) {
 
 } // namespace
 
-std::vector<double> ContactNodes::current(Vec u) const {
-  std::vector<double> x = exchange.gather(u);
+std::vector<double> ContactNodes::current(const std::vector<double>& u) const {
+  std::vector<double> x = u;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += X[i];
   return x;
 }
@@ -72,7 +72,6 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
 }
 
 void PairSearch::set_start(Vec u_n) {
-  if (!has_primary_) return;
   if (!u_n_) u_n_ = layout_->make_global();
   check(VecCopy(u_n, u_n_));
   static_start_ = static_.gather(u_n_);

@@ -38,7 +38,7 @@ std::string option_text(const char* name) {
 } // namespace
 
 SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, bool inertia, double dt,
-                             bool closes_gaps) {
+                             ContactDemands contact) {
   SolverDefaults choice;
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
@@ -47,7 +47,8 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
   char text[160];
   const bool small = dofs <= (d.dim() == 2 ? 100000 : 20000);
-  if (choice.resolves_waves() && !d.has_viscosity() && !(closes_gaps && small)) {
+  if (choice.resolves_waves() && !d.has_viscosity() && !contact.frictional &&
+      !(contact.closes_gaps && small)) {
     choice.direct = false;
     choice.symmetric = true;
     std::snprintf(text, sizeof(text), "cg + jacobi (dt is %.3g times h/c_p)", choice.cfl);
@@ -533,6 +534,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
       kept.emplace_back(&row, row.trial);
       if (name[1] == 'm') std::fill(row.trial.begin(), row.trial.end(), 0.0);
     }
+  for (ContactInterface& contact : motion_.contacts()) contact.suspend_friction(true);
   refresh_contact(u_tilde);
   for (ContactInterface& contact : motion_.contacts())
     penetration = std::max(penetration, contact.review(u_tilde).penetration);
@@ -583,6 +585,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
     }
   }
   for (auto& [row, values] : kept) row->trial = std::move(values);
+  for (ContactInterface& contact : motion_.contacts()) contact.suspend_friction(false);
 }
 
 KSP Coupling::projection_solver() {

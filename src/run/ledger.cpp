@@ -249,6 +249,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(numerical) += loss;
   sum(identity) += kinetic_change + loss + work_internal - work_external - work_contact;
 
+  for (const ContactInterface& contact : motion_.contacts()) sum(friction) += contact.friction_loss(u);
   sum(viscous) += w * coupling_->increments().viscous_dissipation;
   sum(plastic_dissipation) += w * coupling_->increments().plastic_dissipation;
   if (const StateRow* phi = state_.find("phi")) {
@@ -307,13 +308,16 @@ double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(s
 double Ledger::balance() const { return sum(identity) / energy_scale(); }
 
 double Ledger::balance_first_law() const {
-  const double lost = sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(numerical);
+  const double lost = sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(numerical);
   return (stored() + lost - sum(external) - sum(start_energy)) / energy_scale();
 }
 
 void Ledger::append_energies(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
-  const bool has_contact = !motion_.contacts().empty();
+  const auto& contacts = motion_.contacts();
+  const bool has_contact = !contacts.empty();
+  const bool has_friction =
+      std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); });
   row.emplace_back("energy_kinetic", total_.kinetic);
   row.emplace_back("energy_elastic", total_.elastic);
   if (d.has_plasticity()) row.emplace_back("energy_plastic", total_.plastic);
@@ -321,6 +325,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (d.has_viscosity()) row.emplace_back("dissipated_viscous", sum(viscous));
   if (d.has_damage()) row.emplace_back("dissipated_damage", sum(damage));
   if (d.has_plasticity()) row.emplace_back("dissipated_plastic", sum(plastic_dissipation));
+  if (has_friction) row.emplace_back("dissipated_friction", sum(friction));
   if (has_contact) row.emplace_back("energy_contact", energy_contact_);
   row.emplace_back("dissipated_numerical", sum(numerical));
   row.emplace_back("work_external", sum(external));

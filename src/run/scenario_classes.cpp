@@ -62,6 +62,8 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
            {"auglag", Enforcement::auglag},
            {"penalty", Enforcement::penalty},
            {"semismooth", Enforcement::semismooth}}),
+      number_row<Contact>("friction", &Contact::friction,
+                          {"Coulomb's coefficient of friction", "0", "1", "mu"}, not_negative),
       number_row<Contact>(
           "penalty", &Contact::penalty,
           {"starting penalty; auto: 10 E/h of the softer side, with auglag more in steps far below h/c_p",

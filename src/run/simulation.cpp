@@ -453,10 +453,13 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   register_time_types();
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
   const std::unique_ptr<Setup> setup = build_setup(comm, s);
-  const bool closes_gaps = std::any_of(setup->contacts.begin(), setup->contacts.end(),
-                                       [](const ContactInterface& contact) { return contact.semismooth(); });
+  ContactDemands demands;
+  for (const ContactInterface& contact : setup->contacts) {
+    demands.closes_gaps = demands.closes_gaps || contact.semismooth();
+    demands.frictional = demands.frictional || contact.frictional();
+  }
   const SolverDefaults solver =
-      choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, closes_gaps);
+      choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands);
   report_setup(s, setup->discretisation, solver);
   if (s.dry_run) {
     set_initial_state(s, *setup);

@@ -2,6 +2,7 @@
 #include <functional>
 #include <impact/contact/pair_search.hpp>
 #include <impact/kernel/contact_pair.hpp>
+#include <impact/kernel/contact_slip.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <span>
 
@@ -45,6 +46,11 @@ struct Constraint {
   std::span<const double> share; ///< of the secondary nodes in the constraint, sum 1
   std::span<const double> gradient; ///< [node][2]
   std::span<const double> hessian;  ///< [node][2][node][2]
+  /// Tangential motion since the start of the step, mean over the weight, and its derivatives over the same
+  /// nodes; without friction, or where nothing lay opposite at the start, `slides` is false.
+  bool slides = false;
+  double slip = 0;
+  std::span<const double> slip_gradient, slip_hessian;
 };
 using ConstraintVisitor = std::function<void(const Constraint&)>;
 
@@ -54,8 +60,11 @@ public:
 
   /// Name, support and components of the row that holds one multiplier per constraint, and its length.
   virtual std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const = 0;
-  /// Beginning of an attempt that ends at t; `u_n`: where it starts, or null. Collective.
+  /// Beginning of an attempt that ends at t; `u_n`: where it starts, or null. Slip counts from there.
+  /// Collective.
   virtual void begin_attempt(double t, Vec u_n) = 0;
+  /// Slip counts from u from now on. Collective.
+  virtual void anchor(Vec u) = 0;
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
   /// Collective.
   virtual PairSearch::Outcome update(Vec u, const PressureLaw& law) = 0;
@@ -71,8 +80,9 @@ public:
   virtual bool pairs_hold(const std::vector<double>& x) const = 0;
   /// Gap below which a constraint lies deeper than the search can judge; -infinity where it always can.
   virtual double deepest() const = 0;
-  /// All constraints that face something, in an order that every evaluation repeats.
-  virtual void visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+  /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
+  /// repeats.
+  virtual void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                      const ConstraintVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
   virtual const std::vector<double>& nodal_area() const = 0;

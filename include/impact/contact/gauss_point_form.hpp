@@ -27,6 +27,7 @@ public:
 
   std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
   void begin_attempt(double t, Vec u_n) override;
+  void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   void forget() override { search_.forget(); }
   bool switched() const override { return switched_; }
@@ -37,7 +38,7 @@ public:
   double deepest() const override {
     return against_plane() ? -std::numeric_limits<double>::infinity() : -search_.radius();
   }
-  void visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+  void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
@@ -58,7 +59,25 @@ private:
     int switches = 0; // in this attempt, while it carried a pressure
   };
 
+  // What a point lay opposite of at the start of the step.
+  struct Anchor {
+    bool valid = false;
+    std::array<PetscInt, 2> node = {-1, -1}; // of the primary edge, global
+    std::array<int, 2> slot = {-1, -1};      // in nodes(), -1: not there
+    SlipAnchor pair;
+    Point2<double> place{}; // of the point itself, against a rigid plane
+  };
+
   bool against_plane() const { return settings_.primary == "plane"; }
+  void locate_anchors();
+  // A constraint's nodes with those of its anchor, and the derivatives over them.
+  struct Workspace {
+    std::array<int, 6> node{};
+    std::array<double, 12> gradient{}, slip_gradient{};
+    std::array<double, 144> hessian{}, slip_hessian{};
+  };
+  void add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s, Workspace& w,
+                Constraint& c) const;
   void hold_edges(const std::vector<double>& x, const PressureLaw& law);
   Foot<double> plane_foot(const Point2<double>& x) const;
   // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
@@ -70,6 +89,7 @@ private:
                  const std::vector<double>& coordinates, const Hold& hold, Point& point) const;
   bool face_passed(const Point2<double>& x, const Point2<double>& normal,
                    const std::vector<double>& coordinates, Point& point) const;
+  void sharpen(const std::vector<double>& u, Point& point) const;
   static void stand_on(const PrimaryEdge<double>& edge, const Foot<double>& foot, const int* p, Point& point);
   PrimaryEdge<double> primary_edge(int candidate, const std::vector<double>& coordinates) const;
 
@@ -80,7 +100,8 @@ private:
   SurfacePoints points_;
   std::vector<double> nodal_area_;
   PairSearch search_;
-  std::vector<Hold> holds_; // [secondary facet][point]
+  std::vector<Hold> holds_;     // [secondary facet][point]
+  std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction
   double hold_gap_;
   bool switched_ = false;
   double time_ = 0;

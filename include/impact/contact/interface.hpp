@@ -12,9 +12,10 @@
 #include <vector>
 
 /// One contact between two surfaces in the plane: its form (ContactForm) supplies gap constraints, the
-/// interface the enforcement, R_c(w) = -sum w p dg[w]. The force at a displacement depends on the
-/// multipliers, the penalty and what the form's last update fixed: nothing is stored by an evaluation.
-/// Multipliers and penalty are rows of the state table; evaluations read the trial half.
+/// interface the enforcement, R_c(w) = sum w (t ds[w] - p dg[w]) with the pressure p and Coulomb's traction
+/// t. The force at a displacement depends on the multipliers, the penalty and what the form's last update
+/// fixed: nothing is stored by an evaluation. Multipliers and penalty are rows of the state table;
+/// evaluations read the trial half.
 namespace impact {
 
 /// What the caller knows and the user's settings do not say.
@@ -112,6 +113,12 @@ public:
   /// y += scale (df/du) du without a matrix. Collective.
   void multiply(Vec u, double scale, Vec du, Vec y) const;
 
+  bool frictional() const { return settings_.friction > 0; }
+  /// Leaves friction out, for the projection of a predictor.
+  void suspend_friction(bool suspended) { friction_suspended_ = suspended; }
+  /// Energy that sliding turned into heat in the step that ended at u: sum w t s, without what a penalty
+  /// keeps elastically. Before advance. Collective.
+  double friction_loss(Vec u) const;
   /// Whether the multipliers are updated within Newton's method.
   bool semismooth() const { return settings_.enforce == Enforcement::semismooth && !fallen_back_; }
   /// For the rest of the attempt an augmented Lagrangian takes the place of the semismooth method, whose
@@ -155,14 +162,18 @@ public:
 private:
   double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
   PressureLaw law() const;
+  double tangential_stiffness(const Constraint& c) const;
+  Traction traction(const Constraint& c) const;
+  void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
+  void add_force(const Constraint& c, std::array<double, 2>& force) const;
   void set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary);
   void declare_state(StateTable& state);
   void fetch_fixed();
   void share(std::vector<double>& multipliers) const;
   bool against_plane() const { return settings_.primary == "plane"; }
-  ContactStatus visit(const std::vector<double>& x, Derivatives derivatives,
+  ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
-  AugmentReport propose(Vec u, std::vector<double>& lambda) const;
+  AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
 
   const Mesh* mesh_;
   const FieldLayout* layout_;
@@ -171,12 +182,12 @@ private:
   ContactEnvironment environment_;
   std::vector<std::string> warnings_;
   std::unique_ptr<ContactForm> form_;
-  std::vector<char> fixed_here_; // [node][2] of the form's nodes
-  Handle<Vec> fixed_;            // 1 at fixed dofs; absent: none
-  StateRow *multiplier_, *penalty_, *totals_, *force_;
-  double inertia_penalty_ = 0; // over the mass shift
-  double mean_length_ = 0;     // of the secondary facets
-  bool fallen_back_ = false;
+  std::vector<char> fixed_here_;                                   // [node][2] of the form's nodes
+  Handle<Vec> fixed_;                                              // 1 at fixed dofs; absent: none
+  StateRow *multiplier_, *traction_, *penalty_, *totals_, *force_; // traction: null without friction
+  double inertia_penalty_ = 0;                                     // over the mass shift
+  double mean_length_ = 0;                                         // of the secondary facets
+  bool fallen_back_ = false, friction_suspended_ = false;
 };
 
 } // namespace impact

@@ -21,6 +21,7 @@ public:
 
   std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
   void begin_attempt(double t, Vec u_n) override;
+  void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   void forget() override { search_.forget(); }
   bool switched() const override { return switched_; }
@@ -29,7 +30,7 @@ public:
   std::vector<std::pair<PetscInt, PetscInt>> couplings() const override;
   bool pairs_hold(const std::vector<double>& x) const override { return search_.holds_for(x); }
   double deepest() const override { return -search_.radius(); }
-  void visit(const std::vector<double>& x, Derivatives derivatives, const PressureLaw& law,
+  void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
@@ -44,8 +45,16 @@ private:
     std::array<int, 2> facet = {-1, -1}; // before and after the node, -1 at an end of the surface
     double weight = 0;
   };
+  // A primary edge that lay opposite an edge of the node at the start of the step.
+  struct Anchor {
+    int facet = -1;
+    std::array<PetscInt, 2> node = {-1, -1}; // global
+    std::array<int, 2> slot = {-1, -1};      // in nodes(), -1: not there
+    SlipAnchor pair;
+  };
   using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
 
+  void locate_anchors();
   void find_facets(const Mesh& mesh, const FieldLayout& layout, const ContactSurface& secondary);
   std::array<Point2<double>, 2> secondary_edge(int facet, const std::vector<double>& x) const;
   std::array<Point2<double>, 2> primary_edge(int candidate, const std::vector<double>& x) const;
@@ -62,7 +71,8 @@ private:
   std::vector<double> nodal_area_;
   PairSearch search_;
   Facing facing_;
-  std::vector<int> switches_; // [facet] in this attempt
+  std::vector<std::vector<Anchor>> anchors_; // [owned node], empty without friction
+  std::vector<int> switches_;                // [facet] in this attempt
   bool switched_ = false;
 };
 

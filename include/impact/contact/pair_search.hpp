@@ -21,8 +21,17 @@ struct ContactNodes {
   std::vector<int> primary;     ///< [candidate primary][4]: node 0, node 1, neighbours (-1 at an end)
   std::vector<double> built_at; ///< [node][2] when the list was made
 
-  /// [node][2] at the displacement u. Collective.
-  std::vector<double> current(Vec u) const;
+  /// [node][2] of the displacement u. Collective.
+  std::vector<double> displacement(Vec u) const { return exchange.gather(u); }
+  /// [node][2] at a displacement [node][2].
+  std::vector<double> current(const std::vector<double>& u) const;
+  std::vector<double> current(Vec u) const { return current(displacement(u)); }
+  /// Where a node stands seen from another one: differences of X and of u, which keep the digits that those
+  /// of X + u lose where displacements are small beside coordinates.
+  std::array<double, 2> place(int node, int origin, const std::vector<double>& u) const {
+    const std::size_t i = 2 * static_cast<std::size_t>(node), o = 2 * static_cast<std::size_t>(origin);
+    return {(X[i] - X[o]) + (u[i] - u[o]), (X[i + 1] - X[o + 1]) + (u[i + 1] - u[o + 1])};
+  }
 };
 
 class PairSearch {

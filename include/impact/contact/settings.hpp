@@ -28,6 +28,7 @@ struct ContactSettings {
   ContactMethod method = ContactMethod::gauss_points;
   MultiplierSpace multipliers = MultiplierSpace::standard;
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
+  double friction = 0;                          ///< Coulomb's coefficient
   double penalty = automatic;                   ///< stress per length; automatic: 10 E/h of the softer side
   double penalty_increment = automatic;         ///< automatic: the starting penalty
   double penalty_max = automatic;               ///< automatic: 1e4 times the automatic penalty

@@ -25,11 +25,14 @@ struct SolverDefaults {
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
   std::string reason;
 };
-/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. `closes_gaps`: the linear solves
-/// close the gaps of a semismooth contact, with weights that spoil the condition for an iterative method. Not
-/// collective.
+/// What contacts ask of the linear solver.
+struct ContactDemands {
+  bool closes_gaps = false; ///< by weights that spoil the condition for an iterative method
+  bool frictional = false;  ///< the tangent of sliding is not symmetric
+};
+/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
-                             double dt, bool closes_gaps = false);
+                             double dt, ContactDemands contact = {});
 
 class Coupling {
 public:

@@ -54,6 +54,7 @@ private:
     viscous,
     damage,
     plastic_dissipation,
+    friction,
     numerical,
     external,
     contact_work,

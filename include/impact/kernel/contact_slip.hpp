@@ -1,0 +1,41 @@
+#pragma once
+#include <array>
+#include <impact/kernel/contact_pair.hpp>
+
+/// Tangential motion of a contact in the plane (theory.md, contact). An anchor is what lay opposite each
+/// other at the start of the step: coefficients of two secondary and two primary nodes with equal sums. Its
+/// opening vector
+///   v = sum_a c_a x_a - sum_b m_b p_b
+/// had no tangential part then; the part that it has now is the slip, measured along the secondary edge,
+///   s = t.v,  t = (x_1 - x_0) / |x_1 - x_0|.
+/// It does not change under rigid motions of both sides, so that friction keeps angular momentum too.
+namespace impact {
+
+struct SlipAnchor {
+  std::array<double, 2> c{}, m{};
+};
+
+/// Slip of a pair with its derivatives by the dofs of (secondary 0, 1, primary 0, 1), x before y.
+struct Slip {
+  double value = 0;
+  std::array<double, 8> gradient{};
+};
+Slip slip_of(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p,
+             const SlipAnchor& anchor);
+
+/// Second variation, 8 x 8 row by row; symmetric and exact.
+std::array<double, 64> slip_hessian(const std::array<Point2<double>, 2>& x,
+                                    const std::array<Point2<double>, 2>& p, const SlipAnchor& anchor);
+
+/// Coulomb's law for a tangential traction, per reference area: trial q = t_old + eps s, stick while |q| does
+/// not exceed friction times pressure.
+struct Traction {
+  double value = 0;
+  double direction = 0; ///< of a sliding contact: sign of q; 0: it sticks
+};
+inline Traction coulomb(double q, double limit) {
+  if (!(std::abs(q) > limit)) return {q, 0};
+  return {q > 0 ? limit : -limit, q > 0 ? 1.0 : -1.0};
+}
+
+} // namespace impact

@@ -1,0 +1,133 @@
+#include "contact_rig.hpp"
+
+using namespace impact;
+using namespace impact::contact_test;
+
+namespace {
+
+// The bodies press into each other where they were, and slide with a difference along the surface, so that
+// some constraints stick and others slide.
+Motion slide(double by) {
+  return [by](int body, double X, double Y) {
+    std::array<double, 2> u = crush(body, X, Y);
+    if (body == 1) {
+      u[0] += by * (X - 0.9);
+      u[1] += 0.01 * by * X;
+    }
+    return u;
+  };
+}
+
+std::vector<ContactSettings> frictional() {
+  std::vector<ContactSettings> all;
+  for (const ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar})
+    for (const Enforcement enforce : {Enforcement::penalty, Enforcement::auglag}) {
+      ContactSettings s = settings_of(100);
+      s.method = method;
+      s.enforce = enforce;
+      s.friction = 0.4;
+      all.push_back(s);
+    }
+  return all;
+}
+
+// In sliding contact at `slide`, from `crush`.
+struct Sliding : Rig {
+  Handle<Vec> u;
+  Sliding(const ContactSettings& s, const Partition& partition, MPI_Comm comm = PETSC_COMM_WORLD)
+      : Rig(comm, hill(), partition, s), u(at(slide(0.15))) {
+    const Handle<Vec> start = at(crush), again = at(crush);
+    contact.update_search(start);
+    if (s.enforce == Enforcement::auglag) contact.augment(start);
+    contact.advance(start, again, 0);
+    state.commit();
+    contact.update_search(u);
+  }
+  static TwoBlocks hill() {
+    TwoBlocks b;
+    b.bulge = true;
+    return b;
+  }
+};
+
+} // namespace
+
+TEST(Friction, TangentIsTheDerivativeOfTheResidualAndIsNotSymmetric) {
+  for (const auto& [name, partition] : partitions)
+    for (const ContactSettings& s : frictional()) {
+      Sliding rig(s, partition);
+      const Handle<Vec> d = rig.at(wiggle);
+      const Handle<Mat> K = tangent(rig, rig.u, 1.5);
+      const Handle<Vec> assembled = rig.layout.make_global(), free = rig.layout.make_global();
+      check(MatMult(K, d, assembled));
+      rig.contact.multiply(rig.u, 1.5, d, free);
+      const double size = norm(assembled), h = 1e-7;
+      ASSERT_GT(size, 1);
+      const Handle<Vec> up = rig.layout.make_global(), down = rig.layout.make_global();
+      check(VecWAXPY(up, h, d, rig.u));
+      check(VecWAXPY(down, -h, d, rig.u));
+      const Handle<Vec> difference = rig.residual(up, 1.5), lower = rig.residual(down, 1.5);
+      check(VecAXPY(difference, -1, lower));
+      check(VecScale(difference, 1 / (2 * h)));
+      check(VecAXPY(difference, -1, assembled));
+      EXPECT_LE(norm(difference), 1e-6 * size) << name;
+      check(VecAXPY(free, -1, assembled));
+      EXPECT_LE(norm(free), 1e-13 * size) << name;
+      PetscBool symmetric = PETSC_TRUE;
+      check(MatIsTranspose(K, K, 1e-3, &symmetric));
+      EXPECT_FALSE(symmetric); // some constraints slide
+    }
+}
+
+TEST(Friction, ForcesAndMomentsOfBothBodiesCancelAndSlidingDissipates) {
+  for (const ContactSettings& s : frictional()) {
+    Sliding rig(s, bodies_mixed);
+    const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(rig.u)),
+                  moved = node_map(rig.mesh, rig.layout, rig.u);
+    std::array<double, 2> sum{};
+    double moment = 0, size = 0;
+    for (const auto& [key, f] : force) {
+      const auto& d = moved.at(key);
+      for (std::size_t k = 0; k < 2; ++k) {
+        sum[k] += f[k];
+        size += std::abs(f[k]);
+      }
+      moment += (key[1] + d[0]) * f[1] - (key[2] + d[1]) * f[0];
+    }
+    ASSERT_GT(size, 1);
+    EXPECT_LE(std::abs(sum[0]) + std::abs(sum[1]), 1e-12 * size);
+    EXPECT_LE(std::abs(moment), 1e-12 * size);
+    EXPECT_GT(rig.contact.friction_loss(rig.u), 1e-4);
+  }
+}
+
+TEST(Friction, ForceDoesNotDependOnThePartition) {
+  for (const auto& [name, partition] : partitions)
+    for (const ContactSettings& s : frictional()) {
+      std::vector<NodeMap> forces;
+      std::vector<double> lost;
+      for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
+        Sliding rig(s, partition, comm);
+        forces.push_back(node_map(rig.mesh, rig.layout, rig.residual(rig.u, 2.5)));
+        lost.push_back(rig.contact.friction_loss(rig.u));
+      }
+      EXPECT_LE(largest_difference(forces[0], forces[1]), 1e-12) << name;
+      EXPECT_NEAR(lost[0], lost[1], 1e-13) << name;
+    }
+}
+
+TEST(Friction, NoneIsLeftWithACoefficientOfZeroOrWhileSuspended) {
+  for (ContactSettings s : frictional()) {
+    Sliding rough(s, bodies_apart);
+    s.friction = 0;
+    Sliding smooth(s, bodies_apart);
+    const Handle<Vec> with = rough.residual(rough.u), without = smooth.residual(smooth.u);
+    rough.contact.suspend_friction(true);
+    const Handle<Vec> suspended = rough.residual(rough.u);
+    check(VecAXPY(with, -1, without));
+    check(VecAXPY(suspended, -1, without));
+    EXPECT_GT(norm(with), 0.01 * norm(without));
+    EXPECT_LE(norm(suspended), 1e-14 * norm(without));
+    EXPECT_EQ(smooth.contact.friction_loss(smooth.u), 0);
+  }
+}

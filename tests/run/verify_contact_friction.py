@@ -1,0 +1,99 @@
+# labels: run
+# timeout: 120
+# processors: 2
+"""Coulomb friction: a block that slides on a rigid plane or on a block of another mesh stops after v^2/(2 mu g) and
+stays, by Gauss points and mortar and by each enforcement; on a slope it stays below mu and slides above with
+g (sin - mu cos); what is lost goes into dissipated_friction; the ranks do not matter."""
+import math
+
+import numpy
+from _runs import check, check_between, finish, mesh, run
+
+MU, G, V = 0.3, 10.0, 1.0
+RHO, E = 1000.0, 1e8
+
+
+def block(**more):
+    """A unit block on the rigid plane y = 0, moving at V, pressed down by its weight from the start."""
+    return {
+        "mesh": mesh("block.geo"), "materials": "block", "material_block_region": "solid", "material_block_E": E,
+        "material_block_nu": 0.3, "material_block_rho": RHO,
+        "bcs": "weight", "bc_weight_on": "solid", "bc_weight_type": "body_force", "bc_weight_uy": -G,
+        "ics": "flight", "ic_flight_on": "solid", "ic_flight_vx": V,
+        "contacts": "face", "contact_face_secondary": "bottom", "contact_face_primary": "plane",
+        "contact_face_friction": MU, "ts_dt": 2.5e-3, "ts_max_time": 0.4, "ts_newmark_rho": 0.5,
+        "measures": "place", "measure_place_on": "solid", "measure_place_fields": "u", "measure_place_of": "mean", **more,
+    }
+
+
+def stop(name, r, distance_column):
+    normal, tangential = r["contact_face_force_y"], r["contact_face_force_x"]
+    sliding = (r["time"] > 0.02) & (r["time"] < 0.3) & (normal > 0)
+    ratio = abs(tangential[sliding] / normal[sliding])
+    check(f"{name}: tangential over normal force while sliding", ratio.max(), MU, 1e-6)
+    check(f"{name}: the same, smallest", ratio.min(), MU, 1e-6)
+    distance = r[distance_column]
+    check(f"{name}: distance v^2/(2 mu g)", distance[-1], V**2 / (2 * MU * G), 0.02)
+    late = r["time"] > V / (MU * G) + 0.03
+    check(f"{name}: motion after the stop over the distance", numpy.ptp(distance[late]) / distance[-1], 0, 1e-3,
+          relative=False)
+    lost = r["dissipated_friction"][-1]
+    check(f"{name}: heat of friction over the kinetic energy", lost / (RHO * V**2 / 2), 1, 0.02)
+    check(f"{name}: first law", r["balance_first_law"][-1], 0, 0.02, relative=False)
+    check(f"{name}: work balance of the steps", abs(r["balance"]).max(), 0, 1e-9, relative=False)
+
+
+for enforce in ("penalty", "auglag", "semismooth"):
+    r = run(f"plane_{enforce}", block(contact_face_enforce=enforce))
+    stop(f"rigid plane, {enforce}", r, "measure_place_ux")
+
+# A unit block on a longer one that is held below; meshes that do not match.
+SLAB = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 7, "mesh_set_n_upper": 5, "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_E": E, "material_lower_nu": 0.3, "material_lower_rho": RHO,
+    "material_upper_like": "lower",
+    "bcs": "hold,weight", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix", "bc_weight_on": "upper",
+    "bc_weight_type": "body_force", "bc_weight_uy": -G,
+    "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": V / 2,
+    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    "contact_face_friction": MU, "ts_dt": 2.5e-3, "ts_max_time": 0.25, "ts_newmark_rho": 0.5,
+    "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u", "measure_place_of": "mean",
+}
+MASS = RHO * 0.8
+for method in ("gpts", "mortar"):
+    runs = [run(f"slab_{method}_{ranks}", {**SLAB, "contact_face_method": method}, ranks=ranks) for ranks in (1, 2)]
+    r = runs[0]
+    normal, tangential = r["contact_face_force_y"], r["contact_face_force_x"]
+    sliding = (r["time"] > 0.02) & (r["time"] < 0.15) & (normal > 0)
+    print(f"     {method}: Newton iterations per step {r['newton'][1:].mean():.2f}, most {r['newton'].max():.0f}, "
+          f"tries {r['tries'].max():.0f}")
+    check(f"slab, {method}: tangential over normal force, mean", abs(tangential[sliding].sum() / normal[sliding].sum()),
+          MU, 1e-2)
+    check(f"slab, {method}: distance v^2/(2 mu g)", r["measure_place_ux"][-1], (V / 2) ** 2 / (2 * MU * G), 0.02)
+    # Both blocks are elastic: the stop leaves a part in their vibration.
+    check_between(f"slab, {method}: heat of friction over the kinetic energy",
+                  r["dissipated_friction"][-1] / (MASS * (V / 2) ** 2 / 2), 0.85, 1)
+    check(f"slab, {method}: first law", r["balance_first_law"][-1], 0, 1e-3, relative=False)
+    for column in ("measure_place_ux", "dissipated_friction", "energy_kinetic"):
+        check(f"slab, {method}: 2 ranks against 1, {column}",
+              abs(runs[1][column] - r[column]).max() / abs(r[column]).max(), 0, 1e-6, relative=False)
+
+print("slope: the weight turns slowly to the angle once the block rests")
+REST, TURNED, END = 0.1, 0.2, 0.4
+for tangent, moves in ((0.99 * MU, False), (1.3 * MU, True)):
+    angle = math.atan(tangent)
+    along, across = G * math.sin(angle), G * math.cos(angle)
+    ramp = f"(t<{REST}?0:(t<{TURNED}?(t-{REST})/{TURNED - REST}:1))"
+    r = run(f"slope_{moves}", {**block(contact_face_enforce="semismooth"), "ic_flight_vx": 0, "ts_max_time": END,
+                               "bc_weight_ux": f"{along!r}*{ramp}", "bc_weight_uy": f"-{across!r}"})
+    way = r["measure_place_ux"][-1]
+    # A rigid block: at rest while the weight along the slope is less than mu times that across it.
+    t = numpy.linspace(0, END, 400001)
+    push = along * numpy.clip((t - REST) / (TURNED - REST), 0, 1)
+    speed = numpy.cumsum(numpy.maximum(push - MU * across, 0)) * t[1]
+    if moves:
+        check("above the threshold: way of a rigid block", way, speed.sum() * t[1], 0.02)
+    else:
+        free = numpy.cumsum(push).sum() * t[1] ** 2
+        check_between("below the threshold: way over that without friction", way / free, -1e-3, 1e-3)
+finish()
