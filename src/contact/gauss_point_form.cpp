@@ -34,11 +34,10 @@ GaussPointForm::GaussPointForm(const Mesh& mesh, const FieldLayout& layout, cons
                                Frame frame, ContactSurface secondary, const ContactSurface& primary,
                                double hold_gap, PlaneMotion motion)
     : settings_(settings), frame_(frame), plane_motion_(std::move(motion)), secondary_(std::move(secondary)),
-      points_(make_points(secondary_, settings.id, settings.points, frame)),
-      search_(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
-              settings.primary != "plane"),
-      holds_(points_.weight.size()), anchors_(settings.friction > 0 ? points_.weight.size() : 0),
-      hold_gap_(hold_gap) {
+      points_(make_points(secondary_, settings.id, settings.points, frame)), holds_(points_.weight.size()),
+      anchors_(settings.friction > 0 ? points_.weight.size() : 0), hold_gap_(hold_gap) {
+  search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
+                       !against_plane());
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int q = 0; q < points_.per_facet; ++q)
@@ -71,9 +70,7 @@ void GaussPointForm::anchor(Vec u) {
   const std::vector<double>& x = nodes().start;
   if (anchors_.empty()) return;
   for (int f = 0; f < secondary_.count(); ++f) {
-    Point point;
-    point.facet = f;
-    point.node = {nodes().secondary[at(2 * f)], nodes().secondary[at(2 * f + 1)], -1, -1};
+    Point point = on_facet(f);
     const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
     for (int q = 0; q < points_.per_facet; ++q) {
       const int index = f * points_.per_facet + q;
@@ -92,13 +89,15 @@ void GaussPointForm::anchor(Vec u) {
 }
 
 void GaussPointForm::locate_anchors() {
-  const std::vector<PetscInt>& global = nodes().global;
   for (Anchor& anchor : anchors_)
-    for (std::size_t b = 0; b < 2; ++b) {
-      const auto place = std::lower_bound(global.begin(), global.end(), anchor.node[b]);
-      anchor.slot[b] =
-          place != global.end() && *place == anchor.node[b] ? static_cast<int>(place - global.begin()) : -1;
-    }
+    for (std::size_t b = 0; b < 2; ++b) anchor.slot[b] = nodes().slot(anchor.node[b]);
+}
+
+GaussPointForm::Point GaussPointForm::on_facet(int facet) const {
+  Point point;
+  point.facet = facet;
+  point.node = {nodes().secondary[at(2 * facet)], nodes().secondary[at(2 * facet + 1)], -1, -1};
+  return point;
 }
 
 PairSearch::Outcome GaussPointForm::update(Vec u, const PressureLaw& law) {
@@ -108,26 +107,16 @@ PairSearch::Outcome GaussPointForm::update(Vec u, const PressureLaw& law) {
   return outcome;
 }
 
-std::vector<std::pair<PetscInt, PetscInt>> GaussPointForm::couplings() const {
-  std::vector<std::pair<PetscInt, PetscInt>> pairs;
-  const Candidates& list = search_.candidates();
-  for (int f = 0; f + 1 < static_cast<int>(list.offset.size()); ++f)
-    for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
-      for (PetscInt p : list.primary[at(list.facet[at(c)])].node)
-        for (std::size_t a = 0; a < 2; ++a) pairs.emplace_back(secondary_.node[at(2 * f) + a], p);
-  // Friction couples the edge that a point lay on at the start of the step with the one that it is on now.
-  if (!anchors_.empty())
-    for (int f = 0; f + 1 < static_cast<int>(list.offset.size()); ++f) {
-      std::vector<PetscInt> together;
-      for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
-        for (PetscInt p : list.primary[at(list.facet[at(c)])].node) together.push_back(p);
-      std::sort(together.begin(), together.end());
-      together.erase(std::unique(together.begin(), together.end()), together.end());
-      for (std::size_t i = 0; i < together.size(); ++i)
-        for (std::size_t j = i + 1; j < together.size(); ++j) pairs.emplace_back(together[i], together[j]);
-    }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+NodePairs GaussPointForm::couplings() const {
+  NodePairs pairs;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const std::vector<PetscInt> primary = search_.primary_nodes(f);
+    for (PetscInt p : primary)
+      for (std::size_t a = 0; a < 2; ++a) pairs.emplace_back(secondary_.node[at(2 * f) + a], p);
+    // Friction couples the edge that a point lay on at the start of the step with the one that it is on now.
+    if (!anchors_.empty()) add_pairs_among(primary, pairs);
+  }
+  sort_unique(pairs);
   return pairs;
 }
 
@@ -232,9 +221,7 @@ bool GaussPointForm::face_passed(const Point2<double>& x, const Point2<double>& 
 void GaussPointForm::hold_edges(const std::vector<double>& x, const PressureLaw& law) {
   switched_ = false;
   for (int f = 0; f < secondary_.count(); ++f) {
-    Point point;
-    point.facet = f;
-    point.node = {nodes().secondary[at(2 * f)], nodes().secondary[at(2 * f + 1)], -1, -1};
+    Point point = on_facet(f);
     const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
     const Point2<double> normal = detail::right_normal(x0, x1);
     for (int q = 0; q < points_.per_facet; ++q) {
@@ -296,9 +283,7 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
   Workspace w;
   const std::vector<double> x = nodes().current(u);
   for (int f = 0; f < secondary_.count(); ++f) {
-    Point point;
-    point.facet = f;
-    point.node = {nodes().secondary[at(2 * f)], nodes().secondary[at(2 * f + 1)], -1, -1};
+    Point point = on_facet(f);
     const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
     const Point2<double> normal = detail::right_normal(x0, x1);
     const double stretch = std::hypot(x1[0] - x0[0], x1[1] - x0[1]) / secondary_.length[at(f)];
@@ -323,7 +308,7 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
       std::copy(point.node.begin(), point.node.end(), w.node.begin());
       c.node = {w.node.data(), at(point.node_count)};
       c.share = point.shape;
-      add_slip(point, u, x_s, w, c);
+      add_slip(point, u, x_s, derivatives, w, c);
       const std::size_t n = 2 * c.node.size();
       if (derivatives != Derivatives::none) {
         w.gradient.fill(0);
@@ -346,12 +331,13 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
 }
 
 void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s,
-                              Workspace& w, Constraint& c) const {
+                              Derivatives derivatives, Workspace& w, Constraint& c) const {
   if (anchors_.empty()) return;
   const Anchor& anchor = anchors_[at(point.index)];
   if (!anchor.valid) return;
+  const bool second = derivatives == Derivatives::second;
   w.slip_gradient.fill(0);
-  w.slip_hessian.fill(0);
+  if (second) w.slip_hessian.fill(0);
   if (against_plane()) {
     const Point2<double> t = {-point.foot.normal[1], point.foot.normal[0]};
     c.slip = detail::dot(t, detail::minus(x_s, anchor.place));
@@ -372,18 +358,19 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
     const std::array<Point2<double>, 2> s = {place_of(point.node[0]), place_of(point.node[1])},
                                         p = {place_of(anchor.slot[0]), place_of(anchor.slot[1])};
     const Slip slip = slip_of(s, p, anchor.pair);
-    const std::array<double, 64> H = slip_hessian(s, p, anchor.pair);
     c.slip = slip.value;
     const std::size_t n = 2 * count;
-    for (std::size_t i = 0; i < 8; ++i) {
-      w.slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
-      for (std::size_t j = 0; j < 8; ++j)
-        w.slip_hessian[n * (2 * place[i / 2] + i % 2) + 2 * place[j / 2] + j % 2] += H[8 * i + j];
+    for (std::size_t i = 0; i < 8; ++i) w.slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
+    if (second) {
+      const std::array<double, 64> H = slip_hessian(s, p, anchor.pair);
+      for (std::size_t i = 0; i < 8; ++i)
+        for (std::size_t j = 0; j < 8; ++j)
+          w.slip_hessian[n * (2 * place[i / 2] + i % 2) + 2 * place[j / 2] + j % 2] += H[8 * i + j];
     }
   }
   c.slides = true;
   c.slip_gradient = {w.slip_gradient.data(), 2 * c.node.size()};
-  c.slip_hessian = {w.slip_hessian.data(), 4 * c.node.size() * c.node.size()};
+  if (second) c.slip_hessian = {w.slip_hessian.data(), 4 * c.node.size() * c.node.size()};
 }
 
 void GaussPointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {

@@ -29,12 +29,8 @@ PressureLaw ContactInterface::law() const {
   return {multiplier_->trial, activity_weight * penalty(), newton_weight * penalty(), true};
 }
 
-double ContactInterface::tangential_stiffness(const Constraint& c) const {
-  return semismooth() ? newton_weight * penalty() * c.scale : penalty();
-}
-
 Traction ContactInterface::traction(const Constraint& c) const {
-  if (traction_ == nullptr || friction_suspended_ || !c.slides || !c.active) return {};
+  if (!rubs(c)) return {};
   const double held = traction_->trial[at(c.index)], limit = settings_.friction * std::max(c.pressure, 0.0);
   if (!semismooth()) return coulomb(held + penalty() * c.slip, limit);
   // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
@@ -53,9 +49,9 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, std::vec
     for (std::size_t j = 0; j < n; ++j)
       block[n * i + j] =
           weight * (stiffness * c.gradient[i] * c.gradient[j] - c.pressure * c.hessian[n * i + j]);
-  if (traction_ == nullptr || friction_suspended_ || !c.slides) return;
+  if (!rubs(c)) return;
   const Traction t = traction(c);
-  const double stick = t.direction == 0 ? tangential_stiffness(c) : 0;
+  const double stick = t.direction == 0 ? stiffness : 0;
   const double slide = settings_.friction * t.direction * stiffness;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
@@ -130,15 +126,13 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
   visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const double gap = law.stiffness(c.scale) * c.gap;
-    const bool slides = traction_ != nullptr && !friction_suspended_ && c.slides;
-    const double direction = slides ? traction(c).direction : 0;
-    const double slip = !slides          ? 0
-                        : direction == 0 ? tangential_stiffness(c) * c.slip
-                                         : -settings_.friction * direction * gap;
+    const double direction = traction(c).direction;
+    const double slip =
+        direction == 0 ? law.stiffness(c.scale) * c.slip : -settings_.friction * direction * gap;
     for (std::size_t i = 0; i < c.gradient.size(); ++i)
       if (!fixed_here_[2 * at(c.node[i / 2]) + i % 2])
         f[2 * at(c.node[i / 2]) + i % 2] +=
-            scale * c.weight * (gap * c.gradient[i] + (slides ? slip * c.slip_gradient[i] : 0));
+            scale * c.weight * (gap * c.gradient[i] + (rubs(c) ? slip * c.slip_gradient[i] : 0));
   });
   form_->nodes().exchange.add(f, r);
 }
@@ -211,9 +205,9 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
     }
     lambda[at(c.index)] = c.lambda - law.stiffness(c.scale) * gap;
     active[at(c.index)] = kind(c);
-    if (traction_ == nullptr || friction_suspended_ || !c.slides) return;
+    if (!rubs(c)) return;
     const double direction = traction(c).direction;
-    held[at(c.index)] = direction == 0 ? traction_->trial[at(c.index)] + tangential_stiffness(c) * slip
+    held[at(c.index)] = direction == 0 ? traction_->trial[at(c.index)] + law.stiffness(c.scale) * slip
                                        : settings_.friction * direction * std::max(0.0, lambda[at(c.index)]);
   });
   share(lambda);

@@ -115,8 +115,7 @@ bool ContactInterface::gaps_closed(Vec u) const {
   visit(values, Derivatives::none, [&](const Constraint& c) {
     if (!c.active) return;
     largest[0] = std::max(largest[0], std::abs(c.gap));
-    if (traction_ != nullptr && !friction_suspended_ && c.slides && traction(c).direction == 0)
-      largest[0] = std::max(largest[0], std::abs(c.slip));
+    if (rubs(c) && traction(c).direction == 0) largest[0] = std::max(largest[0], std::abs(c.slip));
   });
   for (double coordinate : form_->nodes().current(values))
     largest[1] = std::max(largest[1], std::abs(coordinate));

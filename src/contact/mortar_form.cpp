@@ -39,8 +39,7 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
   std::vector<PetscInt> nodes;
   for (const Facet& facet : facets_) nodes.insert(nodes.end(), facet.node.begin(), facet.node.end());
   std::vector<PetscInt> wanted = nodes;
-  std::sort(wanted.begin(), wanted.end());
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  sort_unique(wanted);
   const Handle<Vec> coordinates = layout.make_global();
   layout.to_global(std::vector<double>(mesh.coordinates().begin(), mesh.coordinates().end()), coordinates);
   const std::vector<double> all =
@@ -160,14 +159,9 @@ void MortarForm::anchor(Vec u) {
 }
 
 void MortarForm::locate_anchors() {
-  const std::vector<PetscInt>& global = nodes().global;
   for (std::vector<Anchor>& anchors : anchors_)
     for (Anchor& anchor : anchors)
-      for (std::size_t b = 0; b < 2; ++b) {
-        const auto place = std::lower_bound(global.begin(), global.end(), anchor.node[b]);
-        anchor.slot[b] =
-            place != global.end() && *place == anchor.node[b] ? static_cast<int>(place - global.begin()) : -1;
-      }
+      for (std::size_t b = 0; b < 2; ++b) anchor.slot[b] = nodes().slot(anchor.node[b]);
 }
 
 std::array<Point2<double>, 2> MortarForm::secondary_edge(int facet, const std::vector<double>& x) const {
@@ -278,25 +272,19 @@ bool MortarForm::active(const Node& node, const std::vector<double>& x, const Pr
   return covered && law.active(node.local, gap / node.weight);
 }
 
-std::vector<std::pair<PetscInt, PetscInt>> MortarForm::couplings() const {
-  std::vector<std::pair<PetscInt, PetscInt>> pairs;
-  const Candidates& list = search_.candidates();
-  std::vector<PetscInt> together;
+NodePairs MortarForm::couplings() const {
+  NodePairs pairs;
   for (const Node& node : owned_) {
-    together.clear();
+    std::vector<PetscInt> together;
     for (int f : node.facet) {
       if (f < 0) continue;
+      const std::vector<PetscInt> primary = search_.primary_nodes(f);
       together.insert(together.end(), facets_[at(f)].node.begin(), facets_[at(f)].node.end());
-      for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
-        for (PetscInt p : list.primary[at(list.facet[at(c)])].node) together.push_back(p);
+      together.insert(together.end(), primary.begin(), primary.end());
     }
-    std::sort(together.begin(), together.end());
-    together.erase(std::unique(together.begin(), together.end()), together.end());
-    for (std::size_t i = 0; i < together.size(); ++i)
-      for (std::size_t j = i + 1; j < together.size(); ++j) pairs.emplace_back(together[i], together[j]);
+    add_pairs_among(std::move(together), pairs);
   }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
   return pairs;
 }
 

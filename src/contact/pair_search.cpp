@@ -32,16 +32,22 @@ double largest_move(const std::vector<double>& a, const std::vector<double>& b,
   return largest;
 }
 
-void sort_unique(std::vector<PetscInt>& v) {
-  std::sort(v.begin(), v.end());
-  v.erase(std::unique(v.begin(), v.end()), v.end());
-}
-
 int position(const std::vector<PetscInt>& sorted, PetscInt value) {
   return static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin());
 }
 
 } // namespace
+
+int ContactNodes::slot(PetscInt node) const {
+  const int place = position(global, node);
+  return at(place) < global.size() && global[at(place)] == node ? place : -1;
+}
+
+void add_pairs_among(std::vector<PetscInt> nodes, NodePairs& pairs) {
+  sort_unique(nodes);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    for (std::size_t j = i + 1; j < nodes.size(); ++j) pairs.emplace_back(nodes[i], nodes[j]);
+}
 
 std::vector<double> ContactNodes::current(const std::vector<double>& u) const {
   std::vector<double> x = u;
@@ -124,6 +130,14 @@ Candidates PairSearch::search(const std::vector<double>& x) const {
                        {x[x0], x[x0 + 1], x[x1], x[x1 + 1]}});
   }
   return find_candidates(mesh_->comm(), secondary, primary, reach_ + skin_);
+}
+
+std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
+  std::vector<PetscInt> nodes;
+  if (candidates_.offset.empty()) return nodes; // against a rigid plane
+  for (int c = candidates_.offset[at(secondary_facet)]; c < candidates_.offset[at(secondary_facet + 1)]; ++c)
+    for (PetscInt node : candidates_.primary[at(candidates_.facet[at(c)])].node) nodes.push_back(node);
+  return nodes;
 }
 
 void PairSearch::fetch_nodes(Vec u) {

@@ -104,6 +104,69 @@ inline Handle<Mat> tangent(const Rig& rig, Vec u, double scale) {
   return K;
 }
 
+/// The lower surface is a shallow hill.
+inline TwoBlocks hill() {
+  TwoBlocks b;
+  b.bulge = true;
+  return b;
+}
+
+/// The tangent at u, after checks that it is the derivative of the residual and what multiply multiplies by.
+inline Handle<Mat> consistent_tangent(const Rig& rig, Vec u) {
+  const Handle<Vec> d = rig.at(wiggle);
+  Handle<Mat> K = tangent(rig, u, 1.5);
+  const Handle<Vec> assembled = rig.layout.make_global(), free = rig.layout.make_global();
+  check(MatMult(K, d, assembled));
+  rig.contact.multiply(u, 1.5, d, free);
+  const double size = norm(assembled), h = 1e-7;
+  EXPECT_GT(size, 1);
+  const Handle<Vec> up = rig.layout.make_global(), down = rig.layout.make_global();
+  check(VecWAXPY(up, h, d, u));
+  check(VecWAXPY(down, -h, d, u));
+  const Handle<Vec> difference = rig.residual(up, 1.5), lower = rig.residual(down, 1.5);
+  check(VecAXPY(difference, -1, lower));
+  check(VecScale(difference, 1 / (2 * h)));
+  check(VecAXPY(difference, -1, assembled));
+  EXPECT_LE(norm(difference), 1e-6 * size);
+  check(VecAXPY(free, -1, assembled));
+  EXPECT_LE(norm(free), 1e-13 * size);
+  return K;
+}
+
+/// Checks that the force at u is the derivative of the energy.
+inline void expect_force_of_the_energy(Rig& rig, Vec u) {
+  const Handle<Vec> d = rig.at(wiggle), moved = rig.layout.make_global();
+  const double h = 1e-6;
+  check(VecWAXPY(moved, h, d, u));
+  const double up = rig.contact.measures(moved).energy;
+  check(VecWAXPY(moved, -h, d, u));
+  const double down = rig.contact.measures(moved).energy, slope = dot(rig.residual(u), d);
+  EXPECT_GT(std::abs(slope), 0.1);
+  EXPECT_NEAR((up - down) / (2 * h), slope, 1e-6 * std::abs(slope));
+}
+
+/// Sums over all nodes of the residual at u; `upper`: force on the upper body; `size`: sum of absolute
+/// values.
+struct Resultants {
+  std::array<double, 2> force{}, upper{};
+  double moment = 0, size = 0;
+};
+inline Resultants resultants(const Rig& rig, Vec u) {
+  Resultants sum;
+  const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(u)),
+                moved = node_map(rig.mesh, rig.layout, u);
+  for (const auto& [key, f] : force) {
+    const auto& d = moved.at(key);
+    for (std::size_t k = 0; k < 2; ++k) {
+      sum.force[k] += f[k];
+      sum.size += std::abs(f[k]);
+      if (key[0] > 0.5) sum.upper[k] -= f[k]; // the residual is minus the force on the body
+    }
+    sum.moment += (key[1] + d[0]) * f[1] - (key[2] + d[1]) * f[0];
+  }
+  return sum;
+}
+
 inline const std::vector<std::pair<const char*, Partition>> partitions = {{"apart", bodies_apart},
                                                                           {"mixed", bodies_mixed}};
 

@@ -69,15 +69,15 @@ public:
   /// Collective.
   virtual PairSearch::Outcome update(Vec u, const PressureLaw& law) = 0;
   /// The next update builds the pairs afresh.
-  virtual void forget() = 0;
+  void forget() { search_.forget(); }
   /// True when the last update changed what a constraint with pressure faces, on this rank.
-  virtual bool switched() const = 0;
-  virtual void clear_switched() = 0;
-  virtual const ContactNodes& nodes() const = 0;
+  bool switched() const { return switched_; }
+  void clear_switched() { switched_ = false; }
+  const ContactNodes& nodes() const { return search_.nodes(); }
   /// Pairs of global nodes whose dofs tangents may couple: sorted, each once.
-  virtual std::vector<std::pair<PetscInt, PetscInt>> couplings() const = 0;
+  virtual NodePairs couplings() const = 0;
   /// False where the coordinates x of nodes() left the range of the pairs.
-  virtual bool pairs_hold(const std::vector<double>& x) const = 0;
+  bool pairs_hold(const std::vector<double>& x) const { return search_.holds_for(x); }
   /// Gap below which a constraint lies deeper than the search can judge; -infinity where it always can.
   virtual double deepest() const = 0;
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
@@ -90,6 +90,10 @@ public:
   /// A node that lies on several facets may come several times, on any rank.
   using OverlapVisitor = std::function<void(int node, double depth, const Point2<double>& direction)>;
   virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
+
+protected:
+  PairSearch search_;
+  bool switched_ = false;
 };
 
 } // namespace impact

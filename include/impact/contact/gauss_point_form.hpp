@@ -29,12 +29,7 @@ public:
   void begin_attempt(double t, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
-  void forget() override { search_.forget(); }
-  bool switched() const override { return switched_; }
-  void clear_switched() override { switched_ = false; }
-  const ContactNodes& nodes() const override { return search_.nodes(); }
-  std::vector<std::pair<PetscInt, PetscInt>> couplings() const override;
-  bool pairs_hold(const std::vector<double>& x) const override { return search_.holds_for(x); }
+  NodePairs couplings() const override;
   double deepest() const override {
     return against_plane() ? -std::numeric_limits<double>::infinity() : -search_.radius();
   }
@@ -76,8 +71,9 @@ private:
     std::array<double, 12> gradient{}, slip_gradient{};
     std::array<double, 144> hessian{}, slip_hessian{};
   };
-  void add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s, Workspace& w,
-                Constraint& c) const;
+  void add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s,
+                Derivatives derivatives, Workspace& w, Constraint& c) const;
+  Point on_facet(int facet) const; // which faces nothing yet
   void hold_edges(const std::vector<double>& x, const PressureLaw& law);
   Foot<double> plane_foot(const Point2<double>& x) const;
   // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
@@ -99,11 +95,9 @@ private:
   ContactSurface secondary_;
   SurfacePoints points_;
   std::vector<double> nodal_area_;
-  PairSearch search_;
   std::vector<Hold> holds_;     // [secondary facet][point]
   std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction
   double hold_gap_;
-  bool switched_ = false;
   double time_ = 0;
 };
 

@@ -162,7 +162,9 @@ public:
 private:
   double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
   PressureLaw law() const;
-  double tangential_stiffness(const Constraint& c) const;
+  bool rubs(const Constraint& c) const { // friction acts on it, now
+    return traction_ != nullptr && !friction_suspended_ && c.slides && c.active;
+  }
   Traction traction(const Constraint& c) const;
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   void add_force(const Constraint& c, std::array<double, 2>& force) const;

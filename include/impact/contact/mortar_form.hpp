@@ -23,12 +23,7 @@ public:
   void begin_attempt(double t, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
-  void forget() override { search_.forget(); }
-  bool switched() const override { return switched_; }
-  void clear_switched() override { switched_ = false; }
-  const ContactNodes& nodes() const override { return search_.nodes(); }
-  std::vector<std::pair<PetscInt, PetscInt>> couplings() const override;
-  bool pairs_hold(const std::vector<double>& x) const override { return search_.holds_for(x); }
+  NodePairs couplings() const override;
   double deepest() const override { return -search_.radius(); }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
@@ -69,11 +64,9 @@ private:
   std::vector<Node> owned_;
   std::size_t node_count_ = 0; // of the mesh on this rank
   std::vector<double> nodal_area_;
-  PairSearch search_;
   Facing facing_;
   std::vector<std::vector<Anchor>> anchors_; // [owned node], empty without friction
   std::vector<int> switches_;                // [facet] in this attempt
-  bool switched_ = false;
 };
 
 } // namespace impact

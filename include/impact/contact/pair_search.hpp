@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <impact/contact/node_exchange.hpp>
 #include <impact/contact/search.hpp>
 #include <impact/contact/surface.hpp>
@@ -21,6 +22,8 @@ struct ContactNodes {
   std::vector<int> primary;     ///< [candidate primary][4]: node 0, node 1, neighbours (-1 at an end)
   std::vector<double> built_at; ///< [node][2] when the list was made
 
+  /// Place of a global node, -1: not there.
+  int slot(PetscInt node) const;
   /// [node][2] of the displacement u. Collective.
   std::vector<double> displacement(Vec u) const { return exchange.gather(u); }
   /// [node][2] at a displacement [node][2].
@@ -33,6 +36,15 @@ struct ContactNodes {
     return {(X[i] - X[o]) + (u[i] - u[o]), (X[i + 1] - X[o + 1]) + (u[i + 1] - u[o + 1])};
   }
 };
+
+using NodePairs = std::vector<std::pair<PetscInt, PetscInt>>;
+/// Appends every pair of different nodes among these, which may be named several times.
+void add_pairs_among(std::vector<PetscInt> nodes, NodePairs& pairs);
+
+template <class T> void sort_unique(std::vector<T>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
 
 class PairSearch {
 public:
@@ -55,6 +67,8 @@ public:
   void forget() { outdated_ = true; }
 
   const Candidates& candidates() const { return candidates_; }
+  /// Global nodes of the candidates of a secondary facet, some several times.
+  std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return nodes_; }
   double radius() const { return radius_; }
   /// False: something moved so far that the list may miss a facet. x: [node][2] of nodes().
