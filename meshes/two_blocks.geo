@@ -5,7 +5,8 @@ DefineConstant[
   n_lower = 4, n_upper = 3,
   gap = 0,
   inset = 0,    // the upper block is narrower by this on each side
-  angle = 0     // degrees: both blocks turned about the origin in the plane of x and y
+  angle = 0,    // degrees: both blocks turned about the origin in the plane of x and y
+  simplices_lower = 0, simplices_upper = 0 // 1: triangles or tetrahedra
 ];
 turn = angle * Pi / 180;
 x[] = {0, 1, 1, 0, inset, 1 - inset, 1 - inset, inset};
@@ -40,7 +41,17 @@ For b In {0 : 1}
   EndIf
 EndFor
 Transfinite Surface "*";
-Recombine Surface "*";
+simplices[] = {simplices_lower, simplices_upper};
+For b In {0 : 1}
+  If (simplices[b] == 0)
+    If (dim == 2)
+      Recombine Surface {100 * b + 1};
+    Else
+      Recombine Surface {100 * b + 1 : 100 * b + 6};
+      Transfinite Volume {100 * b + 1};
+    EndIf
+  EndIf
+EndFor
 If (dim == 2)
   Physical Surface("lower") = {1};
   Physical Curve("lower_bottom") = {1};
@@ -51,7 +62,6 @@ If (dim == 2)
   Physical Curve("upper_top") = {103};
   Physical Curve("upper_sides") = {102, 104};
 Else
-  Transfinite Volume {1, 101};
   Physical Volume("lower") = {1};
   Physical Surface("lower_bottom") = {3};
   Physical Surface("lower_top") = {5};

@@ -132,12 +132,13 @@ Foot<double> GaussPointForm::plane_foot(const Point2<double>& x) const {
 
 PrimaryEdge<double> GaussPointForm::primary_edge(int candidate,
                                                  const std::vector<double>& coordinates) const {
-  const int* p = &nodes().primary[at(4 * search_.candidates().facet[at(candidate)])];
+  const int facet = search_.candidates().facet[at(candidate)];
+  const int *p = &nodes().primary[at(2 * facet)], *neighbour = &nodes().neighbour[at(2 * facet)];
   PrimaryEdge<double> edge{point_at(coordinates, p[0]), point_at(coordinates, p[1])};
-  edge.has_previous = p[2] >= 0;
-  edge.has_next = p[3] >= 0;
-  if (edge.has_previous) edge.previous = point_at(coordinates, p[2]);
-  if (edge.has_next) edge.next = point_at(coordinates, p[3]);
+  edge.has_previous = neighbour[0] >= 0;
+  edge.has_next = neighbour[1] >= 0;
+  if (edge.has_previous) edge.previous = point_at(coordinates, neighbour[0]);
+  if (edge.has_next) edge.next = point_at(coordinates, neighbour[1]);
   return edge;
 }
 
@@ -157,7 +158,7 @@ bool GaussPointForm::face_nearest(const Point2<double>& x, const Point2<double>&
   double nearest = infinity;
   const Candidates& list = search_.candidates();
   for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
-    const int* p = &nodes().primary[at(4 * list.facet[at(c)])];
+    const int* p = &nodes().primary[at(2 * list.facet[at(c)])];
     const PrimaryEdge<double> edge = primary_edge(c, coordinates);
     const Foot<double> foot = closest_point(x, edge);
     const double distance = retraction(foot, normal, search_.radius());
@@ -175,14 +176,15 @@ bool GaussPointForm::face_held(const Point2<double>& x, const Point2<double>& no
   if (hold.edge[0] < 0) return false;
   const Candidates& list = search_.candidates();
   for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
-    if (list.primary[at(list.facet[at(c)])].node != hold.edge) continue;
+    const SearchFacet& primary = list.primary[at(list.facet[at(c)])];
+    if (primary.node[0] != hold.edge[0] || primary.node[1] != hold.edge[1]) continue;
     const PrimaryEdge<double> edge = primary_edge(c, coordinates);
     const Foot<double> foot = foot_on_line(x, edge);
     // An iterate that flies off altogether, or over an open end, is judged as a point that nothing holds.
     const bool goes_on = foot.xi < 0 ? edge.has_previous : edge.has_next;
     if (std::abs(foot.xi) > (goes_on ? hold_limit : 1.0)) return false;
     if (!(retraction(foot, normal, search_.radius()) < infinity)) return false;
-    stand_on(edge, foot, &nodes().primary[at(4 * list.facet[at(c)])], point);
+    stand_on(edge, foot, &nodes().primary[at(2 * list.facet[at(c)])], point);
     return true;
   }
   return false;
@@ -197,7 +199,7 @@ bool GaussPointForm::face_passed(const Point2<double>& x, const Point2<double>& 
   double earliest = infinity;
   const Candidates& list = search_.candidates();
   for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
-    const int* p = &nodes().primary[at(4 * list.facet[at(c)])];
+    const int* p = &nodes().primary[at(2 * list.facet[at(c)])];
     const PrimaryEdge<double> edge = primary_edge(c, coordinates);
     const Foot<double> foot = foot_on_line(x, edge);
     if (!(foot.gap < -search_.radius()) || !(retraction(foot, normal, infinity) < infinity)) continue;
@@ -278,8 +280,9 @@ void GaussPointForm::sharpen(const std::vector<double>& u, Point& point) const {
   point.foot = foot_on_line(x, PrimaryEdge<double>{y[2], y[3]});
 }
 
-void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
-                           const ConstraintVisitor& visitor) const {
+template <class Visitor>
+void GaussPointForm::visit_points(const std::vector<double>& u, bool second, const PressureLaw& law,
+                                  Visitor&& visitor) const {
   Workspace w;
   const std::vector<double> x = nodes().current(u);
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -308,34 +311,48 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
       std::copy(point.node.begin(), point.node.end(), w.node.begin());
       c.node = {w.node.data(), at(point.node_count)};
       c.share = point.shape;
-      add_slip(point, u, x_s, derivatives, w, c);
-      const std::size_t n = 2 * c.node.size();
-      if (derivatives != Derivatives::none) {
-        w.gradient.fill(0);
-        const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
-        std::copy_n(dg.begin(), 2 * point.node_count, w.gradient.begin());
-        c.gradient = {w.gradient.data(), n};
-      }
-      if (derivatives == Derivatives::second && c.active) {
-        // The rigid plane is flat and stands still under a variation: no second variation.
-        w.hessian.fill(0);
-        if (point.node_count == 4) {
-          const std::array<double, 64> d2g = gap_hessian(point.shape, point.edge, point.foot);
-          for (std::size_t i = 0; i < 8; ++i) std::copy_n(&d2g[8 * i], 8, &w.hessian[n * i]);
-        }
-        c.hessian = {w.hessian.data(), n * n};
-      }
-      visitor(c);
+      add_slip(point, u, x_s, second, w, c);
+      visitor(c, point, w);
     }
   }
 }
 
+void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+                           const ConstraintVisitor& visitor) const {
+  visit_points(u, false, law, [&](Constraint& c, const Point& point, Workspace& w) {
+    if (derivatives == Derivatives::first) {
+      w.gradient.fill(0);
+      const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
+      std::copy_n(dg.begin(), 2 * point.node_count, w.gradient.begin());
+      c.gradient = {w.gradient.data(), 2 * c.node.size()};
+    }
+    visitor(c);
+  });
+}
+
+void GaussPointForm::visit_curvature(const std::vector<double>& u, const PressureLaw& law,
+                                     const CurvatureFactors& factors, const BlockVisitor& visitor) const {
+  visit_points(u, true, law, [&](const Constraint& c, const Point& point, Workspace& w) {
+    const double of_gap = factors.of_gap(c.index), of_slip = c.slides ? factors.of_slip(c.index) : 0;
+    // The rigid plane is flat and stands still under a variation: no second variation.
+    const bool curved = point.node_count == 4 && of_gap != 0;
+    if (!curved && of_slip == 0) return;
+    const std::size_t n = 2 * c.node.size();
+    for (std::size_t i = 0; i < n * n; ++i) w.hessian[i] = of_slip != 0 ? of_slip * w.slip_hessian[i] : 0;
+    if (curved) {
+      const std::array<double, 64> d2g = gap_hessian(point.shape, point.edge, point.foot);
+      for (std::size_t i = 0; i < 8; ++i)
+        for (std::size_t j = 0; j < 8; ++j) w.hessian[n * i + j] += of_gap * d2g[8 * i + j];
+    }
+    visitor(c.node, {w.hessian.data(), n * n});
+  });
+}
+
 void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s,
-                              Derivatives derivatives, Workspace& w, Constraint& c) const {
+                              bool second, Workspace& w, Constraint& c) const {
   if (anchors_.empty()) return;
   const Anchor& anchor = anchors_[at(point.index)];
   if (!anchor.valid) return;
-  const bool second = derivatives == Derivatives::second;
   w.slip_gradient.fill(0);
   if (second) w.slip_hessian.fill(0);
   if (against_plane()) {
@@ -370,7 +387,6 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
   }
   c.slides = true;
   c.slip_gradient = {w.slip_gradient.data(), 2 * c.node.size()};
-  if (second) c.slip_hessian = {w.slip_hessian.data(), 4 * c.node.size() * c.node.size()};
 }
 
 void GaussPointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
@@ -385,7 +401,7 @@ void GaussPointForm::visit_overlaps(const std::vector<double>& x, const OverlapV
       // Coordinates that were meant to touch differ by rounding of their own size.
       const double depth = -point.foot.gap;
       if (depth > 1e-9 * (secondary_.length[at(f)] + std::hypot(place[0], place[1])))
-        visitor(ends[a], depth, point.foot.normal);
+        visitor(ends[a], depth, {point.foot.normal[0], point.foot.normal[1], 0});
     }
 }
 

@@ -40,24 +40,34 @@ Traction ContactInterface::traction(const Constraint& c) const {
 }
 
 void ContactInterface::tangent_block(const Constraint& c, double scale, std::vector<double>& block) const {
-  // scale w (k dg dg - p d2g), and with friction k_t ds ds where it sticks, -mu k ds dg where it slides, + t
-  // d2s.
+  // scale w k dg dg, and with friction k ds ds where it sticks, -mu k ds dg where it slides.
   const std::size_t n = c.gradient.size();
   block.resize(n * n);
   const double stiffness = law().stiffness(c.scale), weight = scale * c.weight;
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      block[n * i + j] =
-          weight * (stiffness * c.gradient[i] * c.gradient[j] - c.pressure * c.hessian[n * i + j]);
+    for (std::size_t j = 0; j < n; ++j) block[n * i + j] = weight * stiffness * c.gradient[i] * c.gradient[j];
   if (!rubs(c)) return;
   const Traction t = traction(c);
   const double stick = t.direction == 0 ? stiffness : 0;
   const double slide = settings_.friction * t.direction * stiffness;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j)
-      block[n * i + j] +=
-          weight * (c.slip_gradient[i] * (stick * c.slip_gradient[j] - slide * c.gradient[j]) +
-                    t.value * c.slip_hessian[n * i + j]);
+      block[n * i + j] += weight * c.slip_gradient[i] * (stick * c.slip_gradient[j] - slide * c.gradient[j]);
+}
+
+ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, double scale,
+                                              const BlockVisitor& visitor) const {
+  std::vector<double> block, of_gap(multiplier_->trial.size(), 0.0);
+  std::vector<double> of_slip(traction_ != nullptr ? of_gap.size() : 0, 0.0);
+  const ContactStatus status = visit(u, Derivatives::first, [&](const Constraint& c) {
+    if (!c.active) return;
+    tangent_block(c, scale, block);
+    visitor(c.node, block);
+    of_gap[at(c.index)] = -scale * c.weight * c.pressure;
+    if (rubs(c)) of_slip[at(c.index)] = scale * c.weight * traction(c).value;
+  });
+  form_->visit_curvature(u, law(), {of_gap, of_slip}, visitor);
+  return status;
 }
 
 void ContactInterface::set_time(double t, double mass_shift) {
@@ -79,7 +89,7 @@ bool ContactInterface::update_search(Vec u) {
 }
 
 void ContactInterface::fetch_fixed() {
-  fixed_here_.assign(2 * form_->nodes().global.size(), 0);
+  fixed_here_.assign(at(dim_) * form_->nodes().global.size(), 0);
   if (!fixed_) return;
   const std::vector<double> flags = form_->nodes().exchange.gather(fixed_);
   std::transform(flags.begin(), flags.end(), fixed_here_.begin(), [](double f) { return f > 0.5 ? 1 : 0; });
@@ -107,11 +117,12 @@ ContactStatus ContactInterface::visit(const std::vector<double>& u, Derivatives 
 ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const std::vector<double> values = form_->nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
+  const auto m = at(dim_);
   const ContactStatus status = visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const double t = traction(c).value;
     for (std::size_t i = 0; i < c.gradient.size(); ++i)
-      f[2 * at(c.node[i / 2]) + i % 2] -=
+      f[dof(c.node[i / m], i % m)] -=
           scale * c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
   });
   form_->nodes().exchange.add(f, r);
@@ -123,6 +134,7 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
   const PressureLaw law = this->law();
   const std::vector<double> values = form_->nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
+  const auto m = at(dim_);
   visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const double gap = law.stiffness(c.scale) * c.gap;
@@ -130,43 +142,39 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
     const double slip =
         direction == 0 ? law.stiffness(c.scale) * c.slip : -settings_.friction * direction * gap;
     for (std::size_t i = 0; i < c.gradient.size(); ++i)
-      if (!fixed_here_[2 * at(c.node[i / 2]) + i % 2])
-        f[2 * at(c.node[i / 2]) + i % 2] +=
-            scale * c.weight * (gap * c.gradient[i] + (rubs(c) ? slip * c.slip_gradient[i] : 0));
+      if (const std::size_t row = dof(c.node[i / m], i % m); !fixed_here_[row])
+        f[row] += scale * c.weight * (gap * c.gradient[i] + (rubs(c) ? slip * c.slip_gradient[i] : 0));
   });
   form_->nodes().exchange.add(f, r);
 }
 
 ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
   const ContactNodes& nodes = form_->nodes();
-  std::vector<PetscInt> dof;
-  std::vector<double> block;
-  return visit(nodes.displacement(u), Derivatives::second, [&](const Constraint& c) {
-    if (!c.active) return;
-    tangent_block(c, scale, block);
-    dof.clear();
-    for (int node : c.node)
-      for (std::size_t k = 0; k < 2; ++k)
-        // PETSc leaves out rows and columns with a negative index.
-        dof.push_back(fixed_here_[2 * at(node) + k] ? -1
-                                                    : 2 * nodes.global[at(node)] + static_cast<PetscInt>(k));
-    const auto n = static_cast<PetscInt>(dof.size());
-    check(MatSetValues(K, n, dof.data(), n, dof.data(), block.data(), ADD_VALUES));
-  });
+  std::vector<PetscInt> rows;
+  return visit_tangent(
+      nodes.displacement(u), scale, [&](std::span<const int> on, std::span<const double> block) {
+        rows.clear();
+        for (int node : on)
+          for (std::size_t k = 0; k < at(dim_); ++k)
+            // PETSc leaves out rows and columns with a negative index.
+            rows.push_back(
+                fixed_here_[dof(node, k)] ? -1 : dim_ * nodes.global[at(node)] + static_cast<PetscInt>(k));
+        const auto n = static_cast<PetscInt>(rows.size());
+        check(MatSetValues(K, n, rows.data(), n, rows.data(), block.data(), ADD_VALUES));
+      });
 }
 
 void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {
   const ContactNodes& nodes = form_->nodes();
-  std::vector<double> d = nodes.exchange.gather(du), f(d.size(), 0.0), block;
+  std::vector<double> d = nodes.exchange.gather(du), f(d.size(), 0.0);
   for (std::size_t i = 0; i < d.size(); ++i)
     if (fixed_here_[i]) d[i] = 0;
-  visit(nodes.displacement(u), Derivatives::second, [&](const Constraint& c) {
-    if (!c.active) return;
-    tangent_block(c, scale, block);
-    const std::size_t n = c.gradient.size();
+  const auto m = at(dim_);
+  visit_tangent(nodes.displacement(u), scale, [&](std::span<const int> on, std::span<const double> block) {
+    const std::size_t n = m * on.size();
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j)
-        f[2 * at(c.node[i / 2]) + i % 2] += block[n * i + j] * d[2 * at(c.node[j / 2]) + j % 2];
+        f[dof(on[i / m], i % m)] += block[n * i + j] * d[dof(on[j / m], j % m)];
   });
   for (std::size_t i = 0; i < f.size(); ++i)
     if (fixed_here_[i]) f[i] = 0;
@@ -190,6 +198,7 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
   const ContactNodes& nodes = form_->nodes();
   const PressureLaw law = this->law();
   const std::vector<double> d = nodes.exchange.gather(du);
+  const auto m = at(dim_);
   std::vector<double> lambda(multiplier_->trial.size(), 0.0), held(lambda.size(), 0.0);
   std::vector<char> active(lambda.size(), 0); // 1: sticks or has no friction; 2: slides
   const auto kind = [&](const Constraint& c) {
@@ -199,7 +208,7 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
     if (!c.active) return;
     double gap = c.gap, slip = c.slip;
     for (std::size_t i = 0; i < c.gradient.size(); ++i) {
-      const double change = d[2 * at(c.node[i / 2]) + i % 2];
+      const double change = d[dof(c.node[i / m], i % m)];
       gap += c.gradient[i] * change;
       if (c.slides) slip += c.slip_gradient[i] * change;
     }

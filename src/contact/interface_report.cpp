@@ -19,11 +19,11 @@ constexpr double newton_gap = 1e-11;
 } // namespace
 
 // The force on the secondary side.
-void ContactInterface::add_force(const Constraint& c, std::array<double, 2>& force) const {
+void ContactInterface::add_force(const Constraint& c, std::array<double, 3>& force) const {
   if (!c.active) return;
   const double t = traction(c).value;
-  for (std::size_t i = 0; i < 2 * c.share.size(); ++i)
-    force[i % 2] += c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
+  for (std::size_t i = 0; i < at(dim_) * c.share.size(); ++i)
+    force[i % at(dim_)] += c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
 }
 
 double ContactInterface::friction_loss(Vec u) const {
@@ -36,18 +36,19 @@ double ContactInterface::friction_loss(Vec u) const {
     loss += c.weight * t.value * (c.slip - elastic);
   });
   MPI_Allreduce(MPI_IN_PLACE, &loss, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  return environment_.frame == Frame::axisymmetric ? loss : environment_.thickness * loss;
+  return environment_.frame == Frame::plane_strain ? environment_.thickness * loss : loss;
 }
 
 void ContactInterface::share(std::vector<double>& multipliers) const {
   if (multiplier_->support != Support::vertex) return;
   // One constraint per node, evaluated by the node's owner.
   std::vector<double> pairs = layout_->make_local();
-  for (std::size_t node = 0; node < multipliers.size(); ++node) pairs[2 * node] = multipliers[node];
+  const auto d = at(dim_);
+  for (std::size_t node = 0; node < multipliers.size(); ++node) pairs[d * node] = multipliers[node];
   const Handle<Vec> owned = layout_->make_global();
   layout_->to_global(pairs, owned);
   layout_->to_local(owned, pairs);
-  for (std::size_t node = 0; node < multipliers.size(); ++node) multipliers[node] = pairs[2 * node];
+  for (std::size_t node = 0; node < multipliers.size(); ++node) multipliers[node] = pairs[d * node];
 }
 
 void ContactInterface::start_augmentation() { penalty_->trial[1] = 0; }
@@ -108,19 +109,23 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   return report;
 }
 
-bool ContactInterface::gaps_closed(Vec u) const {
+bool ContactInterface::gaps_closed(Vec u, double force) const {
   if (!semismooth()) return true;
   const std::vector<double> values = form_->nodes().displacement(u);
-  std::array<double, 2> largest = {0, 0}; // gap or slip that must vanish, coordinate
+  // Gap or slip that must vanish; the largest force that closing one takes; coordinate.
+  std::array<double, 3> largest = {0, 0, 0};
   visit(values, Derivatives::none, [&](const Constraint& c) {
     if (!c.active) return;
-    largest[0] = std::max(largest[0], std::abs(c.gap));
-    if (rubs(c) && traction(c).direction == 0) largest[0] = std::max(largest[0], std::abs(c.slip));
+    double open = std::abs(c.gap);
+    if (rubs(c) && traction(c).direction == 0) open = std::max(open, std::abs(c.slip));
+    largest[0] = std::max(largest[0], open);
+    largest[1] = std::max(largest[1], c.weight * penalty() * open);
   });
   for (double coordinate : form_->nodes().current(values))
-    largest[1] = std::max(largest[1], std::abs(coordinate));
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, mesh_->comm());
-  return largest[0] <= std::max(newton_gap * mean_length_, 1e-14 * largest[1]);
+    largest[2] = std::max(largest[2], std::abs(coordinate));
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  const bool rounding = largest[0] <= 1e-14 * largest[2];
+  return rounding || (largest[0] <= newton_gap * mean_length_ && largest[1] <= force);
 }
 
 AugmentReport ContactInterface::review(Vec u) const {
@@ -155,13 +160,17 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   check(VecAXPY(f, 1, f_n));
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
-  std::array<double, 2> force{};
+  std::array<double, 3> force{};
   visit(form_->nodes().displacement(u), Derivatives::first,
         [&](const Constraint& c) { add_force(c, force); });
-  MPI_Allreduce(MPI_IN_PLACE, force.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const std::vector<double>& before = totals_->committed;
-  totals_->trial = {before[0] + dt * (before[3] + force[0]) / 2, before[1] + dt * (before[4] + force[1]) / 2,
-                    before[2] - twice_work / 2, force[0], force[1]};
+  const auto d = at(dim_);
+  for (std::size_t k = 0; k < d; ++k) {
+    totals_->trial[k] = before[k] + dt * (before[d + 1 + k] + force[k]) / 2;
+    totals_->trial[d + 1 + k] = force[k];
+  }
+  totals_->trial[d] = before[d] - twice_work / 2;
   if (traction_ == nullptr) return;
   // What sticks from now on does so with the traction of this state.
   std::vector<double> lambda, traction;
@@ -173,38 +182,40 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
 ContactMeasures ContactInterface::measures(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double eps = penalty();
-  std::array<double, 5> sum{}; // force x y, length, energy, active
+  std::array<double, 6> sum{}; // force, length, energy, active
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure
   visit(form_->nodes().displacement(u), Derivatives::first, [&](const Constraint& c) {
     largest[0] = std::max(largest[0], -c.gap);
     // Multipliers that hold g = 0 exactly store nothing.
-    if (!semismooth()) sum[3] += c.weight * contact_potential(c.lambda, eps, c.gap);
+    if (!semismooth()) sum[4] += c.weight * contact_potential(c.lambda, eps, c.gap);
     if (!c.active) return;
     const Traction t = traction(c);
     // A penalty keeps the traction's energy too; augmentations take it for a multiplier.
-    if (settings_.enforce == Enforcement::penalty) sum[3] += c.weight * t.value * t.value / (2 * eps);
-    std::array<double, 2> force{};
+    if (settings_.enforce == Enforcement::penalty) sum[4] += c.weight * t.value * t.value / (2 * eps);
+    std::array<double, 3> force{};
     add_force(c, force);
-    for (std::size_t k = 0; k < 2; ++k) sum[k] += force[k];
-    sum[2] += c.weight * c.stretch;
-    sum[4] += 1;
+    for (std::size_t k = 0; k < 3; ++k) sum[k] += force[k];
+    sum[3] += c.weight * c.stretch;
+    sum[5] += 1;
     largest[1] = std::max(largest[1], c.pressure / c.stretch);
     largest[2] = std::max(largest[2], -c.pressure / c.stretch);
   });
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 5, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 6, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
-  const double thick = environment_.frame == Frame::axisymmetric ? 1 : environment_.thickness;
+  const double thick = environment_.frame == Frame::plane_strain ? environment_.thickness : 1;
   ContactMeasures m;
-  m.force = {thick * sum[0], thick * sum[1]};
-  m.length = sum[2];
-  m.energy = thick * sum[3];
-  m.active = static_cast<int>(sum[4]);
+  for (std::size_t k = 0; k < at(dim_); ++k) {
+    m.force[k] = thick * sum[k];
+    m.impulse[k] = thick * totals_->trial[k];
+  }
+  m.length = sum[3];
+  m.energy = thick * sum[4];
+  m.active = static_cast<int>(sum[5]);
   m.gap_min = std::isinf(largest[0]) ? std::numeric_limits<double>::quiet_NaN() : -largest[0];
   m.pressure_max = largest[1];
   m.pressure_min = m.active > 0 ? -largest[2] : 0;
-  m.impulse = {thick * totals_->trial[0], thick * totals_->trial[1]};
-  m.work = thick * totals_->trial[2];
+  m.work = thick * totals_->trial[at(dim_)];
   return m;
 }
 
@@ -212,11 +223,12 @@ void ContactInterface::nodal_fields(Vec u, std::vector<double>& pressure, std::v
   // By nodes: reference area times pressure; area times gap, and that area, over the constraints that face
   // something.
   const ContactNodes& nodes = form_->nodes();
-  std::vector<double> p(2 * nodes.global.size(), 0.0), g(p.size(), 0.0);
+  const auto d = at(dim_);
+  std::vector<double> p(d * nodes.global.size(), 0.0), g(p.size(), 0.0);
   visit(nodes.displacement(u), Derivatives::none, [&](const Constraint& c) {
     for (std::size_t a = 0; a < c.share.size(); ++a) {
       const double weight = c.weight * c.share[a];
-      const std::size_t i = 2 * at(c.node[a]);
+      const std::size_t i = d * at(c.node[a]);
       p[i] += weight * c.pressure / c.stretch;
       g[i] += weight * c.gap;
       g[i + 1] += weight;
@@ -232,8 +244,8 @@ void ContactInterface::nodal_fields(Vec u, std::vector<double>& pressure, std::v
   pressure.assign(count, 0.0);
   gap.assign(count, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t node = 0; node < count; ++node) {
-    if (form_->nodal_area()[node] > 0) pressure[node] = local_p[2 * node] / form_->nodal_area()[node];
-    if (local_g[2 * node + 1] > 0) gap[node] = local_g[2 * node] / local_g[2 * node + 1];
+    if (form_->nodal_area()[node] > 0) pressure[node] = local_p[d * node] / form_->nodal_area()[node];
+    if (local_g[d * node + 1] > 0) gap[node] = local_g[d * node] / local_g[d * node + 1];
   }
 }
 

@@ -25,8 +25,14 @@ UserError usage(const ContactSettings& settings, const std::string& key, const s
   return UserError(ExitCode::usage, "-contact_" + settings.id + "_" + key + ": " + text);
 }
 
-void check_settings(ContactSettings& settings) {
+void check_settings(ContactSettings& settings, int dim) {
+  if (settings.method == ContactMethod::automatic)
+    settings.method = dim == 2 ? ContactMethod::gauss_points : ContactMethod::mortar;
   const bool mortar = settings.method == ContactMethod::mortar;
+  if (dim == 3 && !mortar)
+    throw usage(settings, "method", "`gpts` is for plane and axisymmetric meshes; take mortar in space");
+  if (dim == 3 && settings.friction > 0)
+    throw usage(settings, "friction", "is for plane and axisymmetric meshes; this one is in space");
   if (settings.enforce == Enforcement::automatic)
     settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
   if (mortar && settings.primary == "plane")
@@ -55,8 +61,9 @@ void require_positive(const ContactSettings& settings, const std::string& key, d
 ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displacement,
                                    const ContactSettings& settings, const ContactEnvironment& environment,
                                    StateTable& state)
-    : mesh_(&mesh), layout_(&displacement), state_(&state), settings_(settings), environment_(environment) {
-  check_settings(settings_);
+    : mesh_(&mesh), layout_(&displacement), state_(&state), settings_(settings), environment_(environment),
+      dim_(mesh.dim()) {
+  check_settings(settings_, dim_);
   ContactSurface secondary = make_surface(mesh, settings_.id, settings_.secondary), primary;
   if (!against_plane()) primary = make_surface(mesh, settings_.id, settings_.primary);
   set_automatic_values(secondary, primary);
@@ -135,8 +142,9 @@ void ContactInterface::declare_state(StateTable& state) {
   if (frictional()) traction_ = &state.add(form_->multiplier_row(name + "_traction").first, count);
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
   penalty_ = &state.add(row("penalty", Support::global, 3), 3);
-  totals_ = &state.add(row("totals", Support::global, 5), 5); // impulse x y, work, last force x y
-  force_ = &state.add(row("force", Support::vertex, 2), at(2 * mesh_->node_count()));
+  const int totals = 2 * dim_ + 1; // impulse, work, last force
+  totals_ = &state.add(row("totals", Support::global, totals), at(totals));
+  force_ = &state.add(row("force", Support::vertex, dim_), at(dim_ * mesh_->node_count()));
   penalty_->committed[0] = penalty_->trial[0] = settings_.penalty;
 }
 
@@ -145,23 +153,24 @@ InitialOverlapReport ContactInterface::initial_overlap() {
   update_search(at_rest);
   const ContactNodes& nodes = form_->nodes();
   InitialOverlapReport report;
-  std::vector<double> shift(2 * nodes.global.size(), 0.0), count(shift.size(), 0.0);
+  const auto d = at(dim_);
+  std::vector<double> shift(d * nodes.global.size(), 0.0), count(shift.size(), 0.0);
   struct {
     double depth = 0;
     int rank = 0;
   } mine, deepest;
   MPI_Comm_rank(mesh_->comm(), &mine.rank);
-  Point2<double> where = {0, 0};
-  form_->visit_overlaps(nodes.X, [&](int node, double depth, const Point2<double>& direction) {
+  std::array<double, 3> where{};
+  form_->visit_overlaps(nodes.X, [&](int node, double depth, const std::array<double, 3>& direction) {
     if (depth > mine.depth) {
       mine.depth = depth;
-      where = {nodes.X[at(2 * node)], nodes.X[at(2 * node + 1)]};
+      std::copy_n(&nodes.X[d * at(node)], d, where.begin());
     }
-    for (std::size_t k = 0; k < 2; ++k) shift[2 * at(node) + k] += depth * direction[k];
-    count[at(2 * node)] += 1;
+    for (std::size_t k = 0; k < d; ++k) shift[d * at(node) + k] += depth * direction[k];
+    count[d * at(node)] += 1;
   });
   MPI_Allreduce(&mine, &deepest, 1, MPI_DOUBLE_INT, MPI_MAXLOC, mesh_->comm());
-  MPI_Bcast(where.data(), 2, MPI_DOUBLE, deepest.rank, mesh_->comm());
+  MPI_Bcast(where.data(), 3, MPI_DOUBLE, deepest.rank, mesh_->comm());
   report.deepest = deepest.depth;
   report.shift = layout_->make_local();
   const bool forbidden =
@@ -171,6 +180,7 @@ InitialOverlapReport ContactInterface::initial_overlap() {
     throw UserError(ExitCode::data, "contact " + settings_.id + ": `" + settings_.secondary + "` overlaps `" +
                                         settings_.primary + "` by " + number(report.deepest) + " at (" +
                                         number(where[0]) + ", " + number(where[1]) +
+                                        (dim_ == 3 ? ", " + number(where[2]) : "") +
                                         "); part the bodies, or use -contact_" + settings_.id +
                                         "_initial adjust with a larger _initial_tol (now " +
                                         number(settings_.initial_tol) + "), or allow");
@@ -184,9 +194,9 @@ InitialOverlapReport ContactInterface::initial_overlap() {
   layout_->to_local(facets, said);
   int moved = 0;
   for (int node = 0; node < mesh_->node_count(); ++node) {
-    if (said[at(2 * node)] == 0) continue;
+    if (said[d * at(node)] == 0) continue;
     if (mesh_->owned(node)) ++moved;
-    for (int k = 0; k < 2; ++k) report.shift[at(2 * node + k)] /= said[at(2 * node)];
+    for (std::size_t k = 0; k < d; ++k) report.shift[d * at(node) + k] /= said[d * at(node)];
   }
   MPI_Allreduce(&moved, &report.nodes, 1, MPI_INT, MPI_SUM, mesh_->comm());
   return report;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/mortar_form.hpp>
 #include <impact/petsc/error.hpp>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -11,12 +12,14 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Edges face each other when their normals enclose more than this angle's complement (cos < -0.17: 100
+// Facets face each other when their normals enclose more than this angle's complement (cos < -0.17: 100
 // degrees),
 constexpr double least_opposition = 0.17;
-// and when the primary is not farther away than this part of the secondary edge: a step behind the surface
-// must not count as an open gap beside the closed one.
+// and when the primary is not farther away than this part of the secondary's longest side: a step behind the
+// surface must not count as an open gap beside the closed one.
 constexpr double farthest = 0.5;
+// Two facets over the same place count as layers, one behind the other, from this common part on.
+constexpr double least_common_part = 1e-6;
 // A facet whose pairs change more often within an attempt keeps those that it has.
 constexpr int switch_limit = 4;
 // Least covered part of a weight that the linear solves make up for.
@@ -26,91 +29,93 @@ Point2<double> point_at(const std::vector<double>& x, int node) {
   return {x[at(2 * node)], x[at(2 * node + 1)]};
 }
 
-double length_of(const std::array<Point2<double>, 2>& edge) {
-  return std::hypot(edge[1][0] - edge[0][0], edge[1][1] - edge[0][1]);
+Point3 point3_at(const std::vector<double>& x, int node) {
+  return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
 }
+
+template <std::size_t n> double distance(const std::array<double, n>& a, const std::array<double, n>& b) {
+  double square = 0;
+  for (std::size_t k = 0; k < n; ++k) square += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(square);
+}
+
+double length_of(const std::array<Point2<double>, 2>& edge) { return distance(edge[0], edge[1]); }
 
 } // namespace
 
 MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings,
                        Frame frame, const ContactSurface& secondary, const ContactSurface& primary)
-    : settings_(settings), frame_(frame), node_count_(at(mesh.node_count())) {
-  find_facets(mesh, layout, secondary);
+    : dim_(mesh.dim()), corners_(at(secondary.corners)), settings_(settings), frame_(frame),
+      node_count_(at(mesh.node_count())) {
+  find_facets(mesh, secondary);
   std::vector<PetscInt> nodes;
-  for (const Facet& facet : facets_) nodes.insert(nodes.end(), facet.node.begin(), facet.node.end());
+  for (const Facet& facet : facets_)
+    nodes.insert(nodes.end(), facet.node.begin(), facet.node.begin() + secondary.corners);
   std::vector<PetscInt> wanted = nodes;
   sort_unique(wanted);
   const Handle<Vec> coordinates = layout.make_global();
   layout.to_global(std::vector<double>(mesh.coordinates().begin(), mesh.coordinates().end()), coordinates);
   const std::vector<double> all =
-      NodeExchange(mesh.comm(), mesh.owned_node_count(), 2, wanted).gather(coordinates);
+      NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, wanted).gather(coordinates);
   std::vector<double> X;
   for (PetscInt node : nodes) {
-    const auto place = std::lower_bound(wanted.begin(), wanted.end(), node) - wanted.begin();
-    X.insert(X.end(), all.begin() + 2 * place, all.begin() + 2 * place + 2);
+    const auto place = dim_ * (std::lower_bound(wanted.begin(), wanted.end(), node) - wanted.begin());
+    X.insert(X.end(), all.begin() + place, all.begin() + place + dim_);
   }
-  for (std::size_t f = 0; f < facets_.size(); ++f) {
-    MortarEdge& edge = facets_[f].edge;
-    edge.length = std::hypot(X[4 * f + 2] - X[4 * f], X[4 * f + 3] - X[4 * f + 1]);
-    if (frame == Frame::axisymmetric)
-      edge.ring = {2 * std::numbers::pi * X[4 * f], 2 * std::numbers::pi * X[4 * f + 2]};
-    if (settings.multipliers == MultiplierSpace::dual) edge.phi = dual_functions(edge);
+  const bool dual = settings.multipliers == MultiplierSpace::dual;
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    Facet& facet = facets_[at(f)];
+    std::array<double, 4> area{}; // both kinds of functions have the integrals of N
+    if (dim_ == 2) {
+      const Point2<double> a = point_at(X, 2 * f), b = point_at(X, 2 * f + 1);
+      MortarEdge& edge = facet.edge;
+      edge.length = distance(a, b);
+      if (frame == Frame::axisymmetric)
+        edge.ring = {2 * std::numbers::pi * a[0], 2 * std::numbers::pi * b[0]};
+      if (dual) edge.phi = dual_functions(edge);
+      for (std::size_t i = 0; i < 2; ++i) area[i] = edge.length * (2 * edge.ring[i] + edge.ring[1 - i]) / 6;
+    } else {
+      FaceCorners corner;
+      for (int a = 0; a < 4; ++a) corner[at(a)] = point3_at(X, 4 * f + a);
+      facet.face = make_mortar_face(facet.corners, corner, dual);
+      area = nodal_areas(facet.corners, corner);
+    }
+    for (int a = 0; a < facet.corners; ++a)
+      if (facet.owned[at(a)] >= 0) owned_[at(facet.owned[at(a)])].weight += area[at(a)];
   }
   std::vector<double> area = layout.make_local();
-  for (Node& node : owned_) {
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (node.facet[side] < 0) continue;
-      // The node is the second one of the edge before it. Both kinds of functions have the integral of N.
-      const MortarEdge& edge = facets_[at(node.facet[side])].edge;
-      const std::size_t a = 1 - side;
-      node.weight += edge.length * (2 * edge.ring[a] + edge.ring[1 - a]) / 6;
-    }
-    area[at(2 * node.local)] = node.weight;
-  }
+  for (const Node& node : owned_) area[at(dim_ * node.local)] = node.weight;
   const Handle<Vec> owned_area = layout.make_global();
   layout.to_global(area, owned_area);
   layout.to_local(owned_area, area);
-  for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[2 * node]);
+  for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
   search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, true);
   facing_.resize(facets_.size());
   switches_.assign(facets_.size(), 0);
 }
 
-void MortarForm::find_facets(const Mesh& mesh, const FieldLayout& layout, const ContactSurface& secondary) {
-  // Each edge leaves its far node at both of its nodes, as a sum with a count beside it; node numbers are
-  // exact in a double.
-  const Handle<Vec> sum = layout.make_global(), count = layout.make_global();
-  std::vector<double> far = layout.make_local(), edges = layout.make_local();
-  for (int f = 0; f < secondary.count(); ++f)
-    for (int a = 0; a < 2; ++a) {
-      const std::size_t slot = at(2 * secondary.local[at(2 * f + a)] + 1 - a); // 0: edge before the node
-      far[slot] += static_cast<double>(secondary.node[at(2 * f + 1 - a)]);
-      edges[slot] += 1;
-    }
-  layout.add_to_global(far, sum);
-  layout.add_to_global(edges, count);
-  layout.to_local(sum, far);
-  layout.to_local(count, edges);
+void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) {
+  std::map<PetscInt, int> mine; // global node: local node, where owned
+  for (int local = 0; local < mesh.node_count(); ++local)
+    if (mesh.owned(local)) mine.emplace(mesh.global_node()[at(local)], local);
+  std::map<PetscInt, int> number; // global node: place in owned_
   bool branches = false;
-  std::map<std::array<PetscInt, 2>, int> number;
-  for (int local = 0; local < mesh.node_count(); ++local) {
-    const double before = edges[at(2 * local)], after = edges[at(2 * local + 1)];
-    branches = branches || before > 1 || after > 1;
-    if (!mesh.owned(local) || before + after == 0) continue;
-    Node node;
-    node.local = local;
-    const PetscInt mine = mesh.global_node()[at(local)];
-    for (std::size_t side = 0; side < 2; ++side) {
-      const std::size_t slot = at(2 * local) + side;
-      if (edges[slot] != 1) continue;
-      const auto other = static_cast<PetscInt>(far[slot]);
-      const std::array<PetscInt, 2> ends =
-          side == 0 ? std::array<PetscInt, 2>{other, mine} : std::array<PetscInt, 2>{mine, other};
-      const auto [place, is_new] = number.try_emplace(ends, static_cast<int>(facets_.size()));
-      if (is_new) facets_.push_back({ends, {}});
-      node.facet[side] = place->second;
+  for (const std::array<PetscInt, 4>& nodes : facets_at_owned_nodes(mesh, secondary)) {
+    Facet facet;
+    facet.node = nodes;
+    facet.corners = secondary.corners == 2 ? 2 : nodes[3] == nodes[2] ? 3 : 4;
+    for (int a = 0; a < facet.corners; ++a) {
+      const auto found = mine.find(nodes[at(a)]);
+      if (found == mine.end()) continue;
+      const auto [place, is_new] = number.try_emplace(nodes[at(a)], static_cast<int>(owned_.size()));
+      if (is_new) owned_.push_back({found->second, {}, 0});
+      std::vector<Incident>& incident = owned_[at(place->second)].facets;
+      // Two edges that leave a node, or arrive there, are a branch.
+      for (const Incident& other : incident) branches = branches || (dim_ == 2 && other.corner == a);
+      incident.push_back({static_cast<int>(facets_.size()), a});
+      facet.owned[at(a)] = place->second;
     }
-    owned_.push_back(node);
+    facets_.push_back(facet);
   }
   if (!all_ranks_agree(mesh.comm(), !branches))
     throw UserError(ExitCode::data,
@@ -136,25 +141,22 @@ void MortarForm::anchor(Vec u) {
   const Facing facing = facing_at(x);
   anchors_.assign(owned_.size(), {});
   for (std::size_t i = 0; i < owned_.size(); ++i)
-    for (std::size_t side = 0; side < 2; ++side) {
-      const int f = owned_[i].facet[side];
-      if (f < 0) continue;
-      const std::size_t a = 1 - side;
-      for (int c : facing[at(f)]) {
-        const auto edge = secondary_edge(f, x), primary = primary_edge(c, x);
+    for (const Incident& incident : owned_[i].facets)
+      for (int c : facing[at(incident.facet)]) {
+        const auto edge = secondary_edge(incident.facet, x), primary = primary_edge(c, x);
         const CoveredPart<double> part = covered_part(edge, primary);
         if (!(part.end > part.begin)) continue;
-        const MortarWeights w = mortar_weights(edge, primary, facets_[at(f)].edge);
+        const MortarWeights w = mortar_weights(edge, primary, facets_[at(incident.facet)].edge);
         Anchor anchor;
-        anchor.facet = f;
-        anchor.node = search_.candidates().primary[at(search_.candidates().facet[at(c)])].node;
+        anchor.facet = incident.facet;
+        const SearchFacet& on = search_.candidates().primary[at(search_.candidates().facet[at(c)])];
+        anchor.node = {on.node[0], on.node[1]};
         for (std::size_t b = 0; b < 2; ++b) {
-          anchor.pair.c[b] = w.D[a][b] / owned_[i].weight;
-          anchor.pair.m[b] = w.M[a][b] / owned_[i].weight;
+          anchor.pair.c[b] = w.D[at(incident.corner)][b] / owned_[i].weight;
+          anchor.pair.m[b] = w.M[at(incident.corner)][b] / owned_[i].weight;
         }
         anchors_[i].push_back(anchor);
       }
-    }
   locate_anchors();
 }
 
@@ -164,64 +166,142 @@ void MortarForm::locate_anchors() {
       for (std::size_t b = 0; b < 2; ++b) anchor.slot[b] = nodes().slot(anchor.node[b]);
 }
 
+const int* MortarForm::secondary_slots(int facet) const { return &nodes().secondary[corners_ * at(facet)]; }
+
+const int* MortarForm::primary_slots(int candidate) const {
+  return &nodes().primary[corners_ * at(search_.candidates().facet[at(candidate)])];
+}
+
+int MortarForm::primary_corners(int candidate) const {
+  const int* slot = primary_slots(candidate);
+  return dim_ == 2 ? 2 : slot[3] == slot[2] ? 3 : 4;
+}
+
 std::array<Point2<double>, 2> MortarForm::secondary_edge(int facet, const std::vector<double>& x) const {
-  const int* node = &nodes().secondary[at(2 * facet)];
-  return {point_at(x, node[0]), point_at(x, node[1])};
+  const int* slot = secondary_slots(facet);
+  return {point_at(x, slot[0]), point_at(x, slot[1])};
 }
 
 std::array<Point2<double>, 2> MortarForm::primary_edge(int candidate, const std::vector<double>& x) const {
-  const int* node = &nodes().primary[at(4 * search_.candidates().facet[at(candidate)])];
-  return {point_at(x, node[0]), point_at(x, node[1])};
+  const int* slot = primary_slots(candidate);
+  return {point_at(x, slot[0]), point_at(x, slot[1])};
+}
+
+FaceCorners MortarForm::secondary_face(int facet, const std::vector<double>& x) const {
+  const int* slot = secondary_slots(facet);
+  return {point3_at(x, slot[0]), point3_at(x, slot[1]), point3_at(x, slot[2]), point3_at(x, slot[3])};
+}
+
+FaceCorners MortarForm::primary_face(int candidate, const std::vector<double>& x) const {
+  const int* slot = primary_slots(candidate);
+  return {point3_at(x, slot[0]), point3_at(x, slot[1]), point3_at(x, slot[2]), point3_at(x, slot[3])};
+}
+
+void MortarForm::place_edges(int facet, int candidate, const std::vector<double>& u,
+                             std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const {
+  const int *mine = secondary_slots(facet), *other = primary_slots(candidate);
+  for (std::size_t a = 0; a < 2; ++a) {
+    s[a] = nodes().place<2>(mine[a], mine[0], u);
+    p[a] = nodes().place<2>(other[a], mine[0], u);
+  }
+}
+
+void MortarForm::place_faces(int facet, int candidate, const std::vector<double>& u, FaceCorners& s,
+                             FaceCorners& p) const {
+  const int *mine = secondary_slots(facet), *other = primary_slots(candidate);
+  for (std::size_t a = 0; a < 4; ++a) {
+    s[a] = nodes().place<3>(mine[a], mine[0], u);
+    p[a] = nodes().place<3>(other[a], mine[0], u);
+  }
+}
+
+double MortarForm::size_of(int facet, const std::vector<double>& x) const {
+  if (dim_ == 2) return length_of(secondary_edge(facet, x));
+  const FaceCorners corner = secondary_face(facet, x);
+  double longest = 0;
+  for (std::size_t a = 0; a < 4; ++a) longest = std::max(longest, distance(corner[a], corner[(a + 1) % 4]));
+  return longest;
+}
+
+bool MortarForm::opposed(int facet, int candidate, const std::vector<double>& x) const {
+  if (dim_ == 2) {
+    const auto s = secondary_edge(facet, x), p = primary_edge(candidate, x);
+    return detail::dot(detail::right_normal(s[0], s[1]), detail::right_normal(p[0], p[1])) <
+           -least_opposition;
+  }
+  const Point3 n = face_normal(secondary_face(facet, x)), m = face_normal(primary_face(candidate, x));
+  return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < -least_opposition;
+}
+
+FaceView MortarForm::view(int facet, int candidate, const std::vector<double>& x) const {
+  if (dim_ == 3)
+    return view_face(facets_[at(facet)].corners, secondary_face(facet, x), primary_corners(candidate),
+                     primary_face(candidate, x));
+  const CoveredPart<double> part = covered_part(secondary_edge(facet, x), primary_edge(candidate, x));
+  const double mean = (part.gap_begin + part.gap_end) / 2;
+  if (part.end > part.begin)
+    return {(part.end - part.begin) / 2, std::min(part.gap_begin, part.gap_end),
+            std::max(part.gap_begin, part.gap_end), mean};
+  // Judged by the nearest end.
+  const double end = part.end < -1 ? part.gap_end : part.gap_begin;
+  return {0, end, end, mean};
+}
+
+bool MortarForm::share_a_node(int candidate, int other) const {
+  const int *a = primary_slots(candidate), *b = primary_slots(other);
+  return std::any_of(a, a + corners_,
+                     [&](int slot) { return std::find(b, b + corners_, slot) != b + corners_; });
+}
+
+bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,
+                        const std::vector<double>& x) const {
+  return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
+    if (dim_ == 2) {
+      const auto s = secondary_edge(facet, x);
+      const CoveredPart<double> a = covered_part(s, primary_edge(candidate, x)),
+                                b = covered_part(s, primary_edge(other, x));
+      return std::min(a.end, b.end) - std::max(a.begin, b.begin) > least_common_part;
+    }
+    // Neighbours on the same surface do not hide each other.
+    return !share_a_node(candidate, other) &&
+           common_part(facets_[at(facet)].corners, secondary_face(facet, x), primary_corners(candidate),
+                       primary_face(candidate, x), primary_corners(other),
+                       primary_face(other, x)) > least_common_part;
+  });
 }
 
 MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
   Facing facing(facets_.size());
   const Candidates& list = search_.candidates();
-  struct Pair {
-    int candidate;
-    double begin, end, distance;
-  };
-  std::vector<Pair> pairs;
+  std::vector<std::pair<double, int>> pairs; // distance, candidate
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
-    const auto edge = secondary_edge(f, x);
-    const Point2<double> n = detail::right_normal(edge[0], edge[1]);
-    const double length = length_of(edge);
+    const double size = size_of(f, x);
     pairs.clear();
     for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c) {
-      const auto primary = primary_edge(c, x);
-      if (!(detail::dot(n, detail::right_normal(primary[0], primary[1])) < -least_opposition)) continue;
-      const CoveredPart<double> part = covered_part(edge, primary);
-      // Judged by the part that is covered, or by the nearest end where none is.
-      const bool covered = part.end > part.begin;
-      const double nearest = covered         ? std::min(part.gap_begin, part.gap_end)
-                             : part.end < -1 ? part.gap_end
-                                             : part.gap_begin;
-      const double deepest = covered ? std::max(part.gap_begin, part.gap_end) : nearest;
-      if (!(nearest < farthest * length) || !(deepest > -search_.radius())) continue;
-      pairs.push_back({c, part.begin, part.end, std::abs(part.gap_begin + part.gap_end) / 2});
+      if (!opposed(f, c, x)) continue;
+      const FaceView seen = view(f, c, x);
+      if (seen.smallest < farthest * size && seen.largest > -search_.radius())
+        pairs.emplace_back(std::abs(seen.mean), c);
     }
     // Of two layers over the same part the nearer one counts.
-    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-      return a.distance != b.distance ? a.distance < b.distance : a.candidate < b.candidate;
-    });
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const Pair& pair = pairs[i];
-      const bool hidden =
-          std::any_of(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(i), [&](const Pair& o) {
-            const double common = std::min(pair.end, o.end) - std::max(pair.begin, o.begin);
-            return common > 1e-6 &&
-                   std::find(facing[at(f)].begin(), facing[at(f)].end(), o.candidate) != facing[at(f)].end();
-          });
-      if (!hidden) facing[at(f)].push_back(pair.candidate);
-    }
+    std::sort(pairs.begin(), pairs.end());
+    for (const auto& [distance, candidate] : pairs)
+      if (!hidden(f, candidate, facing[at(f)], x)) facing[at(f)].push_back(candidate);
     std::sort(facing[at(f)].begin(), facing[at(f)].end());
   }
   return facing;
 }
 
+std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, const Facing& facing) const {
+  std::vector<int> list;
+  for (int c : facing[at(facet)])
+    if (view(facet, c, x).part > 1e-12) list.push_back(c);
+  return list;
+}
+
 PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
   const PairSearch::Outcome outcome = search_.update(u);
-  const std::vector<double> x = nodes().current(u);
+  const std::vector<double> moved = nodes().displacement(u), x = nodes().current(moved);
   switched_ = false;
   Facing next = facing_at(x);
   if (outcome != PairSearch::Outcome::kept) {
@@ -233,42 +313,32 @@ PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
   for (std::size_t f = 0; f < facets_.size(); ++f)
     if (switches_[f] >= switch_limit) next[f] = facing_[f];
   for (const Node& node : owned_) {
-    const bool changed = std::any_of(node.facet.begin(), node.facet.end(),
-                                     [&](int f) { return f >= 0 && next[at(f)] != facing_[at(f)]; });
-    if (!changed || !(active(node, x, law, facing_) || active(node, x, law, next))) continue;
+    const bool changed = std::any_of(node.facets.begin(), node.facets.end(), [&](const Incident& i) {
+      return next[at(i.facet)] != facing_[at(i.facet)];
+    });
+    if (!changed || !(active(node, moved, law, facing_) || active(node, moved, law, next))) continue;
     // Only pairs that cover something now make a difference.
-    const auto covering = [&](int f, const Facing& facing) {
-      std::vector<int> list;
-      for (int c : facing[at(f)]) {
-        const auto part = covered_part(secondary_edge(f, x), primary_edge(c, x));
-        if (part.end > part.begin + 1e-12) list.push_back(c);
-      }
-      return list;
-    };
-    for (int f : node.facet)
-      if (f >= 0 && covering(f, next) != covering(f, facing_)) {
+    for (const Incident& i : node.facets)
+      if (next[at(i.facet)] != facing_[at(i.facet)] &&
+          covering(i.facet, x, next) != covering(i.facet, x, facing_)) {
         switched_ = true;
-        ++switches_[at(f)];
+        ++switches_[at(i.facet)];
       }
   }
   facing_ = std::move(next);
   return outcome;
 }
 
-bool MortarForm::active(const Node& node, const std::vector<double>& x, const PressureLaw& law,
+bool MortarForm::active(const Node& node, const std::vector<double>& u, const PressureLaw& law,
                         const Facing& facing) const {
   double gap = 0;
   bool covered = false;
-  for (std::size_t side = 0; side < 2; ++side) {
-    const int f = node.facet[side];
-    if (f < 0) continue;
-    for (int c : facing[at(f)]) {
-      const auto part = covered_part(secondary_edge(f, x), primary_edge(c, x));
-      if (!(part.end > part.begin)) continue;
-      covered = true;
-      gap += weighted_gaps(part, facets_[at(f)].edge)[1 - side];
+  for (const Incident& incident : node.facets)
+    for (int c : facing[at(incident.facet)]) {
+      const MortarFacePair pair = pair_at(incident.facet, c, u, false);
+      covered = covered || pair.covered;
+      gap += pair.gap[at(incident.corner)];
     }
-  }
   return covered && law.active(node.local, gap / node.weight);
 }
 
@@ -276,10 +346,9 @@ NodePairs MortarForm::couplings() const {
   NodePairs pairs;
   for (const Node& node : owned_) {
     std::vector<PetscInt> together;
-    for (int f : node.facet) {
-      if (f < 0) continue;
-      const std::vector<PetscInt> primary = search_.primary_nodes(f);
-      together.insert(together.end(), facets_[at(f)].node.begin(), facets_[at(f)].node.end());
+    for (const Incident& i : node.facets) {
+      const std::vector<PetscInt> primary = search_.primary_nodes(i.facet);
+      together.insert(together.end(), facets_[at(i.facet)].node.begin(), facets_[at(i.facet)].node.end());
       together.insert(together.end(), primary.begin(), primary.end());
     }
     add_pairs_among(std::move(together), pairs);
@@ -288,169 +357,223 @@ NodePairs MortarForm::couplings() const {
   return pairs;
 }
 
+MortarFacePair MortarForm::pair_at(int facet, int candidate, const std::vector<double>& u,
+                                   bool with_gradient) const {
+  if (dim_ == 3) {
+    FaceCorners s, p;
+    place_faces(facet, candidate, u, s, p);
+    return mortar_face_pair(s, primary_corners(candidate), p, facets_[at(facet)].face, with_gradient);
+  }
+  std::array<Point2<double>, 2> s, p;
+  place_edges(facet, candidate, u, s, p);
+  const MortarEdge& edge = facets_[at(facet)].edge;
+  MortarFacePair pair;
+  CoveredPart<double> part = covered_part(s, p);
+  pair.covered = part.end > part.begin;
+  if (!pair.covered) return pair;
+  const std::array<double, 2> gap = weighted_gaps(part, edge);
+  std::copy(gap.begin(), gap.end(), pair.gap.begin());
+  part.gap_begin = part.gap_end = 1;
+  const std::array<double, 2> cover = weighted_gaps(part, edge);
+  std::copy(cover.begin(), cover.end(), pair.cover.begin());
+  if (!with_gradient) return pair;
+  const MortarPair with = mortar_pair(s, p, edge);
+  for (std::size_t a = 0; a < 2; ++a)
+    std::copy(with.gradient[a].begin(), with.gradient[a].end(), pair.gradient[a].begin());
+  return pair;
+}
+
+std::array<double, 4> MortarForm::areas_at(int facet, const std::vector<double>& u) const {
+  const int* slot = secondary_slots(facet);
+  if (dim_ == 3) {
+    FaceCorners corner;
+    for (std::size_t a = 0; a < 4; ++a) corner[a] = nodes().place<3>(slot[a], slot[0], u);
+    return nodal_areas(facets_[at(facet)].corners, corner);
+  }
+  const double length = distance(Point2<double>{0, 0}, nodes().place<2>(slot[1], slot[0], u));
+  std::array<double, 2> ring = {1, 1};
+  if (frame_ == Frame::axisymmetric)
+    for (std::size_t a = 0; a < 2; ++a)
+      ring[a] = 2 * std::numbers::pi * (nodes().X[2 * at(slot[a])] + u[2 * at(slot[a])]);
+  return {length * (2 * ring[0] + ring[1]) / 6, length * (2 * ring[1] + ring[0]) / 6, 0, 0};
+}
+
 void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                        const ConstraintVisitor& visitor) const {
-  // Both edges as seen from the first node of the secondary one.
-  const auto edge_at = [&](int facet, int first, int second) {
-    const int origin = nodes().secondary[2 * at(facet)];
-    return std::array<Point2<double>, 2>{nodes().place(first, origin, u), nodes().place(second, origin, u)};
-  };
-  const auto secondary_at = [&](int facet) {
-    return edge_at(facet, nodes().secondary[2 * at(facet)], nodes().secondary[2 * at(facet) + 1]);
-  };
-  const auto primary_at = [&](int facet, int candidate) {
-    const int* on_primary = &nodes().primary[at(4 * search_.candidates().facet[at(candidate)])];
-    return edge_at(facet, on_primary[0], on_primary[1]);
-  };
-  const auto radius = [&](int n) { return nodes().X[2 * at(n)] + u[2 * at(n)]; };
-  std::vector<int> node;
-  std::vector<double> share, gradient, hessian, slip_gradient, slip_hessian;
-  // A pair's four nodes by their place in `node`.
-  struct Piece {
-    std::size_t side;
-    int facet, candidate;
-    std::array<std::size_t, 4> place;
-  };
+  const bool with_gradient = derivatives == Derivatives::first;
+  const auto d = at(dim_);
+  // Each pair once, for all corners of its secondary facet.
   std::vector<Piece> pieces;
+  std::vector<std::size_t> first = {0};
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    for (int candidate : facing_[at(f)]) {
+      pieces.push_back({f, candidate, pair_at(f, candidate, u, with_gradient)});
+      if (!pieces.back().pair.covered) pieces.pop_back();
+    }
+    first.push_back(pieces.size());
+  }
+  std::vector<int> node;
+  std::vector<double> share, gradient, slip_gradient;
   const auto place_of = [&](int n) {
     const auto found = std::find(node.begin(), node.end(), n);
-    if (found == node.end()) {
-      node.push_back(n);
-      return node.size() - 1;
-    }
-    return static_cast<std::size_t>(found - node.begin());
+    if (found != node.end()) return static_cast<std::size_t>(found - node.begin());
+    node.push_back(n);
+    return node.size() - 1;
   };
   for (std::size_t number = 0; number < owned_.size(); ++number) {
     const Node& owner = owned_[number];
+    const bool covered = std::any_of(owner.facets.begin(), owner.facets.end(), [&](const Incident& i) {
+      return first[at(i.facet)] < first[at(i.facet) + 1];
+    });
+    if (!covered) continue;
     node.clear();
-    pieces.clear();
     Constraint c;
     c.index = owner.local;
     c.weight = owner.weight;
-    double covered = 0, area = 0;
+    double cover = 0, area = 0;
     // Secondary nodes first.
-    for (std::size_t side = 0; side < 2; ++side)
-      if (const int f = owner.facet[side]; f >= 0)
-        for (std::size_t a = 0; a < 2; ++a) place_of(nodes().secondary[2 * at(f) + a]);
-    const std::size_t secondary = node.size();
-    share.assign(secondary, 0.0);
-    gradient.assign(2 * node.size(), 0.0);
-    for (std::size_t side = 0; side < 2; ++side) {
-      const int f = owner.facet[side];
-      if (f < 0) continue;
-      const MortarEdge& edge = facets_[at(f)].edge;
-      const std::size_t a = 1 - side;
-      const auto s = secondary_at(f);
-      share[place_of(nodes().secondary[2 * at(f) + a])] = 1;
-      const std::array<double, 2> ring =
-          frame_ == Frame::axisymmetric
-              ? std::array<double, 2>{2 * std::numbers::pi * radius(nodes().secondary[2 * at(f)]),
-                                      2 * std::numbers::pi * radius(nodes().secondary[2 * at(f) + 1])}
-              : std::array<double, 2>{1, 1};
-      area += length_of(s) * (2 * ring[a] + ring[1 - a]) / 6;
-      for (int candidate : facing_[at(f)]) {
-        const auto p = primary_at(f, candidate);
-        const CoveredPart<double> part = covered_part(s, p);
-        if (!(part.end > part.begin)) continue;
-        CoveredPart<double> unit = part;
-        unit.gap_begin = unit.gap_end = 1;
-        covered += weighted_gaps(unit, edge)[a];
-        if (derivatives == Derivatives::none) {
-          c.gap += weighted_gaps(part, edge)[a];
-          pieces.push_back({side, f, candidate, {}});
-          continue;
+    for (const Incident& i : owner.facets)
+      for (std::size_t a = 0; a < corners_; ++a) place_of(secondary_slots(i.facet)[a]);
+    share.assign(node.size(), 0.0);
+    gradient.assign(d * node.size(), 0.0);
+    for (const Incident& i : owner.facets) {
+      const std::size_t a = at(i.corner);
+      const int* secondary = secondary_slots(i.facet);
+      share[place_of(secondary[a])] = 1;
+      area += areas_at(i.facet, u)[a];
+      for (std::size_t k = first[at(i.facet)]; k < first[at(i.facet) + 1]; ++k) {
+        const Piece& piece = pieces[k];
+        c.gap += piece.pair.gap[a];
+        cover += piece.pair.cover[a];
+        if (!with_gradient) continue;
+        const int* primary = primary_slots(piece.candidate);
+        for (std::size_t b = 0; b < 2 * corners_; ++b) {
+          const std::size_t place = d * place_of(b < corners_ ? secondary[b] : primary[b - corners_]);
+          gradient.resize(d * node.size(), 0.0);
+          for (std::size_t m = 0; m < d; ++m)
+            gradient[place + m] += piece.pair.gradient[a][d * b + m] / owner.weight;
         }
-        const MortarPair pair = mortar_pair(s, p, edge);
-        c.gap += pair.gap[a];
-        const int* on_primary = &nodes().primary[at(4 * search_.candidates().facet[at(candidate)])];
-        Piece piece{side,
-                    f,
-                    candidate,
-                    {place_of(nodes().secondary[2 * at(f)]), place_of(nodes().secondary[2 * at(f) + 1]),
-                     place_of(on_primary[0]), place_of(on_primary[1])}};
-        gradient.resize(2 * node.size(), 0.0);
-        for (std::size_t i = 0; i < 8; ++i)
-          gradient[2 * piece.place[i / 2] + i % 2] += pair.gradient[a][i] / owner.weight;
-        pieces.push_back(piece);
       }
     }
-    if (pieces.empty()) continue;
     if (!anchors_.empty())
       for (const Anchor& anchor : anchors_[number]) {
         if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
         c.slides = true;
         for (int slot : anchor.slot) place_of(slot);
       }
-    gradient.resize(2 * node.size(), 0.0);
+    gradient.resize(d * node.size(), 0.0);
     c.gap /= owner.weight;
     c.stretch = area / owner.weight;
-    const double cover = std::max(std::abs(covered) / owner.weight, least_cover);
-    c.scale = 1 / (cover * cover);
+    const double part = std::max(std::abs(cover) / owner.weight, least_cover);
+    c.scale = 1 / (part * part);
     c.lambda = law.multiplier(c.index);
     c.active = law.active(c.index, c.gap);
     c.pressure = law.pressure(c.index, c.gap);
     c.node = node;
     c.share = share;
-    c.gradient = gradient;
+    if (with_gradient) c.gradient = gradient;
     if (c.slides) {
-      const std::size_t n = 2 * node.size();
-      slip_gradient.assign(n, 0.0);
-      slip_hessian.assign(derivatives == Derivatives::second ? n * n : 0, 0.0);
+      slip_gradient.assign(2 * node.size(), 0.0);
       for (const Anchor& anchor : anchors_[number]) {
         if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
-        const auto s = secondary_at(anchor.facet);
-        const auto p = edge_at(anchor.facet, anchor.slot[0], anchor.slot[1]);
-        const Slip slip = slip_of(s, p, anchor.pair);
+        std::array<int, 4> slots;
+        const Slip slip = slip_at(anchor, u, slots);
         c.slip += slip.value;
-        const std::array<std::size_t, 4> place = {place_of(nodes().secondary[2 * at(anchor.facet)]),
-                                                  place_of(nodes().secondary[2 * at(anchor.facet) + 1]),
-                                                  place_of(anchor.slot[0]), place_of(anchor.slot[1])};
-        for (std::size_t i = 0; i < 8; ++i) slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
-        if (derivatives != Derivatives::second) continue;
-        const std::array<double, 64> H = impact::slip_hessian(s, p, anchor.pair);
         for (std::size_t i = 0; i < 8; ++i)
-          for (std::size_t j = 0; j < 8; ++j)
-            slip_hessian[n * (2 * place[i / 2] + i % 2) + 2 * place[j / 2] + j % 2] += H[8 * i + j];
+          slip_gradient[2 * place_of(slots[i / 2]) + i % 2] += slip.gradient[i];
       }
       c.slip_gradient = slip_gradient;
-      c.slip_hessian = slip_hessian;
-    }
-    if (derivatives == Derivatives::none) c.gradient = {};
-    if (derivatives == Derivatives::second && c.active) {
-      const std::size_t n = 2 * node.size();
-      hessian.assign(n * n, 0.0);
-      for (const Piece& piece : pieces) {
-        std::array<double, 2> factor = {0, 0};
-        factor[1 - piece.side] = 1 / owner.weight;
-        const auto H =
-            mortar_pair_hessian(secondary_at(piece.facet), primary_at(piece.facet, piece.candidate),
-                                facets_[at(piece.facet)].edge, factor);
-        for (std::size_t i = 0; i < 8; ++i)
-          for (std::size_t j = 0; j < 8; ++j)
-            hessian[n * (2 * piece.place[i / 2] + i % 2) + 2 * piece.place[j / 2] + j % 2] += H[8 * i + j];
-      }
-      c.hessian = hessian;
     }
     visitor(c);
   }
 }
 
+void MortarForm::place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
+                              std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const {
+  const int* secondary = secondary_slots(anchor.facet);
+  slots = {secondary[0], secondary[1], anchor.slot[0], anchor.slot[1]};
+  for (std::size_t a = 0; a < 2; ++a) {
+    s[a] = nodes().place<2>(slots[a], slots[0], u);
+    p[a] = nodes().place<2>(slots[2 + a], slots[0], u);
+  }
+}
+
+Slip MortarForm::slip_at(const Anchor& anchor, const std::vector<double>& u,
+                         std::array<int, 4>& slots) const {
+  std::array<Point2<double>, 2> s, p;
+  place_anchor(anchor, u, slots, s, p);
+  return slip_of(s, p, anchor.pair);
+}
+
+void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw&,
+                                 const CurvatureFactors& factors, const BlockVisitor& visitor) const {
+  std::array<int, 8> node{};
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    const Facet& facet = facets_[at(f)];
+    std::array<double, 4> factor{};
+    for (std::size_t a = 0; a < at(facet.corners); ++a)
+      if (facet.owned[a] >= 0) {
+        const Node& owner = owned_[at(facet.owned[a])];
+        factor[a] = factors.of_gap(owner.local) / owner.weight;
+      }
+    if (std::all_of(factor.begin(), factor.end(), [](double value) { return value == 0; })) continue;
+    std::copy_n(secondary_slots(f), corners_, node.begin());
+    for (int candidate : facing_[at(f)]) {
+      std::copy_n(primary_slots(candidate), corners_, node.begin() + static_cast<std::ptrdiff_t>(corners_));
+      if (dim_ == 2) {
+        std::array<Point2<double>, 2> s, p;
+        place_edges(f, candidate, u, s, p);
+        visitor({node.data(), 4}, mortar_pair_hessian(s, p, facet.edge, {factor[0], factor[1]}));
+        continue;
+      }
+      FaceCorners s, p;
+      place_faces(f, candidate, u, s, p);
+      std::array<double, 576> block{};
+      if (add_mortar_face_hessian(s, primary_corners(candidate), p, facet.face, factor, block))
+        visitor(node, block);
+    }
+  }
+  for (std::size_t number = 0; number < anchors_.size(); ++number) {
+    const double factor = factors.of_slip(owned_[number].local);
+    if (factor == 0) continue;
+    for (const Anchor& anchor : anchors_[number]) {
+      if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
+      std::array<int, 4> slots;
+      std::array<Point2<double>, 2> s, p;
+      place_anchor(anchor, u, slots, s, p);
+      std::array<double, 64> block = slip_hessian(s, p, anchor.pair);
+      for (double& value : block) value *= factor;
+      visitor(slots, block);
+    }
+  }
+}
+
 void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
   for (const Node& owner : owned_)
-    for (std::size_t side = 0; side < 2; ++side) {
-      const int f = owner.facet[side];
-      if (f < 0) continue;
-      const auto s = secondary_edge(f, x);
-      const std::size_t a = 1 - side;
-      const Point2<double> n = detail::right_normal(s[0], s[1]);
+    for (const auto& [f, corner] : owner.facets) {
+      const int slot = secondary_slots(f)[corner];
+      double size = size_of(f, x);
+      for (std::size_t k = 0; k < at(dim_); ++k) size += std::abs(x[at(dim_ * slot) + k]);
       for (int candidate : facing_[at(f)]) {
-        const CoveredPart<double> part = covered_part(s, primary_edge(candidate, x));
-        if (!(part.end > part.begin)) continue;
-        // The node is an end of the edge; the primary edge that reaches it speaks for it.
-        const bool reaches = a == 0 ? part.begin <= -1 : part.end >= 1;
-        const double depth = -(a == 0 ? part.gap_begin : part.gap_end);
-        if (reaches && depth > 1e-9 * (facets_[at(f)].edge.length + std::hypot(s[a][0], s[a][1])))
-          visitor(nodes().secondary[2 * at(f) + a], depth, {-n[0], -n[1]});
+        double gap = 0;
+        std::array<double, 3> n{};
+        if (dim_ == 2) {
+          const auto s = secondary_edge(f, x);
+          const CoveredPart<double> part = covered_part(s, primary_edge(candidate, x));
+          // The node is an end of the edge; the primary edge that reaches it speaks for it.
+          if (!(part.end > part.begin) || !(corner == 0 ? part.begin <= -1 : part.end >= 1)) continue;
+          gap = corner == 0 ? part.gap_begin : part.gap_end;
+          const Point2<double> normal = detail::right_normal(s[0], s[1]);
+          n = {normal[0], normal[1], 0};
+        } else {
+          const FaceCorners s = secondary_face(f, x);
+          if (!corner_gap(facets_[at(f)].corners, s, corner, primary_corners(candidate),
+                          primary_face(candidate, x), gap))
+            continue;
+          n = face_normal(s);
+        }
+        // Coordinates that were meant to touch differ by rounding of their own size.
+        if (-gap > 1e-9 * size) visitor(slot, -gap, {-n[0], -n[1], -n[2]});
       }
     }
 }

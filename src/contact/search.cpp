@@ -11,36 +11,44 @@ namespace impact {
 namespace {
 
 namespace bg = boost::geometry;
-using Corner = bg::model::point<double, 2, bg::cs::cartesian>;
+using Corner = bg::model::point<double, 3, bg::cs::cartesian>;
 using TreeBox = bg::model::box<Corner>;
 using Entry = std::pair<TreeBox, int>;
 
 constexpr double far_away = std::numeric_limits<double>::infinity();
 
 struct Box {
-  std::array<double, 2> low = {far_away, far_away}, high = {-far_away, -far_away};
+  std::array<double, 3> low = {far_away, far_away, far_away}, high = {-far_away, -far_away, -far_away};
 
   void include(const double* x) {
-    for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
       low[k] = std::min(low[k], x[k]);
       high[k] = std::max(high[k], x[k]);
     }
   }
-  Box grown(double by) const { return {{low[0] - by, low[1] - by}, {high[0] + by, high[1] + by}}; }
+  Box grown(double by) const {
+    Box box = *this;
+    for (std::size_t k = 0; k < 3; ++k) {
+      box.low[k] -= by;
+      box.high[k] += by;
+    }
+    return box;
+  }
   bool meets(const Box& o) const {
-    return low[0] <= o.high[0] && o.low[0] <= high[0] && low[1] <= o.high[1] && o.low[1] <= high[1];
+    bool apart = false;
+    for (std::size_t k = 0; k < 3; ++k) apart = apart || !(low[k] <= o.high[k] && o.low[k] <= high[k]);
+    return !apart;
   }
 };
 
-Box box_of(const double* edge) {
+Box box_of(const double* facet) {
   Box box;
-  box.include(edge);
-  box.include(edge + 2);
+  for (std::size_t a = 0; a < 4; ++a) box.include(facet + 3 * a);
   return box;
 }
 
 TreeBox tree_box(const Box& box) {
-  return {Corner(box.low[0], box.low[1]), Corner(box.high[0], box.high[1])};
+  return {Corner(box.low[0], box.low[1], box.low[2]), Corner(box.high[0], box.high[1], box.high[2])};
 }
 
 // The boxes of both surfaces of every rank; an empty surface has an inverted box that meets nothing.
@@ -52,8 +60,9 @@ std::vector<RankBoxes> gather_boxes(MPI_Comm comm, const RankBoxes& mine) {
   int size = 1;
   MPI_Comm_size(comm, &size);
   std::vector<RankBoxes> all(static_cast<std::size_t>(size));
-  static_assert(sizeof(RankBoxes) == 8 * sizeof(double));
-  MPI_Allgather(&mine, 8, MPI_DOUBLE, all.data(), 8, MPI_DOUBLE, comm);
+  constexpr int doubles = sizeof(RankBoxes) / sizeof(double);
+  static_assert(doubles == 12);
+  MPI_Allgather(&mine, doubles, MPI_DOUBLE, all.data(), doubles, MPI_DOUBLE, comm);
   return all;
 }
 
@@ -93,8 +102,8 @@ std::vector<SearchFacet> exchange(MPI_Comm comm, const std::vector<RankBoxes>& b
   return all;
 }
 
-bool share_node(const PetscInt* a, const std::array<PetscInt, 2>& b) {
-  return a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1];
+bool share_node(const PetscInt* a, const std::array<PetscInt, 4>& b) {
+  return std::any_of(a, a + 4, [&](PetscInt n) { return std::find(b.begin(), b.end(), n) != b.end(); });
 }
 
 // Drops primary facets that are nobody's candidate, so that only nodes that may couple travel afterwards.
@@ -130,16 +139,16 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
     entries.emplace_back(tree_box(box_of(found.primary[p].x.data())), static_cast<int>(p));
   const bg::index::rtree<Entry, bg::index::rstar<16>> tree(entries.begin(),
                                                            entries.end()); // packed: O(n log n)
-  const std::size_t count = secondary.node.size() / 2;
+  const std::size_t count = secondary.node.size() / 4;
   found.offset.assign(1, 0);
   std::vector<Entry> hits;
   for (std::size_t s = 0; s < count; ++s) {
     hits.clear();
-    tree.query(bg::index::intersects(tree_box(box_of(&secondary.x[4 * s]).grown(reach))),
+    tree.query(bg::index::intersects(tree_box(box_of(&secondary.x[12 * s]).grown(reach))),
                std::back_inserter(hits));
     const auto first = static_cast<std::ptrdiff_t>(found.facet.size());
     for (const Entry& hit : hits)
-      if (!share_node(&secondary.node[2 * s], found.primary[static_cast<std::size_t>(hit.second)].node))
+      if (!share_node(&secondary.node[4 * s], found.primary[static_cast<std::size_t>(hit.second)].node))
         found.facet.push_back(hit.second);
     std::sort(found.facet.begin() + first, found.facet.end());
     found.offset.push_back(static_cast<int>(found.facet.size()));
@@ -151,11 +160,9 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
 Candidates find_candidates(MPI_Comm comm, const SearchSecondary& secondary,
                            const std::vector<SearchFacet>& own_primary, double reach) {
   RankBoxes mine;
-  for (std::size_t i = 0; i < secondary.x.size(); i += 2) mine.secondary.include(&secondary.x[i]);
-  for (const SearchFacet& facet : own_primary) {
-    mine.primary.include(&facet.x[0]);
-    mine.primary.include(&facet.x[2]);
-  }
+  for (std::size_t i = 0; i < secondary.x.size(); i += 3) mine.secondary.include(&secondary.x[i]);
+  for (const SearchFacet& facet : own_primary)
+    for (std::size_t a = 0; a < 4; ++a) mine.primary.include(&facet.x[3 * a]);
   return match_boxes(secondary, exchange(comm, gather_boxes(comm, mine), own_primary, reach), reach);
 }
 

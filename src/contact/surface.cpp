@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <impact/contact/surface.hpp>
 #include <impact/petsc/error.hpp>
+#include <map>
 #include <numbers>
+#include <utility>
 
 namespace impact {
 
@@ -19,29 +22,35 @@ std::string boundary_names(const Mesh& mesh) {
 } // namespace
 
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group) {
-  if (mesh.dim() != 2)
-    throw UserError(ExitCode::data, "contact " + contact +
-                                        ": needs a plane or axisymmetric mesh; this one has dimension " +
-                                        std::to_string(mesh.dim()));
   const Group* found = mesh.find_group(group);
-  if (found == nullptr || found->dim != 1)
+  if (found == nullptr || found->dim != mesh.dim() - 1)
     throw UserError(ExitCode::data, "contact " + contact + ": no boundary `" + group +
                                         "` in the mesh; boundaries are: " + boundary_names(mesh));
   const FacetTable facets = mesh.facets(group);
   ContactSurface surface;
+  const int dim = mesh.dim();
   surface.group = group;
-  surface.local = facets.connectivity;
+  surface.corners = dim == 2 ? 2 : 4;
   for (int f = 0; f < facets.count(); ++f) {
-    const int* nodes = &facets.connectivity[at(2 * f)];
-    for (int a = 0; a < 2; ++a) {
-      surface.node.push_back(mesh.global_node()[at(nodes[a])]);
-      for (int k = 0; k < 2; ++k) surface.X.push_back(mesh.coordinates()[at(2 * nodes[a] + k)]);
+    const int* nodes = &facets.connectivity[at(facets.nodes_per_facet * f)];
+    double longest = 0;
+    for (int a = 0; a < surface.corners; ++a) {
+      const int node = nodes[std::min(a, facets.nodes_per_facet - 1)];
+      const int other = nodes[(a + 1) % facets.nodes_per_facet];
+      surface.local.push_back(node);
+      surface.node.push_back(mesh.global_node()[at(node)]);
+      double square = 0;
+      for (int k = 0; k < dim; ++k) {
+        surface.X.push_back(mesh.coordinates()[at(dim * node + k)]);
+        const double difference = mesh.coordinates()[at(dim * other + k)] - surface.X.back();
+        square += difference * difference;
+      }
+      longest = std::max(longest, std::sqrt(square));
     }
-    const double* X = &surface.X[at(4 * f)];
-    surface.length.push_back(std::hypot(X[2] - X[0], X[3] - X[1]));
+    surface.length.push_back(longest);
     const PetscInt* cone = nullptr;
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
-    surface.reversed.push_back(cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);
+    surface.reversed.push_back(dim != 2 || cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);
   }
   int mine = surface.count(), all = 0;
   MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_SUM, mesh.comm());
@@ -89,7 +98,56 @@ SurfacePoints make_points(const ContactSurface& surface, const std::string& cont
   return points;
 }
 
+std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface) {
+  using Nodes = std::array<PetscInt, 4>;
+  PetscLayout layout = nullptr;
+  check(PetscLayoutCreate(mesh.comm(), &layout));
+  check(PetscLayoutSetLocalSize(layout, mesh.owned_node_count()));
+  check(PetscLayoutSetUp(layout));
+  std::map<PetscMPIInt, std::vector<Nodes>> outbox;
+  for (int f = 0; f < surface.count(); ++f) {
+    Nodes nodes;
+    for (int a = 0; a < 4; ++a)
+      nodes[at(a)] = surface.node[at(surface.corners * f + std::min(a, surface.corners - 1))];
+    for (PetscInt node : nodes) {
+      PetscMPIInt owner = 0;
+      check(PetscLayoutFindOwner(layout, node, &owner));
+      std::vector<Nodes>& message = outbox[owner];
+      if (message.empty() || message.back() != nodes) message.push_back(nodes);
+    }
+  }
+  check(PetscLayoutDestroy(&layout));
+  int rank = 0;
+  MPI_Comm_rank(mesh.comm(), &rank);
+  std::vector<Nodes> facets = std::move(outbox[rank]);
+  outbox.erase(rank);
+  std::vector<PetscMPIInt> to, counts;
+  for (const auto& [owner, message] : outbox) {
+    to.push_back(owner);
+    counts.push_back(static_cast<PetscMPIInt>(4 * message.size()));
+  }
+  PetscMPIInt senders = 0, *from = nullptr, *sizes = nullptr;
+  check(PetscCommBuildTwoSided(mesh.comm(), 1, MPI_INT, static_cast<PetscMPIInt>(to.size()), to.data(),
+                               counts.data(), &senders, &from, static_cast<void*>(&sizes)));
+  constexpr int tag = 733;
+  std::vector<MPI_Request> requests;
+  for (const auto& [owner, message] : outbox)
+    MPI_Isend(message.data(), static_cast<int>(4 * message.size()), MPIU_INT, owner, tag, mesh.comm(),
+              &requests.emplace_back());
+  for (int s = 0; s < senders; ++s) {
+    const std::size_t before = facets.size();
+    facets.resize(before + at(sizes[s] / 4));
+    MPI_Recv(facets.data() + before, sizes[s], MPIU_INT, from[s], tag, mesh.comm(), MPI_STATUS_IGNORE);
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  check(PetscFree(from));
+  check(PetscFree(sizes));
+  std::sort(facets.begin(), facets.end());
+  return facets;
+}
+
 std::vector<PetscInt> surface_neighbours(const FieldLayout& layout, const ContactSurface& surface) {
+  if (surface.corners != 2) return std::vector<PetscInt>(at(2 * surface.count()), -1);
   // The far node of an edge is left at its other node: as a sum, with a count beside it, so that a node where
   // more than one edge starts or ends is recognised. Node numbers are exact in a double.
   const Handle<Vec> sum = layout.make_global(), count = layout.make_global();

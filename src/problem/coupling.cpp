@@ -309,12 +309,16 @@ void Coupling::update_multipliers_in(SNES snes) {
          void* context) {
         const PetscErrorCode code = SNESConvergedDefault(solver, it, x, step, f, reason, nullptr);
         auto& self = *static_cast<Coupling*>(context);
+        if (it == 0) self.first_residual_ = f;
         if (code != 0 || *reason <= 0 || !self.semismooth()) return code;
         return time_mailbox(self.ts_).guarded([&] {
           Vec u = nullptr;
+          PetscReal atol = 0, rtol = 0;
           check(SNESGetSolution(solver, &u));
+          check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
+          const double force = std::max(atol, rtol * self.first_residual_);
           for (const ContactInterface& contact : self.motion_.contacts())
-            if (!contact.gaps_closed(u)) *reason = SNES_CONVERGED_ITERATING;
+            if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
         });
       },
       this, nullptr));

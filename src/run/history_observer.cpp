@@ -163,13 +163,14 @@ void HistoryObserver::append_contacts(HistoryFile::Row& row, const Snapshot& sna
   for (ContactInterface& contact : motion_.contacts()) {
     const ContactMeasures m = contact.measures(snapshot.u);
     const std::string id = "contact_" + contact.id() + "_";
-    for (std::size_t k = 0; k < 2; ++k) row.emplace_back(id + "force_" + axis[k], m.force[k]);
+    const auto dim = static_cast<std::size_t>(motion_.discretisation().dim());
+    for (std::size_t k = 0; k < dim; ++k) row.emplace_back(id + "force_" + axis[k], m.force[k]);
     row.emplace_back(id + "gap_min", m.gap_min);
     row.emplace_back(id + "pressure_max", m.pressure_max);
     row.emplace_back(id + "pressure_min", m.pressure_min);
     row.emplace_back(id + "active", m.active);
     row.emplace_back(id + "length", m.length);
-    for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t k = 0; k < dim; ++k)
       row.emplace_back("impulse_" + contact.id() + "_" + axis[k], m.impulse[k]);
   }
 }

@@ -47,8 +47,12 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
   return {
       choice_row<Contact, ContactMethod>(
           "method", &Contact::method,
-          {"constraints at Gauss points, or for mean gaps about the nodes (mortar)", "gpts"},
-          {{"gpts", ContactMethod::gauss_points}, {"mortar", ContactMethod::mortar}}),
+          {"constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: gpts in the plane, "
+           "mortar in space",
+           "auto"},
+          {{"auto", ContactMethod::automatic},
+           {"gpts", ContactMethod::gauss_points},
+           {"mortar", ContactMethod::mortar}}),
       choice_row<Contact, MultiplierSpace>(
           "multipliers", &Contact::multipliers,
           {"shape functions of the mortar's multipliers, or their biorthogonal ones", "standard"},

@@ -45,8 +45,6 @@ double softer_modulus(const Discretisation& d) {
 
 std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
   std::vector<ContactInterface> contacts;
-  if (!s.contacts.empty() && d.dim() != 2)
-    throw UserError(ExitCode::data, "-contacts: contact is available in 2D meshes; this mesh is 3D");
   for (const ContactSettings& settings : s.contacts) {
     ContactEnvironment environment;
     environment.frame = d.frame;

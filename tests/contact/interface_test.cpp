@@ -52,7 +52,7 @@ TEST(ContactInterface, EqualDistancesAreDecidedAlikeOnEveryNumberOfRanks) {
   };
   ContactSettings s = settings_of(100);
   s.points = 1;
-  std::vector<std::array<double, 2>> force;
+  std::vector<std::array<double, 3>> force;
   for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
     Rig rig(
         comm, b, [](int, double part, int ranks) { return part < 0.5 ? ranks - 1 : 0; }, s);

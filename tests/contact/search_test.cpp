@@ -12,36 +12,34 @@ using namespace impact::contact_test;
 
 namespace {
 
-// Edges scattered over a square; every rank makes the same ones from the same seed.
+// Triangles and quadrilaterals scattered over a flat box; every rank makes the same ones from the same seed.
 struct Scatter {
   SearchSecondary secondary;
   std::vector<SearchFacet> primary;
 
   Scatter(int secondary_count, int primary_count) {
     std::mt19937 random(11);
-    std::uniform_real_distribution<double> anywhere(0, 10), small(-0.2, 0.2);
-    auto edge = [&](std::array<double, 4>& x) {
-      x[0] = anywhere(random);
-      x[1] = anywhere(random);
-      x[2] = x[0] + small(random);
-      x[3] = x[1] + small(random);
+    std::uniform_real_distribution<double> anywhere(0, 10), high(0, 2), small(-0.2, 0.2);
+    auto facet = [&](PetscInt first, bool triangle) {
+      SearchFacet f{{first, first + 1, first + 2, triangle ? first + 2 : first + 3}, {-1, -1}, {}};
+      const std::array<double, 3> centre = {anywhere(random), anywhere(random), high(random)};
+      for (std::size_t i = 0; i < 12; ++i) f.x[i] = centre[i % 3] + small(random);
+      if (triangle) std::copy_n(f.x.begin() + 6, 3, f.x.begin() + 9);
+      return f;
     };
     for (int s = 0; s < secondary_count; ++s) {
-      std::array<double, 4> x{};
-      edge(x);
-      secondary.node.insert(secondary.node.end(), {2 * s, 2 * s + 1});
-      secondary.x.insert(secondary.x.end(), x.begin(), x.end());
+      const SearchFacet f = facet(4 * s, s % 2 == 0);
+      secondary.node.insert(secondary.node.end(), f.node.begin(), f.node.end());
+      secondary.x.insert(secondary.x.end(), f.x.begin(), f.x.end());
     }
     for (int p = 0; p < primary_count; ++p) {
-      SearchFacet facet{{1000000 + 2 * p, 1000000 + 2 * p + 1}, {-1, -1}, {}};
-      edge(facet.x);
-      if (p % 10 == 0) facet.node[0] = 2 * (p % secondary_count); // shares a node with a secondary edge
-      primary.push_back(facet);
+      primary.push_back(facet(1000000 + 4 * p, p % 3 == 0));
+      if (p % 10 == 0) primary.back().node[1] = 4 * (p % secondary_count); // shares a node with a secondary
     }
   }
 };
 
-using PairSet = std::set<std::array<PetscInt, 4>>;
+using PairSet = std::set<std::array<PetscInt, 8>>;
 
 PairSet pairs(const SearchSecondary& secondary, const Candidates& found) {
   PairSet all;
@@ -49,24 +47,34 @@ PairSet pairs(const SearchSecondary& secondary, const Candidates& found) {
     for (int c = found.offset[s]; c < found.offset[s + 1]; ++c) {
       const SearchFacet& p =
           found.primary[static_cast<std::size_t>(found.facet[static_cast<std::size_t>(c)])];
-      all.insert({secondary.node[2 * s], secondary.node[2 * s + 1], p.node[0], p.node[1]});
+      std::array<PetscInt, 8> pair{};
+      std::copy_n(&secondary.node[4 * s], 4, pair.begin());
+      std::copy(p.node.begin(), p.node.end(), pair.begin() + 4);
+      all.insert(pair);
     }
   return all;
 }
 
-// By the definition, every edge against every edge.
+// By the definition, every facet against every facet.
 PairSet by_hand(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary, double reach) {
   PairSet all;
-  for (std::size_t s = 0; s < secondary.node.size() / 2; ++s)
+  for (std::size_t s = 0; s < secondary.node.size() / 4; ++s)
     for (const SearchFacet& p : primary) {
-      const double* x = &secondary.x[4 * s];
+      const double* x = &secondary.x[12 * s];
       bool near = true;
-      for (std::size_t k = 0; k < 2; ++k)
-        near = near && std::min(p.x[k], p.x[2 + k]) - std::max(x[k], x[2 + k]) <= reach &&
-               std::min(x[k], x[2 + k]) - std::max(p.x[k], p.x[2 + k]) <= reach;
-      for (std::size_t a = 0; a < 2; ++a)
-        for (std::size_t b = 0; b < 2; ++b) near = near && secondary.node[2 * s + a] != p.node[b];
-      if (near) all.insert({secondary.node[2 * s], secondary.node[2 * s + 1], p.node[0], p.node[1]});
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto range = [k](const double* corner) {
+          return std::minmax({corner[k], corner[3 + k], corner[6 + k], corner[9 + k]});
+        };
+        const auto mine = range(x), other = range(p.x.data());
+        near = near && other.first - mine.second <= reach && mine.first - other.second <= reach;
+      }
+      std::array<PetscInt, 8> pair{};
+      std::copy_n(&secondary.node[4 * s], 4, pair.begin());
+      std::copy(p.node.begin(), p.node.end(), pair.begin() + 4);
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 4; b < 8; ++b) near = near && pair[a] != pair[b];
+      if (near) all.insert(pair);
     }
   return all;
 }
@@ -99,8 +107,8 @@ TEST(ContactSearch, RanksTogetherFindWhatOneRankFinds) {
     if (s * 7 % ranks == rank) {
       number.push_back(s);
       const std::size_t i = static_cast<std::size_t>(s);
-      mine.node.insert(mine.node.end(), {whole.secondary.node[2 * i], whole.secondary.node[2 * i + 1]});
-      mine.x.insert(mine.x.end(), whole.secondary.x.begin() + 4 * s, whole.secondary.x.begin() + 4 * s + 4);
+      mine.node.insert(mine.node.end(), &whole.secondary.node[4 * i], &whole.secondary.node[4 * i] + 4);
+      mine.x.insert(mine.x.end(), &whole.secondary.x[12 * i], &whole.secondary.x[12 * i] + 12);
     }
   std::vector<SearchFacet> primary;
   for (int p = 0; p < 400; ++p)

@@ -32,8 +32,8 @@ struct PressureLaw {
   double stiffness(double scale = 1) const { return semismooth ? gamma * scale : eps; }
 };
 
-/// How many derivatives of the gaps are wanted. Second ones come only where the constraint is active.
-enum class Derivatives { none, first, second };
+/// Which derivatives of the gaps a visit brings.
+enum class Derivatives { none, first };
 
 /// One constraint at one displacement. The spans live as long as the visit.
 struct Constraint {
@@ -44,15 +44,25 @@ struct Constraint {
   double scale = 1;              ///< of gamma: one over the square of the part of the weight that is covered
   std::span<const int> node;     ///< into ContactForm::nodes(), secondary ones first
   std::span<const double> share; ///< of the secondary nodes in the constraint, sum 1
-  std::span<const double> gradient; ///< [node][2]
-  std::span<const double> hessian;  ///< [node][2][node][2]
+  std::span<const double> gradient; ///< [node][dim]
   /// Tangential motion since the start of the step, mean over the weight, and its derivatives over the same
   /// nodes; without friction, or where nothing lay opposite at the start, `slides` is false.
   bool slides = false;
   double slip = 0;
-  std::span<const double> slip_gradient, slip_hessian;
+  std::span<const double> slip_gradient;
 };
 using ConstraintVisitor = std::function<void(const Constraint&)>;
+
+/// Factors of the second variations, by the index of the constraint.
+struct CurvatureFactors {
+  std::span<const double> gap, slip; ///< slip: empty without friction
+
+  double of_gap(int index) const { return gap[static_cast<std::size_t>(index)]; }
+  double of_slip(int index) const { return slip.empty() ? 0 : slip[static_cast<std::size_t>(index)]; }
+};
+/// Nodes, and a block [node][dim][node][dim] over their dofs; a node may come twice. Both live as long as the
+/// call.
+using BlockVisitor = std::function<void(std::span<const int>, std::span<const double>)>;
 
 class ContactForm {
 public:
@@ -84,11 +94,14 @@ public:
   /// repeats.
   virtual void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                      const ConstraintVisitor& visitor) const = 0;
+  /// sum_c (gap factor d2g_c + slip factor d2s_c) in blocks, over the same constraints as a visit.
+  virtual void visit_curvature(const std::vector<double>& u, const PressureLaw& law,
+                               const CurvatureFactors& factors, const BlockVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
   virtual const std::vector<double>& nodal_area() const = 0;
   /// Overlap of the secondary nodes at the coordinates x: depth and outward direction at places of nodes().
   /// A node that lies on several facets may come several times, on any rank.
-  using OverlapVisitor = std::function<void(int node, double depth, const Point2<double>& direction)>;
+  using OverlapVisitor = std::function<void(int node, double depth, const std::array<double, 3>& direction)>;
   virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
 
 protected:

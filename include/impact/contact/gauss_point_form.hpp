@@ -35,6 +35,8 @@ public:
   }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
+  void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
+                       const BlockVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 
@@ -71,8 +73,12 @@ private:
     std::array<double, 12> gradient{}, slip_gradient{};
     std::array<double, 144> hessian{}, slip_hessian{};
   };
-  void add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s,
-                Derivatives derivatives, Workspace& w, Constraint& c) const;
+  // Visits the points that face something: visitor(constraint without its gap's gradient, point, workspace).
+  template <class Visitor>
+  void visit_points(const std::vector<double>& u, bool second, const PressureLaw& law,
+                    Visitor&& visitor) const;
+  void add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s, bool second,
+                Workspace& w, Constraint& c) const;
   Point on_facet(int facet) const; // which faces nothing yet
   void hold_edges(const std::vector<double>& x, const PressureLaw& law);
   Foot<double> plane_foot(const Point2<double>& x) const;

@@ -6,12 +6,13 @@
 #include <impact/contact/settings.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-/// One contact between two surfaces in the plane: its form (ContactForm) supplies gap constraints, the
+/// One contact between two surfaces: its form (ContactForm) supplies gap constraints, the
 /// interface the enforcement, R_c(w) = sum w (t ds[w] - p dg[w]) with the pressure p and Coulomb's traction
 /// t. The force at a displacement depends on the multipliers, the penalty and what the form's last update
 /// fixed: nothing is stored by an evaluation. Multipliers and penalty are rows of the state table;
@@ -52,24 +53,25 @@ struct AugmentReport {
 };
 
 /// For the history file. Totals count from t = 0. Plane problems: times the thickness; axisymmetric: the full
-/// ring.
+/// ring. Vectors of plane problems have a third component of zero.
 struct ContactMeasures {
-  std::array<double, 2> force{};   ///< on the secondary side
+  std::array<double, 3> force{};   ///< on the secondary side
   double gap_min = 0;              ///< nan when no point faces anything
   double pressure_max = 0;         ///< per current area
   double pressure_min = 0;         ///< over the active points, 0 without
-  double length = 0;               ///< closed part of the secondary surface, current length or ring area
+  double length = 0;               ///< closed part of the secondary surface: current length or area
   double energy = 0;               ///< potential (p^2 - lambda^2) / (2 eps)
   double work = 0;                 ///< done by the contact forces on the bodies, total
-  std::array<double, 2> impulse{}; ///< on the secondary side, total
+  std::array<double, 3> impulse{}; ///< on the secondary side, total
   int active = 0;
 };
 
 /// Overlap of the undeformed surfaces at the secondary nodes.
 struct InitialOverlapReport {
-  int nodes = 0;             ///< nodes that must be moved (setting adjust), over all ranks
-  double deepest = 0;        ///< largest overlap found
-  std::vector<double> shift; ///< [local node][2] stress-free shift of reference coordinates, ghosts included
+  int nodes = 0;      ///< nodes that must be moved (setting adjust), over all ranks
+  double deepest = 0; ///< largest overlap found
+  std::vector<double>
+      shift; ///< [local node][dim] stress-free shift of reference coordinates, ghosts included
 };
 
 class ContactInterface {
@@ -92,7 +94,7 @@ public:
   /// mass in the tangent, 0 without inertia: an automatic penalty of an augmented Lagrangian is raised to 2.5
   /// rho h mass_shift for the attempt. Collective.
   void set_time(double t, double mass_shift = 0);
-  /// Local dofs [node * 2 + k] whose rows and columns tangent and multiply leave out; the residual keeps
+  /// Local dofs [node * dim + k] whose rows and columns tangent and multiply leave out; the residual keeps
   /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
   /// Collective.
   void set_fixed_dofs(const std::vector<char>& fixed);
@@ -134,9 +136,10 @@ public:
   /// Multipliers of the linearised system after a full step from u to u + du: lambda - gamma (g + dg.du)
   /// where active at u, else 0. True on all ranks when the active set at u + du is another one. Collective.
   bool take_newton_step(Vec u, Vec du, Vec next);
-  /// Whether the active gaps vanish at u, to 1e-11 of a facet or rounding of the coordinates; true for other
+  /// Whether the active gaps vanish at u: to 1e-11 of a facet, and so that closing the rest takes no more
+  /// than `force` against the penalty at any constraint, or to rounding of the coordinates. True for other
   /// enforcements. Collective.
-  bool gaps_closed(Vec u) const;
+  bool gaps_closed(Vec u, double force = std::numeric_limits<double>::infinity()) const;
 
   /// Forgets the gap that the penalty rule compares with: first call of each Uzawa loop.
   void start_augmentation();
@@ -166,8 +169,14 @@ private:
     return traction_ != nullptr && !friction_suspended_ && c.slides && c.active;
   }
   Traction traction(const Constraint& c) const;
+  // Visits the tangent, df/du times scale, in blocks over the dofs of nodes: what stiffness and friction make
+  // of the gradients, then the second variations.
+  ContactStatus visit_tangent(const std::vector<double>& u, double scale, const BlockVisitor& visitor) const;
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
-  void add_force(const Constraint& c, std::array<double, 2>& force) const;
+  void add_force(const Constraint& c, std::array<double, 3>& force) const;
+  std::size_t dof(int node, std::size_t component) const {
+    return static_cast<std::size_t>(dim_) * static_cast<std::size_t>(node) + component;
+  }
   void set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary);
   void declare_state(StateTable& state);
   void fetch_fixed();
@@ -184,7 +193,8 @@ private:
   ContactEnvironment environment_;
   std::vector<std::string> warnings_;
   std::unique_ptr<ContactForm> form_;
-  std::vector<char> fixed_here_;                                   // [node][2] of the form's nodes
+  int dim_;
+  std::vector<char> fixed_here_;                                   // [node][dim] of the form's nodes
   Handle<Vec> fixed_;                                              // 1 at fixed dofs; absent: none
   StateRow *multiplier_, *traction_, *penalty_, *totals_, *force_; // traction: null without friction
   double inertia_penalty_ = 0;                                     // over the mass shift

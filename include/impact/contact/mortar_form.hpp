@@ -2,20 +2,22 @@
 #include <array>
 #include <impact/contact/form.hpp>
 #include <impact/contact/settings.hpp>
+#include <impact/kernel/frame.hpp>
+#include <impact/kernel/mortar_face.hpp>
 #include <impact/kernel/mortar_segment.hpp>
-#include <limits>
+#include <utility>
+#include <vector>
 
-/// Mortar contact in the plane (theory.md, contact): one constraint per secondary node j,
-///   g_j = (1/w_j) sum over its two edges of int Phi_j g dA_0,  w_j = int Phi_j dA_0,
-/// integrated exactly over every part that a primary edge covers. The owner of a node evaluates both of its
-/// edges, whoever owns their cells, so that a constraint lives on one rank. Which primary edges face a
-/// secondary one is fixed by `update`; how far they cover it is followed exactly.
+/// Mortar contact, one constraint per secondary node, evaluated by the owner of the node from all the facets
+/// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 over all pairs of
+/// facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not cover counts
+/// zero. Which primary facets a secondary facet faces is chosen by update and stays fixed in between.
 namespace impact {
 
 class MortarForm : public ContactForm {
 public:
-  /// Settings without automatic values. Throws UserError(data) where more than two edges of the secondary
-  /// surface meet. Collective.
+  /// Mesh and layout must outlive the form. Throws UserError(data): more than two edges meet in a node.
+  /// Collective.
   MortarForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings, Frame frame,
              const ContactSurface& secondary, const ContactSurface& primary);
 
@@ -27,17 +29,25 @@ public:
   double deepest() const override { return -search_.radius(); }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
+  void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
+                       const BlockVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 
 private:
   struct Facet {
-    std::array<PetscInt, 2> node;
-    MortarEdge edge;
+    std::array<PetscInt, 4> node{};              // global; an edge has two, a triangle repeats its third
+    int corners = 2;                             // different ones
+    std::array<int, 4> owned = {-1, -1, -1, -1}; // [corner] place in owned_, -1: another rank's
+    MortarEdge edge;                             // in the plane
+    MortarFace face;                             // in space
+  };
+  struct Incident {
+    int facet, corner;
   };
   struct Node {
-    int local = 0;                       // in the mesh
-    std::array<int, 2> facet = {-1, -1}; // before and after the node, -1 at an end of the surface
+    int local = 0; // in the mesh
+    std::vector<Incident> facets;
     double weight = 0;
   };
   // A primary edge that lay opposite an edge of the node at the start of the step.
@@ -47,17 +57,50 @@ private:
     std::array<int, 2> slot = {-1, -1};      // in nodes(), -1: not there
     SlipAnchor pair;
   };
+  // A pair of facets that cover a part of each other.
+  struct Piece {
+    int facet, candidate;
+    MortarFacePair pair; // dofs: secondary corners, primary corners; in the plane two of each
+  };
   using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
 
+  void find_facets(const Mesh& mesh, const ContactSurface& secondary);
   void locate_anchors();
-  void find_facets(const Mesh& mesh, const FieldLayout& layout, const ContactSurface& secondary);
+  // Corners of a facet at coordinates, or as seen from the first corner of a secondary facet.
+  FaceCorners secondary_face(int facet, const std::vector<double>& x) const;
+  FaceCorners primary_face(int candidate, const std::vector<double>& x) const;
   std::array<Point2<double>, 2> secondary_edge(int facet, const std::vector<double>& x) const;
   std::array<Point2<double>, 2> primary_edge(int candidate, const std::vector<double>& x) const;
+  const int* secondary_slots(int facet) const;
+  const int* primary_slots(int candidate) const;
+  int primary_corners(int candidate) const;
+  // Both facets of a pair at the displacement u, seen from the secondary's first corner.
+  void place_edges(int facet, int candidate, const std::vector<double>& u, std::array<Point2<double>, 2>& s,
+                   std::array<Point2<double>, 2>& p) const;
+  void place_faces(int facet, int candidate, const std::vector<double>& u, FaceCorners& s,
+                   FaceCorners& p) const;
+
+  FaceView view(int facet, int candidate, const std::vector<double>& x) const;
+  bool opposed(int facet, int candidate, const std::vector<double>& x) const;
+  // Whether an accepted candidate lies before this one.
+  bool hidden(int facet, int candidate, const std::vector<int>& accepted, const std::vector<double>& x) const;
+  bool share_a_node(int candidate, int other) const;
+  double size_of(int facet, const std::vector<double>& x) const; // longest side
   Facing facing_at(const std::vector<double>& x) const;
   // Whether the node is active with these pairs.
-  bool active(const Node& node, const std::vector<double>& x, const PressureLaw& law,
+  bool active(const Node& node, const std::vector<double>& u, const PressureLaw& law,
               const Facing& facing) const;
+  std::vector<int> covering(int facet, const std::vector<double>& x, const Facing& facing) const;
+  MortarFacePair pair_at(int facet, int candidate, const std::vector<double>& u, bool with_gradient) const;
+  // The secondary edge and the primary one of an anchor at u, seen from the secondary's first node.
+  void place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
+                    std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const;
+  Slip slip_at(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots) const;
+  // [corner] nodal areas of a secondary facet at u.
+  std::array<double, 4> areas_at(int facet, const std::vector<double>& u) const;
 
+  int dim_;
+  std::size_t corners_; // stored per facet
   ContactSettings settings_;
   Frame frame_;
   std::vector<Facet> facets_; // of the nodes owned by this rank

@@ -14,26 +14,32 @@ namespace impact {
 
 /// The nodes of a contact on this rank, on compact numbers.
 struct ContactNodes {
+  int dim = 2;
+  int corners = 2; ///< per facet: 2 in the plane; 4 in space, where a triangle repeats its third corner
   NodeExchange exchange;
   std::vector<PetscInt> global; ///< sorted
-  std::vector<double> X;        ///< [node][2] reference coordinates
-  std::vector<double> start;    ///< [node][2] at the start of the step; empty: unknown
-  std::vector<int> secondary;   ///< [secondary facet][2]
-  std::vector<int> primary;     ///< [candidate primary][4]: node 0, node 1, neighbours (-1 at an end)
-  std::vector<double> built_at; ///< [node][2] when the list was made
+  std::vector<double> X;        ///< [node][dim] reference coordinates
+  std::vector<double> start;    ///< [node][dim] at the start of the step; empty: unknown
+  std::vector<int> secondary;   ///< [secondary facet][corner]
+  std::vector<int> primary;     ///< [candidate primary][corner]
+  std::vector<int> neighbour;   ///< [candidate primary][2]: far nodes of an edge's neighbours, -1: none
+  std::vector<double> built_at; ///< [node][dim] when the list was made
 
   /// Place of a global node, -1: not there.
   int slot(PetscInt node) const;
-  /// [node][2] of the displacement u. Collective.
+  /// [node][dim] of the displacement u. Collective.
   std::vector<double> displacement(Vec u) const { return exchange.gather(u); }
-  /// [node][2] at a displacement [node][2].
+  /// [node][dim] at a displacement [node][dim].
   std::vector<double> current(const std::vector<double>& u) const;
   std::vector<double> current(Vec u) const { return current(displacement(u)); }
   /// Where a node stands seen from another one: differences of X and of u, which keep the digits that those
   /// of X + u lose where displacements are small beside coordinates.
-  std::array<double, 2> place(int node, int origin, const std::vector<double>& u) const {
-    const std::size_t i = 2 * static_cast<std::size_t>(node), o = 2 * static_cast<std::size_t>(origin);
-    return {(X[i] - X[o]) + (u[i] - u[o]), (X[i + 1] - X[o + 1]) + (u[i + 1] - u[o + 1])};
+  template <std::size_t d = 2>
+  std::array<double, d> place(int node, int origin, const std::vector<double>& u) const {
+    const std::size_t i = d * static_cast<std::size_t>(node), o = d * static_cast<std::size_t>(origin);
+    std::array<double, d> difference;
+    for (std::size_t k = 0; k < d; ++k) difference[k] = (X[i + k] - X[o + k]) + (u[i + k] - u[o + k]);
+    return difference;
   }
 };
 
@@ -51,8 +57,8 @@ public:
   enum class Outcome { kept, rebuilt, other_pairs };
 
   PairSearch() = default;
-  /// `secondary`: global nodes [facet][2] of the facets that this rank evaluates, whoever owns their cells,
-  /// and `secondary_X` [facet][2][2]; `primary`: the facets of this rank's cells, empty on all ranks where
+  /// `secondary`: global nodes [facet][corner] of the facets that this rank evaluates, whoever owns their
+  /// cells, and `secondary_X` [facet][corner][dim]; `primary`: the facets of this rank's cells, empty where
   /// the primary is no surface of the mesh. Mesh and layout must outlive the search. Collective.
   PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
              const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
@@ -71,7 +77,7 @@ public:
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return nodes_; }
   double radius() const { return radius_; }
-  /// False: something moved so far that the list may miss a facet. x: [node][2] of nodes().
+  /// False: something moved so far that the list may miss a facet. x: [node][dim] of nodes().
   bool holds_for(const std::vector<double>& x) const;
 
 private:
@@ -81,12 +87,14 @@ private:
 
   const Mesh* mesh_ = nullptr;
   const FieldLayout* layout_ = nullptr;
-  std::vector<PetscInt> secondary_, primary_, neighbour_; // [facet][2]
-  std::vector<int> secondary_slot_, primary_slot_;        // [facet][2] into the static nodes
-  NodeExchange static_;                                   // nodes of this rank's facets of both surfaces
-  std::vector<double> static_X_;                          // [node][2]
-  std::vector<double> static_built_at_, static_start_;    // [node][2]; start empty: unknown
-  Handle<Vec> u_n_;                                       // at the start of the step; absent: unknown
+  int dim_ = 2, corners_ = 2;
+  std::vector<PetscInt> secondary_, primary_;          // [facet][corner]
+  std::vector<PetscInt> neighbour_;                    // [facet][2]
+  std::vector<int> secondary_slot_, primary_slot_;     // [facet][corner] into the static nodes
+  NodeExchange static_;                                // nodes of this rank's facets of both surfaces
+  std::vector<double> static_X_;                       // [node][dim]
+  std::vector<double> static_built_at_, static_start_; // [node][dim]; start empty: unknown
+  Handle<Vec> u_n_;                                    // at the start of the step; absent: unknown
   bool has_primary_ = false, outdated_ = true;
   double radius_ = 0, skin_ = 0;
   double reach_ = 0; // the list holds every facet so near: the radius, or the motion of the step if larger

@@ -8,15 +8,15 @@
 /// neighbours.
 namespace impact {
 
-/// A primary edge as it travels between ranks: global nodes, neighbours (-1 at an end), coordinates
-/// [node][2].
+/// A primary facet as it travels between ranks: global nodes, of which one with fewer than four repeats the
+/// last; far nodes of an edge's neighbours (-1: none); coordinates [node][3], the third zero in the plane.
 struct SearchFacet {
-  std::array<PetscInt, 2> node;
+  std::array<PetscInt, 4> node;
   std::array<PetscInt, 2> neighbour;
-  std::array<double, 4> x;
+  std::array<double, 12> x;
 };
 
-/// Secondary edges of this rank: global nodes [facet][2] and coordinates [facet][2][2].
+/// Secondary facets of this rank in the same form: global nodes [facet][4] and coordinates [facet][4][3].
 struct SearchSecondary {
   std::vector<PetscInt> node;
   std::vector<double> x;
@@ -31,7 +31,7 @@ struct Candidates {
   bool same_pairs(const Candidates& other) const;
 };
 
-/// All pairs whose boxes come closer than `reach`; edges that share a node are no pair. Boxes of the ranks
+/// All pairs whose boxes come closer than `reach`; facets that share a node are no pair. Boxes of the ranks
 /// are gathered, facets travel only to ranks whose secondary box they reach. Collective.
 Candidates find_candidates(MPI_Comm comm, const SearchSecondary& secondary,
                            const std::vector<SearchFacet>& own_primary, double reach);

@@ -6,7 +6,7 @@
 /// units.
 namespace impact {
 
-enum class ContactMethod { gauss_points, mortar };
+enum class ContactMethod { automatic, gauss_points, mortar };
 enum class MultiplierSpace { standard, dual }; ///< of the mortar method
 enum class Enforcement { automatic, penalty, auglag, semismooth };
 enum class InitialOverlap { adjust, error, allow };
@@ -25,7 +25,7 @@ struct ContactSettings {
       std::numeric_limits<double>::quiet_NaN();                   ///< "auto" for the numbers below
   std::string id, secondary, primary;                             ///< primary "plane": the rigid plane below
   double plane_point[3] = {0, 0, 0}, plane_normal[3] = {0, 1, 0}; ///< outward normal of the rigid half space
-  ContactMethod method = ContactMethod::gauss_points;
+  ContactMethod method = ContactMethod::automatic; ///< automatic: Gauss points in the plane, mortar in space
   MultiplierSpace multipliers = MultiplierSpace::standard;
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
   double friction = 0;                          ///< Coulomb's coefficient

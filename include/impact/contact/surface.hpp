@@ -1,22 +1,26 @@
 #pragma once
+#include <array>
 #include <impact/kernel/frame.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <string>
 #include <vector>
 
-/// The two surfaces of a contact on this rank: edges with their reference lengths, integration points and
-/// neighbours. Each edge belongs to the rank of its cell, so its points and multipliers have exactly one
-/// owner.
+/// The two surfaces of a contact on this rank: edges in the plane, triangles and quadrilaterals in space,
+/// with their reference sizes; of edges also integration points and neighbours. Each facet belongs to the
+/// rank of its cell, so its points and multipliers have exactly one owner.
 namespace impact {
 
 struct ContactSurface {
   std::string group;
-  std::vector<int> local; ///< [facet][2] mesh nodes, in the order that gives the outward normal (t_y, -t_x)
-  std::vector<PetscInt> node; ///< [facet][2] global nodes
-  std::vector<double> X;      ///< [facet][2][2] reference coordinates
-  std::vector<double> length; ///< [facet] reference length
-  std::vector<char> reversed; ///< [facet] 1: the cone of the mesh runs against the order of `local`
+  int corners = 2; ///< per facet: 2 in the plane, 4 in space, where a triangle repeats its third corner
+  /// [facet][corner] mesh nodes; an edge in the order that gives the outward normal (t_y, -t_x), a face
+  /// counter-clockwise as seen from outside.
+  std::vector<int> local;
+  std::vector<PetscInt> node; ///< [facet][corner] global nodes
+  std::vector<double> X;      ///< [facet][corner][dim] reference coordinates
+  std::vector<double> length; ///< [facet] longest side
+  std::vector<char> reversed; ///< [facet] of edges, 1: the cone of the mesh runs against the order of `local`
 
   int count() const { return static_cast<int>(length.size()); }
 };
@@ -29,7 +33,7 @@ struct SurfacePoints {
   std::vector<double> weight; ///< [facet][point] reference area: per unit thickness, or of the full ring
 };
 
-/// Facets of a boundary group. Throws UserError(data) when the group is unknown, empty or not of dimension 1.
+/// Facets of a boundary group. Throws UserError(data) when the group is unknown, empty or no boundary.
 /// Collective.
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group);
 
@@ -37,8 +41,13 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
 SurfacePoints make_points(const ContactSurface& surface, const std::string& contact, int per_facet,
                           Frame frame);
 
+/// Global nodes of the facets of the surface that meet a node owned by this rank, whoever owns their cells;
+/// sorted, an edge repeating its second node. Collective: one message per pair of ranks that share a facet.
+std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface);
+
 /// Global numbers of the far nodes of the neighbouring edges, [facet][2] (before the first node, after the
-/// second), -1 at an end of the surface or where more than two edges meet. `layout`: any two-component field.
+/// second), -1 at an end of the surface or where more than two edges meet; all -1 in space. `layout`: the
+/// displacement's.
 /// Collective.
 std::vector<PetscInt> surface_neighbours(const FieldLayout& layout, const ContactSurface& surface);
 

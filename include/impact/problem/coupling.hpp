@@ -97,6 +97,7 @@ private:
   CouplingScenario settings_;
   bool inertia_, stabilise_;
   double contact_scale_ = 1;
+  double first_residual_ = 0; // of the Newton solve at work
   MotionStep step_;
   std::vector<double> phi_frozen_, u_local_, u_before_;
   std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve

@@ -1,0 +1,73 @@
+#pragma once
+#include <array>
+
+/// Mortar contact of one secondary face with one primary face in space (theory.md, contact). A triangle is
+/// taken as it is; a quadrilateral as the four triangles about the mean of its corners, on which the
+/// displacement is linear. The nodal forces of a uniform pressure on a flat quadrilateral are then exactly
+/// those of its bilinear shape functions, whatever its angles.
+///
+/// A primary triangle is projected along the normal of the secondary one. In the barycentric coordinates of
+/// the secondary triangle the part that it covers is a polygon, on which the gap is linear, so that the
+/// weighted gaps
+///   G_a = int Phi_a g dA_0,   a = 0 .. corners - 1
+/// have a closed form. They depend on the nodes of the two faces alone and do not change under rigid motions:
+/// forces that are multiples of their gradients keep linear and angular momentum exactly. Neighbouring
+/// primary faces share the border of their parts and the gap there.
+namespace impact {
+
+using Point3 = std::array<double, 3>;
+/// Corners in the order that gives the outward normal; a triangle repeats its third corner.
+using FaceCorners = std::array<Point3, 4>;
+
+/// A secondary face in the reference configuration.
+struct MortarFace {
+  int corners = 3;
+  std::array<double, 4> area{};               ///< of its triangles
+  std::array<std::array<double, 4>, 4> phi{}; ///< Phi_a = sum_b phi[a][b] N_b
+
+  int triangles() const { return corners == 3 ? 1 : 4; }
+};
+
+/// Standard functions Phi_a = N_a, or those biorthogonal to N_b over the whole face: int Phi_a N_b = delta_ab
+/// int N_b.
+MortarFace make_mortar_face(int corners, const FaceCorners& X, bool dual);
+/// int N_a over the face at the corners x: its nodal areas.
+std::array<double, 4> nodal_areas(int corners, const FaceCorners& x);
+/// Unit outward normal of a triangle, or of a quadrilateral at its middle.
+Point3 face_normal(const FaceCorners& x);
+
+/// Where a primary face lies as seen from a secondary one.
+struct FaceView {
+  double part = 0;     ///< of the secondary face that it covers, between 0 and 1
+  double smallest = 0; ///< gap over that part, or at the primary's corners where it covers none
+  double largest = 0;  ///< likewise
+  double mean = 0;     ///< likewise
+};
+FaceView view_face(int corners, const FaceCorners& x, int primary_corners, const FaceCorners& p);
+/// Part of the secondary face, between 0 and 1, that both primary faces cover.
+double common_part(int corners, const FaceCorners& x, int a_corners, const FaceCorners& a, int b_corners,
+                   const FaceCorners& b);
+/// Gap at a corner of the secondary face; false where the primary face does not cover it.
+bool corner_gap(int corners, const FaceCorners& x, int corner, int primary_corners, const FaceCorners& p,
+                double& gap);
+
+/// Weighted gaps of a pair, and the derivatives by the dofs of (secondary corners 0 .. 3, primary corners
+/// 0 .. 3), x before y before z. Dofs of a corner that a triangle repeats are zero.
+struct MortarFacePair {
+  bool covered = false;                             ///< false: all zero
+  std::array<double, 4> gap{};                      ///< G_a
+  std::array<double, 4> cover{};                    ///< int Phi_a over the covered part
+  std::array<std::array<double, 24>, 4> gradient{}; ///< dG_a
+};
+/// Without derivatives where `with_gradient` is false. `p`: a triangle of the primary repeats its third
+/// corner too.
+MortarFacePair mortar_face_pair(const FaceCorners& x, int primary_corners, const FaceCorners& p,
+                                const MortarFace& face, bool with_gradient);
+
+/// Adds sum_a factor[a] d2G_a, 24 x 24 row by row, to `hessian`; symmetric and exact. False: nothing is
+/// covered.
+bool add_mortar_face_hessian(const FaceCorners& x, int primary_corners, const FaceCorners& p,
+                             const MortarFace& face, const std::array<double, 4>& factor,
+                             std::array<double, 576>& hessian);
+
+} // namespace impact
