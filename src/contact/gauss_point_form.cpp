@@ -32,12 +32,12 @@ bool precedes(const std::vector<double>& X, const int* a, const int* b) {
 
 GaussPointForm::GaussPointForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings,
                                Frame frame, ContactSurface secondary, const ContactSurface& primary,
-                               double hold_gap, PlaneMotion motion)
-    : settings_(settings), frame_(frame), plane_motion_(std::move(motion)), secondary_(std::move(secondary)),
+                               double hold_gap)
+    : settings_(settings), frame_(frame), secondary_(std::move(secondary)),
       points_(make_points(secondary_, settings.id, settings.points, frame)), holds_(points_.weight.size()),
       anchors_(settings.friction > 0 ? points_.weight.size() : 0), hold_gap_(hold_gap) {
   search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
-                       !against_plane());
+                       !settings.rigid());
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int q = 0; q < points_.per_facet; ++q)
@@ -58,14 +58,15 @@ std::pair<StateRow, std::size_t> GaussPointForm::multiplier_row(const std::strin
   return {row, points_.weight.size()};
 }
 
-void GaussPointForm::begin_attempt(double t, Vec u_n) {
-  time_ = t;
+void GaussPointForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
   std::fill(holds_.begin(), holds_.end(), Hold());
   switched_ = false;
   if (u_n) anchor(u_n);
+  pose_ = pose;
 }
 
 void GaussPointForm::anchor(Vec u) {
+  pose_.moved = {};
   search_.set_start(u);
   const std::vector<double>& x = nodes().start;
   if (anchors_.empty()) return;
@@ -78,8 +79,8 @@ void GaussPointForm::anchor(Vec u) {
       Anchor& anchor = anchors_[at(index)];
       anchor = {};
       anchor.place = {N[0] * x0[0] + N[1] * x1[0], N[0] * x0[1] + N[1] * x1[1]};
-      anchor.valid = against_plane() || face_nearest(anchor.place, detail::right_normal(x0, x1), x, point);
-      if (!anchor.valid || against_plane()) continue;
+      anchor.valid = settings_.rigid() || face_nearest(anchor.place, detail::right_normal(x0, x1), x, point);
+      if (!anchor.valid || settings_.rigid()) continue;
       const double xi = point.foot.xi;
       anchor.node = {nodes().global[at(point.node[2])], nodes().global[at(point.node[3])]};
       anchor.pair = {{N[0], N[1]}, {(1 - xi) / 2, (1 + xi) / 2}};
@@ -103,7 +104,7 @@ GaussPointForm::Point GaussPointForm::on_facet(int facet) const {
 PairSearch::Outcome GaussPointForm::update(Vec u, const PressureLaw& law) {
   const PairSearch::Outcome outcome = search_.update(u);
   if (outcome != PairSearch::Outcome::kept) locate_anchors();
-  if (!against_plane()) hold_edges(nodes().current(u), law);
+  if (!settings_.rigid()) hold_edges(nodes().current(u), law);
   return outcome;
 }
 
@@ -120,13 +121,12 @@ NodePairs GaussPointForm::couplings() const {
   return pairs;
 }
 
-Foot<double> GaussPointForm::plane_foot(const Point2<double>& x) const {
-  Point2<double> d = {x[0] - settings_.plane_point[0], x[1] - settings_.plane_point[1]};
-  if (plane_motion_) d = detail::minus(d, plane_motion_(time_));
+Foot<double> GaussPointForm::obstacle_foot(const Point2<double>& x) const {
+  const ObstacleGap at_x = gap_to(pose_.obstacle, {x[0], x[1], 0});
   Foot<double> foot;
   foot.part = FootPart::edge;
-  foot.normal = {settings_.plane_normal[0], settings_.plane_normal[1]};
-  foot.gap = detail::dot(d, foot.normal);
+  foot.normal = {at_x.normal[0], at_x.normal[1]};
+  foot.gap = at_x.gap;
   return foot;
 }
 
@@ -144,9 +144,9 @@ PrimaryEdge<double> GaussPointForm::primary_edge(int candidate,
 
 bool GaussPointForm::face(const Point2<double>& x, const Point2<double>& normal,
                           const std::vector<double>& coordinates, const Hold& hold, Point& point) const {
-  if (against_plane()) {
+  if (settings_.rigid()) {
     point.node_count = 2;
-    point.foot = plane_foot(x);
+    point.foot = obstacle_foot(x);
     return retraction(point.foot, normal, infinity) < infinity;
   }
   return face_held(x, normal, coordinates, hold, point) || face_nearest(x, normal, coordinates, point) ||
@@ -332,14 +332,21 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
 
 void GaussPointForm::visit_curvature(const std::vector<double>& u, const PressureLaw& law,
                                      const CurvatureFactors& factors, const BlockVisitor& visitor) const {
+  const std::vector<double> X = nodes().current(u);
   visit_points(u, true, law, [&](const Constraint& c, const Point& point, Workspace& w) {
     const double of_gap = factors.of_gap(c.index), of_slip = c.slides ? factors.of_slip(c.index) : 0;
-    // The rigid plane is flat and stands still under a variation: no second variation.
-    const bool curved = point.node_count == 4 && of_gap != 0;
-    if (!curved && of_slip == 0) return;
+    if (of_gap == 0 && of_slip == 0) return;
     const std::size_t n = 2 * c.node.size();
     for (std::size_t i = 0; i < n * n; ++i) w.hessian[i] = of_slip != 0 ? of_slip * w.slip_hessian[i] : 0;
-    if (curved) {
+    if (settings_.rigid()) {
+      const Point2<double> x = {point.shape[0] * X[2 * at(c.node[0])] + point.shape[1] * X[2 * at(c.node[1])],
+                                point.shape[0] * X[2 * at(c.node[0]) + 1] +
+                                    point.shape[1] * X[2 * at(c.node[1]) + 1]};
+      const std::array<double, 9> H = gap_to(pose_.obstacle, {x[0], x[1], 0}).curvature;
+      for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < 4; ++j)
+          w.hessian[n * i + j] += of_gap * point.shape[i / 2] * point.shape[j / 2] * H[3 * (i % 2) + j % 2];
+    } else {
       const std::array<double, 64> d2g = gap_hessian(point.shape, point.edge, point.foot);
       for (std::size_t i = 0; i < 8; ++i)
         for (std::size_t j = 0; j < 8; ++j) w.hessian[n * i + j] += of_gap * d2g[8 * i + j];
@@ -355,9 +362,10 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
   if (!anchor.valid) return;
   w.slip_gradient.fill(0);
   if (second) w.slip_hessian.fill(0);
-  if (against_plane()) {
+  if (settings_.rigid()) {
     const Point2<double> t = {-point.foot.normal[1], point.foot.normal[0]};
-    c.slip = detail::dot(t, detail::minus(x_s, anchor.place));
+    const Point2<double> opposite = {anchor.place[0] + pose_.moved[0], anchor.place[1] + pose_.moved[1]};
+    c.slip = detail::dot(t, detail::minus(x_s, opposite));
     for (std::size_t a = 0; a < 2; ++a)
       for (std::size_t k = 0; k < 2; ++k) w.slip_gradient[2 * a + k] = point.shape[a] * t[k];
   } else {

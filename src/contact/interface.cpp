@@ -70,6 +70,30 @@ ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, doub
   return status;
 }
 
+std::array<double, 3> ContactInterface::obstacle_displacement(double t) const {
+  std::array<double, 3> displacement{};
+  if (!settings_.rigid()) return displacement;
+  for (std::size_t k = 0; k < at(dim_); ++k)
+    if (settings_.rigid_motion[k]) displacement[k] = settings_.rigid_motion[k](t);
+  return displacement;
+}
+
+ObstaclePose ContactInterface::pose_at(double t) const {
+  const bool plane = settings_.primary == "plane", sphere = settings_.primary == "rigid_sphere";
+  const std::array<double, 3> now = obstacle_displacement(t);
+  ObstaclePose pose;
+  pose.obstacle.shape = plane    ? RigidObstacle::Shape::plane
+                        : sphere ? RigidObstacle::Shape::sphere
+                                 : RigidObstacle::Shape::cylinder;
+  pose.obstacle.radius = settings_.radius;
+  for (std::size_t k = 0; k < 3; ++k) {
+    pose.obstacle.point[k] = (plane ? settings_.plane_point : settings_.centre)[k] + now[k];
+    pose.obstacle.direction[k] = (plane ? settings_.plane_normal : settings_.axis)[k];
+    pose.moved[k] = now[k] - totals_->committed[at(2 * dim_ + 1) + k];
+  }
+  return pose;
+}
+
 void ContactInterface::set_time(double t, double mass_shift) {
   penalty_->trial[2] = inertia_penalty_ * mass_shift;
   fallen_back_ = false;
@@ -79,7 +103,8 @@ void ContactInterface::set_time(double t, double mass_shift) {
     u_n = layout_->make_global();
     layout_->to_global(row->committed, u_n);
   }
-  form_->begin_attempt(t, u_n);
+  time_ = t;
+  form_->begin_attempt(pose_at(t), u_n);
 }
 
 bool ContactInterface::update_search(Vec u) {

@@ -39,6 +39,22 @@ double ContactInterface::friction_loss(Vec u) const {
   return environment_.frame == Frame::plane_strain ? environment_.thickness * loss : loss;
 }
 
+double ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
+  if (!settings_.rigid()) return 0;
+  std::array<double, 3> force{};
+  visit(form_->nodes().displacement(u), Derivatives::first,
+        [&](const Constraint& c) { add_force(c, force); });
+  MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  const std::array<double, 3> now = obstacle_displacement(time_);
+  double work = 0;
+  for (std::size_t k = 0; k < at(dim_); ++k) {
+    const double before = totals_->committed[at(dim_) + 1 + k];
+    const double moved = now[k] - totals_->committed[at(2 * dim_ + 1) + k];
+    work += moved * (force_at_end ? force[k] : (before + force[k]) / 2);
+  }
+  return environment_.frame == Frame::plane_strain ? environment_.thickness * work : work;
+}
+
 void ContactInterface::share(std::vector<double>& multipliers) const {
   if (multiplier_->support != Support::vertex) return;
   // One constraint per node, evaluated by the node's owner.
@@ -171,6 +187,8 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
     totals_->trial[d + 1 + k] = force[k];
   }
   totals_->trial[d] = before[d] - twice_work / 2;
+  const std::array<double, 3> obstacle = obstacle_displacement(time_);
+  std::copy(obstacle.begin(), obstacle.end(), totals_->trial.begin() + 2 * dim_ + 1);
   if (traction_ == nullptr) return;
   // What sticks from now on does so with the traction of this state.
   std::vector<double> lambda, traction;

@@ -29,26 +29,30 @@ void check_settings(ContactSettings& settings, int dim) {
   if (settings.method == ContactMethod::automatic)
     settings.method = dim == 2 ? ContactMethod::gauss_points : ContactMethod::mortar;
   const bool mortar = settings.method == ContactMethod::mortar;
+  if (settings.multipliers == MultiplierSpace::automatic)
+    settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
   if (dim == 3 && !mortar)
     throw usage(settings, "method", "`gpts` is for plane and axisymmetric meshes; take mortar in space");
   if (dim == 3 && settings.friction > 0)
     throw usage(settings, "friction", "is for plane and axisymmetric meshes; this one is in space");
   if (settings.enforce == Enforcement::automatic)
     settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
-  if (mortar && settings.primary == "plane")
-    throw usage(settings, "method",
-                "`mortar` needs two surfaces of the mesh; take gpts against a rigid plane");
   if (settings.secondary == settings.primary)
     throw usage(settings, "primary",
                 "`" + settings.primary + "` is also the secondary surface; name two different groups");
-  if (settings.primary != "plane") return;
-  double* n = settings.plane_normal;
-  const double length = std::hypot(n[0], n[1]);
-  if (!(length > 0))
-    throw usage(settings, "plane_normal",
-                "has no length in the plane of the mesh; give x,y of the outward normal");
-  n[0] /= length;
-  n[1] /= length;
+  if (!settings.rigid()) return;
+  const bool plane = settings.primary == "plane";
+  if (settings.friction > 0 && (!plane || mortar))
+    throw usage(settings, "friction", "against a rigid body is for a plane and the method gpts");
+  double* n = plane ? settings.plane_normal : settings.axis;
+  if (dim == 2) n[2] = plane ? 0 : 1;
+  if (dim == 2 && !plane) n[0] = n[1] = 0;
+  const double length = std::hypot(n[0], n[1], n[2]);
+  if (!(length > 0) || !std::isfinite(length))
+    throw usage(settings, plane ? "plane_normal" : "axis", "has no length in the space of the mesh");
+  for (int k = 0; k < 3; ++k) n[k] /= length;
+  if (!plane && !(settings.radius > 0))
+    throw usage(settings, "radius", "is missing: a rigid sphere or cylinder needs one");
 }
 
 void require_positive(const ContactSettings& settings, const std::string& key, double value) {
@@ -65,16 +69,17 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
       dim_(mesh.dim()) {
   check_settings(settings_, dim_);
   ContactSurface secondary = make_surface(mesh, settings_.id, settings_.secondary), primary;
-  if (!against_plane()) primary = make_surface(mesh, settings_.id, settings_.primary);
+  if (!settings_.rigid()) primary = make_surface(mesh, settings_.id, settings_.primary);
   set_automatic_values(secondary, primary);
   if (settings_.method == ContactMethod::mortar)
     form_ = std::make_unique<MortarForm>(mesh, displacement, settings_, environment_.frame,
                                          std::move(secondary), primary);
   else
-    form_ = std::make_unique<GaussPointForm>(
-        mesh, displacement, settings_, environment_.frame, std::move(secondary), primary,
-        std::min(settings_.gap_tol, 1e-3 * mean_length_), environment_.plane_motion);
+    form_ = std::make_unique<GaussPointForm>(mesh, displacement, settings_, environment_.frame,
+                                             std::move(secondary), primary,
+                                             std::min(settings_.gap_tol, 1e-3 * mean_length_));
   declare_state(state);
+  form_->begin_attempt(pose_at(0), nullptr);
   const Handle<Vec> at_rest = displacement.make_global();
   update_search(at_rest);
 }
@@ -95,7 +100,8 @@ void ContactInterface::set_automatic_values(const ContactSurface& secondary, con
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const double h = sum[0] / sum[1];
   const double spacing = longest[0] / settings_.points;
-  if (!against_plane() && -longest[2] < spacing * (1 - 1e-9))
+  if (!settings_.rigid() && settings_.method == ContactMethod::gauss_points &&
+      -longest[2] < spacing * (1 - 1e-9))
     warnings_.push_back(
         "contact " + settings_.id + ": a facet of the primary surface `" + settings_.primary + "` (" +
         number(-longest[2]) + ") is shorter than the spacing of the points on the secondary surface `" +
@@ -142,10 +148,13 @@ void ContactInterface::declare_state(StateTable& state) {
   if (frictional()) traction_ = &state.add(form_->multiplier_row(name + "_traction").first, count);
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
   penalty_ = &state.add(row("penalty", Support::global, 3), 3);
-  const int totals = 2 * dim_ + 1; // impulse, work, last force
+  const int totals = 2 * dim_ + 4; // impulse, work, last force, displacement of the rigid body
   totals_ = &state.add(row("totals", Support::global, totals), at(totals));
   force_ = &state.add(row("force", Support::vertex, dim_), at(dim_ * mesh_->node_count()));
   penalty_->committed[0] = penalty_->trial[0] = settings_.penalty;
+  const std::array<double, 3> start = obstacle_displacement(0);
+  for (std::vector<double>* half : {&totals_->committed, &totals_->trial})
+    std::copy(start.begin(), start.end(), half->begin() + 2 * dim_ + 1);
 }
 
 InitialOverlapReport ContactInterface::initial_overlap() {

@@ -24,6 +24,9 @@ constexpr double least_common_part = 1e-6;
 constexpr int switch_limit = 4;
 // Least covered part of a weight that the linear solves make up for.
 constexpr double least_cover = 1e-3;
+// Dual functions are negative somewhere: over a part of a facet they may turn a gap into an overlap. Covered
+// parts that sum to more than this are the whole facet.
+constexpr double whole_facet = 1 - 1e-6;
 
 Point2<double> point_at(const std::vector<double>& x, int node) {
   return {x[at(2 * node)], x[at(2 * node + 1)]};
@@ -72,13 +75,19 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
       edge.length = distance(a, b);
       if (frame == Frame::axisymmetric)
         edge.ring = {2 * std::numbers::pi * a[0], 2 * std::numbers::pi * b[0]};
-      if (dual) edge.phi = dual_functions(edge);
+      const auto phi = dual_functions(edge);
+      for (std::size_t i = 0; i < 2; ++i) std::copy(phi[i].begin(), phi[i].end(), facet.dual[i].begin());
       for (std::size_t i = 0; i < 2; ++i) area[i] = edge.length * (2 * edge.ring[i] + edge.ring[1 - i]) / 6;
     } else {
       FaceCorners corner;
       for (int a = 0; a < 4; ++a) corner[at(a)] = point3_at(X, 4 * f + a);
-      facet.face = make_mortar_face(facet.corners, corner, dual);
+      facet.face = make_mortar_face(facet.corners, corner, false);
+      facet.dual = make_mortar_face(facet.corners, corner, true).phi;
       area = nodal_areas(facet.corners, corner);
+    }
+    if (settings.rigid()) { // which covers everything
+      if (dual) set_functions(facet, facet.dual);
+      facet.points = dim_ == 2 ? points_of(facet.edge) : points_of(facet.face);
     }
     for (int a = 0; a < facet.corners; ++a)
       if (facet.owned[at(a)] >= 0) owned_[at(facet.owned[at(a)])].weight += area[at(a)];
@@ -89,7 +98,7 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
   layout.to_global(area, owned_area);
   layout.to_local(owned_area, area);
   for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
-  search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, true);
+  search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, !settings.rigid());
   facing_.resize(facets_.size());
   switches_.assign(facets_.size(), 0);
 }
@@ -128,17 +137,36 @@ std::pair<StateRow, std::size_t> MortarForm::multiplier_row(const std::string& n
   return {StateRow{name, Support::vertex, 1}, node_count_};
 }
 
-void MortarForm::begin_attempt(double, Vec u_n) {
+void MortarForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
   std::fill(switches_.begin(), switches_.end(), 0);
   switched_ = false;
   if (u_n) anchor(u_n);
+  pose_ = pose;
+}
+
+void MortarForm::set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi) {
+  facet.face.phi = phi;
+  for (std::size_t a = 0; a < 2; ++a) std::copy_n(phi[a].begin(), 2, facet.edge.phi[a].begin());
+}
+
+void MortarForm::choose_functions(const Facing& facing, const std::vector<double>& x) {
+  if (settings_.multipliers != MultiplierSpace::dual) return;
+  const std::array<std::array<double, 4>, 4> standard = {
+      {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    double part = 0;
+    for (int candidate : facing[at(f)]) part += view(f, candidate, x).part;
+    set_functions(facets_[at(f)], part > whole_facet ? facets_[at(f)].dual : standard);
+  }
 }
 
 void MortarForm::anchor(Vec u) {
+  pose_.moved = {};
   search_.set_start(u);
   if (!(settings_.friction > 0)) return;
   const std::vector<double>& x = nodes().start;
   const Facing facing = facing_at(x);
+  choose_functions(facing, x);
   anchors_.assign(owned_.size(), {});
   for (std::size_t i = 0; i < owned_.size(); ++i)
     for (const Incident& incident : owned_[i].facets)
@@ -301,6 +329,7 @@ std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, c
 
 PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
   const PairSearch::Outcome outcome = search_.update(u);
+  if (settings_.rigid()) return outcome;
   const std::vector<double> moved = nodes().displacement(u), x = nodes().current(moved);
   switched_ = false;
   Facing next = facing_at(x);
@@ -308,6 +337,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
     locate_anchors();
     // Candidates have other numbers now: what faced is forgotten, and the caller solves again anyway.
     facing_ = std::move(next);
+    choose_functions(facing_, x);
     return outcome;
   }
   for (std::size_t f = 0; f < facets_.size(); ++f)
@@ -326,6 +356,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
       }
   }
   facing_ = std::move(next);
+  choose_functions(facing_, x);
   return outcome;
 }
 
@@ -383,6 +414,74 @@ MortarFacePair MortarForm::pair_at(int facet, int candidate, const std::vector<d
   return pair;
 }
 
+std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarEdge& edge) {
+  // Three Gauss points: exact up to degree five, and for a plane whatever the ring.
+  std::vector<FacetPoint> points;
+  for (const auto& [xi, weight] : std::array<std::array<double, 2>, 3>{
+           {{-std::sqrt(0.6), 5.0 / 9}, {0, 8.0 / 9}, {std::sqrt(0.6), 5.0 / 9}}}) {
+    FacetPoint point;
+    const std::array<double, 2> N = {(1 - xi) / 2, (1 + xi) / 2};
+    const double area = weight * edge.length / 2 * (edge.ring[0] * N[0] + edge.ring[1] * N[1]);
+    for (std::size_t a = 0; a < 2; ++a) {
+      point.shape[a] = N[a];
+      point.weight[a] = area * (edge.phi[a][0] * N[0] + edge.phi[a][1] * N[1]);
+    }
+    points.push_back(point);
+  }
+  return points;
+}
+
+std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarFace& face) {
+  // Six points on each triangle, exact up to degree four (Dunavant 1985).
+  std::vector<FacetPoint> points;
+  for (int t = 0; t < face.triangles(); ++t)
+    for (const auto& [near, weight] : std::array<std::array<double, 2>, 2>{
+             {{0.108103018168070, 0.223381589678011}, {0.816847572980459, 0.109951743655322}}})
+      for (std::size_t v = 0; v < 3; ++v) {
+        FacetPoint point;
+        std::array<double, 3> L;
+        L.fill((1 - near) / 2);
+        L[v] = near;
+        const auto corner = triangle_weights(face.corners, t);
+        for (std::size_t u = 0; u < 3; ++u)
+          for (std::size_t a = 0; a < 4; ++a) point.shape[a] += L[u] * corner[u][a];
+        for (std::size_t a = 0; a < 4; ++a)
+          for (std::size_t b = 0; b < 4; ++b)
+            point.weight[a] += weight * face.area[at(t)] * face.phi[a][b] * point.shape[b];
+        points.push_back(point);
+      }
+  return points;
+}
+
+Point3 MortarForm::place_of(const Facet& facet, const FacetPoint& point, const int* slot,
+                            const std::vector<double>& u) const {
+  Point3 x{};
+  for (std::size_t a = 0; a < at(facet.corners); ++a)
+    for (std::size_t k = 0; k < at(dim_); ++k) {
+      const std::size_t i = at(dim_ * slot[a]) + k;
+      x[k] += point.shape[a] * (nodes().X[i] + u[i]);
+    }
+  return x;
+}
+
+MortarFacePair MortarForm::obstacle_gaps(int f, const std::vector<double>& u) const {
+  const Facet& facet = facets_[at(f)];
+  MortarFacePair pair;
+  pair.covered = true;
+  const auto d = at(dim_);
+  for (const FacetPoint& point : facet.points) {
+    const ObstacleGap gap = gap_to(pose_.obstacle, place_of(facet, point, secondary_slots(f), u));
+    for (std::size_t a = 0; a < at(facet.corners); ++a) {
+      pair.gap[a] += point.weight[a] * gap.gap;
+      pair.cover[a] += point.weight[a];
+      for (std::size_t b = 0; b < at(facet.corners); ++b)
+        for (std::size_t k = 0; k < d; ++k)
+          pair.gradient[a][d * b + k] += point.weight[a] * point.shape[b] * gap.normal[k];
+    }
+  }
+  return pair;
+}
+
 std::array<double, 4> MortarForm::areas_at(int facet, const std::vector<double>& u) const {
   const int* slot = secondary_slots(facet);
   if (dim_ == 3) {
@@ -406,6 +505,7 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
   std::vector<Piece> pieces;
   std::vector<std::size_t> first = {0};
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    if (settings_.rigid()) pieces.push_back({f, -1, obstacle_gaps(f, u)});
     for (int candidate : facing_[at(f)]) {
       pieces.push_back({f, candidate, pair_at(f, candidate, u, with_gradient)});
       if (!pieces.back().pair.covered) pieces.pop_back();
@@ -446,8 +546,8 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
         c.gap += piece.pair.gap[a];
         cover += piece.pair.cover[a];
         if (!with_gradient) continue;
-        const int* primary = primary_slots(piece.candidate);
-        for (std::size_t b = 0; b < 2 * corners_; ++b) {
+        const int* primary = piece.candidate < 0 ? nullptr : primary_slots(piece.candidate);
+        for (std::size_t b = 0; b < (primary ? 2 : 1) * corners_; ++b) {
           const std::size_t place = d * place_of(b < corners_ ? secondary[b] : primary[b - corners_]);
           gradient.resize(d * node.size(), 0.0);
           for (std::size_t m = 0; m < d; ++m)
@@ -518,6 +618,21 @@ void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw
       }
     if (std::all_of(factor.begin(), factor.end(), [](double value) { return value == 0; })) continue;
     std::copy_n(secondary_slots(f), corners_, node.begin());
+    if (settings_.rigid()) {
+      const auto d = at(dim_), n = d * corners_;
+      std::array<double, 144> block{};
+      for (const FacetPoint& point : facet.points) {
+        const std::array<double, 9> H =
+            gap_to(pose_.obstacle, place_of(facet, point, node.data(), u)).curvature;
+        double weight = 0;
+        for (std::size_t a = 0; a < 4; ++a) weight += factor[a] * point.weight[a];
+        for (std::size_t i = 0; i < n; ++i)
+          for (std::size_t j = 0; j < n; ++j)
+            block[n * i + j] += weight * point.shape[i / d] * point.shape[j / d] * H[3 * (i % d) + j % d];
+      }
+      visitor({node.data(), corners_}, {block.data(), n * n});
+      continue;
+    }
     for (int candidate : facing_[at(f)]) {
       std::copy_n(primary_slots(candidate), corners_, node.begin() + static_cast<std::ptrdiff_t>(corners_));
       if (dim_ == 2) {
@@ -552,8 +667,14 @@ void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisit
   for (const Node& owner : owned_)
     for (const auto& [f, corner] : owner.facets) {
       const int slot = secondary_slots(f)[corner];
-      double size = size_of(f, x);
-      for (std::size_t k = 0; k < at(dim_); ++k) size += std::abs(x[at(dim_ * slot) + k]);
+      Point3 here{};
+      std::copy_n(&x[at(dim_ * slot)], at(dim_), here.begin());
+      const double size = size_of(f, x) + std::abs(here[0]) + std::abs(here[1]) + std::abs(here[2]);
+      if (settings_.rigid()) {
+        const ObstacleGap seen = gap_to(pose_.obstacle, here);
+        if (-seen.gap > 1e-9 * size) visitor(slot, -seen.gap, seen.normal);
+        continue;
+      }
       for (int candidate : facing_[at(f)]) {
         double gap = 0;
         std::array<double, 3> n{};

@@ -25,17 +25,7 @@ template <class T> Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-// Weights of a face's corners in the corners of one of its triangles.
 using Weights = std::array<std::array<double, 4>, 3>;
-
-Weights weights_of(int corners, int triangle) {
-  if (corners == 3) return {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
-  Weights w{};
-  w[0][static_cast<std::size_t>(triangle)] = 1;
-  w[1][static_cast<std::size_t>((triangle + 1) % 4)] = 1;
-  w[2] = {0.25, 0.25, 0.25, 0.25};
-  return w;
-}
 
 Triangle triangle_of(const FaceCorners& x, const Weights& w) {
   Triangle t{};
@@ -53,7 +43,8 @@ double area_of(const Triangle& t) {
 
 double area_of(int corners, const FaceCorners& x) {
   double area = 0;
-  for (int i = 0; i < (corners == 3 ? 1 : 4); ++i) area += area_of(triangle_of(x, weights_of(corners, i)));
+  for (int i = 0; i < (corners == 3 ? 1 : 4); ++i)
+    area += area_of(triangle_of(x, triangle_weights(corners, i)));
   return area;
 }
 
@@ -160,10 +151,10 @@ void visit_triangles(int corners, const FaceCorners& x, int primary_corners, con
                      Visitor&& visitor) {
   const int count = corners == 3 ? 1 : 4, primary_count = primary_corners == 3 ? 1 : 4;
   for (int i = 0; i < count; ++i) {
-    const Weights ws = weights_of(corners, i);
+    const Weights ws = triangle_weights(corners, i);
     const Triangle s = triangle_of(x, ws);
     for (int j = 0; j < primary_count; ++j) {
-      const Weights wp = weights_of(primary_corners, j);
+      const Weights wp = triangle_weights(primary_corners, j);
       const Triangle t = triangle_of(p, wp);
       const std::array<Place<double>, 3> places = places_of(s, t);
       if (may_cover(places)) visitor(static_cast<std::size_t>(i), ws, wp, s, t, places);
@@ -264,6 +255,15 @@ void add_to_faces(const std::array<double, 324>& block, const Weights& ws, const
 
 } // namespace
 
+std::array<std::array<double, 4>, 3> triangle_weights(int corners, int triangle) {
+  if (corners == 3) return {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+  std::array<std::array<double, 4>, 3> w{};
+  w[0][static_cast<std::size_t>(triangle)] = 1;
+  w[1][static_cast<std::size_t>((triangle + 1) % 4)] = 1;
+  w[2] = {0.25, 0.25, 0.25, 0.25};
+  return w;
+}
+
 Point3 face_normal(const FaceCorners& x) {
   // A triangle repeats its third corner: the diagonals of the quadrilateral are then two of its sides.
   const Point3 n = cross(minus(x[2], x[0]), minus(x[3], x[1]));
@@ -274,7 +274,7 @@ Point3 face_normal(const FaceCorners& x) {
 std::array<double, 4> nodal_areas(int corners, const FaceCorners& x) {
   std::array<double, 4> area{};
   for (int i = 0; i < (corners == 3 ? 1 : 4); ++i) {
-    const Weights w = weights_of(corners, i);
+    const Weights w = triangle_weights(corners, i);
     const double third = area_of(triangle_of(x, w)) / 3;
     for (std::size_t v = 0; v < 3; ++v)
       for (std::size_t a = 0; a < 4; ++a) area[a] += third * w[v][a];
@@ -288,7 +288,7 @@ MortarFace make_mortar_face(int corners, const FaceCorners& X, bool dual) {
   const auto n = static_cast<std::size_t>(corners);
   std::array<std::array<double, 4>, 4> mass{};
   for (int i = 0; i < face.triangles(); ++i) {
-    const Weights w = weights_of(corners, i);
+    const Weights w = triangle_weights(corners, i);
     const double area = area_of(triangle_of(X, w));
     face.area[static_cast<std::size_t>(i)] = area;
     for (std::size_t a = 0; a < n; ++a)
@@ -358,7 +358,7 @@ double common_part(int corners, const FaceCorners& x, int a_corners, const FaceC
                     const Polygon<double> first = covered_polygon(places);
                     if (!(part_of(first) > 0)) return;
                     for (int j = 0; j < (b_corners == 3 ? 1 : 4); ++j) {
-                      const auto other = places_of(s, triangle_of(b, weights_of(b_corners, j)));
+                      const auto other = places_of(s, triangle_of(b, triangle_weights(b_corners, j)));
                       if (!may_cover(other)) continue;
                       Polygon<double> both = first;
                       for (std::size_t e : {0, 2, 1}) {
@@ -374,11 +374,11 @@ double common_part(int corners, const FaceCorners& x, int a_corners, const FaceC
 bool corner_gap(int corners, const FaceCorners& x, int corner, int primary_corners, const FaceCorners& p,
                 double& gap) {
   // The corner is the first one of the triangle with its number, or a corner of the only one.
-  const Triangle s = triangle_of(x, weights_of(corners, corners == 3 ? 0 : corner));
+  const Triangle s = triangle_of(x, triangle_weights(corners, corners == 3 ? 0 : corner));
   const std::size_t v = corners == 3 ? static_cast<std::size_t>(corner) : 0;
   const Place<double> here = {v == 1 ? 1.0 : 0.0, v == 2 ? 1.0 : 0.0, 0};
   for (int j = 0; j < (primary_corners == 3 ? 1 : 4); ++j) {
-    const auto q = places_of(s, triangle_of(p, weights_of(primary_corners, j)));
+    const auto q = places_of(s, triangle_of(p, triangle_weights(primary_corners, j)));
     const double whole = twice_area(q[0], q[2], q[1]);
     if (!(whole > 0)) continue;
     const std::array<double, 3> L = {twice_area(here, q[2], q[1]) / whole,

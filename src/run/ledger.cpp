@@ -245,6 +245,8 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   const double kinetic_change = total_.kinetic - kinetic_n;
   const double loss = inertia_ ? work_inertia + work_contact - kinetic_change : 0.0;
   sum(external) += work_external;
+  for (const ContactInterface& contact : motion_.contacts())
+    sum(external) += contact.obstacle_work(u, coupling_->stabilised());
   sum(contact_work) += work_contact;
   sum(numerical) += loss;
   sum(identity) += kinetic_change + loss + work_internal - work_external - work_contact;

@@ -100,8 +100,9 @@ void check_contact(const ContactSettings& contact) {
   const double* n = contact.plane_normal;
   if (contact.primary == "plane" && n[0] == 0 && n[1] == 0 && n[2] == 0)
     fail(prefix + "plane_normal \"0,0,0\": has no direction; allowed: a vector of any length but 0");
-  if (contact.secondary == "plane")
-    fail(prefix + "secondary \"plane\": a rigid plane is the primary side; exchange the two sides");
+  if (ContactSettings::rigid_name(contact.secondary))
+    fail(prefix + "secondary \"" + contact.secondary +
+         "\": a rigid body is the primary side; exchange the two sides");
   if (contact.penalty > contact.penalty_max)
     fail(prefix + "penalty_max \"" + number_text(contact.penalty_max) +
          "\": is less than the starting penalty; allowed: >= " + number_text(contact.penalty));
@@ -254,7 +255,7 @@ void check_groups(const Scenario& scenario, const std::vector<Group>& groups, in
   check_condition_groups(scenario, check, dim);
   for (const ContactSettings& contact : scenario.contacts) {
     check("-contact_" + contact.id + "_secondary", contact.secondary, {dim - 1});
-    if (contact.primary != "plane") check("-contact_" + contact.id + "_primary", contact.primary, {dim - 1});
+    if (!contact.rigid()) check("-contact_" + contact.id + "_primary", contact.primary, {dim - 1});
   }
   for (const ProbeScenario& probe : scenario.probes)
     if (!probe.region.empty()) check("-probe_" + probe.id + "_on", probe.region, {dim});

@@ -25,22 +25,33 @@ std::vector<std::string> all_fields() {
   return fields;
 }
 
-using Contact = ContactSettings;
+using Contact = ContactScenario;
 
 NumberWords automatic() { return {{"auto", Contact::automatic}}; }
 
 std::vector<OptionRow<Contact>> contact_side_rows() {
-  return {
+  std::vector<OptionRow<Contact>> rows = {
       text_row<Contact>("secondary", &Contact::secondary, {"boundary whose points are checked", "required"},
                         "name of a boundary"),
       text_row<Contact>("primary", &Contact::primary,
-                        {"boundary that they meet, or a rigid half space", "required"},
-                        "name of a boundary, plane"),
+                        {"boundary that they meet, or a rigid body", "required"},
+                        "name of a boundary, plane, rigid_sphere, rigid_cylinder"),
       point_row<Contact>("plane_point", [](auto& c) -> auto& { return c.plane_point; },
                          {"a point of the rigid plane", "0,0,0", "m"}),
       point_row<Contact>("plane_normal", [](auto& c) -> auto& { return c.plane_normal; },
                          {"normal of the rigid plane, away from its body", "0,1,0", "1"}),
+      point_row<Contact>("centre", [](auto& c) -> auto& { return c.centre; },
+                         {"of the rigid sphere, or a point on the axis of the cylinder", "0,0,0", "m"}),
+      point_row<Contact>("axis", [](auto& c) -> auto& { return c.axis; },
+                         {"of the rigid cylinder; in the plane along z", "0,0,1", "1"}),
+      number_row<Contact>("radius", &Contact::radius,
+                          {"of the rigid sphere or cylinder, outside of which the bodies are", "0", "m"},
+                          not_negative),
   };
+  add_components<Contact>(
+      rows, "rigid_u", [](auto& c) -> auto& { return c.rigid_u; }, "displacement of the rigid body over t",
+      [](const Contact&) { return std::string("m"); }, "m");
+  return rows;
 }
 
 std::vector<OptionRow<Contact>> enforcement_rows() {
@@ -53,10 +64,14 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
           {{"auto", ContactMethod::automatic},
            {"gpts", ContactMethod::gauss_points},
            {"mortar", ContactMethod::mortar}}),
-      choice_row<Contact, MultiplierSpace>(
-          "multipliers", &Contact::multipliers,
-          {"shape functions of the mortar's multipliers, or their biorthogonal ones", "standard"},
-          {{"standard", MultiplierSpace::standard}, {"dual", MultiplierSpace::dual}}),
+      choice_row<Contact, MultiplierSpace>("multipliers", &Contact::multipliers,
+                                           {"of the mortar: the shape functions, or functions biorthogonal "
+                                            "to them on facets that are covered as a "
+                                            "whole; auto: standard in the plane, dual in space",
+                                            "auto"},
+                                           {{"auto", MultiplierSpace::automatic},
+                                            {"standard", MultiplierSpace::standard},
+                                            {"dual", MultiplierSpace::dual}}),
       choice_row<Contact, Enforcement>(
           "enforce", &Contact::enforce,
           {"augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; auto: "
@@ -215,7 +230,7 @@ OptionClass<InitialCondition> initial_class() {
   return {"ic", "ics", "Boundary conditions win over initial ones.", rows};
 }
 
-OptionClass<ContactSettings> contact_class() {
+OptionClass<ContactScenario> contact_class() {
   std::vector<OptionRow<Contact>> rows = contact_side_rows();
   for (auto& row : enforcement_rows()) rows.push_back(row);
   for (auto& row : detection_rows()) rows.push_back(row);

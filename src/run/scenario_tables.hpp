@@ -36,7 +36,7 @@ OptionClass<FunctionScenario> function_class();
 OptionClass<MaterialInput> material_class();
 OptionClass<BoundaryCondition> boundary_class();
 OptionClass<InitialCondition> initial_class();
-OptionClass<ContactSettings> contact_class();
+OptionClass<ContactScenario> contact_class();
 OptionClass<OutputScenario> output_class();
 OptionClass<ProbeScenario> probe_class();
 OptionClass<MeasureScenario> measure_class();

@@ -18,7 +18,7 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s) {
   // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
   for (const ContactSettings& contact : s.contacts)
     for (const std::string& side : {contact.secondary, contact.primary})
-      if (side != "plane") request.weights.boundary[side] = 4;
+      if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] = 4;
   Mesh mesh = read_mesh(comm, request);
   check_groups(s, mesh.groups(), mesh.dim());
   return mesh;
@@ -45,7 +45,14 @@ double softer_modulus(const Discretisation& d) {
 
 std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
   std::vector<ContactInterface> contacts;
-  for (const ContactSettings& settings : s.contacts) {
+  for (const ContactScenario& contact : s.contacts) {
+    ContactSettings settings = contact;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (const auto& u = contact.rigid_u[k])
+        settings.rigid_motion[k] = [u = *u, dim = d.dim()](double t) {
+          const std::array<double, 3> origin{};
+          return u(origin.data(), dim, t);
+        };
     ContactEnvironment environment;
     environment.frame = d.frame;
     environment.thickness = d.thickness;

@@ -518,22 +518,22 @@ TEST(ContactInterface, AxisymmetricAreaIsTheFullRing) {
 }
 
 TEST(ContactInterface, RigidPlaneHoldsABodyAtAnyAngleAndMoves) {
-  for (int degrees = 0; degrees <= 90; degrees += 15) {
+  for (int turn = 0; turn < 14; ++turn) {
+    const int degrees = 15 * (turn / 2);
     TwoBlocks b;
     b.angle = degrees * std::numbers::pi / 180;
     const auto normal = place(b, 0, 1), point = place(b, 0.7, 0);
     ContactSettings s = settings_of(100);
     s.primary = "plane";
+    s.method = turn % 2 == 0 ? ContactMethod::gauss_points : ContactMethod::mortar;
+    s.enforce = Enforcement::auglag;
     s.plane_point[0] = point[0];
     s.plane_point[1] = point[1];
     s.plane_normal[0] = 3 * normal[0];
     s.plane_normal[1] = 3 * normal[1];
-    ContactEnvironment environment;
-    environment.plane_motion = [normal](double t) {
-      return std::array<double, 2>{-t * normal[0], -t * normal[1]};
-    };
-    Rig rig(PETSC_COMM_WORLD, b, bodies_mixed, s, environment);
-    EXPECT_TRUE(rig.contact.couplings().empty());
+    for (std::size_t k = 0; k < 2; ++k) s.rigid_motion[k] = [normal, k](double t) { return -t * normal[k]; };
+    Rig rig(PETSC_COMM_WORLD, b, bodies_mixed, s);
+    EXPECT_TRUE(s.method == ContactMethod::mortar || rig.contact.couplings().empty());
     const Handle<Vec> u = rig.at(sink(0.02)), d = rig.at(wiggle), product = rig.layout.make_global();
     const auto upward = place(b, 0, 1);
     auto f = rig.contact.measures(u).force;
@@ -554,6 +554,44 @@ TEST(ContactInterface, RigidPlaneHoldsABodyAtAnyAngleAndMoves) {
     EXPECT_GT(norm(product), 1);
     EXPECT_LE(norm(difference), 1e-12 * norm(product));
   }
+}
+
+TEST(ContactInterface, RoundRigidBodiesPushAlongTheirNormalsWithTheirExactTangent) {
+  for (const char* shape : {"rigid_cylinder", "rigid_sphere"})
+    for (const ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar}) {
+      ContactSettings s = settings_of(100);
+      s.primary = shape;
+      s.method = method;
+      s.enforce = Enforcement::auglag;
+      s.centre[0] = 1;
+      s.centre[1] = -2;
+      s.radius = 1.995;
+      Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s);
+      const Handle<Vec> u = rig.at(crush);
+      rig.contact.set_time(1);
+      rig.contact.update_search(u);
+      rig.contact.augment(u);
+      consistent_tangent(rig, u);
+      expect_force_of_the_energy(rig, u);
+      EXPECT_GT(rig.contact.measures(u).force[1], 0.1);
+    }
+}
+
+TEST(ContactInterface, WorkOfAMovingRigidBodyIsItsForceTimesItsMotion) {
+  ContactSettings s = settings_of(100);
+  s.primary = "plane";
+  s.rigid_motion[1] = [](double t) { return 0.01 * t; };
+  ContactEnvironment environment;
+  environment.thickness = 3;
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s, environment);
+  const Handle<Vec> u = rig.at(sink(0.02));
+  rig.contact.set_time(1);
+  rig.contact.advance(u, u, 0);
+  rig.state.commit();
+  rig.contact.set_time(3);
+  // 100 x 1.25 x depth at both ends of the step, over a way of 0.02.
+  EXPECT_NEAR(rig.contact.obstacle_work(u, true), 3 * 125 * 0.05 * 0.02, 1e-12);
+  EXPECT_NEAR(rig.contact.obstacle_work(u, false), 3 * 125 * 0.04 * 0.02, 1e-12);
 }
 
 TEST(ContactInterface, InitialOverlapIsAdjustedRefusedOrAllowedButRoundingIsNone) {

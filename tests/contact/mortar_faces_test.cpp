@@ -158,6 +158,39 @@ TEST(MortarFaces, TangentIsTheDerivativeOfTheResidualAndEqualsTheMatrixFreeProdu
   }
 }
 
+TEST(MortarFaces, RigidBodiesPushAlongTheirNormalsWithTheirExactTangent) {
+  const std::string dir = dir_of("rigid");
+  for (const char* shape : {"plane", "rigid_cylinder", "rigid_sphere"})
+    for (Case c : cases(true)) {
+      c.settings.primary = shape;
+      c.settings.plane_normal[1] = 0.1;
+      c.settings.plane_normal[2] = 1;
+      c.settings.axis[0] = 0.3;
+      c.settings.axis[1] = 1;
+      c.settings.axis[2] = 0.1;
+      c.settings.centre[0] = 0.5;
+      c.settings.centre[2] = -2;
+      c.settings.radius = 1.99;
+      BrickRig rig(PETSC_COMM_WORLD, dir, c.bricks, c.settings);
+      const Handle<Vec> u = rig.at(crush_bricks), d = rig.at(wiggle_bricks), up = rig.layout.make_global(),
+                        down = rig.layout.make_global(), product = rig.layout.make_global();
+      rig.contact.set_time(1);
+      rig.contact.update_search(u);
+      rig.contact.augment(u);
+      EXPECT_GT(rig.contact.measures(u).force[2], 0.05) << shape;
+      rig.contact.multiply(u, 1, d, product);
+      const double h = 1e-7;
+      check(VecWAXPY(up, h, d, u));
+      check(VecWAXPY(down, -h, d, u));
+      const Handle<Vec> difference = rig.residual(up), lower = rig.residual(down);
+      check(VecAXPY(difference, -1, lower));
+      check(VecScale(difference, 1 / (2 * h)));
+      check(VecAXPY(difference, -1, product));
+      EXPECT_LE(norm(difference), 1e-6 * norm(product)) << shape;
+      EXPECT_GT(norm(product), 0.5) << shape;
+    }
+}
+
 TEST(MortarFaces, AUniformPenetrationGivesTheForcesOfAUniformPressure) {
   const std::string dir = dir_of("uniform");
   for (Case c : cases(false)) {

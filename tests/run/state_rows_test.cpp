@@ -64,7 +64,7 @@ const Rows known = {
     {"damage_history", {Support::cell_point, 1}},
     {"contact_face_multiplier", {Support::facet_point, 1}},
     {"contact_face_penalty", {Support::global, 3}},
-    {"contact_face_totals", {Support::global, 5}},
+    {"contact_face_totals", {Support::global, 8}},
     {"contact_face_force", {Support::vertex, 2}},
     {"ledger_totals", {Support::global, 0}}, // as many as the ledger counts
     {"force_internal", {Support::vertex, 2}},

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 120
+# timeout: 300
 # processors: 2
 """Coulomb friction: a block that slides on a rigid plane or on a block of another mesh stops after v^2/(2 mu g) and
 stays, by Gauss points and mortar and by each enforcement; on a slope it stays below mu and slides above with

@@ -3,6 +3,7 @@
 #include <impact/contact/pair_search.hpp>
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/kernel/contact_slip.hpp>
+#include <impact/kernel/rigid_obstacle.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <span>
 
@@ -64,16 +65,22 @@ struct CurvatureFactors {
 /// call.
 using BlockVisitor = std::function<void(std::span<const int>, std::span<const double>)>;
 
+/// Where a rigid body stands in an attempt.
+struct ObstaclePose {
+  RigidObstacle obstacle;        ///< at the end of the step
+  std::array<double, 3> moved{}; ///< its displacement since the start of the step
+};
+
 class ContactForm {
 public:
   virtual ~ContactForm() = default;
 
   /// Name, support and components of the row that holds one multiplier per constraint, and its length.
   virtual std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const = 0;
-  /// Beginning of an attempt that ends at t; `u_n`: where it starts, or null. Slip counts from there.
-  /// Collective.
-  virtual void begin_attempt(double t, Vec u_n) = 0;
-  /// Slip counts from u from now on. Collective.
+  /// Beginning of an attempt; `pose`: of the rigid body, where the primary is one; `u_n`: where the attempt
+  /// starts, or null. Slip counts from there. Collective.
+  virtual void begin_attempt(const ObstaclePose& pose, Vec u_n) = 0;
+  /// Slip counts from u and from the rigid body's present place from now on. Collective.
   virtual void anchor(Vec u) = 0;
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
   /// Collective.

@@ -16,22 +16,18 @@ namespace impact {
 
 class GaussPointForm : public ContactForm {
 public:
-  /// Displacement of the rigid plane; empty: at rest.
-  using PlaneMotion = std::function<std::array<double, 2>(double)>;
-
-  /// `primary` is empty against the rigid plane of the settings. Settings without automatic values;
+  /// `primary` is empty against the rigid body of the settings. Settings without automatic values;
   /// `hold_gap`: by which a held edge's gap may differ from the nearest edge's. Collective.
   GaussPointForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings, Frame frame,
-                 ContactSurface secondary, const ContactSurface& primary, double hold_gap,
-                 PlaneMotion motion);
+                 ContactSurface secondary, const ContactSurface& primary, double hold_gap);
 
   std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
-  void begin_attempt(double t, Vec u_n) override;
+  void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
   double deepest() const override {
-    return against_plane() ? -std::numeric_limits<double>::infinity() : -search_.radius();
+    return settings_.rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
   }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
@@ -65,7 +61,6 @@ private:
     Point2<double> place{}; // of the point itself, against a rigid plane
   };
 
-  bool against_plane() const { return settings_.primary == "plane"; }
   void locate_anchors();
   // A constraint's nodes with those of its anchor, and the derivatives over them.
   struct Workspace {
@@ -81,7 +76,7 @@ private:
                 Workspace& w, Constraint& c) const;
   Point on_facet(int facet) const; // which faces nothing yet
   void hold_edges(const std::vector<double>& x, const PressureLaw& law);
-  Foot<double> plane_foot(const Point2<double>& x) const;
+  Foot<double> obstacle_foot(const Point2<double>& x) const;
   // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
   bool face(const Point2<double>& x, const Point2<double>& normal, const std::vector<double>& coordinates,
             const Hold& hold, Point& point) const;
@@ -97,14 +92,13 @@ private:
 
   ContactSettings settings_;
   Frame frame_;
-  PlaneMotion plane_motion_;
+  ObstaclePose pose_;
   ContactSurface secondary_;
   SurfacePoints points_;
   std::vector<double> nodal_area_;
   std::vector<Hold> holds_;     // [secondary facet][point]
   std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction
   double hold_gap_;
-  double time_ = 0;
 };
 
 } // namespace impact

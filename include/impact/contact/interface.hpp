@@ -26,8 +26,6 @@ struct ContactEnvironment {
   double modulus = 0;   ///< Young's modulus of the softer undegraded side
   double density = 0;   ///< of the heaviest side where bodies have inertia, else 0
   double length = 0;    ///< cell size beside the surface; 0: mean secondary facet
-  std::function<std::array<double, 2>(double)>
-      plane_motion; ///< displacement of the rigid plane; empty: at rest
 };
 
 /// What an evaluation saw, on this rank, without a reduction.
@@ -78,8 +76,8 @@ class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
   /// `_force` are added to the table, and the candidates at u = 0 are found. Throws UserError: unknown or
-  /// equal groups, a penalty that is not positive, automatic without a modulus, a plane without a normal.
-  /// Collective.
+  /// equal groups, a penalty that is not positive, automatic without a modulus, a rigid body without a
+  /// direction or radius. Collective.
   ContactInterface(const Mesh& mesh, const FieldLayout& displacement, const ContactSettings& settings,
                    const ContactEnvironment& environment, StateTable& state);
 
@@ -89,7 +87,7 @@ public:
   /// Sentences for the user: primary facets shorter than the spacing of the points. Equal on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Beginning of an attempt that ends at t: where the rigid plane's motion is taken. The committed row `u`
+  /// Beginning of an attempt that ends at t: where the rigid body's motion is taken. The committed row `u`
   /// of the table, where there is one, says where the bodies start. `mass_shift` (1/s^2) is the factor of the
   /// mass in the tangent, 0 without inertia: an automatic penalty of an augmented Lagrangian is raised to 2.5
   /// rho h mass_shift for the attempt. Collective.
@@ -121,6 +119,9 @@ public:
   /// Energy that sliding turned into heat in the step that ended at u: sum w t s, without what a penalty
   /// keeps elastically. Before advance. Collective.
   double friction_loss(Vec u) const;
+  /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
+  /// at the end, or the mean of both ends. Before advance. Collective.
+  double obstacle_work(Vec u, bool force_at_end) const;
   /// Whether the multipliers are updated within Newton's method.
   bool semismooth() const { return settings_.enforce == Enforcement::semismooth && !fallen_back_; }
   /// For the rest of the attempt an augmented Lagrangian takes the place of the semismooth method, whose
@@ -181,7 +182,8 @@ private:
   void declare_state(StateTable& state);
   void fetch_fixed();
   void share(std::vector<double>& multipliers) const;
-  bool against_plane() const { return settings_.primary == "plane"; }
+  std::array<double, 3> obstacle_displacement(double t) const;
+  ObstaclePose pose_at(double t) const;
   ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
@@ -199,6 +201,7 @@ private:
   StateRow *multiplier_, *traction_, *penalty_, *totals_, *force_; // traction: null without friction
   double inertia_penalty_ = 0;                                     // over the mass shift
   double mean_length_ = 0;                                         // of the secondary facets
+  double time_ = 0;                                                // of the attempt's end
   bool fallen_back_ = false, friction_suspended_ = false;
 };
 

@@ -5,13 +5,16 @@
 #include <impact/kernel/frame.hpp>
 #include <impact/kernel/mortar_face.hpp>
 #include <impact/kernel/mortar_segment.hpp>
+#include <limits>
 #include <utility>
 #include <vector>
 
 /// Mortar contact, one constraint per secondary node, evaluated by the owner of the node from all the facets
 /// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 over all pairs of
 /// facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not cover counts
-/// zero. Which primary facets a secondary facet faces is chosen by update and stays fixed in between.
+/// zero. Against a rigid body the gap is its distance, integrated by points on the secondary facets: exact
+/// for a plane. Which primary facets a secondary facet faces, and which functions Phi are dual, is chosen by
+/// update and stays fixed in between.
 namespace impact {
 
 class MortarForm : public ContactForm {
@@ -22,11 +25,13 @@ public:
              const ContactSurface& secondary, const ContactSurface& primary);
 
   std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
-  void begin_attempt(double t, Vec u_n) override;
+  void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
-  double deepest() const override { return -search_.radius(); }
+  double deepest() const override {
+    return settings_.rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
+  }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
   void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
@@ -35,12 +40,19 @@ public:
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 
 private:
+  // A point of the integrals over the gap to a rigid body: weights of the facet's corners in its place, and
+  // Phi_a dA_0.
+  struct FacetPoint {
+    std::array<double, 4> shape{}, weight{};
+  };
   struct Facet {
     std::array<PetscInt, 4> node{};              // global; an edge has two, a triangle repeats its third
     int corners = 2;                             // different ones
     std::array<int, 4> owned = {-1, -1, -1, -1}; // [corner] place in owned_, -1: another rank's
     MortarEdge edge;                             // in the plane
     MortarFace face;                             // in space
+    std::vector<FacetPoint> points;              // against a rigid body
+    std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole facet is covered
   };
   struct Incident {
     int facet, corner;
@@ -59,8 +71,8 @@ private:
   };
   // A pair of facets that cover a part of each other.
   struct Piece {
-    int facet, candidate;
-    MortarFacePair pair; // dofs: secondary corners, primary corners; in the plane two of each
+    int facet, candidate; // candidate -1: the rigid body
+    MortarFacePair pair;  // dofs: secondary corners, primary corners; in the plane two of each
   };
   using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
 
@@ -87,6 +99,9 @@ private:
   bool share_a_node(int candidate, int other) const;
   double size_of(int facet, const std::vector<double>& x) const; // longest side
   Facing facing_at(const std::vector<double>& x) const;
+  // Dual functions on the facets that are covered as a whole, standard ones on the others.
+  void choose_functions(const Facing& facing, const std::vector<double>& x);
+  static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   // Whether the node is active with these pairs.
   bool active(const Node& node, const std::vector<double>& u, const PressureLaw& law,
               const Facing& facing) const;
@@ -96,6 +111,12 @@ private:
   void place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
                     std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const;
   Slip slip_at(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots) const;
+  static std::vector<FacetPoint> points_of(const MortarEdge& edge);
+  static std::vector<FacetPoint> points_of(const MortarFace& face);
+  Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot,
+                  const std::vector<double>& u) const;
+  // Weighted gaps of a whole facet to the rigid body, in the form of a pair without a primary.
+  MortarFacePair obstacle_gaps(int facet, const std::vector<double>& u) const;
   // [corner] nodal areas of a secondary facet at u.
   std::array<double, 4> areas_at(int facet, const std::vector<double>& u) const;
 
@@ -110,6 +131,7 @@ private:
   Facing facing_;
   std::vector<std::vector<Anchor>> anchors_; // [owned node], empty without friction
   std::vector<int> switches_;                // [facet] in this attempt
+  ObstaclePose pose_;
 };
 
 } // namespace impact

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <functional>
 #include <limits>
 #include <string>
 
@@ -7,7 +9,7 @@
 namespace impact {
 
 enum class ContactMethod { automatic, gauss_points, mortar };
-enum class MultiplierSpace { standard, dual }; ///< of the mortar method
+enum class MultiplierSpace { automatic, standard, dual }; ///< of the mortar method
 enum class Enforcement { automatic, penalty, auglag, semismooth };
 enum class InitialOverlap { adjust, error, allow };
 enum class ImpactUpdate {
@@ -22,11 +24,17 @@ enum class PenaltyGrowth {
 
 struct ContactSettings {
   static constexpr double automatic =
-      std::numeric_limits<double>::quiet_NaN();                   ///< "auto" for the numbers below
-  std::string id, secondary, primary;                             ///< primary "plane": the rigid plane below
+      std::numeric_limits<double>::quiet_NaN(); ///< "auto" for the numbers below
+  std::string id, secondary;
+  std::string primary; ///< a boundary, or a rigid body: "plane", "rigid_sphere", "rigid_cylinder"
   double plane_point[3] = {0, 0, 0}, plane_normal[3] = {0, 1, 0}; ///< outward normal of the rigid half space
+  double centre[3] = {0, 0, 0}, axis[3] = {0, 0, 1};              ///< of a rigid sphere, a rigid cylinder
+  double radius = 0;                                              ///< of both
+  std::array<std::function<double(double t)>, 3>
+      rigid_motion;                                ///< displacement of the rigid body; empty: none
   ContactMethod method = ContactMethod::automatic; ///< automatic: Gauss points in the plane, mortar in space
-  MultiplierSpace multipliers = MultiplierSpace::standard;
+  MultiplierSpace multipliers =
+      MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
   double friction = 0;                          ///< Coulomb's coefficient
   double penalty = automatic;                   ///< stress per length; automatic: 10 E/h of the softer side
@@ -40,6 +48,11 @@ struct ContactSettings {
   InitialOverlap initial = InitialOverlap::error;
   double initial_tol = automatic; ///< automatic: 1e-3 of the facet
   ImpactUpdate impact = ImpactUpdate::automatic;
+
+  bool rigid() const { return rigid_name(primary); }
+  static bool rigid_name(const std::string& name) {
+    return name == "plane" || name == "rigid_sphere" || name == "rigid_cylinder";
+  }
 };
 
 } // namespace impact

@@ -28,6 +28,8 @@ struct MortarFace {
   int triangles() const { return corners == 3 ? 1 : 4; }
 };
 
+/// Weights of the face's corners in the corners of one of its triangles, [corner of the triangle][corner].
+std::array<std::array<double, 4>, 3> triangle_weights(int corners, int triangle);
 /// Standard functions Phi_a = N_a, or those biorthogonal to N_b over the whole face: int Phi_a N_b = delta_ab
 /// int N_b.
 MortarFace make_mortar_face(int corners, const FaceCorners& X, bool dual);

@@ -87,6 +87,10 @@ struct CheckpointScenario {
   double margin() const { return walltime_margin >= 0 ? walltime_margin : std::min(60.0, walltime / 10); }
 };
 
+struct ContactScenario : ContactSettings {
+  std::array<std::optional<Expression>, 3> rigid_u; ///< displacement of the rigid body over t
+};
+
 struct Scenario {
   std::string title, output_dir = ".";
   UnitSystem units;
@@ -100,7 +104,7 @@ struct Scenario {
   std::vector<MaterialScenario> materials;
   std::vector<BoundaryCondition> bcs;
   std::vector<InitialCondition> ics;
-  std::vector<ContactSettings> contacts;
+  std::vector<ContactScenario> contacts;
   TimeScenario time;
   DamageScenario damage;
   CouplingScenario coupling;

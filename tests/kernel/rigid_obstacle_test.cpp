@@ -1,0 +1,60 @@
+#include <cmath>
+#include <gtest/gtest.h>
+#include <impact/kernel/rigid_obstacle.hpp>
+#include <random>
+
+using namespace impact;
+
+namespace {
+
+std::array<RigidObstacle, 3> obstacles() {
+  const double s = 1 / std::sqrt(14.0);
+  const std::array<double, 3> direction = {s, -2 * s, 3 * s}, point = {0.3, 0.1, -0.2};
+  return {{{RigidObstacle::Shape::plane, point, direction, 0},
+           {RigidObstacle::Shape::sphere, point, direction, 0.7},
+           {RigidObstacle::Shape::cylinder, point, direction, 0.7}}};
+}
+
+} // namespace
+
+TEST(RigidObstacle, GapsAreTheDistancesOfTheShapes) {
+  const std::array<double, 3> x = {1, 2, 3};
+  const auto all = obstacles();
+  const double s = 1 / std::sqrt(14.0);
+  const std::array<double, 3> r = {0.7, 1.9, 3.2};
+  const double along = s * (0.7 - 2 * 1.9 + 3 * 3.2), square = 0.7 * 0.7 + 1.9 * 1.9 + 3.2 * 3.2;
+  EXPECT_NEAR(gap_to(all[0], x).gap, along, 1e-14);
+  EXPECT_NEAR(gap_to(all[1], x).gap, std::sqrt(square) - 0.7, 1e-14);
+  EXPECT_NEAR(gap_to(all[2], x).gap, std::sqrt(square - along * along) - 0.7, 1e-14);
+}
+
+TEST(RigidObstacle, NormalAndCurvatureAreTheDerivativesOfTheGap) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> u(-2, 2);
+  constexpr double h = 1e-6;
+  for (const RigidObstacle& obstacle : obstacles())
+    for (int trial = 0; trial < 20; ++trial) {
+      const std::array<double, 3> x = {u(random), u(random), u(random)};
+      const ObstacleGap at = gap_to(obstacle, x);
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::array<double, 3> up = x, down = x;
+        up[k] += h;
+        down[k] -= h;
+        const ObstacleGap right = gap_to(obstacle, up), left = gap_to(obstacle, down);
+        EXPECT_NEAR(at.normal[k], (right.gap - left.gap) / (2 * h), 1e-8);
+        for (std::size_t j = 0; j < 3; ++j)
+          EXPECT_NEAR(at.curvature[3 * j + k], (right.normal[j] - left.normal[j]) / (2 * h), 1e-7);
+      }
+    }
+}
+
+TEST(RigidObstacle, TheMiddleOfARoundOneHasAUnitNormalAcrossTheAxis) {
+  for (RigidObstacle obstacle : obstacles()) {
+    if (obstacle.shape == RigidObstacle::Shape::plane) continue;
+    obstacle.direction = {0, 0, 1};
+    const ObstacleGap middle = gap_to(obstacle, obstacle.point);
+    EXPECT_EQ(middle.gap, -0.7);
+    EXPECT_EQ(std::hypot(middle.normal[0], middle.normal[1]), 1);
+    EXPECT_EQ(middle.normal[2], 0);
+  }
+}
