@@ -1,6 +1,9 @@
+#include "row_messages.hpp"
+#include "symmetric_blocks.hpp"
 #include <algorithm>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
+#include <optional>
 #include <stdexcept>
 
 namespace impact {
@@ -40,18 +43,10 @@ struct SparseAssembly::Impl {
   double *own = nullptr, *foreign = nullptr;    // the value arrays between open and close
   bool is_open = false;
   std::vector<std::size_t> ghost_base; // [ghost row] into `ghost`
-  std::vector<double> ghost, received; // message buffers
-  std::vector<MPI_Request> requests;   // persistent: receives, then sends
+  std::vector<double> ghost;           // the message
+  std::optional<RowMessages> messages;
 
   Impl(const NodeGraph& g, const std::vector<CellGroup>& c, int k) : graph(g), groups(c), components(k) {}
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  ~Impl() {
-    int finalized = 0;
-    MPI_Finalized(&finalized);
-    if (!finalized)
-      for (MPI_Request& request : requests) MPI_Request_free(&request);
-  }
 
   // Where the first of a node's rows stands: slots below `own_slots` at `own`, the others at `rest` (null
   // where there are none); the next row follows after the stride.
@@ -70,8 +65,8 @@ struct SparseAssembly::Impl {
             slots * components, more * components};
   }
 
-  void lay_messages(MPI_Comm comm, int tag);
-  void add_received();
+  void lay_messages(Mat matrix);
+  void add(const std::vector<double>& received);
   template <int nodes, int c> void add(int group, int batch, const Batch* K);
   template <int nodes> void add(int group, int batch, const Batch* K) {
     switch (components) {
@@ -86,12 +81,19 @@ struct SparseAssembly::Impl {
 };
 
 void SparseAssembly::Delete::operator()(Impl* impl) const { delete impl; }
+void SparseAssembly::Delete::operator()(SymmetricBlocks* blocks) const { delete blocks; }
+
+Mat SparseAssembly::matrix() const { return blocks_ ? blocks_->matrix() : matrix_.get(); }
 
 SparseAssembly::SparseAssembly(const FieldLayout& layout, const Mesh& mesh,
                                const std::vector<CellGroup>& groups,
-                               const std::vector<std::pair<PetscInt, PetscInt>>& extra)
-    : own_graph_(std::make_unique<NodeGraph>(mesh, groups, extra)),
-      impl_(new Impl(*own_graph_, groups, layout.components())) {
+                               const std::vector<std::pair<PetscInt, PetscInt>>& extra, MatrixFormat format)
+    : own_graph_(std::make_unique<NodeGraph>(mesh, groups, extra)) {
+  if (format == MatrixFormat::sbaij) {
+    blocks_.reset(new SymmetricBlocks(layout, *own_graph_, groups));
+    return;
+  }
+  impl_.reset(new Impl(*own_graph_, groups, layout.components()));
   create_matrix(layout);
 }
 
@@ -140,13 +142,10 @@ void SparseAssembly::create_matrix(const FieldLayout& layout) {
   if (parallel) s.foreign_base = row_bases(s.foreign_block, rows, c);
   for (int r = 0; r < rows; ++r)
     s.foreign_columns.push_back(static_cast<int>(graph.columns(r).size()) - graph.own_columns(r));
-  PetscMPIInt tag = 0;
-  check(PetscObjectGetNewTag(reinterpret_cast<PetscObject>(matrix_.get()), &tag));
-  s.lay_messages(PetscObjectComm(reinterpret_cast<PetscObject>(matrix_.get())), tag);
+  s.lay_messages(matrix_);
 }
 
-// Rows of one neighbour stand side by side in the buffer, so that it is the message.
-void SparseAssembly::Impl::lay_messages(MPI_Comm comm, int tag) {
+void SparseAssembly::Impl::lay_messages(Mat matrix) {
   const std::size_t block = at(components * components);
   ghost_base.push_back(0);
   for (int g = 0; g < graph.ghost_row_count(); ++g)
@@ -155,17 +154,7 @@ void SparseAssembly::Impl::lay_messages(MPI_Comm comm, int tag) {
   std::vector<std::size_t> received_base{0};
   for (int k = 0; k < static_cast<int>(graph.received_rows().size()); ++k)
     received_base.push_back(received_base.back() + block * graph.received_slots(k).size());
-  received.resize(received_base.back());
-  for (const auto& from : graph.receive()) {
-    const std::size_t first = received_base[at(from.first_row)];
-    MPI_Recv_init(received.data() + first, static_cast<int>(received_base[at(from.end_row)] - first),
-                  MPI_DOUBLE, from.rank, tag, comm, &requests.emplace_back());
-  }
-  for (const auto& to : graph.send()) {
-    const std::size_t first = ghost_base[at(to.first_row)];
-    MPI_Send_init(ghost.data() + first, static_cast<int>(ghost_base[at(to.end_row)] - first), MPI_DOUBLE,
-                  to.rank, tag, comm, &requests.emplace_back());
-  }
+  messages.emplace(graph, matrix, ghost.data(), ghost_base, received_base);
 }
 
 void SparseAssembly::open() {
@@ -191,6 +180,7 @@ void SparseAssembly::close() {
 }
 
 void SparseAssembly::zero() {
+  if (blocks_) return blocks_->zero();
   close();
   check(MatZeroEntries(matrix_));
   std::fill(impl_->ghost.begin(), impl_->ghost.end(), 0.0);
@@ -222,11 +212,12 @@ template <int nodes, int c> void SparseAssembly::Impl::add(int group, int batch,
 }
 
 void SparseAssembly::add(int group, int batch, const Batch* K) {
+  if (blocks_) return blocks_->add(group, batch, K);
   open();
   visit(impl_->groups[at(group)].shape, [&]<class Cell>(Cell) { impl_->add<Cell::nodes>(group, batch, K); });
 }
 
-void SparseAssembly::Impl::add_received() {
+void SparseAssembly::Impl::add(const std::vector<double>& received) {
   const int c = components;
   const double* from = received.data();
   for (int k = 0; k < static_cast<int>(graph.received_rows().size()); ++k) {
@@ -243,18 +234,18 @@ void SparseAssembly::Impl::add_received() {
 }
 
 void SparseAssembly::finish() {
+  if (blocks_) return blocks_->finish();
   Impl& s = *impl_;
   open();
-  if (!s.requests.empty()) {
-    MPI_Startall(static_cast<int>(s.requests.size()), s.requests.data());
-    MPI_Waitall(static_cast<int>(s.requests.size()), s.requests.data(), MPI_STATUSES_IGNORE);
-    s.add_received();
+  if (s.messages->any()) {
+    s.add(s.messages->exchange());
     std::fill(s.ghost.begin(), s.ghost.end(), 0.0);
   }
   close();
 }
 
 void SparseAssembly::set_diagonal(const std::vector<int>& dofs, double value) {
+  if (blocks_) return blocks_->set_diagonal(dofs, value);
   Impl& s = *impl_;
   open();
   for (const int dof : dofs) {

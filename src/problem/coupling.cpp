@@ -35,11 +35,36 @@ std::string option_text(const char* name) {
   return set ? text : "";
 }
 
+// Its own options are read later.
+void set_solver_defaults(KSP ksp, const SolverDefaults& defaults) {
+  const bool half = defaults.matrix == MatrixFormat::sbaij;
+  int ranks = 1;
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks);
+  if (defaults.direct) {
+    check(KSPSetType(ksp, KSPPREONLY));
+    check(PCSetType(pc, half ? PCCHOLESKY : PCLU));
+    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  } else if (defaults.multigrid) {
+    check(KSPSetType(ksp, KSPGMRES));
+    // The blocks of bjacobi are factorised like the matrix of one rank: a symmetric format by ICC.
+    check(PCSetType(pc, !half ? PCGAMG : ranks == 1 ? PCICC : PCBJACOBI));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, half ? 10000 : 1000));
+  } else {
+    check(KSPSetType(ksp, KSPCG));
+    check(PCSetType(pc, PCJACOBI));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
+  }
+}
+
 } // namespace
 
 SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, bool inertia, double dt,
-                             ContactDemands contact) {
+                             ContactDemands contact, MatrixFormat matrix) {
   SolverDefaults choice;
+  choice.matrix = matrix;
+  const bool half = matrix == MatrixFormat::sbaij;
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
   for (const MaterialAssignment& m : d.materials)
@@ -54,12 +79,13 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     std::snprintf(text, sizeof(text), "cg + jacobi (dt is %.3g times h/c_p)", choice.cfl);
   } else if (small) {
     const std::string package = option_text("-motion_pc_factor_mat_solver_type");
-    std::snprintf(text, sizeof(text), "preonly + lu by %.40s (%lld dofs)",
+    std::snprintf(text, sizeof(text), "preonly + %s by %.40s (%lld dofs)", half ? "cholesky" : "lu",
                   package.empty() ? "mumps" : package.c_str(), static_cast<long long>(dofs));
   } else {
     choice.direct = false;
     choice.multigrid = true;
-    std::snprintf(text, sizeof(text), "gmres + gamg with rigid body modes (%lld dofs)",
+    std::snprintf(text, sizeof(text), "%s (%lld dofs)",
+                  half ? "gmres + incomplete cholesky" : "gmres + gamg with rigid body modes",
                   static_cast<long long>(dofs));
   }
   choice.reason = text;
@@ -71,6 +97,23 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   if (!ksp.empty() || !pc.empty()) choice.reason = "as the options say";
   if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
   return choice;
+}
+
+void check_preconditioner(KSP ksp, MatrixFormat matrix) {
+  if (matrix != MatrixFormat::sbaij) return;
+  int ranks = 1;
+  PC pc = nullptr;
+  PCType type = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(PCGetType(pc, &type));
+  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks);
+  const std::string name = type ? type : PCNONE;
+  if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE) return;
+  if (name == PCICC && ranks == 1) return;
+  throw UserError(ExitCode::usage, "-motion_pc_type \"" + name +
+                                       "\": cannot work with -motion_mat_type sbaij; allowed: cholesky, " +
+                                       (ranks == 1 ? "icc, " : "") +
+                                       "bjacobi, jacobi, none; choose one of them, or -motion_mat_type aij");
 }
 
 Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTable& state,
@@ -123,19 +166,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTab
   PC pc = nullptr;
   check(SNESGetKSP(motion_snes_, &ksp));
   check(KSPGetPC(ksp, &pc));
-  if (defaults.direct) {
-    check(KSPSetType(ksp, KSPPREONLY));
-    check(PCSetType(pc, PCLU));
-    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  } else if (defaults.multigrid) {
-    check(KSPSetType(ksp, KSPGMRES));
-    check(PCSetType(pc, PCGAMG));
-    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-  } else {
-    check(KSPSetType(ksp, KSPCG));
-    check(PCSetType(pc, PCJACOBI));
-    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
-  }
+  set_solver_defaults(ksp, defaults);
   const bool shell = motion_.jacobian() != motion_.matrix();
   if (shell) {
     // The preconditioner sees the bulk alone: a direct "solve" with it would solve the wrong system, and
@@ -152,6 +183,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTab
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
   check(SNESLineSearchSetType(search, semismooth() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
+  check_preconditioner(ksp, defaults.matrix);
   update_multipliers_in(motion_snes_);
   PetscBool factorises = PETSC_FALSE;
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));

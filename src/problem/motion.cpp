@@ -28,9 +28,9 @@ template <int n> double trace(const Batch* K, int lanes_in_use) {
 
 MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
-                             bool symmetric_tangent, ContactOperator contact_operator)
+                             bool symmetric_tangent, ContactOperator contact_operator, MatrixFormat format)
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
-      symmetric_(symmetric_tangent), operator_(contact_operator),
+      symmetric_(symmetric_tangent), operator_(contact_operator), format_(format),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
       free_(d_.node_values(d_.dim()), 1.0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
@@ -65,7 +65,7 @@ void MotionProblem::rebuild_matrix() {
     extra.insert(extra.end(), pairs.begin(), pairs.end());
   }
   assembly_.reset();
-  assembly_.emplace(d_.displacement, d_.mesh, d_.groups, extra);
+  assembly_.emplace(d_.displacement, d_.mesh, d_.groups, extra, format_);
   const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
   check(MatSetNearNullSpace(matrix(), modes));
 }

@@ -67,7 +67,8 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   const Discretisation& d = setup.discretisation;
   refuse_history(s, d);
   set_initial_state(s, setup);
-  MotionProblem motion(d, setup.state, setup.boundary, setup.contacts, solver.symmetric);
+  MotionProblem motion(d, setup.state, setup.boundary, setup.contacts, solver.symmetric,
+                       ContactOperator::assembled, solver.matrix);
   Handle<TS> ts;
   check(TSCreate(comm, ts.out()));
   check(TSSetProblemType(ts, TS_NONLINEAR));
@@ -89,9 +90,10 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   check(SNESGetKSP(snes, &ksp));
   check(KSPSetType(ksp, KSPPREONLY));
   check(KSPGetPC(ksp, &pc));
-  check(PCSetType(pc, PCLU));
+  check(PCSetType(pc, solver.matrix == MatrixFormat::sbaij ? PCCHOLESKY : PCLU));
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   check(TSSetFromOptions(ts));
+  check_preconditioner(ksp, solver.matrix);
 
   Handle<Vec> u = d.displacement.make_global(), v = d.displacement.make_global();
   d.displacement.to_global(setup.state.row("u").committed, u);

@@ -197,7 +197,8 @@ Scenario read_scenario(MPI_Comm comm) {
                       class_keys(contact_class()), class_keys(output_class()), class_keys(probe_class()),
                       class_keys(measure_class())});
   Scenario scenario;
-  scenario.coupling.max_it = 0; // not given
+  scenario.coupling.max_it = 0;  // not given
+  scenario.checkpoint.wall = -1; // not given
   OptionContext context;
   context.comm = comm;
   const auto rows = global_rows();

@@ -135,8 +135,29 @@ void check_checkpoints(const Scenario& scenario) {
   if (checkpoint.restart != "none") fail("-restart \"" + checkpoint.restart + "\": not available" + remedy);
   if (checkpoint.every > 0)
     fail("-checkpoint_every \"" + std::to_string(checkpoint.every) + "\": not available" + remedy);
+  if (checkpoint.wall > 0)
+    fail("-checkpoint_wall \"" + number_text(checkpoint.wall) + "\": not available" + remedy);
   if (checkpoint.walltime > 0)
     fail("-walltime \"" + number_text(checkpoint.walltime) + "\": not available" + remedy);
+}
+
+// Half of an unsymmetric matrix would be taken for all of it without a word.
+void check_matrix(const Scenario& scenario) {
+  if (scenario.matrix != MatrixFormat::sbaij) return;
+  const std::string key = "-motion_mat_type \"sbaij\": needs a symmetric tangent, ",
+                    remedy = "choose -motion_mat_type aij";
+  for (const MaterialScenario& material : scenario.materials) {
+    const bool flows = material.law.model == Model::j2, fbar = material.law.locking == Locking::fbar;
+    if (scenario.tangent != TangentChoice::symmetric && (flows || fbar))
+      fail(key + "that of -material_" + material.law.id + (flows ? "_model j2" : "_locking fbar") +
+           " is not; allowed: elastic materials without F-bar; add -motion_tangent symmetric, or " + remedy);
+  }
+  for (const BoundaryCondition& bc : scenario.bcs)
+    if (bc.type == BcType::pressure)
+      fail(key + "that of -bc_" + bc.id + "_type pressure is not; allowed: dead loads; " + remedy);
+  for (const ContactSettings& contact : scenario.contacts)
+    if (contact.friction > 0)
+      fail(key + "that of -contact_" + contact.id + "_friction is not; allowed: no friction; " + remedy);
 }
 
 void check_outputs(const Scenario& scenario) {
@@ -221,6 +242,8 @@ void complete(Scenario& scenario) {
     scenario.coupling.max_it = !scenario.has_inertia() && scenario.has_damage() ? 200 : 1;
   const auto& steps = scenario.time.table_dts;
   scenario.coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
+  if (scenario.checkpoint.wall < 0)
+    scenario.checkpoint.wall = scenario.time.type == "alpha2" ? 0 : CheckpointScenario().wall;
   if (scenario.checkpoint.dir.empty())
     scenario.checkpoint.dir = (std::filesystem::path(scenario.output_dir) / "checkpoints").string();
   for (OutputScenario& output : scenario.outputs) complete_output(output, scenario);
@@ -239,6 +262,7 @@ void check_scenario(const Scenario& scenario) {
   for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
   check_alpha2(scenario);
   check_checkpoints(scenario);
+  check_matrix(scenario);
   check_outputs(scenario);
 }
 

@@ -142,7 +142,8 @@ private:
 Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const SolverDefaults& solver,
                        const std::optional<Checkpoint>& resume, const StepProbe& probe)
     : comm_(comm), s_(s), setup_(setup), d_(setup.discretisation), inertia_(s.has_inertia()),
-      motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric, s.contact_operator),
+      motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric, s.contact_operator,
+              solver.matrix),
       damage_(d_.has_damage()
                   ? std::optional<DamageProblem>(std::in_place, d_, setup.state, setup.boundary, s.damage)
                   : std::nullopt),
@@ -459,7 +460,7 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
     demands.frictional = demands.frictional || contact.frictional();
   }
   const SolverDefaults solver =
-      choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands);
+      choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup->discretisation, solver);
   if (s.dry_run) {
     set_initial_state(s, *setup);

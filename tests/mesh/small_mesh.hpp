@@ -1,5 +1,6 @@
 #pragma once
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <impact/mesh/mesh.hpp>
@@ -17,12 +18,35 @@ inline int rank_of(MPI_Comm comm) {
   return rank;
 }
 
-/// An empty directory that all ranks know. Collective.
+/// The folder of one run of the test program, so that runs at the same time do not meet; it goes with the
+/// program.
+class RunFolder {
+public:
+  RunFolder() {
+    on_rank_zero(PETSC_COMM_WORLD, [&] {
+      std::string name = (std::filesystem::temp_directory_path() / "impact_test_XXXXXX").string();
+      if (mkdtemp(name.data()) == nullptr) throw UserError(ExitCode::io, "cannot make the folder " + name);
+      made_ = name;
+    });
+    path_ = broadcast(PETSC_COMM_WORLD, made_);
+  }
+  ~RunFolder() {
+    std::error_code ignored;
+    if (!made_.empty()) std::filesystem::remove_all(made_, ignored);
+  }
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+private:
+  std::string made_; // on the rank that made it
+  std::filesystem::path path_;
+};
+
+/// An empty directory that all ranks know, of this run alone. Collective.
 inline std::string fresh_dir(const std::string& name) {
-  int ranks = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
-  const auto dir =
-      std::filesystem::temp_directory_path() / ("impact_run_test_" + std::to_string(ranks) + "_" + name);
+  static const RunFolder folder;
+  const auto dir = folder.path() / name;
   on_rank_zero(PETSC_COMM_WORLD, [&] {
     std::filesystem::remove_all(dir);
     std::filesystem::create_directories(dir);

@@ -14,7 +14,10 @@ double entry(PetscInt row, PetscInt column) {
          (row == column ? 4 : 0);
 }
 
+double symmetric_entry(PetscInt row, PetscInt column) { return entry(row, column) + entry(column, row); }
+
 struct Problem {
+  using Entry = double (*)(PetscInt, PetscInt);
   Mesh mesh;
   FieldLayout layout;
   std::vector<CellGroup> groups;
@@ -27,7 +30,7 @@ struct Problem {
     return mesh.global_node()[static_cast<std::size_t>(node)] * layout.components() + k;
   }
 
-  void assemble(SparseAssembly& assembly) const {
+  void assemble(SparseAssembly& assembly, Entry value = entry) const {
     const int c = layout.components();
     assembly.zero();
     for (int g = 0; g < static_cast<int>(groups.size()); ++g) {
@@ -40,7 +43,7 @@ struct Problem {
           for (int j = 0; j < width; ++j)
             for (int l = 0; l < lanes; ++l)
               K[static_cast<std::size_t>(i * width + j)].set(
-                  l, entry(dof(node[i / c * lanes + l], i % c), dof(node[j / c * lanes + l], j % c)));
+                  l, value(dof(node[i / c * lanes + l], i % c), dof(node[j / c * lanes + l], j % c)));
         assembly.add(g, b, K.data());
       }
     }
@@ -48,7 +51,7 @@ struct Problem {
   }
 
   /// The same matrix through PETSc's own insertion.
-  Handle<Mat> reference() const {
+  Handle<Mat> reference(Entry value = entry) const {
     const int c = layout.components();
     Handle<Mat> A;
     MatCreate(PETSC_COMM_WORLD, A.out());
@@ -66,7 +69,7 @@ struct Problem {
             const std::size_t w = static_cast<std::size_t>(c);
             const PetscInt row = dof(table.connectivity[cell * nodes + i / w], static_cast<int>(i % w));
             const PetscInt column = dof(table.connectivity[cell * nodes + j / w], static_cast<int>(j % w));
-            MatSetValue(A, row, column, entry(row, column), ADD_VALUES);
+            MatSetValue(A, row, column, value(row, column), ADD_VALUES);
           }
     }
     MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY);
@@ -85,6 +88,66 @@ double difference(Mat A, Mat B) {
   MatNorm(D, NORM_FROBENIUS, &norm);
   MatNorm(B, NORM_FROBENIUS, &scale);
   return norm / scale;
+}
+
+/// The same for a matrix of any format, from its products with the unit vectors.
+double difference_by_products(Mat A, Mat B) {
+  Handle<Mat> full;
+  MatComputeOperator(A, MATAIJ, full.out());
+  return difference(full, B);
+}
+
+TEST(SparseAssembly, SymmetricBlocksEqualMatSetValues) {
+  for (const Shape shape : all_shapes)
+    for (const int components : {1, 2, 3}) {
+      const Problem p(make_block(shape, 3), components);
+      SparseAssembly assembly(p.layout, p.mesh, p.groups, {}, MatrixFormat::sbaij);
+      const Handle<Mat> expected = p.reference(symmetric_entry);
+      for (int pass = 0; pass < 2; ++pass) {
+        p.assemble(assembly, symmetric_entry);
+        EXPECT_LT(difference_by_products(assembly.matrix(), expected), 1e-14);
+      }
+      PetscInt block = 0;
+      MatGetBlockSize(assembly.matrix(), &block);
+      EXPECT_EQ(block, components);
+    }
+}
+
+TEST(SparseAssembly, SymmetricBlocksTakeExtraPairsLaterValuesAndDiagonals) {
+  const Problem p(make_block(Shape::quad4, 4), 2);
+  const PetscInt last = p.mesh.global_node_count() - 1;
+  int rank = 0;
+  MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+  std::vector<std::pair<PetscInt, PetscInt>> extra;
+  if (rank == 0) extra = {{0, last}, {last / 2, 0}, {last, last / 2}};
+  SparseAssembly assembly(p.layout, p.mesh, p.groups, extra, MatrixFormat::sbaij);
+  // A symmetric block as contact adds it, below and above the diagonal, from one rank; negative dofs are out.
+  const auto add_contact = [&](Mat A) {
+    const PetscInt dof[6] = {2 * last, 2 * last + 1, 0, -1, last / 2 * 2, last / 2 * 2 + 1};
+    double block[36];
+    for (int i = 0; i < 6; ++i)
+      for (int j = 0; j < 6; ++j) block[6 * i + j] = 1.5 + std::cos(i + j);
+    if (rank == 0) MatSetValues(A, 6, dof, 6, dof, block, ADD_VALUES);
+    MatAssemblyBegin(A, MAT_FINAL_ASSEMBLY);
+    MatAssemblyEnd(A, MAT_FINAL_ASSEMBLY);
+  };
+  std::vector<int> dofs;
+  for (const int n : p.mesh.nodes("left"))
+    if (p.mesh.owned(n)) dofs.push_back(2 * n + 1);
+  const Handle<Mat> expected = p.reference(symmetric_entry);
+  add_contact(expected);
+  for (const int d : dofs) {
+    const PetscInt row = p.dof(d / 2, d % 2);
+    MatSetValue(expected, row, row, 77, INSERT_VALUES);
+  }
+  MatAssemblyBegin(expected, MAT_FINAL_ASSEMBLY);
+  MatAssemblyEnd(expected, MAT_FINAL_ASSEMBLY);
+  for (int pass = 0; pass < 3; ++pass) {
+    p.assemble(assembly, symmetric_entry);
+    add_contact(assembly.matrix());
+    assembly.set_diagonal(dofs, 77);
+    EXPECT_LT(difference_by_products(assembly.matrix(), expected), 1e-14);
+  }
 }
 
 TEST(SparseAssembly, EqualsMatSetValues) {

@@ -29,8 +29,8 @@ template <int dim> double displacement(const double* x, double a, int i) {
   return u;
 }
 
-/// Component i of Div P at x.
-template <int dim> double divergence(const PointLaw& law, const double* x, double a, int i) {
+/// Div P at x.
+template <int dim> Vector<double, dim> divergence(const PointLaw& law, const double* x, double a) {
   using T = Dual<double, dim>;
   T X[dim];
   for (int j = 0; j < dim; ++j) X[j] = seed<double, dim>(x[j], j);
@@ -57,8 +57,9 @@ template <int dim> double divergence(const PointLaw& law, const double* x, doubl
   in.theta = T(law.parameters.theta0);
   const PointResponse<T, dim> at = evaluate(law, in);
   const Tensor<T, dim> P = first_piola(at.tau, at.k.inverse_F);
-  double sum = 0;
-  for (int j = 0; j < dim; ++j) sum += P[tensor_index(dim, i, j)].d[j];
+  Vector<double, dim> sum{};
+  for (int i = 0; i < dim; ++i)
+    for (int j = 0; j < dim; ++j) sum[i] += P[tensor_index(dim, i, j)].d[j];
   return sum;
 }
 
@@ -89,7 +90,7 @@ std::vector<Field> body_force(const MaterialParameters& p, Amplitude amplitude, 
   for (int i = 0; i < dim; ++i)
     b.emplace_back([law = PointLaw{p}, i, amplitude, acceleration](const double* x, double t) {
       return displacement<dim>(x, acceleration(t), i) -
-             divergence<dim>(law, x, amplitude(t), i) / law.parameters.rho;
+             divergence<dim>(law, x, amplitude(t))[i] / law.parameters.rho;
     });
   return b;
 }

@@ -35,6 +35,7 @@ TIGHT = {"motion": {"motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "mo
 # Work and balances are no state; the tip of a crack jumps from node to node.
 NOT_COMPARED = ("tries", "newton", "linear", "uzawa", "damage_its", "balance", "balance_first_law")
 RANKS = ((1, 2), (2, 1), (2, 3), (4, 2))
+ON_ONE_RANK = re.compile(r"-motion_pc_type icc|solver_type petsc")
 plain_run = _runs.run
 
 
@@ -150,12 +151,17 @@ class Modes:
         for solver, options in TIGHT.items():
             if f"-{solver}_ksp" not in said and f"-{solver}_pc" not in said and "contact_operator" not in said:
                 extra.update(options)
+                if solver == "motion" and "-motion_mat_type sbaij" in said:
+                    extra["motion_pc_type"] = "cholesky"
         return extra
 
     def repeat(self, mode, what, name, options, files, ranks, done, said):
         half = max(1, int(done["step"][-1]) // 2)
         base = {**options, "checkpoint_every": half, "checkpoint_keep": 100, "checkpoint_wall": 0}
         pairs = [(ranks, ranks)]
+        if mode == "repartition" and ON_ONE_RANK.search(said):
+            self.report.skipped.append(f"{what} (its solver works on one rank)")
+            return
         if mode != "recover":
             base.update(self.tight(said))
         if mode == "repartition":

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """R5: damaged checkpoints end in a message with exit status 4, or the run goes on from an older undamaged one and says
 so. No signal, no hang, no silent load. `reliability_damage_long` makes 1000 of them."""
 import os

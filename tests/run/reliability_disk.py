@@ -68,7 +68,8 @@ for ranks in (1, 2):
     check(f"{ranks} rank(s): full disk at {tried} calls of the first checkpoint, ends without status 4 and a line",
           len(wrong), 0, 0, relative=False)
     if long():
-        require(f"{ranks} rank(s): the calls went through the whole checkpoint", code == 0 and tried > 50)
+        # 676 calls on one rank; on two a rank makes some 430, of which every eleventh is tried.
+        require(f"{ranks} rank(s): the calls went through the whole checkpoint", code == 0 and call > 300)
 
 # What a killed run of another program leaves: the semaphore by which Open MPI's own way to files guards a name.
 locked = [f"/dev/shm/sem.OMPIO_checkpoint_00000{n}.h5{end}" for n in (1, 2) for end in ("", ".tmp")]

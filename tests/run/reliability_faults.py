@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """R10, R11: a number that is none at one quadrature point of one rank, an inverted cell, and solvers that fail. All ranks
 see it in the same evaluation, it is located, the step is cut and grows again; after -ts_max_reject tries the run ends
 with status 5 and a checkpoint from which it can go on."""

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """R1 for the field output: a run that is killed at a call that writes, syncs or renames one of its files loses at most the
 time that is being written. The times before stay readable and right; after -restart auto every time is there once, with
 the values of an undisturbed run, and no file beside those that the .xdmf names. Tried at every call of one output after a

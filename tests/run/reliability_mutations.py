@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """R6: damaged meshes and option files end in one clear line within 5 s: no signal, no traceback, no internal error; what
 cannot be computed (a coordinate that is no number, a flat or inverted cell, a missing group, cells of a higher order) is
 never accepted. `reliability_mutations_long` takes 1000 of each kind."""

@@ -39,7 +39,7 @@ const std::vector<Row>& rows() {
       {{{"-motion_kps_type", "cg"}},
        ExitCode::usage,
        "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: tangent, "
-       "reuse_tangent, and "
+       "mat_type, reuse_tangent, and "
        "names that start "
        "with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
       {{{"-heat_foo", "1"}},
@@ -136,6 +136,9 @@ const std::vector<Row>& rows() {
        "-checkpoint_every \"5\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
        "-ts_type "
        "newmark"},
+      {alpha2({{"-checkpoint_wall", "60"}}), ExitCode::usage,
+       "-checkpoint_wall \"60\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
+       "-ts_type newmark"},
       {alpha2({{"-restart", "auto"}}), ExitCode::usage,
        "-restart \"auto\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
        "-ts_type newmark"},
@@ -146,6 +149,25 @@ const std::vector<Row>& rows() {
        "-output_vis_type \"xdmf\": not available; -ts_type alpha2 writes the history alone; allowed: csv; "
        "remove it, or "
        "choose -ts_type newmark"},
+      {{{"-motion_mat_type", "sbaij"}, {"-material_beam_model", "j2"}, {"-material_beam_sigma_y", "1 MPa"}},
+       ExitCode::usage,
+       "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -material_beam_model j2 is not; "
+       "allowed: "
+       "elastic materials without F-bar; add -motion_tangent symmetric, or choose -motion_mat_type aij"},
+      {{{"-motion_mat_type", "sbaij"}, {"-motion_tangent", "symmetric"}, {"-contact_tip_friction", "0.1"}},
+       ExitCode::usage,
+       "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -contact_tip_friction is not; "
+       "allowed: no "
+       "friction; choose -motion_mat_type aij"},
+      {{{"-motion_mat_type", "sbaij"},
+        {"-motion_tangent", "symmetric"},
+        {"-bc_push_type", "pressure"},
+        {"-bc_push_uy", "-"},
+        {"-bc_push_value", "1"}},
+       ExitCode::usage,
+       "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -bc_push_type pressure is not; "
+       "allowed: "
+       "dead loads; choose -motion_mat_type aij"},
       {{{"-materials", "beam,Beam"}},
        ExitCode::usage,
        "-materials \"beam,Beam\": 'Beam' is declared twice; ids are unique, whatever their case"},

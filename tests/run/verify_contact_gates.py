@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """What a contact must not depend on: the angle of the whole set-up, which side is the secondary one, on which rank each
 body lies, the convergence criterion in use while nothing touches yet, and a step in which a body flies deep into the
 other one."""
@@ -20,7 +20,8 @@ BASE = {
     "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
     "ts_dt": DT, "ts_max_time": 0.25,
     "contact_face_enforce": "penalty", "ts_newmark_rho": 0.9,
-    "motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
+    # The default of the second, 1e-12 E h = 2.5e-7 N, leaves 1e-11 of the momentum in steps of several facets.
+    "motion_snes_rtol": 1e-12, "motion_snes_atol": 1e-9, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
 }
 SWAPPED = {"contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom"}
 
@@ -60,7 +61,7 @@ require("free flight first: nothing touches before the gap is closed",
 check_between("steps with contact", numpy.count_nonzero(reference["contact_face_active"]), 10, 95)
 check_between("largest energy over that of the start", energy.max() / energy[0], 0.97, 1.001)
 check("impulse on the flying block is its change of momentum", impulse(reference)[-1], momentum[0] - momentum[-1],
-      1e-9)
+      1e-12)
 
 for angle in (30, 90):
     r = flight(angle)
@@ -82,7 +83,7 @@ for name, criterion in {"rtol": {"snes_rtol": 1e-9, "snes_stol": 0},
 swapped = flight(0, SWAPPED)
 check("sides swapped: impulse", impulse(swapped)[-1], impulse(reference)[-1], 0.02)
 check("sides swapped: impulse on the flying block is its change of momentum", impulse(swapped)[-1],
-      swapped["momentum_upper_y"][-1] - swapped["momentum_upper_y"][0], 1e-9)
+      swapped["momentum_upper_y"][-1] - swapped["momentum_upper_y"][0], 1e-12)
 
 # The simple partitioner deals the cells out in their order: the lower block's 16 to one rank, the upper's to another.
 even = {"mesh_set_n_upper": 4, "mesh_set_inset": 0.07}
@@ -98,15 +99,16 @@ for facets, extra in ((1.2, {}), (2, {}), (3.2, SWAPPED), (5, {}),
     print(f"     v dt = {facets} facets {extra}: tries {r['tries'].max():.0f}, Newton at most {r['newton'].max():.0f}, "
           f"upward momentum {r['momentum_upper_y'][-1]:.4g}")
     check_between(f"fast body, v dt = {facets} facets: impulse", impulse(r)[-1], 0.9 * momentum[0], 2.5 * momentum[0])
+    # Penalty alone answers a facet's depth with a force of which -motion_snes_rtol leaves more.
     check("impulse is the change of momentum", impulse(r)[-1], r["momentum_upper_y"][-1] - r["momentum_upper_y"][0],
-          1e-6)
+          1e-8 if "contact_face_enforce" in extra else 1e-12)
     check_between("smallest gap", numpy.nanmin(r["contact_face_gap_min"]), -1e-3, 1)
 
 # In one step from above the surface to below it and beside it: the way crosses no facet.
 r = flight(0, {"ts_dt": 1.25, "ts_max_time": 2.5, "mesh_set_gap": 0.75, "contact_face_enforce": "auglag",
                "ic_flight_vx": 4})
 check("fast body that passes beside: impulse", impulse(r)[-1], 0, 0, relative=False)
-check("its momentum stays", r["momentum_upper_y"][-1], r["momentum_upper_y"][0], 1e-9)
+check("its momentum stays", r["momentum_upper_y"][-1], r["momentum_upper_y"][0], 1e-12)
 # Steps far shorter than a wave needs through a cell (h/c is 3e-3 s): the surface's mass resists, not its modulus, and
 # augmentations with a penalty of 10 E/h alone shrink the gap by nothing.
 short = run("short_steps", {**TWO_BLOCKS, "mesh_set_gap": 1e-4, "contact_face_enforce": "auglag", "motion_pc_type": "lu",

@@ -1,6 +1,6 @@
 # Homogeneous modes (A7) and rotations (A2) of elastic and plastic bodies against closed forms.
 # labels: run
-# timeout: 60
+# timeout: 180
 import math
 
 import _runs as runs

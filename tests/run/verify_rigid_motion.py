@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """A run without inertia refuses, before its first step, a body that could move rigidly, and says how; a body that
 contact touches from the start is warned of; held bodies run."""
 from _runs import finish, mesh, require, run

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """Contact beside the matrix (-contact_operator shell) gives the histories of contact in the matrix, to the tolerance
 of the solvers: two blocks that meet in flight, with penalty and with augmentations, and two that are pressed together
 without inertia, on 1 and 2 ranks. A preconditioner that cannot see the contact is refused where it is the solver."""

@@ -29,6 +29,7 @@ public:
   int row_count() const { return static_cast<int>(own_in_row_.size()); }
   std::span<const PetscInt> columns(int row) const { return list(row_start_, column_, row); }
   int own_columns(int row) const { return own_in_row_[static_cast<std::size_t>(row)]; }
+  PetscInt ghost_node(int row) const { return ghost_node_[static_cast<std::size_t>(row)]; } ///< global
   int ghost_row_count() const { return static_cast<int>(ghost_start_.size()) - 1; }
   std::span<const PetscInt> ghost_columns(int row) const { return list(ghost_start_, ghost_column_, row); }
   /// Row of each local node: >= 0 an own row, else -1 - ghost row.

@@ -1,28 +1,34 @@
 #pragma once
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
+#include <impact/mesh/matrix_format.hpp>
 #include <impact/mesh/node_graph.hpp>
 #include <memory>
 #include <utility>
 
-/// An AIJ matrix over one nodal field and the precomputed positions at which cell matrices are added: own
-/// rows straight into the CSR value arrays, foreign rows packed and sent once per assembly to each neighbour
+/// A matrix over one nodal field and the precomputed positions at which cell matrices are added: own
+/// rows straight into PETSc's value arrays, foreign rows packed and sent once per assembly to each neighbour
 /// (no stash). One assembly: zero, add for every batch, finish. After finish others may
 /// MatSetValues(ADD_VALUES) at the pairs of the pattern, foreign rows too (PETSc's stash), closed by
-/// MatAssemblyBegin/End; a place outside the pattern is an error.
+/// MatAssemblyBegin/End; a place outside the pattern is an error. With MatrixFormat::sbaij the matrix must be
+/// symmetric: of all that is added, what stands below the diagonal is passed over.
 namespace impact {
+
+class SymmetricBlocks;
 
 class SparseAssembly {
 public:
   /// Pattern: node pairs of every cell plus `extra` (pairs of GLOBAL nodes, any rank may give any pair; both
   /// (i,j) and (j,i) are inserted; always the diagonal). Collective.
   SparseAssembly(const FieldLayout& layout, const Mesh& mesh, const std::vector<CellGroup>& groups,
-                 const std::vector<std::pair<PetscInt, PetscInt>>& extra = {});
-  /// Same with a graph that several fields share; `graph` and `groups` must outlive the assembly. Collective.
+                 const std::vector<std::pair<PetscInt, PetscInt>>& extra = {},
+                 MatrixFormat format = MatrixFormat::aij);
+  /// Same in AIJ with a graph that several fields share; `graph` and `groups` must outlive the assembly.
+  /// Collective.
   SparseAssembly(const FieldLayout& layout, const NodeGraph& graph, const std::vector<CellGroup>& groups);
 
-  /// MPIAIJ/SEQAIJ with block size set, all values zero and assembled after construction.
-  Mat matrix() const { return matrix_; }
+  /// Block size set, all values zero and assembled after construction.
+  Mat matrix() const;
 
   /// Sets all values to zero. Not collective.
   void zero();
@@ -39,12 +45,14 @@ private:
   struct Impl;
   struct Delete {
     void operator()(Impl*) const;
+    void operator()(SymmetricBlocks*) const;
   };
   void create_matrix(const FieldLayout& layout);
   void open();
   void close();
 
   std::unique_ptr<const NodeGraph> own_graph_;
+  std::unique_ptr<SymmetricBlocks, Delete> blocks_; // with sbaij, else the two below
   std::unique_ptr<Impl, Delete> impl_;
   Handle<Mat> matrix_;
 };

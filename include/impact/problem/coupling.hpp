@@ -21,7 +21,8 @@ struct StepCounts {
 /// printed.
 struct SolverDefaults {
   bool direct = true, multigrid = false, symmetric = false;
-  double cfl = 0; ///< dt c_p / shortest edge; 0 without inertia
+  MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
+  double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
   std::string reason;
 };
@@ -32,7 +33,9 @@ struct ContactDemands {
 };
 /// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
-                             double dt, ContactDemands contact = {});
+                             double dt, ContactDemands contact = {}, MatrixFormat matrix = MatrixFormat::aij);
+/// Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
+void check_preconditioner(KSP ksp, MatrixFormat matrix);
 
 class Coupling {
 public:

@@ -40,7 +40,8 @@ class MotionProblem {
 public:
   MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
                 std::vector<ContactInterface>& contacts, bool symmetric_tangent,
-                ContactOperator contact_operator = ContactOperator::assembled);
+                ContactOperator contact_operator = ContactOperator::assembled,
+                MatrixFormat format = MatrixFormat::aij);
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
@@ -114,6 +115,7 @@ private:
   std::vector<ContactInterface>& contacts_;
   bool symmetric_;
   ContactOperator operator_;
+  MatrixFormat format_;
   MotionStep step_;
   std::optional<SparseAssembly> assembly_;
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/damage.hpp>
+#include <impact/mesh/matrix_format.hpp>
 
 /// Choices of the solution method that the user makes by options.
 namespace impact {

@@ -109,6 +109,7 @@ struct Scenario {
   DamageScenario damage;
   CouplingScenario coupling;
   TangentChoice tangent = TangentChoice::automatic;
+  MatrixFormat matrix = MatrixFormat::aij; ///< of motion
   ContactOperator contact_operator = ContactOperator::assembled;
   std::vector<OutputScenario> outputs;
   std::vector<ProbeScenario> probes;
