@@ -49,7 +49,8 @@ def family(column):
         return "momentum"
     if re.match(r"contact_\w+_pressure", column):
         return column.rsplit("_", 1)[0]
-    if re.match(r"(mean|probe|measure)_\w+_u[xyz]$", column):
+    # Gaps that are held closed are rounding of displacements.
+    if re.match(r"(mean|probe|measure)_\w+_u[xyz]$|contact_\w+_gap_min$", column):
         return "displacement"
     return re.sub(r"_?[va]?(xx|yy|zz|xy|yz|xz|x|y|z)$", "", column)
 

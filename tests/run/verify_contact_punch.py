@@ -15,7 +15,7 @@ WAY = LOAD * (1 - NU**2) / (math.pi * E) * (2 * math.log(2 * DEPTH / A) - (1 + N
 print(f"closed form: way {WAY:.6f} mm, pressure in the middle {LOAD / (math.pi * A):.2f} MPa")
 errors = []
 for n in (10, 20, 40):
-    r = run(f"punch_{n}", {"mesh_set_n": n}, files=[option_file("punch.opts")])
+    r = run(f"punch_{n}", {"mesh_set_n": n, "ts_dt": 1}, files=[option_file("punch.opts")])
     x, _, p = pressed(r)
     middle = p[0] * math.pi * A / LOAD
     inner = x < A / 2
