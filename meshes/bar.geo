@@ -1,8 +1,11 @@
-// A bar along x that hits a second bar, a wall, or nothing of the mesh (a rigid plane).
+// A bar along x that hits a second bar, with a third one behind it, a wall, or nothing of the mesh (a rigid plane).
 DefineConstant[
-  second = 1,        // 0: none, 1: an equal bar, 2: a wall
+  second = 1,        // 0: none, 1: a bar, 2: a wall
+  third = 0,         // 1: a bar behind the second one, as long as the first
   length = 1, width = 0.01,
+  second_length = length,
   gap = 0,
+  second_gap = 0,    // between the second and the third bar
   wall_length = 0.1, wall_width = 0.05,
   n = 200,           // cells along the bar
   n_width = 1,       // cells across the bar
@@ -38,6 +41,7 @@ Physical Curve("bar_sides") = {c, c + 2};
 If (second > 0)
   x0 = length + gap;
   m = n_second;
+  l = second_length;
   If (second == 2)
     l = wall_length; w = wall_width;
     m_width = Ceil(n_width * wall_width / width - 0.01);
@@ -51,4 +55,14 @@ If (second > 0)
   Physical Curve("second_left") = {c + 3};
   Physical Curve("second_right") = {c + 1};
   Physical Curve("second_sides") = {c, c + 2};
+EndIf
+If (third)
+  x0 += second_length + second_gap;
+  m = n;
+  l = length;
+  Call Body;
+  Physical Surface("third_bar") = {s};
+  Physical Curve("third_left") = {c + 3};
+  Physical Curve("third_right") = {c + 1};
+  Physical Curve("third_sides") = {c, c + 2};
 EndIf

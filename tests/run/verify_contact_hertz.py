@@ -1,0 +1,44 @@
+# labels: run
+# timeout: 120
+"""Hertz's line contact, a cylinder pressed into a block (NAFEMS CGS-1): largest pressure, half width and profile of the
+closed form; the error falls with the cells; augmented Lagrangian finds the state of the semismooth method from a hundredth
+to a hundred times its penalty. Strains at the full load are up to a twentieth: it misses the closed form by 1.5 %, a
+hundredth of it by 0.1 %."""
+import re
+
+import numpy
+from _hertz import LIGHT, Indentation, full_load, light_load
+from _runs import check, check_between, finish
+
+print("35 kN per mm; p0 = 3585 MPa, a = 6.21 mm")
+semismooth = Indentation("mortar", {})
+full_load("mortar", semismooth)
+check("mortar: largest nodal pressure over p0", semismooth.p.max() / semismooth.peak, 1, 0.04)
+check_between("mortar: length of the active constraints over a, one facet less at most",
+              semismooth.run["contact_face_length"][-1] / semismooth.width, 1 - 9 / 20 / semismooth.width, 1)
+gpts = Indentation("gpts", {"contact_face_method": "gpts"})
+# Two points on each facet are more constraints than the surface can meet: every other one lets go, and the pressure of a
+# node, the mean over its points, scatters by some per cent at any size of the cells.
+full_load("Gauss points", gpts)
+check("load, Gauss points against mortar", gpts.load, semismooth.load, 1e-3)
+
+print("a hundredth of the load")
+light_load("mortar", [Indentation(f"light_{n}", {**LIGHT, "mesh_set_n": n}) for n in (10, 20)], 0.65)
+
+print("augmented Lagrangian, the starting penalty over three decades, multipliers to 1e-5")
+AUTO = 10 * 70e3 / (9 / 20)
+for factor in (0.1, 1, 10, 100):
+    i = Indentation(f"penalty_{factor}", {
+        "contact_face_enforce": "auglag", "contact_face_penalty": factor * AUTO, "contact_face_penalty_max": 1e15,
+        "contact_face_penalty_increment": max(factor, 1) * AUTO, "contact_face_gap_tol": 2e-6,
+        "contact_face_pressure_tol": 1e-5, "uzawa_snes_max_it": 50, "motion_snes_converged_reason": "",
+    })
+    solves = [int(n) for n in re.findall(r"motion_ solve converged .*iterations (\d+)", i.run.log)]
+    refused = i.run.log.count("motion_ solve did not converge")
+    print(f"     {factor} times: steps {len(i.run['time']) - 1}, refused solves {refused}, iterations of a solve {max(solves)}")
+    check(f"{factor} times the automatic penalty: force", i.load, semismooth.load, 1e-6)
+    check(f"{factor} times: nodal pressures, largest difference over p0", abs(i.p - semismooth.p).max() / i.peak, 0, 1e-6,
+          relative=False)
+    check_between(f"{factor} times: augmentations of a step", i.run["uzawa"].max() - 1, 2, 10)
+    check_between(f"{factor} times: Newton iterations of a solve", max(solves), 3, 25)
+finish()
