@@ -91,12 +91,14 @@ def surface(cells):
     return [(np.array([f[0] for f in group]), np.array([f[1] for f in group])) for group in polygons.values()]
 
 
-def view_axes(view):
-    """Two unit vectors of the picture plane and the one towards the eye, from azimuth and elevation in degrees."""
+def view_axes(view, upward):
+    """Two unit vectors of the picture plane and the one towards the eye, from azimuth and elevation in degrees about the
+    axis x, y or z that stands upright."""
     a, e = np.radians(view)
     right = np.array([-np.sin(a), np.cos(a), 0])
     eye = np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
-    return right, np.cross(eye, right), eye
+    turns = {"z": 0, "x": 1, "y": 2}[upward]
+    return tuple(np.roll(axis, turns) for axis in (right, np.cross(eye, right), eye))
 
 
 class Picture:
@@ -121,7 +123,7 @@ class Picture:
         self.polygons = surface(cells) if solid else [(c, index) for _, c, index in cells]
         self.depth = None
         if solid:
-            right, up, eye = view_axes(options.view)
+            right, up, eye = view_axes(options.view, options.up)
             self.depth, x = x @ eye, np.stack([x @ right, x @ up], axis=1)
         self.x = x[:, :2]
 
@@ -264,6 +266,7 @@ def main():
     parser.add_argument("--label", help="text at the colour bar (default: the field's name)")
     parser.add_argument("--view", type=float, nargs=2, default=(-60, 25), metavar=("AZIMUTH", "ELEVATION"),
                         help="degrees, for solids (default -60 25)")
+    parser.add_argument("--up", choices="xyz", default="z", help="axis that stands upright, for solids (default z)")
     parser.add_argument("--no-edges", dest="edges", action="store_false", help="leave the mesh lines out")
     options = parser.parse_args()
 

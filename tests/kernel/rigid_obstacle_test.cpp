@@ -21,7 +21,6 @@ TEST(RigidObstacle, GapsAreTheDistancesOfTheShapes) {
   const std::array<double, 3> x = {1, 2, 3};
   const auto all = obstacles();
   const double s = 1 / std::sqrt(14.0);
-  const std::array<double, 3> r = {0.7, 1.9, 3.2};
   const double along = s * (0.7 - 2 * 1.9 + 3 * 3.2), square = 0.7 * 0.7 + 1.9 * 1.9 + 3.2 * 3.2;
   EXPECT_NEAR(gap_to(all[0], x).gap, along, 1e-14);
   EXPECT_NEAR(gap_to(all[1], x).gap, std::sqrt(square) - 0.7, 1e-14);

@@ -8,7 +8,7 @@ import math
 
 import numpy
 from _press import press
-from _runs import check, check_between, finish, mesh, run
+from _runs import check, check_between, finish, mesh, require, run
 
 E, NU, PRESS = 1e6, 0.3, 0.02
 TOP = 2 * PRESS
@@ -91,4 +91,13 @@ for ranks in (2, 3):
     worst = {c: numpy.nanmax(abs(r[c] - other[c])) / s for c, s in scale.items()}
     column = max(worst, key=worst.get)
     check(f"{ranks} ranks against 1, worst column {column}", worst[column], 0, 1e-8, relative=False)
+print("what is not there says so")
+PLANE = {"contact_face_secondary": "upper_bottom", "contact_face_primary": "plane"}
+for name, extra, said in (("gpts", {"contact_face_method": "gpts"}, "-contact_face_method: `gpts` is for plane"),
+                          ("friction", {"contact_face_friction": 0.1}, "-contact_face_friction: is for plane"),
+                          ("round", {**PLANE, "contact_face_primary": "rigid_sphere"}, "-contact_face_radius: is missing"),
+                          ("normal", {**PLANE, "contact_face_plane_normal": "0,0,0"}, "-contact_face_plane_normal"),
+                          ("motion", {**PLANE, "contact_face_rigid_uy": "s*t"}, "-contact_face_rigid_uy")):
+    r = run(f"refused_{name}", {**FLIGHT, **extra}, ranks=2, code=2)
+    require(f"{name}: one line that names the option", sum(said in line for line in r.log.splitlines()) == 1)
 finish()

@@ -1,0 +1,37 @@
+# labels: run
+# timeout: 300
+# processors: 2
+"""Three blocks fall on each other and on the floor in space (options/pile.opts): contacts close, open and close again, no
+step is refused, nothing passes through anything, the energy never rises, and 1 to 4 ranks give one history."""
+import numpy
+from _runs import check, check_between, finish, option_file, run
+
+PAIRS = ("floor", "first", "second")
+runs = {ranks: run(f"ranks_{ranks}", {"ts_max_time": 0.3, "output_vis_dt": 1, "motion_snes_rtol": 1e-11},
+                   files=[option_file("pile.opts")], ranks=ranks) for ranks in (1, 2, 3, 4)}
+r = runs[1]
+for pair in PAIRS:
+    pressed = (r[f"contact_{pair}_active"] > 0).astype(int)
+    closings = numpy.count_nonzero(numpy.diff(pressed) == 1)
+    print(f"     {pair}: pressed in {pressed.sum()} of {len(pressed) - 1} steps, closed {closings} times")
+    check_between(f"{pair}: closings", closings, 1, 10)
+    check_between(f"{pair}: smallest mean gap about a node", numpy.nanmin(r[f"contact_{pair}_gap_min"]), -1e-9, 1)
+check_between("closings of the floor, which the lowest block leaves again",
+              numpy.count_nonzero(numpy.diff((r["contact_floor_active"] > 0).astype(int)) == 1), 2, 10)
+energy = r["energy_kinetic"] + r["energy_elastic"] - r["work_external"]
+check_between("largest rise of the energy in a step over the work of the weight",
+              numpy.diff(energy).max() / r["work_external"].max(), -1, 1e-3)
+check_between("tries of a step", r["tries"].max(), 1, 1)
+check_between("most Newton iterations", r["newton"].max(), 3, 25)
+COLUMNS = [c for c in r.history if c.startswith(("energy_kinetic", "energy_elastic", "momentum", "impulse", "contact"))]
+for ranks in (2, 3, 4):
+    worst = (0.0, "")
+    for column in COLUMNS:
+        a, b = r[column], runs[ranks][column]
+        finite = numpy.isfinite(a) & numpy.isfinite(b)
+        # Gaps that are held closed are rounding of lengths of 1, momenta across the fall of those along it.
+        kind = column.rsplit("_", 1)[0] if column[-2:] in ("_x", "_y", "_z") else column
+        scale = 1 if column.endswith("gap_min") else max(abs(r[c][finite]).max() for c in COLUMNS if c.startswith(kind))
+        worst = max(worst, (abs(a - b)[finite].max() / scale, column))
+    check(f"{ranks} ranks against 1, worst column {worst[1]}", worst[0], 0, 1e-8, relative=False)
+finish()
