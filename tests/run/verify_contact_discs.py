@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 180
 """Oblique impact of two elastic discs without friction, mortar, everything else by default: momentum to rounding, energy
 never above its start, velocities after the impact those of smooth elastic discs. The moment of momentum stays with contact
 forces that are part of the trapezoidal rule; the contact-stabilised update, the default, takes them implicitly, and its

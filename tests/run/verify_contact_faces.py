@@ -1,6 +1,6 @@
 # labels: run
-# timeout: 180
-# processors: 2
+# timeout: 300
+# processors: 1
 """Mortar contact in space: two blocks of non-matching meshes, of hexahedra and of tetrahedra, carry the uniform pressure
 of the closed form, with standard and dual multipliers, by each enforcement, whatever the penalty, at any angle; a block
 that flies into another one keeps momentum and never gains energy; the ranks do not matter."""

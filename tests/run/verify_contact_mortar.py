@@ -1,6 +1,6 @@
 # labels: run
-# timeout: 120
-# processors: 2
+# timeout: 300
+# processors: 1
 """Mortar contact: two blocks of non-matching meshes carry the uniform pressure of the closed form, with standard and
 dual multipliers, by each enforcement, whatever the penalty, at any angle; equal bars exchange their velocities; a block
 dropped on another one bounces with about as many Newton iterations as in free flight; the ranks do not matter."""
