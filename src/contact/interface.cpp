@@ -250,13 +250,11 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
     share(held);
     traction_->trial = std::move(held);
   }
-  bool same = true;
   std::vector<char> then(active.size(), 0);
   visit(nodes.displacement(next), Derivatives::none, [&](const Constraint& c) {
     if (c.active) then[at(c.index)] = kind(c);
   });
-  same = then == active;
-  return !all_ranks_agree(mesh_->comm(), same);
+  return !all_ranks_agree(mesh_->comm(), then == active);
 }
 
 } // namespace impact

@@ -26,6 +26,14 @@ void ContactInterface::add_force(const Constraint& c, std::array<double, 3>& for
     force[i % at(dim_)] += c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
 }
 
+std::array<double, 3> ContactInterface::total_force(Vec u) const {
+  std::array<double, 3> force{};
+  visit(form_->nodes().displacement(u), Derivatives::first,
+        [&](const Constraint& c) { add_force(c, force); });
+  MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  return force;
+}
+
 double ContactInterface::friction_loss(Vec u) const {
   if (!frictional()) return 0;
   double loss = 0;
@@ -36,23 +44,19 @@ double ContactInterface::friction_loss(Vec u) const {
     loss += c.weight * t.value * (c.slip - elastic);
   });
   MPI_Allreduce(MPI_IN_PLACE, &loss, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  return environment_.frame == Frame::plane_strain ? environment_.thickness * loss : loss;
+  return reported_thickness() * loss;
 }
 
 double ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
-  if (!settings_.rigid()) return 0;
-  std::array<double, 3> force{};
-  visit(form_->nodes().displacement(u), Derivatives::first,
-        [&](const Constraint& c) { add_force(c, force); });
-  MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  const std::array<double, 3> now = obstacle_displacement(time_);
+  const std::array<double, 3> moved = pose_at(time_).moved;
+  if (moved == std::array<double, 3>{}) return 0; // at rest, or no rigid body: no force is asked for
+  const std::array<double, 3> force = total_force(u);
   double work = 0;
   for (std::size_t k = 0; k < at(dim_); ++k) {
     const double before = totals_->committed[at(dim_) + 1 + k];
-    const double moved = now[k] - totals_->committed[at(2 * dim_ + 1) + k];
-    work += moved * (force_at_end ? force[k] : (before + force[k]) / 2);
+    work += moved[k] * (force_at_end ? force[k] : (before + force[k]) / 2);
   }
-  return environment_.frame == Frame::plane_strain ? environment_.thickness * work : work;
+  return reported_thickness() * work;
 }
 
 void ContactInterface::share(std::vector<double>& multipliers) const {
@@ -176,10 +180,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   check(VecAXPY(f, 1, f_n));
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
-  std::array<double, 3> force{};
-  visit(form_->nodes().displacement(u), Derivatives::first,
-        [&](const Constraint& c) { add_force(c, force); });
-  MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  const std::array<double, 3> force = total_force(u);
   const std::vector<double>& before = totals_->committed;
   const auto d = at(dim_);
   for (std::size_t k = 0; k < d; ++k) {
@@ -221,7 +222,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   });
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 6, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
-  const double thick = environment_.frame == Frame::plane_strain ? environment_.thickness : 1;
+  const double thick = reported_thickness();
   ContactMeasures m;
   for (std::size_t k = 0; k < at(dim_); ++k) {
     m.force[k] = thick * sum[k];

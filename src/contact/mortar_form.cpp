@@ -161,7 +161,6 @@ void MortarForm::choose_functions(const Facing& facing, const std::vector<double
 }
 
 void MortarForm::anchor(Vec u) {
-  pose_.moved = {};
   search_.set_start(u);
   if (!(settings_.friction > 0)) return;
   const std::vector<double>& x = nodes().start;

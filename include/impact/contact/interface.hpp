@@ -175,6 +175,11 @@ private:
   ContactStatus visit_tangent(const std::vector<double>& u, double scale, const BlockVisitor& visitor) const;
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   void add_force(const Constraint& c, std::array<double, 3>& force) const;
+  std::array<double, 3>
+  total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
+  double reported_thickness() const {
+    return environment_.frame == Frame::plane_strain ? environment_.thickness : 1;
+  }
   std::size_t dof(int node, std::size_t component) const {
     return static_cast<std::size_t>(dim_) * static_cast<std::size_t>(node) + component;
   }
