@@ -376,6 +376,7 @@ const Pattern* kept_pattern(const CheckpointState& state) {
 /// communicate.
 void write_in_pattern(const CheckpointState& state, const Pattern& pattern, const SharedFile& out) {
   pattern.image.write(out);
+  out.begin_sync(); // the disk works while the next row is gathered
   std::size_t next = 0;
   for (const auto& row : state.table.rows()) {
     if (!in_sections(*row)) continue;
@@ -389,6 +390,7 @@ void write_in_pattern(const CheckpointState& state, const Pattern& pattern, cons
                          [&](std::size_t k, std::size_t place) { value[place] = from[k]; }))
       throw std::logic_error("state row " + row->name + " does not have the size of its mesh");
     write_ranges(out, to.ranges, to.first * sizeof(double), value.get(), to.own * sizeof(double));
+    out.begin_sync();
   }
 }
 
@@ -526,11 +528,14 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
                              const CheckpointFolder& folder) {
   const MPI_Comm comm = state.mesh.comm();
   const std::uint64_t bytes = expected_bytes(state);
+  const Pattern* pattern = kept_pattern(state);
   std::string file;
   on_rank_zero(comm, [&] {
     make_directories(folder.dir);
     file = next_checkpoint_file(folder.dir);
-    require_space(file, bytes);
+    // Ranks that write by themselves say when the disk is full; inside collective calls of HDF5 they would
+    // wait for one another.
+    if (pattern == nullptr) require_space(file, bytes);
   });
   file = broadcast(comm, file);
   const std::string temporary = file + ".tmp";
@@ -540,7 +545,7 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
                                 ": the write does not end (-checkpoint_patience); look at the disk, then "
                                 "-restart auto goes on from the one before");
     const std::string what = "cannot write checkpoint " + file;
-    if (const Pattern* pattern = kept_pattern(state)) {
+    if (pattern != nullptr) {
       on_rank_zero(comm, [&] { SharedFile(temporary, what, SharedFile::Mode::create); });
       agree_on_errors(comm, [&] {
         write_in_pattern(state, *pattern, SharedFile(temporary, what, SharedFile::Mode::fill));

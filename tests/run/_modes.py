@@ -281,6 +281,6 @@ if __name__ == "__main__":
     parser.add_argument("--budget", type=float, default=math.inf, help="seconds after which nothing new is begun")
     parser.add_argument("scripts", nargs="*")
     given = parser.parse_args()
-    paths = [os.path.abspath(p if os.path.exists(p) else os.path.join(HERE, p + ".py")) for p in given.scripts]
+    paths = [os.path.abspath(p if os.path.isfile(p) else os.path.join(HERE, p + ".py")) for p in given.scripts]
     conclude(exercise(paths or scripts(), given.modes.split(","), tuple(map(int, given.share.split("/"))),
                       given.budget))

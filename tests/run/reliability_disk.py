@@ -131,7 +131,8 @@ mounted = os.geteuid() == 0 and subprocess.run(["mount", "-t", "tmpfs", "-o", f"
                                                stderr=subprocess.DEVNULL).returncode == 0
 if mounted:
     try:
-        code = finish_within(start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_keep": 9}), 60)
+        code = finish_within(start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_every": 2,
+                                 "checkpoint_keep": 99}), 60)
         require(f"full tmpfs: status 4 (is {code})", says("tmpfs", code, "checkpoint_"))
         done = start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_every": 0})
         require("full tmpfs: the run goes on from what was written before", finish_within(done, 60) == 0

@@ -57,6 +57,8 @@ public:
   std::uint64_t size() const;
   void read(std::uint64_t at, void* data, std::uint64_t bytes) const;
   void write(std::uint64_t at, const void* data, std::uint64_t bytes) const;
+  /// The disk begins to take what was written so far; a hint, without an error.
+  void begin_sync() const;
 
 private:
   [[noreturn]] void fail(int error) const;
