@@ -43,7 +43,7 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, std::vec
   // scale w k dg dg, and with friction k ds ds where it sticks, -mu k ds dg where it slides.
   const std::size_t n = c.gradient.size();
   block.resize(n * n);
-  const double stiffness = law().stiffness(c.scale), weight = scale * c.weight;
+  const double stiffness = contact_stiffness(c), weight = scale * c.weight;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) block[n * i + j] = weight * stiffness * c.gradient[i] * c.gradient[j];
   if (!rubs(c)) return;
@@ -66,7 +66,10 @@ ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, doub
     of_gap[at(c.index)] = -scale * c.weight * c.pressure;
     if (rubs(c)) of_slip[at(c.index)] = scale * c.weight * traction(c).value;
   });
-  form_->visit_curvature(u, law(), {of_gap, of_slip}, visitor);
+  if (step_.under_way)
+    form_->visit_curvature(middle(u), reaching_law(), {of_gap, of_slip}, visitor);
+  else
+    form_->visit_curvature(u, law(), {of_gap, of_slip}, visitor);
   return status;
 }
 
@@ -105,11 +108,15 @@ void ContactInterface::set_time(double t, double mass_shift) {
   }
   time_ = t;
   form_->begin_attempt(pose_at(t), u_n);
+  step_.under_way = conserving() && mass_shift > 0;
+  step_.u_n = std::move(u_n);
+  if (step_.under_way) find_start_gaps();
 }
 
 bool ContactInterface::update_search(Vec u) {
   const PairSearch::Outcome outcome = form_->update(u, law());
   if (outcome != PairSearch::Outcome::kept) fetch_fixed();
+  if (step_.under_way) find_start_gaps();
   return outcome == PairSearch::Outcome::other_pairs;
 }
 
@@ -131,11 +138,15 @@ ContactStatus ContactInterface::visit(const std::vector<double>& u, Derivatives 
   ContactStatus seen;
   seen.finite = all_finite(u);
   seen.search_holds = form_->pairs_hold(form_->nodes().current(u));
-  form_->visit(u, derivatives, law(), [&](const Constraint& c) {
+  const ConstraintVisitor counted = [&](const Constraint& c) {
     if (c.active) ++seen.active;
     seen.penetration = std::max(seen.penetration, -c.gap);
     visitor(c);
-  });
+  };
+  if (conserving())
+    visit_conserving(u, derivatives, counted);
+  else
+    form_->visit(u, derivatives, law(), counted);
   return seen;
 }
 
@@ -143,14 +154,16 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const std::vector<double> values = form_->nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const auto m = at(dim_);
+  const double factor = step_.under_way ? 2 * scale : scale;
   const ContactStatus status = visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const double t = traction(c).value;
     for (std::size_t i = 0; i < c.gradient.size(); ++i)
       f[dof(c.node[i / m], i % m)] -=
-          scale * c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
+          factor * c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
   });
   form_->nodes().exchange.add(f, r);
+  if (step_.under_way) subtract_last_force(scale, r);
   return status;
 }
 

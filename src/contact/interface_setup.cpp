@@ -35,6 +35,15 @@ void check_settings(ContactSettings& settings, int dim) {
     throw usage(settings, "method", "`gpts` is for plane and axisymmetric meshes; take mortar in space");
   if (dim == 3 && settings.friction > 0)
     throw usage(settings, "friction", "is for plane and axisymmetric meshes; this one is in space");
+  if (settings.impact == ImpactUpdate::conserving) {
+    if (settings.enforce != Enforcement::automatic && settings.enforce != Enforcement::penalty)
+      throw usage(settings, "impact",
+                  "`conserving` is for the penalty; take -contact_" + settings.id +
+                      "_enforce penalty, or stabilised with multipliers");
+    if (settings.friction > 0)
+      throw usage(settings, "impact", "`conserving` is for contact without friction; take stabilised");
+    settings.enforce = Enforcement::penalty;
+  }
   if (settings.enforce == Enforcement::automatic)
     settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
   if (settings.secondary == settings.primary)
@@ -146,6 +155,11 @@ void ContactInterface::declare_state(StateTable& state) {
   multiplier_ = &state.add(multipliers, count);
   traction_ = nullptr;
   if (frictional()) traction_ = &state.add(form_->multiplier_row(name + "_traction").first, count);
+  if (settings_.impact == ImpactUpdate::conserving && environment_.density > 0) {
+    gap_ = &state.add(form_->multiplier_row(name + "_gap").first, count);
+    for (std::vector<double>* half : {&gap_->committed, &gap_->trial})
+      std::fill(half->begin(), half->end(), unknown_gap);
+  }
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
   penalty_ = &state.add(row("penalty", Support::global, 3), 3);
   const int totals = 2 * dim_ + 4; // impulse, work, last force, displacement of the rigid body

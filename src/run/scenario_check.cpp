@@ -108,6 +108,18 @@ void check_contact(const ContactSettings& contact) {
          "\": is less than the starting penalty; allowed: >= " + number_text(contact.penalty));
 }
 
+void check_impact_updates(const Scenario& scenario) {
+  const auto taking = [&](ImpactUpdate update) {
+    return std::find_if(scenario.contacts.begin(), scenario.contacts.end(),
+                        [&](const ContactSettings& contact) { return contact.impact == update; });
+  };
+  const auto conserving = taking(ImpactUpdate::conserving), stabilised = taking(ImpactUpdate::stabilised);
+  if (conserving != scenario.contacts.end() && stabilised != scenario.contacts.end())
+    fail("-contact_" + stabilised->id +
+         "_impact \"stabilised\": changes the integrator that the update of contact " + conserving->id +
+         " conserves energy with; allowed beside conserving: conserving, none");
+}
+
 void check_alpha2(const Scenario& scenario) {
   if (scenario.time.type != "alpha2") return;
   const std::string remedy =
@@ -260,6 +272,7 @@ void check_scenario(const Scenario& scenario) {
     fail("-plane \"axisymmetric\": the problem has three dimensions; allowed with -dim 2");
   for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
   for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
+  check_impact_updates(scenario);
   check_alpha2(scenario);
   check_checkpoints(scenario);
   check_matrix(scenario);

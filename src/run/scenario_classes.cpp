@@ -125,13 +125,15 @@ std::vector<OptionRow<Contact>> detection_rows() {
       number_row<Contact>("initial_tol", &Contact::initial_tol,
                           {"overlap that is none; auto: 1e-3 of the secondary facet", "auto", "m"},
                           not_negative, automatic()),
-      choice_row<Contact, ImpactUpdate>(
-          "impact", &Contact::impact,
-          {"treatment of the shock at touch; auto: stabilised where dt is at most 20 h/c_p, else none",
-           "auto"},
-          {{"auto", ImpactUpdate::automatic},
-           {"stabilised", ImpactUpdate::stabilised},
-           {"none", ImpactUpdate::none}}),
+      choice_row<Contact, ImpactUpdate>("impact", &Contact::impact,
+                                        {"treatment of the shock at touch; auto: stabilised where dt is at "
+                                         "most 20 h/c_p, else none; conserving: "
+                                         "a penalty whose work is exact, in the trapezoidal rule",
+                                         "auto"},
+                                        {{"auto", ImpactUpdate::automatic},
+                                         {"stabilised", ImpactUpdate::stabilised},
+                                         {"conserving", ImpactUpdate::conserving},
+                                         {"none", ImpactUpdate::none}}),
   };
 }
 

@@ -61,17 +61,25 @@ void retire_older_runs(MPI_Comm comm, const Scenario& s, const std::optional<Che
                     count, count == 1 ? "" : "s", s.checkpoint.dir.c_str(), count == 1 ? "s" : ""));
 }
 
+bool conserves(const Scenario& s) {
+  return std::any_of(s.contacts.begin(), s.contacts.end(), [](const ContactSettings& contact) {
+    return contact.impact == ImpactUpdate::conserving;
+  });
+}
+
 // The contact-stabilised update belongs to steps that resolve waves. Far above that its contact force
 // alternates from step to step without damping, and the alternation grows (beam on wedge, dt = 1e5 h/c_p:
 // lost after 100 steps).
 bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
   if (s.contacts.empty() || !s.has_inertia()) return false;
+  const bool conserve = conserves(s);
   bool stabilise = false;
   for (const ContactSettings& contact : s.contacts)
     stabilise = stabilise || contact.impact == ImpactUpdate::stabilised ||
-                (contact.impact == ImpactUpdate::automatic && solver.resolves_waves());
+                (contact.impact == ImpactUpdate::automatic && solver.resolves_waves() && !conserve);
   check(PetscPrintf(comm, "impact update: %s (dt is %.3g times h/c_p)\n",
                     stabilise                 ? "contact-stabilised"
+                    : conserve                ? "energy-conserving"
                     : solver.resolves_waves() ? "none, as asked"
                                               : "none: the steps do not resolve waves",
                     solver.cfl));
@@ -169,6 +177,11 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
     }
   }
   set_time_options(ts_);
+  if (const NewmarkParameters p = newmark_parameters(ts_);
+      inertia_ && conserves(s) && (p.alpha_m != 1 || p.beta != 0.25 || p.gamma != 0.5))
+    throw UserError(ExitCode::usage, "-ts_newmark_rho: the energy-conserving contact update "
+                                     "(-contact_<id>_impact conserving) is for the trapezoidal rule; take "
+                                     "-ts_newmark_rho 1");
   ledger_.emplace(motion_, &coupling_, setup_.state, inertia_,
                   inertia_ ? newmark_parameters(ts_).alpha_m : 1.0);
   StateRow control{"step_control", Support::global, 4};

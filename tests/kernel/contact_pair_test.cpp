@@ -69,6 +69,29 @@ Point2<double> turned(Point2<double> x, double angle) {
           std::sin(angle) * x[0] + std::cos(angle) * x[1] - 7};
 }
 
+// Closed, open, closing and opening steps, and steps that touch exactly.
+TEST(SecantPressure, DoesTheWorkOfThePenaltysPotential) {
+  const double eps = 3e4;
+  for (double g0 : {-2e-3, -1e-5, 0.0, 4e-4, 1e-2})
+    for (double g1 : {-3e-3, -2e-3, -1e-5, 0.0, 4e-4, 2e-2}) {
+      const double work = -secant_pressure(eps, g0, g1).p * (g1 - g0);
+      const double stored = contact_potential(0, eps, g1) - contact_potential(0, eps, g0);
+      EXPECT_NEAR(work, stored, 1e-15 * eps * (g0 * g0 + g1 * g1)) << g0 << " to " << g1;
+      EXPECT_GE(secant_pressure(eps, g0, g1).p, 0);
+    }
+  EXPECT_DOUBLE_EQ(secant_pressure(eps, -2e-3, -2e-3).p, contact_pressure(0, eps, -2e-3));
+}
+
+TEST(SecantPressure, SlopeIsTheDerivativeByTheGapOfTheEnd) {
+  const double eps = 3e4, h = 1e-7;
+  for (double g0 : {-2e-3, 4e-4})
+    for (double g1 : {-3e-3, -1e-4, 5e-4, 2e-2}) {
+      const double difference =
+          (secant_pressure(eps, g0, g1 + h).p - secant_pressure(eps, g0, g1 - h).p) / (2 * h);
+      EXPECT_NEAR(secant_pressure(eps, g0, g1).slope, difference, 1e-5 * eps) << g0 << " to " << g1;
+    }
+}
+
 } // namespace
 
 TEST(ContactPair, GapAndFootPointAgreeWithTheOracle) {

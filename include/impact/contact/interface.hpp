@@ -142,6 +142,9 @@ public:
   /// enforcements. Collective.
   bool gaps_closed(Vec u, double force = std::numeric_limits<double>::infinity()) const;
 
+  /// Whether contact takes part in the energy-conserving update.
+  bool conserving() const { return gap_ != nullptr; }
+
   /// Forgets the gap that the penalty rule compares with: first call of each Uzawa loop.
   void start_augmentation();
   /// What augment would do, without doing it. Collective.
@@ -164,6 +167,23 @@ public:
   InitialOverlapReport initial_overlap();
 
 private:
+  // Energy-conserving update (conserving.cpp).
+  static constexpr double unknown_gap = std::numeric_limits<double>::infinity();
+  struct Step {
+    bool under_way = false;        // set_time was called, advance not yet
+    Handle<Vec> u_n;               // where the attempt starts
+    std::vector<double> start;     // of nodes(): u_n, relative to the rigid body where it will be
+    std::vector<double> start_gap; // by constraint
+    std::vector<double> reach;     // multipliers by which the form brings all constraints that may close
+  };
+  void find_start_gaps();
+  PressureLaw reaching_law() const;
+  std::vector<double> middle(const std::vector<double>& u) const;
+  void visit_conserving(const std::vector<double>& u, Derivatives derivatives,
+                        const ConstraintVisitor& visitor) const;
+  double contact_stiffness(const Constraint& c) const;
+  void subtract_last_force(double scale, Vec r) const;
+  void keep_gaps(Vec u);
   double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
   PressureLaw law() const;
   bool rubs(const Constraint& c) const { // friction acts on it, now
@@ -204,9 +224,11 @@ private:
   std::vector<char> fixed_here_;                                   // [node][dim] of the form's nodes
   Handle<Vec> fixed_;                                              // 1 at fixed dofs; absent: none
   StateRow *multiplier_, *traction_, *penalty_, *totals_, *force_; // traction: null without friction
-  double inertia_penalty_ = 0;                                     // over the mass shift
-  double mean_length_ = 0;                                         // of the secondary facets
-  double time_ = 0;                                                // of the attempt's end
+  StateRow* gap_ = nullptr; // accumulated gaps of the conserving update, else null
+  Step step_;
+  double inertia_penalty_ = 0; // over the mass shift
+  double mean_length_ = 0;     // of the secondary facets
+  double time_ = 0;            // of the attempt's end
   bool fallen_back_ = false, friction_suspended_ = false;
 };
 

@@ -15,8 +15,9 @@ enum class InitialOverlap { adjust, error, allow };
 enum class ImpactUpdate {
   automatic,
   stabilised,
+  conserving,
   none
-}; ///< automatic: stabilised when dt <= 20 h/c_p, else none
+}; ///< automatic: stabilised when dt <= 20 h/c_p, else none; conserving: a penalty whose work is exact
 enum class PenaltyGrowth {
   on_slow_gap,
   every_augmentation

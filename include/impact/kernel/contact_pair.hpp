@@ -137,6 +137,25 @@ inline double contact_potential(double lambda, double eps, double gap) {
   return (p * p - lambda * lambda) / (2 * eps);
 }
 
+/// Pressure of a penalty whose work over a step is exact (T. A. Laursen, V. Chawla, Int. J. Numer. Meth.
+/// Engng. 40 (1997)): p = -(psi(g1) - psi(g0)) / (g1 - g0), psi = eps <-g>^2 / 2.
+struct SecantPressure {
+  double p = 0;
+  double slope = 0; ///< dp/dg1 <= 0
+};
+inline SecantPressure secant_pressure(double eps, double g0, double g1) {
+  if (g0 < 0 && g1 < 0) return {-eps * (g0 + g1) / 2, -eps / 2};
+  if (g1 < 0) { // closes: g0 >= 0
+    const double d = g0 - g1;
+    return {eps * g1 * g1 / (2 * d), eps * g1 * (2 * g0 - g1) / (2 * d * d)};
+  }
+  if (g0 < 0) { // opens: g1 >= 0
+    const double d = g1 - g0;
+    return {eps * g0 * g0 / (2 * d), -eps * g0 * g0 / (2 * d * d)};
+  }
+  return {};
+}
+
 /// K = weight (eps H(p) dg dg - p d2g), 8 x 8. Symmetric.
 std::array<double, 64> contact_tangent(double weight, double eps, double pressure,
                                        const std::array<double, 8>& dg, const std::array<double, 64>& d2g);
