@@ -34,7 +34,9 @@ std::vector<OptionRow<Contact>> contact_side_rows() {
       text_row<Contact>("secondary", &Contact::secondary, {"boundary whose points are checked", "required"},
                         "name of a boundary"),
       text_row<Contact>("primary", &Contact::primary,
-                        {"boundary that they meet, or a rigid body", "required"},
+                        {"boundary that they meet, the same one again (a surface folds on itself, or "
+                         "several bodies under one name meet), or a rigid body",
+                         "required"},
                         "name of a boundary, plane, rigid_sphere, rigid_cylinder"),
       point_row<Contact>("plane_point", [](auto& c) -> auto& { return c.plane_point; },
                          {"a point of the rigid plane", "0,0,0", "m"}),
