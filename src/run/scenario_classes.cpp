@@ -119,14 +119,18 @@ std::vector<OptionRow<Contact>> detection_rows() {
       number_row<Contact>("search_radius", &Contact::search_radius,
                           {"distance of candidate pairs; auto: twice the longest facet", "auto", "m"},
                           positive, automatic()),
-      choice_row<Contact, InitialOverlap>("initial", &Contact::initial,
-                                          {"what becomes of bodies that overlap at the start", "error"},
-                                          {{"adjust", InitialOverlap::adjust},
-                                           {"error", InitialOverlap::error},
-                                           {"allow", InitialOverlap::allow}}),
-      number_row<Contact>("initial_tol", &Contact::initial_tol,
-                          {"overlap that is none; auto: 1e-3 of the secondary facet", "auto", "m"},
-                          not_negative, automatic()),
+      choice_row<Contact, InitialOverlap>(
+          "initial", &Contact::initial,
+          {"bodies that overlap at the start: refused, moved apart without stress (secondary "
+           "nodes, at most by _initial_tol), or left so",
+           "error"},
+          {{"adjust", InitialOverlap::adjust},
+           {"error", InitialOverlap::error},
+           {"allow", InitialOverlap::allow}}),
+      number_row<Contact>(
+          "initial_tol", &Contact::initial_tol,
+          {"deepest overlap that is moved apart; auto: 1e-3 of the secondary facet", "auto", "m"},
+          not_negative, automatic()),
       choice_row<Contact, ImpactUpdate>(
           "impact", &Contact::impact,
           {"treatment of the shock at touch; auto: stabilised where dt is at most 20 h/c_p, else none",
