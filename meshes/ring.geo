@@ -1,9 +1,11 @@
-// Half of a slightly oval ring, x >= 0, cut at x = 0. Its mid-line has the half axes radius (1 + oval), radius (1 - oval).
+// Half of a slightly oval ring, x >= 0, cut at x = 0, in the plane or in space. Its mid-line has the half axes radius (1 + oval), radius (1 - oval).
 DefineConstant[
   radius = 10, thickness = 0.5, oval = 0.005,
   n_around = 250,   // cells along the half ring
   n_through = 2,
   simplices = 0,    // 1: triangles
+  width = 0,        // in space, hexahedra: along z, on n_wide cells
+  n_wide = 1,
   angle = 0         // degrees: the ring turned about the origin
 ];
 turn = angle * Pi / 180;
@@ -32,10 +34,20 @@ Transfinite Surface {1, 2};
 If (simplices == 0)
   Recombine Surface {1, 2};
 EndIf
-Physical Surface("ring") = {1, 2};
-Physical Curve("inside") = {10, 11};
-Physical Curve("outside") = {20, 21};
-Physical Curve("cut") = {30, 32};
+If (width == 0)
+  Physical Surface("ring") = {1, 2};
+  Physical Curve("inside") = {10, 11};
+  Physical Curve("outside") = {20, 21};
+  Physical Curve("cut") = {30, 32};
+Else
+  out[] = Extrude {0, 0, width} { Surface{1, 2}; Layers{n_wide}; Recombine; };
+  // Of each surface: its copy, the volume, the sides over its curves.
+  Physical Volume("ring") = {out[1], out[7]};
+  Physical Surface("inside") = {out[5], out[11]};
+  Physical Surface("outside") = {out[3], out[9]};
+  Physical Surface("cut") = {out[2], out[10]};
+  Physical Surface("faces") = {1, 2, out[0], out[6]};
+EndIf
 Physical Point("right") = {21};
 Physical Point("top") = {12};
 Physical Point("bottom") = {10};

@@ -134,6 +134,28 @@ TEST(SelfContact, ASkinUnderOneNameActsAsOneOfTheTwoSidesByTheirNames) {
       }
 }
 
+TEST(SelfContact, TurningTheWholeProblemTurnsTheForces) {
+  for (const Choice& choice : choices) {
+    ContactMeasures straight;
+    for (int degrees = 0; degrees <= 90; degrees += 9) {
+      TwoBlocks b;
+      b.angle = degrees * std::acos(-1.0) / 180;
+      Rig rig(PETSC_COMM_WORLD, b, bodies_mixed, one_name(choice.method, choice.enforce));
+      const Handle<Vec> u = rig.at(crush);
+      rig.contact.update_search(u);
+      const ContactMeasures m = rig.contact.measures(u);
+      if (degrees == 0) straight = m;
+      EXPECT_GT(m.active, 2);
+      EXPECT_EQ(m.active, straight.active) << degrees;
+      EXPECT_NEAR(m.energy, straight.energy, 1e-10 * straight.energy) << degrees;
+      EXPECT_NEAR(m.gap_min, straight.gap_min, 1e-10) << degrees;
+      const auto turned = place(b, straight.force[0], straight.force[1]);
+      EXPECT_NEAR(m.force[0], turned[0], 1e-10) << degrees;
+      EXPECT_NEAR(m.force[1], turned[1], 1e-10) << degrees;
+    }
+  }
+}
+
 TEST(SelfContact, KeepsMomentaAndHasTheDerivativesOfItsEnergy) {
   for (const Choice& choice : choices) {
     Rig rig(PETSC_COMM_WORLD, hill(), bodies_mixed, one_name(choice.method, choice.enforce));
@@ -171,8 +193,7 @@ TEST(SelfContact, FacesUnderOneNameActAsOneOfTheTwoSidesByTheirNames) {
   const std::string dir = run_test::fresh_dir("self_contact_faces");
   for (const double angle : {0.0, 0.8, 2.3})
     for (const bool tets : {false, true}) {
-      TwoBricks one{tets, false, angle, true};
-      one.one_name = true;
+      TwoBricks one{tets, false, angle, true, true};
       ContactSettings s = brick_settings();
       s.secondary = s.primary = "lower_top";
       BrickRig skin(PETSC_COMM_WORLD, dir, one, s);

@@ -25,6 +25,16 @@ triangles = ring("triangles", {**CYCLE, "mesh_set_simplices": 1, "mesh_set_n_aro
 check("triangles: balance of the energy", abs(triangles["balance"]).max(), 0, 1e-8, relative=False)
 require("triangles: closed at the end", triangles["contact_inside_active"][-1] > 0)
 
+# In space between walls, hexahedra instead of quadrilaterals: the plane, times the width.
+PLANE = {**CYCLE, "contact_inside_multipliers": "standard"}
+plane = ring("plane", PLANE)
+space = ring("space", {**PLANE, "mesh_set_width": 2, "mesh_set_n_wide": 2, "bcs": "cut,right,outside,faces",
+                       "bc_faces_on": "faces", "bc_faces_uz": 0}, ranks=2)
+if require("in space: as many steps", len(space["time"]) == len(plane["time"])):
+    for column in ("energy_elastic", "contact_inside_force_y", "contact_inside_length"):
+        check(f"in space: {column}", abs(abs(space[column]) - 2 * abs(plane[column])).max() / abs(plane[column]).max(), 0,
+              1e-7, relative=False)
+
 
 def same(claim, a, b, columns, tolerance):
     if not require(f"{claim}: as many steps", len(a["time"]) == len(b["time"])):
