@@ -2,11 +2,11 @@
 # timeout: 900
 # processors: 2
 """Self-contact at length: the folding ring of options/ring.opts in every form and with every enforcement and on 1 to 4
-ranks; three blocks that fall on each other in space, all their surfaces under one name, against the same pile with a
+ranks, and in space; notches that are pressed shut; three blocks that fall on each other in space, all their surfaces under one name, against the same pile with a
 name for every side."""
 import numpy
 from _ring import ring
-from _runs import check, check_between, finish, option_file, require, run
+from _runs import check, check_between, finish, mesh, option_file, require, run
 
 CYCLE = {"param_load": 8, "bc_outside_value": "load*stiffness*(t<1?t:t<1.5?2-t:t-1)", "ts_max_time": 2, "ts_dt": 0.02}
 reference = ring("reference", CYCLE)
@@ -50,6 +50,30 @@ def same(claim, a, b, columns, tolerance):
 for ranks in (2, 3, 4):
     same(f"{ranks} ranks", reference, ring(f"ranks_{ranks}", CYCLE, ranks=ranks),
          ("energy_elastic", "work_external", "contact_inside_force_y", "contact_inside_length"), 1e-8)
+
+# A notch that is pressed shut: all of the block's boundary is one surface.
+NOTCH = {"mesh": mesh("notch.geo"), "materials": "block", "material_block_E": 1000, "material_block_nu": 0.3,
+         "bcs": "left,right", "bc_left_on": "left", "bc_left_ux": 0, "bc_left_uy": 0, "bc_right_on": "right",
+         "bc_right_ux": "-0.25*t", "bc_right_uy": 0, "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 1}
+SKIN = {"contacts": "skin", "contact_skin_secondary": "skin", "contact_skin_primary": "skin"}
+for wedge in (0, 1):
+    force = {}
+    # Mortar with a penalty stalls beside the tip of a wedge (theory.md, self-contact).
+    for method, enforce in (("mortar", "semismooth"), ("gpts", "auglag"), ("gpts", "semismooth"),
+                            *([("mortar", "auglag")] if wedge == 0 else [])):
+        r = run(f"notch_{wedge}_{method}_{enforce}", {**NOTCH, **SKIN, "mesh_set_wedge": wedge, "contact_skin_method": method,
+                                                      "contact_skin_enforce": enforce})
+        force[method, enforce] = r["reaction_right_x"][-1]
+        check_between(f"notch, wedge {wedge}, {method}, {enforce}: smallest gap over the facet",
+                      numpy.nanmin(r["contact_skin_gap_min"]) / 0.08, -1e-3, 1)
+        check_between("closed length over the depth", r["contact_skin_length"][-1] / 1.2, 0.7, 1.1)
+    for which, value in force.items():
+        check(f"notch, wedge {wedge}, {', '.join(which)}: force against mortar, semismooth", value,
+              force["mortar", "semismooth"], 1e-3)
+# A hair-thin one that closes without sliding leaves the block as if there were none.
+whole = run("whole", {**NOTCH, "mesh_set_width": 0})
+hair = run("hair", {**NOTCH, **SKIN, "mesh_set_width": 1e-4, "mesh_set_wedge": 1, "contact_skin_method": "mortar"})
+check("a closed crack under pressure against none: force", hair["reaction_right_x"][-1], whole["reaction_right_x"][-1], 2e-3)
 
 PILE = {"ts_max_time": 0.3, "output_vis_dt": 1, "motion_snes_rtol": 1e-11, "mesh_set_tilt": 0}
 named = run("named", PILE, files=[option_file("pile.opts")])
