@@ -119,14 +119,13 @@ std::vector<OptionRow<Contact>> detection_rows() {
       number_row<Contact>("search_radius", &Contact::search_radius,
                           {"distance of candidate pairs; auto: twice the longest facet", "auto", "m"},
                           positive, automatic()),
-      choice_row<Contact, InitialOverlap>(
-          "initial", &Contact::initial,
-          {"bodies that overlap at the start: refused, moved apart without stress (secondary "
-           "nodes, at most by _initial_tol), or left so",
-           "error"},
-          {{"adjust", InitialOverlap::adjust},
-           {"error", InitialOverlap::error},
-           {"allow", InitialOverlap::allow}}),
+      choice_row<Contact, InitialOverlap>("initial", &Contact::initial,
+                                          {"bodies that overlap at the start: secondary nodes move out "
+                                           "without stress, by _initial_tol at most; refused; left so",
+                                           "error"},
+                                          {{"adjust", InitialOverlap::adjust},
+                                           {"error", InitialOverlap::error},
+                                           {"allow", InitialOverlap::allow}}),
       number_row<Contact>(
           "initial_tol", &Contact::initial_tol,
           {"deepest overlap that is moved apart; auto: 1e-3 of the secondary facet", "auto", "m"},
