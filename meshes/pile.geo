@@ -4,9 +4,11 @@ DefineConstant[
   blocks = 3,
   n = 3,       // cells along a side of the lowest block; one less on every second one
   gap = 0.05,  // between the blocks and under the lowest one
-  tilt = 0     // degrees: of the highest block, about z
+  tilt = 0,    // degrees: of the highest block, about z
+  skin = 0     // 1: all surfaces of all blocks under the one name skin beside their own names
 ];
 low = gap;
+all[] = {};
 For b In {0 : blocks - 1}
   f = 100 * b;
   half = 0.5 - 0.08 * b;
@@ -44,8 +46,12 @@ For b In {0 : blocks - 1}
   Physical Volume(Sprintf("block%g", b)) = {f + 1};
   Physical Surface(Sprintf("bottom%g", b)) = {f + 1};
   Physical Surface(Sprintf("top%g", b)) = {f + 2};
+  all[] += {f + 1 : f + 6};
   low += height + gap;
 EndFor
+If (skin == 1)
+  Physical Surface("skin") = {all[]};
+EndIf
 Transfinite Surface "*";
 Recombine Surface "*";
 Transfinite Volume "*";

@@ -37,7 +37,7 @@ GaussPointForm::GaussPointForm(const Mesh& mesh, const FieldLayout& layout, cons
       points_(make_points(secondary_, settings.id, settings.points, frame)), holds_(points_.weight.size()),
       anchors_(settings.friction > 0 ? points_.weight.size() : 0), hold_gap_(hold_gap) {
   search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
-                       !settings.rigid());
+                       what_it_meets(settings));
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int q = 0; q < points_.per_facet; ++q)
@@ -153,22 +153,30 @@ bool GaussPointForm::face(const Point2<double>& x, const Point2<double>& normal,
          face_passed(x, normal, coordinates, point);
 }
 
+bool GaussPointForm::may_touch(const Foot<double>& foot, const Point2<double>& normal, double depth) const {
+  return !search_.meets_itself() ||
+         (foot.gap > -depth && detail::dot(foot.normal, normal) < -least_opposition);
+}
+
 bool GaussPointForm::face_nearest(const Point2<double>& x, const Point2<double>& normal,
                                   const std::vector<double>& coordinates, Point& point) const {
   double nearest = infinity;
+  bool counts = true;
   const Candidates& list = search_.candidates();
   for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
     const int* p = &nodes().primary[at(2 * list.facet[at(c)])];
     const PrimaryEdge<double> edge = primary_edge(c, coordinates);
     const Foot<double> foot = closest_point(x, edge);
     const double distance = retraction(foot, normal, search_.radius());
+    if (!may_touch(foot, normal, search_.depth(point.facet))) continue;
     if (!(distance < nearest ||
           (distance == nearest && distance < infinity && precedes(nodes().X, p, &point.node[2]))))
       continue;
     nearest = distance;
+    counts = search_.counts(c);
     stand_on(edge, foot, p, point);
   }
-  return nearest < infinity;
+  return nearest < infinity && counts;
 }
 
 bool GaussPointForm::face_held(const Point2<double>& x, const Point2<double>& normal,
@@ -184,6 +192,7 @@ bool GaussPointForm::face_held(const Point2<double>& x, const Point2<double>& no
     const bool goes_on = foot.xi < 0 ? edge.has_previous : edge.has_next;
     if (std::abs(foot.xi) > (goes_on ? hold_limit : 1.0)) return false;
     if (!(retraction(foot, normal, search_.radius()) < infinity)) return false;
+    if (!may_touch(foot, normal, search_.depth(point.facet))) return false;
     stand_on(edge, foot, &nodes().primary[at(2 * list.facet[at(c)])], point);
     return true;
   }
@@ -197,16 +206,19 @@ bool GaussPointForm::face_passed(const Point2<double>& x, const Point2<double>& 
   const Point2<double> x_n = {point.shape[0] * a[0] + point.shape[1] * b[0],
                               point.shape[0] * a[1] + point.shape[1] * b[1]};
   double earliest = infinity;
+  bool counts = true;
+  const double depth = search_.depth(point.facet);
   const Candidates& list = search_.candidates();
   for (int c = list.offset[at(point.facet)]; c < list.offset[at(point.facet + 1)]; ++c) {
     const int* p = &nodes().primary[at(2 * list.facet[at(c)])];
     const PrimaryEdge<double> edge = primary_edge(c, coordinates);
     const Foot<double> foot = foot_on_line(x, edge);
-    if (!(foot.gap < -search_.radius()) || !(retraction(foot, normal, infinity) < infinity)) continue;
+    if (!(foot.gap < -depth) || !(retraction(foot, normal, infinity) < infinity)) continue;
     // Positions between the start and now are taken as straight in time.
+    if (!may_touch(foot, normal, infinity)) continue;
     const PrimaryEdge<double> before = primary_edge(c, nodes().start);
     const double gap_n = foot_on_line(x_n, before).gap;
-    if (gap_n < -search_.radius()) continue;
+    if (gap_n < -depth) continue;
     const double part = gap_n > 0 ? gap_n / (gap_n - foot.gap) : 0;
     auto between = [part](const Point2<double>& from, const Point2<double>& to) {
       return Point2<double>{from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};
@@ -215,9 +227,10 @@ bool GaussPointForm::face_passed(const Point2<double>& x, const Point2<double>& 
     if (!(std::abs(foot_on_line(between(x_n, x), then).xi) <= 1 + 1e-6)) continue;
     if (!(part < earliest || (part == earliest && precedes(nodes().X, p, &point.node[2])))) continue;
     earliest = part;
+    counts = search_.counts(c);
     stand_on(edge, foot, p, point);
   }
-  return earliest < infinity;
+  return earliest < infinity && counts;
 }
 
 void GaussPointForm::hold_edges(const std::vector<double>& x, const PressureLaw& law) {

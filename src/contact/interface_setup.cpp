@@ -46,9 +46,6 @@ void check_settings(ContactSettings& settings, int dim) {
   }
   if (settings.enforce == Enforcement::automatic)
     settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
-  if (settings.secondary == settings.primary)
-    throw usage(settings, "primary",
-                "`" + settings.primary + "` is also the secondary surface; name two different groups");
   if (!settings.rigid()) return;
   const bool plane = settings.primary == "plane";
   if (settings.friction > 0 && (!plane || mortar))
@@ -111,11 +108,12 @@ void ContactInterface::set_automatic_values(const ContactSurface& secondary, con
   const double spacing = longest[0] / settings_.points;
   if (!settings_.rigid() && settings_.method == ContactMethod::gauss_points &&
       -longest[2] < spacing * (1 - 1e-9))
-    warnings_.push_back(
-        "contact " + settings_.id + ": a facet of the primary surface `" + settings_.primary + "` (" +
-        number(-longest[2]) + ") is shorter than the spacing of the points on the secondary surface `" +
-        settings_.secondary + "` (" + number(spacing) +
-        "), so it may slip between them; swap the surfaces or raise -contact_" + settings_.id + "_points");
+    warnings_.push_back("contact " + settings_.id + ": a facet of the primary surface `" + settings_.primary +
+                        "` (" + number(-longest[2]) +
+                        ") is shorter than the spacing of the points on the secondary surface `" +
+                        settings_.secondary + "` (" + number(spacing) + "), so it may slip between them; " +
+                        (settings_.primary == settings_.secondary ? "" : "swap the surfaces or ") +
+                        "raise -contact_" + settings_.id + "_points");
 
   auto fill = [](double& value, double by) {
     if (automatic(value)) value = by;

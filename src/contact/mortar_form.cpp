@@ -12,11 +12,8 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Facets face each other when their normals enclose more than this angle's complement (cos < -0.17: 100
-// degrees),
-constexpr double least_opposition = 0.17;
-// and when the primary is not farther away than this part of the secondary's longest side: a step behind the
-// surface must not count as an open gap beside the closed one.
+// Facets face each other when their normals oppose and the primary is not farther away than this part of the
+// secondary's longest side: a step behind the surface must not count as an open gap beside the closed one.
 constexpr double farthest = 0.5;
 // Two facets over the same place count as layers, one behind the other, from this common part on.
 constexpr double least_common_part = 1e-6;
@@ -98,7 +95,7 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
   layout.to_global(area, owned_area);
   layout.to_local(owned_area, area);
   for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
-  search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, !settings.rigid());
+  search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, what_it_meets(settings));
   facing_.resize(facets_.size());
   switches_.assign(facets_.size(), 0);
 }
@@ -297,6 +294,11 @@ bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accept
   });
 }
 
+bool MortarForm::came_through(int facet, int candidate) const {
+  return !nodes().start.empty() && opposed(facet, candidate, nodes().start) &&
+         view(facet, candidate, nodes().start).largest > -search_.depth(facet);
+}
+
 MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
   Facing facing(facets_.size());
   const Candidates& list = search_.candidates();
@@ -307,13 +309,15 @@ MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
     for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c) {
       if (!opposed(f, c, x)) continue;
       const FaceView seen = view(f, c, x);
-      if (seen.smallest < farthest * size && seen.largest > -search_.radius())
+      if (seen.smallest < farthest * size &&
+          (seen.largest > -search_.depth(f) || (search_.meets_itself() && came_through(f, c))))
         pairs.emplace_back(std::abs(seen.mean), c);
     }
     // Of two layers over the same part the nearer one counts.
     std::sort(pairs.begin(), pairs.end());
     for (const auto& [distance, candidate] : pairs)
       if (!hidden(f, candidate, facing[at(f)], x)) facing[at(f)].push_back(candidate);
+    std::erase_if(facing[at(f)], [&](int candidate) { return !search_.counts(candidate); });
     std::sort(facing[at(f)].begin(), facing[at(f)].end());
   }
   return facing;

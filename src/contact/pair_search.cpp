@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/pair_search.hpp>
+#include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
@@ -8,6 +9,10 @@ namespace impact {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// What lies deeper behind a facet of a surface that may meet itself, in units of the facet, is another part
+// of a body, unless it came there within the step.
+constexpr double self_depth = 0.5;
 
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
@@ -60,11 +65,11 @@ std::vector<double> ContactNodes::current(const std::vector<double>& u) const {
 
 PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
                        const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
-                       bool has_primary)
+                       Primary kind)
     : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), corners_(mesh.dim() == 2 ? 2 : 4),
-      secondary_(secondary), primary_(primary.node), has_primary_(has_primary), radius_(radius),
-      skin_(radius / 2), reach_(radius) {
-  if (has_primary) neighbour_ = surface_neighbours(layout, primary);
+      secondary_(secondary), primary_(primary.node), kind_(kind), radius_(radius), skin_(radius / 2),
+      reach_(radius) {
+  if (kind != Primary::rigid) neighbour_ = surface_neighbours(layout, primary);
   std::vector<PetscInt> nodes = secondary_;
   nodes.insert(nodes.end(), primary_.begin(), primary_.end());
   sort_unique(nodes);
@@ -79,6 +84,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   place(secondary_, secondary_X, secondary_slot_);
   place(primary_, primary.X, primary_slot_);
   static_ = NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, nodes);
+  if (kind == Primary::itself) prepare_self_contact();
 }
 
 void PairSearch::set_start(Vec u_n) {
@@ -92,7 +98,7 @@ void PairSearch::set_start(Vec u_n) {
 void PairSearch::fetch_start() { nodes_.start = nodes_.current(u_n_); }
 
 PairSearch::Outcome PairSearch::update(Vec u) {
-  if (!has_primary_ && !outdated_) return Outcome::kept;
+  if (kind_ == Primary::rigid && !outdated_) return Outcome::kept;
   std::vector<double> x = static_.gather(u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += static_X_[i];
   const bool finite = all_finite(x);
@@ -109,39 +115,130 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   const double motion = all[2] + all[3];
   if (!outdated_ && all[1] <= skin_ / 2 && motion <= reach_) return Outcome::kept;
   reach_ = std::max(radius_, motion);
-  Candidates found = search(x);
-  const bool changed = !all_ranks_agree(mesh_->comm(), found.same_pairs(candidates_));
-  candidates_ = std::move(found);
+  Candidates before = std::exchange(candidates_, search(x));
+  fetch_nodes(u);
+  if (kind_ == Primary::itself) drop_neighbours(u);
+  const bool changed = !all_ranks_agree(mesh_->comm(), candidates_.same_pairs(before));
   static_built_at_ = std::move(x);
   outdated_ = false;
-  fetch_nodes(u);
   return changed ? Outcome::other_pairs : Outcome::rebuilt;
 }
 
-Candidates PairSearch::search(const std::vector<double>& x) const {
-  if (!has_primary_) return {};
-  // In the form of the search: four corners, three coordinates.
-  const auto corner_of = [&](int facet, std::size_t a) {
-    return at(corners_ * facet) + std::min(a, at(corners_ - 1));
-  };
-  const auto coordinate = [&](int slot, std::size_t k) { return k < at(dim_) ? x[at(dim_ * slot) + k] : 0; };
+// In the form of the search: four corners, three coordinates.
+SearchSecondary PairSearch::secondary_at(const std::vector<double>& x) const {
   SearchSecondary secondary;
-  for (int f = 0; f < static_cast<int>(secondary_.size()) / corners_; ++f)
+  const std::size_t corners = at(corners_);
+  for (std::size_t f = 0; f < secondary_.size() / corners; ++f)
     for (std::size_t a = 0; a < 4; ++a) {
-      secondary.node.push_back(secondary_[corner_of(f, a)]);
+      const std::size_t i = corners * f + std::min(a, corners - 1);
+      secondary.node.push_back(secondary_[i]);
       for (std::size_t k = 0; k < 3; ++k)
-        secondary.x.push_back(coordinate(secondary_slot_[corner_of(f, a)], k));
+        secondary.x.push_back(k < at(dim_) ? x[at(dim_ * secondary_slot_[i]) + k] : 0);
     }
+  return secondary;
+}
+
+std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) const {
   std::vector<SearchFacet> primary(primary_.size() / at(corners_));
-  for (int f = 0; f < static_cast<int>(primary.size()); ++f) {
-    SearchFacet& facet = primary[at(f)];
-    facet.neighbour = {neighbour_[at(2 * f)], neighbour_[at(2 * f + 1)]};
+  for (std::size_t f = 0; f < primary.size(); ++f) {
+    primary[f].neighbour = {neighbour_[2 * f], neighbour_[2 * f + 1]};
     for (std::size_t a = 0; a < 4; ++a) {
-      facet.node[a] = primary_[corner_of(f, a)];
-      for (std::size_t k = 0; k < 3; ++k) facet.x[3 * a + k] = coordinate(primary_slot_[corner_of(f, a)], k);
+      const std::size_t i = at(corners_) * f + std::min(a, at(corners_ - 1));
+      primary[f].node[a] = primary_[i];
+      for (std::size_t k = 0; k < 3; ++k)
+        primary[f].x[3 * a + k] = k < at(dim_) ? x[at(dim_ * primary_slot_[i]) + k] : 0;
     }
   }
-  return find_candidates(mesh_->comm(), secondary, primary, reach_ + skin_);
+  return primary;
+}
+
+Candidates PairSearch::search(const std::vector<double>& x) const {
+  if (kind_ == Primary::rigid) return {};
+  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), reach_ + skin_);
+}
+
+void PairSearch::prepare_self_contact() {
+  const Bodies bodies = find_bodies(*mesh_, *layout_);
+  std::vector<double> number = layout_->make_local();
+  for (std::size_t i = 0; i < bodies.of_node.size(); ++i) number[at(dim_) * i] = bodies.of_node[i];
+  body_ = layout_->make_global();
+  layout_->to_global(number, body_);
+  const std::vector<double> body = static_.gather(body_);
+  const auto body_at = [&](int slot) { return static_cast<int>(body[at(dim_ * slot)]); };
+  const SearchSecondary secondary = secondary_at(static_X_);
+  for (std::size_t f = 0; f < secondary.node.size() / 4; ++f) {
+    std::array<double, 12> x;
+    std::copy_n(&secondary.x[12 * f], 12, x.begin());
+    shapes_.push_back(facet_shape(dim_, x, body_at(secondary_slot_[at(corners_) * f])));
+  }
+  std::vector<FacetShape> own;
+  const std::vector<SearchFacet> primary = primary_at(static_X_);
+  for (std::size_t f = 0; f < primary.size(); ++f)
+    own.push_back(facet_shape(dim_, primary[f].x, body_at(primary_slot_[at(corners_) * f])));
+  self_ = SelfContact(mesh_->comm(), dim_, own);
+  // The body's other side, as far as it can matter.
+  candidates_ = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
+  const Handle<Vec> rest = layout_->make_global();
+  fetch_nodes(rest);
+  const std::vector<double> node_body = nodes_.exchange.gather(body_);
+  for (std::size_t f = 0; f < shapes_.size(); ++f) {
+    depth_.push_back(self_depth * shapes_[f].size);
+    for (int c = candidates_.offset[f]; c < candidates_.offset[f + 1]; ++c) {
+      const int p = candidates_.facet[at(c)];
+      FacetShape other = candidate_shape(p, nodes_.X);
+      other.body = static_cast<int>(node_body[at(dim_ * nodes_.primary[at(corners_ * p)])]);
+      depth_[f] = std::min(depth_[f], SelfContact::thickness(shapes_[f], other));
+    }
+  }
+}
+
+FacetShape PairSearch::candidate_shape(int primary, const std::vector<double>& x) const {
+  std::array<double, 12> corner{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    const int slot = nodes_.primary[at(corners_ * primary) + std::min(a, at(corners_ - 1))];
+    for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = x[at(dim_ * slot) + k];
+  }
+  return facet_shape(dim_, corner, 0);
+}
+
+void PairSearch::drop_neighbours(Vec u) {
+  // Facets of one body whose normals enclose less than 60 degrees must turn by as much as that before they
+  // can oppose each other, which moves their nodes by a large part of the skin.
+  constexpr double alike = 0.5;
+  const std::vector<double> body = nodes_.exchange.gather(body_), now = nodes_.current(u);
+  const auto primaries = static_cast<int>(candidates_.primary.size());
+  std::vector<FacetShape> reference, current;
+  for (int p = 0; p < primaries; ++p) {
+    reference.push_back(candidate_shape(p, nodes_.X));
+    reference.back().body = static_cast<int>(body[at(dim_ * nodes_.primary[at(corners_ * p)])]);
+    current.push_back(candidate_shape(p, now));
+  }
+  Candidates kept;
+  kept.offset.push_back(0);
+  counts_.clear();
+  for (std::size_t f = 0; f < shapes_.size(); ++f) {
+    std::array<double, 12> corner{};
+    for (std::size_t a = 0; a < 4; ++a) {
+      const int slot = nodes_.secondary[at(corners_) * f + std::min(a, at(corners_ - 1))];
+      for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = now[at(dim_ * slot) + k];
+    }
+    const std::array<double, 3> n = facet_shape(dim_, corner, 0).normal;
+    for (int c = candidates_.offset[f]; c < candidates_.offset[f + 1]; ++c) {
+      const int p = candidates_.facet[at(c)];
+      const FacetShape& other = reference[at(p)];
+      const std::array<double, 3>& m = current[at(p)].normal;
+      const bool turned = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > alike;
+      if ((turned && other.body == shapes_[f].body) ||
+          !SelfContact::may_touch(shapes_[f], other, 2 * radius_))
+        continue;
+      kept.facet.push_back(p);
+      counts_.push_back(self_.is_secondary(shapes_[f], other) ? 1 : 0);
+    }
+    kept.offset.push_back(static_cast<int>(kept.facet.size()));
+  }
+  // The numbers of the primaries, and the nodes that were fetched for them, stay.
+  kept.primary = std::move(candidates_.primary);
+  candidates_ = std::move(kept);
 }
 
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
@@ -179,7 +276,7 @@ void PairSearch::fetch_nodes(Vec u) {
 }
 
 bool PairSearch::holds_for(const std::vector<double>& x) const {
-  return !has_primary_ || largest_move(x, nodes_.built_at, dim_) <= skin_ / 2;
+  return kind_ == Primary::rigid || largest_move(x, nodes_.built_at, dim_) <= skin_ / 2;
 }
 
 } // namespace impact

@@ -1,54 +1,21 @@
 #include <algorithm>
-#include <boost/geometry/geometries/box.hpp>
-#include <boost/geometry/geometries/point.hpp>
-#include <boost/geometry/index/rtree.hpp>
+#include <impact/contact/box_tree.hpp>
 #include <impact/contact/search.hpp>
-#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace impact {
 
 namespace {
 
-namespace bg = boost::geometry;
-using Corner = bg::model::point<double, 3, bg::cs::cartesian>;
-using TreeBox = bg::model::box<Corner>;
-using Entry = std::pair<TreeBox, int>;
-
-constexpr double far_away = std::numeric_limits<double>::infinity();
-
-struct Box {
-  std::array<double, 3> low = {far_away, far_away, far_away}, high = {-far_away, -far_away, -far_away};
-
-  void include(const double* x) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], x[k]);
-      high[k] = std::max(high[k], x[k]);
-    }
-  }
-  Box grown(double by) const {
-    Box box = *this;
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.low[k] -= by;
-      box.high[k] += by;
-    }
-    return box;
-  }
-  bool meets(const Box& o) const {
-    bool apart = false;
-    for (std::size_t k = 0; k < 3; ++k) apart = apart || !(low[k] <= o.high[k] && o.low[k] <= high[k]);
-    return !apart;
-  }
-};
+// So many secondary facets in a row ask the tree together, unless they lie apart.
+constexpr std::size_t together = 8;
+constexpr double spread_limit = 10; // of their common box over that of the first
 
 Box box_of(const double* facet) {
   Box box;
   for (std::size_t a = 0; a < 4; ++a) box.include(facet + 3 * a);
   return box;
-}
-
-TreeBox tree_box(const Box& box) {
-  return {Corner(box.low[0], box.low[1], box.low[2]), Corner(box.high[0], box.high[1], box.high[2])};
 }
 
 // The boxes of both surfaces of every rank; an empty surface has an inverted box that meets nothing.
@@ -103,22 +70,81 @@ std::vector<SearchFacet> exchange(MPI_Comm comm, const std::vector<RankBoxes>& b
 }
 
 bool share_node(const PetscInt* a, const std::array<PetscInt, 4>& b) {
-  return std::any_of(a, a + 4, [&](PetscInt n) { return std::find(b.begin(), b.end(), n) != b.end(); });
+  int shared = 0; // without a branch: nearly always none
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t j = 0; j < 4; ++j) shared |= a[i] == b[j] ? 1 : 0;
+  return shared != 0;
 }
 
 // Drops primary facets that are nobody's candidate, so that only nodes that may couple travel afterwards.
 void keep_used(Candidates& candidates) {
   std::vector<int> position(candidates.primary.size(), -1);
   for (int p : candidates.facet) position[static_cast<std::size_t>(p)] = 0;
-  std::vector<SearchFacet> used;
+  int used = 0;
   for (std::size_t p = 0; p < position.size(); ++p)
     if (position[p] == 0) {
-      position[p] = static_cast<int>(used.size());
-      used.push_back(candidates.primary[p]);
+      position[p] = used;
+      if (static_cast<int>(p) != used)
+        candidates.primary[static_cast<std::size_t>(used)] = candidates.primary[p];
+      ++used;
     }
+  if (used == static_cast<int>(position.size())) return;
+  candidates.primary.resize(static_cast<std::size_t>(used));
   for (int& p : candidates.facet) p = position[static_cast<std::size_t>(p)];
-  candidates.primary = std::move(used);
 }
+
+// By global nodes. Facets in the order of their mesh mostly are, and are large to move.
+void sort_by_nodes(std::vector<SearchFacet>& facets) {
+  const auto before = [](const SearchFacet& a, const SearchFacet& b) { return a.node < b.node; };
+  if (std::is_sorted(facets.begin(), facets.end(), before)) return;
+  std::vector<std::size_t> order(facets.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return before(facets[a], facets[b]); });
+  std::vector<SearchFacet> sorted;
+  sorted.reserve(facets.size());
+  for (std::size_t i : order) sorted.push_back(facets[i]);
+  facets = std::move(sorted);
+}
+
+// The candidates of the secondary facets [first, last), whose boxes are `box`, appended to `found`.
+class GroupQuery {
+public:
+  GroupQuery(const BoxTree& tree, const SearchSecondary& secondary, Candidates& found)
+      : tree_(&tree), secondary_(&secondary), found_(&found) {}
+
+  void operator()(std::size_t first, std::size_t last, const Box* box) {
+    Box all;
+    for (std::size_t s = first; s < last; ++s) all.include(box[s - first]);
+    const bool near = all.longest() <= spread_limit * box[0].longest();
+    leaves_.clear();
+    if (near) tree_->find_leaves(all, leaves_);
+    for (std::size_t s = first; s < last; ++s) {
+      if (!near) {
+        leaves_.clear();
+        tree_->find_leaves(box[s - first], leaves_);
+      }
+      add(s, box[s - first]);
+    }
+  }
+
+private:
+  void add(std::size_t s, const Box& box) {
+    hits_.clear();
+    for (std::uint32_t leaf : leaves_) tree_->find_boxes(box, leaf, hits_);
+    std::sort(hits_.begin(), hits_.end());
+    for (int hit : hits_)
+      if (!share_node(&secondary_->node[4 * s], found_->primary[static_cast<std::size_t>(hit)].node))
+        found_->facet.push_back(hit);
+    found_->offset.push_back(static_cast<int>(found_->facet.size()));
+  }
+
+  const BoxTree* tree_;
+  const SearchSecondary* secondary_;
+  Candidates* found_;
+  std::vector<std::uint32_t> leaves_;
+  std::vector<int> hits_;
+};
 
 } // namespace
 
@@ -130,28 +156,21 @@ bool Candidates::same_pairs(const Candidates& other) const {
 
 Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet> primary, double reach) {
   Candidates found;
-  std::sort(primary.begin(), primary.end(),
-            [](const SearchFacet& a, const SearchFacet& b) { return a.node < b.node; });
+  sort_by_nodes(primary);
   found.primary = std::move(primary);
-  std::vector<Entry> entries;
-  entries.reserve(found.primary.size());
-  for (std::size_t p = 0; p < found.primary.size(); ++p)
-    entries.emplace_back(tree_box(box_of(found.primary[p].x.data())), static_cast<int>(p));
-  const bg::index::rtree<Entry, bg::index::rstar<16>> tree(entries.begin(),
-                                                           entries.end()); // packed: O(n log n)
+  std::vector<Box> boxes;
+  boxes.reserve(found.primary.size());
+  for (const SearchFacet& facet : found.primary) boxes.push_back(box_of(facet.x.data()));
+  const BoxTree tree(boxes);
   const std::size_t count = secondary.node.size() / 4;
+  found.offset.reserve(count + 1);
   found.offset.assign(1, 0);
-  std::vector<Entry> hits;
-  for (std::size_t s = 0; s < count; ++s) {
-    hits.clear();
-    tree.query(bg::index::intersects(tree_box(box_of(&secondary.x[12 * s]).grown(reach))),
-               std::back_inserter(hits));
-    const auto first = static_cast<std::ptrdiff_t>(found.facet.size());
-    for (const Entry& hit : hits)
-      if (!share_node(&secondary.node[4 * s], found.primary[static_cast<std::size_t>(hit.second)].node))
-        found.facet.push_back(hit.second);
-    std::sort(found.facet.begin() + first, found.facet.end());
-    found.offset.push_back(static_cast<int>(found.facet.size()));
+  GroupQuery query(tree, secondary, found);
+  std::array<Box, together> group;
+  for (std::size_t first = 0; first < count; first += together) {
+    const std::size_t last = std::min(first + together, count);
+    for (std::size_t s = first; s < last; ++s) group[s - first] = box_of(&secondary.x[12 * s]).grown(reach);
+    query(first, last, group.data());
   }
   keep_used(found);
   return found;

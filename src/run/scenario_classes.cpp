@@ -34,7 +34,9 @@ std::vector<OptionRow<Contact>> contact_side_rows() {
       text_row<Contact>("secondary", &Contact::secondary, {"boundary whose points are checked", "required"},
                         "name of a boundary"),
       text_row<Contact>("primary", &Contact::primary,
-                        {"boundary that they meet, or a rigid body", "required"},
+                        {"boundary that they meet, the same one again (a surface folds on itself, or "
+                         "several bodies under one name meet), or a rigid body",
+                         "required"},
                         "name of a boundary, plane, rigid_sphere, rigid_cylinder"),
       point_row<Contact>("plane_point", [](auto& c) -> auto& { return c.plane_point; },
                          {"a point of the rigid plane", "0,0,0", "m"}),
@@ -118,13 +120,16 @@ std::vector<OptionRow<Contact>> detection_rows() {
                           {"distance of candidate pairs; auto: twice the longest facet", "auto", "m"},
                           positive, automatic()),
       choice_row<Contact, InitialOverlap>("initial", &Contact::initial,
-                                          {"what becomes of bodies that overlap at the start", "error"},
+                                          {"bodies that overlap at the start: secondary nodes move out "
+                                           "without stress, by _initial_tol at most; refused; left so",
+                                           "error"},
                                           {{"adjust", InitialOverlap::adjust},
                                            {"error", InitialOverlap::error},
                                            {"allow", InitialOverlap::allow}}),
-      number_row<Contact>("initial_tol", &Contact::initial_tol,
-                          {"overlap that is none; auto: 1e-3 of the secondary facet", "auto", "m"},
-                          not_negative, automatic()),
+      number_row<Contact>(
+          "initial_tol", &Contact::initial_tol,
+          {"deepest overlap that is moved apart; auto: 1e-3 of the secondary facet", "auto", "m"},
+          not_negative, automatic()),
       choice_row<Contact, ImpactUpdate>("impact", &Contact::impact,
                                         {"treatment of the shock at touch; auto: stabilised where dt is at "
                                          "most 20 h/c_p, else none; conserving: "

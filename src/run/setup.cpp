@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/mesh/shifted_mesh.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/setup.hpp>
 
@@ -61,27 +62,94 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
       for (const MaterialAssignment& m : d.materials)
         environment.density = std::max(environment.density, m.law.parameters.rho);
     contacts.emplace_back(d.mesh, d.displacement, settings, environment, state);
-    for (const std::string& warning : contacts.back().warnings())
-      PetscPrintf(d.mesh.comm(), "impact: %s\n", warning.c_str());
-    const InitialOverlapReport overlap = contacts.back().initial_overlap();
-    if (overlap.nodes > 0)
-      throw UserError(ExitCode::data, "-contact_" + settings.id +
-                                          "_initial adjust: " + std::to_string(overlap.nodes) +
-                                          " nodes overlap by up to " + std::to_string(overlap.deepest) +
-                                          "; adjusting is not available, separate the surfaces in the mesh");
   }
   return contacts;
+}
+
+std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s) {
+  Discretisation d =
+      discretise(std::move(mesh), assign_materials(s), s.plane == PlaneMode::axisymmetric, s.thickness);
+  BoundaryData boundary(d.mesh, s.bcs, s.time.max_time);
+  auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(boundary), {}});
+  declare_state(setup->discretisation, setup->state);
+  setup->contacts = make_contacts(s, setup->discretisation, setup->state);
+  return setup;
+}
+
+// What the overlap at the start of one contact has moved so far, [local node][dim].
+struct Adjusted {
+  std::vector<double> total;
+
+  void add(const std::vector<double>& shift) {
+    total.resize(shift.size(), 0.0);
+    for (std::size_t i = 0; i < shift.size(); ++i) total[i] += shift[i];
+  }
+};
+
+// A restart on other ranks must find the same coordinates: sums of shifts agree but for rounding, so that the
+// last digits are left away.
+void round_off(std::vector<double>& shift, double tolerance) {
+  const double quantum = std::exp2(std::floor(std::log2(1e-7 * tolerance)));
+  for (double& value : shift) value = quantum * std::round(value / quantum);
+}
+
+void report(const ContactSettings& contact, const Adjusted& adjusted, const Mesh& mesh) {
+  if (adjusted.total.empty()) return;
+  const auto dim = static_cast<std::size_t>(mesh.dim());
+  int count = 0;
+  double farthest = 0;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) {
+      const double way = adjusted.total[static_cast<std::size_t>(node) * dim + k];
+      square += way * way;
+    }
+    if (square > 0 && mesh.owned(node)) ++count;
+    farthest = std::max(farthest, std::sqrt(square));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  PetscPrintf(mesh.comm(),
+              "impact: contact %s: %d nodes of `%s` overlapped `%s` and were moved out, by up to %.4g; "
+              "no stress comes of it\n",
+              contact.id.c_str(), count, contact.secondary.c_str(), contact.primary.c_str(), farthest);
+}
+
+// Moves the secondary nodes of contacts that overlap at the start out of their primaries, contact by contact,
+// and builds everything on the mesh that this makes. What is moved may overlap something else, a little, or a
+// curved surface by the square of the way: more than one round.
+void adjust_overlaps(const Scenario& s, std::unique_ptr<Setup>& setup) {
+  constexpr int rounds = 5;
+  std::vector<Adjusted> adjusted(setup->contacts.size());
+  for (int round = 1, moved = 1; moved > 0; ++round) {
+    moved = 0;
+    for (std::size_t i = 0; i < adjusted.size(); ++i) {
+      InitialOverlapReport overlap = setup->contacts[i].initial_overlap();
+      if (overlap.nodes == 0) continue;
+      const ContactSettings& contact = setup->contacts[i].settings();
+      if (round > rounds)
+        throw UserError(ExitCode::data,
+                        "-contact_" + contact.id + "_initial adjust: " + std::to_string(overlap.nodes) +
+                            " nodes still overlap `" + contact.primary +
+                            "` after their moves, those of one contact into the bodies of another; "
+                            "part the surfaces in the mesh");
+      round_off(overlap.shift, contact.initial_tol);
+      adjusted[i].add(overlap.shift);
+      moved += overlap.nodes;
+      setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s);
+    }
+  }
+  for (std::size_t i = 0; i < adjusted.size(); ++i)
+    report(setup->contacts[i].settings(), adjusted[i], setup->discretisation.mesh);
 }
 
 } // namespace
 
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
-  Discretisation d =
-      discretise(make_mesh(comm, s), assign_materials(s), s.plane == PlaneMode::axisymmetric, s.thickness);
-  BoundaryData boundary(d.mesh, s.bcs, s.time.max_time);
-  auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(boundary), {}});
-  declare_state(setup->discretisation, setup->state);
-  setup->contacts = make_contacts(s, setup->discretisation, setup->state);
+  std::unique_ptr<Setup> setup = build_on(make_mesh(comm, s), s);
+  for (const ContactInterface& contact : setup->contacts)
+    for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
+  adjust_overlaps(s, setup);
   if (!s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts))

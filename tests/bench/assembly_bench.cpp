@@ -1,3 +1,4 @@
+#include "search_bench.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,11 +10,12 @@
 #include <impact/problem/motion.hpp>
 #include <vector>
 
-// Cost per cell of the loops that a Newton iteration spends its time in, on regular meshes of one material.
-// usage: impact_bench [-dim 2|3] [-n <cells along an edge>] [-repetitions 7] [-law neo-Hooke|J2|J2-mean]
-// Without -dim and -n: 316 x 316 quadrilaterals and 40 x 40 x 40 hexahedra, about 200,000 dofs each.
-// One line each: what, CPU nanoseconds per cell (smallest of the repetitions) and the spread of the
-// repetitions, (median - smallest) / smallest. Read by tools/bench_peers.
+// Cost per cell of the loops that a Newton iteration spends its time in, on regular meshes of one material,
+// or with -search that of the search for contact pairs (search_bench.hpp). usage: impact_bench [-search]
+// [-dim 2|3] [-n <cells along an edge>] [-repetitions 7] [-law neo-Hooke|J2|J2-mean] Without -dim and -n: 316
+// x 316 quadrilaterals and 40 x 40 x 40 hexahedra, about 200,000 dofs each. One line each: what, CPU
+// nanoseconds per cell (smallest of the repetitions) and the spread of the repetitions, (median - smallest) /
+// smallest. Read by tools/bench_peers.
 
 namespace impact {
 namespace {
@@ -178,6 +180,9 @@ void run() {
   check(PetscOptionsGetInt(nullptr, nullptr, "-n", &n, nullptr));
   check(PetscOptionsGetInt(nullptr, nullptr, "-repetitions", &repetitions, nullptr));
   check(PetscOptionsGetString(nullptr, nullptr, "-law", only, sizeof(only), nullptr));
+  PetscBool search = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, "-search", &search));
+  if (search) return bench_search(static_cast<int>(repetitions));
   for (const int d : {2, 3}) {
     if (dim != 0 && d != dim) continue;
     const int edge = n > 0 ? static_cast<int>(n) : d == 2 ? 316 : 40;

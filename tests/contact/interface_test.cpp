@@ -668,9 +668,6 @@ TEST(ContactInterface, WrongSettingsAreRefusedOnAllRanks) {
   s.primary = "lower_top_";
   EXPECT_NE(refused(s).find("no boundary `lower_top_` in the mesh; boundaries are: lower_top, upper_bottom"),
             std::string::npos);
-  s = settings_of(100);
-  s.primary = s.secondary;
-  EXPECT_NE(refused(s).find("-contact_pair_primary"), std::string::npos);
   EXPECT_NE(refused(settings_of(ContactSettings::automatic)).find("-contact_pair_penalty"),
             std::string::npos);
   EXPECT_NE(refused(settings_of(-1)).find("-contact_pair_penalty: -1"), std::string::npos);

@@ -95,6 +95,20 @@ TEST(ContactSearch, FindsExactlyThePairsOfTheDefinitionInSortedOrder) {
                              [](const SearchFacet& a, const SearchFacet& b) { return a.node < b.node; }));
 }
 
+TEST(ContactSearch, TreesOfEverySizeFindThePairsOfTheDefinition) {
+  for (const int count : {0, 1, 7, 8, 9, 64, 65, 513}) {
+    const Scatter scatter(41, count);
+    EXPECT_EQ(pairs(scatter.secondary, match_boxes(scatter.secondary, scatter.primary, 0.9)),
+              by_hand(scatter.secondary, scatter.primary, 0.9))
+        << count;
+  }
+  // All boxes alike.
+  Scatter same(3, 0);
+  for (int p = 0; p < 100; ++p)
+    same.primary.push_back({{900 + p, 1000 + p, 1100 + p, 1100 + p}, {-1, -1}, {}});
+  EXPECT_EQ(match_boxes(same.secondary, same.primary, 20).facet.size(), 300U);
+}
+
 TEST(ContactSearch, RanksTogetherFindWhatOneRankFinds) {
   int rank = 0, ranks = 1;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);

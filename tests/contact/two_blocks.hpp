@@ -38,7 +38,7 @@ inline std::array<double, 2> place(const TwoBlocks& b, double x, double y) {
   return {c * x - s * y, s * x + c * y};
 }
 
-/// Groups lower, upper (cells), lower_top, upper_bottom, lower_left (edges). Collective.
+/// Groups lower, upper (cells), lower_top, upper_bottom, lower_left, skin (edges). Collective.
 inline Mesh make_blocks(MPI_Comm comm, const TwoBlocks& b, const Partition& partition) {
   int rank = 0, ranks = 1;
   MPI_Comm_rank(comm, &rank);
@@ -70,9 +70,12 @@ inline Mesh make_blocks(MPI_Comm comm, const TwoBlocks& b, const Partition& part
   Handle<DM> dm;
   check(DMPlexCreateFromCellListPetsc(comm, 2, count, static_cast<PetscInt>(x.size() / 2), 4, PETSC_TRUE,
                                       cells.data(), 2, x.data(), dm.out()));
-  std::vector<Group> groups = {
-      {"lower", 2}, {"upper", 2}, {"lower_top", 1}, {"upper_bottom", 1}, {"lower_left", 1}};
+  std::vector<Group> groups = {{"lower", 2},        {"upper", 2},      {"lower_top", 1},
+                               {"upper_bottom", 1}, {"lower_left", 1}, {"skin", 1}};
   for (const Group& group : groups) check(DMCreateLabel(dm, group.name.c_str()));
+  DMLabel skin = nullptr;
+  check(DMGetLabel(dm, "skin", &skin));
+  check(DMPlexMarkBoundaryFaces(dm, 1, skin));
   if (rank == 0) {
     const int lower = b.layers * b.lower_cells;
     for (PetscInt c = 0; c < count; ++c) check(DMSetLabelValue(dm, c < lower ? "lower" : "upper", c, 1));

@@ -27,7 +27,8 @@ inline Vector turned(double angle, const Vector& x) {
 struct TwoBricks {
   bool lower_tets = false, upper_tets = false;
   double angle = 0;
-  bool hill = false; ///< the lower surface is curved
+  bool hill = false;     ///< the lower surface is curved
+  bool one_name = false; ///< both surfaces are one boundary, lower_top
 };
 
 /// Regions lower, upper; boundaries lower_top, upper_bottom.
@@ -53,7 +54,7 @@ inline std::string brick_text(const TwoBricks& b) {
       return id[static_cast<std::size_t>((k * (n + 1) + j) * (n + 1) + i)];
     };
     const bool tets = body == 0 ? b.lower_tets : b.upper_tets;
-    const int k = body == 0 ? 1 : 0, group = body == 0 ? 3 : 4;
+    const int k = body == 0 ? 1 : 0, group = body == 0 || b.one_name ? 3 : 4;
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const std::array<int, 8> v = {at(i, j, 0), at(i + 1, j, 0), at(i + 1, j + 1, 0), at(i, j + 1, 0),
@@ -71,6 +72,7 @@ inline std::string brick_text(const TwoBricks& b) {
         mesh.element(2, group, {at(i, j, k), at(i + 1, j + 1, k), at(i, j + 1, k)});
       }
   }
+  if (b.one_name) return mesh.text("3\n3 1 \"lower\"\n3 2 \"upper\"\n2 3 \"lower_top\"\n");
   return mesh.text("4\n3 1 \"lower\"\n3 2 \"upper\"\n2 3 \"lower_top\"\n2 4 \"upper_bottom\"\n");
 }
 

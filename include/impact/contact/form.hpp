@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <impact/contact/pair_search.hpp>
+#include <impact/contact/settings.hpp>
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/kernel/contact_slip.hpp>
 #include <impact/kernel/rigid_obstacle.hpp>
@@ -70,6 +71,12 @@ struct ObstaclePose {
   RigidObstacle obstacle;        ///< at the end of the step
   std::array<double, 3> moved{}; ///< its displacement since the start of the step
 };
+
+inline PairSearch::Primary what_it_meets(const ContactSettings& settings) {
+  return settings.rigid()                         ? PairSearch::Primary::rigid
+         : settings.primary == settings.secondary ? PairSearch::Primary::itself
+                                                  : PairSearch::Primary::other;
+}
 
 class ContactForm {
 public:

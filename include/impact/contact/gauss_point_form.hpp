@@ -80,6 +80,8 @@ private:
   // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
   bool face(const Point2<double>& x, const Point2<double>& normal, const std::vector<double>& coordinates,
             const Hold& hold, Point& point) const;
+  // Whether a surface that may meet itself could touch here, by the normals and the depth; true for others.
+  bool may_touch(const Foot<double>& foot, const Point2<double>& normal, double depth) const;
   bool face_nearest(const Point2<double>& x, const Point2<double>& normal,
                     const std::vector<double>& coordinates, Point& point) const;
   bool face_held(const Point2<double>& x, const Point2<double>& normal,

@@ -75,8 +75,8 @@ struct InitialOverlapReport {
 class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
-  /// `_force` are added to the table, and the candidates at u = 0 are found. Throws UserError: unknown or
-  /// equal groups, a penalty that is not positive, automatic without a modulus, a rigid body without a
+  /// `_force` are added to the table, and the candidates at u = 0 are found. Throws UserError: unknown
+  /// groups, a penalty that is not positive, automatic without a modulus, a rigid body without a
   /// direction or radius. Collective.
   ContactInterface(const Mesh& mesh, const FieldLayout& displacement, const ContactSettings& settings,
                    const ContactEnvironment& environment, StateTable& state);

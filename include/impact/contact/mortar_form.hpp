@@ -98,6 +98,8 @@ private:
   bool hidden(int facet, int candidate, const std::vector<int>& accepted, const std::vector<double>& x) const;
   bool share_a_node(int candidate, int other) const;
   double size_of(int facet, const std::vector<double>& x) const; // longest side
+  // Whether a pair that is deep now was not so at the start of the step.
+  bool came_through(int facet, int candidate) const;
   Facing facing_at(const std::vector<double>& x) const;
   // Dual functions on the facets that are covered as a whole, standard ones on the others.
   void choose_functions(const Facing& facing, const std::vector<double>& x);

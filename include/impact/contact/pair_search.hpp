@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <impact/contact/node_exchange.hpp>
 #include <impact/contact/search.hpp>
+#include <impact/contact/self_contact.hpp>
 #include <impact/contact/surface.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
@@ -55,14 +56,17 @@ template <class T> void sort_unique(std::vector<T>& v) {
 class PairSearch {
 public:
   enum class Outcome { kept, rebuilt, other_pairs };
+  /// What the secondary surface may meet: no surface of the mesh, another one, or itself.
+  enum class Primary { rigid, other, itself };
 
   PairSearch() = default;
   /// `secondary`: global nodes [facet][corner] of the facets that this rank evaluates, whoever owns their
   /// cells, and `secondary_X` [facet][corner][dim]; `primary`: the facets of this rank's cells, empty where
-  /// the primary is no surface of the mesh. Mesh and layout must outlive the search. Collective.
+  /// the primary is no surface of the mesh. A surface that may meet itself keeps of its pairs those that
+  /// SelfContact lets touch. Mesh and layout must outlive the search. Collective.
   PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
              const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
-             bool has_primary);
+             Primary kind);
 
   /// Where the bodies stand at the start of a step; the list then reaches as far as they move. Collective.
   void set_start(Vec u_n);
@@ -77,11 +81,30 @@ public:
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return nodes_; }
   double radius() const { return radius_; }
+  bool meets_itself() const { return kind_ == Primary::itself; }
+  /// Whether this facet is the secondary one of its pair with the candidate (a place in candidates().facet):
+  /// always, unless the surface may meet itself.
+  bool counts(int candidate) const {
+    return counts_.empty() || counts_[static_cast<std::size_t>(candidate)] != 0;
+  }
+  /// How deep behind the primary a secondary facet is still seen: the radius. Where the surface may meet
+  /// itself: half the facet, or the thickness of its own body if that is less; what is deeper must have
+  /// crossed the primary within the step.
+  double depth(int secondary_facet) const {
+    return depth_.empty() ? radius_ : depth_[static_cast<std::size_t>(secondary_facet)];
+  }
   /// False: something moved so far that the list may miss a facet. x: [node][dim] of nodes().
   bool holds_for(const std::vector<double>& x) const;
 
 private:
+  // Facets at the coordinates x of the static nodes.
+  SearchSecondary secondary_at(const std::vector<double>& x) const;
+  std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
   Candidates search(const std::vector<double>& x) const;
+  void prepare_self_contact();
+  // Leaves of the candidates those that may touch; needs nodes_ of them all.
+  void drop_neighbours(Vec u);
+  FacetShape candidate_shape(int primary, const std::vector<double>& x) const;
   void fetch_nodes(Vec u);
   void fetch_start();
 
@@ -95,11 +118,17 @@ private:
   std::vector<double> static_X_;                       // [node][dim]
   std::vector<double> static_built_at_, static_start_; // [node][dim]; start empty: unknown
   Handle<Vec> u_n_;                                    // at the start of the step; absent: unknown
-  bool has_primary_ = false, outdated_ = true;
+  Primary kind_ = Primary::rigid;
+  bool outdated_ = true;
   double radius_ = 0, skin_ = 0;
   double reach_ = 0; // the list holds every facet so near: the radius, or the motion of the step if larger
   Candidates candidates_;
   ContactNodes nodes_;
+  SelfContact self_;               // below: of a surface that may meet itself, else empty
+  Handle<Vec> body_;               // of a node, in its first component
+  std::vector<FacetShape> shapes_; // [secondary facet] reference
+  std::vector<char> counts_;       // [candidate]
+  std::vector<double> depth_;      // [secondary facet]
 };
 
 } // namespace impact
