@@ -91,7 +91,7 @@ void ContactInterface::keep_gaps(Vec u) {
   std::vector<double> gap(gap_->trial.size(), unknown_gap);
   visit(form_->nodes().displacement(u), Derivatives::first,
         [&](const Constraint& c) { gap[at(c.index)] = c.gap; });
-  share(gap);
+  share(gap, 1);
   gap_->trial = std::move(gap);
   step_.under_way = false;
 }

@@ -52,10 +52,11 @@ GaussPointForm::GaussPointForm(const Mesh& mesh, const FieldLayout& layout, cons
   for (int node = 0; node < mesh.node_count(); ++node) nodal_area_.push_back(area[at(2 * node)]);
 }
 
-std::pair<StateRow, std::size_t> GaussPointForm::multiplier_row(const std::string& name) const {
-  StateRow row{name, Support::facet_point, 1};
+std::pair<StateRow, std::size_t> GaussPointForm::constraint_row(const std::string& name,
+                                                                int components) const {
+  StateRow row{name, Support::facet_point, components};
   row.surface = settings_.secondary;
-  return {row, points_.weight.size()};
+  return {row, at(components) * points_.weight.size()};
 }
 
 void GaussPointForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
@@ -347,7 +348,7 @@ void GaussPointForm::visit_curvature(const std::vector<double>& u, const Pressur
                                      const CurvatureFactors& factors, const BlockVisitor& visitor) const {
   const std::vector<double> X = nodes().current(u);
   visit_points(u, true, law, [&](const Constraint& c, const Point& point, Workspace& w) {
-    const double of_gap = factors.of_gap(c.index), of_slip = c.slides ? factors.of_slip(c.index) : 0;
+    const double of_gap = factors.of_gap(c.index), of_slip = c.slides ? factors.of_slip(c.index)[0] : 0;
     if (of_gap == 0 && of_slip == 0) return;
     const std::size_t n = 2 * c.node.size();
     for (std::size_t i = 0; i < n * n; ++i) w.hessian[i] = of_slip != 0 ? of_slip * w.slip_hessian[i] : 0;
@@ -378,7 +379,7 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
   if (settings_.rigid()) {
     const Point2<double> t = {-point.foot.normal[1], point.foot.normal[0]};
     const Point2<double> opposite = {anchor.place[0] + pose_.moved[0], anchor.place[1] + pose_.moved[1]};
-    c.slip = detail::dot(t, detail::minus(x_s, opposite));
+    c.slip[0] = detail::dot(t, detail::minus(x_s, opposite));
     for (std::size_t a = 0; a < 2; ++a)
       for (std::size_t k = 0; k < 2; ++k) w.slip_gradient[2 * a + k] = point.shape[a] * t[k];
   } else {
@@ -396,7 +397,7 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
     const std::array<Point2<double>, 2> s = {place_of(point.node[0]), place_of(point.node[1])},
                                         p = {place_of(anchor.slot[0]), place_of(anchor.slot[1])};
     const Slip slip = slip_of(s, p, anchor.pair);
-    c.slip = slip.value;
+    c.slip[0] = slip.value;
     const std::size_t n = 2 * count;
     for (std::size_t i = 0; i < 8; ++i) w.slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
     if (second) {

@@ -29,42 +29,80 @@ PressureLaw ContactInterface::law() const {
   return {multiplier_->trial, activity_weight * penalty(), newton_weight * penalty(), true};
 }
 
-Traction ContactInterface::traction(const Constraint& c) const {
-  if (!rubs(c)) return {};
-  const double held = traction_->trial[at(c.index)], limit = settings_.friction * std::max(c.pressure, 0.0);
-  if (!semismooth()) return coulomb(held + penalty() * c.slip, limit);
-  // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
-  Traction t = coulomb(held + activity_weight * penalty() * c.slip, limit);
-  if (t.direction == 0) t.value = held;
+Tangential ContactInterface::held(const Constraint& c) const {
+  Tangential t{};
+  for (std::size_t i = 0; i < tangents(); ++i) t[i] = traction_->trial[tangents() * at(c.index) + i];
   return t;
 }
 
-void ContactInterface::tangent_block(const Constraint& c, double scale, std::vector<double>& block) const {
-  // scale w k dg dg, and with friction k ds ds where it sticks, -mu k ds dg where it slides.
+Traction ContactInterface::traction(const Constraint& c) const {
+  if (!rubs(c)) return {};
+  const Tangential held = this->held(c);
+  const double limit = settings_.friction * std::max(c.pressure, 0.0);
+  const double eps = law().eps;
+  Traction t = coulomb({held[0] + eps * c.slip[0], held[1] + eps * c.slip[1]}, limit);
+  // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
+  if (semismooth() && !t.slides) t.value = held;
+  return t;
+}
+
+double ContactInterface::turn_stiffness(const Constraint& c, const Traction& t) const {
+  const double limit = std::hypot(t.value[0], t.value[1]), eps = law().eps;
+  if (!semismooth()) return eps * limit / (limit + t.excess);
+  // Newton's method on |q| t = mu p q, q = t + eps s, with t = mu p q/|q| in its matrix (Hueber, Stadler and
+  // Wohlmuth 2008): the new t = mu p m + k (1 - m m)(s + ds), m = q/|q|, k = eps mu p/(|q| - mu p), which at
+  // the solution is mu p/|s|. Where sliding sets in it acts as if it stuck.
+  const double stick = law().stiffness(c.scale);
+  return t.excess * stick > eps * limit ? eps * limit / t.excess : stick;
+}
+
+std::array<Tangential, 2> ContactInterface::slip_stiffness(const Constraint& c, const Traction& t) const {
+  if (!t.slides) {
+    const double stick = law().stiffness(c.scale);
+    return {{{stick, 0}, {0, stick}}};
+  }
+  if (dim_ == 2) return {};
+  const double k = turn_stiffness(c, t);
+  const Tangential& m = t.direction;
+  return {{{k * m[1] * m[1], -k * m[0] * m[1]}, {-k * m[0] * m[1], k * m[0] * m[0]}}};
+}
+
+void ContactInterface::tangent_block(const Constraint& c, double scale, TangentSpace& space) const {
+  // scale w k dg dg, and with friction ds K ds, and -mu k ds.m dg where it slides.
   const std::size_t n = c.gradient.size();
+  auto& [block, row] = space;
   block.resize(n * n);
+  row.resize(n);
   const double stiffness = contact_stiffness(c), weight = scale * c.weight;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < n; ++j) block[n * i + j] = weight * stiffness * c.gradient[i] * c.gradient[j];
   if (!rubs(c)) return;
   const Traction t = traction(c);
-  const double stick = t.direction == 0 ? stiffness : 0;
-  const double slide = settings_.friction * t.direction * stiffness;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      block[n * i + j] += weight * c.slip_gradient[i] * (stick * c.slip_gradient[j] - slide * c.gradient[j]);
+  const std::array<Tangential, 2> K = slip_stiffness(c, t);
+  const auto slip_gradient = [&](std::size_t direction) { return c.slip_gradient.subspan(n * direction, n); };
+  for (std::size_t a = 0; a < tangents(); ++a) { // row: derivatives of the traction
+    const double slide = settings_.friction * t.direction[a] * stiffness;
+    for (std::size_t j = 0; j < n; ++j) row[j] = -slide * c.gradient[j];
+    for (std::size_t b = 0; b < tangents(); ++b)
+      for (std::size_t j = 0; j < n; ++j) row[j] += K[a][b] * slip_gradient(b)[j];
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) block[n * i + j] += weight * slip_gradient(a)[i] * row[j];
+  }
 }
 
 ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, double scale,
                                               const BlockVisitor& visitor) const {
-  std::vector<double> block, of_gap(multiplier_->trial.size(), 0.0);
-  std::vector<double> of_slip(traction_ != nullptr ? of_gap.size() : 0, 0.0);
+  TangentSpace space;
+  std::vector<double> of_gap(multiplier_->trial.size(), 0.0);
+  std::vector<Tangential> of_slip(traction_ != nullptr ? of_gap.size() : 0, Tangential{});
   const ContactStatus status = visit(u, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
-    tangent_block(c, scale, block);
-    visitor(c.node, block);
+    tangent_block(c, scale, space);
+    visitor(c.node, space.block);
     of_gap[at(c.index)] = -scale * c.weight * c.pressure;
-    if (rubs(c)) of_slip[at(c.index)] = scale * c.weight * traction(c).value;
+    if (!rubs(c)) return;
+    const Tangential t = traction(c).value;
+    of_slip[at(c.index)] = {scale * c.weight * t[0], scale * c.weight * t[1]};
   });
   if (step_.under_way)
     form_->visit_curvature(middle(u), reaching_law(), {of_gap, of_slip}, visitor);
@@ -157,10 +195,13 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const double factor = step_.under_way ? 2 * scale : scale;
   const ContactStatus status = visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
-    const double t = traction(c).value;
-    for (std::size_t i = 0; i < c.gradient.size(); ++i)
-      f[dof(c.node[i / m], i % m)] -=
-          factor * c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
+    const std::size_t n = c.gradient.size();
+    for (std::size_t i = 0; i < n; ++i)
+      f[dof(c.node[i / m], i % m)] -= factor * c.weight * c.pressure * c.gradient[i];
+    if (!rubs(c)) return;
+    const Tangential t = traction(c).value;
+    for (std::size_t i = 0; i < tangents() * n; ++i)
+      f[dof(c.node[i % n / m], i % m)] += factor * c.weight * t[i / n] * c.slip_gradient[i];
   });
   form_->nodes().exchange.add(f, r);
   if (step_.under_way) subtract_last_force(scale, r);
@@ -175,13 +216,20 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
   const auto m = at(dim_);
   visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
+    const std::size_t n = c.gradient.size();
     const double gap = law.stiffness(c.scale) * c.gap;
-    const double direction = traction(c).direction;
-    const double slip =
-        direction == 0 ? law.stiffness(c.scale) * c.slip : -settings_.friction * direction * gap;
-    for (std::size_t i = 0; i < c.gradient.size(); ++i)
-      if (const std::size_t row = dof(c.node[i / m], i % m); !fixed_here_[row])
-        f[row] += scale * c.weight * (gap * c.gradient[i] + (rubs(c) ? slip * c.slip_gradient[i] : 0));
+    const auto add = [&](std::size_t i, double value) {
+      if (const std::size_t row = dof(c.node[i % n / m], i % m); !fixed_here_[row])
+        f[row] += scale * c.weight * value;
+    };
+    for (std::size_t i = 0; i < n; ++i) add(i, gap * c.gradient[i]);
+    if (!rubs(c)) return;
+    const Traction t = traction(c);
+    const std::array<Tangential, 2> K = slip_stiffness(c, t);
+    for (std::size_t a = 0; a < tangents(); ++a) {
+      const double missing = inner(K[a], c.slip) - settings_.friction * t.direction[a] * gap;
+      for (std::size_t i = 0; i < n; ++i) add(i, missing * c.slip_gradient[n * a + i]);
+    }
   });
   form_->nodes().exchange.add(f, r);
 }
@@ -228,7 +276,7 @@ void ContactInterface::start_newton(Vec u) {
   visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
     if (!(c.lambda > 0)) lambda[at(c.index)] = std::abs(c.gap) < touch ? token : 0.0;
   });
-  share(lambda);
+  share(lambda, 1);
   multiplier_->trial = std::move(lambda);
 }
 
@@ -237,30 +285,34 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
   const PressureLaw law = this->law();
   const std::vector<double> d = nodes.exchange.gather(du);
   const auto m = at(dim_);
-  std::vector<double> lambda(multiplier_->trial.size(), 0.0), held(lambda.size(), 0.0);
+  std::vector<double> lambda(multiplier_->trial.size(), 0.0), held(tangents() * lambda.size(), 0.0);
   std::vector<char> active(lambda.size(), 0); // 1: sticks or has no friction; 2: slides
-  const auto kind = [&](const Constraint& c) {
-    return static_cast<char>(traction(c).direction == 0 ? 1 : 2);
-  };
+  const auto kind = [&](const Constraint& c) { return static_cast<char>(traction(c).slides ? 2 : 1); };
   visit(nodes.displacement(u), Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
-    double gap = c.gap, slip = c.slip;
-    for (std::size_t i = 0; i < c.gradient.size(); ++i) {
+    const std::size_t n = c.gradient.size();
+    double gap = c.gap;
+    Tangential slip = c.slip;
+    for (std::size_t i = 0; i < n; ++i) {
       const double change = d[dof(c.node[i / m], i % m)];
       gap += c.gradient[i] * change;
-      if (c.slides) slip += c.slip_gradient[i] * change;
+      if (c.slides)
+        for (std::size_t a = 0; a < tangents(); ++a) slip[a] += c.slip_gradient[n * a + i] * change;
     }
     lambda[at(c.index)] = c.lambda - law.stiffness(c.scale) * gap;
     active[at(c.index)] = kind(c);
     if (!rubs(c)) return;
-    const double direction = traction(c).direction;
-    held[at(c.index)] = direction == 0 ? traction_->trial[at(c.index)] + law.stiffness(c.scale) * slip
-                                       : settings_.friction * direction * std::max(0.0, lambda[at(c.index)]);
+    const Traction t = traction(c);
+    const std::array<Tangential, 2> K = slip_stiffness(c, t);
+    const double limit = settings_.friction * std::max(0.0, lambda[at(c.index)]);
+    for (std::size_t a = 0; a < tangents(); ++a)
+      held[tangents() * at(c.index) + a] =
+          (t.slides ? limit * t.direction[a] : t.value[a]) + inner(K[a], slip);
   });
-  share(lambda);
+  share(lambda, 1);
   multiplier_->trial = std::move(lambda);
   if (traction_ != nullptr && !friction_suspended_) {
-    share(held);
+    share(held, dim_ - 1);
     traction_->trial = std::move(held);
   }
   std::vector<char> then(active.size(), 0);

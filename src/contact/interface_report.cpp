@@ -24,9 +24,13 @@ constexpr double newton_gap = 1e-11;
 // The force on the secondary side.
 void ContactInterface::add_force(const Constraint& c, std::array<double, 3>& force) const {
   if (!c.active) return;
-  const double t = traction(c).value;
-  for (std::size_t i = 0; i < at(dim_) * c.share.size(); ++i)
-    force[i % at(dim_)] += c.weight * (c.pressure * c.gradient[i] - (t != 0 ? t * c.slip_gradient[i] : 0));
+  const std::size_t n = c.gradient.size(), mine = at(dim_) * c.share.size();
+  for (std::size_t i = 0; i < mine; ++i) force[i % at(dim_)] += c.weight * c.pressure * c.gradient[i];
+  if (!rubs(c)) return;
+  const Tangential t = traction(c).value;
+  for (std::size_t a = 0; a < tangents(); ++a)
+    for (std::size_t i = 0; i < mine; ++i)
+      force[i % at(dim_)] -= c.weight * t[a] * c.slip_gradient[n * a + i];
 }
 
 std::array<double, 3> ContactInterface::total_force(Vec u) const {
@@ -44,9 +48,12 @@ double ContactInterface::friction_loss(Vec u) const {
   double loss = 0;
   visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
     const Traction t = traction(c);
-    if (t.direction == 0) return;
-    const double elastic = semismooth() ? 0 : (t.value - traction_->trial[at(c.index)]) / penalty();
-    loss += c.weight * t.value * (c.slip - elastic);
+    if (!t.slides) return;
+    const Tangential before = held(c);
+    for (std::size_t a = 0; a < tangents(); ++a) {
+      const double elastic = semismooth() ? 0 : (t.value[a] - before[a]) / penalty();
+      loss += c.weight * t.value[a] * (c.slip[a] - elastic);
+    }
   });
   MPI_Allreduce(MPI_IN_PLACE, &loss, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   return reported_thickness() * loss;
@@ -64,16 +71,16 @@ double ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
   return reported_thickness() * work;
 }
 
-void ContactInterface::share(std::vector<double>& multipliers) const {
+void ContactInterface::share(std::vector<double>& values, int components) const {
   if (multiplier_->support != Support::vertex) return;
   // One constraint per node, evaluated by the node's owner.
-  std::vector<double> pairs = layout_->make_local();
-  const auto d = at(dim_);
-  for (std::size_t node = 0; node < multipliers.size(); ++node) pairs[d * node] = multipliers[node];
+  std::vector<double> vectors = layout_->make_local();
+  const auto d = at(dim_), n = at(components);
+  for (std::size_t i = 0; i < values.size(); ++i) vectors[d * (i / n) + i % n] = values[i];
   const Handle<Vec> owned = layout_->make_global();
-  layout_->to_global(pairs, owned);
-  layout_->to_local(owned, pairs);
-  for (std::size_t node = 0; node < multipliers.size(); ++node) multipliers[node] = pairs[d * node];
+  layout_->to_global(vectors, owned);
+  layout_->to_local(owned, vectors);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = vectors[d * (i / n) + i % n];
 }
 
 void ContactInterface::start_augmentation() { penalty_->trial[1] = 0; }
@@ -82,20 +89,23 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
                                         std::vector<double>& traction) const {
   // A constraint that faces nothing carries nothing.
   lambda.assign(multiplier_->trial.size(), 0.0);
-  traction.assign(traction_ != nullptr ? lambda.size() : 0, 0.0);
+  traction.assign(traction_ != nullptr ? tangents() * lambda.size() : 0, 0.0);
   AugmentReport report;
   const ContactStatus status =
       visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
         lambda[at(c.index)] = std::max(0.0, c.pressure);
-        if (traction_ != nullptr) traction[at(c.index)] = this->traction(c).value;
+        if (traction_ != nullptr) {
+          const Tangential t = this->traction(c).value;
+          std::copy_n(t.begin(), tangents(), &traction[tangents() * at(c.index)]);
+        }
         // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
         if (c.active)
           report.largest_gap =
               std::max(report.largest_gap, std::min(std::abs(c.gap), c.pressure / penalty()));
         if (c.active && c.gap < form_->deepest()) report.settled = false;
       });
-  share(lambda);
-  if (traction_ != nullptr) share(traction);
+  share(lambda, 1);
+  if (traction_ != nullptr) share(traction, dim_ - 1);
   if (form_->switched()) report.settled = false;
   double change = 0;
   for (std::size_t i = 0; i < lambda.size(); ++i) {
@@ -141,10 +151,20 @@ bool ContactInterface::gaps_closed(Vec u, double force) const {
   std::array<double, 3> largest = {0, 0, 0};
   visit(values, Derivatives::none, [&](const Constraint& c) {
     if (!c.active) return;
-    double open = std::abs(c.gap);
-    if (rubs(c) && traction(c).direction == 0) open = std::max(open, std::abs(c.slip));
+    double open = std::abs(c.gap), force_of_turn = 0;
+    if (rubs(c)) {
+      const Traction t = traction(c);
+      const Tangential& s = c.slip;
+      if (!t.slides) open = std::max(open, std::hypot(s[0], s[1]));
+      // Slip across the traction: it must turn until there is none.
+      if (t.slides && dim_ == 3) {
+        const double across = std::abs(t.direction[0] * s[1] - t.direction[1] * s[0]);
+        force_of_turn = c.weight * turn_stiffness(c, t) * across;
+        largest[0] = std::max(largest[0], across);
+      }
+    }
     largest[0] = std::max(largest[0], open);
-    largest[1] = std::max(largest[1], c.weight * penalty() * open);
+    largest[1] = std::max({largest[1], c.weight * penalty() * open, force_of_turn});
   });
   for (double coordinate : form_->nodes().current(values))
     largest[2] = std::max(largest[2], std::abs(coordinate));
@@ -199,9 +219,20 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   std::copy(obstacle.begin(), obstacle.end(), totals_->trial.begin() + 2 * dim_ + 1);
   if (conserving()) keep_gaps(u);
   if (traction_ == nullptr) return;
+  totals_->trial.back() = before.back() + friction_loss(u) / reported_thickness();
   // What sticks from now on does so with the traction of this state.
-  std::vector<double> lambda, traction;
+  std::vector<double> lambda, traction, slip(slip_->trial.size(), 0.0);
   propose(u, lambda, traction);
+  const std::size_t n = tangents() + 1;
+  visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
+    if (!c.active) return;
+    double* mine = &slip[n * at(c.index)];
+    for (std::size_t a = 0; a < tangents(); ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
+    // What has closed just now had no friction yet.
+    mine[n - 1] = !c.slides || this->traction(c).slides ? 2 : 1;
+  });
+  share(slip, dim_);
+  slip_->trial = std::move(slip);
   traction_->trial = std::move(traction);
   form_->anchor(u);
 }
@@ -209,7 +240,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
 ContactMeasures ContactInterface::measures(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double eps = penalty();
-  std::array<double, 6> sum{}; // force, length, energy, active
+  std::array<double, 7> sum{}; // force, length, energy, active, sliding
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure
   visit(form_->nodes().displacement(u), Derivatives::first, [&](const Constraint& c) {
@@ -219,16 +250,17 @@ ContactMeasures ContactInterface::measures(Vec u) const {
     if (!c.active) return;
     const Traction t = traction(c);
     // A penalty keeps the traction's energy too; augmentations take it for a multiplier.
-    if (settings_.enforce == Enforcement::penalty) sum[4] += c.weight * t.value * t.value / (2 * eps);
+    if (settings_.enforce == Enforcement::penalty) sum[4] += c.weight * inner(t.value, t.value) / (2 * eps);
     std::array<double, 3> force{};
     add_force(c, force);
     for (std::size_t k = 0; k < 3; ++k) sum[k] += force[k];
     sum[3] += c.weight * c.stretch;
     sum[5] += 1;
+    if (rubs(c) && slip_->trial[at(dim_) * at(c.index) + tangents()] == 2) sum[6] += 1;
     largest[1] = std::max(largest[1], c.pressure / c.stretch);
     largest[2] = std::max(largest[2], -c.pressure / c.stretch);
   });
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 6, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 7, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   const double thick = reported_thickness();
   ContactMeasures m;
@@ -239,6 +271,8 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   m.length = sum[3];
   m.energy = thick * sum[4];
   m.active = static_cast<int>(sum[5]);
+  m.sliding = static_cast<int>(sum[6]);
+  if (traction_ != nullptr) m.dissipated = thick * totals_->trial.back();
   m.gap_min = std::isinf(largest[0]) ? std::numeric_limits<double>::quiet_NaN() : -largest[0];
   m.pressure_max = largest[1];
   m.pressure_min = m.active > 0 ? -largest[2] : 0;
@@ -246,34 +280,79 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   return m;
 }
 
-void ContactInterface::nodal_fields(Vec u, std::vector<double>& pressure, std::vector<double>& gap) const {
-  // By nodes: reference area times pressure; area times gap, and that area, over the constraints that face
-  // something.
+ContactFields ContactInterface::nodal_fields(Vec u) const {
+  // By nodes, sums over the constraints that face something: of weights times values, in rows of dim numbers.
+  enum Sum { of_all, of_state, of_traction, of_slip, sums };
+  enum Column { weighed_pressure, weighed_gap }; // of_all; of_state: weights of what presses, of what slides
   const ContactNodes& nodes = form_->nodes();
   const auto d = at(dim_);
-  std::vector<double> p(d * nodes.global.size(), 0.0), g(p.size(), 0.0);
-  visit(nodes.displacement(u), Derivatives::none, [&](const Constraint& c) {
+  std::array<std::vector<double>, sums> sum;
+  std::vector<double> faces(d * nodes.global.size(), 0.0); // weight
+  for (std::vector<double>& values : sum) values.assign(faces.size(), 0.0);
+  const auto directions = traction_ != nullptr ? Derivatives::first : Derivatives::none;
+  visit(nodes.displacement(u), directions, [&](const Constraint& c) {
+    std::array<double, 3> t{}, s{};
+    bool slides = c.active;
+    if (rubs(c)) {
+      const double* kept = &slip_->trial[d * at(c.index)];
+      slides = kept[d - 1] == 2;
+      const Tangential traction = this->traction(c).value;
+      const std::size_t n = d * c.node.size();
+      for (std::size_t a = 0; a < tangents(); ++a) {
+        // What a translation of the secondary side slips: the direction times the covered part.
+        std::array<double, 3> along{};
+        for (std::size_t i = 0; i < d * c.share.size(); ++i) along[i % d] += c.slip_gradient[n * a + i];
+        const double square = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
+        for (std::size_t k = 0; k < d; ++k) {
+          t[k] -= traction[a] / c.stretch * along[k];
+          if (square > 0) s[k] += kept[a] / square * along[k];
+        }
+      }
+    }
     for (std::size_t a = 0; a < c.share.size(); ++a) {
       const double weight = c.weight * c.share[a];
       const std::size_t i = d * at(c.node[a]);
-      p[i] += weight * c.pressure / c.stretch;
-      g[i] += weight * c.gap;
-      g[i + 1] += weight;
+      faces[i] += weight;
+      sum[of_all][i + weighed_pressure] += weight * c.pressure / c.stretch;
+      sum[of_all][i + weighed_gap] += weight * c.gap;
+      if (c.active) sum[of_state][i] += weight;
+      if (slides) sum[of_state][i + 1] += weight;
+      for (std::size_t k = 0; k < d; ++k) {
+        sum[of_traction][i + k] += weight * t[k];
+        sum[of_slip][i + k] += c.active ? weight * s[k] : 0;
+      }
     }
   });
-  std::vector<double> local_p = layout_->make_local(), local_g = layout_->make_local();
-  for (auto [mine, local] : {std::pair{&p, &local_p}, std::pair{&g, &local_g}}) {
-    const Handle<Vec> sum = layout_->make_global();
-    nodes.exchange.add(*mine, sum);
-    layout_->to_local(sum, *local);
-  }
+  const Handle<Vec> global = layout_->make_global();
+  const auto gather = [&](std::vector<double>& values) {
+    std::vector<double> local = layout_->make_local();
+    check(VecSet(global, 0));
+    nodes.exchange.add(values, global);
+    layout_->to_local(global, local);
+    values = std::move(local);
+  };
+  gather(faces);
+  for (std::vector<double>& values : sum) gather(values);
   const auto count = at(mesh_->node_count());
-  pressure.assign(count, 0.0);
-  gap.assign(count, std::numeric_limits<double>::quiet_NaN());
+  ContactFields fields;
+  fields.pressure.assign(count, 0.0);
+  fields.gap.assign(count, std::numeric_limits<double>::quiet_NaN());
+  fields.status.assign(count, 0.0);
+  fields.traction.assign(3 * count, 0.0);
+  fields.slip.assign(3 * count, 0.0);
   for (std::size_t node = 0; node < count; ++node) {
-    if (form_->nodal_area()[node] > 0) pressure[node] = local_p[d * node] / form_->nodal_area()[node];
-    if (local_g[d * node + 1] > 0) gap[node] = local_g[d * node] / local_g[d * node + 1];
+    const std::size_t i = d * node;
+    const double area = form_->nodal_area()[node], pressing = sum[of_state][i];
+    if (area > 0) fields.pressure[node] = sum[of_all][i + weighed_pressure] / area;
+    if (faces[i] > 0) fields.gap[node] = sum[of_all][i + weighed_gap] / faces[i];
+    if (!(pressing > 0)) continue;
+    fields.status[node] = sum[of_state][i + 1] > pressing / 2 ? 2 : 1;
+    for (std::size_t k = 0; k < d; ++k) {
+      if (area > 0) fields.traction[3 * node + k] = sum[of_traction][i + k] / area;
+      fields.slip[3 * node + k] = sum[of_slip][i + k] / pressing;
+    }
   }
+  return fields;
 }
 
 } // namespace impact

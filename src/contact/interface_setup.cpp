@@ -33,8 +33,6 @@ void check_settings(ContactSettings& settings, int dim) {
     settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
   if (dim == 3 && !mortar)
     throw usage(settings, "method", "`gpts` is for plane and axisymmetric meshes; take mortar in space");
-  if (dim == 3 && settings.friction > 0)
-    throw usage(settings, "friction", "is for plane and axisymmetric meshes; this one is in space");
   if (settings.impact == ImpactUpdate::conserving) {
     if (settings.enforce != Enforcement::automatic && settings.enforce != Enforcement::penalty)
       throw usage(settings, "impact",
@@ -48,8 +46,8 @@ void check_settings(ContactSettings& settings, int dim) {
     settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
   if (!settings.rigid()) return;
   const bool plane = settings.primary == "plane";
-  if (settings.friction > 0 && (!plane || mortar))
-    throw usage(settings, "friction", "against a rigid body is for a plane and the method gpts");
+  if (settings.friction > 0 && !plane && !mortar)
+    throw usage(settings, "friction", "on a round rigid body is for the method mortar; here it is gpts");
   double* n = plane ? settings.plane_normal : settings.axis;
   if (dim == 2) n[2] = plane ? 0 : 1;
   if (dim == 2 && !plane) n[0] = n[1] = 0;
@@ -149,18 +147,22 @@ void ContactInterface::declare_state(StateTable& state) {
   auto row = [&](const std::string& what, Support support, int components) {
     return StateRow{name + "_" + what, support, components};
   };
-  const auto [multipliers, count] = form_->multiplier_row(name + "_multiplier");
-  multiplier_ = &state.add(multipliers, count);
-  traction_ = nullptr;
-  if (frictional()) traction_ = &state.add(form_->multiplier_row(name + "_traction").first, count);
+  const auto add = [&](const std::string& what, int components) {
+    const auto [values, count] = form_->constraint_row(name + "_" + what, components);
+    return &state.add(values, count);
+  };
+  multiplier_ = add("multiplier", 1);
+  traction_ = frictional() ? add("traction", dim_ - 1) : nullptr;
+  slip_ = frictional() ? add("slip", dim_) : nullptr;
   if (settings_.impact == ImpactUpdate::conserving && environment_.density > 0) {
-    gap_ = &state.add(form_->multiplier_row(name + "_gap").first, count);
+    gap_ = add("gap", 1);
     for (std::vector<double>* half : {&gap_->committed, &gap_->trial})
       std::fill(half->begin(), half->end(), unknown_gap);
   }
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
   penalty_ = &state.add(row("penalty", Support::global, 3), 3);
-  const int totals = 2 * dim_ + 4; // impulse, work, last force, displacement of the rigid body
+  // Impulse, work, last force, displacement of the rigid body; heat of friction.
+  const int totals = 2 * dim_ + 4 + (frictional() ? 1 : 0);
   totals_ = &state.add(row("totals", Support::global, totals), at(totals));
   force_ = &state.add(row("force", Support::vertex, dim_), at(dim_ * mesh_->node_count()));
   penalty_->committed[0] = penalty_->trial[0] = settings_.penalty;

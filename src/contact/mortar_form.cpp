@@ -17,7 +17,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double farthest = 0.5;
 // Two facets over the same place count as layers, one behind the other, from this common part on.
 constexpr double least_common_part = 1e-6;
-// A facet whose pairs change more often within an attempt keeps those that it has.
+// A facet whose pairs or functions change more often within an attempt keeps those that it has.
 constexpr int switch_limit = 4;
 // Least covered part of a weight that the linear solves make up for.
 constexpr double least_cover = 1e-3;
@@ -85,6 +85,10 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
     if (settings.rigid()) { // which covers everything
       if (dual) set_functions(facet, facet.dual);
       facet.points = dim_ == 2 ? points_of(facet.edge) : points_of(facet.face);
+      for (const FacetPoint& point : facet.points)
+        for (std::size_t a = 0; a < 4; ++a)
+          for (std::size_t b = 0; b < 4; ++b) facet.onto.D[a][b] += point.weight[a] * point.shape[b];
+      facet.onto.M = facet.onto.D;
     }
     for (int a = 0; a < facet.corners; ++a)
       if (facet.owned[at(a)] >= 0) owned_[at(facet.owned[at(a)])].weight += area[at(a)];
@@ -95,6 +99,7 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
   layout.to_global(area, owned_area);
   layout.to_local(owned_area, area);
   for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
+  if (dim_ == 3 && settings.friction > 0) find_tangents(X);
   search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, what_it_meets(settings));
   facing_.resize(facets_.size());
   switches_.assign(facets_.size(), 0);
@@ -130,14 +135,19 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
                         "_method gpts");
 }
 
-std::pair<StateRow, std::size_t> MortarForm::multiplier_row(const std::string& name) const {
-  return {StateRow{name, Support::vertex, 1}, node_count_};
+std::pair<StateRow, std::size_t> MortarForm::constraint_row(const std::string& name, int components) const {
+  return {StateRow{name, Support::vertex, components}, at(components) * node_count_};
 }
 
 void MortarForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
   std::fill(switches_.begin(), switches_.end(), 0);
   switched_ = false;
+  const auto forget = [&] {
+    for (Facet& facet : facets_) facet.changes = 0;
+  };
+  forget();
   if (u_n) anchor(u_n);
+  forget();
   pose_ = pose;
 }
 
@@ -153,41 +163,13 @@ void MortarForm::choose_functions(const Facing& facing, const std::vector<double
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     double part = 0;
     for (int candidate : facing[at(f)]) part += view(f, candidate, x).part;
-    set_functions(facets_[at(f)], part > whole_facet ? facets_[at(f)].dual : standard);
+    Facet& facet = facets_[at(f)];
+    const bool whole = part > whole_facet;
+    if (whole == facet.whole || facet.changes >= switch_limit) continue;
+    facet.whole = whole;
+    ++facet.changes;
+    set_functions(facet, whole ? facet.dual : standard);
   }
-}
-
-void MortarForm::anchor(Vec u) {
-  search_.set_start(u);
-  if (!(settings_.friction > 0)) return;
-  const std::vector<double>& x = nodes().start;
-  const Facing facing = facing_at(x);
-  choose_functions(facing, x);
-  anchors_.assign(owned_.size(), {});
-  for (std::size_t i = 0; i < owned_.size(); ++i)
-    for (const Incident& incident : owned_[i].facets)
-      for (int c : facing[at(incident.facet)]) {
-        const auto edge = secondary_edge(incident.facet, x), primary = primary_edge(c, x);
-        const CoveredPart<double> part = covered_part(edge, primary);
-        if (!(part.end > part.begin)) continue;
-        const MortarWeights w = mortar_weights(edge, primary, facets_[at(incident.facet)].edge);
-        Anchor anchor;
-        anchor.facet = incident.facet;
-        const SearchFacet& on = search_.candidates().primary[at(search_.candidates().facet[at(c)])];
-        anchor.node = {on.node[0], on.node[1]};
-        for (std::size_t b = 0; b < 2; ++b) {
-          anchor.pair.c[b] = w.D[at(incident.corner)][b] / owned_[i].weight;
-          anchor.pair.m[b] = w.M[at(incident.corner)][b] / owned_[i].weight;
-        }
-        anchors_[i].push_back(anchor);
-      }
-  locate_anchors();
-}
-
-void MortarForm::locate_anchors() {
-  for (std::vector<Anchor>& anchors : anchors_)
-    for (Anchor& anchor : anchors)
-      for (std::size_t b = 0; b < 2; ++b) anchor.slot[b] = nodes().slot(anchor.node[b]);
 }
 
 const int* MortarForm::secondary_slots(int facet) const { return &nodes().secondary[corners_ * at(facet)]; }
@@ -515,14 +497,11 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
     }
     first.push_back(pieces.size());
   }
-  std::vector<int> node;
-  std::vector<double> share, gradient, slip_gradient;
-  const auto place_of = [&](int n) {
-    const auto found = std::find(node.begin(), node.end(), n);
-    if (found != node.end()) return static_cast<std::size_t>(found - node.begin());
-    node.push_back(n);
-    return node.size() - 1;
-  };
+  std::vector<double> share, gradient;
+  SlipRows slip_rows;
+  visit_face_slips(u, with_gradient, slip_rows);
+  NodePlaces place_of;
+  std::vector<int>& node = place_of.node;
   for (std::size_t number = 0; number < owned_.size(); ++number) {
     const Node& owner = owned_[number];
     const bool covered = std::any_of(owner.facets.begin(), owner.facets.end(), [&](const Incident& i) {
@@ -558,12 +537,7 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
         }
       }
     }
-    if (!anchors_.empty())
-      for (const Anchor& anchor : anchors_[number]) {
-        if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
-        c.slides = true;
-        for (int slot : anchor.slot) place_of(slot);
-      }
+    c.slides = slip_nodes(number, place_of);
     gradient.resize(d * node.size(), 0.0);
     c.gap /= owner.weight;
     c.stretch = area / owner.weight;
@@ -575,37 +549,9 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
     c.node = node;
     c.share = share;
     if (with_gradient) c.gradient = gradient;
-    if (c.slides) {
-      slip_gradient.assign(2 * node.size(), 0.0);
-      for (const Anchor& anchor : anchors_[number]) {
-        if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
-        std::array<int, 4> slots;
-        const Slip slip = slip_at(anchor, u, slots);
-        c.slip += slip.value;
-        for (std::size_t i = 0; i < 8; ++i)
-          slip_gradient[2 * place_of(slots[i / 2]) + i % 2] += slip.gradient[i];
-      }
-      c.slip_gradient = slip_gradient;
-    }
+    if (c.slides) add_slip(number, u, place_of, slip_rows, c);
     visitor(c);
   }
-}
-
-void MortarForm::place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
-                              std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const {
-  const int* secondary = secondary_slots(anchor.facet);
-  slots = {secondary[0], secondary[1], anchor.slot[0], anchor.slot[1]};
-  for (std::size_t a = 0; a < 2; ++a) {
-    s[a] = nodes().place<2>(slots[a], slots[0], u);
-    p[a] = nodes().place<2>(slots[2 + a], slots[0], u);
-  }
-}
-
-Slip MortarForm::slip_at(const Anchor& anchor, const std::vector<double>& u,
-                         std::array<int, 4>& slots) const {
-  std::array<Point2<double>, 2> s, p;
-  place_anchor(anchor, u, slots, s, p);
-  return slip_of(s, p, anchor.pair);
 }
 
 void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw&,
@@ -651,24 +597,13 @@ void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw
         visitor(node, block);
     }
   }
-  for (std::size_t number = 0; number < anchors_.size(); ++number) {
-    const double factor = factors.of_slip(owned_[number].local);
-    if (factor == 0) continue;
-    for (const Anchor& anchor : anchors_[number]) {
-      if (anchor.slot[0] < 0 || anchor.slot[1] < 0) continue;
-      std::array<int, 4> slots;
-      std::array<Point2<double>, 2> s, p;
-      place_anchor(anchor, u, slots, s, p);
-      std::array<double, 64> block = slip_hessian(s, p, anchor.pair);
-      for (double& value : block) value *= factor;
-      visitor(slots, block);
-    }
-  }
+  visit_slip_curvature(u, factors, visitor);
 }
 
 void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
   for (const Node& owner : owned_)
-    for (const auto& [f, corner] : owner.facets) {
+    for (const Incident& incident : owner.facets) {
+      const int f = incident.facet, corner = incident.corner;
       const int slot = secondary_slots(f)[corner];
       Point3 here{};
       std::copy_n(&x[at(dim_ * slot)], at(dim_), here.begin());

@@ -144,6 +144,13 @@ bool may_cover(const std::array<Place<double>, 3>& p) {
          !all([](const Place<double>& q) { return q.b + q.c >= 1; }) && twice_area(p[0], p[2], p[1]) > 0;
 }
 
+// Barycentric coordinates of a place in a projected primary triangle.
+std::array<double, 3> barycentric(const std::array<Place<double>, 3>& q, const Place<double>& here) {
+  const double whole = twice_area(q[0], q[2], q[1]);
+  return {twice_area(here, q[2], q[1]) / whole, twice_area(q[0], q[2], here) / whole,
+          twice_area(q[0], here, q[1]) / whole};
+}
+
 // Visits the pairs of triangles that may cover something: visitor(secondary index, weights of both, corners
 // of both, places).
 template <class Visitor>
@@ -371,6 +378,38 @@ double common_part(int corners, const FaceCorners& x, int a_corners, const FaceC
   return common / area_of(corners, x);
 }
 
+FaceWeights mortar_face_weights(const FaceCorners& x, int primary_corners, const FaceCorners& p,
+                                const MortarFace& face) {
+  FaceWeights weights;
+  const auto n = static_cast<std::size_t>(face.corners);
+  visit_triangles(
+      face.corners, x, primary_corners, p,
+      [&](std::size_t i, const Weights& ws, const Weights& wp, const Triangle&, const Triangle&,
+          const std::array<Place<double>, 3>& places) {
+        Polygon<double> polygon = covered_polygon(places);
+        if (!(part_of(polygon) > 0)) return;
+        weights.covered = true;
+        // int L_v f for the six functions f: in the place of the gap.
+        for (std::size_t u = 0; u < 6; ++u) {
+          for (std::size_t k = 0; k < polygon.count; ++k) {
+            Place<double>& q = polygon.place[k];
+            q.gap = u == 0 ? 1 - q.b - q.c : u == 1 ? q.b : u == 2 ? q.c : barycentric(places, q)[u - 3];
+          }
+          const std::array<double, 3> sums = integrate(polygon).gap;
+          for (std::size_t a = 0; a < n; ++a)
+            for (std::size_t v = 0; v < 3; ++v) {
+              const double phi = face.area[i] * function_at(face, ws, a, v) * sums[v];
+              for (std::size_t b = 0; b < 4; ++b)
+                if (u < 3)
+                  weights.D[a][b] += phi * ws[u][b];
+                else
+                  weights.M[a][b] += phi * wp[u - 3][b];
+            }
+        }
+      });
+  return weights;
+}
+
 bool corner_gap(int corners, const FaceCorners& x, int corner, int primary_corners, const FaceCorners& p,
                 double& gap) {
   // The corner is the first one of the triangle with its number, or a corner of the only one.
@@ -379,11 +418,8 @@ bool corner_gap(int corners, const FaceCorners& x, int corner, int primary_corne
   const Place<double> here = {v == 1 ? 1.0 : 0.0, v == 2 ? 1.0 : 0.0, 0};
   for (int j = 0; j < (primary_corners == 3 ? 1 : 4); ++j) {
     const auto q = places_of(s, triangle_of(p, triangle_weights(primary_corners, j)));
-    const double whole = twice_area(q[0], q[2], q[1]);
-    if (!(whole > 0)) continue;
-    const std::array<double, 3> L = {twice_area(here, q[2], q[1]) / whole,
-                                     twice_area(q[0], q[2], here) / whole,
-                                     twice_area(q[0], here, q[1]) / whole};
+    if (!(twice_area(q[0], q[2], q[1]) > 0)) continue;
+    const std::array<double, 3> L = barycentric(q, here);
     if (std::min({L[0], L[1], L[2]}) < -1e-9) continue;
     gap = L[0] * q[0].gap + L[1] * q[1].gap + L[2] * q[2].gap;
     return true;

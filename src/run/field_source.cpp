@@ -27,24 +27,27 @@ std::vector<std::string> FieldSource::names() const {
     if (row->output) names.push_back(row->name);
   for (const CellFieldName& field : cell_fields) names.emplace_back(field.name);
   if (!motion_.contacts().empty())
-    for (const char* name : {"contact_pressure", "contact_gap"}) names.emplace_back(name);
+    for (const char* name :
+         {"contact_pressure", "contact_gap", "contact_status", "contact_traction", "contact_slip"})
+      names.emplace_back(name);
   return names;
 }
 
 std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& snapshot,
                                        int& components) const {
   if (name.rfind("contact_", 0) == 0) {
-    components = 1;
-    std::vector<double> all(motion_.discretisation().node_values(1), name == "contact_gap" ? NAN : 0.0);
+    const bool gap = name == "contact_gap";
+    std::vector<double> ContactFields::*field = gap                          ? &ContactFields::gap
+                                                : name == "contact_status"   ? &ContactFields::status
+                                                : name == "contact_traction" ? &ContactFields::traction
+                                                : name == "contact_slip"     ? &ContactFields::slip
+                                                                             : &ContactFields::pressure;
+    components = name == "contact_traction" || name == "contact_slip" ? 3 : 1;
+    std::vector<double> all(motion_.discretisation().node_values(components), gap ? NAN : 0.0);
     for (ContactInterface& contact : motion_.contacts()) {
-      std::vector<double> pressure, gap;
-      contact.nodal_fields(snapshot.u, pressure, gap);
-      const std::vector<double>& mine = name == "contact_gap" ? gap : pressure;
+      const std::vector<double> mine = contact.nodal_fields(snapshot.u).*field;
       for (std::size_t i = 0; i < all.size(); ++i)
-        if (name != "contact_gap")
-          all[i] = std::max(all[i], mine[i]);
-        else if (!(all[i] <= mine[i]))
-          all[i] = mine[i];
+        if (gap ? !(all[i] <= mine[i]) : components > 1 ? mine[i] != 0 : mine[i] > all[i]) all[i] = mine[i];
     }
     return all;
   }

@@ -170,6 +170,11 @@ void HistoryObserver::append_contacts(HistoryFile::Row& row, const Snapshot& sna
     row.emplace_back(id + "pressure_min", m.pressure_min);
     row.emplace_back(id + "active", m.active);
     row.emplace_back(id + "length", m.length);
+    row.emplace_back(id + "work", m.work);
+    if (contact.frictional()) {
+      row.emplace_back(id + "sliding", m.sliding);
+      row.emplace_back(id + "dissipated", m.dissipated);
+    }
     for (std::size_t k = 0; k < dim; ++k)
       row.emplace_back("impulse_" + contact.id() + "_" + axis[k], m.impulse[k]);
   }

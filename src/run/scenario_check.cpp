@@ -35,7 +35,10 @@ void complete_output(OutputScenario& output, const Scenario& scenario) {
   output.fields.insert(output.fields.end(), {"stress", "von_mises", "pressure"});
   if (any_plastic(scenario)) output.fields.emplace_back("alpha");
   if (!scenario.contacts.empty())
-    output.fields.insert(output.fields.end(), {"contact_pressure", "contact_gap"});
+    output.fields.insert(output.fields.end(), {"contact_pressure", "contact_gap", "contact_status"});
+  if (std::any_of(scenario.contacts.begin(), scenario.contacts.end(),
+                  [](const ContactScenario& contact) { return contact.friction > 0; }))
+    output.fields.insert(output.fields.end(), {"contact_traction", "contact_slip"});
 }
 
 void check_time(const TimeScenario& time) {

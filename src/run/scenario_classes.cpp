@@ -21,7 +21,8 @@ std::vector<std::string> mesh_fields() {
 
 std::vector<std::string> all_fields() {
   std::vector<std::string> fields = mesh_fields();
-  fields.insert(fields.end(), {"contact_pressure", "contact_gap"});
+  fields.insert(fields.end(),
+                {"contact_pressure", "contact_gap", "contact_status", "contact_traction", "contact_slip"});
   return fields;
 }
 

@@ -59,6 +59,52 @@ TEST(Friction, TangentIsTheDerivativeOfTheResidualAndIsNotSymmetric) {
     }
 }
 
+TEST(Friction, OfMortarOnRigidBodiesHasItsExactTangent) {
+  for (const char* shape : {"plane", "rigid_cylinder"})
+    for (ContactSettings s : frictional()) {
+      if (s.method != ContactMethod::mortar) continue;
+      s.primary = shape;
+      s.plane_normal[0] = 0.02;
+      s.plane_point[1] = 0.01;
+      s.centre[0] = 0.9;
+      s.centre[1] = -2;
+      s.radius = 2;
+      Sliding rig(s, bodies_mixed);
+      const Handle<Mat> K = consistent_tangent(rig, rig.u);
+      PetscBool symmetric = PETSC_TRUE;
+      check(MatIsTranspose(K, K, 1e-3, &symmetric));
+      EXPECT_FALSE(symmetric) << shape;
+      EXPECT_GT(rig.contact.friction_loss(rig.u), 1e-4) << shape;
+    }
+}
+
+TEST(Friction, FieldsObeyCoulombsLaw) {
+  for (const ContactSettings& s : frictional()) {
+    Sliding rig(s, bodies_mixed);
+    rig.contact.advance(rig.u, rig.u, 0);
+    const ContactFields fields = rig.contact.nodal_fields(rig.u);
+    std::array<int, 2> count{}; // sticks, slides
+    for (std::size_t n = 0; n < fields.status.size(); ++n) {
+      const double t = std::hypot(fields.traction[3 * n], fields.traction[3 * n + 1]);
+      const double* slip = &fields.slip[3 * n];
+      EXPECT_EQ(fields.traction[3 * n + 2], 0);
+      if (fields.status[n] == 0) {
+        EXPECT_EQ(t, 0);
+        continue;
+      }
+      ++count[fields.status[n] == 2 ? 1 : 0];
+      EXPECT_LE(t, 0.4 * fields.pressure[n] * 1.05); // edges that meet in a node are not quite in line
+      if (fields.status[n] == 2 && s.method == ContactMethod::mortar && std::hypot(slip[0], slip[1]) > 1e-3) {
+        EXPECT_LT(fields.traction[3 * n] * slip[0] + fields.traction[3 * n + 1] * slip[1], 0);
+        EXPECT_GE(t, 0.4 * fields.pressure[n] * 0.9);
+      }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, count.data(), 2, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
+    EXPECT_GT(count[0], 0);
+    EXPECT_GT(count[1], 0);
+  }
+}
+
 TEST(Friction, ForcesAndMomentsOfBothBodiesCancelAndSlidingDissipates) {
   for (const ContactSettings& s : frictional()) {
     Sliding rig(s, bodies_mixed);

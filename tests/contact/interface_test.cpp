@@ -484,17 +484,19 @@ TEST(ContactInterface, WorkAndImpulseOfAStepAreTrapezoidal) {
 TEST(ContactInterface, NodalFieldsOfAUniformContactAreUniform) {
   for (const auto& [name, partition] : partitions) {
     Rig rig(PETSC_COMM_WORLD, {}, partition);
-    std::vector<double> pressure, gap;
-    rig.contact.nodal_fields(rig.at(sink(0.02)), pressure, gap);
+    const ContactFields fields = rig.contact.nodal_fields(rig.at(sink(0.02)));
+    const std::vector<double>&pressure = fields.pressure, &gap = fields.gap;
     std::vector<char> on_surface(pressure.size(), 0);
     for (int node : rig.mesh.nodes("upper_bottom")) on_surface[static_cast<std::size_t>(node)] = 1;
     for (std::size_t n = 0; n < pressure.size(); ++n) {
       if (on_surface[n]) {
         EXPECT_NEAR(pressure[n], 2, 1e-11) << name;
         EXPECT_NEAR(gap[n], -0.02, 1e-13) << name;
+        EXPECT_EQ(fields.status[n], 2) << name; // nothing holds it
       } else {
         EXPECT_EQ(pressure[n], 0);
         EXPECT_TRUE(std::isnan(gap[n]));
+        EXPECT_EQ(fields.status[n], 0);
       }
     }
   }

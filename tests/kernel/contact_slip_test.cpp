@@ -106,9 +106,14 @@ TEST(ContactSlip, RigidMotionsDoNotSlipAndForcesBalance) {
 }
 
 TEST(ContactSlip, CoulombSticksBelowTheLimitAndSlidesWithIt) {
-  EXPECT_EQ(coulomb(0.5, 1).value, 0.5);
-  EXPECT_EQ(coulomb(0.5, 1).direction, 0);
-  EXPECT_EQ(coulomb(-3, 1).value, -1);
-  EXPECT_EQ(coulomb(-3, 1).direction, -1);
-  EXPECT_EQ(coulomb(0, 0).direction, 0);
+  EXPECT_EQ(coulomb({0.5, 0}, 1).value[0], 0.5);
+  EXPECT_FALSE(coulomb({0.5, 0}, 1).slides);
+  EXPECT_EQ(coulomb({-3, 0}, 1).value[0], -1);
+  EXPECT_EQ(coulomb({-3, 0}, 1).direction[0], -1);
+  EXPECT_FALSE(coulomb({0, 0}, 0).slides);
+  const Traction oblique = coulomb({-3, 4}, 0.5);
+  EXPECT_DOUBLE_EQ(oblique.value[0], -0.3);
+  EXPECT_DOUBLE_EQ(oblique.value[1], 0.4);
+  EXPECT_DOUBLE_EQ(oblique.excess, 4.5);
+  EXPECT_FALSE(coulomb({-0.3, 0.4}, 0.51).slides);
 }

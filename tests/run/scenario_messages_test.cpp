@@ -188,7 +188,8 @@ const std::vector<Row>& rows() {
        ExitCode::usage,
        "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, stress, "
        "von_mises, alpha, "
-       "pressure, contact_pressure, contact_gap; did you mean von_mises?"},
+       "pressure, contact_pressure, contact_gap, contact_status, contact_traction, contact_slip; did you "
+       "mean von_mises?"},
   };
   return all;
 }

@@ -94,8 +94,7 @@ for ranks in (2, 3):
 print("what is not there says so")
 PLANE = {"contact_face_secondary": "upper_bottom", "contact_face_primary": "plane"}
 for name, extra, said in (("gpts", {"contact_face_method": "gpts"}, "-contact_face_method: `gpts` is for plane"),
-                          ("friction", {"contact_face_friction": 0.1}, "-contact_face_friction: is for plane"),
-                          ("round", {**PLANE, "contact_face_primary": "rigid_sphere"}, "-contact_face_radius: is missing"),
+                                          ("round", {**PLANE, "contact_face_primary": "rigid_sphere"}, "-contact_face_radius: is missing"),
                           ("normal", {**PLANE, "contact_face_plane_normal": "0,0,0"}, "-contact_face_plane_normal"),
                           ("motion", {**PLANE, "contact_face_rigid_uy": "s*t"}, "-contact_face_rigid_uy")):
     r = run(f"refused_{name}", {**FLIGHT, **extra}, ranks=2, code=2)

@@ -46,6 +46,11 @@ def stop(name, r, distance_column):
 for enforce in ("penalty", "auglag", "semismooth"):
     r = run(f"plane_{enforce}", block(contact_face_enforce=enforce))
     stop(f"rigid plane, {enforce}", r, "measure_place_ux")
+stop("rigid plane, mortar", run("plane_mortar", block(contact_face_method="mortar")), "measure_place_ux")
+ROUND = {"contact_face_primary": "rigid_cylinder", "contact_face_radius": 1, "contact_face_centre": "0.5,-1,0"}
+r = run("refused", block(**ROUND), code=2)
+check("friction at Gauss points on a round rigid body: one line that names the option",
+      sum("-contact_face_friction: on a round" in line for line in r.log.splitlines()), 1, 0)
 
 # A unit block on a longer one that is held below; meshes that do not match.
 SLAB = {

@@ -47,20 +47,24 @@ struct Constraint {
   std::span<const int> node;     ///< into ContactForm::nodes(), secondary ones first
   std::span<const double> share; ///< of the secondary nodes in the constraint, sum 1
   std::span<const double> gradient; ///< [node][dim]
-  /// Tangential motion since the start of the step, mean over the weight, and its derivatives over the same
-  /// nodes; without friction, or where nothing lay opposite at the start, `slides` is false.
+  /// Tangential motion since the start of the step, mean over the weight, in directions that the secondary
+  /// surface carries along (one in the plane, two in space), and its derivatives over the same nodes; without
+  /// friction, or where nothing lay opposite at the start, `slides` is false.
   bool slides = false;
-  double slip = 0;
-  std::span<const double> slip_gradient;
+  Tangential slip{};
+  std::span<const double> slip_gradient; ///< [direction][node][dim]
 };
 using ConstraintVisitor = std::function<void(const Constraint&)>;
 
 /// Factors of the second variations, by the index of the constraint.
 struct CurvatureFactors {
-  std::span<const double> gap, slip; ///< slip: empty without friction
+  std::span<const double> gap;
+  std::span<const Tangential> slip; ///< empty without friction
 
   double of_gap(int index) const { return gap[static_cast<std::size_t>(index)]; }
-  double of_slip(int index) const { return slip.empty() ? 0 : slip[static_cast<std::size_t>(index)]; }
+  Tangential of_slip(int index) const {
+    return slip.empty() ? Tangential{} : slip[static_cast<std::size_t>(index)];
+  }
 };
 /// Nodes, and a block [node][dim][node][dim] over their dofs; a node may come twice. Both live as long as the
 /// call.
@@ -82,8 +86,8 @@ class ContactForm {
 public:
   virtual ~ContactForm() = default;
 
-  /// Name, support and components of the row that holds one multiplier per constraint, and its length.
-  virtual std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const = 0;
+  /// A row that holds so many numbers per constraint, [constraint][component], and its length.
+  virtual std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const = 0;
   /// Beginning of an attempt; `pose`: of the rigid body, where the primary is one; `u_n`: where the attempt
   /// starts, or null. Slip counts from there. Collective.
   virtual void begin_attempt(const ObstaclePose& pose, Vec u_n) = 0;
@@ -108,7 +112,7 @@ public:
   /// repeats.
   virtual void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                      const ConstraintVisitor& visitor) const = 0;
-  /// sum_c (gap factor d2g_c + slip factor d2s_c) in blocks, over the same constraints as a visit.
+  /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
   virtual void visit_curvature(const std::vector<double>& u, const PressureLaw& law,
                                const CurvatureFactors& factors, const BlockVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].

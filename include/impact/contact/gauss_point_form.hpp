@@ -21,7 +21,7 @@ public:
   GaussPointForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings, Frame frame,
                  ContactSurface secondary, const ContactSurface& primary, double hold_gap);
 
-  std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
+  std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;

@@ -13,7 +13,7 @@
 #include <vector>
 
 /// One contact between two surfaces: its form (ContactForm) supplies gap constraints, the
-/// interface the enforcement, R_c(w) = sum w (t ds[w] - p dg[w]) with the pressure p and Coulomb's traction
+/// interface the enforcement, R_c(w) = sum w (t.ds[w] - p dg[w]) with the pressure p and Coulomb's traction
 /// t. The force at a displacement depends on the multipliers, the penalty and what the form's last update
 /// fixed: nothing is stored by an evaluation. Multipliers and penalty are rows of the state table;
 /// evaluations read the trial half.
@@ -62,6 +62,18 @@ struct ContactMeasures {
   double work = 0;                 ///< done by the contact forces on the bodies, total
   std::array<double, 3> impulse{}; ///< on the secondary side, total
   int active = 0;
+  int sliding = 0;       ///< active constraints that slide against friction
+  double dissipated = 0; ///< what their sliding turned into heat, total
+};
+
+/// For the field output, [local node][component], ghosts included. Vectors have three components; u: at the
+/// end of an accepted step.
+struct ContactFields {
+  std::vector<double> pressure; ///< per current area; 0 off the surface
+  std::vector<double> gap;      ///< nan where nothing is near
+  std::vector<double> status;   ///< 0 open, 1 sticks, 2 slides, as all that presses without friction does
+  std::vector<double> traction; ///< tangential, on the secondary side, per current area
+  std::vector<double> slip;     ///< of the secondary side, since the place closed
 };
 
 /// Overlap of the undeformed surfaces at the secondary nodes.
@@ -75,9 +87,9 @@ struct InitialOverlapReport {
 class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
-  /// `_force` are added to the table, and the candidates at u = 0 are found. Throws UserError: unknown
-  /// groups, a penalty that is not positive, automatic without a modulus, a rigid body without a
-  /// direction or radius. Collective.
+  /// `_force`, with friction `_traction` and `_slip`, are added to the table, and the candidates at u = 0 are
+  /// found. Throws UserError: unknown groups, a penalty that is not positive, automatic without a
+  /// modulus, a rigid body without a direction or radius. Collective.
   ContactInterface(const Mesh& mesh, const FieldLayout& displacement, const ContactSettings& settings,
                    const ContactEnvironment& environment, StateTable& state);
 
@@ -108,7 +120,7 @@ public:
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
   ContactStatus add_residual(Vec u, double scale, Vec r) const;
-  /// K += scale df/du by MatSetValues; the caller assembles. Symmetric. Collective.
+  /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides. Collective.
   ContactStatus add_tangent(Vec u, double scale, Mat K) const;
   /// y += scale (df/du) du without a matrix. Collective.
   void multiply(Vec u, double scale, Vec du, Vec y) const;
@@ -116,7 +128,7 @@ public:
   bool frictional() const { return settings_.friction > 0; }
   /// Leaves friction out, for the projection of a predictor.
   void suspend_friction(bool suspended) { friction_suspended_ = suspended; }
-  /// Energy that sliding turned into heat in the step that ended at u: sum w t s, without what a penalty
+  /// Energy that sliding turned into heat in the step that ended at u: sum w t.s, without what a penalty
   /// keeps elastically. Before advance. Collective.
   double friction_loss(Vec u) const;
   /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
@@ -158,9 +170,8 @@ public:
   void advance(Vec u_n, Vec u, double dt);
   /// Collective.
   ContactMeasures measures(Vec u) const;
-  /// Pressure (per current area, 0 off the surface) and gap (nan where nothing is near) at the secondary
-  /// nodes as weighted means of the points, [local node], ghosts included. Collective.
-  void nodal_fields(Vec u, std::vector<double>& pressure, std::vector<double>& gap) const;
+  /// At the secondary nodes, as weighted means of the constraints. Collective.
+  ContactFields nodal_fields(Vec u) const;
 
   /// Overlap at u = 0. Throws UserError(data) when it is forbidden (setting error) or deeper than initial_tol
   /// (adjust); overlap of rounding size counts as none. The shift is not applied. Collective.
@@ -189,11 +200,21 @@ private:
   bool rubs(const Constraint& c) const { // friction acts on it, now
     return traction_ != nullptr && !friction_suspended_ && c.slides && c.active;
   }
+  // Numbers per constraint that are tangential.
+  std::size_t tangents() const { return static_cast<std::size_t>(dim_ - 1); }
+  Tangential held(const Constraint& c) const; // the traction that a trial value starts from
   Traction traction(const Constraint& c) const;
+  // Of a sliding constraint: change of its traction by slip across the direction of the traction.
+  double turn_stiffness(const Constraint& c, const Traction& t) const;
+  // The same of any rubbing constraint as a matrix, the change by the gap left out.
+  std::array<Tangential, 2> slip_stiffness(const Constraint& c, const Traction& t) const;
   // Visits the tangent, df/du times scale, in blocks over the dofs of nodes: what stiffness and friction make
   // of the gradients, then the second variations.
   ContactStatus visit_tangent(const std::vector<double>& u, double scale, const BlockVisitor& visitor) const;
-  void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
+  struct TangentSpace { // kept between constraints
+    std::vector<double> block, row;
+  };
+  void tangent_block(const Constraint& c, double scale, TangentSpace& space) const;
   void add_force(const Constraint& c, std::array<double, 3>& force) const;
   std::array<double, 3>
   total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
@@ -206,7 +227,7 @@ private:
   void set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary);
   void declare_state(StateTable& state);
   void fetch_fixed();
-  void share(std::vector<double>& multipliers) const;
+  void share(std::vector<double>& values, int components) const;
   std::array<double, 3> obstacle_displacement(double t) const;
   ObstaclePose pose_at(double t) const;
   ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
@@ -221,9 +242,11 @@ private:
   std::vector<std::string> warnings_;
   std::unique_ptr<ContactForm> form_;
   int dim_;
-  std::vector<char> fixed_here_;                                   // [node][dim] of the form's nodes
-  Handle<Vec> fixed_;                                              // 1 at fixed dofs; absent: none
-  StateRow *multiplier_, *traction_, *penalty_, *totals_, *force_; // traction: null without friction
+  std::vector<char> fixed_here_; // [node][dim] of the form's nodes
+  Handle<Vec> fixed_;            // 1 at fixed dofs; absent: none
+  StateRow *multiplier_, *penalty_, *totals_, *force_;
+  StateRow *traction_,
+      *slip_; // [constraint][direction], and at the end of slip_ the state; null without friction
   StateRow* gap_ = nullptr; // accumulated gaps of the conserving update, else null
   Step step_;
   double inertia_penalty_ = 0; // over the mass shift

@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <impact/contact/form.hpp>
 #include <impact/contact/settings.hpp>
+#include <impact/kernel/face_slip.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/kernel/mortar_face.hpp>
 #include <impact/kernel/mortar_segment.hpp>
@@ -24,7 +26,7 @@ public:
   MortarForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings, Frame frame,
              const ContactSurface& secondary, const ContactSurface& primary);
 
-  std::pair<StateRow, std::size_t> multiplier_row(const std::string& name) const override;
+  std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
@@ -51,23 +53,61 @@ private:
     std::array<int, 4> owned = {-1, -1, -1, -1}; // [corner] place in owned_, -1: another rank's
     MortarEdge edge;                             // in the plane
     MortarFace face;                             // in space
+    FaceMap map;                                 // in space, with friction
     std::vector<FacetPoint> points;              // against a rigid body
-    std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole facet is covered
+    FaceWeights onto; // likewise: D = M, of the facet on its own place at the start
+    std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole facet is covered,
+    bool whole = false;                          // as it is taken to be,
+    int changes = 0;                             // after so many changes of mind in this attempt
   };
   struct Incident {
     int facet, corner;
+    std::array<std::array<double, 2>, 2> turn = {}; // with friction in space: the node's tangents in it
   };
   struct Node {
     int local = 0; // in the mesh
     std::vector<Incident> facets;
     double weight = 0;
   };
-  // A primary edge that lay opposite an edge of the node at the start of the step.
+  // Nodes that lay opposite at the start of the step: of a primary facet, or, on a round rigid body, the
+  // places of the secondary facet itself, which that body carries along.
+  template <std::size_t corners, std::size_t dim> struct Opposite {
+    std::array<PetscInt, corners> node{}; // global
+    std::array<int, corners> slot{};      // in nodes(), -1: not there, or a place
+    bool carried = false;
+    std::array<std::array<double, dim>, corners> place{}; // where carried
+
+    bool found() const { return carried || *std::min_element(slot.begin(), slot.end()) >= 0; }
+    void locate(const ContactNodes& nodes) {
+      for (std::size_t b = 0; b < corners; ++b) slot[b] = carried ? -1 : nodes.slot(node[b]);
+    }
+  };
+  // What lay opposite an edge of the node at the start of the step.
   struct Anchor {
     int facet = -1;
-    std::array<PetscInt, 2> node = {-1, -1}; // global
-    std::array<int, 2> slot = {-1, -1};      // in nodes(), -1: not there
+    Opposite<2, 2> opposite;
     SlipAnchor pair;
+  };
+  // What lay opposite a facet at the start of the step.
+  struct FacetAnchor {
+    Opposite<4, 3> opposite;
+    FaceAnchor pair;
+  };
+  // Nodes of a constraint, each once, in the order in which they came.
+  struct NodePlaces {
+    std::vector<int> node;
+
+    std::size_t operator()(int n) {
+      const auto place = static_cast<std::size_t>(std::find(node.begin(), node.end(), n) - node.begin());
+      if (place == node.size()) node.push_back(n);
+      return place;
+    }
+  };
+  // Slip of a constraint while a visit gathers its nodes.
+  struct SlipRows {
+    std::vector<double> gradient;   // [direction][node][dim]
+    std::vector<FaceSlips> face;    // [facet anchor], all facets in a row
+    std::vector<std::size_t> first; // [facet]
   };
   // A pair of facets that cover a part of each other.
   struct Piece {
@@ -77,6 +117,10 @@ private:
   using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
 
   void find_facets(const Mesh& mesh, const ContactSurface& secondary);
+  void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
+  void anchor_on_round(const std::vector<double>& x);
+  void anchor_edges(const Facing& facing, const std::vector<double>& x);
+  void anchor_faces(const Facing& facing, const std::vector<double>& x);
   void locate_anchors();
   // Corners of a facet at coordinates, or as seen from the first corner of a secondary facet.
   FaceCorners secondary_face(int facet, const std::vector<double>& x) const;
@@ -110,9 +154,39 @@ private:
   std::vector<int> covering(int facet, const std::vector<double>& x, const Facing& facing) const;
   MortarFacePair pair_at(int facet, int candidate, const std::vector<double>& u, bool with_gradient) const;
   // The secondary edge and the primary one of an anchor at u, seen from the secondary's first node.
+  // Places of what lay opposite, seen from a secondary node.
+  template <std::size_t corners, std::size_t dim>
+  std::array<std::array<double, dim>, corners>
+  place_opposite(const Opposite<corners, dim>& opposite, int origin, const std::vector<double>& u) const {
+    std::array<std::array<double, dim>, corners> p;
+    for (std::size_t b = 0; b < corners; ++b)
+      if (!opposite.carried)
+        p[b] = nodes().place<dim>(opposite.slot[b], origin, u);
+      else
+        for (std::size_t k = 0; k < dim; ++k) {
+          const std::size_t i = dim * static_cast<std::size_t>(origin) + k;
+          p[b][k] = opposite.place[b][k] + pose_.moved[k] - nodes().X[i] - u[i];
+        }
+    return p;
+  }
   void place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
                     std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const;
   Slip slip_at(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots) const;
+  // The secondary facet and the primary one of an anchor at u, likewise.
+  void place_anchor(int facet, const FacetAnchor& anchor, const std::vector<double>& u,
+                    std::array<int, 8>& slots, FaceCorners& s, FaceCorners& p) const;
+  // Of the constraint's slip: whether there is one, and where the slip is a function of more nodes than the
+  // gap, these.
+  bool slip_nodes(std::size_t number, NodePlaces& place_of) const;
+  void visit_face_slips(const std::vector<double>& u, bool with_gradient, SlipRows& rows) const;
+  // Slip and its gradient.
+  void add_slip(std::size_t number, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
+                Constraint& c) const;
+  // A rigid plane has directions of its own.
+  bool on_plane() const { return settings_.rigid() && pose_.obstacle.shape == RigidObstacle::Shape::plane; }
+  std::array<Point3, 2> plane_tangents() const;
+  void visit_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                            const BlockVisitor& visitor) const;
   static std::vector<FacetPoint> points_of(const MortarEdge& edge);
   static std::vector<FacetPoint> points_of(const MortarFace& face);
   Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot,
@@ -131,8 +205,9 @@ private:
   std::size_t node_count_ = 0; // of the mesh on this rank
   std::vector<double> nodal_area_;
   Facing facing_;
-  std::vector<std::vector<Anchor>> anchors_; // [owned node], empty without friction
-  std::vector<int> switches_;                // [facet] in this attempt
+  std::vector<std::vector<Anchor>> anchors_;            // [owned node] in the plane, empty without friction
+  std::vector<std::vector<FacetAnchor>> facet_anchors_; // [facet] in space, likewise
+  std::vector<int> switches_;                           // [facet] in this attempt
   ObstaclePose pose_;
 };
 

@@ -27,15 +27,23 @@ Slip slip_of(const std::array<Point2<double>, 2>& x, const std::array<Point2<dou
 std::array<double, 64> slip_hessian(const std::array<Point2<double>, 2>& x,
                                     const std::array<Point2<double>, 2>& p, const SlipAnchor& anchor);
 
+/// Components of what is tangential: one in the plane, the second one zero; two in space.
+using Tangential = std::array<double, 2>;
+inline double inner(const Tangential& a, const Tangential& b) { return a[0] * b[0] + a[1] * b[1]; }
+
 /// Coulomb's law for a tangential traction, per reference area: trial q = t_old + eps s, stick while |q| does
 /// not exceed friction times pressure.
 struct Traction {
-  double value = 0;
-  double direction = 0; ///< of a sliding contact: sign of q; 0: it sticks
+  Tangential value{};
+  bool slides = false;
+  Tangential direction{}; ///< of a sliding contact: q / |q|
+  double excess = 0;      ///< of a sliding contact: |q| - limit
 };
-inline Traction coulomb(double q, double limit) {
-  if (!(std::abs(q) > limit)) return {q, 0};
-  return {q > 0 ? limit : -limit, q > 0 ? 1.0 : -1.0};
+inline Traction coulomb(const Tangential& q, double limit) {
+  const double size = std::hypot(q[0], q[1]);
+  if (!(size > limit)) return {q, false, {}, 0};
+  const Tangential m = {q[0] / size, q[1] / size};
+  return {{limit * m[0], limit * m[1]}, true, m, size - limit};
 }
 
 } // namespace impact

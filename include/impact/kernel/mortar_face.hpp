@@ -72,4 +72,14 @@ bool add_mortar_face_hessian(const FaceCorners& x, int primary_corners, const Fa
                              const MortarFace& face, const std::array<double, 4>& factor,
                              std::array<double, 576>& hessian);
 
+/// Integrals over the part of the secondary face that the primary one covers: D_ab = int Phi_a N_b dA_0 and
+/// M_al = int Phi_a N_l dA_0 with the shape functions N_l of the primary at the projected places. Rows of
+/// both have equal sums, and sum_b D_ab x_b - sum_l M_al p_l = -int Phi_a g n dA_0.
+struct FaceWeights {
+  bool covered = false; ///< false: all zero
+  std::array<std::array<double, 4>, 4> D{}, M{};
+};
+FaceWeights mortar_face_weights(const FaceCorners& x, int primary_corners, const FaceCorners& p,
+                                const MortarFace& face);
+
 } // namespace impact
