@@ -13,9 +13,6 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // The penalty's rule: a gap that fell by less than this factor makes the penalty grow.
 constexpr double wanted_fall = 4;
-// By how much it grows where no increment is given: in proportion, so that a start far too low is soon made
-// up for.
-constexpr double growth_factor = 4;
 // The semismooth method has converged when its active gaps are less than this part of a facet.
 constexpr double newton_gap = 1e-11;
 
@@ -188,12 +185,10 @@ AugmentReport ContactInterface::augment(Vec u) {
   if (semismooth()) return report;
   const double before = penalty_->trial[1];
   const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
-  if (settings_.growth == PenaltyGrowth::every_augmentation || slow) {
-    const double now = penalty_->trial[0];
-    const double more =
-        std::isnan(settings_.penalty_increment) ? (growth_factor - 1) * now : settings_.penalty_increment;
-    penalty_->trial[0] = std::max(now, std::min(now + more, settings_.penalty_max));
-  }
+  if (settings_.growth == PenaltyGrowth::every_augmentation || slow)
+    penalty_->trial[0] =
+        std::max(penalty_->trial[0],
+                 std::min(penalty_->trial[0] + settings_.penalty_increment, settings_.penalty_max));
   penalty_->trial[1] = report.largest_gap;
   return report;
 }

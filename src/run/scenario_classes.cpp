@@ -92,7 +92,9 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
            "auto", "N/m^3", "epsilon_N", "(75)"},
           positive, automatic()),
       number_row<Contact>("penalty_increment", &Contact::penalty_increment,
-                          {"added when the penalty grows; auto: three times what it is", "auto", "N/m^3"},
+                          {"added when the penalty grows; auto: the starting penalty, or four times its "
+                           "automatic value from a start below that",
+                           "auto", "N/m^3"},
                           not_negative, automatic()),
       number_row<Contact>("penalty_max", &Contact::penalty_max,
                           {"largest penalty; auto: 1e4 times the automatic one", "auto", "N/m^3"}, positive,

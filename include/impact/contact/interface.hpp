@@ -94,7 +94,7 @@ public:
                    const ContactEnvironment& environment, StateTable& state);
 
   const std::string& id() const { return settings_.id; }
-  /// Settings with every automatic value but that of the increment replaced by its number.
+  /// Settings with every automatic value replaced by its number.
   const ContactSettings& settings() const { return settings_; }
   /// Sentences for the user: primary facets shorter than the spacing of the points. Equal on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }

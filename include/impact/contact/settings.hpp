@@ -39,8 +39,9 @@ struct ContactSettings {
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
   double friction = 0;                          ///< Coulomb's coefficient
   double penalty = automatic;                   ///< stress per length; automatic: 10 E/h of the softer side
-  double penalty_increment = automatic;         ///< automatic: three times what the penalty is
-  double penalty_max = automatic;               ///< automatic: 1e4 times the automatic penalty
+  double penalty_increment =
+      automatic; ///< automatic: the starting penalty, or 4 times its automatic value from below that
+  double penalty_max = automatic; ///< automatic: 1e4 times the automatic penalty
   PenaltyGrowth growth = PenaltyGrowth::on_slow_gap;
   double gap_tol = automatic;       ///< a length; automatic: 1e-3 of the secondary facet
   double pressure_tol = 1e-2;       ///< change relative to the largest multiplier
