@@ -2,7 +2,6 @@
 #include <cmath>
 #include <impact/contact/interface.hpp>
 #include <impact/kernel/contact_pair.hpp>
-#include <impact/petsc/error.hpp>
 
 /// The energy-conserving update of contact: a penalty whose force over the step, F = -sum w p dg at the
 /// middle of the step, does exactly the work -(psi(g1) - psi(g0)) (T. A. Laursen, V. Chawla, Int. J. Numer.
@@ -79,12 +78,6 @@ double ContactInterface::contact_stiffness(const Constraint& c) const {
   if (!step_.under_way) return law().stiffness(c.scale);
   const double start = step_.start_gap[at(c.index)];
   return -2 * secant_pressure(penalty(), start == unknown_gap ? 0 : start, c.gap).slope;
-}
-
-void ContactInterface::subtract_last_force(double scale, Vec r) const {
-  const Handle<Vec> last = layout_->make_global();
-  layout_->to_global(force_->committed, last);
-  check(VecAXPY(r, -scale, last));
 }
 
 void ContactInterface::keep_gaps(Vec u) {

@@ -148,7 +148,10 @@ void ContactInterface::set_time(double t, double mass_shift) {
   form_->begin_attempt(pose_at(t), u_n);
   step_.under_way = conserving() && mass_shift > 0;
   step_.u_n = std::move(u_n);
-  if (step_.under_way) find_start_gaps();
+  if (!step_.under_way) return;
+  if (!step_.last_force) step_.last_force = layout_->make_global();
+  layout_->to_global(force_->committed, step_.last_force);
+  find_start_gaps();
 }
 
 bool ContactInterface::update_search(Vec u) {
@@ -204,7 +207,7 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
       f[dof(c.node[i % n / m], i % m)] += factor * c.weight * t[i / n] * c.slip_gradient[i];
   });
   form_->nodes().exchange.add(f, r);
-  if (step_.under_way) subtract_last_force(scale, r);
+  if (step_.under_way) check(VecAXPY(r, -scale, step_.last_force));
   return status;
 }
 

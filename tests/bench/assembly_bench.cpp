@@ -1,10 +1,10 @@
+#include "cpu_clock.hpp"
 #include "search_bench.hpp"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <functional>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/motion.hpp>
@@ -19,12 +19,6 @@
 
 namespace impact {
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 struct Line {
   double ns_per_cell, spread;

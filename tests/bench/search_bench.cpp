@@ -1,19 +1,13 @@
 #include "search_bench.hpp"
+#include "cpu_clock.hpp"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <impact/contact/search.hpp>
 
 namespace impact {
 
 namespace {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 // Quadrilaterals of side 1 on a wavy sheet, `m` along an edge; shifted, so that the sheets do not match.
 std::vector<SearchFacet> sheet(int m, double shift, PetscInt first_node) {

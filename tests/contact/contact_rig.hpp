@@ -170,4 +170,15 @@ inline Resultants resultants(const Rig& rig, Vec u) {
 inline const std::vector<std::pair<const char*, Partition>> partitions = {{"apart", bodies_apart},
                                                                           {"mixed", bodies_mixed}};
 
+/// The measures of a set-up that was turned by the angle of `b` are those of the straight one, its force
+/// turned.
+inline void expect_turned(const ContactMeasures& m, const ContactMeasures& straight, const TwoBlocks& b) {
+  EXPECT_EQ(m.active, straight.active) << b.angle;
+  EXPECT_NEAR(m.energy, straight.energy, 1e-10 * straight.energy) << b.angle;
+  EXPECT_NEAR(m.gap_min, straight.gap_min, 1e-10) << b.angle;
+  const auto turned = place(b, straight.force[0], straight.force[1]);
+  EXPECT_NEAR(m.force[0], turned[0], 1e-10) << b.angle;
+  EXPECT_NEAR(m.force[1], turned[1], 1e-10) << b.angle;
+}
+
 } // namespace impact::contact_test

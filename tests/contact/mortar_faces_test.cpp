@@ -88,29 +88,10 @@ TEST(MortarFaces, ForcesAndMomentsOfBothBodiesCancel) {
     const Handle<Vec> u = rig.at(crush_bricks);
     rig.contact.update_search(u);
     rig.contact.augment(u);
-    const Handle<Vec> now = rig.residual(u);
-    std::vector<double> f = rig.layout.make_local(), moved = rig.layout.make_local();
-    rig.layout.to_local(now, f);
-    rig.layout.to_local(u, moved);
-    std::array<double, 8> sum{}; // force, moment, absolute values, upward force on the upper body
-    const std::vector<int> body = rig.body_of();
-    for (int n = 0; n < rig.mesh.node_count(); ++n) {
-      if (!rig.mesh.owned(n)) continue;
-      const std::size_t i = 3 * static_cast<std::size_t>(n);
-      const auto X = rig.mesh.coordinates();
-      const Vector x = {X[i] + moved[i], X[i + 1] + moved[i + 1], X[i + 2] + moved[i + 2]};
-      for (std::size_t k = 0; k < 3; ++k) {
-        sum[k] += f[i + k];
-        sum[3 + k] += x[(k + 1) % 3] * f[i + (k + 2) % 3] - x[(k + 2) % 3] * f[i + (k + 1) % 3];
-        sum[6] += std::abs(f[i + k]);
-      }
-      if (body[static_cast<std::size_t>(n)] == 1) sum[7] -= f[i + 2];
-    }
-    MPI_Allreduce(MPI_IN_PLACE, sum.data(), 8, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
-    ASSERT_GT(sum[6], 1);
-    for (std::size_t k = 0; k < 6; ++k) EXPECT_LE(std::abs(sum[k]), 1e-13 * sum[6]);
-    EXPECT_GT(sum[7], 0.1); // the upper body is pushed up
-    EXPECT_NEAR(rig.contact.measures(u).force[2], sum[7], 1e-12 * sum[6]);
+    const ForceSums sums = sum_forces(rig, rig.residual(u), u);
+    sums.expect_balance();
+    EXPECT_GT(sums.on_upper[2], 0.1); // the upper body is pushed up
+    EXPECT_NEAR(rig.contact.measures(u).force[2], sums.on_upper[2], 1e-12 * sums.absolute);
   }
 }
 

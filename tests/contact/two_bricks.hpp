@@ -157,4 +157,42 @@ inline const BrickMotion wiggle_bricks = [](int body, const Vector& X) {
                 std::sin(5 * X[1] + 2 * X[0] - body)};
 };
 
+/// Of the forces of a residual, over all ranks: sum, moment about the origin, sum of the absolute values, and
+/// minus the force on the upper body.
+struct ForceSums {
+  Vector force{}, moment{}, on_upper{};
+  double absolute = 0;
+
+  /// Force and moment vanish to 1e-13 of the absolute values, which are more than 1.
+  void expect_balance() const {
+    ASSERT_GT(absolute, 1);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_LE(std::abs(force[k]), 1e-13 * absolute);
+      EXPECT_LE(std::abs(moment[k]), 1e-13 * absolute);
+    }
+  }
+};
+
+template <class Rig> ForceSums sum_forces(const Rig& rig, Vec residual, Vec u) {
+  std::vector<double> f = rig.layout.make_local(), moved = rig.layout.make_local();
+  rig.layout.to_local(residual, f);
+  rig.layout.to_local(u, moved);
+  std::array<double, 10> sum{};
+  const std::vector<int> body = rig.body_of();
+  for (int n = 0; n < rig.mesh.node_count(); ++n) {
+    if (!rig.mesh.owned(n)) continue;
+    const std::size_t i = 3 * static_cast<std::size_t>(n);
+    const auto X = rig.mesh.coordinates();
+    const Vector x = {X[i] + moved[i], X[i + 1] + moved[i + 1], X[i + 2] + moved[i + 2]};
+    for (std::size_t k = 0; k < 3; ++k) {
+      sum[k] += f[i + k];
+      sum[3 + k] += x[(k + 1) % 3] * f[i + (k + 2) % 3] - x[(k + 2) % 3] * f[i + (k + 1) % 3];
+      sum[6] += std::abs(f[i + k]);
+      if (body[static_cast<std::size_t>(n)] == 1) sum[7 + k] -= f[i + k];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 10, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+  return {{sum[0], sum[1], sum[2]}, {sum[3], sum[4], sum[5]}, {sum[7], sum[8], sum[9]}, sum[6]};
+}
+
 } // namespace impact::contact_test

@@ -182,7 +182,7 @@ private:
   static constexpr double unknown_gap = std::numeric_limits<double>::infinity();
   struct Step {
     bool under_way = false;        // set_time was called, advance not yet
-    Handle<Vec> u_n;               // where the attempt starts
+    Handle<Vec> u_n, last_force;   // where the attempt starts, and its force there
     std::vector<double> start;     // of nodes(): u_n, relative to the rigid body where it will be
     std::vector<double> start_gap; // by constraint
     std::vector<double> reach;     // multipliers by which the form brings all constraints that may close
@@ -193,7 +193,6 @@ private:
   void visit_conserving(const std::vector<double>& u, Derivatives derivatives,
                         const ConstraintVisitor& visitor) const;
   double contact_stiffness(const Constraint& c) const;
-  void subtract_last_force(double scale, Vec r) const;
   void keep_gaps(Vec u);
   double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
   PressureLaw law() const;

@@ -1,0 +1,23 @@
+#pragma once
+#include <gtest/gtest.h>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/handle.hpp>
+#include <petscvec.h>
+
+namespace impact::contact_test {
+
+/// Two set-ups alike but for the coefficient, `smooth` without one: the rough one pushes otherwise, and like
+/// the smooth one while its friction is suspended; the smooth one loses nothing. `norm`: of a vector.
+template <class Sliding, class Norm>
+void expect_friction_only_in(Sliding& rough, const Sliding& smooth, Norm&& norm) {
+  const Handle<Vec> with = rough.residual(rough.u), without = smooth.residual(smooth.u);
+  rough.contact.suspend_friction(true);
+  const Handle<Vec> suspended = rough.residual(rough.u);
+  check(VecAXPY(with, -1, without));
+  check(VecAXPY(suspended, -1, without));
+  EXPECT_GT(norm(with), 0.01 * norm(without));
+  EXPECT_LE(norm(suspended), 1e-14 * norm(without));
+  EXPECT_EQ(smooth.contact.friction_loss(smooth.u), 0);
+}
+
+} // namespace impact::contact_test
