@@ -8,6 +8,7 @@
 #include <impact/run/hdf5_file.hpp>
 #include <set>
 #include <sstream>
+#include <thread>
 
 // Which files of a directory count as checkpoints: numbers, manifests, checksums. Everything here runs on
 // rank 0.
@@ -16,7 +17,7 @@ namespace impact {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* first_line = "impact checkpoint 2";
+constexpr const char* first_line = "impact checkpoint 3";
 
 fs::path manifest_of(const fs::path& file) { return fs::path(file).replace_extension(".manifest"); }
 
@@ -35,7 +36,12 @@ long number_of(const std::string& name) {
   return number;
 }
 
+/// Files that are being removed: freeing the blocks of a large one takes as long as a third of writing it,
+/// and nobody waits for that.
+std::jthread removal;
+
 std::vector<std::string> names_in(const std::string& dir) {
+  if (removal.joinable()) removal.join();
   std::vector<std::string> names;
   std::error_code error;
   fs::directory_iterator entries(dir, error);
@@ -108,11 +114,15 @@ void remove_old_checkpoints(const CheckpointFolder& folder) {
     stays.insert(manifest_of(files[k]).filename().string());
   }
   // The manifest goes first: without it the rest does not count, whatever happens in between.
-  std::error_code ignored;
+  std::vector<fs::path> gone;
   for (const bool manifests : {true, false})
     for (const std::string& name : names_in(folder.dir))
       if (number_of(name) >= 0 && stays.count(name) == 0 && name.ends_with(".manifest") == manifests)
-        fs::remove(fs::path(folder.dir) / name, ignored);
+        gone.push_back(fs::path(folder.dir) / name);
+  removal = std::jthread([gone = std::move(gone)] {
+    std::error_code ignored;
+    for (const fs::path& file : gone) fs::remove(file, ignored);
+  });
 }
 
 std::string fault_of_checkpoint(const std::string& file) {

@@ -3,11 +3,13 @@
 #include <bit>
 #include <cerrno>
 #include <cstring>
+#include <exception>
 #include <fcntl.h>
 #include <filesystem>
 #include <impact/petsc/error.hpp>
 #include <impact/run/durable_file.hpp>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -85,30 +87,65 @@ std::string to_hex(std::uint64_t value) {
   return text;
 }
 
-std::uint64_t file_checksum(const std::string& file, std::uintmax_t& size) {
+namespace {
+
+constexpr std::uint64_t piece_bytes = std::uint64_t{8} << 20;
+
+std::uint64_t piece_checksum(const SharedFile& in, std::uint64_t at, std::uint64_t bytes,
+                             std::vector<char>& buffer) {
   constexpr std::size_t block = 64;
-  const Descriptor in(file, O_RDONLY, "cannot read");
-  std::vector<char> buffer(std::size_t{1} << 18); // stays in the cache next to the processor
   std::array<std::uint64_t, 8> sum;
   for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = k + 1;
-  size = 0;
-  for (std::size_t held = buffer.size(); held == buffer.size();) {
-    held = 0;
-    while (const std::size_t got = in.read(buffer.data() + held, buffer.size() - held)) held += got;
-    size += held;
+  while (bytes > 0) {
+    const std::size_t held = std::min<std::uint64_t>(bytes, buffer.size());
+    in.read(at, buffer.data(), held);
     const std::size_t whole = (held + block - 1) / block * block;
     std::memset(buffer.data() + held, 0, whole - held);
-    for (std::size_t at = 0; at < whole; at += block) {
+    for (std::size_t from = 0; from < whole; from += block) {
       std::array<std::uint64_t, 8> word;
-      std::memcpy(word.data(), buffer.data() + at, block);
+      std::memcpy(word.data(), buffer.data() + from, block);
       for (std::size_t k = 0; k < sum.size(); ++k)
         sum[k] = std::rotl((sum[k] ^ word[k]) * 0x9e3779b97f4a7c15ULL, 29);
     }
+    at += held;
+    bytes -= held;
   }
   Checksum all;
   all.add(sum.data(), sizeof sum);
-  const std::uint64_t length = size;
+  return all.value();
+}
+
+} // namespace
+
+std::uint64_t file_checksum(const std::string& file, std::uintmax_t& size) {
+  constexpr std::uint64_t most_threads = 4; // copying from the system's cache does not gain from more
+  const SharedFile in(file, "cannot read " + file, SharedFile::Mode::read);
+  const std::uint64_t length = in.size();
+  std::vector<std::uint64_t> sums((length + piece_bytes - 1) / piece_bytes);
+  const std::uint64_t threads = std::clamp<std::uint64_t>(
+      std::min<std::uint64_t>(sums.size(), std::thread::hardware_concurrency()), 1, most_threads);
+  std::vector<std::exception_ptr> failures(threads);
+  const auto work = [&](std::uint64_t first) noexcept {
+    try {
+      std::vector<char> buffer(std::size_t{1} << 18); // stays in the cache next to the processor
+      for (std::uint64_t k = first; k < sums.size(); k += threads)
+        sums[k] =
+            piece_checksum(in, k * piece_bytes, std::min(piece_bytes, length - k * piece_bytes), buffer);
+    } catch (...) {
+      failures[first] = std::current_exception();
+    }
+  };
+  {
+    std::vector<std::jthread> others;
+    for (std::uint64_t k = 1; k < threads; ++k) others.emplace_back(work, k);
+    work(0);
+  }
+  for (const std::exception_ptr& failure : failures)
+    if (failure) std::rethrow_exception(failure);
+  Checksum all;
+  all.add(sums.data(), sums.size() * sizeof(std::uint64_t));
   all.add(&length, sizeof length);
+  size = length;
   return all.value();
 }
 

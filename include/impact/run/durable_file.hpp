@@ -24,7 +24,8 @@ std::string to_hex(std::uint64_t value);
 
 /// Checksum of a whole file; `size` receives its length in bytes. Words of eight bytes go in turn into eight
 /// independent sums, so that it keeps up with memory; a step of a sum, (sum ^ word) * odd number, rotated,
-/// can be undone, so a change within one word is always seen. The eight sums and the size make one by FNV-1a.
+/// can be undone, so a change within one word is always seen. Pieces of 8 MiB are summed by up to four
+/// threads; their sums and the size make one by FNV-1a.
 std::uint64_t file_checksum(const std::string& file, std::uintmax_t& size);
 /// The bytes of a file.
 std::string read_file(const std::string& file);
