@@ -1,107 +1,131 @@
 // Beam on a wedge: a beam [0, length] x [0, height] with a slit in its lower side, whose right part is pushed from below
-// by a wedge with a short upper edge. Millimetres. Quadrilaterals on curves of fixed division, so that every cell of the
-// beam is a rectangle.
+// by a wedge with a short upper edge. Millimetres. Squares in a band above the slit, where the crack runs; quadrilaterals
+// that grow with the distance from there and from the wedge elsewhere.
 DefineConstant[
-  length = 13,
-  height = 5,
-  notch = 2.5,       // x of the centre line of the slit
+  length = 56,
+  height = 21,
+  notch = 10,        // x of the centre line of the slit
   width = 0.25,      // of the slit
-  depth = 1.5,
-  touch = 12,        // x of the right end of the upper edge of the wedge
-  edge = 0.3,        // length of that edge
-  band = 0.75,       // fine cells on either side of the centre line of the slit
-  h_notch = 0.125,   // there, and the rows of all of the beam
-  h_far = 0.5,       // largest size
-  h_left = 0.25,     // clamped end
-  h_contact = 0.05,  // upper edge of the wedge
-  h_under = 0.125,   // beam above the wedge
-  h_factor = 1,      // multiplies all sizes; 0.5 for a mesh of half the size
-  wedge = 1          // 0: the beam alone, with the point tip at (touch, 0)
+  depth = 6,
+  touch = 51,        // x of the right end of the upper edge of the wedge
+  edge = 1.2,        // length of that edge
+  band = 0.5,        // squares on either side of the centre line of the slit
+  h_notch = 0.125,   // their size
+  h_far = 3,         // largest size
+  h_contact = 0.2,   // upper edge of the wedge
+  h_under = 0.3,     // beam above the wedge
+  growth = 0.6,      // of the size with the distance
+  h_factor = 1       // multiplies all sizes; 0.5 for a mesh of half the size
 ];
 hn = h_factor * h_notch;
 hf = h_factor * h_far;
 hc = h_factor * h_contact;
 hu = h_factor * h_under;
-hl = h_factor * h_left;
-he = Min(hf, 2 * hu);
 
-// Beam: columns and rows of points; column k lies between x[k] and x[k+1], its cells grow from first[k] to last[k].
-x[] = {0, notch - band, notch - width / 2, notch + width / 2, notch + band, notch + band + 1.25, touch - 1.5,
-       touch - 0.6, touch, touch + 0.3, length};
-first[] = {hl, hn, hn, hn, hn, hf, hf, hu, hu, hu};
-last[] = {hn, hn, hn, hn, hf, hf, hu, hu, hu, he};
-y[] = {0, depth, height};
-rows[] = {Ceil(depth / hn - 0.01), Ceil((height - depth) / hn - 0.01)};
-columns = #first[];
-beam[] = {};
-slit = 2; // the column below whose upper row there is nothing
-For j In {0 : 2}
-  For k In {0 : columns}
-    Point(1000 + 100 * j + k) = {x[k], y[j], 0};
-  EndFor
+// Cells along a curve of length `span` whose sizes grow geometrically from `first` to `last`: `cells` and their `ratio`.
+// Their number has the parity `odd`: a surface of quadrilaterals needs an even number of edges around it.
+Macro Divide
+  If (Fabs(first - last) < 1e-6 * first)
+    cells = Ceil(span / first - 0.01);
+  Else
+    cells = Ceil(span * Log(last / first) / (last - first) - 0.01);
+  EndIf
+  cells = Max(2, cells);
+  cells += (cells + odd) % 2;
+  ratio = (last / first)^(1 / (cells - 1));
+Return
+
+// Beam, around the part left of the band, then around the part right of it. Along its edges the cells reach the largest
+// size as fast as inside.
+crack = Min((hf - hn) / growth, length / 4);
+under = Min((hf - hu) / growth, length / 4);
+x[] = {0, notch - width / 2, notch - width / 2, notch - band, notch - band, 0,
+       notch + band, notch + band + crack, length, length, touch, touch - edge, touch - edge - under, notch + width / 2,
+       notch + width / 2, notch + band};
+y[] = {0, 0, depth, depth, height, height, height, height, height, 0, 0, 0, 0, 0, depth, depth};
+For k In {0 : 15}
+  Point(100 + k) = {x[k], y[k], 0};
 EndFor
-For j In {0 : 2}
-  For k In {0 : columns - 1}
-    If (j > 0 || k != slit)
-      a = first[k];
-      b = last[k];
-      span = x[k + 1] - x[k];
-      If (Fabs(a - b) < 1e-6 * a)
-        cells = Ceil(span / a - 0.01);
-        ratio = 1;
-      Else
-        cells = Max(2, Ceil(span * Log(b / a) / (b - a) - 0.01));
-        ratio = (b / a)^(1 / (cells - 1));
-      EndIf
-      Line(2000 + 100 * j + k) = {1000 + 100 * j + k, 1001 + 100 * j + k};
-      Transfinite Curve {2000 + 100 * j + k} = cells + 1 Using Progression ratio;
-    EndIf
-  EndFor
+Point(116) = {notch - width / 2, height, 0};
+Point(117) = {notch + width / 2, height, 0};
+
+rows = Ceil((height - depth) / hn - 0.01);
+aside = Max(1, Ceil((band - width / 2) / hn - 0.01));
+across = Max(1, Ceil(width / hn - 0.01));
+hm = Min(hf, hn + growth * depth); // mouth of the slit
+begin[] = {hf, hm, 0, 0, hn, hf, hn, hf, hf, hf, hu, hu, hf, hm, 0, 0};
+end[] = {hm, hn, 0, 0, hf, hf, hf, hf, hf, hu, hu, hf, hm, hn, 0, 0};
+from[] = {0 : 15};
+to[] = {1, 2, 3, 4, 5, 0, 7, 8, 9, 10, 11, 12, 13, 14, 15, 6};
+For k In {0 : 15}
+  Line(200 + k) = {100 + from[k], 100 + to[k]};
+  If (begin[k] > 0)
+    span = Hypot(x[to[k]] - x[from[k]], y[to[k]] - y[from[k]]);
+    first = begin[k];
+    last = end[k];
+    odd = (k == 1 || k == 13) ? (rows + aside) % 2 : 0;
+    Call Divide;
+    Transfinite Curve {200 + k} = cells + 1 Using Progression ratio;
+  EndIf
 EndFor
-For j In {0 : 1}
-  For k In {0 : columns}
-    Line(3000 + 100 * j + k) = {1000 + 100 * j + k, 1100 + 100 * j + k};
-    Transfinite Curve {3000 + 100 * j + k} = rows[j] + 1;
-  EndFor
-  For k In {0 : columns - 1}
-    If (j > 0 || k != slit)
-      Curve Loop(4000 + 100 * j + k) = {2000 + 100 * j + k, 3001 + 100 * j + k, -(2100 + 100 * j + k),
-                                        -(3000 + 100 * j + k)};
-      Plane Surface(4000 + 100 * j + k) = {4000 + 100 * j + k};
-      beam[] += {4000 + 100 * j + k};
-    EndIf
-  EndFor
+Line(216) = {102, 114};
+Line(217) = {102, 116};
+Line(218) = {114, 117};
+Line(219) = {104, 116};
+Line(220) = {116, 117};
+Line(221) = {117, 106};
+Transfinite Curve {203, 215, 217, 218} = rows + 1;
+Transfinite Curve {202, 214, 219, 221} = aside + 1;
+Transfinite Curve {216, 220} = across + 1;
+Curve Loop(300) = {200 : 205};
+Curve Loop(301) = {206 : 215};
+Curve Loop(302) = {-202, 217, -219, -203};
+Curve Loop(303) = {216, 218, -220, -217};
+Curve Loop(304) = {214, 215, -221, -218};
+For k In {0 : 4}
+  Plane Surface(300 + k) = {300 + k};
 EndFor
+Transfinite Surface {302, 303, 304};
+
+Field[1] = Distance;
+Field[1].CurvesList = {202, 203, 214, 215};
+Field[1].NumPointsPerCurve = 400;
+Field[2] = MathEval;
+Field[2].F = Sprintf("Min(%g, %g + %g * F1)", hf, hn, growth);
+Field[3] = Distance;
+Field[3].CurvesList = {210};
+Field[3].NumPointsPerCurve = 50;
+Field[4] = MathEval;
+Field[4].F = Sprintf("Min(%g, %g + %g * F3)", hf, hu, growth);
+Field[5] = Min;
+Field[5].FieldsList = {2, 4};
+Background Field = 5;
+Mesh.MeshSizeExtendFromBoundary = 0;
+Mesh.MeshSizeFromPoints = 0;
+Mesh.Algorithm = 6;
 
 // Wedge: cells grow downwards from its short upper edge.
-If (wedge)
-  Point(1) = {touch - edge - 0.7, -1.5, 0};
-  Point(2) = {touch, -1.5, 0};
-  Point(3) = {touch, 0, 0};
-  Point(4) = {touch - edge, 0, 0};
-  Line(1) = {1, 2};
-  Line(2) = {3, 2};
-  Line(3) = {3, 4};
-  Line(4) = {4, 1};
-  growth = 1.2^h_factor;
-  across = Ceil(edge / hc - 0.01);
-  down = Ceil(Log(1 + 1.5 * (growth - 1) / hc) / Log(growth));
-  Transfinite Curve {1, 3} = across + 1;
-  Transfinite Curve {2, 4} = down + 1 Using Progression growth;
-  Curve Loop(1) = {1, -2, 3, 4};
-  Plane Surface(1) = {1};
-EndIf
+deep = 5 * edge;
+Point(1) = {touch - 10 / 3 * edge, -deep, 0};
+Point(2) = {touch, -deep, 0};
+Point(3) = {touch, 0, 0};
+Point(4) = {touch - edge, 0, 0};
+Line(1) = {1, 2};
+Line(2) = {3, 2};
+Line(3) = {3, 4};
+Line(4) = {4, 1};
+taller = 1.2^h_factor;
+Transfinite Curve {1, 3} = Ceil(edge / hc - 0.01) + 1;
+Transfinite Curve {2, 4} = Ceil(Log(1 + deep * (taller - 1) / hc) / Log(taller)) + 1 Using Progression taller;
+Curve Loop(1) = {1, -2, 3, 4};
+Plane Surface(1) = {1};
+Transfinite Surface {1};
 
-Transfinite Surface "*";
 Recombine Surface "*";
-Physical Surface("beam") = beam[];
-Physical Curve("beam_left") = {3000, 3100};
-Physical Curve("beam_bottom") = {2000 : 2000 + slit - 1, 2000 + slit + 1 : 2000 + columns - 1};
-If (wedge)
-  Physical Surface("wedge") = {1};
-  Physical Curve("wedge_top") = {3};
-  Physical Curve("wedge_right") = {2};
-  Physical Curve("wedge_bottom") = {1};
-Else
-  Physical Point("tip") = {1008};
-EndIf
+Physical Surface("beam") = {300 : 304};
+Physical Curve("beam_left") = {205};
+Physical Curve("beam_bottom") = {200, 209, 210, 211, 212};
+Physical Surface("wedge") = {1};
+Physical Curve("wedge_top") = {3};
+Physical Curve("wedge_right") = {2};
+Physical Curve("wedge_bottom") = {1};

@@ -265,6 +265,11 @@ std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& di
   return unpacked(bytes);
 }
 
+void await_removal(MPI_Comm comm) {
+  if (removal.joinable()) removal.join(); // on rank 0
+  MPI_Barrier(comm);
+}
+
 int retire_checkpoints(MPI_Comm comm, const std::string& dir, const std::string& resumed) {
   int count = 0;
   on_rank_zero(comm, [&] {

@@ -12,7 +12,7 @@ import numpy
 
 from _runs import SOURCE, check, check_between, finish, option_file, require, run
 
-END = 0.13
+END = 0.14
 
 
 def crack_start(history, level=0.5):

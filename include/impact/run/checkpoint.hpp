@@ -62,6 +62,10 @@ public:
 std::string write_checkpoint(const CheckpointState& state, const CheckpointValues& values,
                              const CheckpointFolder& folder);
 
+/// Waits until the files that write_checkpoint replaced are gone: it removes them while the run goes on.
+/// Collective.
+void await_removal(MPI_Comm comm);
+
 /// The newest undamaged checkpoint of a directory; empty when it holds none at all. Collective. Throws
 /// UserError(io) when there are some and all are damaged: a run never starts anew unasked.
 std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& dir);
