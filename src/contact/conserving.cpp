@@ -66,6 +66,12 @@ void ContactInterface::visit_conserving(const std::vector<double>& u, Derivative
     const double start = step_.start_gap[at(c.index)];
     // It faces something now and did not at the start.
     const double from = start == unknown_gap ? std::max(0.0, c.gap - change / 2) : start;
+    c.slip = {};
+    const std::size_t n = c.gradient.size();
+    for (std::size_t i = 0; i < c.slip_gradient.size(); ++i) {
+      const std::size_t k = dof(c.node[i % n / m], i % m);
+      c.slip[i / n] += c.slip_gradient[i] * (u[k] - step_.start[k]);
+    }
     c.lambda = 0;
     c.gap = from + change;
     c.pressure = secant_pressure(eps, from, c.gap).p;
@@ -74,10 +80,47 @@ void ContactInterface::visit_conserving(const std::vector<double>& u, Derivative
   });
 }
 
+StepTraction ContactInterface::step_traction(const Constraint& c) const {
+  if (traction_ == nullptr) return {};
+  const Tangential before = held(c);
+  const double eps = penalty(), mu = settings_.friction;
+  if (rubs(c))
+    return impact::step_traction(before, c.slip, eps, mu * c.pressure, mu * contact_pressure(0, eps, c.gap));
+  // What nothing lies opposite any more lets its spring go.
+  StepTraction released;
+  released.loss = inner(before, before) / (2 * eps);
+  return released;
+}
+
 double ContactInterface::contact_stiffness(const Constraint& c) const {
   if (!step_.under_way) return law().stiffness(c.scale);
   const double start = step_.start_gap[at(c.index)];
   return -2 * secant_pressure(penalty(), start == unknown_gap ? 0 : start, c.gap).slope;
+}
+
+double ContactInterface::spring_energy(double gap, const Tangential& traction) const {
+  const double eps = penalty();
+  return contact_potential(0, eps, gap) + inner(traction, traction) / (2 * eps);
+}
+
+double ContactInterface::spring_energy(Vec u) const {
+  double energy = 0;
+  visit(form_->nodes().displacement(u), Derivatives::none,
+        [&](const Constraint& c) { energy += c.weight * spring_energy(c.gap, traction_to_keep(c)); });
+  MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  return energy;
+}
+
+double ContactInterface::released_energy(Vec u) const {
+  if (!step_.under_way) return 0;
+  double energy = 0;
+  visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
+    const double start = step_.start_gap[at(c.index)];
+    energy +=
+        c.weight * spring_energy(start == unknown_gap ? 0 : start, frictional() ? held(c) : Tangential{});
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  return reported_thickness() * (totals_->committed[at(2 * dim_ + 4)] - energy);
 }
 
 void ContactInterface::keep_gaps(Vec u) {

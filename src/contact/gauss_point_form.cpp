@@ -69,8 +69,9 @@ void GaussPointForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
 void GaussPointForm::anchor(Vec u) {
   pose_.moved = {};
   search_.set_start(u);
+  if (!(settings_.friction > 0)) return;
   const std::vector<double>& x = nodes().start;
-  if (anchors_.empty()) return;
+  const std::vector<double> moved = nodes().displacement(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     Point point = on_facet(f);
     const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
@@ -85,6 +86,10 @@ void GaussPointForm::anchor(Vec u) {
       const double xi = point.foot.xi;
       anchor.node = {nodes().global[at(point.node[2])], nodes().global[at(point.node[3])]};
       anchor.pair = {{N[0], N[1]}, {(1 - xi) / 2, (1 + xi) / 2}};
+      const auto place_of = [&](int node) { return nodes().place(node, point.node[0], moved); };
+      anchor.start = slip_of({place_of(point.node[0]), place_of(point.node[1])},
+                             {place_of(point.node[2]), place_of(point.node[3])}, anchor.pair)
+                         .value;
     }
   }
   locate_anchors();
@@ -397,7 +402,7 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
     const std::array<Point2<double>, 2> s = {place_of(point.node[0]), place_of(point.node[1])},
                                         p = {place_of(anchor.slot[0]), place_of(anchor.slot[1])};
     const Slip slip = slip_of(s, p, anchor.pair);
-    c.slip[0] = slip.value;
+    c.slip[0] = slip.value - anchor.start;
     const std::size_t n = 2 * count;
     for (std::size_t i = 0; i < 8; ++i) w.slip_gradient[2 * place[i / 2] + i % 2] += slip.gradient[i];
     if (second) {

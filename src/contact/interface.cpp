@@ -38,12 +38,17 @@ Tangential ContactInterface::held(const Constraint& c) const {
 Traction ContactInterface::traction(const Constraint& c) const {
   if (!rubs(c)) return {};
   const Tangential held = this->held(c);
+  if (step_.under_way) return step_traction(c).over;
   const double limit = settings_.friction * std::max(c.pressure, 0.0);
   const double eps = law().eps;
   Traction t = coulomb({held[0] + eps * c.slip[0], held[1] + eps * c.slip[1]}, limit);
   // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
   if (semismooth() && !t.slides) t.value = held;
   return t;
+}
+
+Tangential ContactInterface::traction_to_keep(const Constraint& c) const {
+  return step_.under_way ? step_traction(c).end : traction(c).value;
 }
 
 double ContactInterface::turn_stiffness(const Constraint& c, const Traction& t) const {

@@ -44,6 +44,10 @@ double ContactInterface::friction_loss(Vec u) const {
   if (!frictional()) return 0;
   double loss = 0;
   visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
+    if (step_.under_way) {
+      loss += c.weight * step_traction(c).loss;
+      return;
+    }
     const Traction t = traction(c);
     if (!t.slides) return;
     const Tangential before = held(c);
@@ -92,7 +96,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
       visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
         lambda[at(c.index)] = std::max(0.0, c.pressure);
         if (traction_ != nullptr) {
-          const Tangential t = this->traction(c).value;
+          const Tangential t = traction_to_keep(c);
           std::copy_n(t.begin(), tangents(), &traction[tangents() * at(c.index)]);
         }
         // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
@@ -212,9 +216,14 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   totals_->trial[d] = before[d] - twice_work / 2;
   const std::array<double, 3> obstacle = obstacle_displacement(time_);
   std::copy(obstacle.begin(), obstacle.end(), totals_->trial.begin() + 2 * dim_ + 1);
+  if (conserving()) totals_->trial[at(2 * dim_ + 4)] = spring_energy(u);
+  if (traction_ != nullptr) keep_tractions(u);
   if (conserving()) keep_gaps(u);
-  if (traction_ == nullptr) return;
-  totals_->trial.back() = before.back() + friction_loss(u) / reported_thickness();
+  if (traction_ != nullptr) form_->anchor(u);
+}
+
+void ContactInterface::keep_tractions(Vec u) {
+  totals_->trial.back() = totals_->committed.back() + friction_loss(u) / reported_thickness();
   // What sticks from now on does so with the traction of this state.
   std::vector<double> lambda, traction, slip(slip_->trial.size(), 0.0);
   propose(u, lambda, traction);
@@ -229,7 +238,6 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   share(slip, dim_);
   slip_->trial = std::move(slip);
   traction_->trial = std::move(traction);
-  form_->anchor(u);
 }
 
 ContactMeasures ContactInterface::measures(Vec u) const {
@@ -243,9 +251,9 @@ ContactMeasures ContactInterface::measures(Vec u) const {
     // Multipliers that hold g = 0 exactly store nothing.
     if (!semismooth()) sum[4] += c.weight * contact_potential(c.lambda, eps, c.gap);
     if (!c.active) return;
-    const Traction t = traction(c);
+    const Tangential t = traction_to_keep(c);
     // A penalty keeps the traction's energy too; augmentations take it for a multiplier.
-    if (settings_.enforce == Enforcement::penalty) sum[4] += c.weight * inner(t.value, t.value) / (2 * eps);
+    if (settings_.enforce == Enforcement::penalty) sum[4] += c.weight * inner(t, t) / (2 * eps);
     std::array<double, 3> force{};
     add_force(c, force);
     for (std::size_t k = 0; k < 3; ++k) sum[k] += force[k];

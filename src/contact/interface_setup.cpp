@@ -38,8 +38,6 @@ void check_settings(ContactSettings& settings, int dim) {
       throw usage(settings, "impact",
                   "`conserving` is for the penalty; take -contact_" + settings.id +
                       "_enforce penalty, or stabilised with multipliers");
-    if (settings.friction > 0)
-      throw usage(settings, "impact", "`conserving` is for contact without friction; take stabilised");
     settings.enforce = Enforcement::penalty;
   }
   if (settings.enforce == Enforcement::automatic)
@@ -163,8 +161,9 @@ void ContactInterface::declare_state(StateTable& state) {
   }
   // Penalty, gap of the last augmentation, least penalty beside the inertia of the attempt.
   penalty_ = &state.add(row("penalty", Support::global, 3), 3);
-  // Impulse, work, last force, displacement of the rigid body; heat of friction.
-  const int totals = 2 * dim_ + 4 + (frictional() ? 1 : 0);
+  // Impulse, work, last force, displacement of the rigid body; energy of a conserving update; heat of
+  // friction.
+  const int totals = 2 * dim_ + 4 + (conserving() ? 1 : 0) + (frictional() ? 1 : 0);
   totals_ = &state.add(row("totals", Support::global, totals), at(totals));
   force_ = &state.add(row("force", Support::vertex, dim_), at(dim_ * mesh_->node_count()));
   penalty_->committed[0] = penalty_->trial[0] = settings_.penalty;

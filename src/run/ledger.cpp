@@ -251,7 +251,10 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(numerical) += loss;
   sum(identity) += kinetic_change + loss + work_internal - work_external - work_contact;
 
-  for (const ContactInterface& contact : motion_.contacts()) sum(friction) += contact.friction_loss(u);
+  for (const ContactInterface& contact : motion_.contacts()) {
+    sum(friction) += contact.friction_loss(u);
+    sum(numerical) += contact.released_energy(u);
+  }
   sum(viscous) += w * coupling_->increments().viscous_dissipation;
   sum(plastic_dissipation) += w * coupling_->increments().plastic_dissipation;
   if (const StateRow* phi = state_.find("phi")) {

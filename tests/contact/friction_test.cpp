@@ -140,3 +140,73 @@ TEST(Friction, NoneIsLeftWithACoefficientOfZeroOrWhileSuspended) {
     expect_friction_only_in(rough, smooth, [](Vec v) { return norm(v); });
   }
 }
+
+TEST(Friction, ConservingStepKeepsBothMomentaAndItsWorkIsEnergyAndHeat) {
+  for (const auto& [name, partition] : partitions)
+    for (ContactSettings s : frictional())
+      for (const double mu : {0.0, 0.4, 5.0}) {
+        if (s.enforce != Enforcement::penalty) continue;
+        SCOPED_TRACE(testing::Message()
+                     << name << ", coefficient " << mu << ", mortar " << (s.method == ContactMethod::mortar));
+        s.impact = ImpactUpdate::conserving;
+        s.friction = mu;
+        ContactEnvironment heavy;
+        heavy.density = 1;
+        Rig rig(PETSC_COMM_WORLD, hill(), partition, s, heavy);
+        rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+        const Handle<Vec> start = rig.at(crush);
+        rig.layout.to_local(start, rig.state.row("u").trial);
+        rig.contact.update_search(start);
+        rig.contact.advance(start, start, 0);
+        rig.state.commit();
+        double energy = rig.contact.measures(start).energy, all_heat = 0;
+        // Two steps, each with a turn of both bodies; in the second one springs hold tractions at its start.
+        for (int step = 1; step <= 2; ++step) {
+          const Handle<Vec> u = rig.at([step](int body, double X, double Y) {
+            const std::array<double, 2> d = slide(0.05 * step)(body, X, Y);
+            const double angle = 0.3 * step, x = X + d[0], y = Y + d[1];
+            return std::array<double, 2>{std::cos(angle) * x - std::sin(angle) * y - X,
+                                         std::sin(angle) * x + std::cos(angle) * y - Y};
+          });
+          const Handle<Vec> before = rig.layout.make_global(), middle = rig.layout.make_global();
+          rig.layout.to_global(rig.state.row("u").committed, before);
+          rig.contact.set_time(step, 1);
+          rig.contact.update_search(u);
+          const Handle<Vec> r = rig.residual(u), r_n = rig.layout.make_global();
+          rig.layout.to_global(rig.state.row("contact_pair_force").committed, r_n);
+          check(VecAXPBY(r, 0.5, 0.5, r_n)); // minus the force over the step
+          check(VecWAXPY(middle, 1, before, u));
+          check(VecScale(middle, 0.5));
+          const NodeMap force = node_map(rig.mesh, rig.layout, r),
+                        at = node_map(rig.mesh, rig.layout, middle);
+          std::array<double, 3> sum{};
+          double size = 0;
+          for (const auto& [key, f] : force) {
+            const auto& d = at.at(key);
+            for (std::size_t k = 0; k < 2; ++k) {
+              sum[k] += f[k];
+              size += std::abs(f[k]);
+            }
+            sum[2] += (key[1] + d[0]) * f[1] - (key[2] + d[1]) * f[0];
+          }
+          ASSERT_GT(size, 1);
+          for (const double total : sum) EXPECT_LE(std::abs(total), 1e-12 * size);
+          const double work = dot(r, u) - dot(r, before), heat = rig.contact.friction_loss(u);
+          const double now = rig.contact.measures(u).energy;
+          EXPECT_NEAR(rig.contact.released_energy(u), 0, 1e-13);
+          EXPECT_NEAR(work, now - energy + heat, 1e-12 * (1 + std::abs(work)));
+          EXPECT_GE(heat, 0);
+          all_heat += heat;
+          rig.contact.advance(before, u, 1);
+          rig.layout.to_local(u, rig.state.row("u").trial);
+          rig.state.commit();
+          EXPECT_NEAR(rig.contact.measures(u).energy, now, 1e-12 * now);
+          energy = now;
+        }
+        if (mu == 0) {
+          EXPECT_EQ(all_heat, 0);
+        } else if (mu < 1) {
+          EXPECT_GT(all_heat, 1e-4);
+        }
+      }
+}

@@ -86,14 +86,15 @@ check("flight: impulse on the secondary side against its change of momentum",
 
 def compare(name, other, tolerance):
     for column in ("contact_face_gap_min", "contact_face_pressure_max", "energy_elastic", "momentum_lower_y"):
-        check(f"{name}: {column}", numpy.nanmax(abs(other[column] - r[column])) / numpy.nanmax(abs(r[column])), 0, tolerance,
+        first = r[column][:len(other["time"])]
+        check(f"{name}: {column}", numpy.nanmax(abs(other[column] - first)) / numpy.nanmax(abs(first)), 0, tolerance,
               relative=False)
 
 
 shutil.copytree("flight", "flight_again")
 compare("resumed in contact", run("flight_again", {**FLIGHT, "checkpoint_every": 60, "checkpoint_keep": 9, "restart":
                                                    os.path.abspath("flight_again/checkpoints/checkpoint_000001.h5")}), 1e-12)
-compare("3 ranks", run("flight_3", FLIGHT, ranks=3), 1e-8)
+compare("3 ranks", run("flight_3", {**FLIGHT, "ts_max_time": 0.05}, ranks=3), 1e-8) # touches after 0.022
 
 print("a plane moves into a bar at rest")
 r = run("hammer", {

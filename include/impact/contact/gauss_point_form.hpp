@@ -58,6 +58,7 @@ private:
     std::array<PetscInt, 2> node = {-1, -1}; // of the primary edge, global
     std::array<int, 2> slot = {-1, -1};      // in nodes(), -1: not there
     SlipAnchor pair;
+    double start = 0;       // its slip then, where the gap is not along the secondary's own normal
     Point2<double> place{}; // of the point itself, against a rigid plane
   };
 

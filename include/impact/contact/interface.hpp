@@ -131,6 +131,10 @@ public:
   /// Energy that sliding turned into heat in the step that ended at u: sum w t.s, without what a penalty
   /// keeps elastically. Before advance. Collective.
   double friction_loss(Vec u) const;
+  /// Of the energy-conserving update, else 0: energy in contact that was neither given back nor turned into
+  /// heat in the step that ended at u, because its constraints face nothing any more (over an edge). Negative
+  /// where constraints begin with an overlap. Before advance. Collective.
+  double released_energy(Vec u) const;
   /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
   /// at the end, or the mean of both ends. Before advance. Collective.
   double obstacle_work(Vec u, bool force_at_end) const;
@@ -192,7 +196,12 @@ private:
   std::vector<double> middle(const std::vector<double>& u) const;
   void visit_conserving(const std::vector<double>& u, Derivatives derivatives,
                         const ConstraintVisitor& visitor) const;
+  StepTraction step_traction(const Constraint& c) const;
   double contact_stiffness(const Constraint& c) const;
+  // Energy of the springs of normal and tangential penalties.
+  double spring_energy(double gap, const Tangential& traction) const;
+  // The same of all constraints at u, not times the thickness. Collective.
+  double spring_energy(Vec u) const;
   void keep_gaps(Vec u);
   double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
   PressureLaw law() const;
@@ -203,6 +212,8 @@ private:
   std::size_t tangents() const { return static_cast<std::size_t>(dim_ - 1); }
   Tangential held(const Constraint& c) const; // the traction that a trial value starts from
   Traction traction(const Constraint& c) const;
+  // What the next step starts from.
+  Tangential traction_to_keep(const Constraint& c) const;
   // Of a sliding constraint: change of its traction by slip across the direction of the traction.
   double turn_stiffness(const Constraint& c, const Traction& t) const;
   // The same of any rubbing constraint as a matrix, the change by the gap left out.
@@ -215,6 +226,7 @@ private:
   };
   void tangent_block(const Constraint& c, double scale, TangentSpace& space) const;
   void add_force(const Constraint& c, std::array<double, 3>& force) const;
+  void keep_tractions(Vec u);
   std::array<double, 3>
   total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
   double reported_thickness() const {
