@@ -161,7 +161,10 @@ void ContactInterface::set_time(double t, double mass_shift) {
 
 bool ContactInterface::update_search(Vec u) {
   const PairSearch::Outcome outcome = form_->update(u, law());
-  if (outcome != PairSearch::Outcome::kept) fetch_fixed();
+  if (outcome != PairSearch::Outcome::kept) {
+    fetch_fixed();
+    fetch_bodies();
+  }
   if (step_.under_way) find_start_gaps();
   return outcome == PairSearch::Outcome::other_pairs;
 }
@@ -171,6 +174,46 @@ void ContactInterface::fetch_fixed() {
   if (!fixed_) return;
   const std::vector<double> flags = form_->nodes().exchange.gather(fixed_);
   std::transform(flags.begin(), flags.end(), fixed_here_.begin(), [](double f) { return f > 0.5 ? 1 : 0; });
+}
+
+void ContactInterface::fetch_bodies() {
+  body_here_.clear();
+  if (!body_) return;
+  const std::vector<double> numbers = form_->nodes().exchange.gather(body_);
+  for (std::size_t i = 0; i < numbers.size(); i += at(dim_))
+    body_here_.push_back(static_cast<int>(numbers[i] + 0.5) - 1);
+}
+
+void ContactInterface::set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body) {
+  reduction_ = &reduction;
+  body_ = layout_->make_global();
+  std::vector<double> numbers = layout_->make_local();
+  for (std::size_t node = 0; node < body.size(); ++node) numbers[at(dim_) * node] = body[node] + 1;
+  layout_->to_global(numbers, body_);
+  fetch_bodies();
+}
+
+NodePairs ContactInterface::couplings() const {
+  NodePairs pairs = form_->couplings();
+  if (body_here_.empty()) return pairs;
+  // The unknowns of a body stand at two of its nodes.
+  const ContactNodes& nodes = form_->nodes();
+  const auto places = [&](PetscInt node, std::array<PetscInt, 2>& place) -> std::size_t {
+    const int slot = nodes.slot(node);
+    const int body = slot < 0 ? -1 : body_here_[at(slot)];
+    place = body < 0 ? std::array<PetscInt, 2>{node, node} : reduction_->bodies()[at(body)].slot;
+    return body < 0 ? 1 : 2;
+  };
+  NodePairs reduced;
+  for (const auto& [i, j] : pairs) {
+    std::array<PetscInt, 2> a{}, b{};
+    const std::size_t of_a = places(i, a), of_b = places(j, b);
+    for (std::size_t p = 0; p < of_a; ++p)
+      for (std::size_t q = 0; q < of_b; ++q)
+        if (a[p] != b[q]) reduced.emplace_back(std::min(a[p], b[q]), std::max(a[p], b[q]));
+  }
+  sort_unique(reduced);
+  return reduced;
 }
 
 void ContactInterface::set_fixed_dofs(const std::vector<char>& fixed) {
@@ -244,6 +287,7 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
 
 ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
   const ContactNodes& nodes = form_->nodes();
+  if (!body_here_.empty()) return add_reduced_tangent(u, scale, K);
   std::vector<PetscInt> rows;
   return visit_tangent(
       nodes.displacement(u), scale, [&](std::span<const int> on, std::span<const double> block) {
@@ -256,6 +300,23 @@ ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
         const auto n = static_cast<PetscInt>(rows.size());
         check(MatSetValues(K, n, rows.data(), n, rows.data(), block.data(), ADD_VALUES));
       });
+}
+
+ContactStatus ContactInterface::add_reduced_tangent(Vec u, double scale, Mat K) const {
+  const ContactNodes& nodes = form_->nodes();
+  std::vector<RigidReduction::Node> places;
+  RigidReduction::Block reduced;
+  return visit_tangent(nodes.displacement(u), scale,
+                       [&](std::span<const int> on, std::span<const double> block) {
+                         places.clear();
+                         for (int node : on)
+                           places.push_back({nodes.global[at(node)], body_here_[at(node)],
+                                             &nodes.X[dof(node, 0)], &fixed_here_[dof(node, 0)]});
+                         reduced.build(*reduction_, places, block);
+                         const auto n = static_cast<PetscInt>(reduced.rows().size());
+                         check(MatSetValues(K, n, reduced.rows().data(), n, reduced.rows().data(),
+                                            reduced.values().data(), ADD_VALUES));
+                       });
 }
 
 void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {

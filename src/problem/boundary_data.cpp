@@ -41,26 +41,6 @@ const Group& require_group(const Mesh& mesh, const BoundaryCondition& bc, const 
   return *group;
 }
 
-// Which coordinate is constant over the group; -1 when none is.
-int plane_axis(const Mesh& mesh, const std::vector<int>& nodes) {
-  const int dim = mesh.dim();
-  std::array<double, 3> low, high;
-  low.fill(1e300);
-  high.fill(-1e300);
-  for (int node : nodes)
-    for (int k = 0; k < dim; ++k) {
-      const double x = mesh.coordinates()[static_cast<std::size_t>(node * dim + k)];
-      low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], x);
-      high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], x);
-    }
-  MPI_Allreduce(MPI_IN_PLACE, low.data(), 3, MPI_DOUBLE, MPI_MIN, mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, high.data(), 3, MPI_DOUBLE, MPI_MAX, mesh.comm());
-  const double tolerance = 1e-8 * mesh.smallest_edge();
-  for (int k = 0; k < dim; ++k)
-    if (high[static_cast<std::size_t>(k)] - low[static_cast<std::size_t>(k)] <= tolerance) return k;
-  return -1;
-}
-
 double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
   const int dim = mesh.dim(), n = facets.nodes_per_facet;
   auto x = [&](int a, int k) {
@@ -82,16 +62,43 @@ double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
 
 } // namespace
 
-BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end)
+int plane_axis(const Mesh& mesh, const std::vector<int>& nodes) {
+  const int dim = mesh.dim();
+  std::array<double, 3> low, high;
+  low.fill(1e300);
+  high.fill(-1e300);
+  for (int node : nodes)
+    for (int k = 0; k < dim; ++k) {
+      const double x = mesh.coordinates()[static_cast<std::size_t>(node * dim + k)];
+      low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], x);
+      high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], x);
+    }
+  MPI_Allreduce(MPI_IN_PLACE, low.data(), 3, MPI_DOUBLE, MPI_MIN, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, high.data(), 3, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  const double tolerance = 1e-8 * mesh.smallest_edge();
+  for (int k = 0; k < dim; ++k)
+    if (high[static_cast<std::size_t>(k)] - low[static_cast<std::size_t>(k)] <= tolerance) return k;
+  return -1;
+}
+
+double integral(const Expression& rate, const double* x, int dim, double t0, double t1) {
+  double sum = 0;
+  for (std::size_t q = 0; q < gauss_x.size(); ++q)
+    sum += gauss_w[q] * (t1 - t0) * rate(x, dim, t0 + gauss_x[q] * (t1 - t0));
+  return sum;
+}
+
+BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
+                           std::span<const int> body_of_node)
     : dim_(mesh.dim()), node_count_(mesh.node_count()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
       fixed_mask_(static_cast<std::size_t>(node_count_ * dim_), 0),
       damage_mask_(static_cast<std::size_t>(node_count_), 0), force_area_(conditions_.size(), 0.0) {
-  resolve_fixed(mesh, t_end);
+  resolve_fixed(mesh, t_end, body_of_node);
   resolve_loads(mesh);
 }
 
-void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end) {
+void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end, std::span<const int> body_of_node) {
   std::map<int, FixedDof> chosen;
   std::string conflict;
   for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
@@ -116,6 +123,7 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end) {
           damage_mask_[static_cast<std::size_t>(node)] = 1;
           continue;
         }
+        if (!body_of_node.empty() && body_of_node[static_cast<std::size_t>(node)] >= 0) continue;
         for (int k = 0; k < dim_; ++k) {
           const bool held = bc.type == BcType::fix || k == axis || bc.component[k].has_value();
           if (!held) continue;
@@ -201,9 +209,7 @@ void BoundaryData::set_exact_velocity(double t0, double t1, const std::vector<do
     if (bc.type != BcType::acceleration || !bc.component[fixed.component]) continue;
     const auto i = static_cast<std::size_t>(fixed.dof);
     const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
-    v[i] = v_n[i];
-    for (std::size_t q = 0; q < gauss_x.size(); ++q)
-      v[i] += gauss_w[q] * (t1 - t0) * (*bc.component[fixed.component])(x, dim_, t0 + gauss_x[q] * (t1 - t0));
+    v[i] = v_n[i] + integral(*bc.component[fixed.component], x, dim_, t0, t1);
   }
 }
 

@@ -68,11 +68,12 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
   for (const MaterialAssignment& m : d.materials)
-    if (m.law.parameters.rho > 0) speed = std::max(speed, longitudinal_speed(m.law.parameters));
+    if (m.law.parameters.rho > 0 && !m.law.rigid())
+      speed = std::max(speed, longitudinal_speed(m.law.parameters));
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
   char text[160];
   const bool small = dofs <= (d.dim() == 2 ? 100000 : 20000);
-  if (choice.resolves_waves() && !d.has_viscosity() && !contact.frictional &&
+  if (choice.resolves_waves() && !d.has_viscosity() && !contact.frictional && !contact.rigid &&
       !(contact.closes_gaps && small)) {
     choice.direct = false;
     choice.symmetric = true;
@@ -184,6 +185,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTab
   check(SNESLineSearchSetType(search, semismooth() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
   check_preconditioner(ksp, defaults.matrix);
+  check(SNESGetTolerances(motion_snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
   update_multipliers_in(motion_snes_);
   PetscBool factorises = PETSC_FALSE;
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
@@ -254,6 +256,10 @@ void Coupling::before_attempt(const Attempt& attempt) {
     step_.phi = &phi_frozen_;
   }
   motion_.begin(step_);
+  if (motion_.rigid().empty()) return;
+  // Below the rounding of heavy bodies' inertia no residual can fall.
+  const double least = std::max(residual_tol_, motion_.rigid().rounding(step_.mass_shift));
+  check(SNESSetTolerances(motion_snes_, least, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
 }
 
 void Coupling::guess(const Attempt& attempt, Vec u) {
@@ -300,11 +306,13 @@ void Coupling::update_multipliers_in(SNES snes) {
       search,
       [](SNESLineSearch, Vec x, Vec, Vec w, PetscBool*, PetscBool* changed, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth()) return PetscErrorCode(0);
-        *changed = PETSC_TRUE; // not w, but the residual there
+        if (!self.semismooth() && self.motion_.rigid().empty()) return PetscErrorCode(0);
+        *changed = PETSC_TRUE; // not w, unless a body turned, but the residual there
         return time_mailbox(self.ts_).guarded([&] {
           const Handle<Vec> step = self.motion_.discretisation().displacement.make_global();
           check(VecWAXPY(step, -1, x, w));
+          self.motion_.rigid().retract(w);
+          if (!self.semismooth()) return;
           bool other_set = false;
           for (ContactInterface& contact : self.motion_.contacts())
             if (contact.semismooth()) other_set = contact.take_newton_step(x, step, w) || other_set;
@@ -323,16 +331,33 @@ void Coupling::update_multipliers_in(SNES snes) {
           Vec u = nullptr;
           check(SNESGetSolution(self.solving_, &u));
           check(VecCopy(rhs, self.bare_residual_));
+          Vec gaps = rhs;
+          Handle<Vec> apart; // of what rigid bodies feel already
+          if (!self.motion_.rigid().empty()) {
+            apart = self.motion_.discretisation().displacement.make_global();
+            gaps = apart;
+          }
           for (const ContactInterface& contact : self.motion_.contacts())
-            contact.add_gaps(u, self.step_.contact_scale, rhs);
+            contact.add_gaps(u, self.step_.contact_scale, gaps);
+          if (!apart) return;
+          self.motion_.rigid().place(u);
+          self.motion_.rigid().reduce(apart);
+          check(VecAXPY(rhs, 1, apart));
         });
       },
       this));
   check(KSPSetPostSolve(
       ksp,
-      [](KSP, Vec rhs, Vec, void* context) {
+      [](KSP, Vec rhs, Vec du, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        return self.semismooth() ? VecCopy(self.bare_residual_, rhs) : PetscErrorCode(0);
+        return time_mailbox(self.ts_).guarded([&] {
+          if (self.semismooth()) check(VecCopy(self.bare_residual_, rhs));
+          if (self.motion_.rigid().empty()) return;
+          Vec u = nullptr;
+          check(SNESGetSolution(self.solving_, &u));
+          self.motion_.rigid().place(u);
+          self.motion_.rigid().expand(du);
+        });
       },
       this));
   check(SNESSetConvergenceTest(
@@ -402,6 +427,8 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
+    // Factors of a singular matrix must not serve the next try.
+    if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) forget_factors();
     return result;
   }
   // A body that moved beyond the skin may touch facets that the list did not hold.
@@ -540,23 +567,50 @@ std::string Coupling::failure_text() const {
 
 NewmarkHooks Coupling::newmark_hooks() {
   NewmarkHooks hooks;
-  if (!stabilise_) return hooks;
-  hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde) {
-    project_predictor(t_n, dt, u_tilde);
-  };
-  hooks.correct = [this](TS, Vec, Vec v, Vec a) {
-    check(VecSet(contact_acceleration_, 0));
-    PetscReal size = 0;
-    check(VecNorm(contact_force_, NORM_INFINITY, &size));
-    if (size == 0) return;
-    const NewmarkParameters p = newmark_parameters(ts_);
-    check(VecCopy(contact_force_, residual_));
-    check(VecScale(residual_, contact_scale_ / p.alpha_m));
-    motion_.mass_solve(residual_, contact_acceleration_);
-    check(VecAXPY(a, -1, contact_acceleration_));
-    check(VecAXPY(v, step_.dt * (2 * p.beta - p.gamma), contact_acceleration_));
-  };
+  if (stabilise_)
+    hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde) {
+      project_predictor(t_n, dt, u_tilde);
+    };
+  if (stabilise_ || !motion_.rigid().empty())
+    hooks.correct = [this](TS, Vec u, Vec v, Vec a) {
+      check(VecSet(contact_acceleration_, 0));
+      if (stabilise_) take_out_contact(v, a);
+      if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);
+    };
   return hooks;
+}
+
+void Coupling::take_out_contact(Vec v, Vec a) {
+  PetscReal size = 0;
+  check(VecNorm(contact_force_, NORM_INFINITY, &size));
+  if (size == 0) return;
+  const NewmarkParameters p = newmark_parameters(ts_);
+  check(VecCopy(contact_force_, residual_));
+  check(VecScale(residual_, contact_scale_ / p.alpha_m));
+  motion_.mass_solve(residual_, contact_acceleration_);
+  check(VecAXPY(a, -1, contact_acceleration_));
+  check(VecAXPY(v, step_.dt * (2 * p.beta - p.gamma), contact_acceleration_));
+}
+
+void Coupling::take_out_rigidity(Vec u, Vec v, Vec a) {
+  // What remains of the acceleration is that by the forces, the contact's only where it is not stabilised.
+  const Discretisation& d = motion_.discretisation();
+  const NewmarkParameters p = newmark_parameters(ts_);
+  ForceParts forces;
+  motion_.parts(u, forces);
+  if (!stabilise_) check(VecAXPY(forces.external, 1, contact_force_));
+  Handle<Vec> kept = d.displacement.make_global(), before = d.displacement.make_global(),
+              taken = d.displacement.make_global();
+  check(VecCopy(a, kept));
+  motion_.rigid().accelerate(forces.external, kept);
+  d.displacement.to_global(state_.row("a").committed, before);
+  // a_m = alpha_m a + (1 - alpha_m) a_n is what the forces give.
+  check(VecAXPBYPCZ(taken, -1 / p.alpha_m, (1 - p.alpha_m) / p.alpha_m, 0, kept, before));
+  check(VecAXPY(taken, 1, a));
+  motion_.rigid().keep_bodies_only(taken);
+  check(VecAXPY(a, -1, taken));
+  check(VecAXPY(v, step_.dt * (2 * p.beta - p.gamma), taken));
+  check(VecAXPY(contact_acceleration_, 1, taken));
 }
 
 void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
@@ -571,6 +625,17 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
       if (name[1] == 'm') std::fill(row.trial.begin(), row.trial.end(), 0.0);
     }
   for (ContactInterface& contact : motion_.contacts()) contact.suspend_friction(true);
+  // Rigid bodies: among rigid motions, and only what contact changes counts.
+  RigidBodies& rigid = motion_.rigid();
+  Handle<Vec> predictor, untouched;
+  if (!rigid.empty()) {
+    predictor = motion_.discretisation().displacement.make_global();
+    untouched = motion_.discretisation().displacement.make_global();
+    check(VecCopy(u_tilde, predictor));
+    rigid.test_in_the_middle(false);
+    rigid.retract(u_tilde);
+    check(VecCopy(u_tilde, untouched));
+  }
   refresh_contact(u_tilde);
   for (ContactInterface& contact : motion_.contacts())
     penetration = std::max(penetration, contact.review(u_tilde).penetration);
@@ -579,7 +644,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
     Projection problem{&motion_, p.alpha_m / (p.beta * dt * dt), nullptr, &time_mailbox(ts_)};
     Handle<Vec> goal = motion_.discretisation().displacement.make_global(),
                 f = motion_.discretisation().displacement.make_global();
-    check(VecCopy(u_tilde, goal));
+    check(VecCopy(predictor ? predictor.get() : u_tilde, goal));
     problem.goal = goal;
     Handle<SNES> snes;
     reuse_.forget();
@@ -611,7 +676,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
     check(SNESGetConvergedReason(snes, &reason));
     if (reason < 0) {
       // Without projection the step is still energy decaying, only less smooth.
-      check(VecCopy(goal, u_tilde));
+      check(VecCopy(untouched ? untouched.get() : goal.get(), u_tilde));
       if (!projection_failed_)
         check(PetscPrintf(motion_.discretisation().mesh.comm(),
                           "impact: the predictor of the step from t = %.10g could not be projected on the "
@@ -619,6 +684,10 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
                           t_n, SNESConvergedReasons[reason]));
       projection_failed_ = true;
     }
+  }
+  if (!rigid.empty()) {
+    rigid.test_in_the_middle(true);
+    rigid.put_change(u_tilde, untouched, predictor);
   }
   for (auto& [row, values] : kept) row->trial = std::move(values);
   for (ContactInterface& contact : motion_.contacts()) contact.suspend_friction(false);
@@ -676,6 +745,7 @@ void Coupling::initial_acceleration(double t, Vec u, Vec v, Vec a) {
   check(VecAXPY(forces.external, -1, forces.internal));
   d.displacement.to_global(state_.row("a").committed, a);
   motion_.mass_solve(forces.external, a);
+  motion_.rigid().accelerate(forces.external, a);
 }
 
 } // namespace impact

@@ -28,9 +28,11 @@ template <int n> double trace(const Batch* K, int lanes_in_use) {
 
 MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
-                             bool symmetric_tangent, ContactOperator contact_operator, MatrixFormat format)
+                             bool symmetric_tangent, ContactOperator contact_operator, MatrixFormat format,
+                             RigidBodies* rigid)
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
-      symmetric_(symmetric_tangent), operator_(contact_operator), format_(format),
+      rigid_(rigid != nullptr ? rigid : &no_bodies_), symmetric_(symmetric_tangent),
+      operator_(contact_operator), format_(format),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
       free_(d_.node_values(d_.dim()), 1.0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
@@ -40,6 +42,23 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       free_[i] = 0;
       if (d_.mesh.owned(static_cast<int>(i) / d_.dim())) owned_fixed_.push_back(static_cast<int>(i));
     }
+  no_row_ = boundary_.fixed_mask();
+  identity_ = massless_ = owned_fixed_;
+  if (!rigid_->empty()) {
+    if (operator_ == ContactOperator::shell)
+      throw UserError(ExitCode::usage, "-contact_operator shell: not with a rigid body (-material_" +
+                                           rigid_->bodies().front().name +
+                                           "_model rigid); take assembled, the default");
+    identity_.insert(identity_.end(), rigid_->idle_dofs().begin(), rigid_->idle_dofs().end());
+    for (std::size_t i = 0; i < free_.size(); ++i)
+      if (const int node = static_cast<int>(i) / d_.dim();
+          rigid_->body_of_node()[static_cast<std::size_t>(node)] >= 0) {
+        free_[i] = 0;
+        no_row_[i] = 1;
+        if (d_.mesh.owned(node)) massless_.push_back(static_cast<int>(i));
+      }
+    rigid_->use_symmetric_tangent(symmetric_);
+  }
   for (const CellGroup& group : d_.groups) {
     std::vector<char>& held = held_batches_.emplace_back(static_cast<std::size_t>(group.batch_count), 0);
     const std::size_t size = group.node.size() / std::max<std::size_t>(held.size(), 1);
@@ -49,10 +68,13 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
   }
   double stiffest = 0;
   for (const MaterialAssignment& m : d_.materials)
-    stiffest = std::max(stiffest, youngs_modulus(m.law.parameters));
+    if (!m.law.rigid()) stiffest = std::max(stiffest, youngs_modulus(m.law.parameters));
   reference_force_ = 1e-12 * stiffest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
   work_ = d_.displacement.make_global();
-  for (ContactInterface& contact : contacts_) contact.set_fixed_dofs(boundary_.fixed_mask());
+  for (ContactInterface& contact : contacts_) {
+    contact.set_fixed_dofs(boundary_.fixed_mask());
+    if (!rigid_->empty()) contact.set_rigid_nodes(rigid_->reduction(), rigid_->body_of_node());
+  }
   rebuild_matrix();
   if (operator_ == ContactOperator::shell && !contacts_.empty()) make_shell();
 }
@@ -64,6 +86,8 @@ void MotionProblem::rebuild_matrix() {
     const auto pairs = contact.couplings();
     extra.insert(extra.end(), pairs.begin(), pairs.end());
   }
+  const auto own = rigid_->couplings();
+  extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
   assembly_.emplace(d_.displacement, d_.mesh, d_.groups, extra, format_);
   const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
@@ -99,6 +123,7 @@ bool MotionProblem::update_contact(Vec u) {
 
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
+  rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
   for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {
@@ -119,6 +144,7 @@ void MotionProblem::impose(Vec u) const {
   boundary_.set_displacement(step_.t_n, step_.t, *step_.u_n, state_.row("prescribed_velocity").committed,
                              local);
   d_.displacement.to_global(local, u);
+  rigid_->retract(u);
 }
 
 void MotionProblem::hold(Vec u, double scale, Vec f) const {
@@ -162,6 +188,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
   bool sound = true;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
+    if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim;
@@ -193,7 +220,7 @@ void MotionProblem::add_pressure_tangent(const std::vector<double>& u) {
   for (const LoadedFacets& load : boundary_.pressures())
     add_follower_pressure_tangent(
         load.facets, d_.frame, X_, u, [&](const double* x) { return -boundary_.pressure(load, x, step_.t); },
-        boundary_.fixed_mask(), d_.mesh.global_node(), matrix());
+        no_row_, d_.mesh.global_node(), matrix());
 }
 
 bool MotionProblem::residual(Vec u, Vec a, Vec f) {
@@ -212,6 +239,8 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
   for (ContactInterface& contact : contacts_) contact.add_residual(u, step_.contact_scale, f);
+  rigid_->place(u);
+  rigid_->reduce(f, accel);
   zero_fixed(f);
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
@@ -225,6 +254,7 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
   assembly_->zero();
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
+    if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim, n = Cell::nodes * dim;
@@ -247,13 +277,15 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
       }
     });
   }
-  close_tangent(u, true, diagonal);
+  rigid_->place(u);
+  close_tangent(u, true, diagonal, mass_shift);
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
-void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal) {
+void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double mass_shift) {
   assembly_->finish();
-  if (!contacts_.empty() || !boundary_.pressures().empty()) {
+  if (!contacts_.empty() || !boundary_.pressures().empty() || !rigid_->empty()) {
+    rigid_->add_tangent(mass_shift, matrix());
     if (pressures) add_pressure_tangent(u_);
     if (shell_)
       check(VecCopy(u, linearised_at_));
@@ -264,10 +296,10 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal) {
   }
   // Prescribed rows were masked out; the mean of the cells' other diagonals keeps the condition of the
   // matrix.
-  double sums[2] = {diagonal, -static_cast<double>(owned_fixed_.size())};
+  double sums[2] = {diagonal, -static_cast<double>(massless_.size())};
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
   const double free_dofs = sums[1] + static_cast<double>(d_.mesh.global_node_count() * d_.dim());
-  assembly_->set_diagonal(owned_fixed_, free_dofs > 0 && sums[0] > 0 ? sums[0] / free_dofs : 1.0);
+  assembly_->set_diagonal(identity_, free_dofs > 0 && sums[0] > 0 ? sums[0] / free_dofs : 1.0);
 }
 
 void MotionProblem::zero_fixed(Vec f) const {
@@ -286,12 +318,15 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
   mass_multiply(work_, f);
   check(VecScale(f, shift));
   for (ContactInterface& contact : contacts_) contact.add_residual(w, step_.contact_scale, f);
+  rigid_->place(w);
+  rigid_->reduce(f);
   zero_fixed(f);
 }
 
 void MotionProblem::projection_tangent(Vec w, double shift) {
   assembly_->zero();
-  close_tangent(w, false, add_mass(*assembly_, shift, true));
+  rigid_->place(w);
+  close_tangent(w, false, add_mass(*assembly_, shift, true), shift);
 }
 
 bool MotionProblem::advance(Vec u, Increments& sums) {
@@ -302,6 +337,7 @@ bool MotionProblem::advance(Vec u, Increments& sums) {
   double total[3] = {0, 0, 0};
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
+    if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       const MotionFields fields = step_fields(u_, nullptr, law);
@@ -351,6 +387,16 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   for (ContactInterface& contact : contacts_) contact.add_residual(u, -1, parts.contact);
 }
 
+double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double factor) {
+  if (rigid_->empty()) return 0;
+  ForceParts forces;
+  parts(u, forces);
+  check(VecScale(forces.external, -1));
+  check(VecAXPY(forces.external, -step_.contact_scale, forces.contact));
+  if (acceleration) d_.displacement.to_local(acceleration, a_);
+  return rigid_->book_reactions(u, forces.external, acceleration ? &a_ : nullptr, factor);
+}
+
 double MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool masked) const {
   double diagonal = 0;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
@@ -384,7 +430,7 @@ void MotionProblem::build_mass() {
     SparseAssembly assembly(d_.displacement, d_.mesh, d_.groups);
     add_mass(assembly, 1, masked);
     assembly.finish();
-    if (masked) assembly.set_diagonal(owned_fixed_, 1.0);
+    if (masked) assembly.set_diagonal(massless_, 1.0);
     Mat shared = assembly.matrix();
     check(PetscObjectReference(reinterpret_cast<PetscObject>(shared)));
     (masked ? mass_free_ : mass_) = Handle<Mat>(shared);
@@ -406,7 +452,8 @@ void MotionProblem::mass_multiply(Vec x, Vec y) {
 
 void MotionProblem::mass_solve(Vec b, Vec x) {
   build_mass();
-  // x = x_c + x_f: the columns of prescribed entries go to the right-hand side.
+  // x = x_c + x_f: the columns of prescribed entries go to the right-hand side. Rigid bodies share no node
+  // with others.
   const int dim = d_.dim();
   Handle<Vec> held = d_.displacement.make_global(), rhs = d_.displacement.make_global();
   std::vector<PetscInt> rows;
@@ -415,7 +462,7 @@ void MotionProblem::mass_solve(Vec b, Vec x) {
   check(VecGetOwnershipRange(x, &start, nullptr));
   const double* entries = nullptr;
   check(VecGetArrayRead(x, &entries));
-  for (int dof : owned_fixed_) {
+  for (int dof : massless_) {
     const PetscInt row = d_.mesh.global_node()[static_cast<std::size_t>(dof / dim)] * dim + dof % dim;
     rows.push_back(row);
     values.push_back(entries[row - start]);

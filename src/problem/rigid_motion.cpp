@@ -181,7 +181,7 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
 // [body][mode][mode]: sum over the prescribed dofs of the modes' products there. Its null space are the rigid
 // motions that no prescribed dof feels.
 std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& boundary, const Bodies& bodies,
-                                  const Geometry& geometry) {
+                                  const Geometry& geometry, const RigidBodies& rigid) {
   const int modes = mode_count(d.frame), dim = d.dim();
   const auto n = static_cast<std::size_t>(modes);
   std::vector<double> gram(static_cast<std::size_t>(bodies.count) * n * n, 0.0);
@@ -199,6 +199,21 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
       for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
   }
   MPI_Allreduce(MPI_IN_PLACE, gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  // What is prescribed of a rigid body belongs to its centre of mass.
+  for (const RigidBody& body : rigid.bodies()) {
+    const auto b = static_cast<std::size_t>(body.component);
+    for (std::size_t c = 0; c < 6; ++c) {
+      if (body.held[c] < 0 || (c < 3 && c >= static_cast<std::size_t>(dim))) continue;
+      double x[3] = {0, 0, 0}, mode[6] = {};
+      for (std::size_t k = 0; k < 3; ++k) x[k] = (body.centre[k] - geometry.centre[b][k]) / geometry.size[b];
+      if (c < 3)
+        rigid_modes(d.frame, x, static_cast<int>(c), mode);
+      else
+        mode[dim == 3 ? c : 2] = 1;
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
+    }
+  }
   return gram;
 }
 
@@ -235,10 +250,10 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies,
 }
 
 std::vector<FreeBody> free_bodies(const Discretisation& d, const BoundaryData& boundary,
-                                  std::span<const ContactInterface> contacts) {
+                                  std::span<const ContactInterface> contacts, const RigidBodies& rigid) {
   const Bodies bodies = find_bodies(d.mesh, d.scalar);
   const Geometry geometry = measure(d.mesh, bodies);
-  const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry);
+  const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry, rigid);
   const auto entries = static_cast<std::ptrdiff_t>(mode_count(d.frame) * mode_count(d.frame));
   std::vector<FreeBody> free;
   std::vector<std::size_t> number; // of the free bodies
@@ -280,13 +295,14 @@ std::string list_of(const std::vector<std::string>& words) {
 } // namespace
 
 std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary) {
-  return free_bodies(d, boundary, {});
+  return free_bodies(d, boundary, {}, {});
 }
 
 std::vector<std::string> require_held_bodies(const Discretisation& d, const BoundaryData& boundary,
-                                             std::span<const ContactInterface> contacts) {
+                                             std::span<const ContactInterface> contacts,
+                                             const RigidBodies& rigid) {
   std::vector<std::string> warnings;
-  for (const FreeBody& body : free_bodies(d, boundary, contacts)) {
+  for (const FreeBody& body : free_bodies(d, boundary, contacts, rigid)) {
     const std::string who = describe(body, d.dim()), motions = list_of(body.motions);
     if (!body.touched)
       throw UserError(ExitCode::data,

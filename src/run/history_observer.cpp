@@ -180,6 +180,28 @@ void HistoryObserver::append_contacts(HistoryFile::Row& row, const Snapshot& sna
   }
 }
 
+void HistoryObserver::append_rigid_bodies(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  const RigidBodies& rigid = motion_.rigid();
+  if (rigid.empty()) return;
+  const Discretisation& d = motion_.discretisation();
+  const auto dim = static_cast<std::size_t>(d.dim());
+  const Handle<Vec> v = d.displacement.make_global();
+  d.displacement.to_global(state_.row("v").committed, v);
+  const std::vector<RigidMotionState> motion = rigid.motion(snapshot.u, v);
+  for (std::size_t b = 0; b < motion.size(); ++b) {
+    const std::string id = "rigid_" + rigid.bodies()[b].name + "_";
+    Vector3 turned = rotation_vector(motion[b].pose.turned);
+    if (dim == 2) turned[2] = rigid.angle(static_cast<int>(b));
+    const RigidVector& rate = motion[b].velocity;
+    for (std::size_t k = 0; k < dim; ++k) row.emplace_back(id + "u" + axis[k], motion[b].pose.moved[k]);
+    for (std::size_t k = dim == 2 ? 2 : 0; k < 3; ++k) row.emplace_back(id + "r" + axis[k], turned[k]);
+    for (std::size_t k = 0; k < dim; ++k) row.emplace_back(id + "v" + axis[k], rate[k]);
+    for (std::size_t k = dim == 2 ? 2 : 0; k < 3; ++k) row.emplace_back(id + "w" + axis[k], rate[3 + k]);
+    for (std::size_t k = dim == 2 ? 2 : 0; k < 3; ++k)
+      row.emplace_back(id + "l" + axis[k], d.thickness * motion[b].spin[k]);
+  }
+}
+
 void HistoryObserver::append_cracks(HistoryFile::Row& row) {
   const Discretisation& d = motion_.discretisation();
   const StateRow* phi = state_.find("phi");
@@ -310,6 +332,7 @@ void HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) 
   ledger_.append_energies(row);
   ledger_.append_reactions(row);
   append_contacts(row, snapshot);
+  append_rigid_bodies(row, snapshot);
   ledger_.append_materials(row);
   append_cracks(row);
   append_probes(row, snapshot);

@@ -52,6 +52,7 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   const auto& conditions = motion_.boundary().conditions();
   reaction_.resize(conditions.size() * static_cast<std::size_t>(d.dim()));
   mean_.resize(reaction_.size());
+  moment_.resize(conditions.size() * 3);
   for (const BoundaryCondition& bc : conditions) {
     std::vector<int> nodes;
     for (const std::string& name : bc.on)
@@ -159,6 +160,7 @@ void Ledger::start(Vec u, Vec v, Vec) {
   for (std::size_t i = 0; i < internal_->trial.size(); ++i) {
     if (motion_.boundary().fixed_mask()[i]) external_->trial[i] = internal_->trial[i];
     inertia_force_->trial[i] = inertia_ ? external_->trial[i] - internal_->trial[i] : 0.0;
+    if (in_rigid_body(i)) inertia_force_->trial[i] = external_->trial[i];
   }
   reaction_force_ = internal_->trial;
   std::vector<double> loads = d.displacement.make_local();
@@ -197,6 +199,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   d.displacement.to_local(parts.internal, internal_->trial);
   d.displacement.to_local(parts.external, external_->trial);
   d.displacement.to_local(coupling_->contact_force(), contact_->trial);
+  double work_rigid = 0;
   if (inertia_) {
     // M a_eq of the balance: a_eq = alpha_m a* + (1 - alpha_m) a_n with a* before the contact's share was
     // taken out.
@@ -207,6 +210,10 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     check(VecAXPY(a_eq, alpha_m_, coupling_->contact_acceleration()));
     motion_.mass_multiply(a_eq, force);
     d.displacement.to_local(force, inertia_force_->trial);
+    // The reactions of rigid bodies, like all that keeps them rigid, act on displacement and velocity as one
+    // force over the step: the part 2 beta/alpha_m of what the balance lacks at its end.
+    const double over_step = 2 * newmark_parameters(coupling_->integrator()).beta / alpha_m_;
+    work_rigid = w * motion_.book_rigid_reactions(u, a_eq, over_step);
     // The contact-stabilised update lets s F_c act on the displacement but F_c on the body: that is what
     // supports feel.
     check(VecAXPY(a_eq, -(1 - 1 / s) * alpha_m_, coupling_->contact_acceleration()));
@@ -215,17 +222,24 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   } else {
     reaction_force_.assign(inertia_force_->trial.size(), 0.0);
     std::fill(inertia_force_->trial.begin(), inertia_force_->trial.end(), 0.0);
+    work_rigid = w * motion_.book_rigid_reactions(u, nullptr, 1);
   }
   for (std::size_t i = 0; i < inertia_force_->trial.size(); ++i) {
     reaction_force_[i] += internal_->trial[i] - external_->trial[i] - contact_->trial[i];
     if (motion_.boundary().fixed_mask()[i]) {
       // Held dofs: the reaction closes the balance, with F_c itself, not s F_c.
-      inertia_force_->trial[i] = reaction_force_[i] - internal_->trial[i] + external_->trial[i];
+      if (inertia_) inertia_force_->trial[i] = reaction_force_[i] - internal_->trial[i] + external_->trial[i];
       external_->trial[i] += reaction_force_[i];
       continue;
     }
+    if (in_rigid_body(i)) {
+      // What keeps the body rigid does no work: the rest balances the loads, without inertia also the
+      // contact.
+      inertia_force_->trial[i] = external_->trial[i] + (inertia_ ? 0 : contact_->trial[i]);
+      continue;
+    }
     // J = M a_eq - s F_c takes the place of the inertia.
-    inertia_force_->trial[i] -= s * contact_->trial[i];
+    if (inertia_) inertia_force_->trial[i] -= s * contact_->trial[i];
   }
 
   std::vector<double> u_local = d.displacement.make_local();
@@ -243,13 +257,14 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   measure(u, v, true);
   energy_contact_ = contact_energy(u);
   const double kinetic_change = total_.kinetic - kinetic_n;
-  const double loss = inertia_ ? work_inertia + work_contact - kinetic_change : 0.0;
-  sum(external) += work_external;
+  // Without inertia what is left are the arms of a rigid body's forces, which belong to the end of the step.
+  const double loss = work_inertia + work_rigid + (inertia_ ? work_contact - kinetic_change : 0.0);
+  sum(external) += work_external + work_rigid;
   for (const ContactInterface& contact : motion_.contacts())
     sum(external) += contact.obstacle_work(u, coupling_->stabilised());
   sum(contact_work) += work_contact;
   sum(numerical) += loss;
-  sum(identity) += kinetic_change + loss + work_internal - work_external - work_contact;
+  sum(identity) += kinetic_change + loss + work_internal - work_external - work_rigid - work_contact;
 
   for (const ContactInterface& contact : motion_.contacts()) {
     sum(friction) += contact.friction_loss(u);
@@ -295,6 +310,20 @@ void Ledger::find_reactions(const std::vector<double>& u) {
     reaction_[static_cast<std::size_t>(fixed.condition) * dim + static_cast<std::size_t>(fixed.component)] +=
         d.thickness * reaction_force_[i];
   }
+  std::fill(moment_.begin(), moment_.end(), 0.0);
+  const RigidBodies& rigid = motion_.rigid();
+  int rank = 0;
+  MPI_Comm_rank(d.mesh.comm(), &rank);
+  for (std::size_t b = 0; b < rigid.bodies().size(); ++b)
+    for (std::size_t k = 0; k < 6; ++k) {
+      const int c = rigid.bodies()[b].held[k];
+      if (c < 0) continue;
+      const double value = d.thickness * rigid.reactions(static_cast<int>(b))[k];
+      if (k >= 3)
+        moment_[static_cast<std::size_t>(c) * 3 + k - 3] += value;
+      else if (k < dim && rank == 0) // the same on all ranks, which are summed below
+        reaction_[static_cast<std::size_t>(c) * dim + k] += value;
+    }
   std::vector<double> sums(mean_.size() + condition_nodes_.size(), 0.0);
   for (std::size_t c = 0; c < condition_nodes_.size(); ++c) {
     for (int node : condition_nodes_[c])
@@ -354,11 +383,25 @@ void Ledger::append_reactions(HistoryFile::Row& row) const {
       const std::size_t i = c * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k);
       if (holds) row.emplace_back("reaction_" + conditions[c].id + "_" + axis[k], reaction_[i]);
     }
+    for (std::size_t k = 0; k < 3; ++k)
+      if (turns(static_cast<int>(c), k))
+        row.emplace_back("moment_" + conditions[c].id + "_" + axis[k], moment_[3 * c + k]);
     for (int k = 0; k < dim; ++k) {
       const std::size_t i = c * static_cast<std::size_t>(dim) + static_cast<std::size_t>(k);
       row.emplace_back("mean_" + conditions[c].id + "_u" + axis[k], mean_[i]);
     }
   }
+}
+
+bool Ledger::turns(int condition, std::size_t axis) const {
+  const auto& bodies = motion_.rigid().bodies();
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [&](const RigidBody& body) { return body.held[3 + axis] == condition; });
+}
+
+bool Ledger::in_rigid_body(std::size_t dof) const {
+  const std::vector<int>& body = motion_.rigid().body_of_node();
+  return !body.empty() && body[dof / static_cast<std::size_t>(motion_.discretisation().dim())] >= 0;
 }
 
 void Ledger::append_materials(HistoryFile::Row& row) const {

@@ -17,6 +17,10 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
                     ranks == 1 ? "" : "s"));
   for (const MaterialAssignment& m : d.materials) {
     const MaterialParameters& p = m.law.parameters;
+    if (m.law.rigid()) {
+      check(PetscPrintf(comm, "material %s: rigid, rho %.6g\n", p.id.c_str(), p.rho));
+      continue;
+    }
     check(PetscPrintf(comm, "material %s: %s%s, K %.6g, G %.6g, rho %.6g\n", p.id.c_str(),
                       p.model == Model::j2 ? "j2" : "elastic",
                       p.damage == Damage::at2 ? " with at2 damage" : "", p.K, p.G, p.rho));

@@ -88,6 +88,13 @@ void check_condition(const BoundaryCondition& bc) {
            (scalar ? ", " + prefix + "value is what it takes"
                    : ", or choose " + prefix + "type displacement"));
   }
+  for (const auto& turn : bc.rotation) {
+    if (!turn) continue;
+    components = true;
+    if (bc.type != BcType::displacement && bc.type != BcType::velocity)
+      fail(turn->key() + " \"" + turn->text() +
+           "\": has no meaning for this type; allowed with types displacement and velocity, of rigid bodies");
+  }
   if (bc.value && !scalar)
     fail(bc.value->key() + " \"" + bc.value->text() +
          "\": has no meaning for this type; allowed with types pressure and damage");
@@ -132,7 +139,9 @@ void check_alpha2(const Scenario& scenario) {
     fail("-contacts \"" + scenario.contacts.front().id + "\": not available" + remedy);
   for (const MaterialScenario& material : scenario.materials) {
     const std::string prefix = "-material_" + material.law.id + "_";
-    if (material.law.model != Model::elastic) fail(prefix + "model \"j2\": not available" + remedy);
+    if (material.law.model != Model::elastic)
+      fail(prefix + "model \"" + (material.law.model == Model::j2 ? "j2" : "rigid") + "\": not available" +
+           remedy);
     if (material.law.damage != Damage::none) fail(prefix + "damage \"at2\": not available" + remedy);
     if (material.law.b_d != 0)
       fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
@@ -162,6 +171,9 @@ void check_matrix(const Scenario& scenario) {
   const std::string key = "-motion_mat_type \"sbaij\": needs a symmetric tangent, ",
                     remedy = "choose -motion_mat_type aij";
   for (const MaterialScenario& material : scenario.materials) {
+    if (material.law.model == Model::rigid)
+      fail(key + "that of -material_" + material.law.id + "_model rigid is not; allowed: other models; " +
+           remedy);
     const bool flows = material.law.model == Model::j2, fbar = material.law.locking == Locking::fbar;
     if (scenario.tangent != TangentChoice::symmetric && (flows || fbar))
       fail(key + "that of -material_" + material.law.id + (flows ? "_model j2" : "_locking fbar") +
@@ -241,6 +253,11 @@ void check_condition_groups(const Scenario& scenario, const GroupCheck& check, i
             : volume ? std::vector<int>{dim}
                      : std::vector<int>{});
     check.component(bc.component[2]);
+    if (dim == 2)
+      for (int k = 0; k < 2; ++k)
+        if (bc.rotation[k])
+          GroupCheck::data(bc.rotation[k]->key() + " \"" + bc.rotation[k]->text() +
+                           "\": the mesh is plane; allowed: rz");
   }
   for (const InitialCondition& ic : scenario.ics) {
     for (const std::string& name : ic.on) check("-ic_" + ic.id + "_on", name, {});

@@ -217,6 +217,12 @@ OptionClass<BoundaryCondition> boundary_class() {
   add_components<Bc>(
       rows, "u", [](auto& bc) -> auto& { return bc.component; },
       "component of what the type names; left out: free, or no load", unit_of, "by type");
+  add_components<Bc>(
+      rows, "r", [](auto& bc) -> auto& { return bc.rotation; },
+      "rotation of rigid bodies about their centre of mass, or with type velocity its rate; about fixed "
+      "axes, "
+      "in space the rotation vector where all three are given; left out: free",
+      [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); }, "by type");
   rows.push_back(expression_row<Bc>(
       "value", [](auto& bc) -> auto& { return bc.value; },
       {"scalar of pressure and damage (phi)", "", "by type"}, unit_of));

@@ -26,9 +26,12 @@ std::vector<OptionRow<Material>> elastic_rows() {
   return {
       list_row<Material>("region", [](auto& m) -> auto& { return m.scenario.regions; },
                          {"regions of the mesh made of it", "the id"}),
-      choice_row<Material, Model>("model", law(&Law::model),
-                                  {"what the material can do beside damage", "elastic"},
-                                  {{"elastic", Model::elastic}, {"j2", Model::j2}}),
+      choice_row<Material, Model>(
+          "model", law(&Law::model),
+          {"what the material can do beside damage; rigid: each body of its cells moves as "
+           "a whole, with the mass that rho gives",
+           "elastic"},
+          {{"elastic", Model::elastic}, {"j2", Model::j2}, {"rigid", Model::rigid}}),
       number_row<Material>("E", &Material::E,
                            {"Young's modulus, with nu", "required, or K and G", "Pa", "E", "(52)-(53)"},
                            {0, 1e15, true, false}, none),
@@ -122,11 +125,28 @@ std::vector<OptionRow<Material>> damage_rows() {
   throw UserError(ExitCode::usage, "-material_" + id + "_" + name + ": missing; " + why);
 }
 
+void check_rigid(const MaterialInput& input) {
+  const Law& law = input.scenario.law;
+  const std::string prefix = "-material_" + law.id + "_";
+  const auto refuse = [&](const std::string& name) {
+    throw UserError(ExitCode::usage, prefix + name + ": has no meaning with " + prefix +
+                                         "model rigid; allowed: region, rho; remove it");
+  };
+  if (!std::isnan(input.E)) refuse("E");
+  if (!std::isnan(input.nu)) refuse("nu");
+  if (!std::isnan(input.K) && input.K != 0) refuse("K");
+  if (!std::isnan(input.G) && input.G != 0) refuse("G");
+  if (law.damage != Damage::none) refuse("damage");
+  if (law.b_d != 0) refuse("b_d");
+  if (law.sigma_y != 0) refuse("sigma_y");
+}
+
 void set_moduli(MaterialInput& input) {
   Law& result = input.scenario.law;
   const std::string prefix = "-material_" + result.id + "_";
   const std::string remedy =
       "give " + prefix + "E and " + prefix + "nu, or " + prefix + "K and " + prefix + "G";
+  if (result.model == Model::rigid) return check_rigid(input);
   const bool by_E = !std::isnan(input.E) || !std::isnan(input.nu),
              by_K = !std::isnan(input.K) || !std::isnan(input.G);
   if (by_E && by_K) throw UserError(ExitCode::usage, prefix + "E: contradicts K and G; " + remedy);
@@ -201,8 +221,10 @@ MaterialScenario resolve_material(const MaterialInput& given) {
 MaterialInput material_input(const MaterialScenario& material) {
   MaterialInput input;
   input.scenario = material;
-  input.K = material.law.K;
-  input.G = material.law.G;
+  if (material.law.model != Model::rigid) {
+    input.K = material.law.K;
+    input.G = material.law.G;
+  }
   if (material.locking_automatic) return input;
   switch (material.law.locking) {
   case Locking::none:

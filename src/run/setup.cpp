@@ -39,9 +39,10 @@ double softer_modulus(const Discretisation& d) {
   double softest = HUGE_VAL;
   for (const MaterialAssignment& m : d.materials) {
     const MaterialParameters& p = m.law.parameters;
+    if (m.law.rigid()) continue;
     softest = std::min(softest, 9 * p.K * p.G / (3 * p.K + p.G));
   }
-  return softest;
+  return std::isinf(softest) ? 0 : softest;
 }
 
 std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
@@ -58,9 +59,11 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
     environment.frame = d.frame;
     environment.thickness = d.thickness;
     environment.modulus = softer_modulus(d);
-    if (s.has_inertia())
+    // The mass of cells counts beside their stiffness; where all is rigid, that there is inertia at all.
+    for (const bool rigid : {false, true})
       for (const MaterialAssignment& m : d.materials)
-        environment.density = std::max(environment.density, m.law.parameters.rho);
+        if (s.has_inertia() && m.law.rigid() == rigid && (!rigid || environment.density == 0))
+          environment.density = std::max(environment.density, m.law.parameters.rho);
     contacts.emplace_back(d.mesh, d.displacement, settings, environment, state);
   }
   return contacts;
@@ -69,9 +72,11 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
 std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s) {
   Discretisation d =
       discretise(std::move(mesh), assign_materials(s), s.plane == PlaneMode::axisymmetric, s.thickness);
-  BoundaryData boundary(d.mesh, s.bcs, s.time.max_time);
-  auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(boundary), {}});
+  RigidBodies rigid(d, s.bcs, s.time.max_time);
+  BoundaryData boundary(d.mesh, s.bcs, s.time.max_time, rigid.body_of_node());
+  auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}});
   declare_state(setup->discretisation, setup->state);
+  setup->rigid.declare_state(setup->state);
   setup->contacts = make_contacts(s, setup->discretisation, setup->state);
   return setup;
 }
@@ -152,7 +157,7 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
   adjust_overlaps(s, setup);
   if (!s.has_inertia())
     for (const std::string& warning :
-         require_held_bodies(setup->discretisation, setup->boundary, setup->contacts))
+         require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))
       PetscPrintf(comm, "impact: %s\n", warning.c_str());
   return setup;
 }
@@ -185,6 +190,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
     setup.boundary.set_initial_rates(s.time.dt, v, a);
     if (state.find("phi")) setup.boundary.set_damage(0, state.row("phi").trial);
   });
+  setup.rigid.set_initial(s.time.dt, u, v);
   state.row("prescribed_velocity").trial = v;
   state.row("mean_rate").trial = v;
   state.commit();

@@ -151,7 +151,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                        const std::optional<Checkpoint>& resume, const StepProbe& probe)
     : comm_(comm), s_(s), setup_(setup), d_(setup.discretisation), inertia_(s.has_inertia()),
       motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric, s.contact_operator,
-              solver.matrix),
+              solver.matrix, &setup.rigid),
       damage_(d_.has_damage()
                   ? std::optional<DamageProblem>(std::in_place, d_, setup.state, setup.boundary, s.damage)
                   : std::nullopt),
@@ -341,6 +341,7 @@ void Simulation::accept(const Attempt& attempt) {
   d_.displacement.to_local(a, state.row("a").trial);
   std::vector<double>& rate = state.row("mean_rate").trial;
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (row.trial[i] - row.committed[i]) / attempt.dt;
+  setup_.rigid.advance(u);
   StateRow& prescribed = state.row("prescribed_velocity");
   setup_.boundary.set_exact_velocity(attempt.t_n, attempt.t, prescribed.committed, prescribed.trial);
   if (!setup_.contacts.empty()) {
@@ -472,6 +473,7 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
     demands.closes_gaps = demands.closes_gaps || contact.semismooth();
     demands.frictional = demands.frictional || contact.frictional();
   }
+  demands.rigid = !setup->rigid.empty();
   const SolverDefaults solver =
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup->discretisation, solver);

@@ -10,11 +10,12 @@
 namespace impact {
 namespace {
 
-// Plasticity, damage with the committed drive, viscosity and contact on two bodies: everything that adds
-// rows.
+// Plasticity, damage with the committed drive, viscosity, a rigid body and contact on two bodies: everything
+// that adds rows.
 struct AllPhysics {
   Discretisation d;
   StateTable state;
+  RigidBodies rigid;
   BoundaryData boundary;
   std::vector<ContactInterface> contacts;
   std::optional<MotionProblem> motion;
@@ -22,9 +23,11 @@ struct AllPhysics {
   std::optional<Ledger> ledger;
 
   explicit AllPhysics(Mesh mesh)
-      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower", "upper"}}}, false, 1)),
-        boundary(d.mesh, {}, 1) {
+      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}}, false,
+                     1)),
+        rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
+    rigid.declare_state(state);
     ContactSettings settings;
     settings.id = "face";
     settings.secondary = "upper_bottom";
@@ -32,7 +35,8 @@ struct AllPhysics {
     ContactEnvironment environment;
     environment.modulus = 1;
     contacts.emplace_back(d.mesh, d.displacement, settings, environment, state);
-    motion.emplace(d, state, boundary, contacts, false);
+    motion.emplace(d, state, boundary, contacts, false, ContactOperator::assembled, MatrixFormat::aij,
+                   &rigid);
     DamageScenario bounds;
     bounds.bounds = DamageBounds::history;
     damage.emplace(d, state, boundary, bounds);
@@ -44,6 +48,13 @@ struct AllPhysics {
     m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = 1;
     m.sigma_y = 0.1;
     m.damage = Damage::at2;
+    return m;
+  }
+  static MaterialParameters tool() {
+    MaterialParameters m;
+    m.id = "tool";
+    m.model = Model::rigid;
+    m.rho = 1;
     return m;
   }
 };
@@ -66,6 +77,7 @@ const Rows known = {
     {"contact_face_penalty", {Support::global, 3}},
     {"contact_face_totals", {Support::global, 8}},
     {"contact_face_force", {Support::vertex, 2}},
+    {"rigid", {Support::global, 7}},         // angle and reactions of a body
     {"ledger_totals", {Support::global, 0}}, // as many as the ledger counts
     {"force_internal", {Support::vertex, 2}},
     {"force_external", {Support::vertex, 2}},

@@ -5,6 +5,7 @@
 #include <impact/contact/form.hpp>
 #include <impact/contact/settings.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/mesh/rigid_reduction.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <limits>
 #include <memory>
@@ -108,6 +109,10 @@ public:
   /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
   /// Collective.
   void set_fixed_dofs(const std::vector<char>& fixed);
+  /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
+  /// unknowns of their bodies. The reduction is kept, and asked for the state at hand by every add_tangent.
+  /// Collective.
+  void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
 
   /// Brings the candidate pairs up to date and lets the form fix what must not change while Newton's method
   /// works; true on all ranks when the set of pairs, hence the matrix pattern, changed. Collective: one
@@ -116,7 +121,7 @@ public:
   /// The next update_search builds the pairs afresh, as a restarted run does.
   void forget_search() { form_->forget(); }
   /// Pairs of global nodes that the candidates of this rank may couple, sorted, each once.
-  std::vector<std::pair<PetscInt, PetscInt>> couplings() const { return form_->couplings(); }
+  std::vector<std::pair<PetscInt, PetscInt>> couplings() const;
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
   ContactStatus add_residual(Vec u, double scale, Vec r) const;
@@ -238,6 +243,8 @@ private:
   void set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary);
   void declare_state(StateTable& state);
   void fetch_fixed();
+  void fetch_bodies();
+  ContactStatus add_reduced_tangent(Vec u, double scale, Mat K) const;
   void share(std::vector<double>& values, int components) const;
   std::array<double, 3> obstacle_displacement(double t) const;
   ObstaclePose pose_at(double t) const;
@@ -255,6 +262,9 @@ private:
   int dim_;
   std::vector<char> fixed_here_; // [node][dim] of the form's nodes
   Handle<Vec> fixed_;            // 1 at fixed dofs; absent: none
+  const RigidReduction* reduction_ = nullptr;
+  Handle<Vec> body_;           // 1 + rigid body of a node, in its first component; absent: none
+  std::vector<int> body_here_; // [node] of the form's nodes, -1: none; empty without rigid bodies
   StateRow *multiplier_, *penalty_, *totals_, *force_;
   StateRow *traction_,
       *slip_; // [constraint][direction], and at the end of slip_ the state; null without friction

@@ -45,6 +45,8 @@ struct PointLaw {
   MaterialParameters parameters;
 
   bool flows() const { return parameters.model == Model::j2; }
+  /// No law at all: the cells of a rigid body have mass alone.
+  bool rigid() const { return parameters.model == Model::rigid; }
   bool viscous() const { return parameters.b_d > 0; }
   bool crack_stress() const {
     return parameters.damage == Damage::at2 && parameters.damage_gradient == DamageGradient::spatial;

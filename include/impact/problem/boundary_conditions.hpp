@@ -26,6 +26,7 @@ struct BoundaryCondition {
   std::vector<std::string> on;
   BcType type = BcType::displacement;
   std::optional<Expression> component[3]; ///< of whatever the type names; absent = free
+  std::optional<Expression> rotation[3];  ///< of rigid bodies, about their centre of mass
   std::optional<Expression> value;        ///< scalar of pressure, damage
 };
 

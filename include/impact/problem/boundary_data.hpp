@@ -2,6 +2,7 @@
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/boundary_conditions.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,11 +24,18 @@ struct LoadedFacets {
   FacetTable facets;
 };
 
+/// Integral of a rate at x over time (Gauss-Legendre, 5 points: exact to degree 9).
+double integral(const Expression& rate, const double* x, int dim, double t0, double t1);
+/// Which coordinate is constant over nodes of any ranks, -1: none. Collective.
+int plane_axis(const Mesh& mesh, const std::vector<int>& nodes);
+
 class BoundaryData {
 public:
   /// Finds groups, checks components and conflicts (two conditions with different values on one dof at t = 0
-  /// or t_end, a plane group for `symmetry`). Throws UserError(data). Collective.
-  BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end);
+  /// or t_end, a plane group for `symmetry`). Nodes of rigid bodies, [local node] >= 0, have no prescribed
+  /// dofs here: what holds them is the business of RigidBodies. Throws UserError(data). Collective.
+  BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
+               std::span<const int> body_of_node = {});
 
   const std::vector<BoundaryCondition>& conditions() const { return conditions_; }
   const std::vector<FixedDof>& fixed() const { return fixed_; }
@@ -57,7 +65,7 @@ public:
   double pressure(const LoadedFacets& load, const double* x, double t) const;
 
 private:
-  void resolve_fixed(const Mesh& mesh, double t_end);
+  void resolve_fixed(const Mesh& mesh, double t_end, std::span<const int> body_of_node);
   void resolve_loads(const Mesh& mesh);
   double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const;
 

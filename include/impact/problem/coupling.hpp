@@ -30,6 +30,7 @@ struct SolverDefaults {
 struct ContactDemands {
   bool closes_gaps = false; ///< by weights that spoil the condition for an iterative method
   bool frictional = false;  ///< the tangent of sliding is not symmetric
+  bool rigid = false;       ///< nor is that of rigid bodies that turn
 };
 /// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
@@ -57,6 +58,7 @@ public:
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
   SNES motion_snes() const { return motion_snes_; }
+  TS integrator() const { return ts_; }
 
   void before_attempt(const Attempt& attempt);
   void guess(const Attempt& attempt, Vec u);
@@ -75,7 +77,8 @@ public:
   double contact_scale() const { return contact_scale_; }
   /// Contact force on the bodies that the last converged motion solve balanced.
   Vec contact_force() const { return contact_force_; }
-  /// The part of the integrator's acceleration that the contact-stabilised update took out of the last step.
+  /// What was taken out of the integrator's acceleration in the last step: of deformable bodies the contact's
+  /// share by the contact-stabilised update, of rigid ones also that of the constraint.
   Vec contact_acceleration() const { return contact_acceleration_; }
   bool stabilised() const { return stabilise_; }
 
@@ -92,6 +95,8 @@ private:
   KSP projection_solver();
   bool semismooth() const;
   void update_multipliers_in(SNES snes);
+  void take_out_contact(Vec v, Vec a);
+  void take_out_rigidity(Vec u, Vec v, Vec a);
 
   TS ts_;
   MotionProblem& motion_;
@@ -101,6 +106,7 @@ private:
   bool inertia_, stabilise_;
   double contact_scale_ = 1;
   double first_residual_ = 0; // of the Newton solve at work
+  double residual_tol_ = 0;   // absolute, as the options say
   MotionStep step_;
   std::vector<double> phi_frozen_, u_local_, u_before_;
   std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve

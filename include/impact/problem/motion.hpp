@@ -4,6 +4,7 @@
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
+#include <impact/problem/rigid_bodies.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
 #include <string>
@@ -38,10 +39,12 @@ struct ForceParts {
 
 class MotionProblem {
 public:
+  /// `rigid` may be null: no rigid bodies. Throws UserError(usage) for rigid bodies with a contact operator
+  /// that is a shell.
   MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
                 std::vector<ContactInterface>& contacts, bool symmetric_tangent,
                 ContactOperator contact_operator = ContactOperator::assembled,
-                MatrixFormat format = MatrixFormat::aij);
+                MatrixFormat format = MatrixFormat::aij, RigidBodies* rigid = nullptr);
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
@@ -57,8 +60,15 @@ public:
   /// The operator of the linear system: matrix(), or a shell that adds the contact to it without assembling.
   Mat jacobian() const { return shell_ ? shell_.get() : matrix(); }
 
-  /// Imposes the prescribed values of time t on u. Collective.
+  /// Imposes the prescribed values of time t on u, and on rigid bodies the nearest rigid motion. Collective.
   void impose(Vec u) const;
+  /// Rigid bodies, empty where there are none. What they reduce must be reduced about the same state: place
+  /// first.
+  RigidBodies& rigid() { return *rigid_; }
+  /// Work of the reactions of rigid bodies' prescribed motion in the attempt, and these into their row;
+  /// acceleration: that of the balance, or null without inertia; factor: what of the missing force acts over
+  /// the step. Collective.
+  double book_rigid_reactions(Vec u, Vec acceleration, double factor);
   /// For integrators that do not impose values themselves: f = scale (u - prescribed(t)) on prescribed dofs,
   /// after residual(), and `scale` on their diagonal, after tangent(). Collective.
   void hold(Vec u, double scale, Vec f) const;
@@ -104,15 +114,18 @@ private:
   void rebuild_matrix();
   void build_mass();
   double add_mass(SparseAssembly& assembly, double factor, bool masked) const;
-  void close_tangent(Vec u, bool pressures, double diagonal);
+  void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);
   void make_shell();
   void zero_fixed(Vec f) const;
+  bool rigid_cells(const CellGroup& group) const { return d_.law(group).rigid(); }
 
   const Discretisation& d_;
   StateTable& state_;
   const BoundaryData& boundary_;
   std::vector<ContactInterface>& contacts_;
+  RigidBodies no_bodies_;
+  RigidBodies* rigid_;
   bool symmetric_;
   ContactOperator operator_;
   MatrixFormat format_;
@@ -121,8 +134,10 @@ private:
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
   std::vector<double> dead_load_, body_; // of the step's time
   bool has_body_force_ = false;
-  std::vector<double> free_;                    // 1 on free, 0 on prescribed dofs [node][dim]
+  std::vector<double> free_;                    // 1 on free dofs, 0 on prescribed ones and in rigid bodies
   std::vector<int> owned_fixed_;                // owned local prescribed dofs
+  std::vector<int> identity_, massless_;        // owned dofs without a row: in the tangent; of the mass alone
+  std::vector<char> no_row_;                    // 1 on prescribed dofs and in rigid bodies [node][dim]
   std::vector<std::vector<char>> held_batches_; // [group][batch]: has prescribed dofs
   std::vector<std::size_t> history_offset_, drive_offset_;
   BrokenCell broken_;

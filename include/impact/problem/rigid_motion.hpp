@@ -3,6 +3,7 @@
 #include <impact/contact/interface.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
+#include <impact/problem/rigid_bodies.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,7 @@ std::vector<FreeBody> find_free_bodies(const Discretisation& discretisation, con
 /// each. Contact that closes later holds nothing in the first step. Collective.
 std::vector<std::string> require_held_bodies(const Discretisation& discretisation,
                                              const BoundaryData& boundary,
-                                             std::span<const ContactInterface> contacts);
+                                             std::span<const ContactInterface> contacts,
+                                             const RigidBodies& rigid = {});
 
 } // namespace impact

@@ -68,6 +68,8 @@ private:
   void find_extremes(bool trial);
   void find_reactions(const std::vector<double>& u);
   double contact_energy(Vec u) const;
+  bool in_rigid_body(std::size_t dof) const;
+  bool turns(int condition, std::size_t axis) const; // the condition prescribes a rotation of a rigid body
   double stored() const;
 
   MotionProblem& motion_;
@@ -81,6 +83,7 @@ private:
   std::vector<MaterialEnergies> materials_before_;
   double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0;
   std::vector<double> reaction_; ///< [condition][dim]
+  std::vector<double> moment_;   ///< [condition][3] about the centres of mass of rigid bodies
   std::vector<double> mean_;     ///< [condition][dim] mean displacement of the condition's nodes
   std::vector<std::vector<int>> condition_nodes_;
   std::vector<double>

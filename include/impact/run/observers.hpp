@@ -67,6 +67,7 @@ public:
 
 private:
   void append_contacts(HistoryFile::Row& row, const Snapshot& snapshot) const;
+  void append_rigid_bodies(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_cracks(HistoryFile::Row& row);
   void append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;

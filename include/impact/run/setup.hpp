@@ -2,6 +2,7 @@
 #include <impact/contact/interface.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
+#include <impact/problem/rigid_bodies.hpp>
 #include <impact/run/scenario.hpp>
 #include <memory>
 #include <vector>
@@ -12,6 +13,7 @@ namespace impact {
 struct Setup {
   Discretisation discretisation;
   StateTable state;
+  RigidBodies rigid;
   BoundaryData boundary;
   std::vector<ContactInterface> contacts;
 };

@@ -1,0 +1,157 @@
+#pragma once
+#include <impact/mesh/rigid_reduction.hpp>
+#include <impact/mesh/state_table.hpp>
+#include <impact/petsc/handle.hpp>
+#include <impact/problem/boundary_conditions.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <string>
+#include <vector>
+
+/// Meshed rigid bodies (`-material_<id>_model rigid`; theory.md, rigid bodies). Their nodes keep
+/// displacement, velocity and acceleration like all others; what is solved for are translation and rotation
+/// of each body. Displacements are those of a rotation, to rounding; velocities and accelerations are affine
+/// in the reference place, as the integrator's formulas make them.
+///
+/// Let m_I, y_I be the sums of the consistent mass against 1 and against the reference arm Y. For any nodal
+/// field, sum m_I f_I = int rho f and sum f_I y_I^T = int rho f Y^T: every sum over a body below is one over
+/// its owned nodes, and a reduction.
+namespace impact {
+
+struct RigidBody {
+  std::string name;  ///< the material's id, with a number where it has several bodies
+  double mass = 0;   ///< of plane bodies per unit thickness; volume where the material has no density
+  Vector3 centre{};  ///< of mass, in the reference configuration
+  Matrix3 second{};  ///< int rho Y Y^T; 1 in the unused corner of a plane body
+  double length = 1; ///< radius of gyration
+  int component = 0; ///< its number in find_bodies
+  /// Condition that prescribes a translation 0..2 or rotation 3..5, `free_motion` or, where the frame of
+  /// the problem allows none, `not_possible`.
+  std::array<int, 6> held{};
+  static constexpr int free_motion = -1, not_possible = -2;
+};
+
+/// Where a body stands.
+struct RigidPose {
+  Vector3 moved{};              ///< displacement of the centre of mass
+  Matrix3 turned = unit_matrix; ///< rotation from the reference configuration
+};
+
+/// Force, and moment about the centre of mass; or velocity and angular velocity.
+using RigidVector = std::array<double, 6>;
+
+struct RigidMotionState {
+  RigidPose pose;
+  RigidVector velocity{};
+  Vector3 spin{}; ///< angular momentum about the centre of mass; plane: per unit thickness
+};
+
+class RigidBodies {
+public:
+  /// No bodies.
+  RigidBodies() : reduction_(2) {}
+  /// Finds the bodies of all rigid materials and what the conditions prescribe of them. Throws
+  /// UserError(data): a rigid region shares nodes with a deformable one, a body without extent, a condition
+  /// that says different things of one component (at t = 0 or t_end), rotations of deformable groups.
+  /// Collective.
+  RigidBodies(const Discretisation& discretisation, const std::vector<BoundaryCondition>& conditions,
+              double t_end);
+  /// Adds the row "rigid": of each body the angle (plane) and the reactions of prescribed motion.
+  void declare_state(StateTable& table);
+
+  bool empty() const { return bodies_.empty(); }
+  const std::vector<RigidBody>& bodies() const { return bodies_; }
+  const std::vector<int>& body_of_node() const { return body_of_node_; } ///< [local node], -1: deformable
+  const RigidReduction& reduction() const { return reduction_; }
+  /// Pairs of nodes that stand for the unknowns of each body.
+  std::vector<std::pair<PetscInt, PetscInt>> couplings() const;
+  /// Owned local dofs without a row of their own in the linear systems.
+  const std::vector<int>& idle_dofs() const { return idle_; }
+
+  /// Projects initial displacements and velocities, local [node][dim], on those of rigid bodies in the norm
+  /// of the mass; prescribed components take their values at t = 0. Collective.
+  void set_initial(double dt, std::vector<double>& u, std::vector<double>& v) const;
+  /// Start of an attempt from t_n to t. u_n: local [node][dim]; `dynamic`: test functions belong to the
+  /// middle of the step, else to its end. Collective.
+  void begin(double t_n, double t, const std::vector<double>& u_n, bool dynamic);
+
+  /// Whether test functions belong to the middle of the step from now on, or to its end.
+  void test_in_the_middle(bool middle) { dynamic_ = middle; }
+
+  /// The nearest admissible displacement: rigid, with prescribed components. Collective.
+  void retract(Vec u) const;
+  /// On the nodes of bodies u becomes to + u - from.
+  void put_change(Vec u, Vec from, Vec to) const;
+  /// Zero on all other nodes.
+  void keep_bodies_only(Vec f) const;
+  /// Sets the state about which reduce, expand and add_tangent work. Collective.
+  void place(Vec u);
+  /// Forces of a residual, f [node][dim], with `acceleration` (local, or null) also inertia, become those on
+  /// the unknowns of the bodies, zero where these are prescribed. Collective.
+  void reduce(Vec f, const std::vector<double>* acceleration = nullptr);
+  /// Change of the unknowns becomes that of the nodes. Collective.
+  void expand(Vec du) const;
+  /// Inertia and the turning of the arms of the forces that the last `reduce` with `acceleration` saw, by
+  /// MatSetValues; the caller assembles. `symmetric`: of that the symmetric part, and test functions of the
+  /// middle of the step on both sides.
+  void add_tangent(double mass_shift, Mat K) const;
+  /// Trial functions take the place of the test functions, so that contact tangents stay symmetric.
+  void use_symmetric_tangent(bool symmetric) { symmetric_ = symmetric; }
+
+  /// a = (affine acceleration by the forces f, [node][dim]) on the nodes of bodies. Collective.
+  void accelerate(Vec f, Vec a) const;
+  /// Reactions of prescribed components for the residual's forces f, which keep their values: `factor` times
+  /// what is missing to balance, into the trial half of the row. Returns their work in the attempt, with the
+  /// mean of both ends unless the attempt is dynamic. After begin. Collective.
+  double book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor);
+  const double* reactions(int body) const; ///< of the row's trial half: [6]
+  /// After an accepted step: the angle of plane bodies. Collective.
+  void advance(Vec u);
+  /// For the history. Collective.
+  std::vector<RigidMotionState> motion(Vec u, Vec v) const;
+  double angle(int body) const; ///< of a plane body, turns counted
+
+  /// Size of the rounding error of inertia in a residual: 1e-15 of coordinate times mass times mass shift.
+  double rounding(double mass_shift) const;
+
+private:
+  // Sums over a body's nodes of f m and f y^T, or of f and f Y^T.
+  struct Sums {
+    Vector3 sum{};
+    Matrix3 moment{};
+  };
+  enum class Weight { mass, one };
+  template <class Value> std::vector<Sums> sums(Weight weight, Value&& value) const;
+  std::vector<Sums> sums_of(Weight weight, Vec f) const;
+  std::vector<RigidPose> poses(const std::vector<Sums>& of_u) const;
+  template <class Field> void set_nodes(Vec u, Field&& field) const;
+  RigidPose admissible(std::size_t body, RigidPose pose) const;
+  Vector3 rotation_data(const RigidBody& body, double t) const;
+  bool turns_as_told(const RigidBody& body) const;
+  Vector3 arm(std::size_t place) const;
+  void find_nodes(const Discretisation& d);
+  void weigh(const Discretisation& d);
+  void resolve(const Discretisation& d, double t_end);
+  void choose_slots(const Discretisation& d);
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  int dim_ = 2;
+  Frame frame_ = Frame::plane_strain;
+  std::vector<BoundaryCondition> conditions_;
+  std::vector<RigidBody> bodies_;
+  std::vector<int> body_of_node_;
+  RigidReduction reduction_;
+  // Nodes of bodies on this rank, ghosts last: local node, body, first entry in an owned vector.
+  std::vector<int> node_, body_, row_;
+  std::size_t owned_ = 0;
+  std::vector<double> X_;            // [place][dim]
+  std::vector<double> mass_, first_; // [owned place], [owned place][dim]: m_I and y_I
+  std::vector<int> idle_;
+  std::vector<std::array<int, 2>> slot_row_; // in an owned vector, -1: elsewhere
+  StateRow* row_state_ = nullptr;
+  bool dynamic_ = false, symmetric_ = false;
+  double t_n_ = 0, t_ = 0;
+  std::vector<RigidPose> start_, now_;
+  std::vector<Sums> forces_; // of the last residual, for its tangent alone
+};
+
+} // namespace impact

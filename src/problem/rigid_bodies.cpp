@@ -1,0 +1,445 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/rigid_bodies.hpp>
+#include <limits>
+
+/// Motion of rigid bodies: what a solve and a step need. Set-up: rigid_bodies_setup.cpp.
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+Vector3 second_half(const RigidVector& v) { return {v[3], v[4], v[5]}; }
+
+// int rho (r.q 1 - r q^T) for arms r = A Y, q = B Y.
+Matrix3 inertia_of(const Matrix3& A, const Matrix3& E, const Matrix3& B) {
+  Matrix3 J = A * E * transposed(B);
+  const double t = trace(J);
+  for (std::size_t i = 0; i < 9; ++i) J[i] = (i % 4 == 0 ? t : 0) - J[i];
+  return J;
+}
+
+Vector3 times_inverse(const Matrix3& J, const Vector3& x) { return inverse(J) * x; }
+
+// Entries of an owned vector, opened for reading.
+class Owned {
+public:
+  explicit Owned(Vec vec) : vec_(vec) { check(VecGetArrayRead(vec_, &values_)); }
+  Owned(const Owned&) = delete;
+  Owned& operator=(const Owned&) = delete;
+  ~Owned() { VecRestoreArrayRead(vec_, &values_); }
+  double operator[](int i) const { return values_[i]; }
+
+private:
+  Vec vec_;
+  const double* values_ = nullptr;
+};
+
+} // namespace
+
+template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight weight, Value&& value) const {
+  std::vector<Sums> total(bodies_.size());
+  const auto d = at(dim_);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    Sums& mine = total[at(body_[i])];
+    const Vector3& centre = bodies_[at(body_[i])].centre;
+    for (std::size_t k = 0; k < d; ++k) {
+      const double f = value(i, static_cast<int>(k));
+      mine.sum[k] += weight == Weight::mass ? mass_[i] * f : f;
+      for (std::size_t j = 0; j < d; ++j)
+        mine.moment[3 * k + j] +=
+            f * (weight == Weight::mass ? first_[d * i + j] : X_[d * i + j] - centre[j]);
+    }
+  }
+  static_assert(sizeof(Sums) == 12 * sizeof(double));
+  MPI_Allreduce(MPI_IN_PLACE, total.data(), static_cast<int>(12 * total.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  return total;
+}
+
+std::vector<RigidBodies::Sums> RigidBodies::sums_of(Weight weight, Vec f) const {
+  const Owned values(f);
+  return sums(weight, [&](std::size_t i, int k) { return values[row_[i] + k]; });
+}
+
+std::vector<RigidPose> RigidBodies::poses(const std::vector<Sums>& of_u) const {
+  std::vector<RigidPose> result(bodies_.size());
+  for (std::size_t b = 0; b < result.size(); ++b) {
+    const RigidBody& body = bodies_[b];
+    for (std::size_t k = 0; k < 3; ++k) result[b].moved[k] = of_u[b].sum[k] / body.mass;
+    Matrix3 H = body.second;
+    for (std::size_t i = 0; i < 9; ++i) H[i] += of_u[b].moment[i];
+    result[b].turned =
+        dim_ == 3 ? nearest_rotation(H) : rotation_of({0, 0, std::atan2(H[3] - H[1], H[0] + H[4])});
+  }
+  return result;
+}
+
+template <class Field> void RigidBodies::set_nodes(Vec u, Field&& field) const {
+  double* values = nullptr;
+  check(VecGetArray(u, &values));
+  for (std::size_t i = 0; i < owned_; ++i) field(i, values + row_[i]);
+  check(VecRestoreArray(u, &values));
+}
+
+Vector3 RigidBodies::arm(std::size_t place) const {
+  Vector3 Y{};
+  const auto d = at(dim_);
+  for (std::size_t k = 0; k < d; ++k) Y[k] = X_[d * place + k] - bodies_[at(body_[place])].centre[k];
+  return Y;
+}
+
+// Rotation components as the conditions say them at time t: angles, or what velocities add since t_n.
+Vector3 RigidBodies::rotation_data(const RigidBody& body, double t) const {
+  Vector3 value{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int c = body.held[3 + k];
+    if (c < 0) continue;
+    const BoundaryCondition& bc = conditions_[at(c)];
+    if (!bc.rotation[k]) continue;
+    value[k] = bc.type == BcType::velocity ? integral(*bc.rotation[k], body.centre.data(), dim_, t_n_, t)
+                                           : (*bc.rotation[k])(body.centre.data(), dim_, t);
+  }
+  return value;
+}
+
+// All components of the rotation are prescribed, as rotations from the reference configuration.
+bool RigidBodies::turns_as_told(const RigidBody& body) const {
+  for (std::size_t k = dim_ == 3 ? 0 : 2; k < 3; ++k) {
+    const int c = body.held[3 + k];
+    if (c == RigidBody::free_motion) return false;
+    if (c >= 0 && conditions_[at(c)].type == BcType::velocity) return false;
+  }
+  return true;
+}
+
+RigidPose RigidBodies::admissible(std::size_t b, RigidPose pose) const {
+  const RigidBody& body = bodies_[b];
+  for (std::size_t k = 0; k < at(dim_); ++k) {
+    const int c = body.held[k];
+    if (c == RigidBody::free_motion) continue;
+    const BoundaryCondition* bc = c < 0 ? nullptr : &conditions_[at(c)];
+    if (bc == nullptr || !bc->component[k])
+      pose.moved[k] = 0;
+    else if (bc->type == BcType::velocity)
+      pose.moved[k] = start_[b].moved[k] + integral(*bc->component[k], body.centre.data(), dim_, t_n_, t_);
+    else
+      pose.moved[k] = (*bc->component[k])(body.centre.data(), dim_, t_);
+  }
+  if (turns_as_told(body)) {
+    pose.turned = rotation_of(rotation_data(body, t_));
+    return pose;
+  }
+  // Rotation of the step by components: 2 tan(angle/2), which is what moments at the middle of the step do
+  // work on.
+  bool held = false;
+  Vector3 c = cayley_vector(pose.turned * transposed(start_[b].turned));
+  const Vector3 end = rotation_data(body, t_), begin = rotation_data(body, t_n_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (body.held[3 + k] == RigidBody::free_motion) continue;
+    held = true;
+    c[k] = 2 * std::tan((end[k] - begin[k]) / 2);
+  }
+  if (held) pose.turned = cayley(c) * start_[b].turned;
+  return pose;
+}
+
+void RigidBodies::begin(double t_n, double t, const std::vector<double>& u_n, bool dynamic) {
+  if (empty()) return;
+  t_n_ = t_n;
+  t_ = t;
+  dynamic_ = dynamic;
+  start_ = poses(sums(Weight::mass, [&](std::size_t i, int k) { return u_n[at(dim_ * node_[i] + k)]; }));
+  now_ = start_;
+}
+
+void RigidBodies::retract(Vec u) const {
+  if (empty()) return;
+  std::vector<RigidPose> pose = poses(sums_of(Weight::mass, u));
+  for (std::size_t b = 0; b < pose.size(); ++b) pose[b] = admissible(b, pose[b]);
+  for (RigidPose& p : pose)
+    for (std::size_t k = 0; k < 9; k += 4) p.turned[k] -= 1;
+  set_nodes(u, [&](std::size_t i, double* mine) {
+    const RigidPose& p = pose[at(body_[i])];
+    const Vector3 turned = p.turned * arm(i);
+    for (int k = 0; k < dim_; ++k) mine[k] = p.moved[at(k)] + turned[at(k)];
+  });
+}
+
+void RigidBodies::put_change(Vec u, Vec from, Vec to) const {
+  const Owned before(from), goal(to);
+  set_nodes(u, [&](std::size_t i, double* mine) {
+    for (int k = 0; k < dim_; ++k) mine[k] += goal[row_[i] + k] - before[row_[i] + k];
+  });
+}
+
+void RigidBodies::keep_bodies_only(Vec f) const {
+  PetscInt size = 0;
+  double* values = nullptr;
+  check(VecGetLocalSize(f, &size));
+  check(VecGetArray(f, &values));
+  std::vector<double> kept(static_cast<std::size_t>(size), 0.0);
+  for (std::size_t i = 0; i < owned_; ++i) std::copy_n(values + row_[i], dim_, kept.begin() + row_[i]);
+  std::copy(kept.begin(), kept.end(), values);
+  check(VecRestoreArray(f, &values));
+}
+
+void RigidBodies::place(Vec u) {
+  if (empty()) return;
+  now_ = poses(sums_of(Weight::mass, u));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    RigidPlace& place = reduction_.bodies()[b];
+    place.trial = place.test = now_[b].turned;
+    if (dynamic_)
+      for (std::size_t i = 0; i < 9; ++i) place.test[i] = (now_[b].turned[i] + start_[b].turned[i]) / 2;
+    if (symmetric_) place.trial = place.test;
+  }
+}
+
+void RigidBodies::reduce(Vec f, const std::vector<double>* acceleration) {
+  if (empty()) return;
+  std::vector<Sums> total = sums_of(Weight::one, f);
+  if (acceleration != nullptr) {
+    const std::vector<Sums> inertia =
+        sums(Weight::mass, [&](std::size_t i, int k) { return (*acceleration)[at(dim_ * node_[i] + k)]; });
+    for (std::size_t b = 0; b < total.size(); ++b) {
+      for (std::size_t k = 0; k < 3; ++k) total[b].sum[k] += inertia[b].sum[k];
+      for (std::size_t k = 0; k < 9; ++k) total[b].moment[k] += inertia[b].moment[k];
+    }
+  }
+  set_nodes(f, [&](std::size_t, double* mine) { std::fill(mine, mine + dim_, 0.0); });
+  double* values = nullptr;
+  check(VecGetArray(f, &values));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const RigidPlace& place = reduction_.bodies()[b];
+    const Vector3 moment = axial(total[b].moment * transposed(place.test));
+    for (int k = 0; k < dim_; ++k)
+      if (slot_row_[b][0] >= 0 && !place.held[at(k)]) values[slot_row_[b][0] + k] = total[b].sum[at(k)];
+    for (int k = 0; k < reduction_.rotations(); ++k) {
+      const std::size_t axis = dim_ == 3 ? at(k) : 2;
+      if (slot_row_[b][1] >= 0 && !place.held[3 + axis])
+        values[slot_row_[b][1] + k] = moment[axis] / place.length;
+    }
+  }
+  check(VecRestoreArray(f, &values));
+  if (acceleration != nullptr || !dynamic_) forces_ = std::move(total);
+}
+
+void RigidBodies::expand(Vec du) const {
+  if (empty()) return;
+  std::vector<double> change(6 * bodies_.size(), 0.0);
+  {
+    const Owned values(du);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (slot_row_[b][0] >= 0)
+        for (int k = 0; k < dim_; ++k) change[6 * b + at(k)] = values[slot_row_[b][0] + k];
+      if (slot_row_[b][1] >= 0)
+        for (int k = 0; k < reduction_.rotations(); ++k)
+          change[6 * b + 3 + at(k)] = values[slot_row_[b][1] + k];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  set_nodes(du, [&](std::size_t i, double* mine) {
+    const auto b = at(body_[i]);
+    double mode[6];
+    for (int k = 0; k < dim_; ++k) {
+      const RigidPlace& place = reduction_.bodies()[b];
+      reduction_.modes(place, place.trial, &X_[at(dim_) * i], k, mode);
+      mine[k] = change[6 * b + at(k)];
+      for (int r = 0; r < reduction_.rotations(); ++r) mine[k] += mode[dim_ + r] * change[6 * b + 3 + at(r)];
+    }
+  });
+}
+
+void RigidBodies::add_tangent(double mass_shift, Mat K) const {
+  const int width = dim_ + reduction_.rotations();
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (slot_row_[b][0] < 0) continue;
+    const RigidPlace& place = reduction_.bodies()[b];
+    Matrix3 turn = inertia_of(place.trial, bodies_[b].second, place.test);
+    for (double& entry : turn) entry *= mass_shift;
+    if (b < forces_.size()) {
+      // Arms of the test functions turn with the body, half as far at the middle of the step:
+      // (w x r) x f = r (f.w) - w (r.f).
+      const Matrix3 S = place.trial * transposed(forces_[b].moment);
+      const double part = dynamic_ ? 0.5 : 1;
+      for (std::size_t i = 0; i < 9; ++i) turn[i] += part * (S[i] - (i % 4 == 0 ? trace(S) : 0));
+    }
+    if (symmetric_) {
+      const Matrix3 other = transposed(turn);
+      for (std::size_t i = 0; i < 9; ++i) turn[i] = (turn[i] + other[i]) / 2;
+    }
+    PetscInt rows[6];
+    double block[36] = {};
+    reduction_.rows(place, rows);
+    for (int k = 0; k < dim_; ++k) block[k * width + k] = mass_shift * bodies_[b].mass;
+    for (int i = dim_; i < width; ++i)
+      for (int j = dim_; j < width; ++j) {
+        const std::size_t p = dim_ == 3 ? at(i - 3) : 2, q = dim_ == 3 ? at(j - 3) : 2;
+        block[i * width + j] = turn[3 * p + q] / (place.length * place.length);
+      }
+    check(MatSetValues(K, width, rows, width, rows, block, ADD_VALUES));
+  }
+}
+
+void RigidBodies::accelerate(Vec f, Vec a) const {
+  if (empty()) return;
+  std::vector<Sums> total = sums_of(Weight::one, f);
+  for (std::size_t b = 0; b < total.size(); ++b) {
+    for (double& component : total[b].sum) component /= bodies_[b].mass;
+    total[b].moment = total[b].moment * inverse(bodies_[b].second);
+  }
+  set_nodes(a, [&](std::size_t i, double* mine) {
+    const Sums& of_body = total[at(body_[i])];
+    const Vector3 turning = of_body.moment * arm(i);
+    for (int k = 0; k < dim_; ++k) mine[k] = of_body.sum[at(k)] + turning[at(k)];
+  });
+}
+
+double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {
+  if (empty()) return 0;
+  const Handle<Vec> copy = [&] {
+    Handle<Vec> other;
+    check(VecDuplicate(f, other.out()));
+    check(VecCopy(f, other));
+    return other;
+  }();
+  place(u);
+  std::vector<Sums> kept = forces_;
+  std::vector<double> still;
+  if (acceleration == nullptr) still.assign(at(dim_) * body_of_node_.size(), 0.0);
+  reduce(copy, acceleration != nullptr ? acceleration : &still);
+  double work = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const RigidPlace& place = reduction_.bodies()[b];
+    const Vector3 moment = axial(forces_[b].moment * transposed(place.test));
+    const Vector3 turn = cayley_vector(now_[b].turned * transposed(start_[b].turned));
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::size_t entry = 7 * b + 1 + k;
+      const double before = row_state_->committed[entry];
+      double& now = row_state_->trial[entry];
+      now = 0;
+      if (bodies_[b].held[k] == RigidBody::free_motion || (k < 3 && k >= at(dim_))) continue;
+      now = factor * (k < 3 ? forces_[b].sum[k] : moment[k - 3]);
+      const double way = k < 3 ? now_[b].moved[k] - start_[b].moved[k] : turn[k - 3];
+      work += (dynamic_ ? now : (now + before) / 2) * way;
+    }
+  }
+  forces_ = std::move(kept);
+  return work;
+}
+
+const double* RigidBodies::reactions(int body) const { return &row_state_->trial[7 * at(body) + 1]; }
+
+double RigidBodies::angle(int body) const { return row_state_->trial[7 * at(body)]; }
+
+void RigidBodies::advance(Vec u) {
+  if (empty()) return;
+  const std::vector<RigidPose> pose = poses(sums_of(Weight::mass, u));
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    row_state_->trial[7 * b] =
+        row_state_->committed[7 * b] + rotation_vector(pose[b].turned * transposed(start_[b].turned))[2];
+}
+
+std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {
+  std::vector<RigidMotionState> result(bodies_.size());
+  if (empty()) return result;
+  const std::vector<RigidPose> pose = poses(sums_of(Weight::mass, u));
+  const std::vector<Sums> speed = sums_of(Weight::mass, v);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Matrix3& R = pose[b].turned;
+    result[b].pose = pose[b];
+    result[b].spin = axial(speed[b].moment * transposed(R));
+    const Vector3 w = times_inverse(inertia_of(R, bodies_[b].second, R), result[b].spin);
+    for (std::size_t k = 0; k < 3; ++k) {
+      result[b].velocity[k] = speed[b].sum[k] / bodies_[b].mass;
+      result[b].velocity[3 + k] = w[k];
+    }
+    if (dim_ == 2) {
+      const Matrix3& E = bodies_[b].second;
+      result[b].velocity[3] = result[b].velocity[4] = 0;
+      result[b].velocity[5] = result[b].spin[2] / (E[0] + E[4]);
+    }
+  }
+  return result;
+}
+
+void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<double>& v) const {
+  if (empty()) return;
+  const auto local = [&](const std::vector<double>& field) {
+    return sums(Weight::mass, [&](std::size_t i, int k) { return field[at(dim_ * node_[i] + k)]; });
+  };
+  std::vector<RigidPose> pose = poses(local(u));
+  const std::vector<Sums> speed = local(v);
+  std::vector<RigidVector> rate(bodies_.size());
+  const double h = 1e-3 * dt;
+  // Slope at t = 0 of data over t, one-sided.
+  const auto slope = [&](const Expression& data, const double* x) {
+    return (-3 * data(x, dim_, 0) + 4 * data(x, dim_, h) - data(x, dim_, 2 * h)) / (2 * h);
+  };
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const RigidBody& body = bodies_[b];
+    for (std::size_t k = 0; k < at(dim_); ++k) {
+      const int c = body.held[k];
+      rate[b][k] = speed[b].sum[k] / body.mass;
+      if (c == RigidBody::free_motion) continue;
+      const BoundaryCondition* bc = c < 0 ? nullptr : &conditions_[at(c)];
+      const bool moves = bc != nullptr && bc->component[k].has_value(),
+                 fast = moves && bc->type == BcType::velocity;
+      if (!fast) pose[b].moved[k] = moves ? (*bc->component[k])(body.centre.data(), dim_, 0) : 0;
+      rate[b][k] = fast    ? (*bc->component[k])(body.centre.data(), dim_, 0)
+                   : moves ? slope(*bc->component[k], body.centre.data())
+                           : 0;
+    }
+    Vector3 angle{}, spin{};
+    bool held[3] = {}, all_told = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int c = body.held[3 + k];
+      held[k] = c != RigidBody::free_motion;
+      if (dim_ == 3 || k == 2) all_told = all_told && held[k];
+      if (c < 0) continue;
+      const BoundaryCondition& bc = conditions_[at(c)];
+      if (!bc.rotation[k]) continue;
+      if (bc.type == BcType::velocity) {
+        spin[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
+        all_told = false;
+        continue;
+      }
+      angle[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
+      spin[k] = slope(*bc.rotation[k], body.centre.data());
+    }
+    if (all_told) pose[b].turned = rotation_of(angle);
+    const Matrix3& R = pose[b].turned;
+    Vector3 free = axial(speed[b].moment * transposed(R));
+    if (dim_ == 2)
+      free = {0, 0, free[2] / (body.second[0] + body.second[4])};
+    else
+      free = times_inverse(inertia_of(R, body.second, R), free);
+    for (std::size_t k = 0; k < 3; ++k) rate[b][3 + k] = held[k] ? spin[k] : free[k];
+  }
+  for (std::size_t i = 0; i < node_.size(); ++i) {
+    const auto b = at(body_[i]);
+    const Vector3 Y = arm(i), r = pose[b].turned * Y, turning = cross(second_half(rate[b]), r);
+    for (std::size_t k = 0; k < at(dim_); ++k) {
+      const std::size_t dof = at(dim_ * node_[i]) + k;
+      u[dof] = pose[b].moved[k] + (r[k] - Y[k]);
+      v[dof] = rate[b][k] + turning[k];
+    }
+  }
+}
+
+double RigidBodies::rounding(double mass_shift) const {
+  double largest = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    double size = bodies_[b].length;
+    for (std::size_t k = 0; k < 3; ++k)
+      size =
+          std::max({size, std::abs(bodies_[b].centre[k]), now_.empty() ? 0.0 : std::abs(now_[b].moved[k])});
+    largest = std::max(largest, bodies_[b].mass * size);
+  }
+  return 1e-15 * mass_shift * largest;
+}
+
+} // namespace impact

@@ -1,0 +1,333 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/kernel/measure.hpp>
+#include <impact/mesh/bodies.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/rigid_bodies.hpp>
+#include <limits>
+#include <numeric>
+
+/// Set-up of RigidBodies: which nodes, their mass, what is prescribed.
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+bool is_rigid(const Discretisation& d, const CellGroup& group) { return d.law(group).rigid(); }
+
+// int N_a N_b rho over the cells of rigid materials, to a visitor (node a, node b, value).
+template <class Visitor> void visit_masses(const Discretisation& d, Visitor&& visitor) {
+  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
+  for (const CellGroup& group : d.groups) {
+    if (!is_rigid(d, group)) continue;
+    PointLaw law = d.law(group);
+    if (!(law.parameters.rho > 0)) law.parameters.rho = 1; // the volume then weighs
+    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+      constexpr int nodes = Cell::nodes;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, Cell::dim> places(group, b, X);
+        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
+        mass_matrix<Cell, frame>(law, places.data(), m.data());
+        for (int l = 0; l < group.lanes_in_use(b); ++l)
+          for (int i = 0; i < nodes; ++i)
+            for (int j = 0; j < nodes; ++j)
+              visitor(group.node[at((b * nodes + i) * lanes + l)],
+                      group.node[at((b * nodes + j) * lanes + l)], m[at(i * nodes + j)][l]);
+      }
+    });
+  }
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.4g", value);
+  return text;
+}
+
+bool moves_bodies(BcType type) {
+  return type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
+         type == BcType::velocity || type == BcType::acceleration;
+}
+
+} // namespace
+
+RigidBodies::RigidBodies(const Discretisation& d, const std::vector<BoundaryCondition>& conditions,
+                         double t_end)
+    : comm_(d.mesh.comm()), dim_(d.dim()), frame_(d.frame), conditions_(conditions),
+      body_of_node_(at(d.mesh.node_count()), -1), reduction_(d.dim()) {
+  find_nodes(d);
+  if (!empty()) {
+    weigh(d);
+    choose_slots(d);
+  }
+  resolve(d, t_end);
+  if (empty()) return;
+  // Rows that no unknown uses.
+  for (std::size_t i = 0; i < owned_; ++i) idle_.push_back(static_cast<int>(i));
+  std::vector<int> dofs;
+  for (int place : idle_)
+    for (int k = 0; k < dim_; ++k) {
+      const auto b = at(body_[at(place)]);
+      const int row = row_[at(place)];
+      bool used = row == slot_row_[b][0] && !reduction_.bodies()[b].held[at(k)];
+      if (row == slot_row_[b][1] && k < reduction_.rotations())
+        used = used || !reduction_.bodies()[b].held[3 + (dim_ == 3 ? at(k) : 2)];
+      if (!used) dofs.push_back(dim_ * node_[at(place)] + k);
+    }
+  idle_ = std::move(dofs);
+}
+
+void RigidBodies::find_nodes(const Discretisation& d) {
+  const bool any = std::any_of(d.materials.begin(), d.materials.end(),
+                               [](const MaterialAssignment& m) { return m.law.rigid(); });
+  if (!any) return;
+  const Bodies parts = find_bodies(d.mesh, d.scalar);
+  // Of each part: has rigid cells, has others, minus the first rigid material.
+  const auto count = at(parts.count);
+  std::vector<int> rigid(count, 0), other(count, 0), material(count, -std::numeric_limits<int>::max());
+  std::vector<int> joined(count, -1); // a deformable material that a rigid one shares nodes with
+  for (const CellGroup& group : d.groups)
+    for (int node : group.node) {
+      const auto part = at(parts.of_node[at(node)]);
+      (is_rigid(d, group) ? rigid : other)[part] = 1;
+      if (is_rigid(d, group))
+        material[part] = std::max(material[part], -group.material);
+      else
+        joined[part] = std::max(joined[part], group.material);
+    }
+  for (std::vector<int>* flags : {&rigid, &other, &material, &joined})
+    MPI_Allreduce(MPI_IN_PLACE, flags->data(), parts.count, MPI_INT, MPI_MAX, comm_);
+  const auto id = [&](int m) { return d.materials[at(m)].law.parameters.id; };
+  for (std::size_t part = 0; part < count; ++part)
+    if (rigid[part] && other[part])
+      throw UserError(ExitCode::data, "-material_" + id(-material[part]) +
+                                          "_model rigid: its cells share nodes with those of material " +
+                                          id(joined[part]) +
+                                          "; a rigid body stands by itself: give the two regions nodes of "
+                                          "their own and let them meet in a contact");
+  std::vector<int> body_of_part(count, -1);
+  for (std::size_t part = 0; part < count; ++part) {
+    if (!rigid[part]) continue;
+    body_of_part[part] = static_cast<int>(bodies_.size());
+    RigidBody& body = bodies_.emplace_back();
+    body.component = static_cast<int>(part);
+    body.name = id(-material[part]);
+    body.held.fill(RigidBody::free_motion);
+  }
+  const PetscInt first_row = [&] {
+    PetscInt start = 0;
+    const Handle<Vec> any_vector = d.displacement.make_global();
+    check(VecGetOwnershipRange(any_vector, &start, nullptr));
+    return start;
+  }();
+  const auto X = d.mesh.coordinates();
+  for (const bool owned : {true, false}) {
+    for (int node = 0; node < d.mesh.node_count(); ++node) {
+      const int body = body_of_part[at(parts.of_node[at(node)])];
+      if (body < 0 || d.mesh.owned(node) != owned) continue;
+      body_of_node_[at(node)] = body;
+      node_.push_back(node);
+      body_.push_back(body);
+      row_.push_back(owned ? static_cast<int>(d.mesh.global_node()[at(node)] * dim_ - first_row) : -1);
+      for (int k = 0; k < dim_; ++k) X_.push_back(X[at(node * dim_ + k)]);
+    }
+    if (owned) owned_ = node_.size();
+  }
+}
+
+void RigidBodies::weigh(const Discretisation& d) {
+  const auto dims = at(dim_);
+  // A global sum of what cells of all ranks add to a node, back on its owner.
+  std::vector<double> mass = d.displacement.make_local();
+  visit_masses(d, [&](int a, int, double m) { mass[dims * at(a)] += m; });
+  const Handle<Vec> total = d.displacement.make_global();
+  d.displacement.add_to_global(mass, total);
+  d.displacement.to_local(total, mass);
+  std::vector<double> sums(4 * bodies_.size(), 0.0);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    mass_.push_back(mass[dims * at(node_[i])]);
+    double* of_body = &sums[4 * at(body_[i])];
+    for (std::size_t k = 0; k < dims; ++k) of_body[k] += mass_[i] * X_[dims * i + k];
+    of_body[3] += mass_[i];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    bodies_[b].mass = sums[4 * b + 3];
+    for (std::size_t k = 0; k < dims; ++k) bodies_[b].centre[k] = sums[4 * b + k] / bodies_[b].mass;
+  }
+  std::vector<double> first = d.displacement.make_local();
+  const auto X = d.mesh.coordinates();
+  visit_masses(d, [&](int a, int c, double m) {
+    const Vector3& centre = bodies_[at(body_of_node_[at(a)])].centre;
+    for (std::size_t k = 0; k < dims; ++k) first[dims * at(a) + k] += m * (X[dims * at(c) + k] - centre[k]);
+  });
+  check(VecSet(total, 0));
+  d.displacement.add_to_global(first, total);
+  d.displacement.to_local(total, first);
+  std::vector<double> second(9 * bodies_.size(), 0.0);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    const Vector3 Y = arm(i);
+    for (std::size_t k = 0; k < dims; ++k) {
+      first_.push_back(first[dims * at(node_[i]) + k]);
+      for (std::size_t j = 0; j < dims; ++j) second[9 * at(body_[i]) + 3 * j + k] += Y[j] * first_.back();
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, second.data(), static_cast<int>(second.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    RigidBody& body = bodies_[b];
+    Matrix3& E = body.second;
+    std::copy_n(&second[9 * b], 9, E.begin());
+    for (std::size_t i = 0; i < 3; ++i) // symmetric but for rounding
+      for (std::size_t j = 0; j < i; ++j) E[3 * i + j] = E[3 * j + i] = (E[3 * i + j] + E[3 * j + i]) / 2;
+    const double size = trace(E);
+    if (dim_ == 2) E[8] = 1;
+    const double relative =
+        dim_ == 2 ? determinant(E) / (size * size) : determinant(E) / (size * size * size);
+    if (!(relative > 1e-18))
+      throw UserError(ExitCode::data, "-material_" + body.name + "_model rigid: the body around (" +
+                                          number(body.centre[0]) + ", " + number(body.centre[1]) +
+                                          (dim_ == 3 ? ", " + number(body.centre[2]) : "") +
+                                          ") has no inertia against a rotation; mesh it with more cells");
+    body.length = std::sqrt(size / body.mass);
+  }
+  // The order of bodies must not depend on the partition.
+  std::vector<std::size_t> order(bodies_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    const RigidBody &p = bodies_[a], &q = bodies_[b];
+    if (p.name != q.name) return p.name < q.name;
+    const double close = 1e-9 * (p.length + q.length);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::abs(p.centre[k] - q.centre[k]) > close) return p.centre[k] < q.centre[k];
+    return false;
+  });
+  std::vector<RigidBody> sorted;
+  std::vector<int> place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    place[order[i]] = static_cast<int>(i);
+    sorted.push_back(bodies_[order[i]]);
+  }
+  for (int& body : body_) body = place[at(body)];
+  for (int& body : body_of_node_)
+    if (body >= 0) body = place[at(body)];
+  for (std::size_t i = 0; i < sorted.size();) {
+    std::size_t end = i;
+    while (end < sorted.size() && sorted[end].name == sorted[i].name) ++end;
+    for (std::size_t k = i, n = 1; end - i > 1 && k < end; ++k, ++n)
+      sorted[k].name += "_" + std::to_string(n);
+    i = end;
+  }
+  bodies_ = std::move(sorted);
+}
+
+void RigidBodies::choose_slots(const Discretisation& d) {
+  // The two lowest global nodes of each body.
+  constexpr double none = 1e300;
+  const auto global = [&](std::size_t i) { return static_cast<double>(d.mesh.global_node()[at(node_[i])]); };
+  std::vector<double> first(bodies_.size(), none), second(bodies_.size(), none);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    double& low = first[at(body_[i])];
+    low = std::min(low, global(i));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, first.data(), static_cast<int>(first.size()), MPI_DOUBLE, MPI_MIN, comm_);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    double& low = second[at(body_[i])];
+    if (global(i) > first[at(body_[i])]) low = std::min(low, global(i));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, second.data(), static_cast<int>(second.size()), MPI_DOUBLE, MPI_MIN, comm_);
+  slot_row_.assign(bodies_.size(), {-1, -1});
+  for (std::size_t i = 0; i < owned_; ++i) {
+    const auto b = at(body_[i]);
+    if (global(i) == first[b]) slot_row_[b][0] = row_[i];
+    if (global(i) == second[b]) slot_row_[b][1] = row_[i];
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    RigidPlace& place = reduction_.bodies().emplace_back();
+    place.slot = {static_cast<PetscInt>(first[b]), static_cast<PetscInt>(second[b])};
+    place.length = bodies_[b].length;
+    place.centre = bodies_[b].centre;
+  }
+}
+
+void RigidBodies::resolve(const Discretisation& d, double t_end) {
+  if (frame_ == Frame::axisymmetric)
+    for (RigidBody& body : bodies_) body.held[0] = body.held[5] = RigidBody::not_possible;
+  static constexpr const char* names[6] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+  for (std::size_t c = 0; c < conditions_.size(); ++c) {
+    const BoundaryCondition& bc = conditions_[c];
+    if (!moves_bodies(bc.type)) continue;
+    const bool turns = bc.rotation[0] || bc.rotation[1] || bc.rotation[2];
+    std::vector<int> on(bodies_.size() + 1, 0);
+    for (const std::string& name : bc.on) {
+      if (d.mesh.find_group(name) == nullptr) continue; // BoundaryData has the message
+      const std::vector<int> nodes = d.mesh.nodes(name);
+      std::vector<int> here(bodies_.size(), 0);
+      for (int node : nodes)
+        if (const int body = body_of_node_[at(node)]; body >= 0) here[at(body)] = on.back() = 1;
+      if (!bodies_.empty())
+        MPI_Allreduce(MPI_IN_PLACE, here.data(), static_cast<int>(here.size()), MPI_INT, MPI_MAX, comm_);
+      const int axis = bc.type == BcType::symmetry ? plane_axis(d.mesh, nodes) : -1;
+      for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        if (!here[b]) continue;
+        if (bc.type == BcType::acceleration)
+          throw UserError(ExitCode::data, "-bc_" + bc.id + "_type acceleration: not for the rigid body " +
+                                              bodies_[b].name + "; prescribe its displacement or velocity");
+        for (std::size_t k = 0; k < 6; ++k) {
+          bool holds = false;
+          if (dim_ == 2 && k != 0 && k != 1 && k != 5) continue;
+          const auto normal = static_cast<std::size_t>(std::max(axis, 0));
+          if (bc.type == BcType::fix)
+            holds = true;
+          else if (bc.type == BcType::symmetry && axis >= 0)
+            holds = k < 3 ? k == normal : k - 3 != normal;
+          else
+            holds = k < 3 ? bc.component[k].has_value() : bc.rotation[k - 3].has_value();
+          int& held = bodies_[b].held[k];
+          if (!holds || held == RigidBody::not_possible) continue;
+          if (held >= 0) {
+            const auto value = [&](const BoundaryCondition& from, double t) {
+              const auto& data = k < 3 ? from.component[k] : from.rotation[k - 3];
+              return data ? (*data)(bodies_[b].centre.data(), dim_, t) : 0.0;
+            };
+            const BoundaryCondition& first = conditions_[at(held)];
+            for (double t : {0.0, t_end})
+              if (value(first, t) != value(bc, t))
+                throw UserError(ExitCode::data, "-bc_" + first.id + " and -bc_" + bc.id +
+                                                    " prescribe different " + names[k] +
+                                                    " of the rigid body " + bodies_[b].name +
+                                                    "; leave the component out of one of them");
+            continue;
+          }
+          held = static_cast<int>(c);
+        }
+      }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &on.back(), 1, MPI_INT, MPI_MAX, comm_);
+    if (turns && on.back() == 0)
+      throw UserError(ExitCode::data, "-bc_" + bc.id +
+                                          "_rz: rotations are for rigid bodies, and no node of " +
+                                          bc.on.front() +
+                                          " belongs to one; give a material "
+                                          "-material_<id>_model rigid, or prescribe displacements");
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    for (std::size_t k = 0; k < 6; ++k)
+      reduction_.bodies()[b].held[k] = bodies_[b].held[k] != RigidBody::free_motion;
+}
+
+void RigidBodies::declare_state(StateTable& table) {
+  if (empty()) return;
+  const auto size = static_cast<int>(7 * bodies_.size());
+  row_state_ = &table.add(StateRow{"rigid", Support::global, size}, at(size));
+}
+
+std::vector<std::pair<PetscInt, PetscInt>> RigidBodies::couplings() const {
+  std::vector<std::pair<PetscInt, PetscInt>> pairs;
+  for (const RigidPlace& place : reduction_.bodies()) pairs.emplace_back(place.slot[0], place.slot[1]);
+  return pairs;
+}
+
+} // namespace impact

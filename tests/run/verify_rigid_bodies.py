@@ -1,0 +1,143 @@
+# labels: run
+# timeout: 300
+# processors: 1
+"""Meshed rigid bodies: a free top against Euler's equations, free flight, a block that falls on a held rigid body and on a
+rigid plane, an elastic block on a free rigid one, two equal rigid masses, a punch with prescribed motion; momenta, energies,
+ranks, repeated steps and restarts."""
+import numpy
+from _runs import check, check_between, finish, mesh, require, run
+
+RHO = 1000.0
+
+
+def total(r, column, of):
+    return sum(r[f"{column}_{name}"] for name in of)
+
+
+def same(name, a, b, tolerance, columns):
+    worst = max(abs(a[c] - b[c]).max() / max(abs(a[c]).max(), 1e-12) for c in columns)
+    check(name, worst, 0, tolerance, relative=False)
+
+
+print("a free box that tumbles about its middle axis")
+SIZE = numpy.array([1.0, 2.0, 3.0])
+OMEGA = numpy.array([0.2, 3.0, 0.3])
+TOP = {
+    "mesh": mesh("block.geo"), "mesh_set_dim": 3, "mesh_set_n": 2, "mesh_set_lx": 1, "mesh_set_ly": 2, "mesh_set_lz": 3,
+    "materials": "box", "material_box_region": "solid", "material_box_model": "rigid", "material_box_rho": RHO,
+    "ics": "spin", "ic_spin_on": "solid",
+    "ic_spin_vx": f"1+{OMEGA[1]}*(z-1.5)-{OMEGA[2]}*(y-1)", "ic_spin_vy": f"{OMEGA[2]}*(x-0.5)-{OMEGA[0]}*(z-1.5)",
+    "ic_spin_vz": f"{OMEGA[0]}*(y-1)-{OMEGA[1]}*(x-0.5)", "ts_max_time": 2, "motion_snes_rtol": 1e-13,
+}
+INERTIA = SIZE.prod() * RHO / 12 * (SIZE @ SIZE - SIZE**2)
+
+
+def euler(end, n=20000):
+    """Spin in space at the end by the classical Runge-Kutta method, in the axes of the body."""
+    def rates(state):
+        w, R = state[:3], state[3:].reshape(3, 3)
+        W = numpy.array([[0, -w[2], w[1]], [w[2], 0, -w[0]], [-w[1], w[0], 0]])
+        return numpy.concatenate([numpy.cross(INERTIA * w, w) / INERTIA, (R @ W).ravel()])
+    state, h = numpy.concatenate([OMEGA, numpy.eye(3).ravel()]), end / n
+    for _ in range(n):
+        k1 = rates(state)
+        k2 = rates(state + h / 2 * k1)
+        k3 = rates(state + h / 2 * k2)
+        state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + rates(state + h * k3))
+    return state[3:].reshape(3, 3) @ state[:3]
+
+
+exact = euler(2.0, 4000)
+errors = []
+for dt in (0.04, 0.02):
+    r = run("top", {**TOP, "ts_dt": dt})
+    spin = numpy.array([r["rigid_box_w" + axis][-1] for axis in "xyz"])
+    errors.append(numpy.linalg.norm(spin - exact) / numpy.linalg.norm(exact))
+check("error of the spin after 40 steps against Euler's equations over that after 80", errors[0] / errors[1], 4, 0.15)
+check("the latter", errors[1], 0, 5e-3, relative=False)
+for axis, start in zip("xyz", INERTIA * OMEGA):
+    check(f"moment of momentum about {axis}, change over the whole", numpy.ptp(r["rigid_box_l" + axis]) /
+          numpy.linalg.norm(INERTIA * OMEGA), 0, 1e-12, relative=False)
+    check(f"and its value over I omega", r["rigid_box_l" + axis][0] / start, 1, 1e-12)
+check("kinetic energy, change", numpy.ptp(r["energy_kinetic"]) / r["energy_kinetic"][0], 0, 1e-11, relative=False)
+check("way of the centre", r["rigid_box_ux"][-1], 2, 1e-11)
+
+print("a square that turns and falls")
+r = run("fall", {
+    "mesh": mesh("block.geo"), "mesh_set_n": 3, "materials": "block", "material_block_region": "solid",
+    "material_block_model": "rigid", "material_block_rho": RHO, "ics": "flight", "ic_flight_on": "solid",
+    "ic_flight_vx": "1-3*(y-0.5)", "ic_flight_vy": "2+3*(x-0.5)", "bcs": "weight", "bc_weight_on": "solid",
+    "bc_weight_type": "body_force", "bc_weight_uy": -10, "ts_dt": 0.02, "ts_max_time": 2.2, "motion_snes_rtol": 1e-13})
+check("height", r["rigid_block_uy"][-1], 2 * 2.2 - 5 * 2.2**2, 1e-11)
+check("angle, which counts turns, of the chords", r["rigid_block_rz"][-1], 110 * 2 * numpy.arctan(0.03), 1e-11)
+check("spin", r["rigid_block_wz"][-1], 3, 1e-11)
+check("kinetic energy minus the work of the weight", r["energy_kinetic"][-1] - r["work_external"][-1],
+      RHO * (5 / 2 + 9 / 12), 1e-10)
+
+print("an elastic block falls on a rigid one")
+BLOCKS = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 3, "mesh_set_n_upper": 4, "mesh_set_gap": 0.017, "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_model": "rigid", "material_lower_rho": RHO, "material_upper_E": 1e6,
+    "material_upper_nu": 0.3, "material_upper_rho": RHO, "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3,
+    "ic_flight_vy": -1, "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    "contact_face_method": "mortar", "contact_face_friction": 0.2, "ts_dt": 2e-3, "ts_max_time": 0.08,
+}
+held = {"bcs": "hold", "bc_hold_on": "lower", "bc_hold_type": "fix"}
+r = run("held", {**BLOCKS, **held})
+plane = run("plane", {**BLOCKS, **held, "contact_face_primary": "plane", "contact_face_plane_point": "0,1,0"})
+# The mortar measures gaps along the block's own normals, which are not quite those of the plane.
+same("held, as on the rigid plane: force, momentum, energy", r, plane, 1e-4,
+     ["contact_face_force_x", "contact_face_force_y", "momentum_upper_y", "energy_elastic", "energy_kinetic"])
+check("impulse of its support, which the contact hands on", sum(r["reaction_hold_y"] * r["dt"]),
+      sum(r["contact_face_force_y"] * r["dt"]), 1e-9)
+r = run("free", {**BLOCKS, "checkpoint_every": 20})
+for axis, scale in (("x", 240), ("y", 800)):
+    check(f"free: change of the momentum in {axis} over the start's",
+          numpy.ptp(total(r, "momentum", [f"{body}_{axis}" for body in ("lower", "upper")])) / scale, 0, 1e-8, relative=False)
+check_between("most Newton iterations of a step", r["newton"].max(), 2, 8)
+check("work balance of the steps", abs(r["balance"]).max(), 0, 1e-9, relative=False)
+COLUMNS = ["contact_face_force_y", "momentum_upper_y", "rigid_lower_vy", "rigid_lower_rz", "energy_kinetic", "energy_elastic",
+           "dissipated_friction", "balance_first_law"]
+same("on three ranks", r, run("ranks", BLOCKS, ranks=3), 1e-8, COLUMNS)
+same("every step refused once and repeated", r, run("restep", {**BLOCKS, "checkpoint_every": 20, "test_restep": 1}), 1e-14, COLUMNS)
+run("restart", {**BLOCKS, "ts_max_steps": 20, "checkpoint_every": 20})
+same("stopped in the middle and resumed", r, run("restart", {**BLOCKS, "checkpoint_every": 20, "restart": "auto"}), 1e-12,
+     COLUMNS)
+r = run("conserving", {**BLOCKS, "contact_face_friction": 0, "contact_face_impact": "conserving"})
+energy = r["energy_kinetic"] + r["energy_elastic"] + r["energy_contact"]
+check("conserving update: change of the energy", numpy.ptp(energy) / energy[0], 0, 1e-3, relative=False)
+check("loss of the integrator", abs(r["dissipated_numerical"]).max() / energy[0], 0, 1e-10, relative=False)
+
+print("two equal rigid masses")
+r = run("equal",
+        {**{k: v for k, v in BLOCKS.items() if not k.startswith("material_upper")}, "mesh_set_inset": 0,
+         "material_upper_like": "lower", "ic_flight_vx": 0, "contact_face_method": "gpts",
+         "contact_face_friction": 0, "contact_face_impact": "conserving",
+         "contact_face_penalty": 1e8, "ts_dt": 2e-4, "ts_max_time": 0.025})
+check("speed of the one that stood", r["rigid_lower_vy"][-1], -1, 1e-9)
+check("speed of the one that came", r["rigid_upper_vy"][-1], 0, 1e-9, relative=False)
+half = numpy.pi * (RHO / 2 / 1e8) ** 0.5
+on = r["time"][numpy.nonzero(r["contact_face_force_y"])[0]]
+check("time of contact, half a period of the penalty's spring", numpy.ptp(on) + 2e-4, half, 0.05)
+
+print("a rigid punch, static")
+PUNCH = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 4, "mesh_set_n_upper": 3, "mesh_set_inset": 0.1,
+    "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_upper_model": "rigid",
+    "bcs": "hold,push", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix", "bc_push_on": "upper", "bc_push_ux": 0,
+    "bc_push_uy": "-0.02*t", "bc_push_rz": "0.01*t", "contacts": "face", "contact_face_secondary": "lower_top",
+    "contact_face_primary": "upper_bottom", "contact_face_method": "mortar", "ts_type": "static", "ts_dt": 0.25,
+    "ts_max_time": 1,
+}
+r = run("punch", PUNCH)
+check("reaction of the punch against that of the support", r["reaction_push_y"][-1], -r["reaction_hold_y"][-1], 1e-9)
+check("work of force and moment over the elastic energy", r["work_external"][-1], r["energy_elastic"][-1], 2e-3)
+require("a moment holds its angle", r["moment_push_z"][-1] > 1)
+finer = run("finer", {**PUNCH, "ts_dt": 0.05})
+check_between("the work's error falls at least by 4 with steps of a fifth",
+              abs(r["balance_first_law"][-1] / finer["balance_first_law"][-1]), 4, 1e9)
+r = run(
+    "unheld", {k: v for k, v in {**PUNCH, "mesh_set_gap": 0.01}.items() if k not in ("bc_push_ux", "bc_push_rz")}, code=3)
+require("a body that can move is named", "region upper" in r.log and "translation in x, rotation" in r.log)
+
+finish()
