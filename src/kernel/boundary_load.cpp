@@ -62,8 +62,7 @@ void facet_position(const FacetPoint& p, int nodes, int dim, const double* X, do
   }
 }
 
-void add_dead_traction(const FacetPoint& p, int nodes, Frame frame, const double* X, const double* t,
-                       double* f) {
+double reference_area(const FacetPoint& p, int nodes, Frame frame, const double* X) {
   const int dim = dimension(frame);
   double a[3][2], n[3], x[3];
   tangents(p, nodes, dim, X, a);
@@ -71,6 +70,13 @@ void add_dead_traction(const FacetPoint& p, int nodes, Frame frame, const double
   facet_position(p, nodes, dim, X, x);
   double area = p.weight * std::sqrt(n[0] * n[0] + n[1] * n[1] + (dim == 3 ? n[2] * n[2] : 0));
   if (frame == Frame::axisymmetric) area *= 2 * std::numbers::pi * x[0];
+  return area;
+}
+
+void add_dead_traction(const FacetPoint& p, int nodes, Frame frame, const double* X, const double* t,
+                       double* f) {
+  const int dim = dimension(frame);
+  const double area = reference_area(p, nodes, frame, X);
   for (int c = 0; c < nodes; ++c)
     for (int i = 0; i < dim; ++i) f[c * dim + i] += area * p.N[c] * t[i];
 }

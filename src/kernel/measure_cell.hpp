@@ -42,6 +42,19 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
   }
 }
 
+template <class Cell, Frame frame> void stored_heat(const PointLaw& law, const EnergyInput& in, Batch& sum) {
+  const MaterialParameters& m = law.parameters;
+  CellState<Cell, frame> s;
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  for (int q = 0; q < Cell::points; ++q) {
+    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
+    const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
+    const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
+    sum += s.map[q].weight *
+           thermal_energy(m, Je, select(Je >= Batch(0.0), g.e1.g, g.e2.g), interpolate<Cell>(in.theta, q));
+  }
+}
+
 template <class Cell, Frame frame>
 void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
                         Batch& sum) {

@@ -280,9 +280,28 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
   return status;
 }
 
+/// g_p k_d dalpha + b_d |C - C_n|^2 / dt of the step.
 template <class Cell, Frame frame>
+inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s,
+                            const PointEvaluation<Cell::dim>& e, int q,
+                            const PointHistory<Batch, Cell::dim>& now,
+                            const PointHistory<Batch, Cell::dim>& old) {
+  Batch lost = Batch(0.0);
+  if (law.flows())
+    lost = e.g.p.g * ((law.parameters.taylor_quinney * hardening(law.parameters, now.alpha).k) *
+                      (now.alpha - old.alpha));
+  if (law.viscous() && in.u_n) {
+    const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
+    lost += (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
+  }
+  return lost;
+}
+
+/// With `heats` also what the heat balance asks for: two bodies of code, so that a run without heat pays
+/// nothing and keeps its last digits.
+template <class Cell, Frame frame, bool heats>
 inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
-                          StepSums& sums) {
+                          StepSums& sums, const HeatFeed& heat) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellStatus status{0, Batch(1e300)};
@@ -312,6 +331,15 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
       const Batch released = isochoric_energy(m, trace_excess(e.flow.trial, z_trial) - z);
       sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
     }
+    if constexpr (heats) {
+      if (heat.stress) {
+        Vector<Batch, d> h;
+        const Tensor<Batch, d> P =
+            first_piola(e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h), e.k.inverse_F);
+        for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
+      }
+      if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, now, old);
+    }
     if (law.viscous() && in.u_n) {
       const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
       sums.viscous_dissipation += w * ((1 / in.dt) * (viscosity(m, e.g) * dot(dC, dC)));
@@ -330,7 +358,15 @@ template <class Cell, Frame frame, bool tangent, Terms terms>
 template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
                                                         Batch* trial_history, Batch* drive, StepSums& sums) {
-  return advance<Cell, frame>(restricted(law, terms), restricted(in, terms), trial_history, drive, sums);
+  return advance<Cell, frame, false>(restricted(law, terms), restricted(in, terms), trial_history, drive,
+                                     sums, {});
+}
+
+template <class Cell, Frame frame>
+[[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
+                                                            Batch* trial_history, Batch* drive,
+                                                            StepSums& sums, const HeatFeed& heat) {
+  return advance<Cell, frame, true>(law, in, trial_history, drive, sums, heat);
 }
 
 template <class Cell, Frame frame>
@@ -347,7 +383,9 @@ CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, 
 
 template <class Cell, Frame frame>
 CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
-                          StepSums& sums) {
+                          StepSums& sums, const HeatFeed& heat) {
+  if (heat.dissipation || heat.stress)
+    return advance_for_heat<Cell, frame>(law, in, trial_history, drive, sums, heat);
   return with_terms(terms_of(law, in), [&](auto terms) {
     return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
   });

@@ -5,6 +5,6 @@ namespace impact {
 template CellStatus motion_residual<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, Batch*);
 template CellStatus motion_tangent<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, Batch*, Batch*);
 template CellStatus motion_advance<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, Batch*, Batch*,
-                                                       StepSums&);
+                                                       StepSums&, const HeatFeed&);
 
 } // namespace impact

@@ -6,11 +6,11 @@ template CellStatus motion_residual<Tri3, Frame::plane_strain>(const PointLaw&, 
 template CellStatus motion_tangent<Tri3, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*,
                                                               Batch*);
 template CellStatus motion_advance<Tri3, Frame::plane_strain>(const PointLaw&, const MotionInput&, Batch*,
-                                                              Batch*, StepSums&);
+                                                              Batch*, StepSums&, const HeatFeed&);
 template CellStatus motion_residual<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*);
 template CellStatus motion_tangent<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*,
                                                               Batch*);
 template CellStatus motion_advance<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, Batch*,
-                                                              Batch*, StepSums&);
+                                                              Batch*, StepSums&, const HeatFeed&);
 
 } // namespace impact

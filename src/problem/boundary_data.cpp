@@ -93,9 +93,37 @@ BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> cond
     : dim_(mesh.dim()), node_count_(mesh.node_count()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
       fixed_mask_(static_cast<std::size_t>(node_count_ * dim_), 0),
-      damage_mask_(static_cast<std::size_t>(node_count_), 0), force_area_(conditions_.size(), 0.0) {
+      damage_mask_(static_cast<std::size_t>(node_count_), 0), force_area_(conditions_.size(), 0.0),
+      temperature_condition_(static_cast<std::size_t>(node_count_), -1) {
   resolve_fixed(mesh, t_end, body_of_node);
   resolve_loads(mesh);
+  resolve_temperatures(mesh, t_end);
+}
+
+void BoundaryData::resolve_temperatures(const Mesh& mesh, double t_end) {
+  std::string conflict;
+  for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
+    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    if (bc.type != BcType::temperature) continue;
+    for (const std::string& name : bc.on) {
+      require_group(mesh, bc, name);
+      for (int node : mesh.nodes(name)) {
+        int& holder = temperature_condition_[static_cast<std::size_t>(node)];
+        const double* x = &x_[static_cast<std::size_t>(node * dim_)];
+        if (holder < 0) holder = c;
+        if (holder == c || !conflict.empty()) continue;
+        for (double t : {0.0, t_end}) {
+          const double a = heat_value(holder, x, t), b = heat_value(c, x, t);
+          if (std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b))) continue;
+          conflict = "-bc_" + conditions_[static_cast<std::size_t>(holder)].id + " and -bc_" + bc.id +
+                     " prescribe different temperatures (" + std::to_string(a) + ", " + std::to_string(b) +
+                     " at t=" + std::to_string(t) + ") on a common node; give the node to one of them";
+          break;
+        }
+      }
+    }
+  }
+  throw_first(mesh.comm(), ExitCode::data, conflict);
 }
 
 void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end, std::span<const int> body_of_node) {
@@ -159,7 +187,9 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
       }
       continue;
     }
-    if (bc.type != BcType::traction && bc.type != BcType::pressure && bc.type != BcType::force) continue;
+    const bool thermal = bc.type == BcType::heat_flux || bc.type == BcType::convection;
+    if (bc.type != BcType::traction && bc.type != BcType::pressure && bc.type != BcType::force && !thermal)
+      continue;
     for (const std::string& name : bc.on) {
       const Group& group = require_group(mesh, bc, name);
       if (group.dim != dim_ - 1)
@@ -170,7 +200,10 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
       LoadedFacets load{c, mesh.facets(name)};
       for (int f = 0; f < load.facets.count(); ++f)
         force_area_[static_cast<std::size_t>(c)] += facet_area(mesh, load.facets, f);
-      (bc.type == BcType::pressure ? pressures_ : tractions_).push_back(std::move(load));
+      (thermal                       ? heat_fluxes_
+       : bc.type == BcType::pressure ? pressures_
+                                     : tractions_)
+          .push_back(std::move(load));
     }
   }
   if (!force_area_.empty())
@@ -245,6 +278,28 @@ void BoundaryData::set_damage(double t, std::vector<double>& phi) const {
     const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
     phi[static_cast<std::size_t>(node)] = (*bc.value)(&x_[static_cast<std::size_t>(node * dim_)], dim_, t);
   }
+}
+
+void BoundaryData::set_temperature(double t, std::vector<double>& theta) const {
+  for (std::size_t node = 0; node < theta.size(); ++node)
+    if (const int c = temperature_condition_[node]; c >= 0)
+      theta[node] = heat_value(c, &x_[node * static_cast<std::size_t>(dim_)], t);
+}
+
+std::vector<int> BoundaryData::heat_sources() const {
+  std::vector<int> sources;
+  for (std::size_t c = 0; c < conditions_.size(); ++c)
+    if (conditions_[c].type == BcType::heat_source) sources.push_back(static_cast<int>(c));
+  return sources;
+}
+
+double BoundaryData::heat_value(int condition, const double* x, double t) const {
+  return (*conditions_[static_cast<std::size_t>(condition)].value)(x, dim_, t);
+}
+
+double BoundaryData::heat_coefficient(int condition, const double* x, double t) const {
+  const auto& h = conditions_[static_cast<std::size_t>(condition)].coefficient;
+  return h ? (*h)(x, dim_, t) : 0.0;
 }
 
 bool BoundaryData::body_force(double t, std::vector<double>& f) const {

@@ -117,11 +117,11 @@ void check_preconditioner(KSP ksp, MatrixFormat matrix) {
                                        "bjacobi, jacobi, none; choose one of them, or -motion_mat_type aij");
 }
 
-Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTable& state,
+Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProblem* heat, StateTable& state,
                    const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
                    bool stabilise_contact)
-    : ts_(ts), motion_(motion), damage_(damage), state_(state), settings_(settings), inertia_(inertia),
-      stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
+    : ts_(ts), motion_(motion), damage_(damage), heat_(heat), state_(state), settings_(settings),
+      inertia_(inertia), stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
   const Discretisation& d = motion_.discretisation();
   const MPI_Comm comm = d.mesh.comm();
   residual_ = d.displacement.make_global();
@@ -131,6 +131,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTab
   contact_acceleration_ = d.displacement.make_global();
   u_local_ = d.displacement.make_local();
   if (damage_) phi_frozen_ = state_.row("phi").committed;
+  if (heat_) theta_frozen_ = state_.row("theta").committed;
 
   check(TSSetI2Function(
       ts_, nullptr,
@@ -255,6 +256,11 @@ void Coupling::before_attempt(const Attempt& attempt) {
     phi_frozen_ = state_.row("phi").committed;
     step_.phi = &phi_frozen_;
   }
+  if (heat_) {
+    heat_->begin(attempt.t_n, attempt.t);
+    theta_frozen_ = state_.row("theta").committed;
+    step_.theta = &theta_frozen_;
+  }
   motion_.begin(step_);
   if (motion_.rigid().empty()) return;
   // Below the rounding of heavy bodies' inertia no residual can fall.
@@ -277,6 +283,11 @@ void Coupling::forget_factors() {
   KSP ksp = nullptr;
   check(SNESGetKSP(motion_snes_, &ksp));
   check(KSPReset(ksp));
+  if (heat_) heat_->forget_factors();
+}
+
+std::span<const double> Coupling::heat_supplied() const {
+  return heat_ ? std::span<const double>(heat_->supplied()) : std::span<const double>();
 }
 
 bool Coupling::refresh_contact(Vec u) {
@@ -449,23 +460,62 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
 PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
   PassResult result;
   counts_.passes = pass;
-  if (pass == 1) motion_.impose(u);
   if (pass > 1 && damage_) relax_phi(pass);
-  check(SNESSolve(uzawa_snes_, nullptr, u));
-  check(SNESGetConvergedReason(uzawa_snes_, &result.inner));
-  if (result.inner < 0) {
-    if (failure_.empty()) failure_ = std::string("uzawa: ") + SNESConvergedReasons[result.inner];
-    return result;
+  if (pass > 1 && heat_) theta_frozen_ = state_.row("theta").trial;
+  if (settings_.moves) {
+    if (pass == 1) motion_.impose(u);
+    check(SNESSolve(uzawa_snes_, nullptr, u));
+    check(SNESGetConvergedReason(uzawa_snes_, &result.inner));
+    if (result.inner < 0) {
+      if (failure_.empty()) failure_ = std::string("uzawa: ") + SNESConvergedReasons[result.inner];
+      return result;
+    }
   }
-  if (!motion_.advance(u, increments_)) {
+  if ((settings_.moves || damage_) && !motion_.advance(u, increments_, heat_ ? heat_->rows() : HeatRows{})) {
     cell_broke_ = true;
     failure_ = "the law failed at the solution";
     result.inner = SNES_DIVERGED_FUNCTION_DOMAIN;
     return result;
   }
-  if (!damage_) return result;
+  if (damage_ || heat_) motion_.discretisation().displacement.to_local(u, u_local_);
+  if (damage_) damage_pass(result);
+  if (heat_ && result.inner >= 0) heat_pass(result);
+  return result;
+}
 
-  motion_.discretisation().displacement.to_local(u, u_local_);
+void Coupling::heat_pass(PassResult& result) {
+  StateRow& theta = state_.row("theta");
+  HeatStep step;
+  if (settings_.moves) {
+    step.u = &u_local_;
+    step.u_n = step_.u_n;
+  }
+  if (damage_) {
+    step.phi = &state_.row("phi").trial;
+    step.phi_n = &state_.row("phi").committed;
+  }
+  const HeatOutcome outcome = heat_->solve(step, theta.trial);
+  counts_.heat += outcome.newton;
+  counts_.heat_linear += outcome.linear;
+  result.inner = outcome.reason;
+  if (outcome.reason < 0) {
+    failure_ = std::string("heat: ") + SNESConvergedReasons[outcome.reason];
+    return;
+  }
+  // Relative to the temperature: a ten-thousandth of it strains a metal by less than 1e-6. What no equation
+  // reads needs no second pass.
+  const Discretisation& d = motion_.discretisation();
+  if (!d.has_thermal_expansion()) return;
+  PetscReal change_and_size[2] = {0, 0};
+  for (std::size_t i = 0; i < theta.trial.size(); ++i) {
+    change_and_size[0] = std::max(change_and_size[0], std::abs(theta.trial[i] - theta_frozen_[i]));
+    change_and_size[1] = std::max(change_and_size[1], theta.trial[i]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, change_and_size, 2, MPIU_REAL, MPIU_MAX, d.mesh.comm());
+  result.change = std::max(result.change, change_and_size[0] / change_and_size[1]);
+}
+
+void Coupling::damage_pass(PassResult& result) {
   StateRow& phi = state_.row("phi");
   DamageStep step;
   step.t = step_.t;
@@ -480,7 +530,7 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
   result.inner = outcome.reason;
   if (outcome.reason < 0) {
     failure_ = std::string("damage: ") + SNESConvergedReasons[outcome.reason];
-    return result;
+    return;
   }
   PetscReal change_and_growth[2] = {0, 0};
   std::swap(phi_change_before_, phi_change_);
@@ -504,7 +554,6 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
       result.inner = SNES_DIVERGED_INNER;
     }
   }
-  return result;
 }
 
 double Coupling::owned_dot(const std::vector<double>& a, const std::vector<double>& b) const {
@@ -731,8 +780,19 @@ void Coupling::begin_at_rest_of_step(double t, Vec u, Vec v) {
   step.dt = h;
   step.u_n = &u_before_;
   if (damage_) step.phi = &state_.row("phi").committed;
+  if (heat_) step.theta = &state_.row("theta").committed;
   step.contact_scale = contact_scale_;
   motion_.begin(step);
+}
+
+void Coupling::start_heat(Vec u) {
+  if (!heat_ || !settings_.moves) return;
+  const HeatRows rows = heat_->rows();
+  if (!rows.stress) return;
+  MotionProblem::Increments unused;
+  motion_.advance(u, unused, {nullptr, rows.stress});
+  state_.row("stress").committed = *rows.stress;
+  state_.rollback();
 }
 
 void Coupling::initial_acceleration(double t, Vec u, Vec v, Vec a) {

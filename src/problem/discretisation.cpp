@@ -21,6 +21,19 @@ bool Discretisation::has_plasticity() const {
   return false;
 }
 
+bool Discretisation::has_heat() const {
+  for (const MaterialAssignment& m : materials)
+    if (m.law.parameters.c_v > 0) return true;
+  return false;
+}
+
+bool Discretisation::has_thermal_expansion() const {
+  if (!has_heat()) return false;
+  for (const MaterialAssignment& m : materials)
+    if (m.law.parameters.alpha_t != 0) return true;
+  return false;
+}
+
 std::size_t point_values(const CellGroup& group, int components) {
   return static_cast<std::size_t>(group.batch_count) * static_cast<std::size_t>(point_count(group.shape)) *
          static_cast<std::size_t>(components) * lanes;
@@ -94,6 +107,11 @@ void declare_state(const Discretisation& d, StateTable& table) {
     StateRow phi{"phi", Support::vertex, 1};
     phi.output = true;
     table.add(std::move(phi), d.node_values(1));
+  }
+  if (d.has_heat()) {
+    StateRow theta{"theta", Support::vertex, 1};
+    theta.output = true;
+    table.add(std::move(theta), d.node_values(1));
   }
   std::size_t history = 0, drive = 0;
   for (const CellGroup& group : d.groups) {

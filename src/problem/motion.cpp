@@ -29,14 +29,15 @@ template <int n> double trace(const Batch* K, int lanes_in_use) {
 MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
                              bool symmetric_tangent, ContactOperator contact_operator, MatrixFormat format,
-                             RigidBodies* rigid)
+                             RigidBodies* rigid, bool solved)
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
       rigid_(rigid != nullptr ? rigid : &no_bodies_), symmetric_(symmetric_tangent),
-      operator_(contact_operator), format_(format),
+      operator_(contact_operator), format_(format), solved_(solved),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
       free_(d_.node_values(d_.dim()), 1.0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
-      drive_offset_(point_offsets(d_.groups, drive_size)) {
+      drive_offset_(point_offsets(d_.groups, drive_size)), dissipation_offset_(point_offsets(d_.groups, 1)),
+      stress_offset_(point_offsets(d_.groups, gradient_size(d_.frame))) {
   for (std::size_t i = 0; i < free_.size(); ++i)
     if (boundary_.fixed_mask()[i]) {
       free_[i] = 0;
@@ -89,7 +90,7 @@ void MotionProblem::rebuild_matrix() {
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
-  assembly_.emplace(d_.displacement, d_.mesh, d_.groups, extra, format_);
+  assembly_.emplace(d_.displacement, d_.mesh, solved_ ? d_.groups : no_groups_, extra, format_);
   const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
   check(MatSetNearNullSpace(matrix(), modes));
 }
@@ -177,8 +178,13 @@ void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, cons
 
 MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std::vector<double>* accel,
                                         const PointLaw& law) const {
-  return {&X_,     &u,        law.viscous() ? step_.u_n : nullptr,
-          accel,   step_.phi, law.flows() ? &state_.row("history").committed : nullptr,
+  return {&X_,
+          &u,
+          law.viscous() ? step_.u_n : nullptr,
+          accel,
+          step_.phi,
+          law.parameters.alpha_t != 0 ? step_.theta : nullptr,
+          law.flows() ? &state_.row("history").committed : nullptr,
           step_.dt};
 }
 
@@ -329,7 +335,7 @@ void MotionProblem::projection_tangent(Vec w, double shift) {
   close_tangent(w, false, add_mass(*assembly_, shift, true), shift);
 }
 
-bool MotionProblem::advance(Vec u, Increments& sums) {
+bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
   d_.displacement.to_local(u, u_);
   StateRow& history = state_.row("history");
   StateRow& drive = state_.row("drive");
@@ -345,13 +351,19 @@ bool MotionProblem::advance(Vec u, Increments& sums) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         PointValues<Cell, history_size(frame)> next;
         PointValues<Cell, drive_size> driving;
+        PointValues<Cell, 1> dissipation;
+        PointValues<Cell, gradient_size(frame)> stress;
         StepSums step_sums;
+        const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
+                            heat.stress ? stress.data() : nullptr};
         const CellStatus status = motion_advance<Cell, frame>(
-            law, batch.in, law.flows() ? next.data() : nullptr, driving.data(), step_sums);
+            law, batch.in, law.flows() ? next.data() : nullptr, driving.data(), step_sums, feed);
         const int used = group.lanes_in_use(b);
         sound = sound && (status.bad & ((1 << used) - 1)) == 0;
         if (law.flows()) next.store(history.trial, history_offset_[g], b);
         driving.store(drive.trial, drive_offset_[g], b);
+        if (heat.dissipation) dissipation.store(*heat.dissipation, dissipation_offset_[g], b);
+        if (heat.stress) stress.store(*heat.stress, stress_offset_[g], b);
         total[0] += lane_sum(step_sums.plastic_dissipation, used);
         total[1] += lane_sum(step_sums.viscous_dissipation, used);
         total[2] += lane_sum(step_sums.plastic_work, used);

@@ -8,7 +8,7 @@ namespace impact {
 /// Nodal fields as local arrays [node][components], the committed history as a row; a null pointer leaves the
 /// term, or the history of a law without flow, out.
 struct MotionFields {
-  const std::vector<double>*X, *u, *u_n, *accel, *phi, *history;
+  const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *history;
   double dt;
 };
 
@@ -16,7 +16,7 @@ struct MotionFields {
 template <class Cell, Frame frame> struct MotionBatch {
   static constexpr std::size_t vector_size = static_cast<std::size_t>(Cell::nodes * Cell::dim);
   std::array<Batch, vector_size> X, u, u_n, accel;
-  std::array<Batch, static_cast<std::size_t>(Cell::nodes)> phi;
+  std::array<Batch, static_cast<std::size_t>(Cell::nodes)> phi, theta;
   PointValues<Cell, history_size(frame)> history;
   MotionInput in;
 
@@ -31,6 +31,7 @@ template <class Cell, Frame frame> struct MotionBatch {
     in.u_n = read.template operator()<Cell::dim>(fields.u_n, u_n);
     in.accel = read.template operator()<Cell::dim>(fields.accel, accel);
     in.phi = read.template operator()<1>(fields.phi, phi);
+    in.theta = read.template operator()<1>(fields.theta, theta);
     if (fields.history != nullptr) {
       history.load(*fields.history, history_offset, batch);
       in.history = history.data();

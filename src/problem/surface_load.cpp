@@ -109,4 +109,69 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
   }
 }
 
+namespace {
+
+std::size_t point_index(int f, int q) {
+  return static_cast<std::size_t>(f) * points_per_facet + static_cast<std::size_t>(q);
+}
+
+} // namespace
+
+void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                          const std::function<void(std::size_t index, const double* x)>& body) {
+  const int dim = dimension(frame);
+  for (int f = 0; f < facets.count(); ++f) {
+    const FacetNodes n = facet_nodes(facets, f, dim, X, nullptr);
+    for (int q = 0; q < n.count; ++q) {
+      double at[3] = {0, 0, 0};
+      facet_position(facet_point(n.count, q), n.count, dim, n.X.data(), at);
+      body(point_index(f, q), at);
+    }
+  }
+}
+
+double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                        const SurfaceHeat& heat, const std::vector<double>& theta, double weight,
+                        std::vector<double>& load) {
+  double total = 0;
+  for (int f = 0; f < facets.count(); ++f) {
+    const FacetNodes n = facet_nodes(facets, f, dimension(frame), X, nullptr);
+    for (int q = 0; q < n.count; ++q) {
+      const FacetPoint p = facet_point(n.count, q);
+      double at = 0;
+      for (int a = 0; a < n.count; ++a)
+        at += p.N[a] * theta[static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)])];
+      const std::size_t i = point_index(f, q);
+      const double in = weight * reference_area(p, n.count, frame, n.X.data()) *
+                        (heat.inflow[i] - heat.coefficient[i] * at);
+      for (int a = 0; a < n.count; ++a)
+        load[static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)])] += p.N[a] * in;
+      total += in;
+    }
+  }
+  return total;
+}
+
+void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                              const SurfaceHeat& heat, double weight, const std::vector<char>& held,
+                              std::span<const PetscInt> global_node, Mat matrix) {
+  for (int f = 0; f < facets.count(); ++f) {
+    const FacetNodes n = facet_nodes(facets, f, dimension(frame), X, nullptr);
+    std::array<double, 16> K{};
+    std::array<PetscInt, 4> index{};
+    for (int q = 0; q < n.count; ++q) {
+      const FacetPoint p = facet_point(n.count, q);
+      const double h =
+          weight * reference_area(p, n.count, frame, n.X.data()) * heat.coefficient[point_index(f, q)];
+      for (int a = 0; a < n.count; ++a)
+        for (int b = 0; b < n.count; ++b) K[static_cast<std::size_t>(a * n.count + b)] += h * p.N[a] * p.N[b];
+    }
+    for (int a = 0; a < n.count; ++a) {
+      const auto node = static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)]);
+      index[static_cast<std::size_t>(a)] = held[node] ? -1 : global_node[node]; // negative: left out
+    }
+    check(MatSetValues(matrix, n.count, index.data(), n.count, index.data(), K.data(), ADD_VALUES));
+  }
+}
+
 } // namespace impact

@@ -21,7 +21,7 @@ std::string path_of(const OutputScenario& output, const Scenario& scenario) {
 OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
   const std::vector<std::string> offered = source.names();
   if (output.fields.empty())
-    for (const char* name : {"u", "v", "phi", "stress", "von_mises", "alpha", "contact_pressure"})
+    for (const char* name : {"u", "v", "phi", "theta", "stress", "von_mises", "alpha", "contact_pressure"})
       if (std::find(offered.begin(), offered.end(), name) != offered.end()) output.fields.emplace_back(name);
   for (const std::string& name : output.fields)
     if (std::find(offered.begin(), offered.end(), name) == offered.end())

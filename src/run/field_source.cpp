@@ -64,6 +64,7 @@ std::vector<double> FieldSource::cellwise(const std::string& name, const Snapsho
   const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
   const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
   const StateRow* phi_row = state_.find("phi");
+  const StateRow* theta_row = state_.find("theta");
   const auto offset = point_offsets(d.groups, history_size(d.frame));
   std::size_t size = 0;
   for (const CellGroup& group : d.groups) size += static_cast<std::size_t>(group.batch_count) * lanes;
@@ -76,8 +77,9 @@ std::vector<double> FieldSource::cellwise(const std::string& name, const Snapsho
       constexpr int dim = Cell::dim;
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, dim> at(group, b, u), reference(group, b, X);
-        std::optional<Gathered<Cell, 1>> phi;
+        std::optional<Gathered<Cell, 1>> phi, theta;
         if (phi_row) phi.emplace(group, b, phi_row->committed);
+        if (theta_row) theta.emplace(group, b, theta_row->committed);
         PointValues<Cell, history_size(frame)> points;
         points.load(history, offset[g], b);
         MotionInput in;
@@ -86,6 +88,7 @@ std::vector<double> FieldSource::cellwise(const std::string& name, const Snapsho
         in.u_n =
             at.data(); // the stress field leaves the viscous part out: it belongs to a step, not to a state
         in.phi = phi_row ? phi->data() : nullptr;
+        in.theta = theta_row ? theta->data() : nullptr;
         in.history = points.data();
         CellOutput out;
         cell_output<Cell, frame>(law, in, out);

@@ -329,6 +329,7 @@ void HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) 
   row.emplace_back("linear", counts.linear);
   if (!motion_.contacts().empty()) row.emplace_back("uzawa", counts.uzawa);
   if (motion_.discretisation().has_damage()) row.emplace_back("damage_its", counts.damage);
+  if (motion_.discretisation().has_heat()) row.emplace_back("heat_its", counts.heat);
   ledger_.append_energies(row);
   ledger_.append_reactions(row);
   append_contacts(row, snapshot);

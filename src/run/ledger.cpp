@@ -33,10 +33,11 @@ std::vector<double> mean_of(const std::vector<double>& a, const std::vector<doub
 
 } // namespace
 
-Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m)
-    : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), alpha_m_(alpha_m),
-      X_(motion.discretisation().mesh.coordinates().begin(),
-         motion.discretisation().mesh.coordinates().end()) {
+Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m,
+               bool moves)
+    : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), moves_(moves),
+      alpha_m_(alpha_m), X_(motion.discretisation().mesh.coordinates().begin(),
+                            motion.discretisation().mesh.coordinates().end()) {
   const Discretisation& d = motion_.discretisation();
   const auto vertex_row = [&](const char* name) {
     StateRow row{name, Support::vertex, d.dim()};
@@ -50,6 +51,11 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   inertia_force_ = vertex_row("force_inertia");
   materials_.resize(d.materials.size());
   const auto& conditions = motion_.boundary().conditions();
+  if (d.has_heat()) {
+    StateRow row{"ledger_heat", Support::global, static_cast<int>(conditions.size()) + 1};
+    heat_ = &state_.add(std::move(row), conditions.size() + 1); // the last one keeps the row from being empty
+  }
+  mean_theta_.resize(conditions.size());
   reaction_.resize(conditions.size() * static_cast<std::size_t>(d.dim()));
   mean_.resize(reaction_.size());
   moment_.resize(conditions.size() * 3);
@@ -73,19 +79,22 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
     return trial ? row.trial : row.committed;
   };
   const StateRow* phi_row = state_.find("phi");
+  const StateRow* theta_row = state_.find("theta");
   const std::vector<double>& history = half(state_.row("history"));
   const auto offset = point_offsets(d.groups, history_size(d.frame));
-  std::vector<double> values(d.materials.size() * 7, 0.0);
+  constexpr std::size_t columns = 8;
+  std::vector<double> values(d.materials.size() * columns, 0.0);
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];
     const PointLaw& law = d.law(group);
-    double* mine = &values[static_cast<std::size_t>(group.material) * 7];
+    double* mine = &values[static_cast<std::size_t>(group.material) * columns];
     with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim;
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_local), speed(group, b, v_local);
-        std::optional<Gathered<Cell, 1>> phi;
+        std::optional<Gathered<Cell, 1>> phi, theta;
         if (phi_row) phi.emplace(group, b, half(*phi_row));
+        if (theta_row) theta.emplace(group, b, half(*theta_row));
         PointValues<Cell, history_size(frame)> points;
         points.load(history, offset[g], b);
         EnergyInput in;
@@ -93,6 +102,7 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         in.u = at.data();
         in.v = inertia_ ? speed.data() : nullptr;
         in.phi = phi_row ? phi->data() : nullptr;
+        in.theta = theta_row ? theta->data() : nullptr;
         in.history = points.data();
         EnergySums sums;
         stored_energy<Cell, frame>(law, in, sums);
@@ -102,6 +112,10 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         mine[2] += lane_sum(sums.plastic, used);
         mine[3] += lane_sum(sums.fracture, used);
         for (int k = 0; k < 3; ++k) mine[4 + k] += lane_sum(sums.momentum[k], used);
+        if (!theta_row) continue;
+        Batch heat = 0;
+        stored_heat<Cell, frame>(law, in, heat);
+        mine[7] += lane_sum(heat, used);
       }
     });
   }
@@ -109,20 +123,22 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
                 d.mesh.comm());
   total_ = {};
   for (std::size_t m = 0; m < materials_.size(); ++m) {
-    const double* v7 = &values[m * 7];
+    const double* of = &values[m * columns];
     const double w = d.thickness;
-    materials_[m] = {w * v7[0], w * v7[1], w * v7[2], w * v7[3], {w * v7[4], w * v7[5], w * v7[6]}};
+    materials_[m] = {w * of[0], w * of[1], w * of[2],
+                     w * of[3], w * of[7], {w * of[4], w * of[5], w * of[6]}};
     total_.kinetic += materials_[m].kinetic;
     total_.elastic += materials_[m].elastic;
     total_.plastic += materials_[m].plastic;
     total_.fracture += materials_[m].fracture;
+    total_.thermal += materials_[m].thermal;
   }
   find_extremes(trial);
 }
 
 void Ledger::find_extremes(bool trial) {
   const Discretisation& d = motion_.discretisation();
-  double extremes[2] = {0, 0};
+  double extremes[3] = {0, 0, 0};
   if (const StateRow* phi = state_.find("phi"))
     for (double value : trial ? phi->trial : phi->committed) extremes[0] = std::max(extremes[0], value);
   const StateRow& row = state_.row("history");
@@ -130,7 +146,10 @@ void Ledger::find_extremes(bool trial) {
   const auto components = static_cast<std::size_t>(history_size(d.frame));
   for (std::size_t i = (components - 1) * lanes; i < history.size(); i += components * lanes)
     for (std::size_t l = 0; l < lanes; ++l) extremes[1] = std::max(extremes[1], history[i + l]);
-  MPI_Allreduce(MPI_IN_PLACE, extremes, 2, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  if (const StateRow* theta = state_.find("theta"))
+    for (double value : trial ? theta->trial : theta->committed) extremes[2] = std::max(extremes[2], value);
+  MPI_Allreduce(MPI_IN_PLACE, extremes, 3, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  theta_max_ = extremes[2];
   phi_max_ = extremes[0];
   alpha_max_ = extremes[1];
 }
@@ -142,7 +161,8 @@ double Ledger::contact_energy(Vec u) const {
 }
 
 double Ledger::stored() const {
-  return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + energy_contact_;
+  return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + total_.thermal +
+         energy_contact_;
 }
 
 void Ledger::start(Vec u, Vec v, Vec) {
@@ -290,8 +310,13 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     MPI_Allreduce(MPI_IN_PLACE, &lost, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
     sum(damage) += w * lost;
   }
+  if (heat_) {
+    const std::span<const double> supplied = coupling_->heat_supplied();
+    for (std::size_t c = 0; c < supplied.size(); ++c) heat_->trial[c] += w * supplied[c];
+  }
   sum(scale) =
       std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
+  if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
   find_reactions(u_local);
 }
 
@@ -324,11 +349,15 @@ void Ledger::find_reactions(const std::vector<double>& u) {
       else if (k < dim && rank == 0) // the same on all ranks, which are summed below
         reaction_[static_cast<std::size_t>(c) * dim + k] += value;
     }
-  std::vector<double> sums(mean_.size() + condition_nodes_.size(), 0.0);
+  std::vector<double> sums(mean_.size() + 2 * condition_nodes_.size(), 0.0);
+  const StateRow* theta = state_.find("theta");
   for (std::size_t c = 0; c < condition_nodes_.size(); ++c) {
     for (int node : condition_nodes_[c])
       for (std::size_t k = 0; k < dim; ++k) sums[c * dim + k] += u[static_cast<std::size_t>(node) * dim + k];
     sums[mean_.size() + c] = static_cast<double>(condition_nodes_[c].size());
+    if (theta)
+      for (int node : condition_nodes_[c])
+        sums[mean_.size() + condition_nodes_.size() + c] += theta->trial[static_cast<std::size_t>(node)];
   }
   MPI_Allreduce(MPI_IN_PLACE, reaction_.data(), static_cast<int>(reaction_.size()), MPI_DOUBLE, MPI_SUM,
                 d.mesh.comm());
@@ -336,14 +365,27 @@ void Ledger::find_reactions(const std::vector<double>& u) {
   for (std::size_t c = 0; c < condition_nodes_.size(); ++c)
     for (std::size_t k = 0; k < dim; ++k)
       mean_[c * dim + k] = sums[c * dim + k] / std::max(1.0, sums[mean_.size() + c]);
+  for (std::size_t c = 0; c < condition_nodes_.size(); ++c)
+    mean_theta_[c] = sums[mean_.size() + condition_nodes_.size() + c] / std::max(1.0, sums[mean_.size() + c]);
 }
 
 double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(scale) + 1e-300; }
 double Ledger::balance() const { return sum(identity) / energy_scale(); }
 
+double Ledger::dissipated() const {
+  if (heat_) return sum(friction) + sum(numerical); // the rest is thermal energy
+  return sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(numerical);
+}
+
+double Ledger::heat_supplied() const {
+  double total = 0;
+  if (heat_)
+    for (double part : heat_->trial) total += part;
+  return total;
+}
+
 double Ledger::balance_first_law() const {
-  const double lost = sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(numerical);
-  return (stored() + lost - sum(external) - sum(start_energy)) / energy_scale();
+  return (stored() + dissipated() - sum(external) - heat_supplied() - sum(start_energy)) / energy_scale();
 }
 
 void Ledger::append_energies(HistoryFile::Row& row) const {
@@ -352,22 +394,26 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   const bool has_contact = !contacts.empty();
   const bool has_friction =
       std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); });
-  row.emplace_back("energy_kinetic", total_.kinetic);
-  row.emplace_back("energy_elastic", total_.elastic);
+  const bool heat = d.has_heat();
+  if (moves_) row.emplace_back("energy_kinetic", total_.kinetic);
+  if (moves_ || d.has_damage()) row.emplace_back("energy_elastic", total_.elastic);
   if (d.has_plasticity()) row.emplace_back("energy_plastic", total_.plastic);
   if (d.has_damage()) row.emplace_back("energy_fracture", total_.fracture);
+  if (heat) row.emplace_back("energy_thermal", total_.thermal);
   if (d.has_viscosity()) row.emplace_back("dissipated_viscous", sum(viscous));
   if (d.has_damage()) row.emplace_back("dissipated_damage", sum(damage));
   if (d.has_plasticity()) row.emplace_back("dissipated_plastic", sum(plastic_dissipation));
   if (has_friction) row.emplace_back("dissipated_friction", sum(friction));
   if (has_contact) row.emplace_back("energy_contact", energy_contact_);
-  row.emplace_back("dissipated_numerical", sum(numerical));
-  row.emplace_back("work_external", sum(external));
+  if (moves_) row.emplace_back("dissipated_numerical", sum(numerical));
+  if (moves_) row.emplace_back("work_external", sum(external));
   if (has_contact) row.emplace_back("work_contact", sum(contact_work));
-  row.emplace_back("balance", balance());
+  if (heat) row.emplace_back("heat_supplied", heat_supplied());
+  if (moves_) row.emplace_back("balance", balance());
   row.emplace_back("balance_first_law", balance_first_law());
   if (d.has_damage()) row.emplace_back("phi_max", phi_max_);
   if (d.has_plasticity()) row.emplace_back("alpha_max", alpha_max_);
+  if (heat) row.emplace_back("theta_max", theta_max_);
 }
 
 void Ledger::append_reactions(HistoryFile::Row& row) const {
@@ -377,6 +423,11 @@ void Ledger::append_reactions(HistoryFile::Row& row) const {
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const BcType type = conditions[c].type;
     if (type == BcType::body_force || type == BcType::damage) continue;
+    if (is_thermal(type)) {
+      row.emplace_back("heat_" + conditions[c].id, heat_->trial[c]);
+      row.emplace_back("mean_" + conditions[c].id + "_theta", mean_theta_[c]);
+      continue;
+    }
     const bool holds = type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
                        type == BcType::velocity || type == BcType::acceleration;
     for (int k = 0; k < dim; ++k) {
@@ -409,6 +460,8 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < materials_.size(); ++m) {
     const std::string& id = d.materials[m].law.parameters.id;
+    if (d.has_heat()) row.emplace_back("energy_thermal_" + id, materials_[m].thermal);
+    if (!moves_) continue;
     for (int k = 0; k < d.dim(); ++k)
       row.emplace_back("momentum_" + id + "_" + axis[k], materials_[m].momentum[k]);
     row.emplace_back("energy_kinetic_" + id, materials_[m].kinetic);

@@ -104,7 +104,7 @@ Attributes material_attributes(const std::string& id, const std::vector<std::str
   return all;
 }
 
-std::vector<MaterialScenario> read_materials(const OptionContext& context) {
+std::vector<MaterialScenario> read_materials(const Scenario& scenario, const OptionContext& context) {
   const OptionClass<MaterialInput> table = material_class();
   const std::vector<std::string> ids = read_ids(table.registry);
   std::vector<MaterialScenario> all;
@@ -116,7 +116,7 @@ std::vector<MaterialScenario> read_materials(const OptionContext& context) {
       const auto found = attributes.find(name);
       return found == attributes.end() ? std::nullopt : std::optional(found->second);
     });
-    all.push_back(resolve_material(input));
+    all.push_back(resolve_material(input, scenario));
   }
   return all;
 }
@@ -184,8 +184,19 @@ void print_help(MPI_Comm comm) {
 
 } // namespace
 
+bool Scenario::solves(const std::string& name) const {
+  if (physics.empty()) return name == "motion" || name == "damage" || name == "heat";
+  return std::find(physics.begin(), physics.end(), name) != physics.end();
+}
+
+bool Scenario::has_heat() const {
+  return solves("heat") && std::any_of(materials.begin(), materials.end(),
+                                       [](const MaterialScenario& material) { return material.law.c_v > 0; });
+}
+
 bool Scenario::has_damage() const {
-  return std::any_of(materials.begin(), materials.end(),
+  return solves("damage") &&
+         std::any_of(materials.begin(), materials.end(),
                      [](const MaterialScenario& material) { return material.law.damage != Damage::none; });
 }
 
@@ -210,7 +221,7 @@ Scenario read_scenario(MPI_Comm comm) {
   require(rows, "", context);
   read_expression_names(scenario, context);
   read_mesh_settings(scenario);
-  scenario.materials = read_materials(context);
+  scenario.materials = read_materials(scenario, context);
   scenario.bcs = read_class(boundary_class(), context);
   scenario.ics = read_class(initial_class(), context);
   scenario.contacts = read_class(contact_class(), context);

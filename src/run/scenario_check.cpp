@@ -30,8 +30,11 @@ void complete_output(OutputScenario& output, const Scenario& scenario) {
     output.file = output.type == OutputScenario::Type::csv ? "history.csv" : output.id + ".xdmf";
   if (output.type == OutputScenario::Type::csv || !output.fields.empty()) return;
   output.fields = {"u"};
+  if (!scenario.has_motion()) output.fields.clear();
   if (scenario.has_inertia()) output.fields.emplace_back("v");
   if (scenario.has_damage()) output.fields.emplace_back("phi");
+  if (scenario.has_heat()) output.fields.emplace_back("theta");
+  if (!scenario.has_motion()) return;
   output.fields.insert(output.fields.end(), {"stress", "von_mises", "pressure"});
   if (any_plastic(scenario)) output.fields.emplace_back("alpha");
   if (!scenario.contacts.empty())
@@ -76,7 +79,7 @@ void check_materials(const Scenario& scenario) {
 
 void check_condition(const BoundaryCondition& bc) {
   const std::string prefix = "-bc_" + bc.id + "_";
-  const bool scalar = bc.type == BcType::pressure || bc.type == BcType::damage;
+  const bool scalar = bc.type == BcType::pressure || bc.type == BcType::damage || is_thermal(bc.type);
   const bool bare = bc.type == BcType::fix || bc.type == BcType::symmetry;
   bool components = false;
   for (int k = 0; k < 3; ++k) {
@@ -97,12 +100,43 @@ void check_condition(const BoundaryCondition& bc) {
   }
   if (bc.value && !scalar)
     fail(bc.value->key() + " \"" + bc.value->text() +
-         "\": has no meaning for this type; allowed with types pressure and damage");
+         "\": has no meaning for this type; allowed with types pressure, damage, temperature, heat_flux, "
+         "convection and heat_source");
   if (scalar && !bc.value)
-    fail(prefix + "value: missing; allowed: an expression; the types pressure and damage need it");
+    fail(prefix +
+         "value: missing; allowed: an expression; the types pressure, damage, temperature, heat_flux, "
+         "convection and heat_source need it");
+  if (bc.type == BcType::convection && !bc.coefficient)
+    fail(prefix + "h: missing; allowed: an expression; type convection needs it");
+  if (bc.coefficient && bc.type != BcType::convection)
+    fail(bc.coefficient->key() + " \"" + bc.coefficient->text() +
+         "\": has no meaning for this type; allowed with type convection");
   if (!scalar && !bare && !components)
     fail(prefix + "ux: missing; allowed: at least one of " + prefix + "ux, " + prefix + "uy, " + prefix +
          "uz");
+}
+
+void check_heat(const Scenario& scenario) {
+  const bool heat = scenario.has_heat(), asked = !scenario.physics.empty();
+  if (!heat && asked && scenario.solves("heat"))
+    fail("-physics \"heat\": no material has a heat capacity; give -material_" +
+         scenario.materials.front().law.id + "_c_v");
+  if (!asked)
+    for (const BoundaryCondition& bc : scenario.bcs)
+      if (!heat && is_thermal(bc.type))
+        fail("-bc_" + bc.id +
+             "_type: acts on the temperature, and no material has a heat capacity; give "
+             "-material_" +
+             scenario.materials.front().law.id + "_c_v, or remove it");
+  if (heat)
+    for (const MaterialScenario& material : scenario.materials)
+      if (material.law.c_v == 0)
+        fail("-material_" + material.law.id +
+             "_c_v: missing; allowed: a heat capacity > 0; other materials have "
+             "one, and heat is solved in all of them");
+  if (!scenario.has_motion() && !heat && !scenario.has_damage())
+    fail("-physics \"damage\": no material has damage; give -material_" + scenario.materials.front().law.id +
+         "_damage");
 }
 
 void check_contact(const ContactSettings& contact) {
@@ -133,7 +167,7 @@ void check_impact_updates(const Scenario& scenario) {
 void check_alpha2(const Scenario& scenario) {
   if (scenario.time.type != "alpha2") return;
   const std::string remedy =
-      "; allowed with -ts_type alpha2: elastic bodies without damage, contact and viscosity; "
+      "; allowed with -ts_type alpha2: elastic bodies without damage, heat, contact and viscosity; "
       "remove it, or choose -ts_type newmark";
   if (!scenario.contacts.empty())
     fail("-contacts \"" + scenario.contacts.front().id + "\": not available" + remedy);
@@ -143,6 +177,8 @@ void check_alpha2(const Scenario& scenario) {
       fail(prefix + "model \"" + (material.law.model == Model::j2 ? "j2" : "rigid") + "\": not available" +
            remedy);
     if (material.law.damage != Damage::none) fail(prefix + "damage \"at2\": not available" + remedy);
+    if (material.law.c_v != 0 && scenario.has_heat())
+      fail(prefix + "c_v \"" + number_text(material.law.c_v) + "\": not available" + remedy);
     if (material.law.b_d != 0)
       fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
   }
@@ -245,8 +281,9 @@ private:
 
 void check_condition_groups(const Scenario& scenario, const GroupCheck& check, int dim) {
   for (const BoundaryCondition& bc : scenario.bcs) {
-    const bool surface = bc.type == BcType::traction || bc.type == BcType::pressure;
-    const bool volume = bc.type == BcType::body_force;
+    const bool surface = bc.type == BcType::traction || bc.type == BcType::pressure ||
+                         bc.type == BcType::heat_flux || bc.type == BcType::convection;
+    const bool volume = bc.type == BcType::body_force || bc.type == BcType::heat_source;
     for (const std::string& name : bc.on)
       check("-bc_" + bc.id + "_on", name,
             surface  ? std::vector<int>{dim - 1}
@@ -268,10 +305,19 @@ void check_condition_groups(const Scenario& scenario, const GroupCheck& check, i
 
 } // namespace
 
+// Whether motion waits for what damage and heat make of its solution.
+bool iterates(const Scenario& scenario) {
+  return scenario.has_damage() ||
+         (scenario.has_heat() && std::any_of(scenario.materials.begin(), scenario.materials.end(),
+                                             [](const auto& material) { return material.law.alpha_t != 0; }));
+}
+
 void complete(Scenario& scenario) {
   complete_time(scenario.time);
   if (scenario.coupling.max_it == 0)
-    scenario.coupling.max_it = !scenario.has_inertia() && scenario.has_damage() ? 200 : 1;
+    scenario.coupling.max_it =
+        scenario.has_motion() && !scenario.has_inertia() && iterates(scenario) ? 200 : 1;
+  scenario.coupling.moves = scenario.has_motion();
   const auto& steps = scenario.time.table_dts;
   scenario.coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
   if (scenario.checkpoint.wall < 0)
@@ -291,6 +337,7 @@ void check_scenario(const Scenario& scenario) {
   if (scenario.dim == 3 && scenario.plane == PlaneMode::axisymmetric)
     fail("-plane \"axisymmetric\": the problem has three dimensions; allowed with -dim 2");
   for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
+  check_heat(scenario);
   for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
   check_impact_updates(scenario);
   check_alpha2(scenario);

@@ -16,7 +16,7 @@ void add_components(std::vector<OptionRow<Struct>>& rows, const std::string& ste
 }
 
 std::vector<std::string> mesh_fields() {
-  return {"u", "v", "a", "phi", "stress", "von_mises", "alpha", "pressure"};
+  return {"u", "v", "a", "phi", "theta", "stress", "von_mises", "alpha", "pressure"};
 }
 
 std::vector<std::string> all_fields() {
@@ -161,6 +161,13 @@ std::string condition_unit(BcType type) {
     return "Pa";
   case BcType::force:
     return "N";
+  case BcType::temperature:
+  case BcType::convection:
+    return "K";
+  case BcType::heat_flux:
+    return "W/m^2";
+  case BcType::heat_source:
+    return "W/m^3";
   case BcType::fix:
   case BcType::symmetry:
   case BcType::damage:
@@ -200,7 +207,9 @@ OptionClass<BoundaryCondition> boundary_class() {
       choice_row<Bc, BcType>(
           "type", &Bc::type,
           {"what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
-           "positive inwards; force is a total, spread over the reference area; body_force is per mass",
+           "positive inwards; force is a total, spread over the reference area; body_force is per mass; "
+           "heat_flux is inwards, per reference area, heat_source per reference volume; convection is a flux "
+           "h (value - theta)",
            "displacement"},
           {{"fix", BcType::fix},
            {"displacement", BcType::displacement},
@@ -211,7 +220,11 @@ OptionClass<BoundaryCondition> boundary_class() {
            {"pressure", BcType::pressure},
            {"force", BcType::force},
            {"body_force", BcType::body_force},
-           {"damage", BcType::damage}}),
+           {"damage", BcType::damage},
+           {"temperature", BcType::temperature},
+           {"heat_flux", BcType::heat_flux},
+           {"convection", BcType::convection},
+           {"heat_source", BcType::heat_source}}),
   };
   const auto unit_of = [](const Bc& bc) { return condition_unit(bc.type); };
   add_components<Bc>(
@@ -225,7 +238,14 @@ OptionClass<BoundaryCondition> boundary_class() {
       [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); }, "by type");
   rows.push_back(expression_row<Bc>(
       "value", [](auto& bc) -> auto& { return bc.value; },
-      {"scalar of pressure and damage (phi)", "", "by type"}, unit_of));
+      {"scalar of pressure, damage (phi), temperature, heat_flux and heat_source; of convection the "
+       "temperature around",
+       "", "by type"},
+      unit_of));
+  rows.push_back(expression_row<Bc>(
+      "h", [](auto& bc) -> auto& { return bc.coefficient; },
+      {"coefficient of convection, per reference area", "", "W/(m^2.K)", "h"},
+      [](const Bc&) { return std::string("W/(m^2.K)"); }));
   return {"bc", "bcs", "Values are expressions of x, y, z (reference coordinates) and t.", rows};
 }
 
@@ -243,6 +263,10 @@ OptionClass<InitialCondition> initial_class() {
   rows.push_back(expression_row<Ic>(
       "phi", [](auto& ic) -> auto& { return ic.phi; }, {"initial damage", "", "1", "phi"},
       [](const Ic&) { return std::string("1"); }));
+  rows.push_back(expression_row<Ic>(
+      "theta", [](auto& ic) -> auto& { return ic.theta; },
+      {"initial temperature", "_theta0 of the material", "K", "theta"},
+      [](const Ic&) { return std::string("K"); }));
   return {"ic", "ics", "Boundary conditions win over initial ones.", rows};
 }
 

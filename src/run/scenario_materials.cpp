@@ -54,6 +54,31 @@ std::vector<OptionRow<Material>> elastic_rows() {
   };
 }
 
+/// Per volume, or per mass with a unit that says so.
+OptionRow<Material> capacity_row() {
+  OptionRow<Material> row = number_row<Material>(
+      "c_v", law(&Law::c_v),
+      {"heat capacity at fixed elastic volume, that of free expansion, per reference volume; in J/(kg.K) "
+       "it is multiplied by rho",
+       "none: no heat", "J/(m^3.K)", "c_V", "(57)"},
+      positive, {{"", 0.}});
+  const auto per_volume = row.read;
+  row.read = [per_volume](Material& target, const GivenOption& option, const OptionContext& context) {
+    target.c_mass = MaterialInput::absent;
+    if (!parse_number(option.text)) {
+      try {
+        target.c_mass = parse_quantity(option.text, parse_unit("J/(kg.K)").dimension, context.units);
+      } catch (const std::invalid_argument&) {
+        // per volume then, or a fault that is told so
+      }
+      if (target.c_mass > 0) return;
+    }
+    target.c_mass = MaterialInput::absent;
+    per_volume(target, option, context);
+  };
+  return row;
+}
+
 std::vector<OptionRow<Material>> plastic_and_thermal_rows() {
   return {
       required("sigma_y", &Law::sigma_y, {"yield stress", "required with j2", "Pa", "sigma_y", "(55)"}, 1e15),
@@ -69,6 +94,19 @@ std::vector<OptionRow<Material>> plastic_and_thermal_rows() {
                            not_negative),
       number_row<Material>("taylor_quinney", law(&Law::taylor_quinney),
                            {"part of the plastic work that is dissipated", "0.9", "1", "chi"}, fraction),
+      capacity_row(),
+      number_row<Material>("conductivity", law(&Law::conductivity),
+                           {"thermal conductivity; 0: no heat flows", "0", "W/(m.K)", "kappa", "(63)"},
+                           not_negative),
+      choice_row<Material, Conduction>(
+          "conduction", law(&Law::conduction),
+          {"heat flux isotropic where the body is now, or in the reference body (the paper's)", "spatial", "",
+           "", "(63)"},
+          {{"spatial", Conduction::spatial}, {"material", Conduction::material}}),
+      choice_row<Material, ConductionDegradation>(
+          "gtheta", law(&Law::gtheta),
+          {"degradation of the conductivity by damage: g_e1 or 1", "ge", "", "g_theta", "(63)"},
+          {{"ge", ConductionDegradation::ge}, {"one", ConductionDegradation::one}}),
       number_row<Material>("alpha_t", law(&Law::alpha_t),
                            {"thermal expansion", "0", "1/K", "alpha_t", "(46)"}, any_number),
       number_row<Material>("theta0", law(&Law::theta0),
@@ -176,6 +214,13 @@ void check_plasticity(const MaterialInput& input) {
   }
 }
 
+void set_capacity(MaterialInput& input) {
+  if (std::isnan(input.c_mass)) return;
+  Law& result = input.scenario.law;
+  if (result.rho == 0) missing(result.id, "rho", "-material_" + result.id + "_c_v is given per mass");
+  result.c_v = input.c_mass * result.rho;
+}
+
 void check_damage(const Law& result) {
   if (result.damage == Damage::none) return;
   const std::string why = "-material_" + result.id + "_damage needs it";
@@ -193,11 +238,13 @@ OptionClass<MaterialInput> material_class() {
           "`-material_<id>_like <other>` takes everything but the region from another material first.", rows};
 }
 
-MaterialScenario resolve_material(const MaterialInput& given) {
+MaterialScenario resolve_material(const MaterialInput& given, const Scenario& scenario) {
   MaterialInput input = given;
-  set_moduli(input);
-  check_plasticity(input);
-  check_damage(input.scenario.law);
+  const bool moves = scenario.has_motion(), deforms = moves || scenario.solves("damage");
+  if (deforms || !std::isnan(input.E) || !std::isnan(input.K)) set_moduli(input);
+  if (moves) check_plasticity(input);
+  if (deforms) check_damage(input.scenario.law);
+  set_capacity(input);
   MaterialScenario& material = input.scenario;
   if (material.regions.empty()) material.regions = {material.law.id};
   material.locking_automatic = input.locking == Material::Locking::automatic;
@@ -221,7 +268,7 @@ MaterialScenario resolve_material(const MaterialInput& given) {
 MaterialInput material_input(const MaterialScenario& material) {
   MaterialInput input;
   input.scenario = material;
-  if (material.law.model != Model::rigid) {
+  if (material.law.model != Model::rigid && material.law.K != 0) {
     input.K = material.law.K;
     input.G = material.law.G;
   }

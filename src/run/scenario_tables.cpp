@@ -26,6 +26,11 @@ OptionGroup general_group() {
           choice_row<Global, PlaneMode>(
               "plane", &Scenario::plane, {"kind of a 2D problem; axisymmetric: x is the radius", "strain"},
               {{"strain", PlaneMode::strain}, {"axisymmetric", PlaneMode::axisymmetric}}),
+          list_row<Global>("physics", &Scenario::physics,
+                           {"balances that are solved; of what is left out, options and conditions have no "
+                            "effect, and without motion bodies stay where they are",
+                            "motion, and what has data of damage and heat"},
+                           {"motion", "damage", "heat"}),
           number_row<Global>("thickness", &Scenario::thickness,
                              {"of a plane problem; forces and energies are for it", "1", "m"}, positive),
           flag_row<Global>("dry_run", &Scenario::dry_run,
@@ -57,10 +62,15 @@ OptionGroup coupling_group() {
       {
           count_row<Global>(
               "coupling_snes_max_it", [](auto& s) -> auto& { return s.coupling.max_it; },
-              {"largest number of passes in a step", "1; 200 with -ts_type static and damage"}, 1),
+              {"largest number of passes in a step",
+               "1; 200 with -ts_type static and damage or thermal expansion"},
+              1),
           number_row<Global>(
               "coupling_snes_atol", [](auto& s) -> auto& { return s.coupling.atol; },
-              {"passes end when phi changes less than this anywhere", "1e-4", "1"}, positive),
+              {"passes end when phi changes less than this anywhere, and the temperature less than this part "
+               "of itself",
+               "1e-4", "1"},
+              positive),
           choice_row<Global, PassRelaxation>(
               "coupling_relaxation", [](auto& s) -> auto& { return s.coupling.relaxation; },
               {"what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi "
@@ -109,6 +119,23 @@ OptionGroup coupling_group() {
               {"contact terms in the matrix, or beside it as an operator", "assembled"},
               {{"assembled", ContactOperator::assembled}, {"shell", ContactOperator::shell}}),
       }};
+}
+
+OptionGroup heat_group() {
+  return {"Heat",
+          "Solved after motion and damage in each pass, where materials have a heat capacity.",
+          {
+              choice_row<Global, HeatForm>(
+                  "heat_form", [](auto& s) -> auto& { return s.heat.form; },
+                  {"balance of entropy, which adds no entropy but what dissipation makes, or of internal "
+                   "energy, which is the first law to rounding with the work that the motion did",
+                   "entropy", "", "", "(45')"},
+                  {{"entropy", HeatForm::entropy}, {"energy", HeatForm::energy}}),
+              number_row<Global>(
+                  "heat_theta", [](auto& s) -> auto& { return s.heat.theta; },
+                  {"time weight of the heat balance: 1 backward Euler, 0.5 trapezoid", "1", "1", "theta"},
+                  {0.5, 1, false, false}),
+          }};
 }
 
 OptionGroup time_group() {
@@ -246,7 +273,8 @@ OptionGroup checkpoint_group() {
 } // namespace
 
 std::vector<OptionGroup> global_groups() {
-  return {general_group(), mesh_group(), coupling_group(), time_group(), history_group(), checkpoint_group()};
+  return {general_group(), mesh_group(),    coupling_group(),  heat_group(),
+          time_group(),    history_group(), checkpoint_group()};
 }
 
 std::vector<OptionRow<Scenario>> global_rows() {

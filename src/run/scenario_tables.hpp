@@ -11,6 +11,7 @@ struct MaterialInput {
   static constexpr double absent = std::numeric_limits<double>::quiet_NaN();
   MaterialScenario scenario;
   double E = absent, nu = absent, K = absent, G = absent;
+  double c_mass = absent; ///< heat capacity per mass
   std::vector<std::string> hardening;
   enum class Locking { automatic, none, mean, fbar } locking = Locking::automatic;
 };
@@ -65,9 +66,9 @@ std::vector<std::string> other_global_names();
 void complete(Scenario& scenario);
 /// Throws UserError(usage) for what no single option can tell: missing and contradicting options.
 void check_scenario(const Scenario& scenario);
-/// The law of a material from what the user said; `inertia` makes the density required. Throws
-/// UserError(usage).
-MaterialScenario resolve_material(const MaterialInput& input);
+/// The law of a material from what the user said; what is required hangs on the physics of the scenario, of
+/// which `physics` has been read. Throws UserError(usage).
+MaterialScenario resolve_material(const MaterialInput& input, const Scenario& scenario);
 /// What the user would have to say for this material.
 MaterialInput material_input(const MaterialScenario& material);
 

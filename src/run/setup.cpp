@@ -30,6 +30,14 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s) {
   for (const MaterialScenario& m : s.materials) {
     MaterialParameters p = m.law;
     if (m.locking_automatic) p.locking = p.model == Model::j2 ? Locking::mean : Locking::none;
+    // Physics that is switched off leaves no trace in the law. A body that is not moved expands freely.
+    if (!s.has_damage()) p.damage = Damage::none;
+    if (!s.has_heat()) p.c_v = 0;
+    if (!s.has_motion()) {
+      p.model = Model::elastic;
+      p.b_d = p.alpha_t = 0;
+      p.locking = Locking::none;
+    }
     materials.push_back({PointLaw{p}, m.regions});
   }
   return materials;
@@ -69,15 +77,27 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
   return contacts;
 }
 
+// Conditions of physics that is switched off are passed over.
+std::vector<BoundaryCondition> conditions_at_work(const Scenario& s) {
+  std::vector<BoundaryCondition> conditions;
+  for (const BoundaryCondition& bc : s.bcs)
+    if (is_thermal(bc.type)         ? s.has_heat()
+        : bc.type == BcType::damage ? s.has_damage() || s.has_motion()
+                                    : s.has_motion())
+      conditions.push_back(bc);
+  return conditions;
+}
+
 std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s) {
   Discretisation d =
       discretise(std::move(mesh), assign_materials(s), s.plane == PlaneMode::axisymmetric, s.thickness);
-  RigidBodies rigid(d, s.bcs, s.time.max_time);
-  BoundaryData boundary(d.mesh, s.bcs, s.time.max_time, rigid.body_of_node());
+  std::vector<BoundaryCondition> conditions = conditions_at_work(s);
+  RigidBodies rigid(d, conditions, s.time.max_time);
+  BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node());
   auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}});
   declare_state(setup->discretisation, setup->state);
   setup->rigid.declare_state(setup->state);
-  setup->contacts = make_contacts(s, setup->discretisation, setup->state);
+  if (s.has_motion()) setup->contacts = make_contacts(s, setup->discretisation, setup->state);
   return setup;
 }
 
@@ -155,7 +175,7 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
   for (const ContactInterface& contact : setup->contacts)
     for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
   adjust_overlaps(s, setup);
-  if (!s.has_inertia())
+  if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))
       PetscPrintf(comm, "impact: %s\n", warning.c_str());
@@ -168,10 +188,18 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   const auto dim = static_cast<std::size_t>(d.dim());
   std::vector<double>&u = state.row("u").trial, &v = state.row("v").trial, &a = state.row("a").trial;
   const auto X = d.mesh.coordinates();
+  // Unless told otherwise bodies start at their reference temperature, the first material's where they meet.
+  if (s.has_heat())
+    for (std::size_t m = s.materials.size(); m-- > 0;)
+      for (const std::string& region : s.materials[m].regions)
+        for (int node : d.mesh.nodes(region))
+          state.row("theta").trial[static_cast<std::size_t>(node)] = s.materials[m].law.theta0;
   for (const InitialCondition& ic : s.ics)
     for (const std::string& name : ic.on) {
       if (ic.phi && !state.find("phi"))
         throw UserError(ExitCode::data, "-ic_" + ic.id + "_phi: no material has damage");
+      if (ic.theta && !state.find("theta"))
+        throw UserError(ExitCode::data, "-ic_" + ic.id + "_theta: the run has no heat");
       const std::vector<int> nodes = d.mesh.nodes(name);
       agree_on_errors(d.mesh.comm(), [&] {
         for (int node : nodes) {
@@ -182,6 +210,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
             if (ic.v[k]) v[i] = (*ic.v[k])(x, d.dim(), 0);
           }
           if (ic.phi) state.row("phi").trial[static_cast<std::size_t>(node)] = (*ic.phi)(x, d.dim(), 0);
+          if (ic.theta) state.row("theta").trial[static_cast<std::size_t>(node)] = (*ic.theta)(x, d.dim(), 0);
         }
       });
     }
@@ -189,6 +218,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
     setup.boundary.set_displacement(0, 0, u, v, u);
     setup.boundary.set_initial_rates(s.time.dt, v, a);
     if (state.find("phi")) setup.boundary.set_damage(0, state.row("phi").trial);
+    if (state.find("theta")) setup.boundary.set_temperature(0, state.row("theta").trial);
   });
   setup.rigid.set_initial(s.time.dt, u, v);
   state.row("prescribed_velocity").trial = v;

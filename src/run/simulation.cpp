@@ -90,7 +90,7 @@ Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
   Handle<TS> ts;
   check(TSCreate(comm, ts.out()));
   check(TSSetProblemType(ts, TS_NONLINEAR));
-  check(TSSetType(ts, s.time.type.c_str()));
+  check(TSSetType(ts, s.has_motion() ? s.time.type.c_str() : "static"));
   check(TSSetTimeStep(ts, s.time.dt));
   if (s.time.max_time > 0) check(TSSetMaxTime(ts, s.time.max_time));
   check(TSSetMaxSteps(ts, s.time.max_steps > 0 ? s.time.max_steps : PETSC_MAX_INT));
@@ -127,6 +127,7 @@ private:
   bool inertia_;
   MotionProblem motion_;
   std::optional<DamageProblem> damage_;
+  std::optional<HeatProblem> heat_;
   Handle<TS> ts_;
   Coupling coupling_;
   std::optional<Ledger> ledger_;
@@ -151,12 +152,16 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                        const std::optional<Checkpoint>& resume, const StepProbe& probe)
     : comm_(comm), s_(s), setup_(setup), d_(setup.discretisation), inertia_(s.has_inertia()),
       motion_(d_, setup.state, setup.boundary, setup.contacts, solver.symmetric, s.contact_operator,
-              solver.matrix, &setup.rigid),
+              solver.matrix, &setup.rigid, s.has_motion()),
       damage_(d_.has_damage()
                   ? std::optional<DamageProblem>(std::in_place, d_, setup.state, setup.boundary, s.damage)
                   : std::nullopt),
-      ts_(make_integrator(comm, s)), coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, setup.state,
-                                               s.coupling, solver, inertia_, stabilises(comm, s, solver)),
+      heat_(d_.has_heat() ? std::optional<HeatProblem>(std::in_place, d_, setup.state, setup.boundary, s.heat,
+                                                       s.has_motion())
+                          : std::nullopt),
+      ts_(make_integrator(comm, s)),
+      coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, setup.state,
+                s.coupling, solver, inertia_, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time),
       requests_({s.checkpoint.walltime, s.checkpoint.margin()}), probe_(probe) {
@@ -183,7 +188,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                                      "(-contact_<id>_impact conserving) is for the trapezoidal rule; take "
                                      "-ts_newmark_rho 1");
   ledger_.emplace(motion_, &coupling_, setup_.state, inertia_,
-                  inertia_ ? newmark_parameters(ts_).alpha_m : 1.0);
+                  inertia_ ? newmark_parameters(ts_).alpha_m : 1.0, s.has_motion());
   StateRow control{"step_control", Support::global, 4};
   control_ = &setup_.state.add(std::move(control), 4);
   std::optional<double> resume_time;
@@ -239,6 +244,7 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
                       snapshot_.step));
     return;
   }
+  coupling_.start_heat(u_);
   if (inertia_) {
     coupling_.initial_acceleration(0, u_, v_, a_);
     newmark_set_acceleration(ts_, a_);
@@ -276,6 +282,10 @@ void Simulation::check_prescribed_data(const Attempt& attempt) const {
     if (const StateRow* phi = state.find("phi")) {
       unused = phi->committed;
       boundary.set_damage(attempt.t, unused);
+    }
+    if (const StateRow* theta = state.find("theta")) {
+      unused = theta->committed;
+      boundary.set_temperature(attempt.t, unused);
     }
   });
 }

@@ -133,6 +133,61 @@ TEST(Oracle, ThermalExpansion) {
   expect_row("thermal.constrained.S11", held.tau[0]);
 }
 
+/// Root of f between low and high, by bisection.
+template <class F> double bisect(F&& f, double low, double high) {
+  const bool rises = f(high) > f(low);
+  for (int i = 0; i < 200; ++i) {
+    const double middle = (low + high) / 2;
+    ((f(middle) > 0) == rises ? high : low) = middle;
+  }
+  return (low + high) / 2;
+}
+
+/// Entropy of a point of elastic volume ratio J/J_th, undamaged.
+double entropy(const MaterialParameters& m, double theta, double J) {
+  const double Je_minus_1 = J / thermal_volume(m, theta) - 1;
+  return m.c_v * log_ratio(theta, m.theta0) + thermoelastic_entropy(m, Je_minus_1, 1.0);
+}
+
+TEST(Oracle, HeatAtConstantEntropy) {
+  MaterialParameters m = aluminium();
+  m.c_v = 2.43e6;
+  const double capacity = heat_capacity(m, 0.0, 1.0, m.theta0);
+  expect_row("thermal.c_eff(th0,J=1)", capacity);
+  // d eta/d ln J = 3 alpha_t g_v K J_e^2 against c_eff/theta.
+  const double h = 1e-6, slope = (entropy(m, m.theta0, 1 + h) - entropy(m, m.theta0, 1 - h)) / (2 * h);
+  expect_row("thermal.isentropic_slope_dT_per_lnJ", -m.theta0 * slope / capacity, 1e-8);
+  const double theta = bisect([&](double x) { return entropy(m, x, 1.002); }, 290, 300);
+  expect_row("thermal.isentropic.theta(J=1.002)", theta);
+}
+
+TEST(Oracle, HeatOfPlasticShear) {
+  MaterialParameters m = aluminium();
+  m.c_v = 2.43e6;
+  auto old = virgin_history<double, 2>();
+  double work = 0;
+  for (int i = 1; i <= 200; ++i) {
+    const Tensor<double, 2> H{{0, 0.2 * i / 200, 0, 0, 0}};
+    const auto out = evaluate(PointLaw{m}, PointInput<double, 2>{H, old, 0, m.theta0});
+    work += hardening(m, out.history.alpha).k * (out.history.alpha - old.alpha);
+    old = out.history;
+  }
+  expect_row("heat.shear0.2.alpha", old.alpha, 1e-8);
+  expect_row("heat.shear0.2.Wp_backward_Euler", work, 1e-8);
+  expect_row("heat.shear0.2.H0(alpha)", plastic_potential(m, old.alpha), 1e-8);
+  const auto energy = [&](double theta) { // at J = 1
+    const double Je_minus_1 = 1 / thermal_volume(m, theta) - 1;
+    return volumetric_energy(m, Je_minus_1) + thermal_energy(m, Je_minus_1, 1.0, theta);
+  };
+  for (const auto& [chi, name] : {std::pair{1.0, "1.0"}, {0.9, "0.9"}}) {
+    const std::string row = name;
+    const double share = chi;
+    expect_row("heat.shear0.2.theta.chi" + row,
+               bisect([&](double x) { return energy(x) - share * work; }, m.theta0, 400), 1e-8);
+    expect_row("heat.shear0.2.theta_simple(cV only).chi" + row, m.theta0 + share * work / m.c_v, 1e-8);
+  }
+}
+
 TEST(Oracle, ViscousStress) {
   const double b_d = 3e6, rate = 10, t = 1e-3, dt = 1e-4;
   const Tensor<double, 2> H{{rate * t, 0, 0, 0, 0}}, dH{{rate * dt, 0, 0, 0, 0}};
@@ -172,6 +227,9 @@ TEST(Oracle, GeneralState) { // every stress part and energy; in-plane Grad phi
   expect_row("state.Sphi12", S_phi[1]);
   EXPECT_EQ(S_phi[8], 0);
   expect_row("state.psi_phi", crack_energy(m, phi, square(h)));
+  m.c_v = 2.43e6; // psi_theta = e - theta eta
+  expect_row("state.psi_theta",
+             thermal_energy(m, 0.0, 1.0, theta) - theta * m.c_v * log_ratio(theta, m.theta0));
 }
 
 TEST(Oracle, PlasticTangent) {

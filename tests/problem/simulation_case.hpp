@@ -59,7 +59,7 @@ public:
     check(TSSetMaxSteps(ts_, 100000));
     CouplingScenario full_newton; // its order is one of the claims
     full_newton.reuse = 0;
-    coupling_.emplace(ts_, *motion_, nullptr, state_, full_newton, solver, settings.inertia, false);
+    coupling_.emplace(ts_, *motion_, nullptr, nullptr, state_, full_newton, solver, settings.inertia, false);
     set_time_options(ts_);
     u_ = d_.displacement.make_global();
     v_ = d_.displacement.make_global();

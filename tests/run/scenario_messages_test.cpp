@@ -44,7 +44,8 @@ const std::vector<Row>& rows() {
        "with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
       {{{"-heat_foo", "1"}},
        ExitCode::usage,
-       "unknown option -heat_foo   (after -heat_: names that start with snes_ ksp_ pc_ mat_ vec_ ts_ "
+       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, theta, and names that "
+       "start with snes_ ksp_ pc_ mat_ vec_ ts_ "
        "fieldsplit_ sub_ mg_)"},
       {{{"-damage_bound", "vi"}},
        ExitCode::usage,
@@ -133,7 +134,7 @@ const std::vector<Row>& rows() {
       {{{"-ts_type", "alpha2"}},
        ExitCode::usage,
        "-contacts \"tip\": not available; allowed with -ts_type alpha2: elastic bodies without damage, "
-       "contact and "
+       "heat, contact and "
        "viscosity; remove it, or choose -ts_type newmark"},
       {alpha2({{"-checkpoint_every", "5"}}), ExitCode::usage,
        "-checkpoint_every \"5\": not available; -ts_type alpha2 writes no checkpoints; remove it, or choose "
@@ -189,7 +190,8 @@ const std::vector<Row>& rows() {
        "-mesh \"no/such.msh\": no such file; looked for no/such.msh"},
       {{{"-output_vis_fields", "u,vonmises"}},
        ExitCode::usage,
-       "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, stress, "
+       "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, theta, "
+       "stress, "
        "von_mises, alpha, "
        "pressure, contact_pressure, contact_gap, contact_status, contact_traction, contact_slip; did you "
        "mean von_mises?"},

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <gtest/gtest.h>
 #include <impact/problem/damage.hpp>
+#include <impact/problem/heat.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
 #include <map>
@@ -10,8 +11,8 @@
 namespace impact {
 namespace {
 
-// Plasticity, damage with the committed drive, viscosity, a rigid body and contact on two bodies: everything
-// that adds rows.
+// Plasticity, damage with the committed drive, viscosity, heat, a rigid body and contact on two bodies:
+// everything that adds rows.
 struct AllPhysics {
   Discretisation d;
   StateTable state;
@@ -20,6 +21,7 @@ struct AllPhysics {
   std::vector<ContactInterface> contacts;
   std::optional<MotionProblem> motion;
   std::optional<DamageProblem> damage;
+  std::optional<HeatProblem> heat;
   std::optional<Ledger> ledger;
 
   explicit AllPhysics(Mesh mesh)
@@ -40,12 +42,13 @@ struct AllPhysics {
     DamageScenario bounds;
     bounds.bounds = DamageBounds::history;
     damage.emplace(d, state, boundary, bounds);
+    heat.emplace(d, state, boundary, HeatScenario{.form = HeatForm::energy}, true);
     ledger.emplace(*motion, nullptr, state, true, 1);
   }
   static MaterialParameters law() {
     MaterialParameters m;
     m.model = Model::j2;
-    m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = 1;
+    m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = m.c_v = 1;
     m.sigma_y = 0.1;
     m.damage = Damage::at2;
     return m;
@@ -70,6 +73,9 @@ const Rows known = {
     {"mean_rate", {Support::vertex, 2}},           // guess of the next step
     {"prescribed_velocity", {Support::vertex, 2}}, // of dofs with acceleration data
     {"phi", {Support::vertex, 1}},
+    {"theta", {Support::vertex, 1}},
+    {"stress", {Support::cell_point, 4}},  // P of the motion, for the work of the next step
+    {"ledger_heat", {Support::global, 1}}, // supplied by each condition, and one
     {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
     {"drive", {Support::cell_point, 3}},
     {"damage_history", {Support::cell_point, 1}},

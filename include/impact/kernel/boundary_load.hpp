@@ -20,6 +20,9 @@ FacetPoint facet_point(int nodes, int q);
 /// Position of the point, from node coordinates X [node][dim] to x [dim].
 void facet_position(const FacetPoint&, int nodes, int dim, const double* X, double* x);
 
+/// dA_0 of the point: its share of the reference area, with 2 pi R for axisymmetric facets. X [node][dim].
+double reference_area(const FacetPoint&, int nodes, Frame, const double* X);
+
 /// f [node][dim] += N_a t dA_0: a traction t [dim] per reference area that keeps its direction. X [node][dim]
 /// are reference coordinates; axisymmetric facets carry the weight 2 pi R.
 void add_dead_traction(const FacetPoint&, int nodes, Frame, const double* X, const double* t, double* f);

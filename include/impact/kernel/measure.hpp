@@ -29,6 +29,10 @@ struct EnergySums {
 
 template <class Cell, Frame frame> void stored_energy(const PointLaw&, const EnergyInput&, EnergySums&);
 
+/// sum += int c_V (theta - theta_0) + theta 3 alpha_t g_v K/2 (J_e^2 - 1), per lane: the thermal part of the
+/// internal energy. Needs in.theta.
+template <class Cell, Frame frame> void stored_heat(const PointLaw&, const EnergyInput& in, Batch& sum);
+
 /// int lambda(phi_n) (phi - phi_n)^2 / dt, per lane; sum is added to. phi, phi_n [node].
 template <class Cell, Frame frame>
 void damage_dissipation(const PointLaw&, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,

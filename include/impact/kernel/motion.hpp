@@ -40,6 +40,13 @@ struct StepSums {
   Batch plastic_work = 0;        ///< int g_1 [W(b_trial) - W(b)]
 };
 
+/// What the heat balance takes from the motion, at the points.
+struct HeatFeed {
+  Batch* dissipation =
+      nullptr;             ///< [point] g_p k_d dalpha + b_d |C - C_n|^2/dt, energy per volume of the step
+  Batch* stress = nullptr; ///< [point][gradient_size] P = tau F^-T, all parts
+};
+
 /// r [node][dim] += residual.
 template <class Cell, Frame frame> CellStatus motion_residual(const PointLaw&, const MotionInput&, Batch* r);
 
@@ -50,8 +57,9 @@ CellStatus motion_tangent(const PointLaw&, const MotionInput&, Batch* r, Batch* 
 
 /// Evaluates the law at the accepted u: writes trial_history [point][history_size] and drive
 /// [point][drive_size] and adds to the step sums. trial_history may be nullptr for Model::elastic; it must
-/// not alias in.history.
+/// not alias in.history. What heat asks for is written where it is not nullptr.
 template <class Cell, Frame frame>
-CellStatus motion_advance(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive, StepSums&);
+CellStatus motion_advance(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive, StepSums&,
+                          const HeatFeed& heat = {});
 
 } // namespace impact

@@ -12,7 +12,12 @@ enum class Split { volumetric, none };           ///< g_e2 = 1, or g_e2 = g_e1 (
 enum class Degradation { quadratic, cubic };     ///< g_e1(phi)
 enum class PlasticDegradation { one, ge };       ///< g_p = 1 (the paper's run) or g_p = g_e1
 enum class DamageGradient { spatial, material }; ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
-enum class Locking { none, mean, fbar };         ///< volumetric locking cure on quads and hexes
+enum class Conduction {
+  spatial,
+  material
+}; ///< isotropic where the body is now, or in the reference body (paper)
+enum class ConductionDegradation { one, ge }; ///< g_theta = 1 or g_theta = g_e1
+enum class Locking { none, mean, fbar };      ///< volumetric locking cure on quads and hexes
 
 struct MaterialParameters {
   std::string id;
@@ -21,7 +26,11 @@ struct MaterialParameters {
   double rho = 0;                                           ///< reference density
   double sigma_y = 0, voce_r = 0, voce_s = 0, linear_h = 0; ///< k = s_y + r(1 - exp(-s alpha)) + H alpha
   double alpha_t = 0, theta0 = 298.15;                      ///< thermal expansion, reference temperature
-  double taylor_quinney = 0.9;                              ///< chi: k_d = chi k (theory.md, E9)
+  double c_v = 0;          ///< heat capacity at fixed J_e per reference volume; 0: without temperature
+  double conductivity = 0; ///< 0: adiabatic points
+  Conduction conduction = Conduction::spatial;
+  ConductionDegradation gtheta = ConductionDegradation::ge;
+  double taylor_quinney = 0.9; ///< chi: k_d = chi k (theory.md, E9)
   Damage damage = Damage::none;
   double Gc = 0, gamma = 0;                           ///< toughness (force/length), layer width (length)
   double c = std::numeric_limits<double>::infinity(); ///< damage rate: lambda = (1 + delta - phi)^zeta / c

@@ -18,22 +18,34 @@ enum class BcType {
   pressure,
   force,
   body_force,
-  damage
+  damage,
+  temperature,
+  heat_flux,
+  convection,
+  heat_source
 };
+
+inline bool is_thermal(BcType type) {
+  return type == BcType::temperature || type == BcType::heat_flux || type == BcType::convection ||
+         type == BcType::heat_source;
+}
 
 struct BoundaryCondition {
   std::string id;
   std::vector<std::string> on;
   BcType type = BcType::displacement;
   std::optional<Expression> component[3]; ///< of whatever the type names; absent = free
-  std::optional<Expression> rotation[3];  ///< of rigid bodies, about their centre of mass
-  std::optional<Expression> value;        ///< scalar of pressure, damage
+  std::optional<Expression> rotation[3]; ///< of rigid bodies, about their centre of mass
+  /// Scalar of pressure and damage; temperature, heat flux inwards per reference area, temperature around a
+  /// convection, heat source per reference volume.
+  std::optional<Expression> value;
+  std::optional<Expression> coefficient; ///< of convection: heat flux per reference area and kelvin
 };
 
 struct InitialCondition {
   std::string id;
   std::vector<std::string> on;
-  std::optional<Expression> u[3], v[3], phi;
+  std::optional<Expression> u[3], v[3], phi, theta;
 };
 
 } // namespace impact

@@ -56,6 +56,17 @@ public:
   void set_exact_velocity(double t0, double t1, const std::vector<double>& v_n, std::vector<double>& v) const;
   void set_damage(double t, std::vector<double>& phi) const;
 
+  /// [local node] the condition that prescribes its temperature, -1 without one.
+  const std::vector<int>& temperature_condition() const { return temperature_condition_; }
+  void set_temperature(double t, std::vector<double>& theta) const;
+  /// Facets with a heat flux or a convection, and the condition of regions with a heat source.
+  const std::vector<LoadedFacets>& heat_fluxes() const { return heat_fluxes_; }
+  std::vector<int> heat_sources() const;
+  /// Scalar (flux inwards, temperature around, source) and coefficient of a thermal condition at a reference
+  /// point.
+  double heat_value(int condition, const double* x, double t) const;
+  double heat_coefficient(int condition, const double* x, double t) const;
+
   /// Acceleration-like body force per mass at the nodes, [node][dim]; false when none acts.
   bool body_force(double t, std::vector<double>& f) const;
   const std::vector<LoadedFacets>& tractions() const { return tractions_; } ///< dead, per reference area
@@ -67,6 +78,7 @@ public:
 private:
   void resolve_fixed(const Mesh& mesh, double t_end, std::span<const int> body_of_node);
   void resolve_loads(const Mesh& mesh);
+  void resolve_temperatures(const Mesh& mesh, double t_end);
   double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const;
 
   int dim_, node_count_;
@@ -76,7 +88,8 @@ private:
   std::vector<char> fixed_mask_, damage_mask_;
   std::vector<std::pair<int, int>> damage_nodes_; ///< node, condition
   std::vector<std::pair<int, int>> body_nodes_;   ///< node, condition
-  std::vector<LoadedFacets> tractions_, pressures_;
+  std::vector<LoadedFacets> tractions_, pressures_, heat_fluxes_;
+  std::vector<int> temperature_condition_;
   std::vector<double> force_area_; ///< per condition: reference area of a `force` group
 };
 

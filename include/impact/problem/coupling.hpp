@@ -1,20 +1,23 @@
 #pragma once
 #include <impact/problem/damage.hpp>
+#include <impact/problem/heat.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/tangent_reuse.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/pass_shell.hpp>
 #include <impact/time/step_hooks.hpp>
 #include <memory>
+#include <span>
 
 /// One step's staggered fixed point and how it hangs in the TS:
-///   TS -> SNES shell `coupling_` -> SNES shell `uzawa_` -> SNES `motion_`;  then SNES `damage_`.
+///   TS -> SNES shell `coupling_` -> SNES shell `uzawa_` -> SNES `motion_`;  then SNES `damage_`, `heat_`.
 /// The residual and tangent reach `motion_` through SNESTSFormFunction, so that the TS supplies v and a.
 namespace impact {
 
 /// Work of one attempt, summed over its passes.
 struct StepCounts {
-  PetscInt newton = 0, linear = 0, uzawa = 0, damage = 0, damage_linear = 0, passes = 0;
+  PetscInt newton = 0, linear = 0, uzawa = 0, damage = 0, damage_linear = 0, heat = 0, heat_linear = 0,
+           passes = 0;
 };
 
 /// Which linear solver and tangent are used where the options say nothing; `reason` is
@@ -41,8 +44,9 @@ void check_preconditioner(KSP ksp, MatrixFormat matrix);
 class Coupling {
 public:
   /// Hangs itself into `ts` (type set, not yet set up): I2Function, I2Jacobian, SNES, hooks except on_accept.
-  /// `damage` may be null. All references must outlive the TS. Collective.
-  Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, StateTable& state,
+  /// `damage` and `heat` may be null. Without `settings.moves` the displacement stays as it is. All
+  /// references must outlive the TS. Collective.
+  Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProblem* heat, StateTable& state,
            const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
            bool stabilise_contact);
 
@@ -55,6 +59,8 @@ public:
   /// Drops lagged factors, so that a run behaves after a checkpoint as one that resumed from it. Collective.
   void forget_factors();
   const MotionProblem::Increments& increments() const { return increments_; }
+  /// Heat that each condition supplied in the attempt, per unit thickness; empty without heat.
+  std::span<const double> heat_supplied() const;
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
   SNES motion_snes() const { return motion_snes_; }
@@ -72,6 +78,10 @@ public:
   /// Collective.
   void begin_at_rest_of_step(double t, Vec u, Vec v);
 
+  /// Fills the committed rows that the heat balance takes from the motion, at the start of a run, after
+  /// begin_at_rest_of_step. Collective.
+  void start_heat(Vec u);
+
   /// Contact-stabilised Newmark: projection of the predictor and removal of the contact acceleration.
   NewmarkHooks newmark_hooks();
   double contact_scale() const { return contact_scale_; }
@@ -85,6 +95,8 @@ public:
 private:
   PassResult coupling_pass(PetscInt pass, Vec u);
   PassResult uzawa_pass(PetscInt pass, Vec u);
+  void damage_pass(PassResult& result);
+  void heat_pass(PassResult& result);
   void relax_phi(PetscInt pass);
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   SNESConvergedReason solve_motion(Vec u);
@@ -101,6 +113,7 @@ private:
   TS ts_;
   MotionProblem& motion_;
   DamageProblem* damage_;
+  HeatProblem* heat_;
   StateTable& state_;
   CouplingScenario settings_;
   bool inertia_, stabilise_;
@@ -108,7 +121,7 @@ private:
   double first_residual_ = 0; // of the Newton solve at work
   double residual_tol_ = 0;   // absolute, as the options say
   MotionStep step_;
-  std::vector<double> phi_frozen_, u_local_, u_before_;
+  std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
   std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve
   double relaxation_ = 1;
   PetscReal utilisation_ = 0;

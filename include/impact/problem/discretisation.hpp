@@ -20,7 +20,7 @@ struct MaterialAssignment {
 struct Discretisation {
   Mesh mesh;
   FieldLayout displacement; ///< dim components
-  FieldLayout scalar;       ///< one component (damage)
+  FieldLayout scalar;       ///< one component (damage, temperature)
   std::vector<MaterialAssignment> materials;
   std::vector<CellGroup> groups;
   Frame frame;
@@ -36,13 +36,15 @@ struct Discretisation {
   bool has_damage() const;
   bool has_viscosity() const;
   bool has_plasticity() const;
+  bool has_heat() const;              ///< every material has a heat capacity then
+  bool has_thermal_expansion() const; ///< which motion sees
 };
 
 /// Throws UserError(data) when a region is unknown, a cell has no material or two. Collective.
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
                           double thickness);
 
-/// Adds the rows that the physics at hand keeps: u, v, a, phi, history, drive.
+/// Adds the rows that the physics at hand keeps: u, v, a, phi, theta, history, drive.
 void declare_state(const Discretisation& discretisation, StateTable& table);
 
 /// Doubles that one group needs for `components` per quadrature point: [batch][point][component][lane].

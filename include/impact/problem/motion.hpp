@@ -27,9 +27,17 @@ struct MotionFields;
 struct MotionStep {
   double t_n = 0, t = 0, dt = 0;
   const std::vector<double>* u_n = nullptr;
-  const std::vector<double>* phi = nullptr; ///< frozen damage of this pass, null without damage
-  double contact_scale = 1;                 ///< alpha_m/(2 beta) where contact is fully implicit, else 1
-  double mass_shift = 0;                    ///< factor of the mass in the tangent, 1/s^2; 0 without inertia
+  const std::vector<double>* phi = nullptr;   ///< frozen damage of this pass, null without damage
+  const std::vector<double>* theta = nullptr; ///< frozen temperature of this pass, null without heat
+  double contact_scale = 1;                   ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+  double mass_shift = 0;                      ///< factor of the mass in the tangent, 1/s^2; 0 without inertia
+};
+
+/// Where MotionProblem::advance leaves what the heat balance takes from the motion (HeatFeed): arrays like
+/// point rows of the state table.
+struct HeatRows {
+  std::vector<double>* dissipation = nullptr; ///< one component
+  std::vector<double>* stress = nullptr;      ///< gradient_size components
 };
 
 /// Forces at an accepted state, for reactions and the ledger (global vectors, fixed rows included).
@@ -39,12 +47,12 @@ struct ForceParts {
 
 class MotionProblem {
 public:
-  /// `rigid` may be null: no rigid bodies. Throws UserError(usage) for rigid bodies with a contact operator
-  /// that is a shell.
+  /// `rigid` may be null: no rigid bodies. Without `solved` bodies stay where they are: nothing but the diagonal
+  /// stands in the matrix. Throws UserError(usage) for rigid bodies with a contact operator that is a shell.
   MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
                 std::vector<ContactInterface>& contacts, bool symmetric_tangent,
                 ContactOperator contact_operator = ContactOperator::assembled,
-                MatrixFormat format = MatrixFormat::aij, RigidBodies* rigid = nullptr);
+                MatrixFormat format = MatrixFormat::aij, RigidBodies* rigid = nullptr, bool solved = true);
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
@@ -81,7 +89,7 @@ public:
   struct Increments {
     double plastic_dissipation = 0, viscous_dissipation = 0, plastic_work = 0;
   };
-  bool advance(Vec u, Increments& sums);
+  bool advance(Vec u, Increments& sums, const HeatRows& heat = {});
 
   /// Parts of the residual at u, prescribed rows included. Collective.
   void parts(Vec u, ForceParts& parts);
@@ -129,6 +137,7 @@ private:
   bool symmetric_;
   ContactOperator operator_;
   MatrixFormat format_;
+  bool solved_;
   MotionStep step_;
   std::optional<SparseAssembly> assembly_;
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
@@ -139,7 +148,8 @@ private:
   std::vector<int> identity_, massless_;        // owned dofs without a row: in the tangent; of the mass alone
   std::vector<char> no_row_;                    // 1 on prescribed dofs and in rigid bodies [node][dim]
   std::vector<std::vector<char>> held_batches_; // [group][batch]: has prescribed dofs
-  std::vector<std::size_t> history_offset_, drive_offset_;
+  std::vector<std::size_t> history_offset_, drive_offset_, dissipation_offset_, stress_offset_;
+  const std::vector<CellGroup> no_groups_;
   BrokenCell broken_;
   double reference_force_ = 0, last_mass_shift_ = 0;
   Handle<Mat> mass_, mass_free_; // consistent mass; with prescribed rows and columns as identity

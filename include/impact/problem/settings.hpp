@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/damage.hpp>
+#include <impact/kernel/heat.hpp>
 #include <impact/mesh/matrix_format.hpp>
 
 /// Choices of the solution method that the user makes by options.
@@ -15,6 +16,11 @@ struct DamageScenario {
   DamageBounds bounds = DamageBounds::vi;
 };
 
+struct HeatScenario {
+  HeatForm form = HeatForm::entropy;
+  double theta = 1; ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
+};
+
 /// What the next pass of a staggered step starts from: the last phi, or one extrapolated from the last two
 /// passes.
 enum class PassRelaxation { none, aitken };
@@ -26,6 +32,7 @@ struct CouplingScenario {
   double reuse = -1;   ///< of the tangent, see TangentReuse; negative: as suits the linear solver
   double max_dphi = 0; ///< largest increment of phi in a step; 0: no limit
   double dt = 0;       ///< -ts_dt
+  bool moves = true;   ///< -physics has motion
 };
 
 } // namespace impact

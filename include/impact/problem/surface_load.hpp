@@ -29,4 +29,28 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
                                    const std::vector<char>& fixed, std::span<const PetscInt> global_node,
                                    Mat matrix);
 
+/// Heat through the facets of a group at one time: a given flux inwards, or h (theta_around - theta), per
+/// reference area, at the points of the facets.
+struct SurfaceHeat {
+  std::vector<double> coefficient, inflow; ///< [facet][point]: h, and flux or h theta_around
+};
+
+/// weight * int (inflow - coefficient theta) dA_0, which load [node] += N_a of it. theta [node].
+double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                        const SurfaceHeat& heat, const std::vector<double>& theta, double weight,
+                        std::vector<double>& load);
+
+/// matrix += weight * int coefficient N_a N_b dA_0 by MatSetValues; rows and columns of `held` nodes are left
+/// out. The caller assembles.
+void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                              const SurfaceHeat& heat, double weight, const std::vector<char>& held,
+                              std::span<const PetscInt> global_node, Mat matrix);
+
+/// body(facet, point, position [dim]) at all points of the facets, in the order of SurfaceHeat.
+void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                          const std::function<void(std::size_t index, const double* x)>& body);
+
+/// Entries that SurfaceHeat has per facet.
+inline constexpr int points_per_facet = 4;
+
 } // namespace impact

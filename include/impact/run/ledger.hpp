@@ -10,18 +10,21 @@
 ///                      solves really balanced, and the integrator's own loss add up to zero up to Newton's
 ///                      tolerance.
 ///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
+///   With heat: stored energy with the thermal one + what no equation of heat takes up (friction, the
+///   integrator's loss) - external work - heat supplied - start; rounding with HeatForm::energy.
 /// Both relative to the largest energy or work so far. Plane problems: times the thickness.
 namespace impact {
 
 struct MaterialEnergies {
-  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0;
+  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, thermal = 0;
   double momentum[3] = {0, 0, 0};
 };
 
 class Ledger {
 public:
   /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
-  Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m);
+  Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m,
+         bool moves = true);
 
   /// Energies and forces of the start. u, v, a at t = 0. Collective.
   void start(Vec u, Vec v, Vec a);
@@ -45,6 +48,7 @@ public:
   double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
   double phi_max() const { return phi_max_; }
   double alpha_max() const { return alpha_max_; }
+  double theta_max() const { return theta_max_; }
   double energy_scale() const;
   const MaterialEnergies& total() const { return total_; }
 
@@ -66,6 +70,8 @@ private:
   double& sum(Total which) const { return totals_->trial[which]; }
   void measure(Vec u, Vec v, bool trial);
   void find_extremes(bool trial);
+  double dissipated() const;
+  double heat_supplied() const;
   void find_reactions(const std::vector<double>& u);
   double contact_energy(Vec u) const;
   bool in_rigid_body(std::size_t dof) const;
@@ -75,16 +81,18 @@ private:
   MotionProblem& motion_;
   Coupling* coupling_; ///< null with an integrator that is not ours: no work, no balance
   StateTable& state_;
-  bool inertia_;
+  bool inertia_, moves_;
   double alpha_m_;
+  StateRow* heat_ = nullptr; ///< with heat: supplied by each condition since t = 0
   StateRow *totals_, *internal_, *external_, *contact_, *inertia_force_;
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;
-  double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0;
-  std::vector<double> reaction_; ///< [condition][dim]
-  std::vector<double> moment_;   ///< [condition][3] about the centres of mass of rigid bodies
-  std::vector<double> mean_;     ///< [condition][dim] mean displacement of the condition's nodes
+  double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
+  std::vector<double> reaction_;   ///< [condition][dim]
+  std::vector<double> moment_;     ///< [condition][3] about the centres of mass of rigid bodies
+  std::vector<double> mean_;       ///< [condition][dim] mean displacement of the condition's nodes
+  std::vector<double> mean_theta_; ///< [condition]
   std::vector<std::vector<int>> condition_nodes_;
   std::vector<double>
       reaction_force_; ///< what closes the balance of momentum on prescribed dofs, [node][dim]

@@ -107,6 +107,8 @@ struct Scenario {
   std::vector<ContactScenario> contacts;
   TimeScenario time;
   DamageScenario damage;
+  HeatScenario heat;
+  std::vector<std::string> physics; ///< of motion, damage, heat; empty: motion, and the others that have data
   CouplingScenario coupling;
   TangentChoice tangent = TangentChoice::automatic;
   MatrixFormat matrix = MatrixFormat::aij; ///< of motion
@@ -119,8 +121,11 @@ struct Scenario {
   enum class EnergyAction { warn, cut, stop } energy_action = EnergyAction::warn;
   double crack_level = 0.9;
 
+  bool solves(const std::string& name) const;
+  bool has_motion() const { return solves("motion"); }
   bool has_damage() const;
-  bool has_inertia() const { return time.type != "static"; }
+  bool has_heat() const;
+  bool has_inertia() const { return has_motion() && time.type != "static"; }
 };
 
 /// Reads and checks everything (closed key set with suggestions, units, ranges, expressions). Collective.

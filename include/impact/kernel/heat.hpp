@@ -1,0 +1,61 @@
+#pragma once
+#include <impact/element/shape.hpp>
+#include <impact/kernel/frame.hpp>
+#include <impact/material/point_law.hpp>
+#include <impact/math/batch.hpp>
+
+/// Heat balance of one batch of cells over a step, as energies (all rates times dt), with the heat flux
+/// q = -kappa grad theta and []_h weighing t_{n+1} with theta_h and t_n with 1 - theta_h:
+///   entropy: int w ([theta]_h (eta - eta_n) - D) + dt [grad w . kappa grad theta]_h           (45')
+///            D = plastic and viscous dissipation of the step + lambda_n (phi - phi_n)^2/dt
+///   energy:  int w (e - e_n - W) + grad w . h (phi - phi_n) + dt [grad w . kappa grad theta]_h (5')
+///            e = internal energy, W = 1/2 (P + P_n) : (F - F_n), h = G_c gamma C^-1 Grad phi
+/// eta = c_V ln(theta/theta_0) + 3 alpha_t g_v K/2 (J_e^2 - 1) with the J_e of the chosen locking cure. Loads
+/// are added by the caller. The summed energy form is the discrete first law with the work that the motion
+/// solves did.
+namespace impact {
+
+enum class HeatForm { entropy, energy };
+
+/// What heat_step leaves at each point for heat_residual and heat_tangent: J - 1 of the locking cure and
+/// 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n.
+inline constexpr int heat_point_size = 2;
+
+struct HeatInput {
+  const Batch* X = nullptr;           ///< [node][dim] reference coordinates
+  const Batch* u = nullptr;           ///< [node][dim] accepted displacement at t_{n+1}, or nullptr (= 0)
+  const Batch* u_n = nullptr;         ///< [node][dim] at t_n; with u
+  const Batch* phi = nullptr;         ///< [node] at t_{n+1}, or nullptr (= 0)
+  const Batch* phi_n = nullptr;       ///< [node] at t_n; with phi
+  const Batch* theta = nullptr;       ///< [node] the iterate
+  const Batch* theta_n = nullptr;     ///< [node] at t_n
+  const Batch* history = nullptr;     ///< [point][history_size] at t_{n+1}; energy form of laws that flow
+  const Batch* history_n = nullptr;   ///< at t_n
+  const Batch* dissipation = nullptr; ///< [point] of the step, see motion_advance; nullptr = none
+  const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u
+  const Batch* stress_n = nullptr; ///< at t_n
+  double dt = 1;
+  double theta_h = 1;
+  HeatForm form = HeatForm::entropy;
+};
+
+/// What does not depend on the iterate: writes points [point][heat_point_size] and adds to r [node]. To be
+/// called once per solve. Returns the bit mask of lanes whose result is not finite or whose det F is not
+/// positive.
+template <class Cell, Frame frame> int heat_step(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
+
+/// r [node] += what depends on the iterate. Returns the bit mask of lanes with a temperature that is not
+/// positive or a result that is not finite.
+template <class Cell, Frame frame>
+int heat_residual(const PointLaw&, const HeatInput&, const Batch* points, Batch* r);
+
+/// r [node] += the same and K [node][node] += its derivative, symmetric.
+template <class Cell, Frame frame>
+int heat_tangent(const PointLaw&, const HeatInput&, const Batch* points, Batch* r, Batch* K);
+
+/// r [node] += int N_a source dV_0 with source [point] per reference volume; sum (per lane) += int source
+/// dV_0.
+template <class Cell, Frame frame>
+void heat_source(const Batch* X, const Batch* source, Batch* r, Batch& sum);
+
+} // namespace impact

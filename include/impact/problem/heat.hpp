@@ -1,0 +1,98 @@
+#pragma once
+#include <impact/kernel/heat.hpp>
+#include <impact/mesh/sparse_assembly.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/handle.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/problem/motion.hpp>
+#include <impact/problem/settings.hpp>
+#include <impact/problem/surface_load.hpp>
+#include <optional>
+
+/// The heat balance of one step: SNES `heat_` for the temperature at t_{n+1} with displacement and damage
+/// frozen (45'), (5'). Everything is an energy per step.
+namespace impact {
+
+struct HeatStep {
+  const std::vector<double>* u = nullptr; ///< accepted displacement at t_{n+1}, local; null without motion
+  const std::vector<double>* u_n = nullptr;
+  const std::vector<double>* phi = nullptr; ///< local [node]; null without damage
+  const std::vector<double>* phi_n = nullptr;
+};
+
+struct HeatOutcome {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt newton = 0, linear = 0;
+};
+
+class HeatProblem {
+public:
+  /// Reads the row "theta" and the trial half of "history" of the table. With HeatForm::energy and motion
+  /// adds the row "stress", P of the motion solves at the points.
+  HeatProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
+              const HeatScenario& settings, bool moves);
+
+  /// Evaluates sources, fluxes and convection at both ends of the step. Collective. Throws UserError(data).
+  void begin(double t_n, double t);
+
+  /// Solves for the temperature at t_{n+1}; theta (local, ghosts consistent) holds the guess on entry.
+  /// Collective.
+  HeatOutcome solve(const HeatStep& step, std::vector<double>& theta);
+
+  /// Where MotionProblem::advance leaves what this balance takes from it.
+  HeatRows rows();
+
+  /// Heat that each condition supplied in the solved step, through prescribed temperatures too: all ranks,
+  /// per unit thickness.
+  const std::vector<double>& supplied() const { return supplied_; }
+  /// Drops lagged factors. Collective.
+  void forget_factors();
+
+private:
+  struct Region { ///< of a heat source: lanes of the cells that lie in it
+    int condition;
+    struct Cells {
+      int group, batch;
+      Batch inside;
+    };
+    std::vector<Cells> cells;
+    std::vector<double> source[2]; ///< [cells][point][lane] at t_n and t_{n+1}
+  };
+  struct Surface {
+    const LoadedFacets* load;
+    SurfaceHeat heat[2]; ///< at t_n and t_{n+1}
+  };
+
+  void find_regions();
+  void evaluate_loads(double t, int end);
+  template <class Body> bool for_each_batch(const std::vector<double>& theta, Body&& body);
+  bool make_constant_part();
+  bool add_residual(const std::vector<double>& theta, std::vector<double>& r);
+  void residual(Vec x, Vec f);
+  void tangent(Vec x);
+  void book();
+
+  const Discretisation& d_;
+  StateTable& state_;
+  const BoundaryData& boundary_;
+  HeatScenario settings_;
+  HeatStep step_;
+  double t_n_ = 0, t_ = 0;
+  Mailbox mailbox_;
+  std::vector<Region> regions_;
+  std::vector<Surface> surfaces_;
+  std::vector<double> X_, x_, r_, constant_;
+  std::vector<double> dissipation_, points_; ///< like rows of the table
+  std::vector<double> free_;                 ///< 0 where the temperature is prescribed
+  std::vector<char> held_;
+  std::vector<int> owned_held_;
+  std::vector<std::size_t> history_offset_, dissipation_offset_, stress_offset_, point_offset_;
+  std::vector<double> supplied_, load_supplied_;
+  bool moves_, flows_;
+  std::optional<SparseAssembly> assembly_;
+  Handle<SNES> snes_;
+  Handle<Vec> solution_, residual_, diagonal_;
+};
+
+} // namespace impact

@@ -1,0 +1,369 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/heat.hpp>
+#include <map>
+
+namespace impact {
+
+HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state,
+                         const BoundaryData& boundary, const HeatScenario& settings, bool moves)
+    : d_(discretisation), state_(state), boundary_(boundary), settings_(settings),
+      X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), x_(d_.node_values(1)),
+      r_(d_.node_values(1)), constant_(d_.node_values(1)), free_(d_.node_values(1), 1.0),
+      held_(d_.node_values(1), 0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
+      dissipation_offset_(point_offsets(d_.groups, 1)),
+      stress_offset_(point_offsets(d_.groups, gradient_size(d_.frame))),
+      point_offset_(point_offsets(d_.groups, heat_point_size)), supplied_(boundary_.conditions().size(), 0.0),
+      moves_(moves), flows_(moves && d_.has_plasticity()) {
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (boundary_.temperature_condition()[i] >= 0) {
+      free_[i] = 0;
+      held_[i] = 1;
+      if (d_.mesh.owned(static_cast<int>(i))) owned_held_.push_back(static_cast<int>(i));
+    }
+  points_.resize(point_offset_.back());
+  if (moves_) dissipation_.resize(dissipation_offset_.back());
+  if (moves_ && settings_.form == HeatForm::energy)
+    state_.add({"stress", Support::cell_point, gradient_size(d_.frame)}, stress_offset_.back());
+  find_regions();
+  for (const LoadedFacets& load : boundary_.heat_fluxes()) {
+    Surface& surface = surfaces_.emplace_back(Surface{&load, {}});
+    for (SurfaceHeat& heat : surface.heat) {
+      heat.inflow.resize(static_cast<std::size_t>(load.facets.count()) * points_per_facet);
+      heat.coefficient.resize(heat.inflow.size());
+    }
+  }
+  double capacity = 0, temperature = 0;
+  for (const MaterialAssignment& m : d_.materials) {
+    capacity = std::max(capacity, m.law.parameters.c_v);
+    temperature = std::max(temperature, m.law.parameters.theta0);
+  }
+  assembly_.emplace(d_.scalar, d_.mesh, d_.groups);
+  solution_ = d_.scalar.make_global();
+  residual_ = d_.scalar.make_global();
+  diagonal_ = d_.scalar.make_global();
+
+  check(SNESCreate(d_.mesh.comm(), snes_.out()));
+  check(SNESSetOptionsPrefix(snes_, "heat_"));
+  check(SNESSetFunction(
+      snes_, residual_,
+      [](SNES, Vec x, Vec f, void* self) {
+        auto& problem = *static_cast<HeatProblem*>(self);
+        return problem.mailbox_.guarded([&] { problem.residual(x, f); });
+      },
+      this));
+  check(SNESSetJacobian(
+      snes_, assembly_->matrix(), assembly_->matrix(),
+      [](SNES, Vec x, Mat, Mat, void* self) {
+        auto& problem = *static_cast<HeatProblem*>(self);
+        return problem.mailbox_.guarded([&] { problem.tangent(x); });
+      },
+      this));
+  check(SNESSetType(snes_, SNESNEWTONLS));
+  const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
+  check(SNESSetTolerances(snes_, rounding, 1e-10, 1e-14, 50, PETSC_DEFAULT));
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  int size = 1;
+  check(SNESGetKSP(snes_, &ksp));
+  check(KSPSetType(ksp, KSPCG));
+  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(KSPGetPC(ksp, &pc));
+  MPI_Comm_size(d_.mesh.comm(), &size);
+  if (size == 1) {
+    check(PCSetType(pc, PCICC));
+  } else {
+    check(PCSetType(pc, PCBJACOBI));
+    PetscBool set = PETSC_FALSE;
+    check(PetscOptionsHasName(nullptr, nullptr, "-heat_sub_pc_type", &set));
+    if (!set) check(PetscOptionsSetValue(nullptr, "-heat_sub_pc_type", "icc")); // CG wants symmetric blocks
+  }
+  check(SNESSetFromOptions(snes_));
+}
+
+void HeatProblem::find_regions() {
+  // Lane of each cell of this rank.
+  std::map<PetscInt, std::array<int, 3>> place;
+  const std::vector<int> sources = boundary_.heat_sources();
+  if (!sources.empty())
+    for (std::size_t g = 0; g < d_.groups.size(); ++g)
+      for (int b = 0; b < d_.groups[g].batch_count; ++b)
+        for (int l = 0; l < d_.groups[g].lanes_in_use(b); ++l)
+          place[d_.groups[g].cell_point[static_cast<std::size_t>(b * lanes + l)]] = {static_cast<int>(g), b,
+                                                                                     l};
+  for (int c : sources) {
+    std::map<std::pair<int, int>, Batch> inside;
+    for (const std::string& name : boundary_.conditions()[static_cast<std::size_t>(c)].on)
+      for (PetscInt cell : d_.mesh.region_cells(name)) {
+        const auto [g, b, l] = place.at(cell);
+        inside.try_emplace({g, b}, Batch(0.0)).first->second.set(l, 1.0);
+      }
+    Region& region = regions_.emplace_back();
+    region.condition = c;
+    std::size_t size = 0;
+    for (const auto& [at, lanes_inside] : inside) {
+      region.cells.push_back({at.first, at.second, lanes_inside});
+      size +=
+          static_cast<std::size_t>(point_count(d_.groups[static_cast<std::size_t>(at.first)].shape)) * lanes;
+    }
+    for (std::vector<double>& source : region.source) source.assign(size, 0.0);
+  }
+}
+
+HeatRows HeatProblem::rows() {
+  HeatRows rows;
+  if (moves_ && settings_.form == HeatForm::energy) rows.stress = &state_.row("stress").trial;
+  if (moves_ && settings_.form == HeatForm::entropy) rows.dissipation = &dissipation_;
+  return rows;
+}
+
+void HeatProblem::forget_factors() {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(snes_, &ksp));
+  check(KSPReset(ksp));
+}
+
+void HeatProblem::evaluate_loads(double t, int end) {
+  for (Region& region : regions_) {
+    std::size_t next = 0;
+    for (const Region::Cells& cells : region.cells) {
+      const CellGroup& group = d_.groups[static_cast<std::size_t>(cells.group)];
+      with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+        const Gathered<Cell, Cell::dim> X(group, cells.batch, X_);
+        for (int q = 0; q < Cell::points; ++q)
+          for (int l = 0; l < lanes; ++l, ++next) {
+            if (cells.inside[l] == 0) continue;
+            double at[3] = {0, 0, 0};
+            for (int a = 0; a < Cell::nodes; ++a)
+              for (int k = 0; k < Cell::dim; ++k)
+                at[k] += shape_table<Cell>.N[q][a] * X.value[static_cast<std::size_t>(a * Cell::dim + k)][l];
+            region.source[end][next] = boundary_.heat_value(region.condition, at, t);
+          }
+      });
+    }
+  }
+  for (Surface& surface : surfaces_) {
+    const int c = surface.load->condition;
+    const bool convects = boundary_.conditions()[static_cast<std::size_t>(c)].type == BcType::convection;
+    SurfaceHeat& heat = surface.heat[end];
+    for_each_facet_point(surface.load->facets, d_.frame, X_, [&](std::size_t i, const double* x) {
+      heat.coefficient[i] = convects ? boundary_.heat_coefficient(c, x, t) : 0.0;
+      heat.inflow[i] = (convects ? heat.coefficient[i] : 1.0) * boundary_.heat_value(c, x, t);
+    });
+  }
+}
+
+void HeatProblem::begin(double t_n, double t) {
+  t_n_ = t_n;
+  t_ = t;
+  agree_on_errors(d_.mesh.comm(), [&] {
+    if (settings_.theta < 1) evaluate_loads(t_n, 0);
+    evaluate_loads(t, 1);
+  });
+}
+
+// body.operator()<Cell, frame>(group, batch, law, input) with the input's arrays at hand.
+template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>& theta, Body&& body) {
+  const std::vector<double>& theta_n = state_.row("theta").committed;
+  const StateRow* stress = state_.find("stress");
+  const StateRow& history = state_.row("history");
+  const bool energy = settings_.form == HeatForm::energy;
+  bool sound = true;
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+      using Points = PointValues<Cell, history_size(frame)>;
+      using Stress = PointValues<Cell, gradient_size(frame)>;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, Cell::dim> X(group, b, X_), u(group, b, step_.u ? *step_.u : X_),
+            u_n(group, b, step_.u_n ? *step_.u_n : X_);
+        const Gathered<Cell, 1> now(group, b, theta), before(group, b, theta_n),
+            phi(group, b, step_.phi ? *step_.phi : theta_n),
+            phi_n(group, b, step_.phi_n ? *step_.phi_n : theta_n);
+        Points A, A_n;
+        Stress P, P_n;
+        PointValues<Cell, 1> dissipation;
+        HeatInput in;
+        in.X = X.data();
+        if (step_.u) in.u = u.data(), in.u_n = u_n.data();
+        if (step_.phi) in.phi = phi.data(), in.phi_n = phi_n.data();
+        in.theta = now.data();
+        in.theta_n = before.data();
+        if (energy && flows_) {
+          A.load(history.trial, history_offset_[g], b);
+          A_n.load(history.committed, history_offset_[g], b);
+          in.history = A.data();
+          in.history_n = A_n.data();
+        }
+        if (energy && stress) {
+          P.load(stress->trial, stress_offset_[g], b);
+          P_n.load(stress->committed, stress_offset_[g], b);
+          in.stress = P.data();
+          in.stress_n = P_n.data();
+        }
+        if (!energy && moves_) {
+          dissipation.load(dissipation_, dissipation_offset_[g], b);
+          in.dissipation = dissipation.data();
+        }
+        in.dt = t_ - t_n_;
+        in.theta_h = settings_.theta;
+        in.form = settings_.form;
+        const int bad = body.template operator()<Cell, frame>(g, b, law, in);
+        sound = sound && (bad & ((1 << group.lanes_in_use(b)) - 1)) == 0;
+      }
+    });
+  }
+  return sound;
+}
+
+bool HeatProblem::make_constant_part() {
+  std::fill(constant_.begin(), constant_.end(), 0.0);
+  load_supplied_.assign(supplied_.size(), 0.0);
+  const double dt = t_ - t_n_;
+  const double weight[2] = {(1 - settings_.theta) * dt, settings_.theta * dt};
+  const bool sound = for_each_batch(
+      x_, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
+        PointValues<Cell, heat_point_size> points;
+        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
+        const int bad = heat_step<Cell, frame>(law, in, points.data(), r.data());
+        points.store(points_, point_offset_[g], b);
+        scatter_add<Cell, 1>(d_.groups[g], b, r.data(), constant_.data());
+        return bad;
+      });
+  std::vector<double> load(constant_.size(), 0.0);
+  for (const Region& region : regions_) {
+    std::size_t next = 0;
+    for (const Region::Cells& cells : region.cells) {
+      const CellGroup& group = d_.groups[static_cast<std::size_t>(cells.group)];
+      with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
+        const Gathered<Cell, Cell::dim> X(group, cells.batch, X_);
+        std::array<Batch, static_cast<std::size_t>(Cell::points)> source;
+        for (Batch& value : source)
+          for (int l = 0; l < lanes; ++l, ++next)
+            value.set(l, weight[0] * region.source[0][next] + weight[1] * region.source[1][next]);
+        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
+        Batch sum = 0;
+        heat_source<Cell, frame>(X.data(), source.data(), r.data(), sum);
+        scatter_add<Cell, 1>(group, cells.batch, r.data(), load.data());
+        load_supplied_[static_cast<std::size_t>(region.condition)] +=
+            lane_sum(sum, group.lanes_in_use(cells.batch));
+      });
+    }
+  }
+  if (settings_.theta < 1)
+    for (const Surface& surface : surfaces_)
+      load_supplied_[static_cast<std::size_t>(surface.load->condition)] +=
+          add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[0], state_.row("theta").committed,
+                           weight[0], load);
+  for (std::size_t i = 0; i < load.size(); ++i) constant_[i] -= load[i];
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+bool HeatProblem::add_residual(const std::vector<double>& theta, std::vector<double>& r) {
+  r = constant_;
+  for (double& value : r) value = -value;
+  supplied_ = load_supplied_;
+  for (const Surface& surface : surfaces_)
+    supplied_[static_cast<std::size_t>(surface.load->condition)] += add_surface_heat(
+        surface.load->facets, d_.frame, X_, surface.heat[1], theta, settings_.theta * (t_ - t_n_), r);
+  for (double& value : r) value = -value;
+  const bool sound = for_each_batch(
+      theta, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
+        PointValues<Cell, heat_point_size> points;
+        points.load(points_, point_offset_[g], b);
+        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> part{};
+        const int bad = heat_residual<Cell, frame>(law, in, points.data(), part.data());
+        scatter_add<Cell, 1>(d_.groups[g], b, part.data(), r.data());
+        return bad;
+      });
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+void HeatProblem::residual(Vec x, Vec f) {
+  d_.scalar.to_local(x, x_);
+  const bool sound = add_residual(x_, r_);
+  check(VecSet(f, 0));
+  d_.scalar.add_to_global(r_, f);
+  double* values = nullptr;
+  PetscInt start = 0;
+  check(VecGetOwnershipRange(f, &start, nullptr));
+  check(VecGetArray(f, &values));
+  for (int node : owned_held_) values[d_.mesh.global_node()[static_cast<std::size_t>(node)] - start] = 0;
+  check(VecRestoreArray(f, &values));
+  if (!sound) check(SNESSetFunctionDomainError(snes_));
+}
+
+void HeatProblem::tangent(Vec x) {
+  d_.scalar.to_local(x, x_);
+  assembly_->zero();
+  for_each_batch(
+      x_, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
+        constexpr int n = Cell::nodes;
+        PointValues<Cell, heat_point_size> points;
+        points.load(points_, point_offset_[g], b);
+        const Gathered<Cell, 1> free(d_.groups[g], b, free_);
+        std::array<Batch, static_cast<std::size_t>(n)> r{};
+        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        const int bad = heat_tangent<Cell, frame>(law, in, points.data(), r.data(), K.data());
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < n; ++j)
+            K[static_cast<std::size_t>(i * n + j)] *=
+                free.value[static_cast<std::size_t>(i)] * free.value[static_cast<std::size_t>(j)];
+        assembly_->add(static_cast<int>(g), b, K.data());
+        return bad;
+      });
+  assembly_->finish();
+  Mat matrix = assembly_->matrix();
+  if (!surfaces_.empty()) {
+    for (const Surface& surface : surfaces_)
+      add_surface_heat_tangent(surface.load->facets, d_.frame, X_, surface.heat[1],
+                               settings_.theta * (t_ - t_n_), held_, d_.mesh.global_node(), matrix);
+    check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  }
+  double sum = 0;
+  check(MatGetDiagonal(matrix, diagonal_));
+  check(VecSum(diagonal_, &sum));
+  assembly_->set_diagonal(owned_held_,
+                          sum > 0 ? sum / static_cast<double>(d_.mesh.global_node_count()) : 1.0);
+}
+
+// What flows in where the temperature is prescribed is the residual that is left there.
+void HeatProblem::book() {
+  d_.scalar.to_local(solution_, x_);
+  add_residual(x_, r_);
+  check(VecSet(residual_, 0));
+  d_.scalar.add_to_global(r_, residual_);
+  d_.scalar.to_local(residual_, r_);
+  for (int node : owned_held_)
+    supplied_[static_cast<std::size_t>(boundary_.temperature_condition()[static_cast<std::size_t>(node)])] +=
+        r_[static_cast<std::size_t>(node)];
+  if (!supplied_.empty())
+    MPI_Allreduce(MPI_IN_PLACE, supplied_.data(), static_cast<int>(supplied_.size()), MPI_DOUBLE, MPI_SUM,
+                  d_.mesh.comm());
+}
+
+HeatOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
+  step_ = step;
+  agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_temperature(t_, theta); });
+  x_ = theta;
+  HeatOutcome outcome;
+  if (!make_constant_part()) {
+    outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
+    return outcome;
+  }
+  d_.scalar.to_global(theta, solution_);
+  mailbox_.deliver(SNESSolve(snes_, nullptr, solution_));
+  check(SNESGetConvergedReason(snes_, &outcome.reason));
+  check(SNESGetIterationNumber(snes_, &outcome.newton));
+  check(SNESGetLinearSolveIterations(snes_, &outcome.linear));
+  if (outcome.reason < 0) return outcome;
+  book();
+  theta = x_;
+  return outcome;
+}
+
+} // namespace impact

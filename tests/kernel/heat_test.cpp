@@ -1,0 +1,312 @@
+#include "reference_cell.hpp"
+
+#include <gtest/gtest.h>
+#include <impact/kernel/heat.hpp>
+#include <impact/kernel/measure.hpp>
+
+using namespace impact;
+using reference::aluminium;
+using reference::Complex;
+using reference::Matrix;
+using reference::Sampler;
+
+namespace {
+
+template <class C, Frame f> struct Element {
+  using Cell = C;
+  static constexpr Frame frame = f;
+};
+using Elements = testing::Types<Element<Tri3, Frame::plane_strain>, Element<Tri3, Frame::axisymmetric>,
+                                Element<Quad4, Frame::plane_strain>, Element<Quad4, Frame::axisymmetric>,
+                                Element<Tet4, Frame::solid>, Element<Hex8, Frame::solid>>;
+template <class> struct HeatCell : testing::Test {};
+TYPED_TEST_SUITE(HeatCell, Elements);
+
+/// Free energy of heat and volume, psi_theta + g_v U(J/J_th), as it is written.
+template <class T> T free_energy(const MaterialParameters& m, double J, double phi, const T& theta) {
+  const T Je = J / reference::J_theta(m, theta);
+  const double g = real(Complex(Je)) >= 1 ? reference::g_e1(m, phi) : reference::g_e2(m, phi);
+  return g * m.K / 2 * ((Je * Je - 1.0) / 2.0 - std::log(Je)) -
+         m.c_v * (theta * std::log(theta / m.theta0) - (theta - m.theta0));
+}
+
+/// eta = -d psi/d theta by the complex step.
+double entropy(const MaterialParameters& m, double J, double phi, double theta) {
+  return -imag(free_energy(m, J, phi, Complex(theta, 1e-20))) / 1e-20;
+}
+
+/// The volume ratio of the locking cure at each point.
+template <class Cell, Frame frame>
+std::vector<double> volumes(const MaterialParameters& m, const reference::CellCase<Cell, frame>& c,
+                            const double* u) {
+  std::vector<double> J;
+  double mean = 0, volume = 0;
+  for (const auto& q : reference::points<Cell, frame>(c.X)) {
+    J.push_back(reference::det(q.F(u)));
+    mean += q.weight * J.back();
+    volume += q.weight;
+  }
+  const reference::Point<Cell, frame> centre(c.X, Cell::centroid(), 1);
+  for (double& x : J)
+    x = m.locking == Locking::mean   ? mean / volume
+        : m.locking == Locking::fbar ? reference::det(centre.F(u))
+                                     : x;
+  return J;
+}
+
+/// Nodal fields at t_n beside those of the case, and what the motion tells of the points.
+struct More {
+  std::vector<double> phi_n, theta_n, dissipation;
+};
+
+/// kappa grad theta at a point in the reference configuration.
+template <class P>
+std::vector<double> flux(const MaterialParameters& m, const P& q, int dim, const double* u, double phi,
+                         const double* theta) {
+  const Matrix<double> F = q.F(u), Ci = reference::inverse(reference::right_cauchy_green(F));
+  const double g = m.gtheta == ConductionDegradation::ge ? reference::g_e1(m, phi) : 1;
+  std::vector<double> f(3, 0.0), grad(3, 0.0);
+  for (std::size_t a = 0; a < std::size(q.N); ++a)
+    for (int i = 0; i < dim; ++i) grad[unsigned(i)] += theta[a] * q.dN[a][i];
+  for (unsigned i = 0; i < 3; ++i)
+    for (unsigned j = 0; j < 3; ++j)
+      f[i] += m.conductivity * g *
+              (m.conduction == Conduction::spatial ? reference::det(F) * Ci[3 * i + j] : double(i == j)) *
+              grad[j];
+  return f;
+}
+
+/// The entropy form written out point by point (section 6 of the model).
+template <class Cell, Frame frame>
+std::vector<double> weak_form(const MaterialParameters& m, const reference::CellCase<Cell, frame>& c,
+                              const More& e, double theta_h) {
+  std::vector<double> r(Cell::nodes, 0.0);
+  const auto J = volumes(m, c, c.u), J_n = volumes(m, c, c.u_n);
+  std::size_t k = 0;
+  for (const auto& q : reference::points<Cell, frame>(c.X)) {
+    const double theta = q.at(c.theta), theta_n = q.at(e.theta_n.data());
+    const double phi = q.at(c.phi), phi_n = q.at(e.phi_n.data());
+    const double lambda = std::pow(1 + m.delta - phi_n, m.zeta) / m.c;
+    const double produced = e.dissipation[k] + lambda * (phi - phi_n) * (phi - phi_n) / c.dt;
+    const double local = (theta_h * theta + (1 - theta_h) * theta_n) *
+                             (entropy(m, J[k], phi, theta) - entropy(m, J_n[k], phi_n, theta_n)) -
+                         produced;
+    const auto now = flux(m, q, Cell::dim, c.u, phi, c.theta),
+               before = flux(m, q, Cell::dim, c.u_n, phi_n, e.theta_n.data());
+    for (unsigned a = 0; a < Cell::nodes; ++a) {
+      r[a] += q.weight * q.N[a] * local;
+      for (unsigned i = 0; i < Cell::dim; ++i)
+        r[a] += q.weight * c.dt * q.dN[a][i] * (theta_h * now[i] + (1 - theta_h) * before[i]);
+    }
+    ++k;
+  }
+  return r;
+}
+
+MaterialParameters hot_aluminium(int k) {
+  MaterialParameters m = aluminium();
+  m.c_v = 2.43e6;
+  m.conductivity = 150;
+  m.conduction = k % 2 ? Conduction::spatial : Conduction::material;
+  m.gtheta = k % 3 ? ConductionDegradation::ge : ConductionDegradation::one;
+  m.locking = k % 4 == 0 ? Locking::mean : k % 4 == 1 ? Locking::fbar : Locking::none;
+  m.split = k % 5 ? Split::volumetric : Split::none;
+  m.gp = k % 7 ? PlasticDegradation::one : PlasticDegradation::ge;
+  m.damage_gradient = k % 6 ? DamageGradient::spatial : DamageGradient::material;
+  return m;
+}
+
+/// One batch with random fields at both ends of a step.
+template <class Cell, Frame frame> struct Case {
+  std::vector<reference::CellCase<Cell, frame>> cells;
+  reference::CellBatch<Cell, frame> batch;
+  std::vector<More> more;
+  Batch phi_n[Cell::nodes], theta_n[Cell::nodes], dissipation[Cell::points];
+
+  explicit Case(Sampler& random) : cells(reference::cases<Cell, frame>(random, 0.02)), batch(cells) {
+    for (int l = 0; l < lanes; ++l) {
+      More& e = more.emplace_back();
+      for (int a = 0; a < Cell::nodes; ++a) {
+        e.phi_n.push_back(random.uniform(0, 0.7));
+        e.theta_n.push_back(random.uniform(290, 400));
+        phi_n[a].set(l, e.phi_n.back());
+        theta_n[a].set(l, e.theta_n.back());
+      }
+      for (int q = 0; q < Cell::points; ++q) {
+        e.dissipation.push_back(random.uniform(0, 1e6));
+        dissipation[q].set(l, e.dissipation.back());
+      }
+    }
+  }
+  HeatInput input() const {
+    HeatInput in;
+    in.X = batch.X, in.u = batch.u, in.u_n = batch.u_n, in.phi = batch.phi, in.phi_n = phi_n;
+    in.theta = batch.theta, in.theta_n = theta_n, in.dissipation = dissipation, in.dt = cells[0].dt;
+    return in;
+  }
+};
+
+double lane_total(const Batch& x) {
+  double sum = 0;
+  for (int l = 0; l < lanes; ++l) sum += x[l];
+  return sum;
+}
+
+template <class Cell, Frame frame>
+std::vector<Batch> whole_residual(const PointLaw& law, const HeatInput& in) {
+  Batch points[Cell::points * heat_point_size];
+  std::vector<Batch> r(Cell::nodes, Batch(0.0));
+  EXPECT_EQ((heat_step<Cell, frame>(law, in, points, r.data())), 0);
+  EXPECT_EQ((heat_residual<Cell, frame>(law, in, points, r.data())), 0);
+  return r;
+}
+
+} // namespace
+
+TYPED_TEST(HeatCell, EntropyFormIsTheWeakFormWrittenOut) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  Sampler random(51);
+  for (int k = 0; k < 24; ++k) {
+    const MaterialParameters m = hot_aluminium(k);
+    const Case<Cell, frame> c(random);
+    HeatInput in = c.input();
+    in.theta_h = k % 2 ? 1 : 0.5;
+    const std::vector<Batch> r = whole_residual<Cell, frame>(PointLaw{m}, in);
+    for (int l = 0; l < lanes; ++l) {
+      const auto expected = weak_form(m, c.cells[unsigned(l)], c.more[unsigned(l)], in.theta_h);
+      double size = 0;
+      for (double x : expected) size = std::max(size, std::abs(x));
+      for (unsigned a = 0; a < Cell::nodes; ++a) EXPECT_NEAR(r[a][l], expected[a], 1e-11 * size) << k;
+    }
+  }
+}
+
+TYPED_TEST(HeatCell, TangentIsTheDerivativeOfTheResidualAndSymmetric) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  Sampler random(52);
+  for (int k = 0; k < 12; ++k) {
+    const PointLaw law{hot_aluminium(k)};
+    const Case<Cell, frame> c(random);
+    HeatInput in = c.input();
+    in.form = k % 2 ? HeatForm::entropy : HeatForm::energy;
+    in.theta_h = k % 3 ? 1 : 0.5;
+    Batch points[Cell::points * heat_point_size], theta[Cell::nodes];
+    std::vector<Batch> r(Cell::nodes, Batch(0.0)), K(Cell::nodes * Cell::nodes, Batch(0.0));
+    heat_step<Cell, frame>(law, in, points, r.data());
+    EXPECT_EQ((heat_tangent<Cell, frame>(law, in, points, r.data(), K.data())), 0);
+    const auto at = [&](int node, double h) {
+      for (int a = 0; a < Cell::nodes; ++a) theta[a] = in.theta[a];
+      theta[node] += Batch(h);
+      HeatInput moved = in;
+      moved.theta = theta;
+      std::vector<Batch> f(Cell::nodes, Batch(0.0));
+      heat_residual<Cell, frame>(law, moved, points, f.data());
+      return f;
+    };
+    for (int b = 0; b < Cell::nodes; ++b) {
+      const double h = 0.02; // the difference of fourth order
+      const auto p1 = at(b, h), m1 = at(b, -h), p2 = at(b, 2 * h), m2 = at(b, -2 * h);
+      for (int a = 0; a < Cell::nodes; ++a)
+        for (int l = 0; l < lanes; ++l) {
+          const unsigned i = unsigned(a);
+          const double slope = (8 * (p1[i][l] - m1[i][l]) - (p2[i][l] - m2[i][l])) / (12 * h);
+          const double size = K[unsigned(b * Cell::nodes + b)][l];
+          EXPECT_NEAR(K[unsigned(a * Cell::nodes + b)][l], slope, 1e-8 * size);
+          EXPECT_EQ(K[unsigned(a * Cell::nodes + b)][l], K[unsigned(b * Cell::nodes + a)][l]);
+        }
+    }
+  }
+}
+
+// Summed over its nodes, the energy form is the first law of the cell: what is stored now, less what was
+// stored before, less the work of the forces that the motion balanced, at both ends of the step.
+TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim, parts = history_size(frame);
+  Sampler random(53);
+  for (int k = 0; k < 24; ++k) {
+    MaterialParameters m = hot_aluminium(k);
+    m.model = k % 2 ? Model::j2 : Model::elastic;
+    m.b_d = k % 3 ? 3e3 : 0;
+    const PointLaw law{m};
+    const Case<Cell, frame> c(random);
+    Batch history[2][Cell::points * parts], stress[2][Cell::points * gradient_size(frame)], force[2][dofs],
+        drive[Cell::points * drive_size];
+    const Batch *u[2] = {c.batch.u_n, c.batch.u}, *phi[2] = {c.phi_n, c.batch.phi},
+                *theta[2] = {c.theta_n, c.batch.theta};
+    Batch stored = 0, work = 0;
+    for (int end = 0; end < 2; ++end) {
+      MotionInput in = c.batch.input(c.cells[0].dt);
+      in.u = u[end], in.phi = phi[end], in.theta = theta[end];
+      StepSums sums;
+      motion_advance<Cell, frame>(law, in, history[end], drive, sums, {nullptr, stress[end]});
+      for (auto& f : force[end]) f = 0;
+      motion_residual<Cell, frame>(law, in, force[end]);
+      EnergyInput at;
+      at.X = c.batch.X, at.u = u[end], at.phi = phi[end], at.theta = theta[end];
+      at.history = m.model == Model::j2 ? history[end] : nullptr;
+      EnergySums energies;
+      Batch heat = 0;
+      stored_energy<Cell, frame>(law, at, energies);
+      stored_heat<Cell, frame>(law, at, heat);
+      stored += (end ? 1.0 : -1.0) * (energies.elastic + energies.plastic + energies.fracture + heat);
+    }
+    for (int i = 0; i < dofs; ++i) work += 0.5 * (force[0][i] + force[1][i]) * (u[1][i] - u[0][i]);
+    HeatInput in = c.input();
+    in.form = HeatForm::energy;
+    in.theta_h = k % 2 ? 1 : 0.5;
+    if (m.model == Model::j2) in.history = history[1], in.history_n = history[0];
+    in.stress = stress[1], in.stress_n = stress[0];
+    Batch sum = 0, size = 0;
+    for (const Batch& x : whole_residual<Cell, frame>(law, in)) sum += x, size += abs(x);
+    for (int l = 0; l < lanes; ++l) EXPECT_NEAR(sum[l], (stored - work)[l], 1e-11 * size[l]) << k;
+  }
+}
+
+TYPED_TEST(HeatCell, MotionTellsItsDissipationAtThePoints) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  Sampler random(54);
+  MaterialParameters m = hot_aluminium(2);
+  m.b_d = 3e3;
+  const PointLaw law{m};
+  const auto cells = reference::cases<Cell, frame>(random, 0.03);
+  const reference::CellBatch<Cell, frame> batch(cells);
+  Batch history[Cell::points * history_size(frame)], plain[Cell::points * history_size(frame)],
+      drive[Cell::points * drive_size], dissipation[Cell::points];
+  StepSums sums, without;
+  motion_advance<Cell, frame>(law, batch.input(cells[0].dt), history, drive, sums, {dissipation, nullptr});
+  motion_advance<Cell, frame>(law, batch.input(cells[0].dt), plain, drive, without);
+  EXPECT_GT(lane_total(without.plastic_dissipation), 0);
+  EXPECT_GT(lane_total(without.viscous_dissipation), 0);
+  for (int l = 0; l < lanes; ++l) {
+    double total = 0;
+    int q = 0;
+    for (const auto& at : reference::points<Cell, frame>(cells[unsigned(l)].X))
+      total += at.weight * dissipation[q++][l];
+    EXPECT_NEAR(total, (without.plastic_dissipation + without.viscous_dissipation)[l], 1e-12 * total);
+    for (int i = 0; i < Cell::points * history_size(frame); ++i)
+      EXPECT_NEAR(history[i][l], plain[i][l], 1e-15);
+  }
+}
+
+TYPED_TEST(HeatCell, RefusesATemperatureThatIsNotPositive) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  Sampler random(55);
+  const Case<Cell, frame> c(random);
+  HeatInput in = c.input();
+  Batch points[Cell::points * heat_point_size], theta[Cell::nodes], r[Cell::nodes];
+  for (int a = 0; a < Cell::nodes; ++a) {
+    theta[a] = in.theta[a];
+    theta[a].set(1, -1);
+    r[a] = 0;
+  }
+  const PointLaw law{hot_aluminium(2)};
+  heat_step<Cell, frame>(law, in, points, r);
+  in.theta = theta;
+  EXPECT_EQ((heat_residual<Cell, frame>(law, in, points, r)), 2);
+}
