@@ -1,5 +1,6 @@
 #include "scenario_options.hpp"
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>
 #include <impact/input/database.hpp>
@@ -192,7 +193,11 @@ TEST(Scenario, HelpNamesEveryOptionWithItsUnit) {
   }
 }
 
-std::filesystem::path source_folder() { return std::filesystem::path(__FILE__).parent_path() / ".." / ".."; }
+std::filesystem::path source_folder() {
+  const char* source = std::getenv("IMPACT_SOURCE_DIR");
+  return source != nullptr ? std::filesystem::path(source)
+                           : std::filesystem::path(__FILE__).parent_path() / ".." / "..";
+}
 
 TEST(Scenario, TheReferencePageIsThatOfTheProgram) {
   std::ifstream file(source_folder() / "options" / "README.md");
