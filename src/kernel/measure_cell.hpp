@@ -42,7 +42,8 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
   }
 }
 
-template <class Cell, Frame frame> void stored_heat(const PointLaw& law, const EnergyInput& in, Batch& sum) {
+template <class Cell, Frame frame>
+void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
@@ -50,8 +51,10 @@ template <class Cell, Frame frame> void stored_heat(const PointLaw& law, const E
     const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
-    sum += s.map[q].weight *
-           thermal_energy(m, Je, select(Je >= Batch(0.0), g.e1.g, g.e2.g), interpolate<Cell>(in.theta, q));
+    const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g), theta = interpolate<Cell>(in.theta, q);
+    sums.energy += s.map[q].weight * thermal_energy(m, Je, g_v, theta);
+    sums.entropy +=
+        s.map[q].weight * (m.c_v * log_ratio(theta, Batch(m.theta0)) + thermoelastic_entropy(m, Je, g_v));
   }
 }
 

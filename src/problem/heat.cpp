@@ -233,7 +233,7 @@ bool HeatProblem::make_constant_part() {
         scatter_add<Cell, 1>(d_.groups[g], b, r.data(), constant_.data());
         return bad;
       });
-  std::vector<double> load(constant_.size(), 0.0);
+  load_.assign(constant_.size(), 0.0);
   for (const Region& region : regions_) {
     std::size_t next = 0;
     for (const Region::Cells& cells : region.cells) {
@@ -247,7 +247,7 @@ bool HeatProblem::make_constant_part() {
         std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
         Batch sum = 0;
         heat_source<Cell, frame>(X.data(), source.data(), r.data(), sum);
-        scatter_add<Cell, 1>(group, cells.batch, r.data(), load.data());
+        scatter_add<Cell, 1>(group, cells.batch, r.data(), load_.data());
         load_supplied_[static_cast<std::size_t>(region.condition)] +=
             lane_sum(sum, group.lanes_in_use(cells.batch));
       });
@@ -257,8 +257,8 @@ bool HeatProblem::make_constant_part() {
     for (const Surface& surface : surfaces_)
       load_supplied_[static_cast<std::size_t>(surface.load->condition)] +=
           add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[0], state_.row("theta").committed,
-                           weight[0], load);
-  for (std::size_t i = 0; i < load.size(); ++i) constant_[i] -= load[i];
+                           weight[0], load_);
+  for (std::size_t i = 0; i < load_.size(); ++i) constant_[i] -= load_[i];
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
@@ -341,6 +341,16 @@ void HeatProblem::book() {
   for (int node : owned_held_)
     supplied_[static_cast<std::size_t>(boundary_.temperature_condition()[static_cast<std::size_t>(node)])] +=
         r_[static_cast<std::size_t>(node)];
+  // Loads of this rank's cells and facets, and what flows in at held nodes: each node's heat at its
+  // temperature.
+  entropy_supplied_ = 0;
+  std::vector<double> heat = load_;
+  for (const Surface& surface : surfaces_)
+    add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[1], x_, settings_.theta * (t_ - t_n_),
+                     heat);
+  for (int node : owned_held_) heat[static_cast<std::size_t>(node)] += r_[static_cast<std::size_t>(node)];
+  for (std::size_t i = 0; i < heat.size(); ++i) entropy_supplied_ += heat[i] / x_[i];
+  MPI_Allreduce(MPI_IN_PLACE, &entropy_supplied_, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
   if (!supplied_.empty())
     MPI_Allreduce(MPI_IN_PLACE, supplied_.data(), static_cast<int>(supplied_.size()), MPI_DOUBLE, MPI_SUM,
                   d_.mesh.comm());

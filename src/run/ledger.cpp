@@ -52,8 +52,8 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   materials_.resize(d.materials.size());
   const auto& conditions = motion_.boundary().conditions();
   if (d.has_heat()) {
-    StateRow row{"ledger_heat", Support::global, static_cast<int>(conditions.size()) + 1};
-    heat_ = &state_.add(std::move(row), conditions.size() + 1); // the last one keeps the row from being empty
+    StateRow row{"ledger_heat", Support::global, static_cast<int>(conditions.size()) + 2};
+    heat_ = &state_.add(std::move(row), conditions.size() + 2);
   }
   mean_theta_.resize(conditions.size());
   reaction_.resize(conditions.size() * static_cast<std::size_t>(d.dim()));
@@ -82,7 +82,7 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   const StateRow* theta_row = state_.find("theta");
   const std::vector<double>& history = half(state_.row("history"));
   const auto offset = point_offsets(d.groups, history_size(d.frame));
-  constexpr std::size_t columns = 8;
+  constexpr std::size_t columns = 9;
   std::vector<double> values(d.materials.size() * columns, 0.0);
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];
@@ -113,9 +113,10 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         mine[3] += lane_sum(sums.fracture, used);
         for (int k = 0; k < 3; ++k) mine[4 + k] += lane_sum(sums.momentum[k], used);
         if (!theta_row) continue;
-        Batch heat = 0;
+        HeatSums heat;
         stored_heat<Cell, frame>(law, in, heat);
-        mine[7] += lane_sum(heat, used);
+        mine[7] += lane_sum(heat.energy, used);
+        mine[8] += lane_sum(heat.entropy, used);
       }
     });
   }
@@ -125,13 +126,14 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   for (std::size_t m = 0; m < materials_.size(); ++m) {
     const double* of = &values[m * columns];
     const double w = d.thickness;
-    materials_[m] = {w * of[0], w * of[1], w * of[2],
-                     w * of[3], w * of[7], {w * of[4], w * of[5], w * of[6]}};
+    materials_[m] = {
+        w * of[0], w * of[1], w * of[2], w * of[3], w * of[7], w * of[8], {w * of[4], w * of[5], w * of[6]}};
     total_.kinetic += materials_[m].kinetic;
     total_.elastic += materials_[m].elastic;
     total_.plastic += materials_[m].plastic;
     total_.fracture += materials_[m].fracture;
     total_.thermal += materials_[m].thermal;
+    total_.entropy += materials_[m].entropy;
   }
   find_extremes(trial);
 }
@@ -170,6 +172,7 @@ void Ledger::start(Vec u, Vec v, Vec) {
   measure(u, v, false);
   energy_contact_ = contact_energy(u);
   sum(start_energy) = stored();
+  if (heat_) heat_->trial.back() = total_.entropy;
   sum(scale) = std::abs(stored());
   // Forces of the start: the half of the first step's work that belongs to t = 0.
   ForceParts parts;
@@ -313,6 +316,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   if (heat_) {
     const std::span<const double> supplied = coupling_->heat_supplied();
     for (std::size_t c = 0; c < supplied.size(); ++c) heat_->trial[c] += w * supplied[c];
+    heat_->trial[supplied.size()] += w * coupling_->entropy_supplied();
   }
   sum(scale) =
       std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
@@ -380,8 +384,13 @@ double Ledger::dissipated() const {
 double Ledger::heat_supplied() const {
   double total = 0;
   if (heat_)
-    for (double part : heat_->trial) total += part;
+    for (std::size_t c = 0; c + 2 < heat_->trial.size(); ++c) total += heat_->trial[c];
   return total;
+}
+
+double Ledger::entropy_produced() const {
+  const std::size_t n = heat_->trial.size();
+  return total_.entropy - heat_->trial[n - 2] - heat_->trial[n - 1];
 }
 
 double Ledger::balance_first_law() const {
@@ -409,6 +418,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (moves_) row.emplace_back("work_external", sum(external));
   if (has_contact) row.emplace_back("work_contact", sum(contact_work));
   if (heat) row.emplace_back("heat_supplied", heat_supplied());
+  if (heat) row.emplace_back("entropy_produced", entropy_produced());
   if (moves_) row.emplace_back("balance", balance());
   row.emplace_back("balance_first_law", balance_first_law());
   if (d.has_damage()) row.emplace_back("phi_max", phi_max_);

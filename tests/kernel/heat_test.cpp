@@ -249,10 +249,10 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
       at.X = c.batch.X, at.u = u[end], at.phi = phi[end], at.theta = theta[end];
       at.history = m.model == Model::j2 ? history[end] : nullptr;
       EnergySums energies;
-      Batch heat = 0;
+      HeatSums heat;
       stored_energy<Cell, frame>(law, at, energies);
       stored_heat<Cell, frame>(law, at, heat);
-      stored += (end ? 1.0 : -1.0) * (energies.elastic + energies.plastic + energies.fracture + heat);
+      stored += (end ? 1.0 : -1.0) * (energies.elastic + energies.plastic + energies.fracture + heat.energy);
     }
     for (int i = 0; i < dofs; ++i) work += 0.5 * (force[0][i] + force[1][i]) * (u[1][i] - u[0][i]);
     HeatInput in = c.input();

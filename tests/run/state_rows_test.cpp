@@ -75,7 +75,7 @@ const Rows known = {
     {"phi", {Support::vertex, 1}},
     {"theta", {Support::vertex, 1}},
     {"stress", {Support::cell_point, 4}},  // P of the motion, for the work of the next step
-    {"ledger_heat", {Support::global, 1}}, // supplied by each condition, and one
+    {"ledger_heat", {Support::global, 2}}, // supplied by each condition, and one
     {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
     {"drive", {Support::cell_point, 3}},
     {"damage_history", {Support::cell_point, 1}},

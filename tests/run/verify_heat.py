@@ -100,6 +100,12 @@ for form, rule in (("energy", 1), ("energy", 0.5), ("entropy", 1), ("entropy", 0
 # int 40 x sin(3 t) dV dt
 runs.check("source: supplied heat", run["heat_source"][-1], 20 * (1 - math.cos(3)) / 3, 1e-3)
 
+# Of a steady flux between two temperatures in the ring.
+still = {key: value for key, value in RING.items() if key != "bc_air_h"}
+run = runs.run("ring_entropy", {**still, "bc_air_type": "temperature", "bc_air_value": 350, "ts_dt": 1e7, "ts_max_time": 2e7})
+power = 2 * math.pi * 3 * 0.1 * 50 / math.log(2)
+runs.check("ring: entropy produced per time", numpy.diff(run["entropy_produced"])[-1] / 1e7, power * (1 / 350 - 1 / 400), 1e-3)
+
 # Ranks and restart.
 one = runs.run("ranks_1", {**BLOCK, "ts_dt": 0.1, "checkpoint_every": 5})
 for ranks in (2, 3, 4):

@@ -132,7 +132,13 @@ misses = [abs(audit(f"entropy_{n}", **ELASTIC, ts_dt=1.5e-5 / n)[1]).max() for n
 runs.check_between("entropy form: what the first law misses / work, 120 steps", misses[2], 1e-4, 5e-3)
 for i in (0, 1):
     runs.check("entropy form: order of what the first law misses", math.log2(misses[i] / misses[i + 1]), 1, 0.1)
-flow = abs(audit("entropy_flow", ts_dt=5e-7, ts_max_time=3e-5, coupling_snes_max_it=20)[1]).max()
+run, missing = audit("entropy_flow", ts_dt=5e-7, ts_max_time=3e-5, coupling_snes_max_it=20)
+flow = abs(missing).max()
+runs.require("entropy form: every step produces entropy", numpy.diff(run["entropy_produced"]).min() > 0)
+# An insulated body: what was dissipated, at the temperature at which it was.
+heat = sum(run["dissipated_" + kind] for kind in ("viscous", "damage", "plastic"))
+mean = numpy.sum(numpy.diff(heat)) / run["entropy_produced"][-1]
+runs.check_between("entropy form: temperature at which heat was produced", mean, 298, run["theta_max"].max())
 runs.check_between("entropy form with flow: what the first law misses / work", flow, 1e-5, 5e-3)
 
 # Ranks and restart of all of it.

@@ -29,9 +29,14 @@ struct EnergySums {
 
 template <class Cell, Frame frame> void stored_energy(const PointLaw&, const EnergyInput&, EnergySums&);
 
-/// sum += int c_V (theta - theta_0) + theta 3 alpha_t g_v K/2 (J_e^2 - 1), per lane: the thermal part of the
-/// internal energy. Needs in.theta.
-template <class Cell, Frame frame> void stored_heat(const PointLaw&, const EnergyInput& in, Batch& sum);
+/// Sums over the points, per lane; stored_heat adds to them.
+struct HeatSums {
+  Batch energy = 0;  ///< int c_V (theta - theta_0) + theta s: the thermal part of the internal energy
+  Batch entropy = 0; ///< int c_V ln(theta/theta_0) + s,   s = 3 alpha_t g_v K/2 (J_e^2 - 1)
+};
+
+/// Needs in.theta.
+template <class Cell, Frame frame> void stored_heat(const PointLaw&, const EnergyInput& in, HeatSums&);
 
 /// int lambda(phi_n) (phi - phi_n)^2 / dt, per lane; sum is added to. phi, phi_n [node].
 template <class Cell, Frame frame>

@@ -61,6 +61,7 @@ public:
   const MotionProblem::Increments& increments() const { return increments_; }
   /// Heat that each condition supplied in the attempt, per unit thickness; empty without heat.
   std::span<const double> heat_supplied() const;
+  double entropy_supplied() const { return heat_ ? heat_->entropy_supplied() : 0; }
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
   SNES motion_snes() const { return motion_snes_; }

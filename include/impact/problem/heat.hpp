@@ -46,6 +46,8 @@ public:
   /// Heat that each condition supplied in the solved step, through prescribed temperatures too: all ranks,
   /// per unit thickness.
   const std::vector<double>& supplied() const { return supplied_; }
+  /// The same heat node by node over the temperature at t_{n+1}.
+  double entropy_supplied() const { return entropy_supplied_; }
   /// Drops lagged factors. Collective.
   void forget_factors();
 
@@ -89,6 +91,8 @@ private:
   std::vector<int> owned_held_;
   std::vector<std::size_t> history_offset_, dissipation_offset_, stress_offset_, point_offset_;
   std::vector<double> supplied_, load_supplied_;
+  std::vector<double> load_; ///< nodal heat of the loads at t_n and of the sources
+  double entropy_supplied_ = 0;
   bool moves_, flows_;
   std::optional<SparseAssembly> assembly_;
   Handle<SNES> snes_;

@@ -16,7 +16,7 @@
 namespace impact {
 
 struct MaterialEnergies {
-  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, thermal = 0;
+  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, thermal = 0, entropy = 0;
   double momentum[3] = {0, 0, 0};
 };
 
@@ -72,6 +72,7 @@ private:
   void find_extremes(bool trial);
   double dissipated() const;
   double heat_supplied() const;
+  double entropy_produced() const;
   void find_reactions(const std::vector<double>& u);
   double contact_energy(Vec u) const;
   bool in_rigid_body(std::size_t dof) const;
@@ -83,7 +84,8 @@ private:
   StateTable& state_;
   bool inertia_, moves_;
   double alpha_m_;
-  StateRow* heat_ = nullptr; ///< with heat: supplied by each condition since t = 0
+  /// With heat: supplied by each condition since t = 0, entropy supplied, entropy at the start.
+  StateRow* heat_ = nullptr;
   StateRow *totals_, *internal_, *external_, *contact_, *inertia_force_;
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
