@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 # processors: 1
 """The short notched beam pushed at one node, until the force has passed its peak, against the table of an
 independent small-strain program (Q1 with B-bar, damage in the same form, no split, cells of 0.125 mm). Its mesh is not kept;

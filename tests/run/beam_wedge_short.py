@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 # processors: 2
 """The first 20 steps of beam_wedge.opts, before plasticity and with hardly any damage, against beam theory: a cantilever in
 plane strain (bending, shear), the rotation at an edge crack as deep as the slit (Tada, Paris, Irwin: theta = 4 sigma V2(a/W)

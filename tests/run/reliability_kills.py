@@ -1,5 +1,6 @@
 # labels: run
-# timeout: 90
+# processors: 2
+# timeout: 120
 """R1: kill -9 at any instant, then -restart auto with the same command, gives the uninterrupted result. Half of the kills
 come by the clock, half at a write to a checkpoint, to the field output or to the history. `reliability_kills_long` makes
 200 of them on three problems and 1 and 2 ranks; `reliability_kills_fields` kills at every write of a field output."""

@@ -1,4 +1,5 @@
 # labels: run
+# processors: 2
 # timeout: 180
 """R1 for the field output: a run that is killed at a call that writes, syncs or renames one of its files loses at most the
 time that is being written. The times before stay readable and right; after -restart auto every time is there once, with

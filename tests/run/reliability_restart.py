@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """What may change on restart, and what a run that starts over or goes back does to what was there: free options pass, guarded
 ones need -restart_allow, frozen ones are refused with the key and both values, before the mesh is read; no time is
 doubled or missing in the outputs; checkpoints of an abandoned run are never taken up. R7: an option twice in one file."""

@@ -1,5 +1,6 @@
 # labels: run
-# timeout: 60
+# processors: 2
+# timeout: 120
 """R15: signals and the wall time. SIGUSR1 writes a checkpoint, SIGUSR2 and SIGTERM write one and end the run with exit
 status 0 and `stopped by request`, to one rank or to mpirun; -walltime ends it in time. The same command line then goes on
 to the result of the undisturbed run. Output into a closed pipe does not end a run."""

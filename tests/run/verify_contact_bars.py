@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """Two equal elastic bars exchange their velocities (wave theory, nu = 0): contact lasts 2 L/c, the force
 is rho c v A / 2, the energy never exceeds its start, impulses on both bodies are equal and opposite."""
 import numpy

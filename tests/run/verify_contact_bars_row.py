@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """Bars of unequal length and three equal bars in a row (wave theory, nu = 0, mortar): a short striker stops dead and leaves
 its momentum in the long target, a long one keeps half of its velocity; in a row the last bar leaves with the velocity of
 the first, 3 L/c after the first touch, and the others rest."""

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """Two blocks of non-matching meshes pressed together between frictionless plates (Gauss-point contact, Uzawa): mean
 pressure against the closed form, penetration and multipliers at the tolerances, no influence of the penalty; the
 deviation from a uniform pressure is reported and shrinks with the number of points."""

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """A flat rigid punch on a half plane, mortar: the way it sinks and the pressure of the closed form, with errors that fall
 with the cells. The half plane's own displacements hold the outer sides of the mesh: a block that is held below and free
 at its sides, as wide as twice its depth, gives way by 7.5 % more than the formula."""

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """An elastic bar rebounds from a rigid plane and from a held block (one-dimensional wave theory, nu = 0): touch at
 gap / v, contact for 2 L/c, force rho c v A, rebound with -v."""
 import numpy

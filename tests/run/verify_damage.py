@@ -1,6 +1,6 @@
 # The phase field: crack profile (D1), strength of a homogeneous bar (D2), rate law (D3), broken plastic points (E6).
 # labels: run
-# timeout: 60
+# timeout: 120
 import math
 import xml.etree.ElementTree as ElementTree
 

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """Step load on a bar (nu = 0, one-dimensional wave theory): behind the front the velocity is p / (rho c) and the stress
 -p, the front arrives at x / c, and at a fixed end the stress doubles."""
 import numpy

@@ -3,7 +3,7 @@
 # integrator is needed after the break: with the volumetric split a crack that closes is stiff at once, like contact,
 # and Newmark's undamped rule makes energy of it.
 # labels: run
-# timeout: 60
+# timeout: 120
 import numpy
 
 import _runs as runs

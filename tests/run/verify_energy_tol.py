@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """What -energy_tol and -energy_action do, on a bar that is pulled until its strength falls: with one pass of motion and
 damage in a step the damage lags behind, so that steps this long miss the first law on purpose."""
 import re

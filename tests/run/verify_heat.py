@@ -1,7 +1,7 @@
 # The heat equation: bar with an oscillating end (G1), half space (G2), ring with convection, heat across a crack (G8),
 # balance of the heat that conditions supply, ranks, restart.
 # labels: run
-# timeout: 60
+# timeout: 120
 import math
 
 import numpy

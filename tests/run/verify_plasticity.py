@@ -1,6 +1,6 @@
 # Plasticity: uniaxial tension with Voce hardening (C1) and a thick tube (C9).
 # labels: run
-# timeout: 60
+# timeout: 120
 import math
 
 import _runs as runs

@@ -1,4 +1,5 @@
 # labels: run
+# processors: 2
 # timeout: 240
 """The same histories on 1 to 4 ranks and with METIS and PTScotch: two blocks in contact by penalty and with
 multipliers, and the notched beam with plasticity and fracture. Differences count relative to the largest value of a

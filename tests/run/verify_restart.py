@@ -1,5 +1,6 @@
 # labels: run
-# timeout: 60
+# processors: 2
+# timeout: 120
 """Half a run, then -restart auto, equals the uninterrupted run; outputs go on without doubled times."""
 import re
 

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """Another linear solver changes the iteration counts and nothing else: the two blocks in contact with each solver, and
 with the fragments of options/solver."""
 import numpy

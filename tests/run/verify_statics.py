@@ -1,6 +1,6 @@
 # Elastic statics: Cook's membrane, compressible and nearly incompressible (A4, A5).
 # labels: run
-# timeout: 60
+# timeout: 120
 import _runs as runs
 
 STATIC = {"ts_type": "static", "units": "mm_t_s_MPa"}

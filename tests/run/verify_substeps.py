@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 60
+# timeout: 120
 """Sub-steps of the damage equation (-damage_ts_dt). Without a rate they change nothing. With one, in a body whose
 strain is held, they are the same as steps of that length, and the error against a reference with short steps is of
 first order in the length of the sub-steps; in a body that is pulled, too."""

@@ -1,7 +1,7 @@
 # Temperature and motion together: free and held expansion (G4, G5), stresses of a hot ring (G3), heat at constant entropy,
 # plastic heating (G6), the first law with flow, damage and viscosity (G7), one and several passes, restart, ranks.
 # labels: run
-# timeout: 60
+# timeout: 120
 import math
 
 import numpy
