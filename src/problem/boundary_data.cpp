@@ -93,8 +93,9 @@ BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> cond
     : dim_(mesh.dim()), node_count_(mesh.node_count()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
       fixed_mask_(static_cast<std::size_t>(node_count_ * dim_), 0),
-      damage_mask_(static_cast<std::size_t>(node_count_), 0), force_area_(conditions_.size(), 0.0),
-      temperature_condition_(static_cast<std::size_t>(node_count_), -1) {
+      damage_mask_(static_cast<std::size_t>(node_count_), 0),
+      temperature_condition_(static_cast<std::size_t>(node_count_), -1),
+      force_area_(conditions_.size(), 0.0) {
   resolve_fixed(mesh, t_end, body_of_node);
   resolve_loads(mesh);
   resolve_temperatures(mesh, t_end);
@@ -282,8 +283,13 @@ void BoundaryData::set_damage(double t, std::vector<double>& phi) const {
 
 void BoundaryData::set_temperature(double t, std::vector<double>& theta) const {
   for (std::size_t node = 0; node < theta.size(); ++node)
-    if (const int c = temperature_condition_[node]; c >= 0)
+    if (const int c = temperature_condition_[node]; c >= 0) {
       theta[node] = heat_value(c, &x_[node * static_cast<std::size_t>(dim_)], t);
+      if (!(theta[node] > 0))
+        throw UserError(ExitCode::data, "-bc_" + conditions_[static_cast<std::size_t>(c)].id +
+                                            "_value: prescribes " + std::to_string(theta[node]) + " K at t=" +
+                                            std::to_string(t) + "; temperatures are absolute and positive");
+    }
 }
 
 std::vector<int> BoundaryData::heat_sources() const {

@@ -25,8 +25,16 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
                       p.model == Model::j2 ? "j2" : "elastic",
                       p.damage == Damage::at2 ? " with at2 damage" : "", p.K, p.G, p.rho));
   }
-  check(PetscPrintf(comm, "motion solver: %s; tangent %s\n", solver.reason.c_str(),
-                    solver.symmetric ? "symmetric" : "consistent"));
+  if (s.has_heat())
+    for (const MaterialAssignment& m : d.materials)
+      check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",
+                        m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
+                        m.law.parameters.alpha_t, m.law.parameters.theta0));
+  if (s.has_motion())
+    check(PetscPrintf(comm, "motion solver: %s; tangent %s\n", solver.reason.c_str(),
+                      solver.symmetric ? "symmetric" : "consistent"));
+  else
+    check(PetscPrintf(comm, "no motion: bodies stay where they are\n"));
 }
 
 void report_unused_options(MPI_Comm comm, bool strict) {

@@ -196,10 +196,11 @@ void set_initial_state(const Scenario& s, Setup& setup) {
           state.row("theta").trial[static_cast<std::size_t>(node)] = s.materials[m].law.theta0;
   for (const InitialCondition& ic : s.ics)
     for (const std::string& name : ic.on) {
-      if (ic.phi && !state.find("phi"))
+      const bool all = s.physics.empty(); // else what belongs to physics left out is passed over
+      if (ic.phi && !state.find("phi") && all)
         throw UserError(ExitCode::data, "-ic_" + ic.id + "_phi: no material has damage");
-      if (ic.theta && !state.find("theta"))
-        throw UserError(ExitCode::data, "-ic_" + ic.id + "_theta: the run has no heat");
+      if (ic.theta && !state.find("theta") && all)
+        throw UserError(ExitCode::data, "-ic_" + ic.id + "_theta: no material has a heat capacity (_c_v)");
       const std::vector<int> nodes = d.mesh.nodes(name);
       agree_on_errors(d.mesh.comm(), [&] {
         for (int node : nodes) {
@@ -209,8 +210,15 @@ void set_initial_state(const Scenario& s, Setup& setup) {
             if (ic.u[k]) u[i] = (*ic.u[k])(x, d.dim(), 0);
             if (ic.v[k]) v[i] = (*ic.v[k])(x, d.dim(), 0);
           }
-          if (ic.phi) state.row("phi").trial[static_cast<std::size_t>(node)] = (*ic.phi)(x, d.dim(), 0);
-          if (ic.theta) state.row("theta").trial[static_cast<std::size_t>(node)] = (*ic.theta)(x, d.dim(), 0);
+          if (ic.phi && state.find("phi"))
+            state.row("phi").trial[static_cast<std::size_t>(node)] = (*ic.phi)(x, d.dim(), 0);
+          if (ic.theta && state.find("theta")) {
+            const double theta = (*ic.theta)(x, d.dim(), 0);
+            if (!(theta > 0))
+              throw UserError(ExitCode::data, "-ic_" + ic.id + "_theta: is " + std::to_string(theta) +
+                                                  " K somewhere; temperatures are absolute and positive");
+            state.row("theta").trial[static_cast<std::size_t>(node)] = theta;
+          }
         }
       });
     }

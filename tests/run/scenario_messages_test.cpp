@@ -195,6 +195,31 @@ const std::vector<Row>& rows() {
        "von_mises, alpha, "
        "pressure, contact_pressure, contact_gap, contact_status, contact_traction, contact_slip; did you "
        "mean von_mises?"},
+      {{{"-physics", "motion,heat"}},
+       ExitCode::usage,
+       "-physics \"heat\": no material has a heat capacity; give -material_beam_c_v"},
+      {{{"-bc_push_type", "temperature"}, {"-bc_push_uy", "-"}, {"-bc_push_value", "300"}},
+       ExitCode::usage,
+       "-bc_push_type: acts on the temperature, and no material has a heat capacity; give "
+       "-material_beam_c_v, or "
+       "remove it"},
+      {{{"-bc_push_type", "convection"}, {"-bc_push_uy", "-"}, {"-bc_push_value", "300"}},
+       ExitCode::usage,
+       "-bc_push_h: missing; allowed: an expression; type convection needs it"},
+      {{{"-material_wedge_like", "-"},
+        {"-material_wedge_E", "1"},
+        {"-material_wedge_nu", "0"},
+        {"-material_wedge_rho", "1"},
+        {"-material_beam_c_v", "880 J/(kg.K)"}},
+       ExitCode::usage,
+       "-material_wedge_c_v: missing; allowed: a heat capacity > 0; other materials have one, and heat is "
+       "solved in "
+       "all of them"},
+      {{{"-material_beam_c_v", "880 J/kg"}},
+       ExitCode::usage,
+       "-material_beam_c_v \"880 J/kg\": 'J/kg' has the wrong dimension; allowed: a number in kg/(m.s^2.K), "
+       "or one "
+       "with a unit of that kind"},
   };
   return all;
 }

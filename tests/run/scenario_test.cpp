@@ -60,6 +60,29 @@ TEST(Scenario, ModuliFollowFromYoungsModulusAndPoissonsRatio) {
   EXPECT_NEAR((3 * K - 2 * G) / (6 * K + 2 * G), 0.33, 1e-14);
 }
 
+TEST(Scenario, HeatCapacityIsPerVolumeOrPerMass) {
+  for (const char* text : {"2472800", "2472.8 kJ/(m^3.K)", "880 J/(kg.K)"}) {
+    const Scenario scenario = read(with({{"-material_beam_c_v", text}}));
+    for (const auto& material : scenario.materials) EXPECT_NEAR(material.law.c_v, 2472800, 1e-9) << text;
+    EXPECT_TRUE(scenario.has_heat());
+  }
+  EXPECT_FALSE(read(base()).has_heat());
+}
+
+// What physics that is left out would need is not asked for, and motion without inertia needs no density.
+TEST(Scenario, HeatAloneNeedsNoModuli) {
+  const Scenario scenario = read(with({{"-physics", "heat"},
+                                       {"-material_beam_E", "-"},
+                                       {"-material_beam_nu", "-"},
+                                       {"-material_beam_rho", "-"},
+                                       {"-material_beam_c_v", "1e6"}}));
+  EXPECT_TRUE(scenario.has_heat());
+  EXPECT_FALSE(scenario.has_motion());
+  EXPECT_FALSE(scenario.has_inertia());
+  EXPECT_EQ(scenario.outputs[0].fields, std::vector<std::string>{"theta"});
+  EXPECT_FALSE(read(with({{"-physics", "motion"}, {"-material_beam_c_v", "1e6"}})).has_heat());
+}
+
 TEST(Scenario, AMaterialTakesOverWhatItDoesNotOverride) {
   const Scenario scenario = read(with({{"-material_beam_like", "wedge"},
                                        {"-material_wedge_like", "-"},

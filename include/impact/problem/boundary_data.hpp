@@ -58,6 +58,7 @@ public:
 
   /// [local node] the condition that prescribes its temperature, -1 without one.
   const std::vector<int>& temperature_condition() const { return temperature_condition_; }
+  /// Throws UserError(data), on the ranks that hold such a node, where the data are not positive.
   void set_temperature(double t, std::vector<double>& theta) const;
   /// Facets with a heat flux or a convection, and the condition of regions with a heat source.
   const std::vector<LoadedFacets>& heat_fluxes() const { return heat_fluxes_; }
