@@ -199,7 +199,12 @@ def draw(axis, picture, norm, cmap, limits, edges):
         values = np.nan_to_num(picture.values, nan=norm.vmin)
         axis.tricontourf(Triangulation(picture.x[:, 0], picture.x[:, 1], triangles), values,
                          levels=np.linspace(norm.vmin, norm.vmax, 129), norm=norm, cmap=cmap, extend="both")
-    for nodes, index in picture.polygons:
+    polygons = picture.polygons
+    if picture.depth is not None and len(polygons) > 1:
+        # What is nearer hides what is farther, whatever its shape: triangles repeat their last corner.
+        polygons = [(np.concatenate([np.hstack([nodes, nodes[:, [-1] * (4 - nodes.shape[1])]]) for nodes, _ in polygons]),
+                     np.concatenate([index for _, index in polygons]))]
+    for nodes, index in polygons:
         if smooth:
             if line["linewidths"]:
                 axis.add_collection(PolyCollection(picture.x[nodes], facecolors="none", **line))

@@ -438,8 +438,13 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
-    // Factors of a singular matrix must not serve the next try.
-    if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) forget_factors();
+    if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) {
+      // Factors of a singular matrix must not serve the next try.
+      forget_factors();
+      if (!inertia_ && !motion_.rigid().empty())
+        failure_ += " (a rigid body that contact alone holds must be pressed from the first iteration: "
+                    "-contact_<id>_enforce semismooth, or prescribe its motion)";
+    }
     return result;
   }
   // A body that moved beyond the skin may touch facets that the list did not hold.

@@ -109,16 +109,34 @@ check("conserving update: change of the energy", numpy.ptp(energy) / energy[0], 
 check("loss of the integrator", abs(r["dissipated_numerical"]).max() / energy[0], 0, 1e-10, relative=False)
 
 print("two equal rigid masses")
-r = run("equal",
-        {**{k: v for k, v in BLOCKS.items() if not k.startswith("material_upper")}, "mesh_set_inset": 0,
-         "material_upper_like": "lower", "ic_flight_vx": 0, "contact_face_method": "gpts",
-         "contact_face_friction": 0, "contact_face_impact": "conserving",
-         "contact_face_penalty": 1e8, "ts_dt": 2e-4, "ts_max_time": 0.025})
-check("speed of the one that stood", r["rigid_lower_vy"][-1], -1, 1e-9)
-check("speed of the one that came", r["rigid_upper_vy"][-1], 0, 1e-9, relative=False)
+r = run("equal", {**{k: v for k, v in BLOCKS.items() if not k.startswith("material")}, "mesh_set_inset": 0, "materials": "mass",
+                  "material_mass_region": "lower,upper", "material_mass_model": "rigid", "material_mass_rho": RHO,
+                  "ic_flight_vx": 0, "contact_face_method": "gpts", "contact_face_friction": 0,
+                  "contact_face_impact": "conserving", "contact_face_penalty": 1e8, "ts_dt": 2e-4, "ts_max_time": 0.025})
+check("speed of the one that stood", r["rigid_mass_1_vy"][-1], -1, 1e-9)
+check("speed of the one that came", r["rigid_mass_2_vy"][-1], 0, 1e-9, relative=False)
 half = numpy.pi * (RHO / 2 / 1e8) ** 0.5
 on = r["time"][numpy.nonzero(r["contact_face_force_y"])[0]]
 check("time of contact, half a period of the penalty's spring", numpy.ptp(on) + 2e-4, half, 0.05)
+
+print("prescribed motion")
+DRIVEN = {"mesh": mesh("block.geo"), "mesh_set_n": 2, "materials": "block", "material_block_region": "solid",
+          "material_block_model": "rigid", "material_block_rho": RHO, "bcs": "drive", "bc_drive_on": "left", "ts_dt": 0.02,
+          "ts_max_time": 1}
+for kind, place, turn in (("displacement", "0.1*t^2", "t^2"), ("velocity", "0.2*t", "2*t")):
+    r = run("driven", {**DRIVEN, "bc_drive_type": kind, "bc_drive_ux": place, "bc_drive_rz": turn})
+    check(f"{kind}: force", r["reaction_drive_x"][-1], RHO * 0.2, 1e-9)
+    check(f"{kind}: moment", r["moment_drive_z"][-1], RHO / 6 * 2, 1e-3)
+    check(f"{kind}: angle", r["rigid_block_rz"][-1], 1, 1e-12)
+    check(f"{kind}: work", r["work_external"][-1], r["energy_kinetic"][-1], 1e-12)
+    check(f"{kind}: what is left out stays free", abs(r["rigid_block_uy"]).max(), 0, 1e-12, relative=False)
+r = run("symmetric", {**DRIVEN, "mesh_set_dim": 3, "mesh_set_ly": 2, "bc_drive_type": "symmetry", "ics": "flight",
+                      "ic_flight_on": "solid", "ic_flight_vx": 3, "ic_flight_vy": "1-2*(z-0.5)", "ic_flight_vz": "2*(y-1)"})
+check("beside a plane of symmetry: way along it", r["rigid_block_uy"][-1], 1, 1e-11)
+check("spin about its normal", r["rigid_block_wx"][-1], 2, 1e-11)
+check("motion across it", abs(r["rigid_block_ux"]).max() + abs(r["rigid_block_ry"]).max(), 0, 1e-12, relative=False)
+r = run("clash", {**DRIVEN, "bcs": "drive,other", "bc_drive_ux": "t", "bc_other_on": "right", "bc_other_ux": "2*t"}, code=3)
+require("two conditions that contradict each other are named", "-bc_drive and -bc_other prescribe different ux" in r.log)
 
 print("a rigid punch, static")
 PUNCH = {

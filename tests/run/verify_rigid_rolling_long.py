@@ -1,10 +1,10 @@
 # labels: run long
 # timeout: 300
-# processors: 1
 """A rigid disc that rolls or slides down a slope with friction, and Hertz's impact of an elastic sphere on a free rigid one:
-accelerations of the closed forms, heat of friction, time of contact, force, approach and momentum."""
+accelerations of the closed forms, heat of friction, time of contact, force, approach and momentum. A rigid ball with spin on a
+free plate in space: momentum, ranks."""
 import numpy
-from _runs import check, finish, mesh, option_file, run
+from _runs import check, finish, mesh, option_file, require, run
 
 print("a disc on a slope of 20 degrees")
 G, SLOPE = 10.0, numpy.radians(20)
@@ -51,4 +51,19 @@ check("largest approach", (r["rigid_lower_uy"] - r["probe_middle_uy"]).max(), ap
 check("speed of the rigid one at the end", r["rigid_lower_vy"][-1], -1000, 0.01)
 momentum = r["momentum_sphere_y"] + r["momentum_lower_y"]
 check("change of the momentum", abs(momentum / momentum[0] - 1).max(), 0, 1e-10, relative=False)
+
+print("a spinning rigid ball on a free plate in space (options/rigid_ball.opts, coarser)")
+BALL = {"mesh_set_n": 8, "mesh_set_layers": 1, "mesh_set_near": 9, "mesh_set_far": 16, "bc_clamp_type": "body_force",
+        "bc_clamp_on": "plate", "bc_clamp_ux": 0, "ts_max_time": 2.4e-3, "contact_foot_search_radius": "1 cm",
+        "motion_snes_rtol": 1e-12, "output_vis_dt": 1}
+one = run("ball", BALL, files=[option_file("rigid_ball.opts")])
+for axis in "xyz":
+    momentum = one["momentum_ball_" + axis] + one["momentum_plate_" + axis]
+    check(f"change of the momentum in {axis} over the ball's", numpy.ptp(momentum) / abs(one["momentum_ball_z"][0]), 0, 1e-10,
+          relative=False)
+check("work balance of the steps", abs(one["balance"]).max(), 0, 1e-9, relative=False)
+require("friction takes a good part of the spin", one["rigid_ball_wy"][-1] < 0.8 * one["rigid_ball_wy"][0])
+three = run("ball_ranks", BALL, files=[option_file("rigid_ball.opts")], ranks=3)
+for column in ("rigid_ball_wy", "contact_foot_force_z", "energy_elastic", "momentum_plate_x"):
+    check(f"three ranks: {column}", abs(one[column] - three[column]).max() / abs(one[column]).max(), 0, 1e-8, relative=False)
 finish()
