@@ -5,10 +5,10 @@
 
 /// The energy-conserving update of contact: a penalty whose force over the step, F = -sum w p dg at the
 /// middle of the step, does exactly the work -(psi(g1) - psi(g0)) (T. A. Laursen, V. Chawla, Int. J. Numer.
-/// Meth. Engng. 40 (1997)). The gaps of closed constraints are accumulated, g1 = g0 + dg.du, because the
-/// change of a curved gap is its middle gradient times du only to third order. The trapezoidal rule balances
-/// forces at the ends of the step and moves the bodies by the mean of two ends: 2 F - f_n takes the place of
-/// the force of the end, so that the mean is F.
+/// Meth. Engng. 40 (1997)), and likewise its friction. The gaps of closed constraints are accumulated,
+/// g1 = g0 + dg.du, because the change of a curved gap is its middle gradient times du only to third order.
+/// The trapezoidal rule balances forces at the ends of the step and moves the bodies by the mean of two ends:
+/// 2 F - f_n takes the place of the force of the end, so that the mean is F.
 namespace impact {
 
 namespace {
@@ -17,64 +17,14 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 } // namespace
 
-std::vector<double> ContactInterface::middle(const std::vector<double>& u) const {
-  std::vector<double> m(u.size());
-  std::transform(u.begin(), u.end(), step_.start.begin(), m.begin(),
-                 [](double x, double y) { return (x + y) / 2; });
-  return m;
-}
-
-// Forms bring gradients of what presses: with these multipliers that is all within a facet.
-PressureLaw ContactInterface::reaching_law() const { return {step_.reach, penalty()}; }
-
-void ContactInterface::find_start_gaps() {
-  step_.start = form_->nodes().displacement(step_.u_n);
-  const std::array<double, 3> moved = pose_at(time_).moved;
-  for (std::size_t i = 0; i < step_.start.size(); ++i) step_.start[i] += moved[i % at(dim_)];
-  step_.start_gap = gap_->committed;
-  step_.reach.assign(gap_->committed.size(), penalty() * mean_length_);
-  form_->visit(step_.start, Derivatives::none, reaching_law(), [&](const Constraint& c) {
-    // What was open stays free of force at the start; what was not followed yet starts from what it is.
-    double& start = step_.start_gap[at(c.index)];
-    if (start == unknown_gap)
-      start = c.gap;
-    else if (start >= 0)
-      start = std::max(0.0, c.gap);
-  });
-}
-
-void ContactInterface::visit_conserving(const std::vector<double>& u, Derivatives derivatives,
-                                        const ConstraintVisitor& visitor) const {
+// Between steps: the state at the end of the last one.
+void ContactInterface::visit_followed(const std::vector<double>& u, Derivatives derivatives,
+                                      const ConstraintVisitor& visitor) const {
   const double eps = penalty();
-  if (!step_.under_way) { // at rest: the state at the end of the last step
-    form_->visit(u, derivatives, law(), [&](Constraint c) {
-      const double followed = gap_->trial[at(c.index)];
-      if (followed != unknown_gap) c.gap = followed < 0 ? followed : std::max(0.0, c.gap);
-      c.pressure = contact_pressure(0, eps, c.gap);
-      c.active = c.pressure > 0;
-      visitor(c);
-    });
-    return;
-  }
-  const auto m = at(dim_);
-  form_->visit(middle(u), Derivatives::first, reaching_law(), [&](Constraint c) {
-    double change = 0;
-    for (std::size_t i = 0; i < c.gradient.size(); ++i) {
-      const std::size_t k = dof(c.node[i / m], i % m);
-      change += c.gradient[i] * (u[k] - step_.start[k]);
-    }
-    const double start = step_.start_gap[at(c.index)];
-    // It faces something now and did not at the start.
-    const double from = start == unknown_gap ? std::max(0.0, c.gap - change / 2) : start;
-    c.slip = {};
-    const std::size_t n = c.gradient.size();
-    for (std::size_t i = 0; i < c.slip_gradient.size(); ++i) {
-      const std::size_t k = dof(c.node[i % n / m], i % m);
-      c.slip[i / n] += c.slip_gradient[i] * (u[k] - step_.start[k]);
-    }
-    c.lambda = 0;
-    c.gap = from + change;
-    c.pressure = secant_pressure(eps, from, c.gap).p;
+  form_->visit(u, derivatives, law(), [&](Constraint c) {
+    const double followed = gap_->trial[at(c.index)];
+    if (followed != unknown_gap) c.gap = followed < 0 ? followed : std::max(0.0, c.gap);
+    c.pressure = contact_pressure(0, eps, c.gap);
     c.active = c.pressure > 0;
     visitor(c);
   });
@@ -93,7 +43,7 @@ StepTraction ContactInterface::step_traction(const Constraint& c) const {
 }
 
 double ContactInterface::contact_stiffness(const Constraint& c) const {
-  if (!step_.under_way) return law().stiffness(c.scale);
+  if (!exact_work()) return law().stiffness(c.scale);
   const double start = step_.start_gap[at(c.index)];
   return -2 * secant_pressure(penalty(), start == unknown_gap ? 0 : start, c.gap).slope;
 }
@@ -112,7 +62,7 @@ double ContactInterface::spring_energy(Vec u) const {
 }
 
 double ContactInterface::released_energy(Vec u) const {
-  if (!step_.under_way) return 0;
+  if (!exact_work()) return 0;
   double energy = 0;
   visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
     const double start = step_.start_gap[at(c.index)];
@@ -129,7 +79,7 @@ void ContactInterface::keep_gaps(Vec u) {
         [&](const Constraint& c) { gap[at(c.index)] = c.gap; });
   share(gap, 1);
   gap_->trial = std::move(gap);
-  step_.under_way = false;
+  step_.rule = StepRule::none;
 }
 
 } // namespace impact

@@ -339,7 +339,7 @@ void GaussPointForm::visit_points(const std::vector<double>& u, bool second, con
 void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                            const ConstraintVisitor& visitor) const {
   visit_points(u, false, law, [&](Constraint& c, const Point& point, Workspace& w) {
-    if (derivatives == Derivatives::first) {
+    if (derivatives != Derivatives::none) {
       w.gradient.fill(0);
       const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
       std::copy_n(dg.begin(), 2 * point.node_count, w.gradient.begin());

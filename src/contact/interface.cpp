@@ -38,7 +38,7 @@ Tangential ContactInterface::held(const Constraint& c) const {
 Traction ContactInterface::traction(const Constraint& c) const {
   if (!rubs(c)) return {};
   const Tangential held = this->held(c);
-  if (step_.under_way) return step_traction(c).over;
+  if (exact_work()) return step_traction(c).over;
   const double limit = settings_.friction * std::max(c.pressure, 0.0);
   const double eps = law().eps;
   Traction t = coulomb({held[0] + eps * c.slip[0], held[1] + eps * c.slip[1]}, limit);
@@ -48,7 +48,7 @@ Traction ContactInterface::traction(const Constraint& c) const {
 }
 
 Tangential ContactInterface::traction_to_keep(const Constraint& c) const {
-  return step_.under_way ? step_traction(c).end : traction(c).value;
+  return exact_work() ? step_traction(c).end : traction(c).value;
 }
 
 double ContactInterface::turn_stiffness(const Constraint& c, const Traction& t) const {
@@ -79,15 +79,17 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, TangentS
   block.resize(n * n);
   row.resize(n);
   const double stiffness = contact_stiffness(c), weight = scale * c.weight;
+  const std::span<const double> gap_gradient = c.gap_gradient();
   for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) block[n * i + j] = weight * stiffness * c.gradient[i] * c.gradient[j];
+    for (std::size_t j = 0; j < n; ++j)
+      block[n * i + j] = weight * stiffness * c.gradient[i] * gap_gradient[j];
   if (!rubs(c)) return;
   const Traction t = traction(c);
   const std::array<Tangential, 2> K = slip_stiffness(c, t);
   const auto slip_gradient = [&](std::size_t direction) { return c.slip_gradient.subspan(n * direction, n); };
   for (std::size_t a = 0; a < tangents(); ++a) { // row: derivatives of the traction
     const double slide = settings_.friction * t.direction[a] * stiffness;
-    for (std::size_t j = 0; j < n; ++j) row[j] = -slide * c.gradient[j];
+    for (std::size_t j = 0; j < n; ++j) row[j] = -slide * gap_gradient[j];
     for (std::size_t b = 0; b < tangents(); ++b)
       for (std::size_t j = 0; j < n; ++j) row[j] += K[a][b] * slip_gradient(b)[j];
     for (std::size_t i = 0; i < n; ++i)
@@ -100,7 +102,7 @@ ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, doub
   TangentSpace space;
   std::vector<double> of_gap(multiplier_->trial.size(), 0.0);
   std::vector<Tangential> of_slip(traction_ != nullptr ? of_gap.size() : 0, Tangential{});
-  const ContactStatus status = visit(u, Derivatives::first, [&](const Constraint& c) {
+  const ContactStatus status = visit(u, Derivatives::tangent, [&](const Constraint& c) {
     if (!c.active) return;
     tangent_block(c, scale, space);
     visitor(c.node, space.block);
@@ -109,10 +111,19 @@ ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, doub
     const Tangential t = traction(c).value;
     of_slip[at(c.index)] = {scale * c.weight * t[0], scale * c.weight * t[1]};
   });
-  if (step_.under_way)
-    form_->visit_curvature(middle(u), reaching_law(), {of_gap, of_slip}, visitor);
-  else
+  switch (step_.rule) {
+  case StepRule::none:
     form_->visit_curvature(u, law(), {of_gap, of_slip}, visitor);
+    break;
+  case StepRule::start:
+    break;
+  case StepRule::middle: // which moves by half of what u does
+    for (double& factor : of_gap) factor /= 2;
+    for (Tangential& factor : of_slip) factor = {factor[0] / 2, factor[1] / 2};
+    [[fallthrough]];
+  case StepRule::exact_work: // the same half, of twice the force
+    form_->visit_curvature(place_of_gradients(u), reaching_law(), {of_gap, of_slip}, visitor);
+  }
   return status;
 }
 
@@ -140,7 +151,7 @@ ObstaclePose ContactInterface::pose_at(double t) const {
   return pose;
 }
 
-void ContactInterface::set_time(double t, double mass_shift) {
+void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   penalty_->trial[2] = inertia_penalty_ * mass_shift;
   fallen_back_ = false;
   const StateRow* row = state_->find("u");
@@ -151,12 +162,17 @@ void ContactInterface::set_time(double t, double mass_shift) {
   }
   time_ = t;
   form_->begin_attempt(pose_at(t), u_n);
-  step_.under_way = conserving() && mass_shift > 0;
+  step_.rule = !(mass_shift > 0) || !u_n ? StepRule::none
+               : conserving()            ? StepRule::exact_work
+               : stabilised              ? StepRule::middle
+                                         : StepRule::none;
+  step_.shock = {};
   step_.u_n = std::move(u_n);
-  if (!step_.under_way) return;
-  if (!step_.last_force) step_.last_force = layout_->make_global();
-  layout_->to_global(force_->committed, step_.last_force);
-  find_start_gaps();
+  if (exact_work()) {
+    if (!step_.last_force) step_.last_force = layout_->make_global();
+    layout_->to_global(force_->committed, step_.last_force);
+  }
+  if (step_.rule != StepRule::none) find_start_gaps();
 }
 
 bool ContactInterface::update_search(Vec u) {
@@ -165,7 +181,7 @@ bool ContactInterface::update_search(Vec u) {
     fetch_fixed();
     fetch_bodies();
   }
-  if (step_.under_way) find_start_gaps();
+  if (step_.rule != StepRule::none) find_start_gaps();
   return outcome == PairSearch::Outcome::other_pairs;
 }
 
@@ -232,8 +248,10 @@ ContactStatus ContactInterface::visit(const std::vector<double>& u, Derivatives 
     seen.penetration = std::max(seen.penetration, -c.gap);
     visitor(c);
   };
-  if (conserving())
-    visit_conserving(u, derivatives, counted);
+  if (step_.rule != StepRule::none)
+    visit_step(u, derivatives, counted);
+  else if (conserving())
+    visit_followed(u, derivatives, counted);
   else
     form_->visit(u, derivatives, law(), counted);
   return seen;
@@ -243,7 +261,7 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const std::vector<double> values = form_->nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const auto m = at(dim_);
-  const double factor = step_.under_way ? 2 * scale : scale;
+  const double factor = exact_work() ? 2 * scale : scale;
   const ContactStatus status = visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const std::size_t n = c.gradient.size();
@@ -255,7 +273,7 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
       f[dof(c.node[i % n / m], i % m)] += factor * c.weight * t[i / n] * c.slip_gradient[i];
   });
   form_->nodes().exchange.add(f, r);
-  if (step_.under_way) check(VecAXPY(r, -scale, step_.last_force));
+  if (exact_work()) check(VecAXPY(r, -scale, step_.last_force));
   return status;
 }
 
@@ -357,14 +375,15 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
   std::vector<double> lambda(multiplier_->trial.size(), 0.0), held(tangents() * lambda.size(), 0.0);
   std::vector<char> active(lambda.size(), 0); // 1: sticks or has no friction; 2: slides
   const auto kind = [&](const Constraint& c) { return static_cast<char>(traction(c).slides ? 2 : 1); };
-  visit(nodes.displacement(u), Derivatives::first, [&](const Constraint& c) {
+  visit(nodes.displacement(u), Derivatives::tangent, [&](const Constraint& c) {
     if (!c.active) return;
     const std::size_t n = c.gradient.size();
+    const std::span<const double> gap_gradient = c.gap_gradient();
     double gap = c.gap;
     Tangential slip = c.slip;
     for (std::size_t i = 0; i < n; ++i) {
       const double change = d[dof(c.node[i / m], i % m)];
-      gap += c.gradient[i] * change;
+      gap += gap_gradient[i] * change;
       if (c.slides)
         for (std::size_t a = 0; a < tangents(); ++a) slip[a] += c.slip_gradient[n * a + i] * change;
     }

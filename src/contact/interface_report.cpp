@@ -35,7 +35,7 @@ std::array<double, 3> ContactInterface::total_force(Vec u) const {
   visit(form_->nodes().displacement(u), Derivatives::first,
         [&](const Constraint& c) { add_force(c, force); });
   MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  if (step_.under_way) // what the trapezoidal rule makes the mean of
+  if (exact_work()) // what the trapezoidal rule makes the mean of
     for (std::size_t k = 0; k < at(dim_); ++k) force[k] = 2 * force[k] - totals_->committed[at(dim_) + 1 + k];
   return force;
 }
@@ -44,7 +44,7 @@ double ContactInterface::friction_loss(Vec u) const {
   if (!frictional()) return 0;
   double loss = 0;
   visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
-    if (step_.under_way) {
+    if (exact_work()) {
       loss += c.weight * step_traction(c).loss;
       return;
     }
@@ -67,7 +67,7 @@ double ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
   double work = 0;
   for (std::size_t k = 0; k < at(dim_); ++k) {
     const double before = totals_->committed[at(dim_) + 1 + k];
-    work += moved[k] * (force_at_end ? force[k] : (before + force[k]) / 2);
+    work += moved[k] * (force_at_end ? force[k] + step_.shock[k] : (before + force[k]) / 2);
   }
   return reported_thickness() * work;
 }
@@ -203,14 +203,19 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   layout_->to_local(f, force_->trial);
   layout_->to_global(force_->committed, f_n);
   check(VecWAXPY(du, -1, u_n, u));
-  check(VecAXPY(f, 1, f_n));
+  const bool stabilised = step_.rule == StepRule::middle;
+  if (stabilised)
+    check(VecScale(f, 2));
+  else
+    check(VecAXPY(f, 1, f_n));
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
   const std::array<double, 3> force = total_force(u);
   const std::vector<double>& before = totals_->committed;
   const auto d = at(dim_);
   for (std::size_t k = 0; k < d; ++k) {
-    totals_->trial[k] = before[k] + dt * (before[d + 1 + k] + force[k]) / 2;
+    const double mean = stabilised ? force[k] + step_.shock[k] : (before[d + 1 + k] + force[k]) / 2;
+    totals_->trial[k] = before[k] + dt * mean;
     totals_->trial[d + 1 + k] = force[k];
   }
   totals_->trial[d] = before[d] - twice_work / 2;
@@ -219,6 +224,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   if (conserving()) totals_->trial[at(2 * dim_ + 4)] = spring_energy(u);
   if (traction_ != nullptr) keep_tractions(u);
   if (conserving()) keep_gaps(u);
+  step_.rule = StepRule::none;
   if (traction_ != nullptr) form_->anchor(u);
 }
 

@@ -484,7 +484,7 @@ std::array<double, 4> MortarForm::areas_at(int facet, const std::vector<double>&
 
 void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
                        const ConstraintVisitor& visitor) const {
-  const bool with_gradient = derivatives == Derivatives::first;
+  const bool with_gradient = derivatives != Derivatives::none;
   const auto d = at(dim_);
   // Each pair once, for all corners of its secondary facet.
   std::vector<Piece> pieces;

@@ -126,6 +126,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   const MPI_Comm comm = d.mesh.comm();
   residual_ = d.displacement.make_global();
   contact_force_ = d.displacement.make_global();
+  contact_shock_ = d.displacement.make_global();
   bare_residual_ = d.displacement.make_global();
   newton_start_ = d.displacement.make_global();
   contact_acceleration_ = d.displacement.make_global();
@@ -248,6 +249,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
   step_.dt = attempt.dt;
   step_.u_n = &state_.row("u").committed;
   step_.contact_scale = contact_scale_;
+  step_.stabilised = stabilise_;
   if (inertia_) {
     const NewmarkParameters p = newmark_parameters(ts_);
     step_.mass_shift = p.alpha_m / (p.beta * attempt.dt * attempt.dt);
@@ -622,8 +624,8 @@ std::string Coupling::failure_text() const {
 NewmarkHooks Coupling::newmark_hooks() {
   NewmarkHooks hooks;
   if (stabilise_)
-    hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde) {
-      project_predictor(t_n, dt, u_tilde);
+    hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde, Vec v) {
+      project_predictor(t_n, dt, u_tilde, v);
     };
   if (stabilise_ || !motion_.rigid().empty())
     hooks.correct = [this](TS, Vec u, Vec v, Vec a) {
@@ -667,9 +669,10 @@ void Coupling::take_out_rigidity(Vec u, Vec v, Vec a) {
   check(VecAXPY(contact_acceleration_, 1, taken));
 }
 
-void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
-  // min 1/2 |w - u_tilde|_M over the admissible w, with the contact's own enforcement and multipliers from
-  // zero.
+void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
+  // min 1/2 |w - u_tilde|_M over the w that the gradients of the start admit, with the contact's own
+  // enforcement and multipliers from zero: dt times a change of the velocity.
+  check(VecSet(contact_shock_, 0));
   double penetration = 0;
   std::vector<std::pair<StateRow*, std::vector<double>>> kept;
   for (ContactInterface& contact : motion_.contacts())
@@ -678,8 +681,12 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
       kept.emplace_back(&row, row.trial);
       if (name[1] == 'm') std::fill(row.trial.begin(), row.trial.end(), 0.0);
     }
-  for (ContactInterface& contact : motion_.contacts()) contact.suspend_friction(true);
+  for (ContactInterface& contact : motion_.contacts()) {
+    contact.suspend_friction(true);
+    contact.linearise_at_start(true);
+  }
   // Rigid bodies: among rigid motions, and only what contact changes counts.
+  bool projected = false;
   RigidBodies& rigid = motion_.rigid();
   Handle<Vec> predictor, untouched;
   if (!rigid.empty()) {
@@ -737,14 +744,30 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde) {
                           "contact (%s); it is taken as it is, here and wherever that happens again\n",
                           t_n, SNESConvergedReasons[reason]));
       projection_failed_ = true;
+    } else {
+      for (ContactInterface& contact : motion_.contacts()) {
+        contact.add_residual(u_tilde, -0.5, contact_shock_);
+        contact.keep_shock(u_tilde);
+      }
+      // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
+      const Handle<Vec> gain = motion_.discretisation().displacement.make_global(); // of v, over dt
+      check(VecCopy(contact_shock_, f));
+      motion_.mass_solve(f, gain);
+      rigid.strike(contact_shock_, gain);
+      check(VecAXPY(v, dt, gain));
+      check(VecWAXPY(u_tilde, dt * dt, gain, goal));
+      projected = true;
     }
   }
   if (!rigid.empty()) {
     rigid.test_in_the_middle(true);
-    rigid.put_change(u_tilde, untouched, predictor);
+    if (!projected) rigid.put_change(u_tilde, untouched, predictor);
   }
   for (auto& [row, values] : kept) row->trial = std::move(values);
-  for (ContactInterface& contact : motion_.contacts()) contact.suspend_friction(false);
+  for (ContactInterface& contact : motion_.contacts()) {
+    contact.suspend_friction(false);
+    contact.linearise_at_start(false);
+  }
 }
 
 KSP Coupling::projection_solver() {

@@ -75,6 +75,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
   for (ContactInterface& contact : contacts_) {
     contact.set_fixed_dofs(boundary_.fixed_mask());
     if (!rigid_->empty()) contact.set_rigid_nodes(rigid_->reduction(), rigid_->body_of_node());
+    contact.keep_symmetric(symmetric_ || format_ == MatrixFormat::sbaij);
   }
   rebuild_matrix();
   if (operator_ == ContactOperator::shell && !contacts_.empty()) make_shell();
@@ -125,7 +126,7 @@ bool MotionProblem::update_contact(Vec u) {
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
   rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
-  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift);
+  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())

@@ -298,6 +298,33 @@ void RigidBodies::accelerate(Vec f, Vec a) const {
   });
 }
 
+void RigidBodies::strike(Vec f, Vec gain) const {
+  if (empty()) return;
+  const std::vector<Sums> total = sums_of(Weight::one, f);
+  std::vector<RigidVector> rate(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const RigidBody& body = bodies_[b];
+    const Matrix3& R = start_[b].turned;
+    for (std::size_t k = 0; k < at(dim_); ++k)
+      if (body.held[k] == RigidBody::free_motion) rate[b][k] = total[b].sum[k] / body.mass;
+    Vector3 moment = axial(total[b].moment * transposed(R));
+    Matrix3 J = inertia_of(R, body.second, R);
+    if (dim_ == 2) J = {1, 0, 0, 0, 1, 0, 0, 0, body.second[0] + body.second[4]};
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (body.held[3 + k] == RigidBody::free_motion) continue;
+      moment[k] = 0;
+      for (std::size_t j = 0; j < 3; ++j) J[3 * k + j] = J[3 * j + k] = j == k ? 1 : 0;
+    }
+    const Vector3 spin = times_inverse(J, moment);
+    std::copy(spin.begin(), spin.end(), rate[b].begin() + 3);
+  }
+  set_nodes(gain, [&](std::size_t i, double* mine) {
+    const auto b = at(body_[i]);
+    const Vector3 turning = cross(second_half(rate[b]), start_[b].turned * arm(i));
+    for (int k = 0; k < dim_; ++k) mine[k] = rate[b][at(k)] + turning[at(k)];
+  });
+}
+
 double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {
   if (empty()) return 0;
   const Handle<Vec> copy = [&] {

@@ -247,12 +247,16 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     std::fill(inertia_force_->trial.begin(), inertia_force_->trial.end(), 0.0);
     work_rigid = w * motion_.book_rigid_reactions(u, nullptr, 1);
   }
+  std::vector<double> shock = d.displacement.make_local();
+  d.displacement.to_local(coupling_->contact_shock(), shock);
   for (std::size_t i = 0; i < inertia_force_->trial.size(); ++i) {
     reaction_force_[i] += internal_->trial[i] - external_->trial[i] - contact_->trial[i];
     if (motion_.boundary().fixed_mask()[i]) {
-      // Held dofs: the reaction closes the balance, with F_c itself, not s F_c.
-      if (inertia_) inertia_force_->trial[i] = reaction_force_[i] - internal_->trial[i] + external_->trial[i];
-      external_->trial[i] += reaction_force_[i];
+      // Held dofs: the reaction closes the balance, with F_c itself, not s F_c; its work is also that of the
+      // shock, which no column of forces shows.
+      const double support = reaction_force_[i] - shock[i];
+      if (inertia_) inertia_force_->trial[i] = support - internal_->trial[i] + external_->trial[i];
+      external_->trial[i] += support;
       continue;
     }
     if (in_rigid_body(i)) {

@@ -21,8 +21,8 @@ struct Scheme {
 /// u_n and v_n are the TS's own vectors, untouched until a try is accepted, so that nothing needs to be
 /// restored.
 struct Trial {
-  Handle<Vec> u_tilde, u, v, a;
-  Handle<Vec> a_m; // alpha_m a + (1 - alpha_m) a_n; zero for type static
+  Handle<Vec> u_tilde, v_start, u, v, a; // v_start: v_n, or what the predictor makes of it
+  Handle<Vec> a_m;                       // alpha_m a + (1 - alpha_m) a_n; zero for type static
 };
 
 struct Integrator {

@@ -30,7 +30,9 @@ void predict(TS ts, Integrator& self) {
     return;
   }
   check(VecWAXPY(trial.u_tilde, step.dt, ts->vec_dot, ts->vec_sol));
-  if (self.scheme.hooks.predict) self.scheme.hooks.predict(ts, step.t_n, step.dt, trial.u_tilde);
+  check(VecCopy(ts->vec_dot, trial.v_start));
+  if (self.scheme.hooks.predict)
+    self.scheme.hooks.predict(ts, step.t_n, step.dt, trial.u_tilde, trial.v_start);
   if (self.scheme.extrapolate)
     check(VecWAXPY(trial.u, step.dt * step.dt / 2, self.a, trial.u_tilde));
   else
@@ -47,7 +49,7 @@ void rates(TS ts, Integrator& self, Vec u) {
   const NewmarkCoefficients chi = newmark_coefficients(self.scheme.parameters, self.attempt.dt);
   const PetscReal alpha_m = self.scheme.parameters.alpha_m;
   check(VecWAXPY(trial.a, -1, trial.u_tilde, u));
-  check(VecCopy(ts->vec_dot, trial.v));
+  check(VecCopy(trial.v_start, trial.v));
   check(VecAXPBYPCZ(trial.v, chi.chi4, chi.chi6, 1, trial.a, self.a)); // (97)
   check(VecAXPBY(trial.a, -chi.chi3, chi.chi1, self.a));               // (98)
   check(VecCopy(trial.a, trial.a_m));

@@ -130,7 +130,7 @@ PetscErrorCode set_up(TS ts) {
   return self(ts).mailbox.guarded([&] {
     if (ts->vec_dot == nullptr) throw std::logic_error("newmark, static: give u and v by TS2SetSolution");
     Trial& trial = self(ts).trial;
-    for (Handle<Vec>* vec : {&trial.u_tilde, &trial.u, &trial.v, &trial.a, &trial.a_m}) {
+    for (Handle<Vec>* vec : {&trial.u_tilde, &trial.v_start, &trial.u, &trial.v, &trial.a, &trial.a_m}) {
       check(VecDuplicate(ts->vec_sol, vec->out()));
       check(VecZeroEntries(*vec));
     }

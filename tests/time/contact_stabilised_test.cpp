@@ -63,25 +63,32 @@ struct Bar {
     return (kinetic + elastic) / 2;
   }
 
-  /// Predictor projected on u_0 >= 0; the contact part of the acceleration is taken out and acts implicitly.
+  /// Velocity projected so that the predictor has u_0 >= 0; the contact part of the acceleration is taken out
+  /// and acts implicitly.
   void stabilise() {
-    set_newmark_hooks(
-        simulation.ts,
-        {.predict = [this](TS, PetscReal, PetscReal, Vec u) { check(VecPointwiseMax(u, u, below)); },
-         .correct =
-             [this](TS ts, Vec u, Vec v, Vec a) {
-               const auto [beta, gamma, alpha_m] = newmark_parameters(ts);
-               Handle<Vec> force, a_m;
-               check(VecDuplicate(a, force.out()));
-               check(VecDuplicate(a, a_m.out()));
-               check(VecCopy(a, a_m));
-               check(VecAXPBY(a_m, 1 - alpha_m, alpha_m, newmark_acceleration(ts)));
-               simulation.equations.residual(0, u, v, a_m, force);
-               time_test::fill(work, [](PetscInt i) { return i == 0 ? 2 / h : 0.0; }); // 1/M at the contact
-               check(VecPointwiseMult(force, force, work));
-               check(VecAXPY(a, -1 / alpha_m, force));
-               check(VecAXPY(v, current_attempt(ts).dt * (2 * beta - gamma) / alpha_m, force));
-             }});
+    set_newmark_hooks(simulation.ts,
+                      {.predict =
+                           [this](TS, PetscReal, PetscReal dt, Vec u, Vec v) {
+                             check(VecCopy(u, work));
+                             check(VecPointwiseMax(u, u, below));
+                             check(VecAYPX(work, -1, u));
+                             check(VecAXPY(v, 1 / dt, work));
+                           },
+                       .correct =
+                           [this](TS ts, Vec u, Vec v, Vec a) {
+                             const auto [beta, gamma, alpha_m] = newmark_parameters(ts);
+                             Handle<Vec> force, a_m;
+                             check(VecDuplicate(a, force.out()));
+                             check(VecDuplicate(a, a_m.out()));
+                             check(VecCopy(a, a_m));
+                             check(VecAXPBY(a_m, 1 - alpha_m, alpha_m, newmark_acceleration(ts)));
+                             simulation.equations.residual(0, u, v, a_m, force);
+                             time_test::fill(
+                                 work, [](PetscInt i) { return i == 0 ? 2 / h : 0.0; }); // 1/M at the contact
+                             check(VecPointwiseMult(force, force, work));
+                             check(VecAXPY(a, -1 / alpha_m, force));
+                             check(VecAXPY(v, current_attempt(ts).dt * (2 * beta - gamma) / alpha_m, force));
+                           }});
   }
 };
 

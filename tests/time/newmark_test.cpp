@@ -233,22 +233,23 @@ TEST(Newmark, HooksChangeThePredictorAndTheRates) {
   newmark_set_acceleration(simulation.ts, a);
   const PetscReal dt = 0.1, shift = 0.5, predicted = 1 + 2 * dt + shift;
   set_newmark_hooks(simulation.ts, {.predict =
-                                        [&](TS, PetscReal t_n, PetscReal step, Vec u) {
+                                        [&](TS, PetscReal t_n, PetscReal step, Vec u, Vec v) {
                                           EXPECT_EQ(t_n, 0);
                                           EXPECT_EQ(step, dt);
                                           EXPECT_NEAR(entry(u, 1), predicted - shift, 1e-15);
                                           check(VecShift(u, shift));
+                                          check(VecShift(v, 0.25));
                                         },
                                     .correct =
                                         [&](TS, Vec, Vec v, Vec trial) {
-                                          EXPECT_NEAR(entry(v, 0), 2 + 3 * dt / 2, 1e-12);
+                                          EXPECT_NEAR(entry(v, 0), 2.25 + 3 * dt / 2, 1e-12);
                                           EXPECT_NEAR(entry(trial, 0), 0, 1e-11);
                                           check(VecShift(v, -1));
                                           check(VecShift(trial, 7));
                                         }});
   run(simulation, dt, dt);
   EXPECT_NEAR(entry(simulation.u, 0), predicted + dt * dt / 4 * 3, 1e-13);
-  EXPECT_NEAR(entry(simulation.v, 1), 1 + 3 * dt / 2, 1e-12);
+  EXPECT_NEAR(entry(simulation.v, 1), 1.25 + 3 * dt / 2, 1e-12);
   EXPECT_NEAR(entry(newmark_acceleration(simulation.ts), 1), 7, 1e-11);
 }
 

@@ -34,8 +34,9 @@ struct PressureLaw {
   double stiffness(double scale = 1) const { return semismooth ? gamma * scale : eps; }
 };
 
-/// Which derivatives of the gaps a visit brings.
-enum class Derivatives { none, first };
+/// Which derivatives a visit brings: `first`, the gradients along which the forces stand; `tangent`, also
+/// those of the gaps where they differ, for linear systems. Forms know the first two.
+enum class Derivatives { none, first, tangent };
 
 /// One constraint at one displacement. The spans live as long as the visit.
 struct Constraint {
@@ -46,7 +47,9 @@ struct Constraint {
   double scale = 1;              ///< of gamma: one over the square of the part of the weight that is covered
   std::span<const int> node;     ///< into ContactForm::nodes(), secondary ones first
   std::span<const double> share; ///< of the secondary nodes in the constraint, sum 1
-  std::span<const double> gradient; ///< [node][dim]
+  std::span<const double> gradient;     ///< [node][dim]
+  std::span<const double> end_gradient; ///< of the gap, where the force stands along another one, else empty
+  std::span<const double> gap_gradient() const { return end_gradient.empty() ? gradient : end_gradient; }
   /// Tangential motion since the start of the step, mean over the weight, in directions that the secondary
   /// surface carries along (one in the plane, two in space), and its derivatives over the same nodes; without
   /// friction, or where nothing lay opposite at the start, `slides` is false.

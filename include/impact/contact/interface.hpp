@@ -103,8 +103,15 @@ public:
   /// Beginning of an attempt that ends at t: where the rigid body's motion is taken. The committed row `u`
   /// of the table, where there is one, says where the bodies start. `mass_shift` (1/s^2) is the factor of the
   /// mass in the tangent, 0 without inertia: an automatic penalty of an augmented Lagrangian is raised to 2.5
-  /// rho h mass_shift for the attempt. Collective.
-  void set_time(double t, double mass_shift = 0);
+  /// rho h mass_shift for the attempt. `stabilised`, with inertia: until advance forces stand along the
+  /// gradients at the middle of the step, the gaps being those of its end. Collective.
+  void set_time(double t, double mass_shift = 0, bool stabilised = false);
+  /// In a stabilised attempt, for the projection of its velocity: gaps are linear, with the gradients of the
+  /// start, and an overlap of the start counts as touch.
+  void linearise_at_start(bool linear);
+  /// The projection ended at w: impulse and obstacle_work take half its force, the impulse over dt.
+  /// Collective.
+  void keep_shock(Vec w) { step_.shock = half(total_force(w)); }
   /// Local dofs [node * dim + k] whose rows and columns tangent and multiply leave out; the residual keeps
   /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
   /// Collective.
@@ -125,11 +132,14 @@ public:
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
   ContactStatus add_residual(Vec u, double scale, Vec r) const;
-  /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides. Collective.
+  /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
+  /// whose forces stand along the gradients at its middle. Collective.
   ContactStatus add_tangent(Vec u, double scale, Mat K) const;
   /// y += scale (df/du) du without a matrix. Collective.
   void multiply(Vec u, double scale, Vec du, Vec y) const;
 
+  /// Tangents are to stay symmetric but for friction, for solvers that need that.
+  void keep_symmetric(bool symmetric) { symmetric_ = symmetric; }
   bool frictional() const { return settings_.friction > 0; }
   /// Leaves friction out, for the projection of a predictor.
   void suspend_friction(bool suspended) { friction_suspended_ = suspended; }
@@ -141,7 +151,7 @@ public:
   /// where constraints begin with an overlap. Before advance. Collective.
   double released_energy(Vec u) const;
   /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
-  /// at the end, or the mean of both ends. Before advance. Collective.
+  /// at the end and that of the shock at its start, or the mean of both ends. Before advance. Collective.
   double obstacle_work(Vec u, bool force_at_end) const;
   /// Whether the multipliers are updated within Newton's method.
   bool semismooth() const { return settings_.enforce == Enforcement::semismooth && !fallen_back_; }
@@ -174,8 +184,9 @@ public:
   /// its rule. Pure penalty: nothing changes. Collective.
   AugmentReport augment(Vec u);
 
-  /// After an accepted step: impulse and work of the step by the trapezoidal rule into the trial totals. A
-  /// call with u_n = u and dt = 0 before the first step records the force of the start. Collective.
+  /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule, or
+  /// of the force of a stabilised step. A call with u_n = u and dt = 0 before the first step records the
+  /// force of the start. Collective.
   void advance(Vec u_n, Vec u, double dt);
   /// Collective.
   ContactMeasures measures(Vec u) const;
@@ -187,20 +198,33 @@ public:
   InitialOverlapReport initial_overlap();
 
 private:
-  // Energy-conserving update (conserving.cpp).
+  // Steps whose forces stand along the gradients at their middle (step_gradient.cpp), and among them the
+  // energy-conserving update (conserving.cpp).
   static constexpr double unknown_gap = std::numeric_limits<double>::infinity();
-  struct Step {
-    bool under_way = false;        // set_time was called, advance not yet
-    Handle<Vec> u_n, last_force;   // where the attempt starts, and its force there
-    std::vector<double> start;     // of nodes(): u_n, relative to the rigid body where it will be
-    std::vector<double> start_gap; // by constraint
-    std::vector<double> reach;     // multipliers by which the form brings all constraints that may close
+  enum class StepRule {
+    none,       // gaps and gradients of the displacement itself: at rest, without inertia
+    exact_work, // energy-conserving
+    middle,     // stabilised
+    start       // the projection of its velocity
   };
+  struct Step {
+    StepRule rule = StepRule::none; // since set_time, until advance
+    std::array<double, 3> shock{};  // on the secondary side: impulse of the projection over dt
+    Handle<Vec> u_n, last_force;    // where the attempt starts, and its force there
+    std::vector<double> start;      // of nodes(): u_n, relative to the rigid body where it will be
+    std::vector<double> start_gap;  // by constraint
+    std::vector<double> reach;      // multipliers by which the form brings all constraints that may close
+  };
+  bool exact_work() const { return step_.rule == StepRule::exact_work; }
+  static std::array<double, 3> half(const std::array<double, 3>& a) { return {a[0] / 2, a[1] / 2, a[2] / 2}; }
   void find_start_gaps();
   PressureLaw reaching_law() const;
-  std::vector<double> middle(const std::vector<double>& u) const;
-  void visit_conserving(const std::vector<double>& u, Derivatives derivatives,
-                        const ConstraintVisitor& visitor) const;
+  // Where the gradients of the step are taken.
+  std::vector<double> place_of_gradients(const std::vector<double>& u) const;
+  void visit_step(const std::vector<double>& u, Derivatives derivatives,
+                  const ConstraintVisitor& visitor) const;
+  void visit_followed(const std::vector<double>& u, Derivatives derivatives,
+                      const ConstraintVisitor& visitor) const;
   StepTraction step_traction(const Constraint& c) const;
   double contact_stiffness(const Constraint& c) const;
   // Energy of the springs of normal and tangential penalties.
@@ -273,7 +297,7 @@ private:
   double inertia_penalty_ = 0; // over the mass shift
   double mean_length_ = 0;     // of the secondary facets
   double time_ = 0;            // of the attempt's end
-  bool fallen_back_ = false, friction_suspended_ = false;
+  bool fallen_back_ = false, friction_suspended_ = false, symmetric_ = false;
 };
 
 } // namespace impact

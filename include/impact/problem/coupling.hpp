@@ -83,11 +83,13 @@ public:
   /// begin_at_rest_of_step. Collective.
   void start_heat(Vec u);
 
-  /// Contact-stabilised Newmark: projection of the predictor and removal of the contact acceleration.
+  /// Contact-stabilised Newmark: projection of the velocity and removal of the contact acceleration.
   NewmarkHooks newmark_hooks();
   double contact_scale() const { return contact_scale_; }
   /// Contact force on the bodies that the last converged motion solve balanced.
   Vec contact_force() const { return contact_force_; }
+  /// Impulse over dt that the projection of the last step's velocity put on the bodies; zero elsewhere.
+  Vec contact_shock() const { return contact_shock_; }
   /// What was taken out of the integrator's acceleration in the last step: of deformable bodies the contact's
   /// share by the contact-stabilised update, of rigid ones also that of the constraint.
   Vec contact_acceleration() const { return contact_acceleration_; }
@@ -104,7 +106,7 @@ private:
   SNESConvergedReason run_motion(Vec u);
   bool refresh_contact(Vec u);
   void read_contact_scale();
-  void project_predictor(double t_n, double dt, Vec u_tilde);
+  void project_predictor(double t_n, double dt, Vec u_tilde, Vec v);
   KSP projection_solver();
   bool semismooth() const;
   void update_multipliers_in(SNES snes);
@@ -133,7 +135,7 @@ private:
   bool projection_failed_ = false;
   SNES solving_ = nullptr;    // whose linear solves close the gaps of the semismooth method
   Handle<Vec> bare_residual_; // what the right-hand side was before they were added
-  Handle<Vec> residual_, newton_start_, contact_force_, contact_acceleration_;
+  Handle<Vec> residual_, newton_start_, contact_force_, contact_shock_, contact_acceleration_;
   StepCounts counts_;
   PetscInt hardest_solve_ = 0, tangents_ = 0;
   MotionProblem::Increments increments_;

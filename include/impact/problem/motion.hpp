@@ -30,6 +30,7 @@ struct MotionStep {
   const std::vector<double>* phi = nullptr;   ///< frozen damage of this pass, null without damage
   const std::vector<double>* theta = nullptr; ///< frozen temperature of this pass, null without heat
   double contact_scale = 1;                   ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+  bool stabilised = false;                    ///< the contact-stabilised update
   double mass_shift = 0;                      ///< factor of the mass in the tangent, 1/s^2; 0 without inertia
 };
 

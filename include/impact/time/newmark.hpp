@@ -33,8 +33,9 @@ NewmarkCoefficients newmark_coefficients(const NewmarkParameters& parameters, Pe
 /// Changes of the scheme, for contact-stabilised Newmark (P. Deuflhard, R. Krause, S. Ertel, Int. J. Numer.
 /// Meth. Engng 73 (2008) 1274). Empty functions are skipped.
 struct NewmarkHooks {
-  /// u_tilde = u_n + dt v_n on entry; may be projected on the admissible set.
-  std::function<void(TS, PetscReal t_n, PetscReal dt, Vec u_tilde)> predict = {};
+  /// u_tilde = u_n + dt v and v = v_n on entry; the step goes on from what they are afterwards. A shock that
+  /// changes v changes u_tilde by dt times that.
+  std::function<void(TS, PetscReal t_n, PetscReal dt, Vec u_tilde, Vec v)> predict = {};
   /// After a converged solve, before the step is judged: v and a may be changed, u must not.
   /// With the acceleration a_c that the contact force f gives the mass, M alpha_m a_c = f, being part of a:
   /// a -= a_c and v += dt (2 beta - gamma) a_c let the contact force act fully implicitly.

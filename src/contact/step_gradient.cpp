@@ -1,0 +1,140 @@
+#include <algorithm>
+#include <impact/contact/interface.hpp>
+#include <impact/kernel/contact_pair.hpp>
+
+/// Contact in a step: forces along the gradients at its middle, where a turn of both bodies, however far, is
+/// an infinitesimal one of the mean configuration: du = spin x (x_n + x_{n+1})/2. Gaps and slips do not feel
+/// it, and the moment of the forces about the mean places vanishes. Their work over the step is that of the
+/// change of the gaps to third order. A stabilised step takes the gaps of its end as they are, an
+/// energy-conserving one the change along the gradients itself.
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+std::vector<double> ContactInterface::place_of_gradients(const std::vector<double>& u) const {
+  if (step_.rule == StepRule::start) return step_.start;
+  std::vector<double> m(u.size());
+  std::transform(u.begin(), u.end(), step_.start.begin(), m.begin(),
+                 [](double x, double y) { return (x + y) / 2; });
+  return m;
+}
+
+// Forms bring gradients of what presses: with these multipliers that is all within a facet.
+PressureLaw ContactInterface::reaching_law() const { return {step_.reach, penalty()}; }
+
+void ContactInterface::find_start_gaps() {
+  step_.start = form_->nodes().displacement(step_.u_n);
+  const std::array<double, 3> moved = pose_at(time_).moved;
+  for (std::size_t i = 0; i < step_.start.size(); ++i) step_.start[i] += moved[i % at(dim_)];
+  const std::size_t count = multiplier_->trial.size();
+  if (exact_work())
+    step_.start_gap = gap_->committed;
+  else
+    step_.start_gap.assign(count, unknown_gap);
+  step_.reach.assign(count, penalty() * mean_length_);
+  form_->visit(step_.start, Derivatives::none, reaching_law(), [&](const Constraint& c) {
+    // What was open stays free of force at the start; what was not followed yet starts from what it is.
+    double& start = step_.start_gap[at(c.index)];
+    if (start == unknown_gap)
+      start = c.gap;
+    else if (start >= 0)
+      start = std::max(0.0, c.gap);
+  });
+}
+
+void ContactInterface::linearise_at_start(bool linear) {
+  if (step_.rule == StepRule::middle && linear)
+    step_.rule = StepRule::start;
+  else if (step_.rule == StepRule::start && !linear)
+    step_.rule = StepRule::middle;
+}
+
+namespace {
+
+// Gradients of constraints, by their index, over their nodes.
+class Gradients {
+public:
+  explicit Gradients(std::size_t count) : place_(count) {}
+  void keep(const Constraint& c) {
+    place_[at(c.index)] = {node_.size(), value_.size(), c.node.size()};
+    node_.insert(node_.end(), c.node.begin(), c.node.end());
+    value_.insert(value_.end(), c.gradient.begin(), c.gradient.end());
+  }
+  // Over the nodes of c; false where some node is none of these, or nothing was kept.
+  bool over_nodes_of(const Constraint& c, std::vector<double>& gradient) const {
+    const Place& kept = place_[at(c.index)];
+    if (kept.count == 0) return false;
+    const std::size_t m = c.gradient.size() / c.node.size();
+    gradient.assign(c.gradient.size(), 0.0);
+    for (std::size_t i = 0; i < kept.count; ++i) {
+      const auto found = std::find(c.node.begin(), c.node.end(), node_[kept.node + i]);
+      if (found == c.node.end()) return false;
+      const auto to = m * static_cast<std::size_t>(found - c.node.begin());
+      for (std::size_t k = 0; k < m; ++k) gradient[to + k] += value_[kept.value + m * i + k];
+    }
+    return true;
+  }
+
+private:
+  struct Place {
+    std::size_t node = 0, value = 0, count = 0;
+  };
+  std::vector<Place> place_;
+  std::vector<int> node_;
+  std::vector<double> value_;
+};
+
+} // namespace
+
+void ContactInterface::visit_step(const std::vector<double>& u, Derivatives derivatives,
+                                  const ConstraintVisitor& visitor) const {
+  const PressureLaw law = this->law();
+  const auto m = at(dim_);
+  const bool of_end = step_.rule == StepRule::middle;
+  const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;
+  std::vector<double> end_gap(of_end ? multiplier_->trial.size() : 0, unknown_gap), end_gradient;
+  Gradients end(to_end ? end_gap.size() : 0);
+  if (of_end)
+    form_->visit(u, to_end ? Derivatives::first : Derivatives::none, reaching_law(),
+                 [&](const Constraint& c) {
+                   end_gap[at(c.index)] = c.gap;
+                   if (to_end) end.keep(c);
+                 });
+  form_->visit(place_of_gradients(u), Derivatives::first, reaching_law(), [&](Constraint c) {
+    const std::size_t n = c.gradient.size();
+    const auto moved = [&](std::size_t i) {
+      const std::size_t k = dof(c.node[i % n / m], i % m);
+      return u[k] - step_.start[k];
+    };
+    c.slip = {};
+    for (std::size_t i = 0; i < c.slip_gradient.size(); ++i) c.slip[i / n] += c.slip_gradient[i] * moved(i);
+    if (of_end) {
+      c.gap = end_gap[at(c.index)];
+      if (c.gap == unknown_gap) return; // faces nothing any more
+      if (to_end && end.over_nodes_of(c, end_gradient)) c.end_gradient = end_gradient;
+    } else {
+      double change = 0, start = step_.start_gap[at(c.index)];
+      for (std::size_t i = 0; i < n; ++i) change += c.gradient[i] * moved(i);
+      // It faces something now and did not at the start.
+      if (start == unknown_gap) start = std::max(0.0, c.gap - change / 2);
+      if (step_.rule == StepRule::start) start = std::max(0.0, start);
+      c.gap = start + change;
+      if (exact_work()) {
+        c.lambda = 0;
+        c.pressure = secant_pressure(penalty(), start, c.gap).p;
+        c.active = c.pressure > 0;
+        return visitor(c);
+      }
+    }
+    c.lambda = law.multiplier(c.index);
+    c.pressure = law.pressure(c.index, c.gap);
+    c.active = law.active(c.index, c.gap);
+    visitor(c);
+  });
+}
+
+} // namespace impact
