@@ -64,17 +64,24 @@ public:
     node_.insert(node_.end(), c.node.begin(), c.node.end());
     value_.insert(value_.end(), c.gradient.begin(), c.gradient.end());
   }
-  // Over the nodes of c; false where some node is none of these, or nothing was kept.
-  bool over_nodes_of(const Constraint& c, std::vector<double>& gradient) const {
+  // Over the nodes of c, to which those that it lacks are added at the end where `may_add`; false where they
+  // may not, or nothing was kept.
+  bool over_nodes_of(const Constraint& c, bool may_add, std::vector<int>& node,
+                     std::vector<double>& gradient) const {
     const Place& kept = place_[at(c.index)];
     if (kept.count == 0) return false;
     const std::size_t m = c.gradient.size() / c.node.size();
+    node.assign(c.node.begin(), c.node.end());
     gradient.assign(c.gradient.size(), 0.0);
     for (std::size_t i = 0; i < kept.count; ++i) {
-      const auto found = std::find(c.node.begin(), c.node.end(), node_[kept.node + i]);
-      if (found == c.node.end()) return false;
-      const auto to = m * static_cast<std::size_t>(found - c.node.begin());
-      for (std::size_t k = 0; k < m; ++k) gradient[to + k] += value_[kept.value + m * i + k];
+      const auto place =
+          static_cast<std::size_t>(std::find(node.begin(), node.end(), node_[kept.node + i]) - node.begin());
+      if (place == node.size()) {
+        if (!may_add) return false;
+        node.push_back(node_[kept.node + i]);
+        gradient.resize(m * node.size(), 0.0);
+      }
+      for (std::size_t k = 0; k < m; ++k) gradient[m * place + k] += value_[kept.value + m * i + k];
     }
     return true;
   }
@@ -96,7 +103,11 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
   const auto m = at(dim_);
   const bool of_end = step_.rule == StepRule::middle;
   const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;
-  std::vector<double> end_gap(of_end ? multiplier_->trial.size() : 0, unknown_gap), end_gradient;
+  std::vector<double> end_gap(of_end ? multiplier_->trial.size() : 0, unknown_gap);
+  std::vector<double> end_gradient, gradient, slip_gradient;
+  std::vector<int> node;
+  // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
+  const bool adds_nodes = multiplier_->support == Support::vertex;
   Gradients end(to_end ? end_gap.size() : 0);
   if (of_end)
     form_->visit(u, to_end ? Derivatives::first : Derivatives::none, reaching_law(),
@@ -115,7 +126,19 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
     if (of_end) {
       c.gap = end_gap[at(c.index)];
       if (c.gap == unknown_gap) return; // faces nothing any more
-      if (to_end && end.over_nodes_of(c, end_gradient)) c.end_gradient = end_gradient;
+      if (to_end && end.over_nodes_of(c, adds_nodes, node, end_gradient)) {
+        c.end_gradient = end_gradient;
+        if (const std::size_t more = end_gradient.size(); more > n) {
+          gradient.assign(c.gradient.begin(), c.gradient.end());
+          gradient.resize(more, 0.0);
+          slip_gradient.assign(c.slip_gradient.size() / n * more, 0.0);
+          for (std::size_t i = 0; i < c.slip_gradient.size(); ++i)
+            slip_gradient[i / n * more + i % n] = c.slip_gradient[i];
+          c.node = node;
+          c.gradient = gradient;
+          c.slip_gradient = slip_gradient;
+        }
+      }
     } else {
       double change = 0, start = step_.start_gap[at(c.index)];
       for (std::size_t i = 0; i < n; ++i) change += c.gradient[i] * moved(i);

@@ -686,3 +686,60 @@ TEST(ContactInterface, DisplacementThatIsNotANumberIsReportedAndLeavesTheListAlo
   MPI_Allreduce(MPI_IN_PLACE, &broken, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
   EXPECT_EQ(broken, 1);
 }
+
+TEST(ContactInterface, AStabilisedStepHasNoMomentAboutItsMiddleAndItsExactTangent) {
+  for (const auto& [name, partition] : partitions)
+    for (const ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar}) {
+      SCOPED_TRACE(testing::Message() << name << ", mortar " << (method == ContactMethod::mortar));
+      ContactSettings s = settings_of(100);
+      s.method = method;
+      s.enforce = Enforcement::auglag;
+      Rig rig(PETSC_COMM_WORLD, hill(), partition, s);
+      rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+      const Handle<Vec> start = rig.at(crush);
+      rig.layout.to_local(start, rig.state.row("u").trial);
+      rig.contact.update_search(start);
+      rig.contact.augment(start);
+      rig.contact.advance(start, start, 0);
+      rig.state.commit();
+      const Handle<Vec> u = rig.at([](int body, double X, double Y) {
+        const std::array<double, 2> d = crush(body, X, Y);
+        const double x = X + d[0] + (body == 1 ? 0.005 : 0), y = Y + d[1], c = std::cos(0.3),
+                     sine = std::sin(0.3);
+        return std::array<double, 2>{c * x - sine * y - X, sine * x + c * y - Y};
+      });
+      rig.contact.set_time(1, 1, true);
+      rig.contact.update_search(u);
+      // Forces at the end of the step, moments about its middle; for the projection, about its start.
+      for (const bool projection : {false, true}) {
+        rig.contact.linearise_at_start(projection);
+        const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(u)),
+                      before = node_map(rig.mesh, rig.layout, start),
+                      after = node_map(rig.mesh, rig.layout, u);
+        std::array<double, 3> sum{};
+        double size = 0;
+        for (const auto& [key, f] : force) {
+          const double part = projection ? 0 : 0.5;
+          std::array<double, 2> x = {key[1], key[2]};
+          for (std::size_t k = 0; k < 2; ++k) {
+            x[k] += (1 - part) * before.at(key)[k] + part * after.at(key)[k];
+            sum[k] += f[k];
+            size += std::abs(f[k]);
+          }
+          sum[2] += x[0] * f[1] - x[1] * f[0];
+        }
+        ASSERT_GT(size, 1);
+        for (const double total : sum) EXPECT_LE(std::abs(total), 1e-12 * size);
+        const Handle<Mat> K = consistent_tangent(rig, u);
+        PetscBool symmetric = PETSC_TRUE;
+        check(MatIsTranspose(K, K, 1e-6, &symmetric));
+        EXPECT_EQ(symmetric == PETSC_TRUE, projection);
+      }
+      rig.contact.linearise_at_start(false);
+      rig.contact.keep_symmetric(true);
+      const Handle<Mat> K = tangent(rig, u, 1);
+      PetscBool symmetric = PETSC_FALSE;
+      check(MatIsTranspose(K, K, 1e-9, &symmetric));
+      EXPECT_TRUE(symmetric);
+    }
+}
