@@ -260,6 +260,7 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
     const BoundaryCondition& bc = conditions_[c];
     if (!moves_bodies(bc.type)) continue;
     const bool turns = bc.rotation[0] || bc.rotation[1] || bc.rotation[2];
+    if (bodies_.empty() && !turns) continue;
     std::vector<int> on(bodies_.size() + 1, 0);
     for (const std::string& name : bc.on) {
       if (d.mesh.find_group(name) == nullptr) continue; // BoundaryData has the message

@@ -182,6 +182,17 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
   return setup;
 }
 
+bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {
+  int deformable = 0;
+  for (const std::string& side : {contact.secondary, contact.primary}) {
+    if (ContactSettings::rigid_name(side)) continue;
+    for (int node : setup.discretisation.mesh.nodes(side))
+      if (setup.rigid.body_of_node()[static_cast<std::size_t>(node)] < 0) deformable = 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &deformable, 1, MPI_INT, MPI_MAX, setup.discretisation.mesh.comm());
+  return deformable == 0;
+}
+
 void set_initial_state(const Scenario& s, Setup& setup) {
   const Discretisation& d = setup.discretisation;
   StateTable& state = setup.state;

@@ -168,6 +168,13 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   PetscBool restep = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-test_restep", &restep));
   restep_ = restep == PETSC_TRUE;
+  for (const ContactInterface& contact : setup.contacts)
+    if (coupling_.stabilised() && between_rigid_sides(setup, contact.settings()))
+      throw UserError(ExitCode::usage,
+                      "-contact_" + contact.id() +
+                          "_impact: the contact-stabilised update leaves the speed of what touches to its "
+                          "stress, and both sides of this contact are rigid; take -contact_" +
+                          contact.id() + "_impact conserving, or none for every contact");
   if (coupling_.stabilised()) {
     // Beside the stabilised update a little damping keeps the energy from rising with the contact's
     // tolerances (equal bars: 1.0005 of the start undamped, 1 with it); -ts_newmark_* override.

@@ -119,6 +119,10 @@ half = numpy.pi * (RHO / 2 / 1e8) ** 0.5
 on = r["time"][numpy.nonzero(r["contact_face_force_y"])[0]]
 check("time of contact, half a period of the penalty's spring", numpy.ptp(on) + 2e-4, half, 0.05)
 
+r = run("stabilised", {**{k: v for k, v in BLOCKS.items() if not k.startswith("material_upper")}, "material_upper_like": "lower",
+                       "contact_face_impact": "stabilised", "contact_face_penalty": 1e8}, code=2)
+require("two rigid sides: the contact-stabilised update is refused", "-contact_face_impact" in r.log and "conserving" in r.log)
+
 print("prescribed motion")
 DRIVEN = {"mesh": mesh("block.geo"), "mesh_set_n": 2, "materials": "block", "material_block_region": "solid",
           "material_block_model": "rigid", "material_block_rho": RHO, "bcs": "drive", "bc_drive_on": "left", "ts_dt": 0.02,

@@ -21,6 +21,9 @@ struct Setup {
 /// Its parts refer to each other, so it does not move. Collective. Throws UserError.
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario);
 
+/// Whether neither side of a contact can deform. Collective.
+bool between_rigid_sides(const Setup& setup, const ContactSettings& contact);
+
 /// u, v, a (of prescribed dofs) and phi at t = 0 into the state table: the initial conditions, then the
 /// boundary data, which win. Collective. Throws UserError.
 void set_initial_state(const Scenario& scenario, Setup& setup);
