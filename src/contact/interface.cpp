@@ -147,6 +147,8 @@ ObstaclePose ContactInterface::pose_at(double t) const {
     pose.obstacle.point[k] = (plane ? settings_.plane_point : settings_.centre)[k] + now[k];
     pose.obstacle.direction[k] = (plane ? settings_.plane_normal : settings_.axis)[k];
     pose.moved[k] = now[k] - totals_->committed[at(2 * dim_ + 1) + k];
+    pose.obstacle.outward[k] = outward_[k];
+    pose.obstacle.pole[k] = pose.obstacle.point[k] + settings_.radius * outward_[k];
   }
   return pose;
 }

@@ -73,6 +73,7 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   ContactSurface secondary = make_surface(mesh, settings_.id, settings_.secondary), primary;
   if (!settings_.rigid()) primary = make_surface(mesh, settings_.id, settings_.primary);
   set_automatic_values(secondary, primary);
+  find_pole(secondary);
   if (settings_.method == ContactMethod::mortar)
     form_ = std::make_unique<MortarForm>(mesh, displacement, settings_, environment_.frame,
                                          std::move(secondary), primary);
@@ -140,6 +141,36 @@ void ContactInterface::set_automatic_values(const ContactSurface& secondary, con
   if (!(settings_.friction >= 0) || !std::isfinite(settings_.friction))
     throw usage(settings_, "friction", number(settings_.friction) + " is negative or not a number");
   mean_length_ = h;
+}
+
+void ContactInterface::find_pole(const ContactSurface& secondary) {
+  if (!settings_.rigid() || settings_.primary == "plane") return;
+  // Towards the middle of the secondary side, in few digits: the same on any number of ranks.
+  std::array<double, 4> sum{};
+  const auto d = at(dim_);
+  for (std::size_t i = 0; i < secondary.X.size(); ++i) sum[i % d] += secondary.X[i];
+  sum[3] = static_cast<double>(secondary.X.size() / d);
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 4, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  std::array<double, 3> way{};
+  double along = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    way[k] = sum[k] / sum[3] - settings_.centre[k];
+    along += way[k] * settings_.axis[k];
+  }
+  if (settings_.primary == "rigid_cylinder")
+    for (std::size_t k = 0; k < 3; ++k) way[k] -= along * settings_.axis[k];
+  if (dim_ == 2) way[2] = 0;
+  const double length = std::hypot(way[0], way[1], way[2]);
+  if (!(length > 1e-3 * settings_.radius)) return;
+  for (double& component : way) component = std::round(1024 * component / length);
+  const double rounded = std::hypot(way[0], way[1], way[2]);
+  for (std::size_t k = 0; k < 3; ++k) outward_[k] = way[k] / rounded;
+  if (settings_.primary != "rigid_cylinder") return;
+  // Across the axis to rounding.
+  along = outward_[0] * settings_.axis[0] + outward_[1] * settings_.axis[1] + outward_[2] * settings_.axis[2];
+  for (std::size_t k = 0; k < 3; ++k) outward_[k] -= along * settings_.axis[k];
+  const double across = std::hypot(outward_[0], outward_[1], outward_[2]);
+  for (double& component : outward_) component /= across;
 }
 
 void ContactInterface::declare_state(StateTable& state) {

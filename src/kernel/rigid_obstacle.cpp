@@ -17,8 +17,27 @@ ObstacleGap gap_to(const RigidObstacle& obstacle, const std::array<double, 3>& x
   const bool cylinder = obstacle.shape == RigidObstacle::Shape::cylinder;
   if (cylinder)
     for (std::size_t k = 0; k < 3; ++k) r[k] -= along * a[k];
+  // With the pole p, r = (x - p) + R n and |r| - R = (|r|^2 - R^2)/(|r| + R).
+  const auto& n = obstacle.outward;
+  const bool from_pole = n[0] != 0 || n[1] != 0 || n[2] != 0;
+  double along_pole = 0, square = 0;
+  if (from_pole) {
+    std::array<double, 3> d{};
+    double d_along = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      d[k] = x[k] - obstacle.pole[k];
+      d_along += d[k] * a[k];
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (cylinder) d[k] -= d_along * a[k];
+      along_pole += d[k] * n[k];
+      square += d[k] * d[k];
+      r[k] = d[k] + obstacle.radius * n[k];
+    }
+  }
   const double distance = std::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-  result.gap = distance - obstacle.radius;
+  result.gap = from_pole ? (2 * obstacle.radius * along_pole + square) / (distance + obstacle.radius)
+                         : distance - obstacle.radius;
   if (!(distance > 1e-9 * obstacle.radius)) {
     // Any direction across the axis.
     std::size_t least = 0;

@@ -57,3 +57,33 @@ TEST(RigidObstacle, TheMiddleOfARoundOneHasAUnitNormalAcrossTheAxis) {
     EXPECT_EQ(middle.normal[2], 0);
   }
 }
+
+TEST(RigidObstacle, DistancesFromThePoleAreTheSameAndKeepTheirDigits) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (RigidObstacle obstacle : obstacles()) {
+    if (obstacle.shape == RigidObstacle::Shape::plane) continue;
+    obstacle.direction = {0, 0, 1};
+    for (double radius : {0.7, 1e5}) {
+      // The pole at the origin, the bodies around it.
+      obstacle.radius = radius;
+      obstacle.point = {-0.6 * radius, -0.8 * radius, 0};
+      RigidObstacle near = obstacle;
+      near.outward = {0.6, 0.8, 0};
+      double worst_far = 0;
+      for (int trial = 0; trial < 50; ++trial) {
+        const std::array<double, 3> x = {u(random), u(random), u(random)};
+        const long double X = x[0] + 0.6L * radius, Y = x[1] + 0.8L * radius,
+                          Z = obstacle.shape == RigidObstacle::Shape::sphere ? x[2] : 0;
+        const auto exact =
+            static_cast<double>(std::sqrt(X * X + Y * Y + Z * Z) - static_cast<long double>(radius));
+        EXPECT_NEAR(gap_to(near, x).gap, exact, 2e-14);
+        EXPECT_NEAR(gap_to(near, x).normal[0], static_cast<double>(X) / (radius + exact), 1e-15);
+        worst_far = std::max(worst_far, std::abs(gap_to(obstacle, x).gap - exact));
+      }
+      if (radius > 1) {
+        EXPECT_GT(worst_far, 1e-12); // what the pole is for
+      }
+    }
+  }
+}

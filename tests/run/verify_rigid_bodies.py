@@ -123,6 +123,15 @@ r = run("stabilised", {**{k: v for k, v in BLOCKS.items() if not k.startswith("m
                        "contact_face_impact": "stabilised", "contact_face_penalty": 1e8}, code=2)
 require("two rigid sides: the contact-stabilised update is refused", "-contact_face_impact" in r.log and "conserving" in r.log)
 
+print("a block on a rigid cylinder 1e5 times as large")
+WIDE = {"mesh": mesh("block.geo"), "materials": "b", "material_b_region": "solid", "material_b_E": 1e6, "material_b_nu": 0.3,
+        "bcs": "p", "bc_p_on": "top", "bc_p_ux": 0, "bc_p_uy": "-0.02*t", "contacts": "f", "contact_f_secondary": "bottom",
+        "contact_f_primary": "rigid_cylinder", "contact_f_radius": 1e5, "contact_f_centre": "0.5,-1e5,0",
+        "contact_f_method": "mortar", "contact_f_initial": "allow", "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1}
+r, flat = run("wide", WIDE), run("flat", {**WIDE, "contact_f_primary": "plane"})
+check("force, against that of a plane", r["contact_f_force_y"][-1], flat["contact_f_force_y"][-1], 1e-4)
+check_between("most Newton iterations of a step", r["newton"].max(), 1, 5)
+
 print("prescribed motion")
 DRIVEN = {"mesh": mesh("block.geo"), "mesh_set_n": 2, "materials": "block", "material_block_region": "solid",
           "material_block_model": "rigid", "material_block_rho": RHO, "bcs": "drive", "bc_drive_on": "left", "ts_dt": 0.02,

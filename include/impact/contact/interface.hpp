@@ -272,6 +272,7 @@ private:
   void share(std::vector<double>& values, int components) const;
   std::array<double, 3> obstacle_displacement(double t) const;
   ObstaclePose pose_at(double t) const;
+  void find_pole(const ContactSurface& secondary);
   ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
@@ -294,9 +295,10 @@ private:
       *slip_; // [constraint][direction], and at the end of slip_ the state; null without friction
   StateRow* gap_ = nullptr; // accumulated gaps of the conserving update, else null
   Step step_;
-  double inertia_penalty_ = 0; // over the mass shift
-  double mean_length_ = 0;     // of the secondary facets
-  double time_ = 0;            // of the attempt's end
+  std::array<double, 3> outward_{}; // from a round rigid body's centre to its pole
+  double inertia_penalty_ = 0;      // over the mass shift
+  double mean_length_ = 0;          // of the secondary facets
+  double time_ = 0;                 // of the attempt's end
   bool fallen_back_ = false, friction_suspended_ = false, symmetric_ = false;
 };
 

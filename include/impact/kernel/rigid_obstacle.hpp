@@ -11,6 +11,9 @@ struct RigidObstacle {
   std::array<double, 3> point{};     ///< of the plane or of the axis, or the centre
   std::array<double, 3> direction{}; ///< unit vector: normal of the plane away from its body, axis
   double radius = 0;
+  /// Of a round one: a point of its surface near the bodies and the normal there, or zero vectors. Distances
+  /// from it keep the digits that those from a centre far away lose.
+  std::array<double, 3> pole{}, outward{};
 };
 
 /// Gap of a point, negative inside the obstacle.
