@@ -203,6 +203,27 @@ TEST(Friction, ConservingStepKeepsBothMomentaAndItsWorkIsEnergyAndHeat) {
           EXPECT_NEAR(rig.contact.measures(u).energy, now, 1e-12 * now);
           energy = now;
         }
+        // The upper body is carried off sideways: what its springs held is not work.
+        // It leaves along the surface, both turned by 0.6.
+        const Handle<Vec> away = rig.at([](int body, double X, double Y) {
+          const std::array<double, 2> d = slide(0.1)(body, X, Y);
+          const double x = X + d[0] + (body == 1 ? 8 : 0), y = Y + d[1];
+          return std::array<double, 2>{std::cos(0.6) * x - std::sin(0.6) * y - X,
+                                       std::sin(0.6) * x + std::cos(0.6) * y - Y};
+        });
+        rig.contact.set_time(3, 1);
+        rig.contact.update_search(away);
+        const Handle<Vec> r = rig.residual(away), r_n = rig.layout.make_global(),
+                          du = rig.layout.make_global();
+        rig.layout.to_global(rig.state.row("contact_pair_force").committed, r_n);
+        check(VecAXPBY(r, 0.5, 0.5, r_n));
+        rig.layout.to_global(rig.state.row("u").committed, du);
+        check(VecAYPX(du, -1, away));
+        const double work = dot(r, du), released = rig.contact.released_energy(away);
+        EXPECT_GT(released, energy / 2);
+        EXPECT_NEAR(work,
+                    rig.contact.measures(away).energy - energy + released + rig.contact.friction_loss(away),
+                    1e-12 * (1 + std::abs(work)));
         if (mu == 0) {
           EXPECT_EQ(all_heat, 0);
         } else if (mu < 1) {

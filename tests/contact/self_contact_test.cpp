@@ -134,6 +134,54 @@ TEST(SelfContact, ASkinUnderOneNameActsAsOneOfTheTwoSidesByTheirNames) {
       }
 }
 
+TEST(SelfContact, FrictionUnderOneNameIsThatOfTheTwoSidesByTheirNames) {
+  const Motion slid = [](int body, double X, double Y) {
+    std::array<double, 2> u = crush(body, X, Y);
+    if (body == 1) u = {u[0] + 0.15 * (X - 0.9), u[1] + 0.0015 * X};
+    return u;
+  };
+  for (const Choice& choice : choices)
+    for (const auto& [name, partition] : partitions)
+      for (const double angle : {0.0, 2.2}) {
+        SCOPED_TRACE(testing::Message()
+                     << name << ", " << angle << ", mortar " << (choice.method == ContactMethod::mortar));
+        TwoBlocks b;
+        b.angle = angle;
+        // Force and heat of a step from `crush` to `slid`.
+        const auto step = [&, &partition = partition](const std::string& secondary,
+                                                      const std::string& primary) {
+          ContactSettings s = one_name(choice.method, choice.enforce);
+          s.secondary = secondary;
+          s.primary = primary;
+          s.friction = 0.4;
+          Rig rig(PETSC_COMM_WORLD, b, partition, s);
+          const Handle<Vec> start = rig.at(crush), again = rig.at(crush), u = rig.at(slid);
+          rig.contact.update_search(start);
+          if (choice.enforce == Enforcement::auglag) rig.contact.augment(start);
+          rig.contact.advance(start, again, 0);
+          rig.state.commit();
+          rig.contact.update_search(u);
+          return std::pair(rig.residual(u), rig.contact.friction_loss(u));
+        };
+        const auto [force, heat] = step("skin", "skin");
+        EXPECT_GT(heat, 1e-4);
+        std::array<double, 2> off{}, lost{};
+        for (const bool swapped : {false, true}) {
+          auto [difference, named] =
+              swapped ? step("lower_top", "upper_bottom") : step("upper_bottom", "lower_top");
+          const double size = norm(difference);
+          EXPECT_GT(size, 0.5);
+          check(VecAXPY(difference, -1, force));
+          off[swapped ? 1 : 0] = norm(difference) / size;
+          lost[swapped ? 1 : 0] = std::abs(named - heat);
+        }
+        const std::size_t same = off[0] < off[1] ? 0 : 1;
+        EXPECT_LT(off[same], 1e-12);
+        EXPECT_LT(lost[same], 1e-13);
+        EXPECT_GT(off[1 - same], 1e-6);
+      }
+}
+
 TEST(SelfContact, TurningTheWholeProblemTurnsTheForces) {
   for (const Choice& choice : choices) {
     ContactMeasures straight;
