@@ -35,7 +35,7 @@ struct BoundaryCondition {
   std::vector<std::string> on;
   BcType type = BcType::displacement;
   std::optional<Expression> component[3]; ///< of whatever the type names; absent = free
-  std::optional<Expression> rotation[3]; ///< of rigid bodies, about their centre of mass
+  std::optional<Expression> rotation[3];  ///< of rigid bodies, about their centre of mass
   /// Scalar of pressure and damage; temperature, heat flux inwards per reference area, temperature around a
   /// convection, heat source per reference volume.
   std::optional<Expression> value;

@@ -48,8 +48,9 @@ struct ForceParts {
 
 class MotionProblem {
 public:
-  /// `rigid` may be null: no rigid bodies. Without `solved` bodies stay where they are: nothing but the diagonal
-  /// stands in the matrix. Throws UserError(usage) for rigid bodies with a contact operator that is a shell.
+  /// `rigid` may be null: no rigid bodies. Without `solved` bodies stay where they are: nothing but the
+  /// diagonal stands in the matrix. Throws UserError(usage) for rigid bodies with a contact operator that is
+  /// a shell.
   MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
                 std::vector<ContactInterface>& contacts, bool symmetric_tangent,
                 ContactOperator contact_operator = ContactOperator::assembled,

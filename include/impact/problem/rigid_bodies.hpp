@@ -99,8 +99,8 @@ public:
 
   /// a = (affine acceleration by the forces f, [node][dim]) on the nodes of bodies. Collective.
   void accelerate(Vec f, Vec a) const;
-  /// gain = rate of the rigid motion per impulse, on the nodes of bodies, by impulses f [node][dim] whose arms
-  /// are those of the start of the attempt; prescribed components gain nothing. Collective.
+  /// gain = rate of the rigid motion per impulse, on the nodes of bodies, by impulses f [node][dim] whose
+  /// arms are those of the start of the attempt; prescribed components gain nothing. Collective.
   void strike(Vec f, Vec gain) const;
   /// Reactions of prescribed components for the residual's forces f, which keep their values: `factor` times
   /// what is missing to balance, into the trial half of the row. Returns their work in the attempt, with the
