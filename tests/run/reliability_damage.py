@@ -107,7 +107,7 @@ def old_version(folder):
     with open(manifest) as file:
         text = file.read()
     with open(manifest, "w") as file:
-        file.write(text.replace("impact checkpoint 2", "impact checkpoint 0"))
+        file.write(re.sub(r"^impact checkpoint \d+", "impact checkpoint 0", text))
     return "another version", "fallback"
 
 
