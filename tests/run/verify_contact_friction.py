@@ -1,6 +1,6 @@
 # labels: run
-# timeout: 300
-# processors: 1
+# timeout: 600
+# processors: 2
 """Coulomb friction: a block that slides on a rigid plane or on a block of another mesh stops after v^2/(2 mu g) and
 stays, by Gauss points and mortar and by each enforcement; on a slope it stays below mu and slides above with
 g (sin - mu cos); what is lost goes into dissipated_friction; the ranks do not matter."""
