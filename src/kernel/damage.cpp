@@ -1,4 +1,5 @@
 #include "cell_geometry.hpp"
+#include "scalar_cell.hpp"
 
 #include <impact/kernel/damage.hpp>
 
@@ -112,15 +113,7 @@ template <class Cell, Frame frame, bool tangent>
     }
   }
 
-  Batch finite = Batch(0.0);
-  for (int a = 0; a < n; ++a) {
-    finite += r[a] - r[a];
-    r_out[a] += r[a];
-  }
-  if constexpr (tangent)
-    for (int a = 0; a < n; ++a)
-      for (int b = 0; b < n; ++b) K_out[a * n + b] += K[a <= b ? a * n + b : b * n + a];
-  return bad | bits(~is_finite(finite));
+  return bad | add_scalar_cell<n, tangent>(r, K, r_out, K_out);
 }
 
 } // namespace

@@ -1,3 +1,4 @@
+#include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
@@ -179,12 +180,7 @@ void DamageProblem::residual(Vec x, Vec f) {
   });
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);
-  double* values = nullptr;
-  PetscInt start = 0;
-  check(VecGetOwnershipRange(f, &start, nullptr));
-  check(VecGetArray(f, &values));
-  for (int node : owned_held_) values[d_.mesh.global_node()[static_cast<std::size_t>(node)] - start] = 0;
-  check(VecRestoreArray(f, &values));
+  zero_owned(f, d_.mesh, 1, owned_held_);
   if (!sound)
     for (SNES snes : solvers()) check(SNESSetFunctionDomainError(snes));
 }

@@ -1,3 +1,4 @@
+#include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
@@ -287,12 +288,7 @@ void HeatProblem::residual(Vec x, Vec f) {
   const bool sound = add_residual(x_, r_);
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);
-  double* values = nullptr;
-  PetscInt start = 0;
-  check(VecGetOwnershipRange(f, &start, nullptr));
-  check(VecGetArray(f, &values));
-  for (int node : owned_held_) values[d_.mesh.global_node()[static_cast<std::size_t>(node)] - start] = 0;
-  check(VecRestoreArray(f, &values));
+  zero_owned(f, d_.mesh, 1, owned_held_);
   if (!sound) check(SNESSetFunctionDomainError(snes_));
 }
 

@@ -1,4 +1,5 @@
 #include "motion_batch.hpp"
+#include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/measure.hpp>
@@ -309,16 +310,7 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
   assembly_->set_diagonal(identity_, free_dofs > 0 && sums[0] > 0 ? sums[0] / free_dofs : 1.0);
 }
 
-void MotionProblem::zero_fixed(Vec f) const {
-  double* values = nullptr;
-  PetscInt start = 0;
-  check(VecGetArray(f, &values));
-  check(VecGetOwnershipRange(f, &start, nullptr));
-  const int dim = d_.dim();
-  for (int dof : owned_fixed_)
-    values[d_.mesh.global_node()[static_cast<std::size_t>(dof / dim)] * dim + dof % dim - start] = 0;
-  check(VecRestoreArray(f, &values));
-}
+void MotionProblem::zero_fixed(Vec f) const { zero_owned(f, d_.mesh, d_.dim(), owned_fixed_); }
 
 void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f) {
   check(VecWAXPY(work_, -1, u_tilde, w));
