@@ -227,6 +227,9 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   StateTable& state = setup_.state;
   if (resume) {
     read_checkpoint(*resume, {d_.mesh, d_.groups, state});
+    // The candidate list of the bodies at rest would serve for a while, but it is not the one that the
+    // interrupted run made after this checkpoint.
+    for (ContactInterface& contact : setup_.contacts) contact.forget_search();
     check(TSSetTime(ts_, resume->values.time));
     check(TSSetStepNumber(ts_, static_cast<PetscInt>(resume->values.step)));
     snapshot_.time = resume->values.time;

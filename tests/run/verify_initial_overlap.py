@@ -4,6 +4,7 @@
 moved apart without stress, flat and round, in the plane and in space, by names and under one name; a restart on other
 ranks goes on with the moved mesh; overlap of rounding size is none."""
 import re
+import shutil
 
 import numpy
 from _runs import check, finish, mesh, option_file, require, run
@@ -64,6 +65,10 @@ print(f"     discs: {nodes} nodes by up to {way:.3g} m")
 require("discs: some nodes moved, at most by the overlap", nodes > 0 and 0 < way < 4e-5)
 free_of_stress("discs", discs, facet=1e-3)
 run("half", {**DISCS, "ts_max_time": "2 us"}, files=[option_file("discs.opts")])
+shutil.copytree("half", "same")
+same = run("same", {**DISCS, "restart": "auto"}, files=[option_file("discs.opts")])
+check("restart on the same rank, before the discs touch: force", abs(same["contact_face_force_x"] - discs["contact_face_force_x"]).max(),
+      0, 0, relative=False)
 resumed = run("half", {**DISCS, "restart": "auto"}, files=[option_file("discs.opts")], ranks=2)
 for column in ("energy_kinetic", "contact_face_force_x", "momentum_disc_y"):
     check(f"restart on two ranks: {column}", abs(resumed[column] - discs[column]).max() / abs(discs[column]).max(), 0, 1e-8,
