@@ -227,9 +227,6 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   StateTable& state = setup_.state;
   if (resume) {
     read_checkpoint(*resume, {d_.mesh, d_.groups, state});
-    // The candidate list of the bodies at rest would serve for a while, but it is not the one that the
-    // interrupted run made after this checkpoint.
-    for (ContactInterface& contact : setup_.contacts) contact.forget_search();
     check(TSSetTime(ts_, resume->values.time));
     check(TSSetStepNumber(ts_, static_cast<PetscInt>(resume->values.step)));
     snapshot_.time = resume->values.time;
@@ -250,6 +247,9 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
     const std::vector<double>& c = control_->committed;
     set_step_control_state(ts_, {c[0], c[1] != 0, static_cast<PetscInt>(c[2]), static_cast<PetscInt>(c[3])});
     ledger_->resume(u_, v_);
+    // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
+    // made in its next step.
+    for (ContactInterface& contact : setup_.contacts) contact.forget_search();
     check(PetscPrintf(comm_, "resumed from %s at t = %.10g, step %ld\n", resume->file.c_str(), snapshot_.time,
                       snapshot_.step));
     return;

@@ -54,7 +54,7 @@ same("2 ranks", ring("cycle_2", CYCLE, ranks=2))
 half = {**CYCLE, "checkpoint_every": 25}
 ring("restart", {**half, "ts_max_time": 1})
 whole = ring("whole", half)
-same("from a checkpoint", ring("restart", {**half, "restart": "auto"}), whole)
+same("from a checkpoint", ring("restart", {**half, "restart": "auto"}), whole, 1e-12)
 # The names of the two conditions change places with the axes.
 turned = ring("turned", {**CYCLE, "mesh_set_angle": 90, "bc_cut_on": "right", "bc_right_on": "cut"})
 turned.history["contact_inside_force_y"] = turned["contact_inside_force_x"]
