@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <impact/contact/face_point_form.hpp>
 #include <impact/contact/gauss_point_form.hpp>
 #include <impact/contact/interface.hpp>
 #include <impact/contact/mortar_form.hpp>
@@ -31,8 +32,6 @@ void check_settings(ContactSettings& settings, int dim) {
   const bool mortar = settings.method == ContactMethod::mortar;
   if (settings.multipliers == MultiplierSpace::automatic)
     settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
-  if (dim == 3 && !mortar)
-    throw usage(settings, "method", "`gpts` is for plane and axisymmetric meshes; take mortar in space");
   if (settings.impact == ImpactUpdate::conserving) {
     if (settings.enforce != Enforcement::automatic && settings.enforce != Enforcement::penalty)
       throw usage(settings, "impact",
@@ -44,8 +43,9 @@ void check_settings(ContactSettings& settings, int dim) {
     settings.enforce = mortar ? Enforcement::semismooth : Enforcement::auglag;
   if (!settings.rigid()) return;
   const bool plane = settings.primary == "plane";
-  if (settings.friction > 0 && !plane && !mortar)
-    throw usage(settings, "friction", "on a round rigid body is for the method mortar; here it is gpts");
+  if (settings.friction > 0 && !plane && !mortar && dim == 2)
+    throw usage(settings, "friction",
+                "on a round rigid body in the plane is for the method mortar; here it is gpts");
   double* n = plane ? settings.plane_normal : settings.axis;
   if (dim == 2) n[2] = plane ? 0 : 1;
   if (dim == 2 && !plane) n[0] = n[1] = 0;
@@ -77,10 +77,12 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   if (settings_.method == ContactMethod::mortar)
     form_ = std::make_unique<MortarForm>(mesh, displacement, settings_, environment_.frame,
                                          std::move(secondary), primary);
-  else
+  else if (const double hold_gap = std::min(settings_.gap_tol, 1e-3 * mean_length_); dim_ == 2)
     form_ = std::make_unique<GaussPointForm>(mesh, displacement, settings_, environment_.frame,
-                                             std::move(secondary), primary,
-                                             std::min(settings_.gap_tol, 1e-3 * mean_length_));
+                                             std::move(secondary), primary, hold_gap);
+  else
+    form_ = std::make_unique<FacePointForm>(mesh, displacement, settings_, std::move(secondary), primary,
+                                            hold_gap);
   declare_state(state);
   form_->begin_attempt(pose_at(0), nullptr);
   const Handle<Vec> at_rest = displacement.make_global();

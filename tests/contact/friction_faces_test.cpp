@@ -36,6 +36,9 @@ std::vector<Case> cases(double angle = 0) {
       s.enforce = enforce;
       s.friction = 0.4;
       all.push_back({{lower, upper, angle, true}, s});
+      if (lower == upper) continue;
+      s.method = ContactMethod::gauss_points;
+      all.push_back({{lower, upper, angle, true}, s});
     }
   return all;
 }

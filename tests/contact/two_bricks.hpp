@@ -87,6 +87,13 @@ inline ContactSettings brick_settings(MultiplierSpace multipliers = MultiplierSp
   return s;
 }
 
+/// The same with two Gauss points in each direction.
+inline ContactSettings brick_points() {
+  ContactSettings s = brick_settings();
+  s.method = ContactMethod::gauss_points;
+  return s;
+}
+
 /// Displacement by body and place before the turn.
 using BrickMotion = std::function<Vector(int body, const Vector& X)>;
 
