@@ -292,7 +292,7 @@ MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
       if (!opposed(f, c, x)) continue;
       const FaceView seen = view(f, c, x);
       if (seen.smallest < farthest * size &&
-          (seen.largest > -search_.depth(f) || (search_.meets_itself() && came_through(f, c))))
+          (seen.largest > -search_.depth(f) || came_through(f, c)))
         pairs.emplace_back(std::abs(seen.mean), c);
     }
     // Of two layers over the same part the nearer one counts.

@@ -91,17 +91,22 @@ same("each body on its own rank", flight(0, even),
      flight(0, {**even, "petscpartitioner_type": "simple"}, ranks=2), 1e-8)
 
 # The rebound is elastic but for what the waves carry away; a body that is lost goes on with its momentum.
+SPACE = {"mesh_set_dim": 3, "mesh_set_simplices_upper": 1}
+MORTAR = {"contact_face_method": "mortar", "contact_face_enforce": "semismooth"}
 for facets, extra in ((1.2, {}), (2, {}), (3.2, SWAPPED), (5, {}),
-                      (5, {"mesh_set_gap": 3.1, "contact_face_enforce": "penalty"}), (5, SWAPPED)):
+                      (5, {"mesh_set_gap": 3.1, "contact_face_enforce": "penalty"}), (5, SWAPPED), (5, MORTAR),
+                      (5, {**SPACE, **MORTAR}), (3.2, {**SPACE, **MORTAR, **SWAPPED}),
+                      (5, {**SPACE, "contact_face_method": "gpts", "contact_face_enforce": "penalty"})):
     step = facets * 0.25 / SPEED
     r = flight(0, {"ts_dt": step, "ts_max_time": 6 * step, "contact_face_impact": "stabilised",
                    "contact_face_enforce": "auglag", **extra})
+    before = -r["momentum_upper_y"][0]
     print(f"     v dt = {facets} facets {extra}: tries {r['tries'].max():.0f}, Newton at most {r['newton'].max():.0f}, "
           f"upward momentum {r['momentum_upper_y'][-1]:.4g}")
-    check_between(f"fast body, v dt = {facets} facets: impulse", impulse(r)[-1], 0.9 * momentum[0], 2.5 * momentum[0])
-    # Penalty alone answers a facet's depth with a force of which -motion_snes_rtol leaves more.
+    check_between(f"fast body, v dt = {facets} facets: impulse", impulse(r)[-1], 0.9 * before, 2.5 * before)
+    # A solve leaves more of a facet's depth than of the first touch.
     check("impulse is the change of momentum", impulse(r)[-1], r["momentum_upper_y"][-1] - r["momentum_upper_y"][0],
-          1e-8 if "contact_face_enforce" in extra else 1e-12)
+          1e-12 if extra in ({}, SWAPPED) else 1e-8 if "mesh_set_gap" in extra else 1e-7)
     check_between("smallest gap", numpy.nanmin(r["contact_face_gap_min"]), -1e-3, 1)
 
 # In one step from above the surface to below it and beside it: the way crosses no facet.
