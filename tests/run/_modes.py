@@ -1,5 +1,5 @@
 """The runs of all test scripts in three further modes. `python3 tests/run/_modes.py [--modes recover,...]
-[--share k/n] [--budget seconds] [script ...]` takes every run that a script makes and repeats it:
+[--share k/n] [--budget seconds] [--in-turn] [script ...]` takes every run that a script makes and repeats it:
 
 recover      with checkpoints at its half, then again from that checkpoint in a copy of its folder, so that what was
              written after the checkpoint has to be cut off
@@ -118,8 +118,9 @@ class Report:
 class Modes:
     """Stands in for _runs.run while a script runs."""
 
-    def __init__(self, script, modes, report, share, deadline, most):
+    def __init__(self, script, modes, report, share, deadline, most, in_turn):
         self.script, self.modes, self.report, self.share, self.deadline = script, modes, report, share, deadline
+        self.in_turn = in_turn
         self.most, self.count, self.repeated = most, 0, 0
 
     def __call__(self, name, options, files=(), ranks=1, code=0):
@@ -166,7 +167,7 @@ class Modes:
         if mode != "recover":
             base.update(self.tight(said))
         if mode == "repartition":
-            pairs = [RANKS[self.count % len(RANKS)]] if self.share[1] > 1 or ranks > 1 else list(RANKS)
+            pairs = [RANKS[self.count % len(RANKS)]] if self.in_turn or self.share[1] > 1 or ranks > 1 else list(RANKS)
         for before, after in pairs:
             folder = f"{name}.{mode}{before}{after}"
             label = f"{what}, {before} -> {after} ranks" if mode == "repartition" else what
@@ -230,9 +231,10 @@ def scripts():
             if not os.path.basename(path).startswith(("reliability", "readme", "verify_restart", "bench"))]
 
 
-def exercise(paths, modes, share=(0, 1), budget=math.inf, most=math.inf):
+def exercise(paths, modes, share=(0, 1), budget=math.inf, most=math.inf, in_turn=False):
     """Runs the scripts with their runs in all `modes`; of each script every share[1]-th run, beginning with number
-    share[0], and `most` of them; nothing is begun `budget` seconds after the start. Returns the report."""
+    share[0], and `most` of them; nothing is begun `budget` seconds after the start. `in_turn`: the pairs of rank
+    counts take turns instead of all at each run. Returns the report."""
     report, deadline = Report(), time.monotonic() + budget
     above, argv = os.getcwd(), sys.argv
     for path in paths:
@@ -244,7 +246,7 @@ def exercise(paths, modes, share=(0, 1), budget=math.inf, most=math.inf):
         os.makedirs(folder, exist_ok=True)
         os.chdir(folder)
         sys.argv = [path]
-        _runs.run = Modes(stem, modes, report, share, deadline, most)
+        _runs.run = Modes(stem, modes, report, share, deadline, most, in_turn)
         _runs._failures.clear()
         said = io.StringIO()  # what the script itself claims belongs to its own test
         try:
@@ -279,8 +281,9 @@ if __name__ == "__main__":
     parser.add_argument("--modes", default=",".join(TOLERANCE))
     parser.add_argument("--share", default="0/1", help="k/n: of each script every n-th run, beginning with number k")
     parser.add_argument("--budget", type=float, default=math.inf, help="seconds after which nothing new is begun")
+    parser.add_argument("--in-turn", action="store_true", help="each run is moved from one number of ranks to one other")
     parser.add_argument("scripts", nargs="*")
     given = parser.parse_args()
     paths = [os.path.abspath(p if os.path.isfile(p) else os.path.join(HERE, p + ".py")) for p in given.scripts]
     conclude(exercise(paths or scripts(), given.modes.split(","), tuple(map(int, given.share.split("/"))),
-                      given.budget))
+                      given.budget, in_turn=given.in_turn))
