@@ -1,4 +1,4 @@
-#include "cell_geometry.hpp"
+#include "motion_point.hpp"
 #include "scalar_cell.hpp"
 
 #include <impact/kernel/damage.hpp>
@@ -25,11 +25,16 @@ Vector<Batch, d> flux_direction(const MaterialParameters& m, const Tensor<Batch,
 struct Source {
   Batch Y, dY;
 };
-Source source(const MaterialParameters& m, const Batch& phi, const Batch* drive, const Batch& fatigue) {
-  const Degradations<Batch> g = degradations(m, phi);
-  const double crack = m.Gc / m.gamma;
-  return {g.e1.dg * drive[0] + g.e2.dg * drive[1] + g.p.dg * drive[2] + crack * phi - (1 / m.gamma) * fatigue,
-          g.e1.d2g * drive[0] + g.e2.d2g * drive[1] + g.p.d2g * drive[2] + Batch(crack)};
+Source source(const MaterialParameters& m, const Batch& phi, const Batch& alpha, const Batch* drive,
+              const Batch& fatigue, bool convex) {
+  const Degradations<Batch> g = degradations(m, phi, alpha);
+  const Regularisation w = regularisation(m);
+  const double crack = w.quadratic * (m.Gc / m.gamma), start = w.linear * (m.Gc / m.gamma);
+  const Batch Y = g.e1.dg * drive[0] + g.e2.dg * drive[1] + g.p.dg * drive[2] + crack * phi -
+                  (1 / m.gamma) * fatigue + Batch(start);
+  const Batch bend = g.e1.d2g * drive[0] + g.e2.d2g * drive[1] + g.p.d2g * drive[2];
+  if (!convex) return {Y, bend + Batch(crack)};
+  return {Y, max(bend + Batch(crack), 0.1 * (Batch(crack) + abs(bend)))};
 }
 
 /// d(1/lambda)/dphi = zeta c (1 + delta - phi)^(-zeta-1), written with lambda.
@@ -42,7 +47,7 @@ template <class Cell, Frame frame, bool tangent>
   constexpr int d = Cell::dim, n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
-  const double theta = in.theta_d, crack = m.Gc * m.gamma;
+  const double theta = in.theta_d, crack = crack_flux(m);
   const bool divided = in.form == DamageForm::divided;
   Batch r[n], K[tangent ? n * n : 1];
   for (int a = 0; a < n; ++a) r[a] = Batch(0.0);
@@ -57,6 +62,7 @@ template <class Cell, Frame frame, bool tangent>
     const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi);
     const Vector<Batch, d> grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
     const Batch fatigue = in.fatigue ? in.fatigue[q] : Batch(0.0);
+    const Batch alpha = point_alpha<Cell>(law, in.history, q);
     const Batch lambda = damage_viscosity(m, phi_n);
     // Both forms are w * inertia * (phi - phi_n) + w * scale * [Y, h]: the divided one multiplied by
     // dt/lambda.
@@ -67,7 +73,7 @@ template <class Cell, Frame frame, bool tangent>
     const Batch J = Batch(1.0) + detm1(H);
     bad |= bits(~(J > Batch(0.0)));
     const Tensor<Batch, d> inverse_F = inverse(plus_identity(H), J);
-    const Source now = source(m, phi, in.drive + q * drive_size, fatigue);
+    const Source now = source(m, phi, alpha, in.drive + q * drive_size, fatigue, in.convex);
     Vector<Batch, d> flux = flux_direction(m, inverse_F, grad);
     Vector<Batch, d> frozen = flux_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
     Batch local = theta * now.Y;
@@ -78,7 +84,7 @@ template <class Cell, Frame frame, bool tangent>
     if (theta < 1) {
       const Tensor<Batch, d> H_n = gradient_of_vector<Cell, frame>(X, in.u_n);
       const Tensor<Batch, d> inverse_F_n = inverse(plus_identity(H_n), Batch(1.0) + detm1(H_n));
-      local += (1 - theta) * source(m, phi_n, in.drive_n + q * drive_size, fatigue).Y;
+      local += (1 - theta) * source(m, phi_n, alpha, in.drive_n + q * drive_size, fatigue, false).Y;
       const Vector<Batch, d> flux_n = flux_direction(m, inverse_F_n, grad_n);
       for (int i = 0; i < d; ++i) {
         flux[i] += (1 - theta) * flux_n[i];

@@ -148,7 +148,7 @@ template <class Cell, Frame frame>
       if (damages) {
         const Batch step = interpolate<Cell>(in.phi, q) - interpolate<Cell>(in.phi_n, q);
         const bool spatial = in.u && m.damage_gradient == DamageGradient::spatial;
-        flux = pulled_back<d>((m.Gc * m.gamma) * step, spatial ? &inverse_F : nullptr,
+        flux = pulled_back<d>(crack_flux(m) * step, spatial ? &inverse_F : nullptr,
                               gradient_of_scalar<Cell, frame>(X, in.phi));
       }
     } else {

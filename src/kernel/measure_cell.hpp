@@ -6,16 +6,16 @@
 /// Integrals over a batch of cells; instantiated in measure_plane.cpp and measure_solid.cpp.
 namespace impact {
 
-template <class Cell, Frame frame>
-void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
+template <class Cell, Frame frame, bool spectral>
+[[gnu::flatten]] void stored_energy_with(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
   for (int q = 0; q < Cell::points; ++q) {
     const Batch w = s.map[q].weight;
     const Kinematics<Batch, d> k = kinematics(s.H[q]);
-    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
+    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q, in.history);
     const PointHistory<Batch, d> history = read_history<d>(law, in.history, q);
     Symmetric<Batch, d> e = left_strain(s.H[q]);
     if (law.flows()) e = e + push(k.F, history.A - identity<Batch, d>());
@@ -23,10 +23,15 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
     const Batch z = trace_excess(k.J23 * dev(e), start);
     const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
-    const PointEnergies<Batch> energy = law.energies(z, Je, history.alpha);
+    PointEnergies<Batch> energy = law.energies(z, Je, history.alpha);
+    if constexpr (spectral) {
+      const auto split = point_split<Cell, frame>(law, s, k.J_minus_1, in.theta, q);
+      energy.plus = split.plus;
+      energy.minus = split.minus;
+    }
     sums.elastic += w * (g.e1.g * energy.plus + g.e2.g * energy.minus);
     sums.plastic += w * (g.p.g * ((1 - m.taylor_quinney) * energy.plastic));
-    if (m.damage == Damage::at2 && in.phi) {
+    if (m.damage != Damage::none && in.phi) {
       const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(s.map[q], in.phi, q);
       const bool spatial = m.damage_gradient == DamageGradient::spatial;
       sums.fracture += w * crack_energy(m, interpolate<Cell>(in.phi, q),
@@ -40,6 +45,14 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
         sums.momentum[i] += m.rho * (w * v);
       }
   }
+}
+
+template <class Cell, Frame frame>
+void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
+  if (law.spectral())
+    stored_energy_with<Cell, frame, true>(law, in, sums);
+  else
+    stored_energy_with<Cell, frame, false>(law, in, sums);
 }
 
 template <class Cell, Frame frame>
@@ -70,14 +83,30 @@ void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, c
 }
 
 template <class Cell, Frame frame>
+void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch& sum) {
+  constexpr int alpha = symmetric_size(Cell::dim), size = history_size(Cell::dim);
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> g;
+    point_geometry<Cell, frame>(in.X, q, g);
+    const Batch now = in.history[q * size + alpha];
+    const Batch* drive = in.drive + q * drive_size;
+    sum += g.weight * law.plastic_exchange(
+                          interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), now,
+                          in.history_n[q * size + alpha],
+                          PointEnergies<Batch>{drive[0], drive[1], plastic_potential(law.parameters, now)});
+  }
+}
+
+template <class Cell, Frame frame>
 void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
   constexpr int d = Cell::dim;
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
   Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();
   out.alpha = out.phi = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
+    const PointEvaluation<d> e = law.spectral() ? evaluate_point<Cell, frame, true>(law, in, s, q)
+                                                : evaluate_point<Cell, frame>(law, in, s, q);
     Vector<Batch, d> h;
     const Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
     const Batch w = s.map[q].weight / s.volume;

@@ -6,6 +6,7 @@ template void stored_energy<Tri3, Frame::plane_strain>(const PointLaw&, const En
 template void stored_heat<Tri3, Frame::plane_strain>(const PointLaw&, const EnergyInput&, HeatSums&);
 template void damage_dissipation<Tri3, Frame::plane_strain>(const PointLaw&, const Batch*, const Batch*,
                                                             const Batch*, double, Batch&);
+template void plastic_exchange<Tri3, Frame::plane_strain>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Tri3, Frame::plane_strain>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Tri3, Frame::plane_strain>(const PointLaw&, const Batch*, Batch*);
 template Batch cell_size<Tri3>(const Batch*);
@@ -13,12 +14,14 @@ template void stored_energy<Tri3, Frame::axisymmetric>(const PointLaw&, const En
 template void stored_heat<Tri3, Frame::axisymmetric>(const PointLaw&, const EnergyInput&, HeatSums&);
 template void damage_dissipation<Tri3, Frame::axisymmetric>(const PointLaw&, const Batch*, const Batch*,
                                                             const Batch*, double, Batch&);
+template void plastic_exchange<Tri3, Frame::axisymmetric>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Tri3, Frame::axisymmetric>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Tri3, Frame::axisymmetric>(const PointLaw&, const Batch*, Batch*);
 template void stored_energy<Quad4, Frame::plane_strain>(const PointLaw&, const EnergyInput&, EnergySums&);
 template void stored_heat<Quad4, Frame::plane_strain>(const PointLaw&, const EnergyInput&, HeatSums&);
 template void damage_dissipation<Quad4, Frame::plane_strain>(const PointLaw&, const Batch*, const Batch*,
                                                              const Batch*, double, Batch&);
+template void plastic_exchange<Quad4, Frame::plane_strain>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Quad4, Frame::plane_strain>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Quad4, Frame::plane_strain>(const PointLaw&, const Batch*, Batch*);
 template Batch cell_size<Quad4>(const Batch*);
@@ -26,6 +29,7 @@ template void stored_energy<Quad4, Frame::axisymmetric>(const PointLaw&, const E
 template void stored_heat<Quad4, Frame::axisymmetric>(const PointLaw&, const EnergyInput&, HeatSums&);
 template void damage_dissipation<Quad4, Frame::axisymmetric>(const PointLaw&, const Batch*, const Batch*,
                                                              const Batch*, double, Batch&);
+template void plastic_exchange<Quad4, Frame::axisymmetric>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Quad4, Frame::axisymmetric>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Quad4, Frame::axisymmetric>(const PointLaw&, const Batch*, Batch*);
 

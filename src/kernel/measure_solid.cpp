@@ -6,6 +6,7 @@ template void stored_energy<Tet4, Frame::solid>(const PointLaw&, const EnergyInp
 template void stored_heat<Tet4, Frame::solid>(const PointLaw&, const EnergyInput&, HeatSums&);
 template void damage_dissipation<Tet4, Frame::solid>(const PointLaw&, const Batch*, const Batch*,
                                                      const Batch*, double, Batch&);
+template void plastic_exchange<Tet4, Frame::solid>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Tet4, Frame::solid>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Tet4, Frame::solid>(const PointLaw&, const Batch*, Batch*);
 template Batch cell_size<Tet4>(const Batch*);
@@ -13,6 +14,7 @@ template void stored_energy<Hex8, Frame::solid>(const PointLaw&, const EnergyInp
 template void stored_heat<Hex8, Frame::solid>(const PointLaw&, const EnergyInput&, HeatSums&);
 template void damage_dissipation<Hex8, Frame::solid>(const PointLaw&, const Batch*, const Batch*,
                                                      const Batch*, double, Batch&);
+template void plastic_exchange<Hex8, Frame::solid>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Hex8, Frame::solid>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Hex8, Frame::solid>(const PointLaw&, const Batch*, Batch*);
 template Batch cell_size<Hex8>(const Batch*);

@@ -140,13 +140,26 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
   }
 }
 
+/// Modulus of the spectral split by dual numbers.
+template <Frame frame, int d>
+inline Modulus<Batch, gradient_size(frame)> spectral_modulus(const MaterialParameters& m,
+                                                             const Tensor<Batch, d>& H, const Batch& J_th,
+                                                             const Degradations<Batch>& g) {
+  constexpr int n = gradient_size(frame);
+  using D = Dual<Batch, n>;
+  return dual_modulus<n>(H, [&](const Tensor<D, d>& h) {
+    const auto split = spectral_split(m, left_strain(h), detm1(h), D(J_th));
+    return D(g.e1.g) * split.tau_plus + D(g.e2.g) * split.tau_minus;
+  });
+}
+
 /// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h
 /// = spatial gradient of phi.
-template <class Cell, Frame frame>
+template <class Cell, Frame frame, bool spectral>
 inline Modulus<Batch, gradient_size(frame)>
 modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cell::dim>& e,
            const Symmetric<Batch, Cell::dim>* tau_extra, const Vector<Batch, Cell::dim>& h,
-           const Tensor<Batch, Cell::dim>& H) {
+           const Tensor<Batch, Cell::dim>& H, int q) {
   constexpr int n = gradient_size(frame);
   const MaterialParameters& m = law.parameters;
   const bool fbar = m.locking == Locking::fbar;
@@ -154,8 +167,18 @@ modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cel
   ModulusParts<Batch, Cell::dim> parts = law_modulus<n>(
       m, e.flow, e.g.e1.g, e.g.p.g / e.g.e1.g, Batch(e.p * J), dpJ2, e.zeta, fbar, in.symmetric && !fbar);
   if (tau_extra) parts.tau = parts.tau + *tau_extra;
+  if constexpr (spectral) { // of the law nothing but the geometric part of tau_extra is left
+    const Symmetric<Batch, Cell::dim> none = Batch(0.0) * e.tau;
+    parts = {Batch(0.0), Batch(0.0), Batch(0.0), none, none, tau_extra ? *tau_extra : none,
+             false,      {},         {},         {}};
+  }
   Modulus<Batch, n> a = assemble_modulus<n>(parts);
-  if (law.crack_stress() && in.phi) add_crack(a, m.Gc * m.gamma, h);
+  if constexpr (spectral) {
+    const auto law_part = spectral_modulus<frame>(m, H, point_thermal_volume<Cell>(law, in.theta, q), e.g);
+    for (int I = 0; I < n; ++I)
+      for (int K = 0; K < n; ++K) a.c[I][K] += law_part.c[I][K];
+  }
+  if (law.crack_stress() && in.phi) add_crack(a, crack_flux(m), h);
   if (law.viscous() && in.u_n) {
     Symmetric<Batch, Cell::dim> B = left_strain(H);
     for (int i = 0; i < 3; ++i) B[i] += Batch(1.0);
@@ -223,7 +246,7 @@ template <class Cell, Frame frame> struct VolumeCoupling {
   }
 };
 
-template <class Cell, Frame frame, bool tangent>
+template <class Cell, Frame frame, bool tangent, bool spectral>
 inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
   const auto& t = shape_table<Cell>;
@@ -232,7 +255,7 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
   const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
 
   Fluxes<Cell, frame> fluxes;
   VolumeCoupling<Cell, frame> coupling;
@@ -241,7 +264,7 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
     if (locking != Locking::none) coupling.start(s, locking);
   }
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
+    const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
     note(status, e);
     const Batch w = s.map[q].weight;
     CurrentMap<Cell, frame> map;
@@ -253,7 +276,8 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
     if constexpr (tangent) {
       SpatialGradients<Cell, frame> G;
       spatial_gradients(map, t.N[q], t.dN[q], G);
-      const auto a = modulus_at<Cell, frame>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q]);
+      const auto a =
+          modulus_at<Cell, frame, spectral>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q], q);
       if (upper)
         add_stiffness<Cell, frame, true>(G, a, w, K);
       else
@@ -299,22 +323,27 @@ inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const Ce
 
 /// With `heats` also what the heat balance asks for: two bodies of code, so that a run without heat pays
 /// nothing and keeps its last digits.
-template <class Cell, Frame frame, bool heats>
+template <class Cell, Frame frame, bool heats, bool spectral>
 inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
+    const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
     note(status, e);
     const PointHistory<Batch, d> old = read_history<d>(law, in.history, q);
     const Batch z_trial = e.flow.y - Batch(1.0);
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
-    const PointEnergies<Batch> energy = law.energies(z, e.Je_minus_1, now.alpha);
+    PointEnergies<Batch> energy = law.energies(z, e.Je_minus_1, now.alpha);
+    if constexpr (spectral) {
+      const auto split = point_split<Cell, frame>(law, s, e.k.J_minus_1, in.theta, q);
+      energy.plus = split.plus;
+      energy.minus = split.minus;
+    }
     if (trial_history) {
       for (int i = 0; i < symmetric_size(d); ++i) trial_history[q * history_size(d) + i] = now.A[i];
       trial_history[q * history_size(d) + symmetric_size(d)] = now.alpha;
@@ -322,7 +351,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     if (drive) {
       drive[q * drive_size] = energy.plus;
       drive[q * drive_size + 1] = energy.minus;
-      drive[q * drive_size + 2] = energy.plastic;
+      drive[q * drive_size + 2] = law.plastic_drive(energy.plastic);
     }
     status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
     if (law.flows()) {
@@ -352,21 +381,22 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
 template <class Cell, Frame frame, bool tangent, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
                                                        Batch* K) {
-  return motion<Cell, frame, tangent>(restricted(law, terms), restricted(in, terms), r, K);
+  return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted(law, terms), restricted(in, terms),
+                                                                r, K);
 }
 
 template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
                                                         Batch* trial_history, Batch* drive, StepSums& sums) {
-  return advance<Cell, frame, false>(restricted(law, terms), restricted(in, terms), trial_history, drive,
-                                     sums, {});
+  return advance<Cell, frame, false, terms == Terms::spectral>(restricted(law, terms), restricted(in, terms),
+                                                               trial_history, drive, sums, {});
 }
 
 template <class Cell, Frame frame>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
-  return advance<Cell, frame, true>(law, in, trial_history, drive, sums, heat);
+  return advance<Cell, frame, true, false>(law, in, trial_history, drive, sums, heat);
 }
 
 template <class Cell, Frame frame>

@@ -19,9 +19,17 @@ template <class Cell, Frame frame> struct CellState {
   Tensor<Batch, Cell::dim> centre_H;
 };
 
+/// alpha of the point that a ductile degradation looks at; history [point][history_size] or nullptr.
+template <class Cell> inline Batch point_alpha(const PointLaw& law, const Batch* history, int q) {
+  if (!is_ductile(law.parameters) || !history) return Batch(0.0);
+  return history[q * history_size(Cell::dim) + symmetric_size(Cell::dim)];
+}
+
 template <class Cell>
-inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* phi, int q) {
-  return degradations(law.parameters, phi ? interpolate<Cell>(phi, q) : Batch(0.0));
+inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* phi, int q,
+                                              const Batch* history = nullptr) {
+  return degradations(law.parameters, phi ? interpolate<Cell>(phi, q) : Batch(0.0),
+                      point_alpha<Cell>(law, history, q));
 }
 
 template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
@@ -33,7 +41,7 @@ template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, con
 /// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
 template <class Cell, Frame frame>
 inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
-                    CellState<Cell, frame>& s) {
+                    CellState<Cell, frame>& s, const Batch* history = nullptr) {
   constexpr int d = Cell::dim;
   const auto& t = shape_table<Cell>;
   Batch jacobian[Cell::points][d * d], slope[Cell::points][d * d]; // dX_i/dxi_k, du_i/dxi_k
@@ -52,7 +60,7 @@ inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const B
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {
       const Volumetric<Batch> v = law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
-                                               point_degradations<Cell>(law, phi, q));
+                                               point_degradations<Cell>(law, phi, q, history));
       s.mean_p += s.map[q].weight * v.p;
       s.mean_dp += s.map[q].weight * v.dp;
     }
@@ -88,13 +96,21 @@ template <int dim> struct PointEvaluation {
   Symmetric<Batch, dim> tau; ///< zeta s + p J 1
 };
 
+/// E+, E- and their stresses at one point under the spectral split.
 template <class Cell, Frame frame>
+inline SpectralSplit<Batch, Cell::dim> point_split(const PointLaw& law, const CellState<Cell, frame>& s,
+                                                   const Batch& J_minus_1, const Batch* theta, int q) {
+  return spectral_split(law.parameters, left_strain(s.H[q]), J_minus_1,
+                        point_thermal_volume<Cell>(law, theta, q));
+}
+
+template <class Cell, Frame frame, bool spectral = false>
 inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const MotionInput& in,
                                                  const CellState<Cell, frame>& s, int q) {
   const MaterialParameters& m = law.parameters;
   PointEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
-  e.g = point_degradations<Cell>(law, in.phi, q);
+  e.g = point_degradations<Cell>(law, in.phi, q, in.history);
   e.flow = law.isochoric(s.H[q], e.k, read_history<Cell::dim>(law, in.history, q), e.g);
   const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
   const Volumetric<Batch> v = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
@@ -105,6 +121,10 @@ inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const Moti
   e.zeta = m.locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
   e.tau = (m.G * (e.zeta * e.g.e1.g)) * e.flow.dev_b;
   for (int i = 0; i < 3; ++i) e.tau[i] += e.p * e.k.J;
+  if constexpr (spectral) {
+    const auto split = point_split<Cell, frame>(law, s, e.k.J_minus_1, in.theta, q);
+    e.tau = e.g.e1.g * split.tau_plus + e.g.e2.g * split.tau_minus;
+  }
   return e;
 }
 

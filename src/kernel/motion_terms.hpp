@@ -7,19 +7,19 @@ namespace impact {
 
 /// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs
 /// registers and chains of selections even where it is not.
-enum class Terms { elastic, undamaged, all };
+enum class Terms { elastic, undamaged, all, spectral };
 
 inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   const MaterialParameters& m = law.parameters;
   const bool undamaged = m.damage == Damage::none && !law.viscous() && (!in.theta || m.alpha_t == 0);
-  if (!undamaged) return Terms::all;
+  if (!undamaged) return law.spectral() ? Terms::spectral : Terms::all;
   return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
 }
 
 /// The same law and input with everything outside `terms` left at its default: constants, by which the
 /// compiler finds the branches that are never taken.
 inline PointLaw restricted(const PointLaw& law, Terms terms) {
-  if (terms == Terms::all) return law;
+  if (terms == Terms::all || terms == Terms::spectral) return law;
   const MaterialParameters& m = law.parameters;
   PointLaw r;
   r.parameters.K = m.K;
@@ -36,7 +36,7 @@ inline PointLaw restricted(const PointLaw& law, Terms terms) {
   return r;
 }
 inline MotionInput restricted(MotionInput in, Terms terms) {
-  if (terms != Terms::all) in.phi = in.theta = in.u_n = nullptr;
+  if (terms == Terms::elastic || terms == Terms::undamaged) in.phi = in.theta = in.u_n = nullptr;
   return in;
 }
 
@@ -47,6 +47,8 @@ template <class F> decltype(auto) with_terms(Terms terms, F&& f) {
     return f(std::integral_constant<Terms, Terms::elastic>{});
   case Terms::undamaged:
     return f(std::integral_constant<Terms, Terms::undamaged>{});
+  case Terms::spectral:
+    return f(std::integral_constant<Terms, Terms::spectral>{});
   default:
     return f(std::integral_constant<Terms, Terms::all>{});
   }

@@ -11,6 +11,12 @@ namespace {
 
 bool damages(const PointLaw& law) { return law.parameters.damage != Damage::none; }
 
+/// Laws whose unconstrained problem has no solution, or not the wanted one: AT1 would take virgin material
+/// below 0, a concave degradation may have no minimum at all.
+bool needs_bounds(const PointLaw& law) {
+  return damages(law) && (law.parameters.damage == Damage::at1 || !is_convex(law.parameters));
+}
+
 } // namespace
 
 DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
@@ -18,15 +24,19 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
     : d_(discretisation), state_(state), boundary_(boundary), settings_(settings),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), x_(d_.node_values(1)),
       r_(d_.node_values(1)), free_(d_.node_values(1), 0.0),
-      drive_offset_(point_offsets(d_.groups, drive_size)), history_offset_(point_offsets(d_.groups, 1)) {
+      drive_offset_(point_offsets(d_.groups, drive_size)),
+      flow_offset_(point_offsets(d_.groups, history_size(d_.frame))),
+      history_offset_(point_offsets(d_.groups, 1)) {
   // A node is solved for when a damaging cell touches it on any rank.
   double toughness = 0, width = 1;
+  const bool bounded_needed = settings_.bounds == DamageBounds::vi;
   for (const CellGroup& group : d_.groups)
     if (damages(d_.law(group)))
       for (int node : group.node) free_[static_cast<std::size_t>(node)] = 1;
   for (const MaterialAssignment& m : d_.materials)
     if (damages(m.law)) {
       toughness = std::max(toughness, m.law.parameters.Gc);
+      bounded_at_once_ = bounded_at_once_ || (bounded_needed && needs_bounds(m.law));
       width = m.law.parameters.gamma;
     }
   solution_ = d_.scalar.make_global();
@@ -67,6 +77,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
         },
         this));
     check(SNESSetType(*snes, bounded ? SNESVINEWTONRSLS : SNESNEWTONLS));
+    if (bounded && bounded_at_once_) take_full_steps(*snes);
     if (!bounded) check(SNESSetConvergenceHistory(*snes, nullptr, nullptr, PETSC_DECIDE, PETSC_TRUE));
     set_tolerances(*snes);
     check(SNESSetFromOptions(*snes));
@@ -109,6 +120,15 @@ void DamageProblem::set_tolerances(SNES snes) {
   }
 }
 
+// A matrix that is larger than the derivative makes steps that lower the energy but not always the residual,
+// which may grow by orders of magnitude where a crack forms.
+void DamageProblem::take_full_steps(SNES snes) {
+  SNESLineSearch search = nullptr;
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  check(SNESSetDivergenceTolerance(snes, -1));
+}
+
 template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, Output&& output) {
   d_.scalar.to_local(x, x_);
   const StateRow& drive = state_.row("drive");
@@ -143,6 +163,12 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
         in.dt = step_.dt;
         in.form = settings_.form;
         in.theta_d = settings_.theta;
+        in.convex = true;
+        PointValues<Cell, history_size(frame)> flowed;
+        if (is_ductile(law.parameters)) {
+          flowed.load(state_.row("history").committed, flow_offset_[g], b);
+          in.history = flowed.data();
+        }
         std::array<Batch, static_cast<std::size_t>(n)> r{};
         std::array<Batch, static_cast<std::size_t>(n * n)> K{};
         const int bad = with_tangent ? damage_tangent<Cell, frame>(law, in, r.data(), K.data())
@@ -259,11 +285,19 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     outcome.newton += newton;
     outcome.linear += linear;
   };
-  run(unconstrained_);
-  const double start_norm = first_residual(unconstrained_);
-  if (outcome.reason < 0) return outcome;
+  PetscReal start_norm = 0;
+  if (bounded_at_once_) {
+    check(VecPointwiseMax(solution_, solution_, lower_));
+    check(VecPointwiseMin(solution_, solution_, upper_));
+    residual(solution_, residual_);
+    check(VecNorm(residual_, NORM_2, &start_norm));
+  } else {
+    run(unconstrained_);
+    start_norm = first_residual(unconstrained_);
+    if (outcome.reason < 0) return outcome;
+  }
   const bool bounded = settings_.bounds == DamageBounds::vi || settings_.bounds == DamageBounds::clip;
-  if (bounded && !within_bounds(solution_)) {
+  if (bounded_at_once_ || (bounded && !within_bounds(solution_))) {
     check(VecPointwiseMax(solution_, solution_, lower_));
     check(VecPointwiseMin(solution_, solution_, upper_));
     if (settings_.bounds == DamageBounds::vi) {

@@ -51,6 +51,7 @@ void DamageProblem::make_substeps() {
   check(TSGetSNES(substeps_, &snes));
   check(SNESSetType(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS));
   set_tolerances(snes);
+  if (bounded_at_once_) take_full_steps(snes);
   check(TSSetExactFinalTime(substeps_, TS_EXACTFINALTIME_MATCHSTEP));
   check(TSSetFromOptions(substeps_));
 }

@@ -300,8 +300,12 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(viscous) += w * coupling_->increments().viscous_dissipation;
   sum(plastic_dissipation) += w * coupling_->increments().plastic_dissipation;
   if (const StateRow* phi = state_.find("phi")) {
-    double lost = 0;
-    for (const CellGroup& group : d.groups) {
+    double lost[2] = {0, 0}; // by damage, by the exchange of damage and flow
+    const StateRow &history = state_.row("history"), &drive = state_.row("drive");
+    const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
+               drive_at = point_offsets(d.groups, drive_size);
+    for (std::size_t g = 0; g < d.groups.size(); ++g) {
+      const CellGroup& group = d.groups[g];
       const PointLaw& law = d.law(group);
       if (law.parameters.damage == Damage::none) continue;
       with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
@@ -310,12 +314,24 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
           const Gathered<Cell, 1> now(group, b, phi->trial), before(group, b, phi->committed);
           Batch part = 0;
           damage_dissipation<Cell, frame>(law, X.data(), now.data(), before.data(), dt, part);
-          lost += lane_sum(part, group.lanes_in_use(b));
+          lost[0] += lane_sum(part, group.lanes_in_use(b));
+          if (!law.exchanges()) continue;
+          PointValues<Cell, history_size(frame)> flowed, flowed_n;
+          PointValues<Cell, drive_size> driving;
+          flowed.load(history.trial, flow_at[g], b);
+          flowed_n.load(history.committed, flow_at[g], b);
+          driving.load(drive.trial, drive_at[g], b);
+          Batch exchanged = 0;
+          plastic_exchange<Cell, frame>(
+              law, {X.data(), now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
+              exchanged);
+          lost[1] += lane_sum(exchanged, group.lanes_in_use(b));
         }
       });
     }
-    MPI_Allreduce(MPI_IN_PLACE, &lost, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-    sum(damage) += w * lost;
+    MPI_Allreduce(MPI_IN_PLACE, lost, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+    sum(damage) += w * lost[0];
+    sum(plastic_dissipation) += w * lost[1];
   }
   if (heat_) {
     const std::span<const double> supplied = coupling_->heat_supplied();

@@ -176,11 +176,55 @@ void check_alpha2(const Scenario& scenario) {
     if (material.law.model != Model::elastic)
       fail(prefix + "model \"" + (material.law.model == Model::j2 ? "j2" : "rigid") + "\": not available" +
            remedy);
-    if (material.law.damage != Damage::none) fail(prefix + "damage \"at2\": not available" + remedy);
+    if (material.law.damage != Damage::none)
+      fail(prefix + "damage \"" + (material.law.damage == Damage::at1 ? "at1" : "at2") + "\": not available" +
+           remedy);
     if (material.law.c_v != 0 && scenario.has_heat())
       fail(prefix + "c_v \"" + number_text(material.law.c_v) + "\": not available" + remedy);
     if (material.law.b_d != 0)
       fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
+  }
+}
+
+void check_split(const Scenario& scenario, const MaterialScenario& material) {
+  const MaterialParameters& law = material.law;
+  const std::string prefix = "-material_" + law.id + "_";
+  if (law.split != Split::spectral) return;
+  const std::string key = prefix + "split \"spectral\": ", remedy = "; choose volumetric";
+  if (law.model == Model::j2)
+    fail(key + "the return map wants one factor for the whole deviator, the split has two; allowed: " +
+         prefix + "model elastic" + remedy);
+  if (law.locking != Locking::none)
+    fail(key + "not available with " + prefix +
+         "locking, which shares the volume between points; allowed: none" + remedy);
+  if (scenario.has_heat() && law.c_v != 0)
+    fail(key + "the heat balance does not know its entropy; allowed: runs without heat" + remedy);
+  if (3 * law.K < 2 * law.G)
+    fail(key + "with nu < 0 its tensile part can be negative; allowed: nu >= 0" + remedy);
+}
+
+/// What a law of damage needs from the other options.
+void check_damage(const Scenario& scenario) {
+  if (!scenario.has_damage()) return;
+  for (const MaterialScenario& material : scenario.materials) {
+    const MaterialParameters& law = material.law;
+    if (law.damage == Damage::none) continue;
+    const std::string prefix = "-material_" + law.id + "_";
+    check_split(scenario, material);
+    const bool ductile = law.ge == Degradation::ductile, at1 = law.damage == Damage::at1;
+    if ((at1 || ductile) && scenario.damage.bounds != DamageBounds::vi)
+      fail("-damage_bounds: only the bounds of vi keep " + prefix +
+           (at1 ? "damage at1 from damage below 0" : "ge ductile from damage above 1") + "; allowed: vi");
+    if (ductile && law.model != Model::j2)
+      fail(prefix + "ge \"ductile\": nothing damages without plastic strain; allowed with " + prefix +
+           "model j2; choose quadratic or cubic");
+    if (ductile && scenario.has_heat() && law.c_v != 0)
+      fail(prefix + "ge \"ductile\": the heat balance does not know what flow releases through it; allowed: "
+                    "runs without heat; choose quadratic or cubic");
+    if (law.plastic_threshold > 0 && law.gp != PlasticDegradation::ge)
+      fail(prefix + "plastic_threshold \"" + number_text(law.plastic_threshold) +
+           "\": has no effect, plastic energy drives damage only with " + prefix +
+           "gp ge; add it, or remove this");
   }
 }
 
@@ -340,6 +384,7 @@ void check_scenario(const Scenario& scenario) {
   check_heat(scenario);
   for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
   check_impact_updates(scenario);
+  check_damage(scenario);
   check_alpha2(scenario);
   check_checkpoints(scenario);
   check_matrix(scenario);

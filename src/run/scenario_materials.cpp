@@ -116,12 +116,17 @@ std::vector<OptionRow<Material>> plastic_and_thermal_rows() {
 
 std::vector<OptionRow<Material>> damage_rows() {
   return {
-      choice_row<Material, Damage>("damage", law(&Law::damage), {"crack model", "none", "", "", "(56)"},
-                                   {{"none", Damage::none}, {"at2", Damage::at2}}),
+      choice_row<Material, Damage>("damage", law(&Law::damage),
+                                   {"crack model: at2 damages from the start, at1 is elastic up to "
+                                    "sqrt(3 E G_c/(8 gamma))",
+                                    "none", "", "", "(56)"},
+                                   {{"none", Damage::none}, {"at2", Damage::at2}, {"at1", Damage::at1}}),
       required("Gc", &Law::Gc, {"Griffith's fracture energy", "required with damage", "N/m", "G_c", "(56)"},
                1e9),
       required("gamma", &Law::gamma,
-               {"width of the phase layer", "required with damage", "m", "gamma", "(56)"}, 1e3),
+               {"width of the phase layer: a crack is exp(-|x|/gamma) with at2, (1 - |x|/2 gamma)^2 with at1",
+                "required with damage", "m", "gamma", "(56)"},
+               1e3),
       number_row<Material>("c", law(&Law::c),
                            {"damage rate; inf: rate-independent", "inf", "m^2/(N.s)", "c", "(63)"}, positive,
                            {{"inf", unbounded}}),
@@ -136,19 +141,33 @@ std::vector<OptionRow<Material>> damage_rows() {
                          {"damage weakens the viscous stress too", "off"}),
       choice_row<Material, Split>(
           "split", law(&Law::split),
-          {"which energy drives damage: all but volumetric compression, or all (the paper's run); "
-           "either way shear drives it in compression too",
+          {"which energy drives damage: all but volumetric compression, or all (the paper's run), so that "
+           "shear drives it in compression too; spectral: only that of principal stretches above 1 and of "
+           "dilation",
            "volumetric", "", "g_e2", "(49)"},
-          {{"volumetric", Split::volumetric}, {"none", Split::none}}),
+          {{"volumetric", Split::volumetric}, {"none", Split::none}, {"spectral", Split::spectral}}),
       choice_row<Material, Degradation>(
-          "ge", law(&Law::ge), {"degradation of the elastic energy", "quadratic", "", "g_e1", "(49)"},
-          {{"quadratic", Degradation::quadratic}, {"cubic", Degradation::cubic}}),
+          "ge", law(&Law::ge),
+          {"degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c)", "quadratic", "", "g_e1",
+           "(49)"},
+          {{"quadratic", Degradation::quadratic},
+           {"cubic", Degradation::cubic},
+           {"ductile", Degradation::ductile}}),
       number_row<Material>("cubic_s", law(&Law::cubic_s),
                            {"slope of the cubic degradation at phi = 0", "1e-4", "1", "s"},
                            {0, 2, true, false}),
+      required("alpha_c", &Law::alpha_c,
+               {"plastic strain at which the ductile degradation is quadratic", "required with ge ductile",
+                "1", "alpha_c"},
+               1e3),
       choice_row<Material, PlasticDegradation>(
           "gp", law(&Law::gp), {"degradation of the plastic energy: 1 or g_e1", "one", "", "g_p", "(54)"},
           {{"one", PlasticDegradation::one}, {"ge", PlasticDegradation::ge}}),
+      number_row<Material>("plastic_threshold", law(&Law::plastic_threshold),
+                           {"plastic energy H_0 that does not drive damage, with gp ge: the drive is "
+                            "<H_0 - W_0>",
+                            "0", "J/m^3", "W_0"},
+                           not_negative),
       choice_row<Material, DamageGradient>(
           "damage_gradient", law(&Law::damage_gradient),
           {"gradient of phi in the crack energy", "spatial", "", "", "(56)"},
@@ -226,6 +245,8 @@ void check_damage(const Law& result) {
   const std::string why = "-material_" + result.id + "_damage needs it";
   if (result.Gc == 0) missing(result.id, "Gc", why);
   if (result.gamma == 0) missing(result.id, "gamma", why);
+  if (result.ge == Degradation::ductile && result.alpha_c == 0)
+    missing(result.id, "alpha_c", "-material_" + result.id + "_ge ductile needs it");
 }
 
 } // namespace

@@ -31,18 +31,27 @@ inline MaterialParameters aluminium() {
   return m;
 }
 
-template <class T> T g_e1(const MaterialParameters& m, const T& phi) {
+/// alpha: that of the start of the step.
+template <class T> T g_e1(const MaterialParameters& m, const T& phi, double alpha = 0) {
   const T x = 1.0 - phi;
-  const T g =
-      m.ge == impact::Degradation::quadratic ? x * x : (3 - m.cubic_s) * x * x - (2 - m.cubic_s) * x * x * x;
+  const T g = m.ge == impact::Degradation::quadratic ? x * x
+              : m.ge == impact::Degradation::ductile ? std::pow(x, 2 * alpha / m.alpha_c)
+                                                     : (3 - m.cubic_s) * x * x - (2 - m.cubic_s) * x * x * x;
   const double k = m.residual_stiffness;
   return m.damage == impact::Damage::none ? T(1.0) : (1 - k) * g + k;
 }
-template <class T> T g_e2(const MaterialParameters& m, const T& phi) {
-  return m.split == impact::Split::none ? g_e1(m, phi) : T(1.0);
+template <class T> T g_e2(const MaterialParameters& m, const T& phi, double alpha = 0) {
+  return m.split == impact::Split::none ? g_e1(m, phi, alpha) : T(1.0);
 }
-template <class T> T g_p(const MaterialParameters& m, const T& phi) {
-  return m.gp == impact::PlasticDegradation::ge ? g_e1(m, phi) : T(1.0);
+template <class T> T g_p(const MaterialParameters& m, const T& phi, double alpha = 0) {
+  return m.gp == impact::PlasticDegradation::ge ? g_e1(m, phi, alpha) : T(1.0);
+}
+/// a and w' of the crack energy G_c (a gamma/2 |grad phi|^2 + w/gamma).
+inline double gradient_share(const MaterialParameters& m) {
+  return m.damage == impact::Damage::at1 ? 0.75 : 1;
+}
+template <class T> T crack_slope(const MaterialParameters& m, const T& phi) {
+  return m.damage == impact::Damage::at1 ? T(0.375) : phi;
 }
 template <class T> T J_theta(const MaterialParameters& m, const T& theta) {
   return std::exp(3 * m.alpha_t * (theta - m.theta0));
@@ -55,9 +64,10 @@ template <class T> T flow_slope(const MaterialParameters& m, const T& a) {
 }
 
 /// Degraded volumetric pressure dU/dJ at the ratio J.
-template <class T> T pressure(const MaterialParameters& m, const T& J, const T& J_th, const T& phi) {
+template <class T>
+T pressure(const MaterialParameters& m, const T& J, const T& J_th, const T& phi, double alpha = 0) {
   const T Je = J / J_th;
-  const T g = real(Je) >= 1 ? g_e1(m, phi) : g_e2(m, phi);
+  const T g = real(Je) >= 1 ? g_e1(m, phi, alpha) : g_e2(m, phi, alpha);
   return g * (m.K / 2) * (Je - 1.0 / Je) / J_th;
 }
 
@@ -75,7 +85,7 @@ Flow<T> return_map(const MaterialParameters& m, const Matrix<T>& F, const Matrix
   Matrix<T> Fb = F;
   for (T& x : Fb) x *= scale;
   const Matrix<T> b = multiply(multiply(Fb, A_n), transpose(Fb));
-  const T ge = g_e1(m, phi), gp = g_p(m, phi), mu = ge * m.G * trace(b) / 3.0;
+  const T ge = g_e1(m, phi, alpha_n), gp = g_p(m, phi, alpha_n), mu = ge * m.G * trace(b) / 3.0;
   Matrix<T> s = b;
   for (unsigned i = 0; i < 3; ++i) s[4 * i] -= trace(b) / 3.0;
   for (T& x : s) x *= ge * m.G;
@@ -110,7 +120,7 @@ template <class T>
 Matrix<T> kirchhoff(const MaterialParameters& m, const Matrix<T>& F, const Matrix<double>& A_n,
                     double alpha_n, const T& phi, const T& theta) {
   Matrix<T> tau = return_map(m, F, A_n, alpha_n, phi).s;
-  const T J = det(F), p = pressure(m, J, J_theta(m, theta), phi);
+  const T J = det(F), p = pressure(m, J, J_theta(m, theta), phi, alpha_n);
   for (unsigned i = 0; i < 3; ++i) tau[4 * i] += p * J;
   return tau;
 }

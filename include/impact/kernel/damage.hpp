@@ -4,8 +4,9 @@
 #include <impact/material/point_law.hpp>
 #include <impact/math/batch.hpp>
 
-/// Damage balance of one batch of cells, with Y = g_1' E+ + g_2' E- + g_p' H_0 + G_c phi/gamma - Fat/gamma
-/// and h = G_c gamma C^-1 Grad phi (or G_c gamma Grad phi for DamageGradient::material).
+/// Damage balance of one batch of cells, with Y = g_1' E+ + g_2' E- + g_p' D_p + G_c w'(phi)/gamma -
+/// Fat/gamma and h = a G_c gamma C^-1 Grad phi (or a G_c gamma Grad phi for DamageGradient::material); w, a:
+/// crack.hpp.
 ///   multiplied: int w lambda_n (phi - phi_n)/dt + [ w Y + Grad w . h ]_theta
 ///   divided:    int w (phi - phi_n) + dt [ (w Y + Grad w . h)/lambda_n ]_theta
 ///                 + dt w G_c gamma Grad(1/lambda_n) . [C^-1]_theta Grad phi_n (111)-(112)
@@ -25,9 +26,12 @@ struct DamageInput {
   const Batch* drive = nullptr;   ///< [point][drive_size] at t_{n+1}
   const Batch* drive_n = nullptr; ///< [point][drive_size] at t_n; read only when theta_d < 1
   const Batch* fatigue = nullptr; ///< [point] Fat_n, or nullptr (= 0)
+  const Batch* history =
+      nullptr; ///< [point][history_size] at t_n, for the alpha of a ductile degradation; nullptr: alpha = 0
   double dt = 1;
   DamageForm form = DamageForm::multiplied;
-  double theta_d = 1; ///< 1 backward Euler, 1/2 trapezoid (the paper)
+  double theta_d = 1;  ///< 1 backward Euler, 1/2 trapezoid (the paper)
+  bool convex = false; ///< tangent of a concave degradation bent up to positive curvature
 };
 
 /// r [node] += residual. Returns the bit mask of lanes whose result is not finite or whose det F is not
@@ -35,7 +39,9 @@ struct DamageInput {
 template <class Cell, Frame frame> int damage_residual(const PointLaw&, const DamageInput&, Batch* r);
 
 /// r [node] += residual and K [node][node] += its derivative: symmetric in both forms, and constant for the
-/// quadratic degradation.
+/// quadratic degradation. With `convex` a curvature g'' E that outweighs that of the crack energy is raised
+/// to where a tenth of both is left, so that K is positive definite (and larger than the derivative, so that
+/// a step is never longer than Newton's).
 template <class Cell, Frame frame>
 int damage_tangent(const PointLaw&, const DamageInput&, Batch* r, Batch* K);
 

@@ -23,7 +23,8 @@ inline constexpr int history_size(Frame f) { return f == Frame::solid ? 7 : 5; }
 inline constexpr int history_size(int dim) { return dim == 3 ? 7 : 5; }
 inline constexpr double history_start(int component) { return component < 3 ? 1 : 0; }
 
-/// Drive of the damage equation per point: E_plus, E_minus, H_0(alpha).
+/// Drive of the damage equation per point: E_plus, E_minus, and H_0(alpha) or what of it is above the
+/// threshold.
 inline constexpr int drive_size = 3;
 
 } // namespace impact

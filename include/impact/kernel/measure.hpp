@@ -43,6 +43,16 @@ template <class Cell, Frame frame>
 void damage_dissipation(const PointLaw&, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
                         Batch& sum);
 
+/// What damage and flow of a step exchange with the plastic heat, per lane (PointLaw::plastic_exchange); sum
+/// is added to. For laws that exchange anything.
+struct ExchangeInput {
+  const Batch* X = nullptr;                             ///< [node][dim] reference coordinates
+  const Batch *phi = nullptr, *phi_n = nullptr;         ///< [node]
+  const Batch *history = nullptr, *history_n = nullptr; ///< [point][history_size]
+  const Batch* drive = nullptr;                         ///< [point][drive_size] at t_{n+1}
+};
+template <class Cell, Frame frame> void plastic_exchange(const PointLaw&, const ExchangeInput&, Batch& sum);
+
 /// Averages over the reference volume of each cell.
 struct CellOutput {
   Batch stress[6]; ///< Cauchy stress 11 22 33 12 23 13 (all parts of the motion's stress)

@@ -1,33 +1,59 @@
 #pragma once
+#include <impact/material/cubic_degradation.hpp>
+#include <impact/material/ductile_degradation.hpp>
 #include <impact/material/parameters.hpp>
+#include <impact/material/quadratic_degradation.hpp>
 #include <impact/math/dual.hpp>
 
-/// Degradation functions of the damage phi and their derivatives. Quadratic (1 - phi)^2, or Borden's cubic
-/// (3-s)(1-phi)^2 - (2-s)(1-phi)^3; both keep the residual stiffness k: g -> (1-k) g + k.
+/// Degradations of the energies at one point. A degradation law is a function object g(phi, alpha) of any
+/// scalar with g(0) = 1, g(1) = 0, one file each; its derivatives with respect to phi are taken here, by dual
+/// numbers. alpha is the plastic strain at the start of the step: a g that followed it within the step would
+/// lower the yield stress by d_alpha g E+ (theory.md, E17). Every law keeps the residual stiffness k: g ->
+/// (1-k) g + k.
 namespace impact {
 
 template <class T> struct Degraded {
-  T g, dg, d2g; ///< value, first and second derivative
+  T g, dg, d2g; ///< value, first and second derivative with respect to phi
 };
 
-/// g_e1: deviatoric part and tensile volume.
-template <class T> Degraded<T> degradation(const MaterialParameters& m, const T& phi) {
-  const double scale = 1 - m.residual_stiffness;
-  const T x = T(1.0) - phi;
-  if (m.ge == Degradation::quadratic)
-    return {scale * (x * x) + T(m.residual_stiffness), (-2 * scale) * x, T(2 * scale)};
-  const double a = 3 - m.cubic_s, b = 2 - m.cubic_s;
-  return {scale * (x * x * (T(a) - b * x)) + T(m.residual_stiffness), -scale * (x * (T(2 * a) - (3 * b) * x)),
-          scale * (T(2 * a) - (6 * b) * x)};
+/// Value and derivatives of a law of one's own or of ours.
+template <class Law, class T>
+Degraded<T> differentiated(const Law& law, const T& phi, const T& alpha, double residual_stiffness = 0) {
+  using Slope = Dual<T, 1>;
+  Dual<Slope, 1> x(seed<T, 1>(phi, 0));
+  x.d[0] = Slope(T(1.0));
+  const Dual<Slope, 1> g = law(x, Dual<Slope, 1>(Slope(alpha)));
+  const double scale = 1 - residual_stiffness;
+  return {scale * g.v.v + T(residual_stiffness), scale * g.v.d[0], scale * g.d[0].d[0]};
 }
 
-/// g_e1, g_e2 (compressed volume) and g_p (plastic potential) at one point.
+/// Laws beside the quadratic one, kept out of line: the kernels pay no registers for what they seldom use.
+template <class T>
+[[gnu::noinline]] Degraded<T> other_degradation(const MaterialParameters& m, const T& phi, const T& alpha) {
+  if (m.ge == Degradation::cubic)
+    return differentiated(CubicDegradation{m.cubic_s}, phi, alpha, m.residual_stiffness);
+  return differentiated(DuctileDegradation{m.alpha_c}, phi, alpha, m.residual_stiffness);
+}
+
+/// g_e1: deviatoric part and tensile volume, or what the split calls E+.
+template <class T> Degraded<T> degradation(const MaterialParameters& m, const T& phi, const T& alpha) {
+  if (m.ge != Degradation::quadratic) return other_degradation(m, phi, alpha);
+  return differentiated(QuadraticDegradation{}, phi, alpha, m.residual_stiffness);
+}
+
+/// Whether g depends on alpha, and whether its curvature may be negative.
+inline bool is_ductile(const MaterialParameters& m) {
+  return m.damage != Damage::none && m.ge == Degradation::ductile;
+}
+inline bool is_convex(const MaterialParameters& m) { return m.ge == Degradation::quadratic; }
+
+/// g_e1, g_e2 (of E-) and g_p (plastic potential) at one point.
 template <class T> struct Degradations { Degraded<T> e1, e2, p; };
 
-template <class T> Degradations<T> degradations(const MaterialParameters& m, const T& phi) {
+template <class T> Degradations<T> degradations(const MaterialParameters& m, const T& phi, const T& alpha_n) {
   const Degraded<T> one{T(1.0), T(0.0), T(0.0)};
   if (m.damage == Damage::none) return {one, one, one};
-  const Degraded<T> e1 = degradation(m, phi);
+  const Degraded<T> e1 = degradation(m, phi, alpha_n);
   return {e1, m.split == Split::none ? e1 : one, m.gp == PlasticDegradation::ge ? e1 : one};
 }
 

@@ -132,7 +132,7 @@ template <int n, class T, int d> void add_crack(Modulus<T, n>& a, double factor,
 /// The closed-form modulus of `evaluate` (p from the J of the point).
 template <int n, class T, int d>
 Modulus<T, n> point_modulus(const PointLaw& law, const PointInput<T, d>& in, bool symmetric = false) {
-  const Degradations<T> g = degradations(law.parameters, in.phi);
+  const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
   const Kinematics<T, d> k = kinematics(in.H);
   const Return<T, d> flow = law.isochoric(in.H, k, in.old, g);
   const Volumetric<T> v = law.pressure(k.J_minus_1, thermal_volume(law.parameters, in.theta), g);

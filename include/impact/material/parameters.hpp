@@ -7,11 +7,11 @@
 namespace impact {
 
 enum class Model { elastic, j2, rigid };
-enum class Damage { none, at2 };                 ///< AT2: w(phi) = phi^2/2, width l = gamma (56)
-enum class Split { volumetric, none };           ///< g_e2 = 1, or g_e2 = g_e1 (the paper's run)
-enum class Degradation { quadratic, cubic };     ///< g_e1(phi)
-enum class PlasticDegradation { one, ge };       ///< g_p = 1 (the paper's run) or g_p = g_e1
-enum class DamageGradient { spatial, material }; ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
+enum class Damage { none, at2, at1 };                 ///< local part of the crack energy (56), see crack.hpp
+enum class Split { volumetric, none, spectral };      ///< what of the elastic energy is E+ (49)
+enum class Degradation { quadratic, cubic, ductile }; ///< g_e1(phi), ductile: g_e1(phi, alpha)
+enum class PlasticDegradation { one, ge };            ///< g_p = 1 (the paper's run) or g_p = g_e1
+enum class DamageGradient { spatial, material };      ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
 enum class Conduction {
   spatial,
   material
@@ -40,7 +40,9 @@ struct MaterialParameters {
   Split split = Split::volumetric;
   Degradation ge = Degradation::quadratic;
   double cubic_s = 1e-4; ///< slope parameter of the cubic degradation
+  double alpha_c = 0;    ///< critical plastic strain of the ductile degradation
   PlasticDegradation gp = PlasticDegradation::one;
+  double plastic_threshold = 0; ///< W_0: damage is driven by <H_0 - W_0> (energy per volume)
   DamageGradient damage_gradient = DamageGradient::spatial;
   double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
   Locking locking = Locking::none;

@@ -5,12 +5,14 @@
 #include <impact/material/elasticity.hpp>
 #include <impact/material/parameters.hpp>
 #include <impact/material/plasticity.hpp>
+#include <impact/material/spectral_split.hpp>
 #include <impact/material/thermal.hpp>
 #include <impact/math/tensor.hpp>
 
 /// The law of one material point: value in, value out, one template for Batch, double, std::complex and Dual.
 /// Kirchhoff stress tau = s + p J 1 with s = g_e1 G dev b and p = g_v U'(J_e)/J_th; the kernels may take p
-/// from another J (mean dilatation, F-bar). g_v = g_e1 where J_e >= 1, else g_e2.
+/// from another J (mean dilatation, F-bar). g_v = g_e1 where J_e >= 1, else g_e2. The spectral split has a
+/// tau of its own, g_e1 tau+ + g_e2 tau-, of elastic bodies and the J of the point.
 namespace impact {
 
 template <class T, int d> struct Kinematics {
@@ -49,8 +51,10 @@ struct PointLaw {
   bool rigid() const { return parameters.model == Model::rigid; }
   bool viscous() const { return parameters.b_d > 0; }
   bool crack_stress() const {
-    return parameters.damage == Damage::at2 && parameters.damage_gradient == DamageGradient::spatial;
+    return parameters.damage != Damage::none && parameters.damage_gradient == DamageGradient::spatial;
   }
+  /// Whether tau is that of the spectral split; without damage all splits are the same.
+  bool spectral() const { return parameters.damage != Damage::none && parameters.split == Split::spectral; }
 
   /// Isochoric part: dev b after return, alpha_{n+1}; s = g.e1.g * G * dev_b.
   template <class T, int d>
@@ -91,6 +95,35 @@ struct PointLaw {
             flows() ? plastic_potential(parameters, alpha) : T(0.0)};
   }
 
+  /// What drives damage on the side of plasticity: H_0, or what of it is above the threshold W_0.
+  template <class T> T plastic_drive(const T& plastic) const {
+    if (parameters.plastic_threshold == 0) return plastic;
+    const T above = plastic - T(parameters.plastic_threshold);
+    return select(value(above) > Value<T>(0.0), above, T(0.0));
+  }
+
+  /// What a step moves between stores and heat beside k_d dalpha, counted as plastic dissipation: damage is
+  /// driven by more or less of H_0 than is stored, H_s = (1 - chi) H_0, and flow softens through the alpha in
+  /// g:
+  ///   (g_p(phi) - g_p(phi_n)) (D_p - H_s) + [g_1 E+ + g_2 E- + g_p H_s](phi, alpha_n) - [...](phi, alpha).
+  template <class T>
+  T plastic_exchange(const T& phi, const T& phi_n, const T& alpha, const T& alpha_n,
+                     const PointEnergies<T>& energy) const {
+    const MaterialParameters& m = parameters;
+    const T stored = (1 - m.taylor_quinney) * energy.plastic;
+    const Degradations<T> g = degradations(m, phi, alpha_n);
+    T sum = (g.p.g - degradations(m, phi_n, alpha_n).p.g) * (plastic_drive(energy.plastic) - stored);
+    if (!is_ductile(m)) return sum;
+    const Degradations<T> after = degradations(m, phi, alpha);
+    return sum + (g.e1.g - after.e1.g) * energy.plus + (g.e2.g - after.e2.g) * energy.minus +
+           (g.p.g - after.p.g) * stored;
+  }
+  /// Whether there is any such exchange.
+  bool exchanges() const {
+    return flows() && parameters.damage != Damage::none &&
+           (parameters.gp == PlasticDegradation::ge || is_ductile(parameters));
+  }
+
   /// A_{n+1}: pull-back of b = dev_b + (1 + z) 1, unchanged where the point did not flow.
   template <class T, int d>
   PointHistory<T, d> updated(const Kinematics<T, d>& k, const PointHistory<T, d>& old, const Return<T, d>& r,
@@ -122,7 +155,7 @@ template <class T, int d> struct PointResponse {
 
 template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, const PointInput<T, d>& in) {
   PointResponse<T, d> out;
-  const Degradations<T> g = degradations(law.parameters, in.phi);
+  const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
   out.k = kinematics(in.H);
   out.flow = law.isochoric(in.H, out.k, in.old, g);
   const Volumetric<T> v = law.pressure(out.k.J_minus_1, thermal_volume(law.parameters, in.theta), g);
@@ -131,6 +164,12 @@ template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, cons
   const T z = trace_excess(out.flow.dev_b, value(out.flow.y) - Value<T>(1.0));
   out.history = law.updated(out.k, in.old, out.flow, z);
   out.energy = law.energies(z, v.Je_minus_1, out.history.alpha);
+  if (!law.spectral()) return out;
+  const SpectralSplit<T, d> split = spectral_split(law.parameters, left_strain(in.H), out.k.J_minus_1,
+                                                   thermal_volume(law.parameters, in.theta));
+  out.tau = g.e1.g * split.tau_plus + g.e2.g * split.tau_minus;
+  out.energy.plus = split.plus;
+  out.energy.minus = split.minus;
   return out;
 }
 

@@ -64,7 +64,7 @@ template <class B, int n> struct Dual {
 inline double value(double x) { return x; }
 inline double value(const std::complex<double>& x) { return x.real(); }
 inline Batch value(const Batch& x) { return x; }
-template <class B, int n> B value(const Dual<B, n>& x) { return x.v; }
+template <class B, int n> auto value(const Dual<B, n>& x) { return value(x.v); }
 template <class T> using Value = decltype(value(T()));
 
 /// Dual variable x with derivative 1 in direction i.

@@ -10,7 +10,8 @@
 
 /// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1. The
 /// unconstrained solution comes first; where it keeps the bounds it is the answer, else the variational
-/// inequality starts from its clipped values (SNESVINEWTONRSLS under the same prefix).
+/// inequality starts from its clipped values (SNESVINEWTONRSLS under the same prefix). With AT1 and with
+/// degradations that are not convex the inequality starts from the guess, and takes full steps.
 namespace impact {
 
 struct DamageStep {
@@ -45,6 +46,7 @@ private:
   template <class Output> bool evaluate(Vec x, bool with_tangent, Output&& output);
   void raise_history();
   void set_tolerances(SNES snes);
+  static void take_full_steps(SNES snes);
   bool within_bounds(Vec x) const;
   void make_substeps();
   void start_substep(TS ts);
@@ -61,7 +63,8 @@ private:
   std::vector<double> free_; ///< 1 where phi is solved for, 0 where prescribed or without damage
   std::vector<int> owned_held_;
   std::vector<std::size_t> drive_offset_;
-  std::vector<std::size_t> history_offset_;
+  std::vector<std::size_t> flow_offset_;    ///< of the row "history", plastic
+  std::vector<std::size_t> history_offset_; ///< of the row "damage_history"
   std::optional<SparseAssembly> assembly_;
   Handle<SNES> unconstrained_, bounded_;
   Handle<TS> substeps_; ///< when -damage_ts_dt asks for sub-steps
@@ -69,6 +72,7 @@ private:
   std::vector<double> substep_start_;
   Handle<Vec> solution_, residual_, diagonal_, lower_, upper_;
   double reference_ = 0;
+  bool bounded_at_once_ = false;
 };
 
 } // namespace impact

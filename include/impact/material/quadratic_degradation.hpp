@@ -1,0 +1,13 @@
+#pragma once
+
+/// (1 - phi)^2: brittle fracture; damage begins with the load.
+namespace impact {
+
+struct QuadraticDegradation {
+  template <class T> T operator()(const T& phi, const T&) const {
+    const T x = T(1.0) - phi;
+    return x * x;
+  }
+};
+
+} // namespace impact
