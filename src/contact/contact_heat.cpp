@@ -27,7 +27,7 @@ bool ContactHeat::renew() {
   searches_ = contact_->searches();
   const ContactNodes& nodes = contact_->nodes();
   exchange_ = NodeExchange(mesh_->comm(), mesh_->owned_node_count(), 1, nodes.global);
-  NodePairs couplings = conducts_ && !rigid_ ? contact_->node_couplings() : NodePairs();
+  NodePairs couplings = conducts_ ? contact_->node_couplings() : NodePairs();
   const bool same = all_ranks_agree(mesh_->comm(), couplings == couplings_);
   couplings_ = std::move(couplings);
   return !same;
@@ -50,19 +50,28 @@ std::vector<double> ContactHeat::weighted(Vec theta) const {
 }
 
 double ContactHeat::jump(std::size_t place, const std::vector<double>& theta) const {
-  double difference = rigid_ ? -rigid_theta_ : 0;
   const std::size_t first = paths_.first[place], end = paths_.first[place + 1],
                     middle = first + paths_.secondary[place];
+  // Shares of a side sum to one. Differences keep the digits that temperatures lose in a good joint.
+  const double base = rigid_ ? rigid_theta_ : theta[at(paths_.node[first])];
+  double difference = 0;
   for (std::size_t k = first; k < end; ++k)
-    difference += (k < middle ? 1 : -1) * paths_.share[k] * theta[at(paths_.node[k])];
+    difference += (k < middle ? 1 : -1) * paths_.share[k] * (theta[at(paths_.node[k])] - base);
   return difference;
+}
+
+double ContactHeat::square_of_conductances() const {
+  double sum = 0;
+  for (double conductance : paths_.conductance) sum += dt_ * conductance * dt_ * conductance;
+  return sum;
 }
 
 void ContactHeat::add_residual(Vec theta, Vec r) const {
   const std::vector<double> values = weighted(theta);
   std::vector<double> lost(values.size(), 0.0);
   for (std::size_t c = 0; c < paths_.count(); ++c) {
-    const std::size_t first = paths_.first[c], end = paths_.first[c + 1], middle = first + paths_.secondary[c];
+    const std::size_t first = paths_.first[c], end = paths_.first[c + 1],
+                      middle = first + paths_.secondary[c];
     const double flow = paths_.conductance[c] > 0 ? dt_ * paths_.conductance[c] * jump(c, values) : 0;
     // Where nothing lies opposite, and no rigid body, the secondary side keeps it all.
     const double mine = middle == end && !rigid_ ? 1 : split_;

@@ -80,6 +80,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
     if (!set) check(PetscOptionsSetValue(nullptr, "-heat_sub_pc_type", "icc")); // CG wants symmetric blocks
   }
   check(SNESSetFromOptions(snes_));
+  check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
 }
 
 void HeatProblem::build_matrix() {
@@ -105,12 +106,20 @@ void HeatProblem::begin_contacts() {
     build_matrix();
   }
   d_.scalar.to_global(state_.row("theta").committed, residual_);
+  double square = 0;
   for (ContactHeat& contact : contacts_) {
     double rigid = 0;
     if (const auto& theta = contact.contact().settings().rigid_temperature)
       rigid = settings_.theta * theta(t_) + (1 - settings_.theta) * theta(t_n_);
     contact.begin(step_.displacement, residual_, t_ - t_n_, settings_.theta, rigid);
+    square += contact.square_of_conductances();
   }
+  // No residual can fall below what the last digit of a temperature passes through a good joint.
+  PetscReal hottest = 0;
+  check(VecNorm(residual_, NORM_INFINITY, &hottest));
+  MPI_Allreduce(MPI_IN_PLACE, &square, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  const double least = std::max(residual_tol_, 2e-15 * hottest * std::sqrt(square));
+  check(SNESSetTolerances(snes_, least, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
 }
 
 void HeatProblem::find_regions() {

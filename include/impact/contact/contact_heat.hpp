@@ -3,7 +3,8 @@
 #include <impact/contact/node_exchange.hpp>
 
 /// Heat across one contact in a step with the displacement frozen (theory.md, heat): at every closed place c
-///   q_c = h_c A_c [theta]_c,   [theta]_c = sum_secondary N theta - sum_primary N theta (or the rigid body's),
+///   q_c = h_c A_c [theta]_c,   [theta]_c = sum_secondary N theta - sum_primary N theta (or the rigid
+///   body's),
 /// whose potential 1/2 h A [theta]^2 has a symmetric, not negative tangent that couples both sides, and the
 /// heat that sliding made, in fixed parts on both sides. Shares sum to one on either side: what one side
 /// loses the other gains, to rounding. Everything is an energy per step and per unit thickness.
@@ -23,6 +24,8 @@ public:
   /// Fixes what the step takes from the motion that ended at u: `weight` weighs t_{n+1} against t_n,
   /// `rigid_theta` is the rigid body's temperature in the step. Collective.
   void begin(Vec u, Vec theta_n, double dt, double weight, double rigid_theta);
+  /// sum (dt h A)^2 of this rank: times the square of a temperature's rounding that of the residual's.
+  double square_of_conductances() const;
   /// r += heat that leaves the nodes. Collective.
   void add_residual(Vec theta, Vec r) const;
   /// K += its derivative by MatSetValues, without rows and columns of nodes with held != 0 (a nodal vector);

@@ -63,10 +63,10 @@ using ConstraintVisitor = std::function<void(const Constraint&)>;
 /// weight the mean of a nodal field is sum share field, on the secondary side over the first `secondary`
 /// nodes, on the other one over the rest. The spans live as long as the visit.
 struct Meeting {
-  int index = 0;          ///< of the constraint
-  double area = 0;        ///< reference area of the covered part
+  int index = 0;   ///< of the constraint
+  double area = 0; ///< reference area of the covered part
   std::size_t secondary = 0;
-  std::span<const int> node;     ///< into ContactForm::nodes(); one may come on both sides
+  std::span<const int> node; ///< into ContactForm::nodes(); one may come on both sides
   /// Sum 1 on either side. A rigid body has none; nor has what covers nothing worth mentioning, area 0.
   std::span<const double> share;
 };

@@ -39,14 +39,13 @@ struct ContactSettings {
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
   double friction = 0;                          ///< Coulomb's coefficient
-  double conductance = 0;          ///< h_c, power per current area and temperature; 0: insulated
-  double conductance_pressure = 0; ///< p_0 of h = h_c (p/p_0)^m
-  double conductance_exponent = 0; ///< m; 0: h = h_c wherever the contact is closed
-  double friction_heat_split =
-      automatic; ///< part of the frictional heat that enters the secondary side; automatic: 1/2, all of it
-                 ///< against a rigid body
+  double conductance = 0;                       ///< h_c, power per current area and temperature; 0: insulated
+  double conductance_pressure = 0;              ///< p_0 of h = h_c (p/p_0)^m
+  double conductance_exponent = 0;              ///< m; 0: h = h_c wherever the contact is closed
+  double friction_heat_split = automatic; ///< part of the frictional heat that enters the secondary side;
+                                          ///< automatic: 1/2, all of it against a rigid body
   std::function<double(double t)> rigid_temperature; ///< of the rigid body; empty: it is insulated
-  double penalty = automatic;                   ///< stress per length; automatic: 10 E/h of the softer side
+  double penalty = automatic; ///< stress per length; automatic: 10 E/h of the softer side
   double penalty_increment =
       automatic; ///< automatic: the starting penalty, or 4 times its automatic value from below that
   double penalty_max = automatic; ///< automatic: 1e4 times the automatic penalty

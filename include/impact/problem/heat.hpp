@@ -34,7 +34,8 @@ public:
   /// adds the row "stress", P of the motion solves at the points. `contacts`: null, or those that heat may
   /// pass.
   HeatProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
-              const HeatScenario& settings, bool moves, const std::vector<ContactInterface>* contacts = nullptr);
+              const HeatScenario& settings, bool moves,
+              const std::vector<ContactInterface>* contacts = nullptr);
 
   /// Evaluates sources, fluxes and convection at both ends of the step. Collective. Throws UserError(data).
   void begin(double t_n, double t);
@@ -101,6 +102,7 @@ private:
   std::vector<double> supplied_, load_supplied_;
   std::vector<double> load_; ///< nodal heat of the loads at t_n and of the sources
   double entropy_supplied_ = 0;
+  double residual_tol_ = 0; ///< absolute, as the options say
   bool moves_, flows_;
   std::vector<ContactHeat> contacts_;
   std::vector<ContactHeat::Heat> contact_heat_;
