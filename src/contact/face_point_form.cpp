@@ -600,6 +600,29 @@ void FacePointForm::visit_curvature(const std::vector<double>& u, const Pressure
   });
 }
 
+void FacePointForm::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
+  const std::vector<double> none(weight_.size(), 0.0);
+  visit_points(u, {none}, [&](const Constraint& c, int f, int, const Seen& seen) {
+    std::array<int, 8> node;
+    std::array<double, 8> share;
+    const std::size_t secondary = c.share.size(), opposite = seen.candidate < 0 ? 0 : 4;
+    std::copy_n(secondary_slots(f), secondary, node.begin());
+    std::copy(c.share.begin(), c.share.end(), share.begin());
+    if (opposite > 0) {
+      const auto end = static_cast<std::ptrdiff_t>(secondary);
+      std::copy_n(primary_slots(seen.candidate), opposite, node.begin() + end);
+      std::copy_n(seen.foot.weights.begin(), opposite, share.begin() + end);
+    }
+    Meeting meeting;
+    meeting.index = c.index;
+    meeting.area = c.weight;
+    meeting.secondary = secondary;
+    meeting.node = {node.data(), secondary + opposite};
+    meeting.share = {share.data(), secondary + opposite};
+    visitor(meeting);
+  });
+}
+
 void FacePointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
   for (int f = 0; f < secondary_.count(); ++f) {
     const FaceCorners s = secondary_face(f, x);

@@ -349,6 +349,22 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
   });
 }
 
+void GaussPointForm::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
+  const std::vector<double> none(points_.weight.size(), 0.0);
+  visit_points(u, false, {none}, [&](const Constraint& c, const Point& point, const Workspace&) {
+    const double xi = point.foot.xi;
+    const std::array<double, 4> share = {point.shape[0], point.shape[1], (1 - xi) / 2, (1 + xi) / 2};
+    Meeting meeting;
+    meeting.index = c.index;
+    meeting.area = c.weight;
+    meeting.secondary = 2;
+    const auto count = at(point.node_count);
+    meeting.node = {point.node.data(), count};
+    meeting.share = {share.data(), count};
+    visitor(meeting);
+  });
+}
+
 void GaussPointForm::visit_curvature(const std::vector<double>& u, const PressureLaw& law,
                                      const CurvatureFactors& factors, const BlockVisitor& visitor) const {
   const std::vector<double> X = nodes().current(u);

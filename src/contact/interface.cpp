@@ -180,6 +180,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
 bool ContactInterface::update_search(Vec u) {
   const PairSearch::Outcome outcome = form_->update(u, law());
   if (outcome != PairSearch::Outcome::kept) {
+    ++searches_;
     fetch_fixed();
     fetch_bodies();
   }

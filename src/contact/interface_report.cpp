@@ -40,24 +40,54 @@ std::array<double, 3> ContactInterface::total_force(Vec u) const {
   return force;
 }
 
+void ContactInterface::add_frictional_heat(const Constraint& c, double& heat) const {
+  if (exact_work()) {
+    heat += c.weight * step_traction(c).loss;
+    return;
+  }
+  const Traction t = traction(c);
+  if (!t.slides) return;
+  const Tangential before = held(c);
+  for (std::size_t a = 0; a < tangents(); ++a) {
+    const double elastic = semismooth() ? 0 : (t.value[a] - before[a]) / penalty();
+    heat += c.weight * t.value[a] * (c.slip[a] - elastic);
+  }
+}
+
 double ContactInterface::friction_loss(Vec u) const {
   if (!frictional()) return 0;
   double loss = 0;
-  visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
-    if (exact_work()) {
-      loss += c.weight * step_traction(c).loss;
-      return;
-    }
-    const Traction t = traction(c);
-    if (!t.slides) return;
-    const Tangential before = held(c);
-    for (std::size_t a = 0; a < tangents(); ++a) {
-      const double elastic = semismooth() ? 0 : (t.value[a] - before[a]) / penalty();
-      loss += c.weight * t.value[a] * (c.slip[a] - elastic);
-    }
-  });
+  visit(form_->nodes().displacement(u), Derivatives::none,
+        [&](const Constraint& c) { add_frictional_heat(c, loss); });
   MPI_Allreduce(MPI_IN_PLACE, &loss, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   return reported_thickness() * loss;
+}
+
+HeatPaths ContactInterface::heat_paths(Vec u) const {
+  struct Heat {
+    double conductance = 0, friction = 0; // per reference area, and of the place
+  };
+  std::vector<Heat> heat(multiplier_->trial.size());
+  const std::vector<double> values = form_->nodes().displacement(u);
+  visit(values, Derivatives::none, [&](const Constraint& c) {
+    Heat& here = heat[at(c.index)];
+    if (frictional()) add_frictional_heat(c, here.friction);
+    if (c.active && c.pressure > 0)
+      here.conductance = c.stretch * settings_.conductance_at(c.pressure / c.stretch);
+  });
+  HeatPaths paths;
+  const auto place = step_.rule == StepRule::none ? values : place_of_gradients(values);
+  form_->visit_meetings(place, [&](const Meeting& meeting) {
+    const Heat& here = heat[at(meeting.index)];
+    if (here.conductance == 0 && here.friction == 0) return;
+    paths.conductance.push_back(meeting.area * here.conductance);
+    paths.friction.push_back(here.friction);
+    paths.secondary.push_back(meeting.secondary);
+    paths.node.insert(paths.node.end(), meeting.node.begin(), meeting.node.end());
+    paths.share.insert(paths.share.end(), meeting.share.begin(), meeting.share.end());
+    paths.first.push_back(paths.node.size());
+  });
+  return paths;
 }
 
 double ContactInterface::obstacle_work(Vec u, bool force_at_end) const {

@@ -600,6 +600,81 @@ void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw
   visit_slip_curvature(u, factors, visitor);
 }
 
+void MortarForm::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
+  // Each pair once, for all corners of its secondary facet.
+  struct Part {
+    int candidate; // -1: the rigid body
+    FaceWeights weights;
+  };
+  std::vector<Part> parts;
+  std::vector<std::size_t> first = {0};
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    if (settings_.rigid()) parts.push_back({-1, facets_[at(f)].onto});
+    for (int candidate : facing_[at(f)]) {
+      FaceWeights weights;
+      if (dim_ == 3) {
+        FaceCorners s, p;
+        place_faces(f, candidate, u, s, p);
+        weights = mortar_face_weights(s, primary_corners(candidate), p, facets_[at(f)].face);
+      } else {
+        std::array<Point2<double>, 2> s, p;
+        place_edges(f, candidate, u, s, p);
+        const MortarWeights edge = mortar_weights(s, p, facets_[at(f)].edge);
+        for (std::size_t a = 0; a < 2; ++a) {
+          std::copy(edge.D[a].begin(), edge.D[a].end(), weights.D[a].begin());
+          std::copy(edge.M[a].begin(), edge.M[a].end(), weights.M[a].begin());
+        }
+      }
+      parts.push_back({candidate, weights});
+    }
+    first.push_back(parts.size());
+  }
+  NodePlaces mine, opposite;
+  std::vector<double> share, other;
+  for (const Node& owner : owned_) {
+    mine.node.clear();
+    opposite.node.clear();
+    share.clear();
+    other.clear();
+    const auto add = [](NodePlaces& place_of, std::vector<double>& to, int slot, double value) {
+      const std::size_t place = place_of(slot);
+      to.resize(place_of.node.size(), 0.0);
+      to[place] += value;
+    };
+    double area = 0;
+    for (const Incident& i : owner.facets)
+      for (std::size_t k = first[at(i.facet)]; k < first[at(i.facet) + 1]; ++k) {
+        const Part& part = parts[k];
+        for (std::size_t b = 0; b < corners_; ++b) {
+          const double D = part.weights.D[at(i.corner)][b], M = part.weights.M[at(i.corner)][b];
+          area += D;
+          if (D != 0) add(mine, share, secondary_slots(i.facet)[b], D);
+          if (M != 0 && part.candidate >= 0) add(opposite, other, primary_slots(part.candidate)[b], M);
+        }
+      }
+    Meeting meeting;
+    meeting.index = owner.local;
+    if (!(area > least_common_part * owner.weight)) {
+      if (owner.facets.empty()) continue;
+      const Incident& i = owner.facets.front();
+      share = {1};
+      mine.node = {secondary_slots(i.facet)[i.corner]};
+      other.clear();
+      opposite.node.clear();
+      area = 1;
+    } else {
+      meeting.area = area;
+    }
+    meeting.secondary = share.size();
+    share.insert(share.end(), other.begin(), other.end());
+    mine.node.insert(mine.node.end(), opposite.node.begin(), opposite.node.end());
+    for (double& part : share) part /= area;
+    meeting.node = mine.node;
+    meeting.share = share;
+    visitor(meeting);
+  }
+}
+
 void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
   for (const Node& owner : owned_)
     for (const Incident& incident : owner.facets) {

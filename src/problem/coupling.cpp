@@ -486,16 +486,17 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
   }
   if (damage_ || heat_) motion_.discretisation().displacement.to_local(u, u_local_);
   if (damage_) damage_pass(result);
-  if (heat_ && result.inner >= 0) heat_pass(result);
+  if (heat_ && result.inner >= 0) heat_pass(u, result);
   return result;
 }
 
-void Coupling::heat_pass(PassResult& result) {
+void Coupling::heat_pass(Vec u, PassResult& result) {
   StateRow& theta = state_.row("theta");
   HeatStep step;
   if (settings_.moves) {
     step.u = &u_local_;
     step.u_n = step_.u_n;
+    step.displacement = u;
   }
   if (damage_) {
     step.phi = &state_.row("phi").trial;

@@ -9,7 +9,8 @@
 namespace impact {
 
 HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state,
-                         const BoundaryData& boundary, const HeatScenario& settings, bool moves)
+                         const BoundaryData& boundary, const HeatScenario& settings, bool moves,
+                         const std::vector<ContactInterface>* contacts)
     : d_(discretisation), state_(state), boundary_(boundary), settings_(settings),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), x_(d_.node_values(1)),
       r_(d_.node_values(1)), constant_(d_.node_values(1)), free_(d_.node_values(1), 1.0),
@@ -41,7 +42,10 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
     capacity = std::max(capacity, m.law.parameters.c_v);
     temperature = std::max(temperature, m.law.parameters.theta0);
   }
-  assembly_.emplace(d_.scalar, d_.mesh, d_.groups);
+  if (contacts && moves_)
+    for (const ContactInterface& contact : *contacts)
+      if (contact.passes_heat()) contacts_.emplace_back(d_.mesh, contact);
+  contact_heat_.resize(contacts_.size());
   solution_ = d_.scalar.make_global();
   residual_ = d_.scalar.make_global();
   diagonal_ = d_.scalar.make_global();
@@ -55,13 +59,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
         return problem.mailbox_.guarded([&] { problem.residual(x, f); });
       },
       this));
-  check(SNESSetJacobian(
-      snes_, assembly_->matrix(), assembly_->matrix(),
-      [](SNES, Vec x, Mat, Mat, void* self) {
-        auto& problem = *static_cast<HeatProblem*>(self);
-        return problem.mailbox_.guarded([&] { problem.tangent(x); });
-      },
-      this));
+  build_matrix();
   check(SNESSetType(snes_, SNESNEWTONLS));
   const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
   check(SNESSetTolerances(snes_, rounding, 1e-10, 1e-14, 50, PETSC_DEFAULT));
@@ -82,6 +80,46 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
     if (!set) check(PetscOptionsSetValue(nullptr, "-heat_sub_pc_type", "icc")); // CG wants symmetric blocks
   }
   check(SNESSetFromOptions(snes_));
+  check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
+}
+
+void HeatProblem::build_matrix() {
+  NodePairs extra;
+  for (const ContactHeat& contact : contacts_)
+    extra.insert(extra.end(), contact.couplings().begin(), contact.couplings().end());
+  assembly_.emplace(d_.scalar, d_.mesh, d_.groups, extra);
+  check(SNESSetJacobian(
+      snes_, assembly_->matrix(), assembly_->matrix(),
+      [](SNES, Vec x, Mat, Mat, void* self) {
+        auto& problem = *static_cast<HeatProblem*>(self);
+        return problem.mailbox_.guarded([&] { problem.tangent(x); });
+      },
+      this));
+}
+
+void HeatProblem::begin_contacts() {
+  if (contacts_.empty()) return;
+  bool changed = false;
+  for (ContactHeat& contact : contacts_) changed = contact.renew() || changed;
+  if (changed) {
+    forget_factors();
+    build_matrix();
+  }
+  d_.scalar.to_global(state_.row("theta").committed, residual_);
+  double square = 0;
+  for (ContactHeat& contact : contacts_) {
+    double rigid = 0;
+    if (const auto& theta = contact.contact().settings().rigid_temperature)
+      rigid = settings_.theta * theta(t_) + (1 - settings_.theta) * theta(t_n_);
+    contact.begin(step_.displacement, residual_, t_ - t_n_, settings_.theta, rigid);
+    square += contact.square_of_conductances();
+  }
+  // No residual can fall below what the last digit of a temperature passes through a good joint.
+  PetscReal hottest = 0;
+  check(VecNorm(residual_, NORM_INFINITY, &hottest));
+  MPI_Allreduce(MPI_IN_PLACE, &square, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  const double least = std::max(residual_tol_, 2e-15 * hottest * std::sqrt(square));
+  check(SNESSetTolerances(snes_, least, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
 }
 
 void HeatProblem::find_regions() {
@@ -283,11 +321,17 @@ bool HeatProblem::add_residual(const std::vector<double>& theta, std::vector<dou
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
-void HeatProblem::residual(Vec x, Vec f) {
-  d_.scalar.to_local(x, x_);
-  const bool sound = add_residual(x_, r_);
+bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec solution, Vec f) {
+  const bool sound = add_residual(theta, r_);
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);
+  for (const ContactHeat& contact : contacts_) contact.add_residual(solution, f);
+  return sound;
+}
+
+void HeatProblem::residual(Vec x, Vec f) {
+  d_.scalar.to_local(x, x_);
+  const bool sound = assemble_residual(x_, x, f);
   zero_owned(f, d_.mesh, 1, owned_held_);
   if (!sound) check(SNESSetFunctionDomainError(snes_));
 }
@@ -313,7 +357,12 @@ void HeatProblem::tangent(Vec x) {
       });
   assembly_->finish();
   Mat matrix = assembly_->matrix();
-  if (!surfaces_.empty()) {
+  if (!surfaces_.empty() || !contacts_.empty()) {
+    if (!contacts_.empty() && !held_nodes_) {
+      held_nodes_ = d_.scalar.make_global();
+      d_.scalar.to_global(std::vector<double>(held_.begin(), held_.end()), held_nodes_);
+    }
+    for (const ContactHeat& contact : contacts_) contact.add_tangent(held_nodes_, matrix);
     for (const Surface& surface : surfaces_)
       add_surface_heat_tangent(surface.load->facets, d_.frame, X_, surface.heat[1],
                                settings_.theta * (t_ - t_n_), held_, d_.mesh.global_node(), matrix);
@@ -330,9 +379,7 @@ void HeatProblem::tangent(Vec x) {
 // What flows in where the temperature is prescribed is the residual that is left there.
 void HeatProblem::book() {
   d_.scalar.to_local(solution_, x_);
-  add_residual(x_, r_);
-  check(VecSet(residual_, 0));
-  d_.scalar.add_to_global(r_, residual_);
+  assemble_residual(x_, solution_, residual_);
   d_.scalar.to_local(residual_, r_);
   for (int node : owned_held_)
     supplied_[static_cast<std::size_t>(boundary_.temperature_condition()[static_cast<std::size_t>(node)])] +=
@@ -345,6 +392,15 @@ void HeatProblem::book() {
     add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[1], x_, settings_.theta * (t_ - t_n_),
                      heat);
   for (int node : owned_held_) heat[static_cast<std::size_t>(node)] += r_[static_cast<std::size_t>(node)];
+  if (!contacts_.empty()) {
+    // What rigid bodies conducted, at the owners of the nodes.
+    check(VecSet(residual_, 0));
+    for (std::size_t i = 0; i < contacts_.size(); ++i)
+      contact_heat_[i] = contacts_[i].book(solution_, residual_);
+    d_.scalar.to_local(residual_, r_);
+    for (std::size_t i = 0; i < heat.size(); ++i)
+      if (d_.mesh.owned(static_cast<int>(i))) heat[i] += r_[i];
+  }
   for (std::size_t i = 0; i < heat.size(); ++i) entropy_supplied_ += heat[i] / x_[i];
   MPI_Allreduce(MPI_IN_PLACE, &entropy_supplied_, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
   if (!supplied_.empty())
@@ -361,6 +417,7 @@ HeatOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta)
     outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
     return outcome;
   }
+  begin_contacts();
   d_.scalar.to_global(theta, solution_);
   mailbox_.deliver(SNESSolve(snes_, nullptr, solution_));
   check(SNESGetConvergedReason(snes_, &outcome.reason));

@@ -333,6 +333,7 @@ void HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) 
   ledger_.append_energies(row);
   ledger_.append_reactions(row);
   append_contacts(row, snapshot);
+  ledger_.append_contact_heat(row);
   append_rigid_bodies(row, snapshot);
   ledger_.append_materials(row);
   append_cracks(row);

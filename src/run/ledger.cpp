@@ -52,8 +52,11 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   materials_.resize(d.materials.size());
   const auto& conditions = motion_.boundary().conditions();
   if (d.has_heat()) {
-    StateRow row{"ledger_heat", Support::global, static_cast<int>(conditions.size()) + 2};
-    heat_ = &state_.add(std::move(row), conditions.size() + 2);
+    for (const ContactInterface& contact : motion_.contacts())
+      if (contact.passes_heat() && moves_) heat_contacts_.push_back(contact.id());
+    const std::size_t columns = conditions.size() + 2 * heat_contacts_.size() + 2;
+    StateRow row{"ledger_heat", Support::global, static_cast<int>(columns)};
+    heat_ = &state_.add(std::move(row), columns);
   }
   mean_theta_.resize(conditions.size());
   reaction_.resize(conditions.size() * static_cast<std::size_t>(d.dim()));
@@ -336,7 +339,13 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   if (heat_) {
     const std::span<const double> supplied = coupling_->heat_supplied();
     for (std::size_t c = 0; c < supplied.size(); ++c) heat_->trial[c] += w * supplied[c];
-    heat_->trial[supplied.size()] += w * coupling_->entropy_supplied();
+    const std::span<const ContactHeat::Heat> contacts = coupling_->contact_heat();
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      double* columns = &heat_->trial[supplied.size() + 2 * c];
+      columns[0] += w * contacts[c].conducted;
+      columns[1] += w * contacts[c].outside;
+    }
+    heat_->trial[heat_->trial.size() - 2] += w * coupling_->entropy_supplied();
   }
   sum(scale) =
       std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
@@ -397,14 +406,16 @@ double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(s
 double Ledger::balance() const { return sum(identity) / energy_scale(); }
 
 double Ledger::dissipated() const {
-  if (heat_) return sum(friction) + sum(numerical); // the rest is thermal energy
+  if (heat_) return sum(numerical); // the rest is thermal energy
   return sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(numerical);
 }
 
 double Ledger::heat_supplied() const {
   double total = 0;
-  if (heat_)
-    for (std::size_t c = 0; c + 2 < heat_->trial.size(); ++c) total += heat_->trial[c];
+  if (!heat_) return total;
+  const std::size_t conditions = motion_.boundary().conditions().size();
+  for (std::size_t c = 0; c < conditions; ++c) total += heat_->trial[c];
+  for (std::size_t c = 0; c < heat_contacts_.size(); ++c) total += heat_->trial[conditions + 2 * c + 1];
   return total;
 }
 
@@ -472,6 +483,12 @@ void Ledger::append_reactions(HistoryFile::Row& row) const {
       row.emplace_back("mean_" + conditions[c].id + "_u" + axis[k], mean_[i]);
     }
   }
+}
+
+void Ledger::append_contact_heat(HistoryFile::Row& row) const {
+  const std::size_t conditions = motion_.boundary().conditions().size();
+  for (std::size_t c = 0; c < heat_contacts_.size(); ++c)
+    row.emplace_back("heat_contact_" + heat_contacts_[c], heat_->trial[conditions + 2 * c]);
 }
 
 bool Ledger::turns(int condition, std::size_t axis) const {

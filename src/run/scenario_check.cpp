@@ -152,6 +152,23 @@ void check_contact(const ContactSettings& contact) {
          "\": is less than the starting penalty; allowed: >= " + number_text(contact.penalty));
 }
 
+void check_contact_heat(const ContactScenario& contact, const Scenario& scenario) {
+  const std::string prefix = "-contact_" + contact.id + "_";
+  if (contact.conductance > 0 && !scenario.has_heat() && scenario.physics.empty())
+    fail(prefix + "conductance \"" + number_text(contact.conductance) +
+         "\": no material has a heat capacity; give -material_" + scenario.materials.front().law.id +
+         "_c_v, or remove it");
+  if (contact.conductance_exponent > 0 && contact.conductance_pressure == 0)
+    fail(prefix + "conductance_pressure: missing; allowed: a pressure > 0; " + prefix +
+         "conductance_exponent needs it");
+  if (contact.temperature && !contact.rigid())
+    fail(contact.temperature->key() + " \"" + contact.temperature->text() + "\": `" + contact.primary +
+         "` is a boundary, whose temperature is solved for; allowed: with plane, rigid_sphere, "
+         "rigid_cylinder as the primary");
+  if (contact.rigid() && contact.conductance > 0 && !contact.temperature)
+    fail(prefix + "temperature: missing; allowed: an expression of t; a rigid body that conducts needs one");
+}
+
 void check_impact_updates(const Scenario& scenario) {
   const auto taking = [&](ImpactUpdate update) {
     return std::find_if(scenario.contacts.begin(), scenario.contacts.end(),
@@ -382,7 +399,10 @@ void check_scenario(const Scenario& scenario) {
     fail("-plane \"axisymmetric\": the problem has three dimensions; allowed with -dim 2");
   for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
   check_heat(scenario);
-  for (const ContactSettings& contact : scenario.contacts) check_contact(contact);
+  for (const ContactScenario& contact : scenario.contacts) {
+    check_contact(contact);
+    check_contact_heat(contact, scenario);
+  }
   check_impact_updates(scenario);
   check_damage(scenario);
   check_alpha2(scenario);

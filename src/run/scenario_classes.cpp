@@ -86,6 +86,26 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
            {"semismooth", Enforcement::semismooth}}),
       number_row<Contact>("friction", &Contact::friction,
                           {"Coulomb's coefficient of friction", "0", "1", "mu"}, not_negative),
+      number_row<Contact>("conductance", &Contact::conductance,
+                          {"heat that passes a closed place, per current area and temperature; 0: insulated",
+                           "0", "W/(m^2.K)", "h_c", "(83')"},
+                          not_negative),
+      number_row<Contact>(
+          "conductance_exponent", &Contact::conductance_exponent,
+          {"m of h = h_c (p/p_0)^m, 0.95 of rough metals; 0: h = h_c", "0", "1", "m", "(83')"}, not_negative),
+      number_row<Contact>("conductance_pressure", &Contact::conductance_pressure,
+                          {"p_0 of h = h_c (p/p_0)^m, of rough metals the hardness of the softer one",
+                           "required with _conductance_exponent", "Pa", "p_0", "(83')"},
+                          positive, {{"", 0.}}),
+      number_row<Contact>("friction_heat_split", &Contact::friction_heat_split,
+                          {"part of the frictional heat that enters the secondary side; auto: 0.5, or 1 "
+                           "against a rigid body",
+                           "auto", "1", "", "(84')"},
+                          fraction, automatic()),
+      expression_row<Contact>(
+          "temperature", [](auto& c) -> auto& { return c.temperature; },
+          {"of the rigid body over t; left out: it is insulated", "", "K"},
+          [](const Contact&) { return std::string("K"); }),
       number_row<Contact>(
           "penalty", &Contact::penalty,
           {"starting penalty; auto: 10 E/h of the softer side, with auglag more in steps far below h/c_p",

@@ -63,6 +63,11 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
           const std::array<double, 3> origin{};
           return u(origin.data(), dim, t);
         };
+    if (const auto& theta = contact.temperature)
+      settings.rigid_temperature = [theta = *theta, dim = d.dim()](double t) {
+        const std::array<double, 3> origin{};
+        return theta(origin.data(), dim, t);
+      };
     ContactEnvironment environment;
     environment.frame = d.frame;
     environment.thickness = d.thickness;

@@ -157,7 +157,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                   ? std::optional<DamageProblem>(std::in_place, d_, setup.state, setup.boundary, s.damage)
                   : std::nullopt),
       heat_(d_.has_heat() ? std::optional<HeatProblem>(std::in_place, d_, setup.state, setup.boundary, s.heat,
-                                                       s.has_motion())
+                                                       s.has_motion(), &setup.contacts)
                           : std::nullopt),
       ts_(make_integrator(comm, s)),
       coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, setup.state,

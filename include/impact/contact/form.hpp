@@ -59,6 +59,19 @@ struct Constraint {
 };
 using ConstraintVisitor = std::function<void(const Constraint&)>;
 
+/// Where the two sides of a constraint meet, for what passes between them: over the covered part of its
+/// weight the mean of a nodal field is sum share field, on the secondary side over the first `secondary`
+/// nodes, on the other one over the rest. The spans live as long as the visit.
+struct Meeting {
+  int index = 0;   ///< of the constraint
+  double area = 0; ///< reference area of the covered part
+  std::size_t secondary = 0;
+  std::span<const int> node; ///< into ContactForm::nodes(); one may come on both sides
+  /// Sum 1 on either side. A rigid body has none; nor has what covers nothing worth mentioning, area 0.
+  std::span<const double> share;
+};
+using MeetingVisitor = std::function<void(const Meeting&)>;
+
 /// Factors of the second variations, by the index of the constraint.
 struct CurvatureFactors {
   std::span<const double> gap;
@@ -118,6 +131,8 @@ public:
   /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
   virtual void visit_curvature(const std::vector<double>& u, const PressureLaw& law,
                                const CurvatureFactors& factors, const BlockVisitor& visitor) const = 0;
+  /// Where the sides meet at the displacement u of nodes(), of all that a visit there brings.
+  virtual void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
   virtual const std::vector<double>& nodal_area() const = 0;
   /// Overlap of the secondary nodes at the coordinates x: depth and outward direction at places of nodes().

@@ -33,6 +33,7 @@ public:
              const ConstraintVisitor& visitor) const override;
   void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
+  void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 

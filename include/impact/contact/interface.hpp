@@ -77,6 +77,20 @@ struct ContactFields {
   std::vector<double> slip;     ///< of the secondary side, since the place closed
 };
 
+/// Places at which heat passes a contact in one step. Per unit thickness.
+struct HeatPaths {
+  std::vector<double> conductance; ///< [place] h dA, power per temperature
+  std::vector<double> friction;    ///< [place] heat that sliding made in the step
+  /// [place + 1] into node and share; secondary nodes come before primary ones, of which a rigid body has
+  /// none.
+  std::vector<std::size_t> first = {0};
+  std::vector<std::size_t> secondary; ///< [place] secondary nodes
+  std::vector<int> node;              ///< into ContactInterface::nodes()
+  std::vector<double> share;          ///< sum 1 on either side
+
+  std::size_t count() const { return conductance.size(); }
+};
+
 /// Overlap of the undeformed surfaces at the secondary nodes.
 struct InitialOverlapReport {
   int nodes = 0;      ///< nodes that must be moved (setting adjust), over all ranks
@@ -130,6 +144,12 @@ public:
   /// Pairs of global nodes that the candidates of this rank may couple, sorted, each once.
   std::vector<std::pair<PetscInt, PetscInt>> couplings() const;
 
+  /// The same of the nodes themselves, where rigid bodies have no unknowns of their own.
+  NodePairs node_couplings() const { return form_->couplings(); }
+  const ContactNodes& nodes() const { return form_->nodes(); }
+  /// How often the nodes were found anew.
+  long searches() const { return searches_; }
+
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
   ContactStatus add_residual(Vec u, double scale, Vec r) const;
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
@@ -141,6 +161,12 @@ public:
   /// Tangents are to stay symmetric but for friction, for solvers that need that.
   void keep_symmetric(bool symmetric) { symmetric_ = symmetric; }
   bool frictional() const { return settings_.friction > 0; }
+  /// Whether heat may pass it.
+  bool passes_heat() const { return settings_.conductance > 0 || frictional(); }
+  /// Where heat passes in the step that ends at u: at the places where the forces stand, through what presses
+  /// now. The sum of the frictional heat over all ranks is friction_loss over the thickness. Before advance.
+  /// Collective.
+  HeatPaths heat_paths(Vec u) const;
   /// Leaves friction out, for the projection of a predictor.
   void suspend_friction(bool suspended) { friction_suspended_ = suspended; }
   /// Energy that sliding turned into heat in the step that ended at u: sum w t.s, without what a penalty
@@ -254,6 +280,7 @@ private:
     std::vector<double> block, row;
   };
   void tangent_block(const Constraint& c, double scale, TangentSpace& space) const;
+  void add_frictional_heat(const Constraint& c, double& heat) const; // of the step
   void add_force(const Constraint& c, std::array<double, 3>& force) const;
   void keep_tractions(Vec u);
   std::array<double, 3>
@@ -299,6 +326,7 @@ private:
   double inertia_penalty_ = 0;      // over the mass shift
   double mean_length_ = 0;          // of the secondary facets
   double time_ = 0;                 // of the attempt's end
+  long searches_ = 0;
   bool fallen_back_ = false, friction_suspended_ = false, symmetric_ = false;
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
@@ -38,7 +39,13 @@ struct ContactSettings {
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
   double friction = 0;                          ///< Coulomb's coefficient
-  double penalty = automatic;                   ///< stress per length; automatic: 10 E/h of the softer side
+  double conductance = 0;                       ///< h_c, power per current area and temperature; 0: insulated
+  double conductance_pressure = 0;              ///< p_0 of h = h_c (p/p_0)^m
+  double conductance_exponent = 0;              ///< m; 0: h = h_c wherever the contact is closed
+  double friction_heat_split = automatic; ///< part of the frictional heat that enters the secondary side;
+                                          ///< automatic: 1/2, all of it against a rigid body
+  std::function<double(double t)> rigid_temperature; ///< of the rigid body; empty: it is insulated
+  double penalty = automatic; ///< stress per length; automatic: 10 E/h of the softer side
   double penalty_increment =
       automatic; ///< automatic: the starting penalty, or 4 times its automatic value from below that
   double penalty_max = automatic; ///< automatic: 1e4 times the automatic penalty
@@ -52,6 +59,11 @@ struct ContactSettings {
   ImpactUpdate impact = ImpactUpdate::automatic;
 
   bool rigid() const { return rigid_name(primary); }
+  /// h of a closed place under the pressure p per current area.
+  double conductance_at(double p) const {
+    return conductance_exponent == 0 ? conductance
+                                     : conductance * std::pow(p / conductance_pressure, conductance_exponent);
+  }
   static bool rigid_name(const std::string& name) {
     return name == "plane" || name == "rigid_sphere" || name == "rigid_cylinder";
   }

@@ -61,6 +61,11 @@ public:
   const MotionProblem::Increments& increments() const { return increments_; }
   /// Heat that each condition supplied in the attempt, per unit thickness; empty without heat.
   std::span<const double> heat_supplied() const;
+  /// What passed the contacts that pass heat in the attempt, in their order.
+  std::span<const ContactHeat::Heat> contact_heat() const {
+    return heat_ ? std::span<const ContactHeat::Heat>(heat_->contact_heat())
+                 : std::span<const ContactHeat::Heat>();
+  }
   double entropy_supplied() const { return heat_ ? heat_->entropy_supplied() : 0; }
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
@@ -99,7 +104,7 @@ private:
   PassResult coupling_pass(PetscInt pass, Vec u);
   PassResult uzawa_pass(PetscInt pass, Vec u);
   void damage_pass(PassResult& result);
-  void heat_pass(PassResult& result);
+  void heat_pass(Vec u, PassResult& result);
   void relax_phi(PetscInt pass);
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   SNESConvergedReason solve_motion(Vec u);

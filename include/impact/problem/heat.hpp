@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/contact/contact_heat.hpp>
 #include <impact/kernel/heat.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
@@ -19,6 +20,7 @@ struct HeatStep {
   const std::vector<double>* u_n = nullptr;
   const std::vector<double>* phi = nullptr; ///< local [node]; null without damage
   const std::vector<double>* phi_n = nullptr;
+  Vec displacement = nullptr; ///< u as the contacts read it; with motion
 };
 
 struct HeatOutcome {
@@ -29,9 +31,11 @@ struct HeatOutcome {
 class HeatProblem {
 public:
   /// Reads the row "theta" and the trial half of "history" of the table. With HeatForm::energy and motion
-  /// adds the row "stress", P of the motion solves at the points.
+  /// adds the row "stress", P of the motion solves at the points. `contacts`: null, or those that heat may
+  /// pass.
   HeatProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
-              const HeatScenario& settings, bool moves);
+              const HeatScenario& settings, bool moves,
+              const std::vector<ContactInterface>* contacts = nullptr);
 
   /// Evaluates sources, fluxes and convection at both ends of the step. Collective. Throws UserError(data).
   void begin(double t_n, double t);
@@ -46,6 +50,8 @@ public:
   /// Heat that each condition supplied in the solved step, through prescribed temperatures too: all ranks,
   /// per unit thickness.
   const std::vector<double>& supplied() const { return supplied_; }
+  /// What passed each of the contacts that pass heat, in their order: all ranks, per unit thickness.
+  const std::vector<ContactHeat::Heat>& contact_heat() const { return contact_heat_; }
   /// The same heat node by node over the temperature at t_{n+1}.
   double entropy_supplied() const { return entropy_supplied_; }
   /// Drops lagged factors. Collective.
@@ -67,6 +73,9 @@ private:
   };
 
   void find_regions();
+  void build_matrix();
+  void begin_contacts();
+  bool assemble_residual(const std::vector<double>& theta, Vec solution, Vec f);
   void evaluate_loads(double t, int end);
   template <class Body> bool for_each_batch(const std::vector<double>& theta, Body&& body);
   bool make_constant_part();
@@ -93,10 +102,13 @@ private:
   std::vector<double> supplied_, load_supplied_;
   std::vector<double> load_; ///< nodal heat of the loads at t_n and of the sources
   double entropy_supplied_ = 0;
+  double residual_tol_ = 0; ///< absolute, as the options say
   bool moves_, flows_;
+  std::vector<ContactHeat> contacts_;
+  std::vector<ContactHeat::Heat> contact_heat_;
   std::optional<SparseAssembly> assembly_;
   Handle<SNES> snes_;
-  Handle<Vec> solution_, residual_, diagonal_;
+  Handle<Vec> solution_, residual_, diagonal_, held_nodes_;
 };
 
 } // namespace impact

@@ -10,8 +10,8 @@
 ///                      solves really balanced, and the integrator's own loss add up to zero up to Newton's
 ///                      tolerance.
 ///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
-///   With heat: stored energy with the thermal one + what no equation of heat takes up (friction, the
-///   integrator's loss) - external work - heat supplied - start; rounding with HeatForm::energy.
+///   With heat: stored energy with the thermal one + what no equation of heat takes up (the integrator's
+///   loss) - external work - heat supplied - start; rounding with HeatForm::energy.
 /// Both relative to the largest energy or work so far. Plane problems: times the thickness.
 namespace impact {
 
@@ -42,6 +42,7 @@ public:
   /// Columns of the history file in the order of the option reference; names as in options/README.md.
   void append_energies(HistoryFile::Row& row) const;
   void append_reactions(HistoryFile::Row& row) const;
+  void append_contact_heat(HistoryFile::Row& row) const;
   void append_materials(HistoryFile::Row& row) const;
   double balance() const;
   double balance_first_law() const;
@@ -84,8 +85,10 @@ private:
   StateTable& state_;
   bool inertia_, moves_;
   double alpha_m_;
-  /// With heat: supplied by each condition since t = 0, entropy supplied, entropy at the start.
+  /// With heat: supplied by each condition since t = 0; conducted into the secondary side of each contact
+  /// that passes heat, and what came from outside the bodies there; entropy supplied, entropy at the start.
   StateRow* heat_ = nullptr;
+  std::vector<std::string> heat_contacts_; ///< their ids
   StateRow *totals_, *internal_, *external_, *contact_, *inertia_force_;
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;

@@ -89,6 +89,7 @@ struct CheckpointScenario {
 
 struct ContactScenario : ContactSettings {
   std::array<std::optional<Expression>, 3> rigid_u; ///< displacement of the rigid body over t
+  std::optional<Expression> temperature;            ///< of the rigid body over t
 };
 
 struct Scenario {
