@@ -112,9 +112,10 @@ TEST(ContactHeat, ConductsBetweenTheBodiesWithASymmetricTangent) {
 }
 
 TEST(ContactHeat, ConductsInSpaceToo) {
-  for (const MultiplierSpace space : {MultiplierSpace::standard, MultiplierSpace::dual}) {
-    ContactSettings s = conducting(ContactMethod::mortar);
-    s.multipliers = space;
+  ContactSettings standard = conducting(ContactMethod::mortar), dual = standard;
+  standard.multipliers = MultiplierSpace::standard;
+  dual.multipliers = MultiplierSpace::dual;
+  for (const ContactSettings& s : {standard, dual, conducting(ContactMethod::gauss_points)}) {
     BrickRig rig(PETSC_COMM_WORLD, run_test::fresh_dir("contact_heat"), {}, s);
     const Handle<Vec> u = rig.at(crush_bricks);
     expect_conduction(rig, u);
