@@ -22,6 +22,13 @@ Options alpha2(Options more) {
   return more;
 }
 
+// Changes that give the beam damage, and more of them.
+Options damaged(Options more) {
+  more.insert(
+      {{"-material_beam_damage", "at2"}, {"-material_beam_Gc", "5 kN/m"}, {"-material_beam_gamma", "1 mm"}});
+  return more;
+}
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> all = {
       {{{"-material_beam_Gcc", "1"}},
@@ -74,12 +81,48 @@ const std::vector<Row>& rows() {
       {{{"-material_beam_model", "rigid"}},
        ExitCode::usage,
        "-material_beam_E: has no meaning with -material_beam_model rigid; allowed: region, rho; remove it"},
-      {{{"-material_beam_split", "spectral"}},
+      {{{"-material_beam_split", "masonry"}},
        ExitCode::usage,
-       "-material_beam_split \"spectral\": not available; allowed: volumetric, none"},
-      {{{"-material_beam_damage", "at1"}},
+       "-material_beam_split \"masonry\": not available; allowed: volumetric, none, spectral"},
+      {{{"-material_beam_damage", "at3"}},
        ExitCode::usage,
-       "-material_beam_damage \"at1\": not available; allowed: none, at2; did you mean at2?"},
+       "-material_beam_damage \"at3\": not available; allowed: none, at2, at1; did you mean at2?"},
+      {damaged({{"-material_beam_split", "spectral"},
+                {"-material_beam_model", "j2"},
+                {"-material_beam_sigma_y", "1e8"}}),
+       ExitCode::usage,
+       "-material_beam_split \"spectral\": the return map wants one factor for the whole deviator, the split "
+       "has "
+       "two; allowed: -material_beam_model elastic; choose volumetric"},
+      {damaged({{"-material_beam_split", "spectral"},
+                {"-material_beam_model", "elastic"},
+                {"-material_beam_locking", "mean"}}),
+       ExitCode::usage,
+       "-material_beam_split \"spectral\": not available with -material_beam_locking, which shares the "
+       "volume "
+       "between points; allowed: none; choose volumetric"},
+      {damaged({{"-material_beam_split", "spectral"},
+                {"-material_beam_model", "elastic"},
+                {"-material_beam_nu", "-0.2"}}),
+       ExitCode::usage,
+       "-material_beam_split \"spectral\": with nu < 0 its tensile part can be negative; allowed: nu >= 0; "
+       "choose "
+       "volumetric"},
+      {damaged({{"-material_beam_damage", "at1"}, {"-damage_bounds", "clip"}}), ExitCode::usage,
+       "-damage_bounds: only the bounds of vi keep -material_beam_damage at1 from damage below 0; allowed: "
+       "vi"},
+      {damaged({{"-material_beam_ge", "ductile"},
+                {"-material_beam_model", "elastic"},
+                {"-material_beam_alpha_c", "0.1"}}),
+       ExitCode::usage,
+       "-material_beam_ge \"ductile\": nothing damages without plastic strain; allowed with "
+       "-material_beam_model "
+       "j2; choose quadratic or cubic"},
+      {damaged({{"-material_beam_ge", "ductile"}}), ExitCode::usage,
+       "-material_beam_alpha_c: missing; -material_beam_ge ductile needs it"},
+      {damaged({{"-material_beam_plastic_threshold", "1e6"}}), ExitCode::usage,
+       "-material_beam_plastic_threshold \"1e+06\": has no effect, plastic energy drives damage only with "
+       "-material_beam_gp ge; add it, or remove this"},
       {{{"-plane", "stress"}},
        ExitCode::usage,
        "-plane \"stress\": not available; allowed: strain, axisymmetric"},
