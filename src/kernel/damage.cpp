@@ -139,5 +139,9 @@ template int damage_tangent<Quad4, Frame::plane_strain>(const PointLaw&, const D
 template int damage_tangent<Quad4, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*, Batch*);
 template int damage_tangent<Tet4, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
 template int damage_tangent<Hex8, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_residual<Tri3, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Quad4, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_tangent<Tri3, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Quad4, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*, Batch*);
 
 } // namespace impact

@@ -1,5 +1,5 @@
 #pragma once
-#include "motion_point.hpp"
+#include "plane_stress.hpp"
 
 #include <impact/kernel/measure.hpp>
 
@@ -12,11 +12,12 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
     const Batch w = s.map[q].weight;
     const Kinematics<Batch, d> k = kinematics(s.H[q]);
     const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
-    const PointHistory<Batch, d> history = read_history<d>(law, in.history, q);
+    const PointHistory<Batch, d> history = read_history<frame>(law, in.history, q);
     Symmetric<Batch, d> e = left_strain(s.H[q]);
     if (law.flows()) e = e + push(k.F, history.A - identity<Batch, d>());
     const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
@@ -47,6 +48,7 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
     const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
@@ -74,6 +76,7 @@ void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
   constexpr int d = Cell::dim;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  read_thickness<Cell, frame>(in.history, s);
   Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();
   out.alpha = out.phi = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {

@@ -15,7 +15,8 @@ template <class Cell, Frame frame> struct CellState {
   Batch volume;                             ///< reference volume
   Batch volume_J;                           ///< J - 1 that p sees under `mean` and `fbar`
   Batch mean_p, mean_dp;                    ///< uniform p and dp/dJ of `mean`
-  PointMap<Cell, frame> centre;             ///< of the centroid, set under `fbar`
+  Batch start_33[frame == Frame::plane_stress ? Cell::points : 1]; ///< F_33 - 1 at t_n in plane stress
+  PointMap<Cell, frame> centre;                                    ///< of the centroid, set under `fbar`
   Tensor<Batch, Cell::dim> centre_H;
 };
 
@@ -67,10 +68,11 @@ inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const B
   }
 }
 
-template <int dim>
-inline PointHistory<Batch, dim> read_history(const PointLaw& law, const Batch* history, int q) {
+template <Frame frame>
+inline PointHistory<Batch, dimension(frame)> read_history(const PointLaw& law, const Batch* history, int q) {
+  constexpr int dim = dimension(frame);
   if (!law.flows() || !history) return virgin_history<Batch, dim>();
-  const Batch* h = history + q * history_size(dim);
+  const Batch* h = history + q * history_size(frame);
   PointHistory<Batch, dim> p;
   for (int i = 0; i < symmetric_size(dim); ++i) p.A[i] = h[i];
   p.alpha = h[symmetric_size(dim)];
@@ -95,7 +97,7 @@ inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const Moti
   PointEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
   e.g = point_degradations<Cell>(law, in.phi, q);
-  e.flow = law.isochoric(s.H[q], e.k, read_history<Cell::dim>(law, in.history, q), e.g);
+  e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g);
   const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
   const Volumetric<Batch> v = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
   const bool mean = m.locking == Locking::mean;
@@ -122,6 +124,7 @@ inline Symmetric<Batch, Cell::dim> step_of_C(const CellState<Cell, frame>& s,
   Batch slope[d * d];
   reference_gradient<Cell, d>(t.dN[q], u_n, slope);
   Tensor<Batch, d> dH = mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], u_n);
+  if constexpr (frame == Frame::plane_stress) dH[4] = s.start_33[q];
   for (int i = 0; i < tensor_size(d); ++i) dH[i] = s.H[q][i] - dH[i];
   return right_increment(F, dH);
 }
