@@ -62,7 +62,7 @@ template <class Cell, Frame frame, bool tangent>
     const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi);
     const Vector<Batch, d> grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
     const Batch fatigue = in.fatigue ? in.fatigue[q] : Batch(0.0);
-    const Batch alpha = point_alpha<Cell>(law, in.history, q);
+    const Batch alpha = point_alpha<Cell, frame>(law, in.history, q);
     const Batch lambda = damage_viscosity(m, phi_n);
     // Both forms are w * inertia * (phi - phi_n) + w * scale * [Y, h]: the divided one multiplied by
     // dt/lambda.
@@ -145,5 +145,9 @@ template int damage_tangent<Quad4, Frame::plane_strain>(const PointLaw&, const D
 template int damage_tangent<Quad4, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*, Batch*);
 template int damage_tangent<Tet4, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
 template int damage_tangent<Hex8, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_residual<Tri3, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_residual<Quad4, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*);
+template int damage_tangent<Tri3, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+template int damage_tangent<Quad4, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*, Batch*);
 
 } // namespace impact

@@ -1,4 +1,4 @@
-#include "motion_point.hpp"
+#include "plane_stress.hpp"
 #include "scalar_cell.hpp"
 
 #include <impact/kernel/heat.hpp>
@@ -62,7 +62,9 @@ template <class Cell, Frame frame> struct EndOfStep {
             const Batch* nodal_theta, const Batch* point_history)
       : moved(u != nullptr), phi(nodal_phi), theta(nodal_theta), history(point_history) {
     cell.volume_J = Batch(0.0);
-    if (moved) prepare<Cell, frame>(law, X, u, nullptr, nullptr, cell);
+    if (!moved) return;
+    prepare<Cell, frame>(law, X, u, nullptr, nullptr, cell);
+    read_thickness<Cell, frame>(point_history, cell);
   }
   /// J - 1 that the volumetric stress sees.
   Batch volume(const PointLaw& law, int q) const {
@@ -78,7 +80,7 @@ template <class Cell, Frame frame> struct EndOfStep {
     Tensor<Batch, d> inverse_F = unit_tensor<d>();
     if (moved) {
       const Kinematics<Batch, d> k = kinematics(cell.H[q]);
-      const PointHistory<Batch, d> A = read_history<d>(law, history, q);
+      const PointHistory<Batch, d> A = read_history<frame>(law, history, q);
       Symmetric<Batch, d> e = left_strain(cell.H[q]);
       if (law.flows()) e = e + push(k.F, A.A - identity<Batch, d>());
       const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
@@ -118,8 +120,8 @@ template <class Cell, Frame frame>
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> X;
     point_geometry<Cell, frame>(in.X, q, X);
-    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q),
-                              g_n = point_degradations<Cell>(law, in.phi_n, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q),
+                              g_n = point_degradations<Cell, frame>(law, in.phi_n, q);
     const Batch theta_n = interpolate<Cell>(in.theta_n, q);
     const Batch volume = now.volume(law, q);
     const Batch Je_n = elastic_volume(m, before.volume(law, q), theta_n),
@@ -189,7 +191,7 @@ template <class Cell, Frame frame, bool tangent>
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> X;
     point_geometry<Cell, frame>(in.X, q, X);
-    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q);
     const Batch theta = interpolate<Cell>(in.theta, q), theta_n = interpolate<Cell>(in.theta_n, q);
     bad |= bits(~(theta > Batch(0.0)));
     const Batch Je = elastic_volume(m, points[q * heat_point_size], theta), g_v = volume_degradation(g, Je);
@@ -217,7 +219,9 @@ template <class Cell, Frame frame, bool tangent>
     Batch J = Batch(1.0);
     const bool moved = in.u && m.conduction == Conduction::spatial;
     if (moved) {
-      const Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(X, in.u);
+      Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(X, in.u);
+      if constexpr (frame == Frame::plane_stress)
+        H[4] = in.history[q * history_size(frame) + history_size(frame) - 1];
       J += detm1(H);
       inverse_F = inverse(plus_identity(H), J);
     }
@@ -306,5 +310,17 @@ template int heat_residual<Hex8, Frame::solid>(const PointLaw&, const HeatInput&
 template int heat_tangent<Hex8, Frame::solid>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
                                               Batch*);
 template void heat_source<Hex8, Frame::solid>(const Batch*, const Batch*, Batch*, Batch&);
+template int heat_step<Tri3, Frame::plane_stress>(const PointLaw&, const HeatInput&, Batch*, Batch*);
+template int heat_residual<Tri3, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*,
+                                                      Batch*);
+template int heat_tangent<Tri3, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
+                                                     Batch*);
+template void heat_source<Tri3, Frame::plane_stress>(const Batch*, const Batch*, Batch*, Batch&);
+template int heat_step<Quad4, Frame::plane_stress>(const PointLaw&, const HeatInput&, Batch*, Batch*);
+template int heat_residual<Quad4, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*,
+                                                       Batch*);
+template int heat_tangent<Quad4, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
+                                                      Batch*);
+template void heat_source<Quad4, Frame::plane_stress>(const Batch*, const Batch*, Batch*, Batch&);
 
 } // namespace impact

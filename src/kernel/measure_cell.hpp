@@ -1,5 +1,5 @@
 #pragma once
-#include "motion_point.hpp"
+#include "plane_stress.hpp"
 
 #include <impact/kernel/measure.hpp>
 
@@ -12,11 +12,12 @@ template <class Cell, Frame frame, bool spectral>
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
     const Batch w = s.map[q].weight;
     const Kinematics<Batch, d> k = kinematics(s.H[q]);
-    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q, in.history);
-    const PointHistory<Batch, d> history = read_history<d>(law, in.history, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
+    const PointHistory<Batch, d> history = read_history<frame>(law, in.history, q);
     Symmetric<Batch, d> e = left_strain(s.H[q]);
     if (law.flows()) e = e + push(k.F, history.A - identity<Batch, d>());
     const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
@@ -60,8 +61,9 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
-    const Degradations<Batch> g = point_degradations<Cell>(law, in.phi, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q);
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
     const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g), theta = interpolate<Cell>(in.theta, q);
@@ -84,7 +86,7 @@ void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, c
 
 template <class Cell, Frame frame>
 void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch& sum) {
-  constexpr int alpha = symmetric_size(Cell::dim), size = history_size(Cell::dim);
+  constexpr int alpha = symmetric_size(Cell::dim), size = history_size(frame);
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> g;
     point_geometry<Cell, frame>(in.X, q, g);
@@ -102,6 +104,7 @@ void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
   constexpr int d = Cell::dim;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  read_thickness<Cell, frame>(in.history, s);
   Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();
   out.alpha = out.phi = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {

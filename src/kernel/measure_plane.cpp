@@ -32,5 +32,19 @@ template void damage_dissipation<Quad4, Frame::axisymmetric>(const PointLaw&, co
 template void plastic_exchange<Quad4, Frame::axisymmetric>(const PointLaw&, const ExchangeInput&, Batch&);
 template void cell_output<Quad4, Frame::axisymmetric>(const PointLaw&, const MotionInput&, CellOutput&);
 template void mass_matrix<Quad4, Frame::axisymmetric>(const PointLaw&, const Batch*, Batch*);
+template void stored_energy<Tri3, Frame::plane_stress>(const PointLaw&, const EnergyInput&, EnergySums&);
+template void stored_heat<Tri3, Frame::plane_stress>(const PointLaw&, const EnergyInput&, HeatSums&);
+template void damage_dissipation<Tri3, Frame::plane_stress>(const PointLaw&, const Batch*, const Batch*,
+                                                            const Batch*, double, Batch&);
+template void plastic_exchange<Tri3, Frame::plane_stress>(const PointLaw&, const ExchangeInput&, Batch&);
+template void cell_output<Tri3, Frame::plane_stress>(const PointLaw&, const MotionInput&, CellOutput&);
+template void mass_matrix<Tri3, Frame::plane_stress>(const PointLaw&, const Batch*, Batch*);
+template void stored_energy<Quad4, Frame::plane_stress>(const PointLaw&, const EnergyInput&, EnergySums&);
+template void stored_heat<Quad4, Frame::plane_stress>(const PointLaw&, const EnergyInput&, HeatSums&);
+template void damage_dissipation<Quad4, Frame::plane_stress>(const PointLaw&, const Batch*, const Batch*,
+                                                             const Batch*, double, Batch&);
+template void plastic_exchange<Quad4, Frame::plane_stress>(const PointLaw&, const ExchangeInput&, Batch&);
+template void cell_output<Quad4, Frame::plane_stress>(const PointLaw&, const MotionInput&, CellOutput&);
+template void mass_matrix<Quad4, Frame::plane_stress>(const PointLaw&, const Batch*, Batch*);
 
 } // namespace impact

@@ -1,6 +1,7 @@
 #pragma once
 #include "motion_point.hpp"
 #include "motion_terms.hpp"
+#include "plane_stress.hpp"
 
 #include <impact/material/modulus.hpp>
 
@@ -160,7 +161,8 @@ inline Modulus<Batch, gradient_size(frame)>
 modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cell::dim>& e,
            const Symmetric<Batch, Cell::dim>* tau_extra, const Vector<Batch, Cell::dim>& h,
            const Tensor<Batch, Cell::dim>& H, int q) {
-  constexpr int n = gradient_size(frame);
+  constexpr bool sheet = frame == Frame::plane_stress;
+  constexpr int n = sheet ? 5 : gradient_size(frame);
   const MaterialParameters& m = law.parameters;
   const bool fbar = m.locking == Locking::fbar;
   const Batch J = e.k.J, dpJ2 = m.locking == Locking::none ? e.dp * (J * J) : Batch(0.0);
@@ -173,7 +175,7 @@ modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cel
              false,      {},         {},         {}};
   }
   Modulus<Batch, n> a = assemble_modulus<n>(parts);
-  if constexpr (spectral) {
+  if constexpr (spectral && !sheet) { // no option leads to a sheet with this split
     const auto law_part = spectral_modulus<frame>(m, H, point_thermal_volume<Cell>(law, in.theta, q), e.g);
     for (int I = 0; I < n; ++I)
       for (int K = 0; K < n; ++K) a.c[I][K] += law_part.c[I][K];
@@ -184,7 +186,10 @@ modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cel
     for (int i = 0; i < 3; ++i) B[i] += Batch(1.0);
     add_viscous(a, 2 / in.dt, B, viscosity(m, e.g));
   }
-  return a;
+  if constexpr (sheet)
+    return condensed(a);
+  else
+    return a;
 }
 
 /// The blocks below the diagonal from those above.
@@ -256,6 +261,7 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  status.bad |= find_thickness<Cell, frame>(law, in, s);
 
   Fluxes<Cell, frame> fluxes;
   VolumeCoupling<Cell, frame> coupling;
@@ -331,10 +337,11 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  status.bad |= find_thickness<Cell, frame>(law, in, s);
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
     note(status, e);
-    const PointHistory<Batch, d> old = read_history<d>(law, in.history, q);
+    const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
     const Batch z_trial = e.flow.y - Batch(1.0);
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
@@ -345,8 +352,10 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
       energy.minus = split.minus;
     }
     if (trial_history) {
-      for (int i = 0; i < symmetric_size(d); ++i) trial_history[q * history_size(d) + i] = now.A[i];
-      trial_history[q * history_size(d) + symmetric_size(d)] = now.alpha;
+      Batch* h = trial_history + q * history_size(frame);
+      for (int i = 0; i < symmetric_size(d); ++i) h[i] = now.A[i];
+      h[symmetric_size(d)] = now.alpha;
+      if constexpr (frame == Frame::plane_stress) h[symmetric_size(d) + 1] = s.H[q][4];
     }
     if (drive) {
       drive[q * drive_size] = energy.plus;
@@ -401,14 +410,15 @@ template <class Cell, Frame frame>
 
 template <class Cell, Frame frame>
 CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
-  return with_terms(terms_of(law, in),
-                    [&](auto terms) { return motion_with<Cell, frame, false, terms>(law, in, r, nullptr); });
+  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
+    return motion_with<Cell, frame, false, terms>(law, in, r, nullptr);
+  });
 }
 
 template <class Cell, Frame frame>
 CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
-  return with_terms(terms_of(law, in),
-                    [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
+  return with_terms<frame>(terms_of(law, in),
+                           [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
 }
 
 template <class Cell, Frame frame>
@@ -416,7 +426,7 @@ CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* tri
                           StepSums& sums, const HeatFeed& heat) {
   if (heat.dissipation || heat.stress)
     return advance_for_heat<Cell, frame>(law, in, trial_history, drive, sums, heat);
-  return with_terms(terms_of(law, in), [&](auto terms) {
+  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
     return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
   });
 }

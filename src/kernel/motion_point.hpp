@@ -15,21 +15,23 @@ template <class Cell, Frame frame> struct CellState {
   Batch volume;                             ///< reference volume
   Batch volume_J;                           ///< J - 1 that p sees under `mean` and `fbar`
   Batch mean_p, mean_dp;                    ///< uniform p and dp/dJ of `mean`
-  PointMap<Cell, frame> centre;             ///< of the centroid, set under `fbar`
+  Batch start_33[frame == Frame::plane_stress ? Cell::points : 1]; ///< F_33 - 1 at t_n in plane stress
+  PointMap<Cell, frame> centre;                                    ///< of the centroid, set under `fbar`
   Tensor<Batch, Cell::dim> centre_H;
 };
 
 /// alpha of the point that a ductile degradation looks at; history [point][history_size] or nullptr.
-template <class Cell> inline Batch point_alpha(const PointLaw& law, const Batch* history, int q) {
+template <class Cell, Frame frame>
+inline Batch point_alpha(const PointLaw& law, const Batch* history, int q) {
   if (!is_ductile(law.parameters) || !history) return Batch(0.0);
-  return history[q * history_size(Cell::dim) + symmetric_size(Cell::dim)];
+  return history[q * history_size(frame) + symmetric_size(Cell::dim)];
 }
 
-template <class Cell>
+template <class Cell, Frame frame>
 inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* phi, int q,
                                               const Batch* history = nullptr) {
   return degradations(law.parameters, phi ? interpolate<Cell>(phi, q) : Batch(0.0),
-                      point_alpha<Cell>(law, history, q));
+                      point_alpha<Cell, frame>(law, history, q));
 }
 
 template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
@@ -60,7 +62,7 @@ inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const B
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {
       const Volumetric<Batch> v = law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
-                                               point_degradations<Cell>(law, phi, q, history));
+                                               point_degradations<Cell, frame>(law, phi, q, history));
       s.mean_p += s.map[q].weight * v.p;
       s.mean_dp += s.map[q].weight * v.dp;
     }
@@ -75,10 +77,11 @@ inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const B
   }
 }
 
-template <int dim>
-inline PointHistory<Batch, dim> read_history(const PointLaw& law, const Batch* history, int q) {
+template <Frame frame>
+inline PointHistory<Batch, dimension(frame)> read_history(const PointLaw& law, const Batch* history, int q) {
+  constexpr int dim = dimension(frame);
   if (!law.flows() || !history) return virgin_history<Batch, dim>();
-  const Batch* h = history + q * history_size(dim);
+  const Batch* h = history + q * history_size(frame);
   PointHistory<Batch, dim> p;
   for (int i = 0; i < symmetric_size(dim); ++i) p.A[i] = h[i];
   p.alpha = h[symmetric_size(dim)];
@@ -110,8 +113,8 @@ inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const Moti
   const MaterialParameters& m = law.parameters;
   PointEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
-  e.g = point_degradations<Cell>(law, in.phi, q, in.history);
-  e.flow = law.isochoric(s.H[q], e.k, read_history<Cell::dim>(law, in.history, q), e.g);
+  e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
+  e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g);
   const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
   const Volumetric<Batch> v = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
   const bool mean = m.locking == Locking::mean;
@@ -142,6 +145,7 @@ inline Symmetric<Batch, Cell::dim> step_of_C(const CellState<Cell, frame>& s,
   Batch slope[d * d];
   reference_gradient<Cell, d>(t.dN[q], u_n, slope);
   Tensor<Batch, d> dH = mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], u_n);
+  if constexpr (frame == Frame::plane_stress) dH[4] = s.start_33[q];
   for (int i = 0; i < tensor_size(d); ++i) dH[i] = s.H[q][i] - dH[i];
   return right_increment(F, dH);
 }

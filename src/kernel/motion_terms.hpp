@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/kernel/motion.hpp>
 #include <type_traits>
+#include <utility>
 
 /// Which terms of the law a kernel is compiled for.
 namespace impact {
@@ -52,6 +53,14 @@ template <class F> decltype(auto) with_terms(Terms terms, F&& f) {
   default:
     return f(std::integral_constant<Terms, Terms::all>{});
   }
+}
+
+/// The same; sheets have one kernel for all laws.
+template <Frame frame, class F> decltype(auto) with_terms(Terms terms, F&& f) {
+  if constexpr (frame == Frame::plane_stress)
+    return f(std::integral_constant<Terms, Terms::all>{});
+  else
+    return with_terms(terms, std::forward<F>(f));
 }
 
 } // namespace impact

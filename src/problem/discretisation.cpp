@@ -79,22 +79,30 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
 
 } // namespace
 
-Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
+Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, Frame plane,
                           double thickness) {
   const int dim = mesh.dim();
-  if (axisymmetric && dim != 2)
-    throw UserError(ExitCode::data,
-                    "-plane axisymmetric: the mesh is 3D; axisymmetric runs want a 2D mesh (x = R, y = Z)");
+  if (plane != Frame::plane_strain && dim != 2)
+    throw UserError(ExitCode::data, plane == Frame::axisymmetric
+                                        ? "-plane axisymmetric: the mesh is 3D; axisymmetric runs want a 2D "
+                                          "mesh (x = R, y = Z)"
+                                        : "-plane stress: the mesh is 3D; sheets want a 2D mesh");
   FieldLayout displacement(mesh, "u", dim), scalar(mesh, "phi", 1);
   std::vector<CellGroup> groups = pack_cells(mesh, materials_of_cells(mesh, materials));
-  const Frame frame = dim == 3 ? Frame::solid : axisymmetric ? Frame::axisymmetric : Frame::plane_strain;
+  const Frame frame = dim == 3 ? Frame::solid : plane;
   return {std::move(mesh),
           std::move(displacement),
           std::move(scalar),
           std::move(materials),
           std::move(groups),
           frame,
-          dim == 2 && !axisymmetric ? thickness : 1.0};
+          is_flat(frame) ? thickness : 1.0};
+}
+
+Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
+                          double thickness) {
+  return discretise(std::move(mesh), std::move(materials),
+                    axisymmetric ? Frame::axisymmetric : Frame::plane_strain, thickness);
 }
 
 void declare_state(const Discretisation& d, StateTable& table) {
@@ -119,7 +127,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
     drive += point_values(group, drive_size);
   }
   StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
-  // The virgin state: A = 1, alpha = 0.
+  // The virgin state: A = 1, the rest 0.
   const auto components = static_cast<std::size_t>(history_size(d.frame));
   for (std::size_t i = 0; i < rows.committed.size(); ++i)
     rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));

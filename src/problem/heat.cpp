@@ -231,7 +231,7 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
         if (step_.phi) in.phi = phi.data(), in.phi_n = phi_n.data();
         in.theta = now.data();
         in.theta_n = before.data();
-        if (energy && flows_) {
+        if ((energy && flows_) || (step_.u && d_.frame == Frame::plane_stress)) {
           A.load(history.trial, history_offset_[g], b);
           A_n.load(history.committed, history_offset_[g], b);
           in.history = A.data();

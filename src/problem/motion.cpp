@@ -186,7 +186,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           accel,
           step_.phi,
           law.parameters.alpha_t != 0 ? step_.theta : nullptr,
-          law.flows() ? &state_.row("history").committed : nullptr,
+          keeps_history(law) ? &state_.row("history").committed : nullptr,
           step_.dt};
 }
 
@@ -350,10 +350,10 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
         const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
                             heat.stress ? stress.data() : nullptr};
         const CellStatus status = motion_advance<Cell, frame>(
-            law, batch.in, law.flows() ? next.data() : nullptr, driving.data(), step_sums, feed);
+            law, batch.in, keeps_history(law) ? next.data() : nullptr, driving.data(), step_sums, feed);
         const int used = group.lanes_in_use(b);
         sound = sound && (status.bad & ((1 << used) - 1)) == 0;
-        if (law.flows()) next.store(history.trial, history_offset_[g], b);
+        if (keeps_history(law)) next.store(history.trial, history_offset_[g], b);
         driving.store(drive.trial, drive_offset_[g], b);
         if (heat.dissipation) dissipation.store(*heat.dissipation, dissipation_offset_[g], b);
         if (heat.stress) stress.store(*heat.stress, stress_offset_[g], b);

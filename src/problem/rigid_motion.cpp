@@ -19,7 +19,7 @@ void rigid_modes(Frame frame, const double* x, int k, double* mode) {
     return;
   }
   mode[k] = 1;
-  if (frame == Frame::plane_strain) {
+  if (is_flat(frame)) {
     mode[2] = k == 0 ? -x[1] : x[0];
     return;
   }

@@ -149,7 +149,8 @@ void Ledger::find_extremes(bool trial) {
   const StateRow& row = state_.row("history");
   const std::vector<double>& history = trial ? row.trial : row.committed;
   const auto components = static_cast<std::size_t>(history_size(d.frame));
-  for (std::size_t i = (components - 1) * lanes; i < history.size(); i += components * lanes)
+  const auto of_alpha = static_cast<std::size_t>(symmetric_size(d.dim()));
+  for (std::size_t i = of_alpha * lanes; i < history.size(); i += components * lanes)
     for (std::size_t l = 0; l < lanes; ++l) extremes[1] = std::max(extremes[1], history[i + l]);
   if (const StateRow* theta = state_.find("theta"))
     for (double value : trial ? theta->trial : theta->committed) extremes[2] = std::max(extremes[2], value);

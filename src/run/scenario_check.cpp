@@ -216,6 +216,8 @@ void check_split(const Scenario& scenario, const MaterialScenario& material) {
          "locking, which shares the volume between points; allowed: none" + remedy);
   if (scenario.has_heat() && law.c_v != 0)
     fail(key + "the heat balance does not know its entropy; allowed: runs without heat" + remedy);
+  if (scenario.plane == PlaneMode::stress)
+    fail(key + "not available with -plane stress; allowed: strain, axisymmetric, or meshes in space" + remedy);
   if (3 * law.K < 2 * law.G)
     fail(key + "with nu < 0 its tensile part can be negative; allowed: nu >= 0" + remedy);
 }
@@ -243,6 +245,23 @@ void check_damage(const Scenario& scenario) {
            "\": has no effect, plastic energy drives damage only with " + prefix +
            "gp ge; add it, or remove this");
   }
+}
+
+std::string plane_name(PlaneMode plane) {
+  return plane == PlaneMode::axisymmetric ? "axisymmetric" : plane == PlaneMode::stress ? "stress" : "strain";
+}
+
+void check_plane_stress(const Scenario& scenario) {
+  if (scenario.plane != PlaneMode::stress) return;
+  if (scenario.time.type == "alpha2")
+    fail("-plane \"stress\": not available; -ts_type alpha2 keeps no thickness; allowed: strain, "
+         "axisymmetric; or "
+         "choose -ts_type newmark");
+  for (const MaterialScenario& material : scenario.materials)
+    if (!material.locking_automatic && material.law.locking != Locking::none)
+      fail("-material_" + material.law.id + "_locking \"" +
+           (material.law.locking == Locking::mean ? "mean" : "fbar") +
+           "\": has no meaning with -plane stress, where the volume is free; allowed: auto, none");
 }
 
 void check_checkpoints(const Scenario& scenario) {
@@ -395,8 +414,10 @@ void complete(Scenario& scenario) {
 void check_scenario(const Scenario& scenario) {
   check_time(scenario.time);
   check_materials(scenario);
-  if (scenario.dim == 3 && scenario.plane == PlaneMode::axisymmetric)
-    fail("-plane \"axisymmetric\": the problem has three dimensions; allowed with -dim 2");
+  if (scenario.dim == 3 && scenario.plane != PlaneMode::strain)
+    fail("-plane \"" + plane_name(scenario.plane) +
+         "\": the problem has three dimensions; allowed with -dim 2");
+  check_plane_stress(scenario);
   for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
   check_heat(scenario);
   for (const ContactScenario& contact : scenario.contacts) {
@@ -415,8 +436,9 @@ void check_groups(const Scenario& scenario, const std::vector<Group>& groups, in
   if (scenario.dim != 0 && scenario.dim != dim)
     GroupCheck::data("-dim \"" + std::to_string(scenario.dim) + "\": the mesh has dimension " +
                      std::to_string(dim) + "; allowed: its dimension, or leave it out");
-  if (dim == 3 && scenario.plane == PlaneMode::axisymmetric)
-    GroupCheck::data("-plane \"axisymmetric\": the mesh has dimension 3; allowed: plane meshes");
+  if (dim == 3 && scenario.plane != PlaneMode::strain)
+    GroupCheck::data("-plane \"" + plane_name(scenario.plane) +
+                     "\": the mesh has dimension 3; allowed: plane meshes");
   const GroupCheck check(groups, dim);
   for (const MaterialScenario& material : scenario.materials)
     for (const std::string& region : material.regions)

@@ -23,9 +23,14 @@ OptionGroup general_group() {
                                           {"mm_t_s_MPa", *unit_system("mm_t_s_MPa")},
                                           {"mm_kg_ms_GPa", *unit_system("mm_kg_ms_GPa")}}),
           count_row<Global>("dim", &Scenario::dim, {"expected dimension of the mesh", "from the mesh"}, 2, 3),
-          choice_row<Global, PlaneMode>(
-              "plane", &Scenario::plane, {"kind of a 2D problem; axisymmetric: x is the radius", "strain"},
-              {{"strain", PlaneMode::strain}, {"axisymmetric", PlaneMode::axisymmetric}}),
+          choice_row<Global, PlaneMode>("plane", &Scenario::plane,
+                                        {"kind of a 2D problem: a body that cannot expand along z, a sheet "
+                                         "that may, or a ring, where x "
+                                         "is the radius",
+                                         "strain"},
+                                        {{"strain", PlaneMode::strain},
+                                         {"stress", PlaneMode::stress},
+                                         {"axisymmetric", PlaneMode::axisymmetric}}),
           list_row<Global>("physics", &Scenario::physics,
                            {"balances that are solved; of what is left out, options and conditions have no "
                             "effect, and without motion bodies stay where they are",

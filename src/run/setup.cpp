@@ -29,7 +29,8 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s) {
   std::vector<MaterialAssignment> materials;
   for (const MaterialScenario& m : s.materials) {
     MaterialParameters p = m.law;
-    if (m.locking_automatic) p.locking = p.model == Model::j2 ? Locking::mean : Locking::none;
+    if (m.locking_automatic)
+      p.locking = p.model == Model::j2 && s.plane != PlaneMode::stress ? Locking::mean : Locking::none;
     // Physics that is switched off leaves no trace in the law. A body that is not moved expands freely.
     if (!s.has_damage()) p.damage = Damage::none;
     if (!s.has_heat()) p.c_v = 0;
@@ -93,9 +94,14 @@ std::vector<BoundaryCondition> conditions_at_work(const Scenario& s) {
   return conditions;
 }
 
+Frame frame_of(PlaneMode plane) {
+  return plane == PlaneMode::axisymmetric ? Frame::axisymmetric
+         : plane == PlaneMode::stress     ? Frame::plane_stress
+                                          : Frame::plane_strain;
+}
+
 std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s) {
-  Discretisation d =
-      discretise(std::move(mesh), assign_materials(s), s.plane == PlaneMode::axisymmetric, s.thickness);
+  Discretisation d = discretise(std::move(mesh), assign_materials(s), frame_of(s.plane), s.thickness);
   std::vector<BoundaryCondition> conditions = conditions_at_work(s);
   RigidBodies rigid(d, conditions, s.time.max_time);
   BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node());

@@ -206,7 +206,7 @@ T energy(const MaterialParameters& m, const CellCase<Cell, frame>& c, const std:
 template <class Cell, Frame frame> struct CellBatch {
   using Case = CellCase<Cell, frame>;
   static constexpr int dim = Cell::dim, nodes = Cell::nodes, dofs = nodes * dim,
-                       history_components = impact::history_size(dim);
+                       history_components = impact::history_size(frame);
   impact::Batch X[dofs], u[dofs], u_n[dofs], accel[dofs], phi[nodes], theta[nodes];
   impact::Batch history[Cell::points * history_components];
 
@@ -223,7 +223,9 @@ template <class Cell, Frame frame> struct CellBatch {
       for (int q = 0; q < Cell::points; ++q) {
         for (int i = 0; i < impact::symmetric_size(dim); ++i)
           history[q * history_components + i].set(l, c.history[q].A[i]);
-        history[q * history_components + history_components - 1].set(l, c.history[q].alpha);
+        history[q * history_components + impact::symmetric_size(dim)].set(l, c.history[q].alpha);
+        if constexpr (frame == Frame::plane_stress) // F_33 - 1
+          history[q * history_components + history_components - 1].set(l, 1e-3 * (q - 1));
       }
     }
   }

@@ -22,14 +22,15 @@ enum class HeatForm { entropy, energy };
 inline constexpr int heat_point_size = 2;
 
 struct HeatInput {
-  const Batch* X = nullptr;           ///< [node][dim] reference coordinates
-  const Batch* u = nullptr;           ///< [node][dim] accepted displacement at t_{n+1}, or nullptr (= 0)
-  const Batch* u_n = nullptr;         ///< [node][dim] at t_n; with u
-  const Batch* phi = nullptr;         ///< [node] at t_{n+1}, or nullptr (= 0)
-  const Batch* phi_n = nullptr;       ///< [node] at t_n; with phi
-  const Batch* theta = nullptr;       ///< [node] the iterate
-  const Batch* theta_n = nullptr;     ///< [node] at t_n
-  const Batch* history = nullptr;     ///< [point][history_size] at t_{n+1}; energy form of laws that flow
+  const Batch* X = nullptr;       ///< [node][dim] reference coordinates
+  const Batch* u = nullptr;       ///< [node][dim] accepted displacement at t_{n+1}, or nullptr (= 0)
+  const Batch* u_n = nullptr;     ///< [node][dim] at t_n; with u
+  const Batch* phi = nullptr;     ///< [node] at t_{n+1}, or nullptr (= 0)
+  const Batch* phi_n = nullptr;   ///< [node] at t_n; with phi
+  const Batch* theta = nullptr;   ///< [node] the iterate
+  const Batch* theta_n = nullptr; ///< [node] at t_n
+  const Batch* history = nullptr; ///< [point][history_size] at t_{n+1}; of moved laws that flow in the energy
+                                  ///< form, and in plane stress
   const Batch* history_n = nullptr;   ///< at t_n
   const Batch* dissipation = nullptr; ///< [point] of the step, see motion_advance; nullptr = none
   const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u

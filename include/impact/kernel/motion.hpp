@@ -21,8 +21,9 @@ struct MotionInput {
   const Batch* phi = nullptr;   ///< [node] frozen damage of this pass, or nullptr (= 0)
   const Batch* theta = nullptr; ///< [node] temperature, or nullptr (= theta0)
   const Batch* history =
-      nullptr;            ///< [point][history_size] committed history; may be nullptr for Model::elastic
-  double dt = 1;          ///< step of S_d = 2 b_d (C - C_n)/dt
+      nullptr;   ///< [point][history_size] committed history; may be nullptr for Model::elastic (in plane
+                 ///< stress F_33 is then looked for from 1, and the viscous stress is wrong)
+  double dt = 1; ///< step of S_d = 2 b_d (C - C_n)/dt
   double mass_shift = 0;  ///< tangent += mass_shift rho N_a N_b delta_ik
   bool symmetric = false; ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
 };
@@ -56,8 +57,8 @@ template <class Cell, Frame frame>
 CellStatus motion_tangent(const PointLaw&, const MotionInput&, Batch* r, Batch* K);
 
 /// Evaluates the law at the accepted u: writes trial_history [point][history_size] and drive
-/// [point][drive_size] and adds to the step sums. trial_history may be nullptr for Model::elastic; it must
-/// not alias in.history. What heat asks for is written where it is not nullptr.
+/// [point][drive_size] and adds to the step sums. trial_history may be nullptr for Model::elastic but in
+/// plane stress; it must not alias in.history. What heat asks for is written where it is not nullptr.
 template <class Cell, Frame frame>
 CellStatus motion_advance(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive, StepSums&,
                           const HeatFeed& heat = {});

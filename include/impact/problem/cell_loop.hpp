@@ -11,9 +11,11 @@ namespace impact {
 template <class Body> void with_shape(const CellGroup& group, Frame frame, Body&& body) {
   switch (group.shape) {
   case Shape::tri3:
+    if (frame == Frame::plane_stress) return body.template operator()<Tri3, Frame::plane_stress>();
     return frame == Frame::axisymmetric ? body.template operator()<Tri3, Frame::axisymmetric>()
                                         : body.template operator()<Tri3, Frame::plane_strain>();
   case Shape::quad4:
+    if (frame == Frame::plane_stress) return body.template operator()<Quad4, Frame::plane_stress>();
     return frame == Frame::axisymmetric ? body.template operator()<Quad4, Frame::axisymmetric>()
                                         : body.template operator()<Quad4, Frame::plane_strain>();
   case Shape::tet4:

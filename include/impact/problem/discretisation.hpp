@@ -41,6 +41,9 @@ struct Discretisation {
 };
 
 /// Throws UserError(data) when a region is unknown, a cell has no material or two. Collective.
+/// `plane`: of a 2D mesh; a 3D one wants plane_strain, which is passed over.
+Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, Frame plane,
+                          double thickness);
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
                           double thickness);
 

@@ -115,6 +115,8 @@ public:
   double mass_shift_of_last_tangent() const { return last_mass_shift_; }
 
 private:
+  /// Whether its points have a history: what flows, and the thickness of sheets.
+  bool keeps_history(const PointLaw& law) const { return law.flows() || d_.frame == Frame::plane_stress; }
   MotionFields step_fields(const std::vector<double>& u, const std::vector<double>* accel,
                            const PointLaw& law) const;
   bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, std::vector<double>& r);

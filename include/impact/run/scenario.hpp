@@ -17,7 +17,7 @@ namespace impact {
 
 struct Group;
 
-enum class PlaneMode { strain, axisymmetric }; ///< `stress` comes with the plane-stress law
+enum class PlaneMode { strain, stress, axisymmetric };
 
 /// A number of the user's (`-param_v0`), in run units, a name in every expression.
 struct ParameterScenario {
