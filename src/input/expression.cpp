@@ -1,9 +1,9 @@
+#include "language.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/input/expression.hpp>
 #include <impact/input/units.hpp>
 #include <impact/petsc/error.hpp>
-#include <muParser.h>
 #include <sstream>
 #include <stdexcept>
 
@@ -17,17 +17,12 @@ double ramp(double t, double t0, double t1) {
 }
 double step(double t, double t0) { return t < t0 ? 0. : 1.; }
 double pulse(double t, double t0, double t1) { return t >= t0 && t < t1 ? 1. : 0.; }
-double look_up(void* table, double t) { return (*static_cast<const LinearTable*>(table))(t); }
-
-/// The language without the user's names. muParser's `_pi` and `_e` go, ours have no underscore.
-void define_language(mu::Parser& parser) {
-  parser.ClearConst();
-  parser.DefineConst("pi", 3.14159265358979323846);
-  parser.DefineConst("e", 2.71828182845904523536);
-  parser.DefineFun("ramp", ramp);
-  parser.DefineFun("step", step);
-  parser.DefineFun("pulse", pulse);
+/// 0 at the start, 1 in the middle and 0 at the end of each period, linear in between.
+double cycle(double t, double period) {
+  const double turns = t / period, part = turns - std::floor(turns);
+  return 1 - std::abs(2 * part - 1);
 }
+double look_up(void* table, double t) { return (*static_cast<const LinearTable*>(table))(t); }
 
 /// Position of an assignment `=` (not == <= >= !=); npos when there is none.
 std::size_t assignment(const std::string& text) {
@@ -52,21 +47,38 @@ std::string known_names(const ExpressionContext& context) {
 
 std::string quoted(const std::string& key, const std::string& text) { return key + " \"" + text + "\""; }
 
-[[noreturn]] void refuse(const std::string& key, const std::string& text, const std::string& reason) {
+} // namespace
+
+void define_language(mu::Parser& parser) {
+  parser.ClearConst();
+  parser.DefineConst("pi", 3.14159265358979323846);
+  parser.DefineConst("e", 2.71828182845904523536);
+  parser.DefineFun("ramp", ramp);
+  parser.DefineFun("step", step);
+  parser.DefineFun("pulse", pulse);
+  parser.DefineFun("cycle", cycle);
+}
+
+void refuse_expression(const std::string& key, const std::string& text, const std::string& reason) {
   throw UserError(ExitCode::usage, quoted(key, text) + ": " + reason);
 }
 
-std::string reason_of(const mu::Parser::exception_type& error, const ExpressionContext& context) {
+void refuse_assignment(const std::string& key, const std::string& text) {
+  if (const std::size_t at = assignment(text); at != std::string::npos)
+    refuse_expression(key, text,
+                      "'=' at character " + std::to_string(at) +
+                          " assigns; allowed: an expression, compare with ==");
+}
+
+std::string reason_of(const mu::Parser::exception_type& error, const std::string& known) {
   const std::string place = " at character " + std::to_string(error.GetPos());
   if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
-    return "unknown name '" + error.GetToken() + "'" + place + "; known: " + known_names(context);
+    return "unknown name '" + error.GetToken() + "'" + place + "; known: " + known;
   std::string message = error.GetMsg();
   while (!message.empty() && (message.back() == '.' || message.back() == '\n')) message.pop_back();
   return message + (message.find("position") == std::string::npos && error.GetPos() >= 0 ? place : "") +
-         "; allowed: an expression of " + known_names(context);
+         "; allowed: an expression of " + known;
 }
-
-} // namespace
 
 double LinearTable::operator()(double at) const {
   const auto above = std::upper_bound(t.begin(), t.end(), at);
@@ -126,9 +138,7 @@ struct Expression::Impl {
   Impl& operator=(const Impl&) = delete;
 
   void compile() {
-    if (const std::size_t at = assignment(text); at != std::string::npos)
-      refuse(key, text,
-             "'=' at character " + std::to_string(at) + " assigns; allowed: an expression, compare with ==");
+    refuse_assignment(key, text);
     try {
       define_language(parser);
       const char* names[] = {"x", "y", "z", "t"};
@@ -137,9 +147,9 @@ struct Expression::Impl {
       for (auto& [name, table] : context.tables) parser.DefineFunUserData(name, look_up, &table, false);
       parser.SetExpr(text);
       parser.Eval(); // muParser parses at the first evaluation; what it gives at the origin does not matter
-      if (parser.GetNumResults() != 1) refuse(key, text, "one value expected, not a list");
+      if (parser.GetNumResults() != 1) refuse_expression(key, text, "one value expected, not a list");
     } catch (const mu::Parser::exception_type& error) {
-      refuse(key, text, reason_of(error, context));
+      refuse_expression(key, text, reason_of(error, known_names(context)));
     }
   }
 

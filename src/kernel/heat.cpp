@@ -2,6 +2,7 @@
 #include "scalar_cell.hpp"
 
 #include <impact/kernel/heat.hpp>
+#include <impact/material/fatigue.hpp>
 
 namespace impact {
 
@@ -146,6 +147,9 @@ template <class Cell, Frame frame>
     if (energy) {
       local = now.stored(law, X, q, g) - before.stored(law, X, q, g_n) -
               (g_vn * volumetric_energy(m, Je_n) + theta_n * entropy_n);
+      if (damages && in.fatigue)
+        local += fatigue_energy(m, interpolate<Cell>(in.phi, q), in.fatigue[q]) -
+                 fatigue_energy(m, interpolate<Cell>(in.phi_n, q), in.fatigue_n[q]);
       if (in.u && in.stress) local -= work_of_stress<Cell, frame>(in, now.cell.H[q], before.cell.H[q], q);
       if (damages) {
         const Batch step = interpolate<Cell>(in.phi, q) - interpolate<Cell>(in.phi_n, q);
@@ -158,6 +162,8 @@ template <class Cell, Frame frame>
       if (damages) {
         const Batch old = interpolate<Cell>(in.phi_n, q), step = interpolate<Cell>(in.phi, q) - old;
         local -= (1 / in.dt) * (damage_viscosity(m, old) * (step * step));
+        if (in.fatigue)
+          local -= fatigue_dissipation(m, interpolate<Cell>(in.phi, q), in.fatigue[q] - in.fatigue_n[q]);
       }
     }
     if (in.theta_h < 1 && m.conductivity != 0) {

@@ -2,6 +2,7 @@
 #include "plane_stress.hpp"
 
 #include <impact/kernel/measure.hpp>
+#include <impact/material/fatigue.hpp>
 
 /// Integrals over a batch of cells; instantiated in measure_plane.cpp and measure_solid.cpp.
 namespace impact {
@@ -38,6 +39,8 @@ template <class Cell, Frame frame, bool spectral>
       sums.fracture += w * crack_energy(m, interpolate<Cell>(in.phi, q),
                                         square(spatial ? spatial_gradient(k.inverse_F, grad) : grad));
     }
+    if (in.fatigue && in.phi)
+      sums.fatigue += w * fatigue_energy(m, interpolate<Cell>(in.phi, q), in.fatigue[q]);
     sums.mass += m.rho * w;
     if (in.v)
       for (int i = 0; i < d; ++i) {
@@ -75,13 +78,25 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
 
 template <class Cell, Frame frame>
 void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
-                        Batch& sum) {
+                        Batch& sum, Batch* least) {
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> g;
     point_geometry<Cell, frame>(X, q, g);
     const Batch old = interpolate<Cell>(phi_n, q), step = interpolate<Cell>(phi, q) - old;
     sum += (1 / dt) * (g.weight * (damage_viscosity(law.parameters, old) * (step * step)));
+    if (least) *least = min((1 / dt) * (damage_viscosity(law.parameters, old) * (step * step)), *least);
   }
+}
+
+template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* values) {
+  Batch sum = Batch(0.0), volume = sum;
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> g;
+    point_geometry<Cell, frame>(X, q, g);
+    sum += g.weight * values[q];
+    volume += g.weight;
+  }
+  return sum / volume;
 }
 
 template <class Cell, Frame frame>

@@ -365,7 +365,9 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
     if (law.flows()) {
       const Batch k_d = m.taylor_quinney * hardening(m, now.alpha).k;
-      sums.plastic_dissipation += w * (e.g.p.g * (k_d * (now.alpha - old.alpha)));
+      const Batch lost = e.g.p.g * (k_d * (now.alpha - old.alpha));
+      sums.plastic_dissipation += w * lost;
+      sums.least_dissipation = min(lost, sums.least_dissipation);
       const Batch released = isochoric_energy(m, trace_excess(e.flow.trial, z_trial) - z);
       sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
     }
@@ -380,7 +382,9 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     }
     if (law.viscous() && in.u_n) {
       const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
-      sums.viscous_dissipation += w * ((1 / in.dt) * (viscosity(m, e.g) * dot(dC, dC)));
+      const Batch lost = (1 / in.dt) * (viscosity(m, e.g) * dot(dC, dC));
+      sums.viscous_dissipation += w * lost;
+      sums.least_dissipation = min(lost, sums.least_dissipation);
     }
   }
   return status;

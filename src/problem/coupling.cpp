@@ -133,6 +133,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   u_local_ = d.displacement.make_local();
   if (damage_) phi_frozen_ = state_.row("phi").committed;
   if (heat_) theta_frozen_ = state_.row("theta").committed;
+  if (state_.find("fatigue")) fatigue_.emplace(d, state_);
 
   check(TSSetI2Function(
       ts_, nullptr,
@@ -484,8 +485,11 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
     result.inner = SNES_DIVERGED_FUNCTION_DOMAIN;
     return result;
   }
+  limit_plastic_strain(result);
+  if (result.inner < 0) return result;
   if (damage_ || heat_) motion_.discretisation().displacement.to_local(u, u_local_);
   if (damage_) damage_pass(result);
+  if (fatigue_ && result.inner >= 0) fatigue_pass(result);
   if (heat_ && result.inner >= 0) heat_pass(u, result);
   return result;
 }
@@ -510,9 +514,16 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
     failure_ = std::string("heat: ") + SNESConvergedReasons[outcome.reason];
     return;
   }
+  const Discretisation& d = motion_.discretisation();
+  if (settings_.max_dtheta > 0) {
+    PetscReal step_change = 0;
+    for (std::size_t i = 0; i < theta.trial.size(); ++i)
+      step_change = std::max(step_change, std::abs(theta.trial[i] - theta.committed[i]));
+    MPI_Allreduce(MPI_IN_PLACE, &step_change, 1, MPIU_REAL, MPIU_MAX, d.mesh.comm());
+    limit(result, "the temperature changes", step_change, "dtheta", settings_.max_dtheta);
+  }
   // Relative to the temperature: a ten-thousandth of it strains a metal by less than 1e-6. What no equation
   // reads needs no second pass.
-  const Discretisation& d = motion_.discretisation();
   if (!d.has_thermal_expansion()) return;
   PetscReal change_and_size[2] = {0, 0};
   for (std::size_t i = 0; i < theta.trial.size(); ++i) {
@@ -520,7 +531,57 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
     change_and_size[1] = std::max(change_and_size[1], theta.trial[i]);
   }
   MPI_Allreduce(MPI_IN_PLACE, change_and_size, 2, MPIU_REAL, MPIU_MAX, d.mesh.comm());
-  result.change = std::max(result.change, change_and_size[0] / change_and_size[1]);
+  // The shell compares with the tolerance of phi.
+  const PetscReal change = change_and_size[0] / change_and_size[1],
+                  scale = settings_.theta_tol > 0 ? settings_.atol / settings_.theta_tol : 1;
+  result.change = std::max(result.change, scale * change);
+}
+
+void Coupling::fatigue_pass(PassResult& result) {
+  FatigueStep step;
+  step.dt = step_.dt;
+  step.u = &u_local_;
+  step.u_n = step_.u_n;
+  step.phi = &state_.row("phi").trial;
+  if (heat_) {
+    step.theta = &theta_frozen_;
+    step.theta_n = &state_.row("theta").committed;
+  }
+  if (fatigue_->advance(step)) return;
+  failure_ = "fatigue: its growth is not finite";
+  result.inner = SNES_DIVERGED_FUNCTION_DOMAIN;
+}
+
+void Coupling::limit(PassResult& result, const char* what, double increment, const char* option,
+                     double most) {
+  utilisation_ = std::max<PetscReal>(utilisation_, increment / most);
+  // What jumps in any step, such as a rate-independent crack, may do so in one below a thousandth of -ts_dt.
+  if (increment <= most || step_.dt <= 1e-3 * settings_.dt) return;
+  char text[120];
+  std::snprintf(text, sizeof(text), "%s by %.3g, -ts_adapt_%s is %.3g", what, increment, option, most);
+  failure_ = text;
+  result.inner = SNES_DIVERGED_INNER;
+}
+
+void Coupling::limit_plastic_strain(PassResult& result) {
+  if (settings_.max_dalpha <= 0) return;
+  const StateRow& history = state_.row("history");
+  const auto components = static_cast<std::size_t>(history.components);
+  PetscReal growth = 0;
+  for (std::size_t i = (components - 1) * lanes; i < history.trial.size(); i += components * lanes)
+    for (std::size_t l = 0; l < lanes; ++l)
+      growth = std::max(growth, history.trial[i + l] - history.committed[i + l]);
+  MPI_Allreduce(MPI_IN_PLACE, &growth, 1, MPIU_REAL, MPIU_MAX, motion_.discretisation().mesh.comm());
+  limit(result, "the plastic strain grows", growth, "dalpha", settings_.max_dalpha);
+}
+
+void Coupling::parts_of_next_pass(Vec u, ForceParts& parts) {
+  const std::vector<double> phi = phi_frozen_, theta = theta_frozen_;
+  if (damage_) phi_frozen_ = state_.row("phi").trial;
+  if (heat_) theta_frozen_ = state_.row("theta").trial;
+  motion_.parts(u, parts);
+  phi_frozen_ = phi;
+  theta_frozen_ = theta;
 }
 
 void Coupling::damage_pass(PassResult& result) {
@@ -551,17 +612,7 @@ void Coupling::damage_pass(PassResult& result) {
   MPI_Allreduce(MPI_IN_PLACE, change_and_growth, 2, MPIU_REAL, MPIU_MAX,
                 motion_.discretisation().mesh.comm());
   result.change = change_and_growth[0];
-  if (settings_.max_dphi > 0) {
-    utilisation_ = std::max(utilisation_, change_and_growth[1] / settings_.max_dphi);
-    // A rate-independent crack jumps in any step: below a thousandth of -ts_dt it may.
-    if (utilisation_ > 1 && step_.dt > 1e-3 * settings_.dt) {
-      char text[80];
-      std::snprintf(text, sizeof(text), "phi grows by %.3g, -ts_adapt_dphi is %.3g", change_and_growth[1],
-                    settings_.max_dphi);
-      failure_ = text;
-      result.inner = SNES_DIVERGED_INNER;
-    }
-  }
+  if (settings_.max_dphi > 0) limit(result, "phi grows", change_and_growth[1], "dphi", settings_.max_dphi);
 }
 
 double Coupling::owned_dot(const std::vector<double>& a, const std::vector<double>& b) const {

@@ -133,6 +133,7 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
   d_.scalar.to_local(x, x_);
   const StateRow& drive = state_.row("drive");
   const StateRow* history = state_.find("damage_history");
+  const StateRow* fatigue = state_.find("fatigue");
   bool sound = true;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
@@ -152,7 +153,12 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
           for (int q = 0; q < Cell::points; ++q)
             now.value[static_cast<std::size_t>(q * drive_size)] = H.value[static_cast<std::size_t>(q)];
         }
+        PointValues<Cell, 1> worn;
         DamageInput in;
+        if (fatigue && law.fatigues()) {
+          worn.load(fatigue->committed, history_offset_[g], b);
+          in.fatigue = worn.data();
+        }
         in.X = X.data();
         in.u = u.data();
         in.u_n = u_n.data();

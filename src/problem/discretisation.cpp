@@ -9,6 +9,12 @@ bool Discretisation::has_damage() const {
   return false;
 }
 
+bool Discretisation::has_fatigue() const {
+  for (const MaterialAssignment& m : materials)
+    if (m.law.fatigues()) return true;
+  return false;
+}
+
 bool Discretisation::has_viscosity() const {
   for (const MaterialAssignment& m : materials)
     if (m.law.parameters.b_d > 0) return true;
@@ -121,8 +127,9 @@ void declare_state(const Discretisation& d, StateTable& table) {
     theta.output = true;
     table.add(std::move(theta), d.node_values(1));
   }
-  std::size_t history = 0, drive = 0;
+  std::size_t history = 0, drive = 0, fatigue = 0;
   for (const CellGroup& group : d.groups) {
+    fatigue += point_values(group, 1);
     history += point_values(group, history_size(d.frame));
     drive += point_values(group, drive_size);
   }
@@ -132,6 +139,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
   for (std::size_t i = 0; i < rows.committed.size(); ++i)
     rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));
   table.add({"drive", Support::cell_point, drive_size}, drive);
+  if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, fatigue);
 }
 
 } // namespace impact

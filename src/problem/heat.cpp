@@ -208,6 +208,7 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
   const std::vector<double>& theta_n = state_.row("theta").committed;
   const StateRow* stress = state_.find("stress");
   const StateRow& history = state_.row("history");
+  const StateRow* fatigue = state_.find("fatigue");
   const bool energy = settings_.form == HeatForm::energy;
   bool sound = true;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
@@ -224,11 +225,17 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
             phi_n(group, b, step_.phi_n ? *step_.phi_n : theta_n);
         Points A, A_n;
         Stress P, P_n;
-        PointValues<Cell, 1> dissipation;
+        PointValues<Cell, 1> dissipation, worn, worn_n;
         HeatInput in;
         in.X = X.data();
         if (step_.u) in.u = u.data(), in.u_n = u_n.data();
         if (step_.phi) in.phi = phi.data(), in.phi_n = phi_n.data();
+        if (fatigue && law.fatigues()) {
+          worn.load(fatigue->trial, dissipation_offset_[g], b);
+          worn_n.load(fatigue->committed, dissipation_offset_[g], b);
+          in.fatigue = worn.data();
+          in.fatigue_n = worn_n.data();
+        }
         in.theta = now.data();
         in.theta_n = before.data();
         if ((energy && flows_) || (step_.u && d_.frame == Frame::plane_stress)) {

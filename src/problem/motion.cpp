@@ -333,7 +333,9 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
   StateRow& history = state_.row("history");
   StateRow& drive = state_.row("drive");
   bool sound = true;
-  double total[3] = {0, 0, 0};
+  const std::size_t materials = d_.materials.size();
+  std::vector<double> total(3 + 2 * materials, 0.0);
+  double least = 0;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     if (rigid_cells(group)) continue;
@@ -360,11 +362,18 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
         total[0] += lane_sum(step_sums.plastic_dissipation, used);
         total[1] += lane_sum(step_sums.viscous_dissipation, used);
         total[2] += lane_sum(step_sums.plastic_work, used);
+        const auto m = static_cast<std::size_t>(group.material);
+        total[3 + m] += lane_sum(step_sums.plastic_dissipation, used);
+        total[3 + materials + m] += lane_sum(step_sums.viscous_dissipation, used);
+        for (int l = 0; l < used; ++l) least = std::min(least, step_sums.least_dissipation[l]);
       }
     });
   }
-  MPI_Allreduce(MPI_IN_PLACE, total, 3, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
-  sums = {total[0], total[1], total[2]};
+  MPI_Allreduce(MPI_IN_PLACE, total.data(), static_cast<int>(total.size()), MPI_DOUBLE, MPI_SUM,
+                d_.mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, d_.mesh.comm());
+  const auto part = total.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
+  sums = {total[0], total[1], total[2], least, {part, half}, {half, total.end()}};
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 

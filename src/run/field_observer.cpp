@@ -36,9 +36,9 @@ OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
                              const Discretisation& discretisation, const FieldSource& source,
                              std::optional<double> resume_after)
-    : settings_(with_fields(output, source)), d_(discretisation), source_(source),
-      file_(discretisation.mesh,
-            FieldFile{path_of(output, scenario), scenario.title, scenario.units.name, resume_after}) {
+    : settings_(with_fields(output, source)), period_(scenario.time.period), d_(discretisation),
+      source_(source), file_(discretisation.mesh, FieldFile{path_of(output, scenario), scenario.title,
+                                                            scenario.units.name, resume_after}) {
   if (!file_.warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_.warning().c_str()));
   std::sort(settings_.times.begin(), settings_.times.end());
   if (resume_after && settings_.dt > 0)
@@ -52,6 +52,7 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
   const double t = snapshot.time, tolerance = 1e-9 * std::max(std::abs(t), snapshot.dt);
   bool due = last || (snapshot.step == 0 && written < t);
   if (settings_.every > 0 && snapshot.step % settings_.every == 0) due = true;
+  if (settings_.cycles > 0 && marks_cycle(t, period_, settings_.cycles)) due = true;
   for (double time : settings_.times)
     due = due || (time > written + tolerance && time <= t + tolerance && t - time <= snapshot.dt + tolerance);
   if (settings_.dt > 0 && t >= next_time_ - tolerance) {

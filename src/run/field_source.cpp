@@ -12,7 +12,8 @@ struct CellFieldName {
   const char* name;
   int components;
 };
-constexpr CellFieldName cell_fields[] = {{"stress", 6}, {"von_mises", 1}, {"pressure", 1}, {"alpha", 1}};
+constexpr CellFieldName cell_fields[] = {
+    {"stress", 6}, {"von_mises", 1}, {"pressure", 1}, {"alpha", 1}, {"fatigue", 1}};
 
 } // namespace
 
@@ -25,7 +26,8 @@ std::vector<std::string> FieldSource::names() const {
   std::vector<std::string> names;
   for (const auto& row : state_.rows())
     if (row->output) names.push_back(row->name);
-  for (const CellFieldName& field : cell_fields) names.emplace_back(field.name);
+  for (const CellFieldName& field : cell_fields)
+    if (field.name != std::string("fatigue") || state_.find("fatigue")) names.emplace_back(field.name);
   if (!motion_.contacts().empty())
     for (const char* name :
          {"contact_pressure", "contact_gap", "contact_status", "contact_traction", "contact_slip"})
@@ -56,6 +58,26 @@ std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& 
   return row.committed;
 }
 
+// [group][batch][lane]
+std::vector<double> FieldSource::fatigue_means() const {
+  const Discretisation& d = motion_.discretisation();
+  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
+  const std::vector<double>& fatigue = state_.row("fatigue").committed;
+  const auto offset = point_offsets(d.groups, 1);
+  std::vector<double> values;
+  for (std::size_t g = 0; g < d.groups.size(); ++g)
+    with_shape(d.groups[g], d.frame, [&]<class Cell, Frame frame>() {
+      for (int b = 0; b < d.groups[g].batch_count; ++b) {
+        const Gathered<Cell, Cell::dim> reference(d.groups[g], b, X);
+        PointValues<Cell, 1> points;
+        points.load(fatigue, offset[g], b);
+        const Batch mean = cell_mean<Cell, frame>(reference.data(), points.data());
+        for (int l = 0; l < lanes; ++l) values.push_back(mean[l]);
+      }
+    });
+  return values;
+}
+
 std::vector<double> FieldSource::cellwise(const std::string& name, const Snapshot&, int& components) const {
   const Discretisation& d = motion_.discretisation();
   components = std::find_if(std::begin(cell_fields), std::end(cell_fields), [&](const CellFieldName& field) {
@@ -69,6 +91,7 @@ std::vector<double> FieldSource::cellwise(const std::string& name, const Snapsho
   std::size_t size = 0;
   for (const CellGroup& group : d.groups) size += static_cast<std::size_t>(group.batch_count) * lanes;
   std::vector<double> values(size * static_cast<std::size_t>(components));
+  if (name == "fatigue") return fatigue_means();
   std::size_t cursor = 0;
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];

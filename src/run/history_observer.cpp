@@ -78,6 +78,12 @@ void find_lane(const std::vector<CellGroup>& groups, PetscInt point, std::size_t
 
 } // namespace
 
+bool marks_cycle(double time, double period, int every) {
+  const double halves = std::round(2 * time / period);
+  if (std::abs(2 * time / period - halves) > 1e-9 * std::max(1.0, halves)) return false;
+  return std::llround(std::ceil(halves / 2)) % every == 0;
+}
+
 std::string history_file_name(const Scenario& scenario) {
   for (const OutputScenario& output : scenario.outputs)
     if (output.type == OutputScenario::Type::csv && !output.file.empty()) return output.file;
@@ -89,6 +95,8 @@ HistoryObserver::HistoryObserver(MPI_Comm comm, const std::string& file, const S
                                  const FieldSource& source, std::optional<long> resume_after)
     : scenario_(scenario), motion_(motion), ledger_(ledger), state_(state), source_(source),
       file_(comm, file, resume_after) {
+  for (const OutputScenario& output : scenario_.outputs)
+    if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
   for (const MaterialAssignment& m : motion_.discretisation().materials)
     if (m.law.parameters.damage != Damage::none)
       state_.add(StateRow{"crack_" + m.law.parameters.id, Support::global, 4}, 4);
@@ -319,7 +327,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
   }
 }
 
-void HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) {
+HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts& counts) {
   HistoryFile::Row row;
   row.emplace_back("step", static_cast<double>(snapshot.step));
   row.emplace_back("time", snapshot.time);
@@ -339,7 +347,13 @@ void HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) 
   append_cracks(row);
   append_probes(row, snapshot);
   append_measures(row, snapshot);
-  file_.write(row);
+  return row;
+}
+
+HistoryFile::Row HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) {
+  HistoryFile::Row now = row(snapshot, counts);
+  if (every_step() || marks_cycle(snapshot.time, scenario_.time.period, cycles_)) file_.write(now);
+  return now;
 }
 
 } // namespace impact

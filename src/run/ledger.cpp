@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <functional>
 #include <impact/kernel/measure.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
@@ -34,10 +36,10 @@ std::vector<double> mean_of(const std::vector<double>& a, const std::vector<doub
 } // namespace
 
 Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m,
-               bool moves)
+               bool moves, LedgerChoice choice)
     : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), moves_(moves),
-      alpha_m_(alpha_m), X_(motion.discretisation().mesh.coordinates().begin(),
-                            motion.discretisation().mesh.coordinates().end()) {
+      alpha_m_(alpha_m), choice_(choice), X_(motion.discretisation().mesh.coordinates().begin(),
+                                             motion.discretisation().mesh.coordinates().end()) {
   const Discretisation& d = motion_.discretisation();
   const auto vertex_row = [&](const char* name) {
     StateRow row{name, Support::vertex, d.dim()};
@@ -45,6 +47,8 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   };
   StateRow totals{"ledger_totals", Support::global, Total::count};
   totals_ = &state_.add(std::move(totals), Total::count);
+  const std::size_t parts = d.materials.size() * static_cast<std::size_t>(losses);
+  losses_ = &state_.add({"ledger_materials", Support::global, static_cast<int>(parts)}, parts);
   internal_ = vertex_row("force_internal");
   external_ = vertex_row("force_external");
   contact_ = vertex_row("force_contact");
@@ -83,9 +87,10 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   };
   const StateRow* phi_row = state_.find("phi");
   const StateRow* theta_row = state_.find("theta");
+  const StateRow* fatigue_row = state_.find("fatigue");
   const std::vector<double>& history = half(state_.row("history"));
-  const auto offset = point_offsets(d.groups, history_size(d.frame));
-  constexpr std::size_t columns = 9;
+  const auto offset = point_offsets(d.groups, history_size(d.frame)), one = point_offsets(d.groups, 1);
+  constexpr std::size_t columns = 10;
   std::vector<double> values(d.materials.size() * columns, 0.0);
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];
@@ -107,6 +112,11 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         in.phi = phi_row ? phi->data() : nullptr;
         in.theta = theta_row ? theta->data() : nullptr;
         in.history = points.data();
+        PointValues<Cell, 1> fatigue;
+        if (fatigue_row) {
+          fatigue.load(half(*fatigue_row), one[g], b);
+          in.fatigue = fatigue.data();
+        }
         EnergySums sums;
         stored_energy<Cell, frame>(law, in, sums);
         const int used = group.lanes_in_use(b);
@@ -114,6 +124,7 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         mine[1] += lane_sum(sums.elastic, used);
         mine[2] += lane_sum(sums.plastic, used);
         mine[3] += lane_sum(sums.fracture, used);
+        mine[9] += lane_sum(sums.fatigue, used);
         for (int k = 0; k < 3; ++k) mine[4 + k] += lane_sum(sums.momentum[k], used);
         if (!theta_row) continue;
         HeatSums heat;
@@ -129,12 +140,13 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   for (std::size_t m = 0; m < materials_.size(); ++m) {
     const double* of = &values[m * columns];
     const double w = d.thickness;
-    materials_[m] = {
-        w * of[0], w * of[1], w * of[2], w * of[3], w * of[7], w * of[8], {w * of[4], w * of[5], w * of[6]}};
+    materials_[m] = {w * of[0], w * of[1], w * of[2], w * of[3],
+                     w * of[9], w * of[7], w * of[8], {w * of[4], w * of[5], w * of[6]}};
     total_.kinetic += materials_[m].kinetic;
     total_.elastic += materials_[m].elastic;
     total_.plastic += materials_[m].plastic;
     total_.fracture += materials_[m].fracture;
+    total_.fatigue += materials_[m].fatigue;
     total_.thermal += materials_[m].thermal;
     total_.entropy += materials_[m].entropy;
   }
@@ -143,7 +155,7 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 
 void Ledger::find_extremes(bool trial) {
   const Discretisation& d = motion_.discretisation();
-  double extremes[3] = {0, 0, 0};
+  double extremes[4] = {0, 0, 0, 0};
   if (const StateRow* phi = state_.find("phi"))
     for (double value : trial ? phi->trial : phi->committed) extremes[0] = std::max(extremes[0], value);
   const StateRow& row = state_.row("history");
@@ -154,7 +166,11 @@ void Ledger::find_extremes(bool trial) {
     for (std::size_t l = 0; l < lanes; ++l) extremes[1] = std::max(extremes[1], history[i + l]);
   if (const StateRow* theta = state_.find("theta"))
     for (double value : trial ? theta->trial : theta->committed) extremes[2] = std::max(extremes[2], value);
-  MPI_Allreduce(MPI_IN_PLACE, extremes, 3, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  if (const StateRow* fatigue = state_.find("fatigue"))
+    for (double value : trial ? fatigue->trial : fatigue->committed)
+      extremes[3] = std::max(extremes[3], value);
+  MPI_Allreduce(MPI_IN_PLACE, extremes, 4, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  fatigue_max_ = extremes[3];
   theta_max_ = extremes[2];
   phi_max_ = extremes[0];
   alpha_max_ = extremes[1];
@@ -167,8 +183,8 @@ double Ledger::contact_energy(Vec u) const {
 }
 
 double Ledger::stored() const {
-  return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + total_.thermal +
-         energy_contact_;
+  return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + total_.fatigue +
+         total_.thermal + energy_contact_;
 }
 
 void Ledger::start(Vec u, Vec v, Vec) {
@@ -301,42 +317,23 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     sum(friction) += contact.friction_loss(u);
     sum(numerical) += contact.released_energy(u);
   }
-  sum(viscous) += w * coupling_->increments().viscous_dissipation;
-  sum(plastic_dissipation) += w * coupling_->increments().plastic_dissipation;
-  if (const StateRow* phi = state_.find("phi")) {
-    double lost[2] = {0, 0}; // by damage, by the exchange of damage and flow
-    const StateRow &history = state_.row("history"), &drive = state_.row("drive");
-    const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
-               drive_at = point_offsets(d.groups, drive_size);
-    for (std::size_t g = 0; g < d.groups.size(); ++g) {
-      const CellGroup& group = d.groups[g];
-      const PointLaw& law = d.law(group);
-      if (law.parameters.damage == Damage::none) continue;
-      with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-        for (int b = 0; b < group.batch_count; ++b) {
-          const Gathered<Cell, Cell::dim> X(group, b, X_);
-          const Gathered<Cell, 1> now(group, b, phi->trial), before(group, b, phi->committed);
-          Batch part = 0;
-          damage_dissipation<Cell, frame>(law, X.data(), now.data(), before.data(), dt, part);
-          lost[0] += lane_sum(part, group.lanes_in_use(b));
-          if (!law.exchanges()) continue;
-          PointValues<Cell, history_size(frame)> flowed, flowed_n;
-          PointValues<Cell, drive_size> driving;
-          flowed.load(history.trial, flow_at[g], b);
-          flowed_n.load(history.committed, flow_at[g], b);
-          driving.load(drive.trial, drive_at[g], b);
-          Batch exchanged = 0;
-          plastic_exchange<Cell, frame>(
-              law, {X.data(), now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
-              exchanged);
-          lost[1] += lane_sum(exchanged, group.lanes_in_use(b));
-        }
-      });
-    }
-    MPI_Allreduce(MPI_IN_PLACE, lost, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-    sum(damage) += w * lost[0];
-    sum(plastic_dissipation) += w * lost[1];
+  const MotionProblem::Increments& increments = coupling_->increments();
+  sum(viscous) += w * increments.viscous_dissipation;
+  sum(plastic_dissipation) += w * increments.plastic_dissipation;
+  sum(least) = std::min(sum(least), increments.least_dissipation);
+  for (std::size_t m = 0; m < increments.viscous_part.size(); ++m) {
+    lost_in(m, viscous_loss) += w * increments.viscous_part[m];
+    lost_in(m, plastic_loss) += w * increments.plastic_part[m];
   }
+  if (state_.find("phi")) book_damage(dt);
+  if (const FatigueUpdate* fatigue = coupling_->fatigue()) {
+    sum(least) = std::min(sum(least), fatigue->least_dissipation());
+    for (std::size_t m = 0; m < materials_.size(); ++m) {
+      lost_in(m, fatigue_part) += w * fatigue->dissipated()[m];
+      sum(fatigue_loss) += w * fatigue->dissipated()[m];
+    }
+  }
+  if (choice_.coupling_error) find_coupling_error(u, parts.internal);
   if (heat_) {
     const std::span<const double> supplied = coupling_->heat_supplied();
     for (std::size_t c = 0; c < supplied.size(); ++c) heat_->trial[c] += w * supplied[c];
@@ -352,6 +349,66 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
       std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
   if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
   find_reactions(u_local);
+}
+
+void Ledger::book_damage(double dt) {
+  const Discretisation& d = motion_.discretisation();
+  const StateRow &phi = state_.row("phi"), &history = state_.row("history"), &drive = state_.row("drive");
+  const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
+             drive_at = point_offsets(d.groups, drive_size);
+  const double w = d.thickness;
+  double smallest = 0;
+  const std::size_t count = materials_.size();
+  std::vector<double> lost(2 * count, 0.0); // by damage; by the exchange of damage and flow
+  for (std::size_t g = 0; g < d.groups.size(); ++g) {
+    const CellGroup& group = d.groups[g];
+    const PointLaw& law = d.law(group);
+    if (law.parameters.damage == Damage::none) continue;
+    const auto material = static_cast<std::size_t>(group.material);
+    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, Cell::dim> X(group, b, X_);
+        const Gathered<Cell, 1> now(group, b, phi.trial), before(group, b, phi.committed);
+        Batch part = 0, at_points = 0;
+        damage_dissipation<Cell, frame>(law, X.data(), now.data(), before.data(), dt, part, &at_points);
+        const int used = group.lanes_in_use(b);
+        lost[material] += lane_sum(part, used);
+        for (int l = 0; l < used; ++l) smallest = std::min(smallest, at_points[l]);
+        if (!law.exchanges()) continue;
+        PointValues<Cell, history_size(frame)> flowed, flowed_n;
+        PointValues<Cell, drive_size> driving;
+        flowed.load(history.trial, flow_at[g], b);
+        flowed_n.load(history.committed, flow_at[g], b);
+        driving.load(drive.trial, drive_at[g], b);
+        Batch exchanged = 0;
+        plastic_exchange<Cell, frame>(
+            law, {X.data(), now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
+            exchanged);
+        lost[count + material] += lane_sum(exchanged, used);
+      }
+    });
+  }
+  MPI_Allreduce(MPI_IN_PLACE, lost.data(), static_cast<int>(lost.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
+  sum(least) = std::min(sum(least), smallest);
+  for (std::size_t m = 0; m < count; ++m) {
+    sum(damage) += w * lost[m];
+    sum(plastic_dissipation) += w * lost[count + m];
+    lost_in(m, damage_loss) += w * lost[m];
+    lost_in(m, plastic_loss) += w * lost[count + m];
+  }
+}
+
+// On free dofs the change of the internal forces is the residual of a next pass, elsewhere that of the
+// reactions.
+void Ledger::find_coupling_error(Vec u, Vec internal) {
+  ForceParts next;
+  coupling_->parts_of_next_pass(u, next);
+  PetscReal change = 0, size = 0;
+  check(VecAXPY(next.internal, -1, internal));
+  check(VecNorm(next.internal, NORM_2, &change));
+  check(VecNorm(internal, NORM_2, &size));
+  coupling_error_ = size > 0 ? change / size : 0;
 }
 
 void Ledger::unbook() {
@@ -408,7 +465,8 @@ double Ledger::balance() const { return sum(identity) / energy_scale(); }
 
 double Ledger::dissipated() const {
   if (heat_) return sum(numerical); // the rest is thermal energy
-  return sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(numerical);
+  return sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +
+         sum(numerical);
 }
 
 double Ledger::heat_supplied() const {
@@ -440,11 +498,13 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (moves_ || d.has_damage()) row.emplace_back("energy_elastic", total_.elastic);
   if (d.has_plasticity()) row.emplace_back("energy_plastic", total_.plastic);
   if (d.has_damage()) row.emplace_back("energy_fracture", total_.fracture);
+  if (d.has_fatigue()) row.emplace_back("energy_fatigue", total_.fatigue);
   if (heat) row.emplace_back("energy_thermal", total_.thermal);
   if (d.has_viscosity()) row.emplace_back("dissipated_viscous", sum(viscous));
   if (d.has_damage()) row.emplace_back("dissipated_damage", sum(damage));
   if (d.has_plasticity()) row.emplace_back("dissipated_plastic", sum(plastic_dissipation));
   if (has_friction) row.emplace_back("dissipated_friction", sum(friction));
+  if (d.has_fatigue()) row.emplace_back("dissipated_fatigue", sum(fatigue_loss));
   if (has_contact) row.emplace_back("energy_contact", energy_contact_);
   if (moves_) row.emplace_back("dissipated_numerical", sum(numerical));
   if (moves_) row.emplace_back("work_external", sum(external));
@@ -453,9 +513,11 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (heat) row.emplace_back("entropy_produced", entropy_produced());
   if (moves_) row.emplace_back("balance", balance());
   row.emplace_back("balance_first_law", balance_first_law());
+  if (choice_.coupling_error) row.emplace_back("coupling_error", coupling_error_);
   if (d.has_damage()) row.emplace_back("phi_max", phi_max_);
   if (d.has_plasticity()) row.emplace_back("alpha_max", alpha_max_);
   if (heat) row.emplace_back("theta_max", theta_max_);
+  if (d.has_fatigue()) row.emplace_back("fatigue_max", fatigue_max_);
 }
 
 void Ledger::append_reactions(HistoryFile::Row& row) const {
@@ -515,7 +577,66 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
     row.emplace_back("energy_kinetic_" + id, materials_[m].kinetic);
     row.emplace_back("energy_elastic_" + id, materials_[m].elastic);
     if (d.has_plasticity()) row.emplace_back("energy_plastic_" + id, materials_[m].plastic);
+    if (!choice_.materials) continue;
+    if (d.has_damage()) row.emplace_back("energy_fracture_" + id, materials_[m].fracture);
+    if (d.has_fatigue()) row.emplace_back("energy_fatigue_" + id, materials_[m].fatigue);
+    if (d.has_viscosity()) row.emplace_back("dissipated_viscous_" + id, lost_in(m, viscous_loss));
+    if (d.has_damage()) row.emplace_back("dissipated_damage_" + id, lost_in(m, damage_loss));
+    if (d.has_plasticity()) row.emplace_back("dissipated_plastic_" + id, lost_in(m, plastic_loss));
+    if (d.has_fatigue()) row.emplace_back("dissipated_fatigue_" + id, lost_in(m, fatigue_part));
   }
+}
+
+std::string Ledger::report() const {
+  const Discretisation& d = motion_.discretisation();
+  const auto& contacts = motion_.contacts();
+  const std::size_t number = materials_.size();
+  std::string text;
+  char cell[64];
+  const auto line = [&](const char* name, double total, const std::function<double(std::size_t)>& part) {
+    std::snprintf(cell, sizeof(cell), "  %-30s %12.5g", name, total);
+    text += cell;
+    for (std::size_t m = 0; part && number > 1 && m < number; ++m) {
+      std::snprintf(cell, sizeof(cell), " %12.5g", part(m));
+      text += cell;
+    }
+    text += "\n";
+  };
+  const auto stored_line = [&](const char* name, double MaterialEnergies::*member) {
+    line(name, total_.*member, [&](std::size_t m) { return materials_[m].*member; });
+  };
+  const auto loss_line = [&](const char* name, Total total, Loss which) {
+    line(name, sum(total), [&, which](std::size_t m) { return lost_in(m, which); });
+  };
+  std::snprintf(cell, sizeof(cell), "%-32s %12s", "energy since t = 0", "total");
+  text += cell;
+  for (std::size_t m = 0; number > 1 && m < number; ++m) {
+    std::snprintf(cell, sizeof(cell), " %12.12s", d.materials[m].law.parameters.id.c_str());
+    text += cell;
+  }
+  text += "\n";
+  if (moves_) line("work of loads and supports", sum(external), {});
+  if (heat_) line("heat supplied", heat_supplied(), {});
+  line("at the start", sum(start_energy), {});
+  if (inertia_) stored_line("stored: kinetic", &MaterialEnergies::kinetic);
+  if (moves_) stored_line("stored: elastic", &MaterialEnergies::elastic);
+  if (d.has_plasticity()) stored_line("stored: plastic", &MaterialEnergies::plastic);
+  if (d.has_damage()) stored_line("stored: fracture", &MaterialEnergies::fracture);
+  if (d.has_fatigue()) stored_line("stored: fatigue", &MaterialEnergies::fatigue);
+  if (heat_) stored_line("stored: thermal", &MaterialEnergies::thermal);
+  if (!contacts.empty()) line("stored: contact", energy_contact_, {});
+  const char* const became = heat_ ? " (heat)" : "";
+  const auto name = [&](const char* kind) { return std::string("dissipated: ") + kind + became; };
+  if (d.has_viscosity()) loss_line(name("viscous").c_str(), viscous, viscous_loss);
+  if (d.has_damage()) loss_line(name("damage").c_str(), damage, damage_loss);
+  if (d.has_plasticity()) loss_line(name("plastic").c_str(), plastic_dissipation, plastic_loss);
+  if (d.has_fatigue()) loss_line(name("fatigue").c_str(), fatigue_loss, fatigue_part);
+  if (std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); }))
+    line("dissipated: friction", sum(friction), {});
+  if (moves_) line("dissipated: integrator", sum(numerical), {});
+  line("first-law residual", balance_first_law() * energy_scale(), {});
+  line("smallest dissipation at a point", sum(least), {});
+  return text;
 }
 
 } // namespace impact

@@ -21,12 +21,12 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
       check(PetscPrintf(comm, "material %s: rigid, rho %.6g\n", p.id.c_str(), p.rho));
       continue;
     }
-    check(PetscPrintf(comm, "material %s: %s%s, K %.6g, G %.6g, rho %.6g\n", p.id.c_str(),
+    check(PetscPrintf(comm, "material %s: %s%s%s, K %.6g, G %.6g, rho %.6g\n", p.id.c_str(),
                       p.model == Model::j2 ? "j2" : "elastic",
                       p.damage == Damage::at2   ? " with at2 damage"
                       : p.damage == Damage::at1 ? " with at1 damage"
                                                 : "",
-                      p.K, p.G, p.rho));
+                      m.law.fatigues() ? " and fatigue" : "", p.K, p.G, p.rho));
   }
   if (s.has_heat())
     for (const MaterialAssignment& m : d.materials)

@@ -32,7 +32,14 @@ const std::set<std::string> free_names = {"title",
                                           "coupling_relaxation",
                                           "ts_times",
                                           "ts_dts",
+                                          "coupling_theta_tol",
+                                          "coupling_error",
+                                          "history_materials",
                                           "ts_adapt_dphi",
+                                          "ts_adapt_dalpha",
+                                          "ts_adapt_dtheta",
+                                          "ts_period",
+                                          "stops",
                                           "motion_reuse_tangent",
                                           "checkpoint_dir",
                                           "checkpoint_wall",
@@ -148,7 +155,7 @@ void check_entries(const std::vector<std::string>& allow, const Values& before, 
 
 RestartKey restart_key(const std::string& name) {
   if (frozen_names.count(name) || name.starts_with("mesh_set_")) return RestartKey::frozen;
-  if (free_names.count(name) || starts_with_any(name, {"output_", "probe_", "measure_"}))
+  if (free_names.count(name) || starts_with_any(name, {"output_", "probe_", "measure_", "stop_"}))
     return RestartKey::free;
   return RestartKey::guarded;
 }

@@ -1,5 +1,6 @@
 #include "scenario_tables.hpp"
 #include <algorithm>
+#include <impact/input/condition.hpp>
 #include <impact/petsc/error.hpp>
 #include <set>
 #include <sstream>
@@ -206,7 +207,7 @@ Scenario read_scenario(MPI_Comm comm) {
   check_option_names({class_keys(parameter_class()), class_keys(function_class()),
                       class_keys(material_class()), class_keys(boundary_class()), class_keys(initial_class()),
                       class_keys(contact_class()), class_keys(output_class()), class_keys(probe_class()),
-                      class_keys(measure_class())});
+                      class_keys(measure_class()), class_keys(stop_class())});
   Scenario scenario;
   scenario.coupling.max_it = 0;  // not given
   scenario.checkpoint.wall = -1; // not given
@@ -228,6 +229,9 @@ Scenario read_scenario(MPI_Comm comm) {
   scenario.outputs = read_class(output_class(), context);
   scenario.probes = read_class(probe_class(), context);
   scenario.measures = read_class(measure_class(), context);
+  scenario.stops = read_class(stop_class(), context);
+  for (const StopScenario& stop : scenario.stops) // columns are known when the run starts, the grammar is now
+    Condition("-stop_" + stop.id + "_when", stop.when, context.names.parameters);
   complete(scenario);
   check_scenario(scenario);
   hand_over_times(scenario.time);

@@ -18,6 +18,14 @@ bool any_plastic(const Scenario& scenario) {
                      [](const MaterialScenario& material) { return material.law.model == Model::j2; });
 }
 
+bool any_fatigue(const Scenario& scenario) {
+  return scenario.has_motion() && scenario.has_damage() &&
+         std::any_of(scenario.materials.begin(), scenario.materials.end(),
+                     [](const MaterialScenario& material) {
+                       return material.law.damage != Damage::none && material.law.fatigue_a > 0;
+                     });
+}
+
 void complete_time(TimeScenario& time) {
   if (time.table_times.empty() || time.table_dts.empty()) return;
   if (time.dt == 0) time.dt = *std::max_element(time.table_dts.begin(), time.table_dts.end());
@@ -25,7 +33,7 @@ void complete_time(TimeScenario& time) {
 }
 
 void complete_output(OutputScenario& output, const Scenario& scenario) {
-  if (output.dt == 0 && output.every == 0 && output.times.empty()) output.every = 1;
+  if (output.dt == 0 && output.every == 0 && output.cycles == 0 && output.times.empty()) output.every = 1;
   if (output.file.empty())
     output.file = output.type == OutputScenario::Type::csv ? "history.csv" : output.id + ".xdmf";
   if (output.type == OutputScenario::Type::csv || !output.fields.empty()) return;
@@ -37,6 +45,7 @@ void complete_output(OutputScenario& output, const Scenario& scenario) {
   if (!scenario.has_motion()) return;
   output.fields.insert(output.fields.end(), {"stress", "von_mises", "pressure"});
   if (any_plastic(scenario)) output.fields.emplace_back("alpha");
+  if (any_fatigue(scenario)) output.fields.emplace_back("fatigue");
   if (!scenario.contacts.empty())
     output.fields.insert(output.fields.end(), {"contact_pressure", "contact_gap", "contact_status"});
   if (std::any_of(scenario.contacts.begin(), scenario.contacts.end(),
@@ -201,6 +210,7 @@ void check_alpha2(const Scenario& scenario) {
     if (material.law.b_d != 0)
       fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
   }
+  if (!scenario.stops.empty()) fail("-stops \"" + scenario.stops.front().id + "\": not available" + remedy);
 }
 
 void check_split(const Scenario& scenario, const MaterialScenario& material) {
@@ -303,10 +313,25 @@ void check_matrix(const Scenario& scenario) {
       fail(key + "that of -contact_" + contact.id + "_friction is not; allowed: no friction; " + remedy);
 }
 
+// Fatigue drives phi beyond 1, where its energy has a kink.
+void check_fatigue(const Scenario& scenario) {
+  if (!any_fatigue(scenario)) return;
+  const DamageBounds bounds = scenario.damage.bounds;
+  if (bounds == DamageBounds::vi || bounds == DamageBounds::clip) return;
+  for (const MaterialScenario& material : scenario.materials)
+    if (material.law.fatigue_a > 0)
+      fail(std::string("-damage_bounds \"") + (bounds == DamageBounds::none ? "none" : "history") +
+           "\": lets the fatigue of -material_" + material.law.id +
+           "_fatigue_a drive phi beyond 1; allowed with fatigue: vi, clip");
+}
+
 void check_outputs(const Scenario& scenario) {
   std::map<std::string, std::string> writer;
   for (const OutputScenario& output : scenario.outputs) {
     const std::string prefix = "-output_" + output.id + "_";
+    if (output.cycles > 0 && scenario.time.period == 0)
+      fail(prefix + "cycles \"" + std::to_string(output.cycles) +
+           "\": counts the cycles of a load whose period is not given; add -ts_period, or remove it");
     const bool csv = output.type == OutputScenario::Type::csv;
     if (!csv && scenario.time.type == "alpha2")
       fail(prefix + "type \"xdmf\": not available; -ts_type alpha2 writes the history alone; allowed: csv; "
@@ -429,6 +454,7 @@ void check_scenario(const Scenario& scenario) {
   check_alpha2(scenario);
   check_checkpoints(scenario);
   check_matrix(scenario);
+  check_fatigue(scenario);
   check_outputs(scenario);
 }
 

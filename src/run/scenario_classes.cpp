@@ -16,7 +16,7 @@ void add_components(std::vector<OptionRow<Struct>>& rows, const std::string& ste
 }
 
 std::vector<std::string> mesh_fields() {
-  return {"u", "v", "a", "phi", "theta", "stress", "von_mises", "alpha", "pressure"};
+  return {"u", "v", "a", "phi", "theta", "stress", "von_mises", "alpha", "pressure", "fatigue"};
 }
 
 std::vector<std::string> all_fields() {
@@ -305,7 +305,9 @@ OptionClass<OutputScenario> output_class() {
   using Output = OutputScenario;
   return {"output",
           "outputs",
-          "Without `_dt`, `_every` and `_times` every accepted step is written.",
+          "Without `_dt`, `_every`, `_cycles` and `_times` every accepted step is written. The history has a "
+          "row for "
+          "each step, unless `_cycles` says otherwise.",
           {
               choice_row<Output, Output::Type>("type", &Output::type,
                                                {"fields for ParaView, or the history table", "xdmf"},
@@ -317,6 +319,11 @@ OptionClass<OutputScenario> output_class() {
                                  {"written at the first step at or after each multiple", "", "s"}, positive,
                                  {{"", 0.}}),
               count_row<Output>("every", &Output::every, {"written every so many steps"}, 1),
+              count_row<Output>(
+                  "cycles", &Output::cycles,
+                  {"written in the middle and at the end of every so many cycles of -ts_period, the "
+                   "history too"},
+                  1),
               numbers_row<Output>("times", &Output::times,
                                   {"times that are hit exactly and written", "", "s"}, not_negative),
               text_row<Output>("file", &Output::file, {"name below -output_dir", "<id>.xdmf, history.csv"},
@@ -352,6 +359,24 @@ OptionClass<MeasureScenario> measure_class() {
                                                 {"max", Measure::Of::max},
                                                 {"sum", Measure::Of::sum}}),
           }};
+}
+
+OptionClass<StopScenario> stop_class() {
+  return {
+      "stop",
+      "stops",
+      "A run ends with exit status 0, a checkpoint and its last output when one of these holds at the end of "
+      "a "
+      "step. `peak(x)` is the largest value that x has had since t = 0, for any x; t is the time, `&&` and "
+      "`||` join comparisons.",
+      {
+          text_row<StopScenario>(
+              "when", &StopScenario::when,
+              {"what ends the run, as in reaction_top_y < 0.1*peak(reaction_top_y): an expression of "
+               "columns of the history and of parameters",
+               "required"},
+              "condition on columns by name"),
+      }};
 }
 
 } // namespace impact

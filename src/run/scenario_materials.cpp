@@ -135,6 +135,11 @@ std::vector<OptionRow<Material>> damage_rows() {
       number_row<Material>(
           "delta", law(&Law::delta),
           {"shift in the damage rate: (1 + delta - phi)^zeta / c", "0", "1", "delta", "(63)"}, fraction),
+      number_row<Material>(
+          "fatigue_a", law(&Law::fatigue_a),
+          {"growth of the fatigue variable with the stress power of damaged material; 0: no fatigue", "0",
+           "m^2", "a", "(F1)"},
+          not_negative),
       number_row<Material>("b_d", law(&Law::b_d),
                            {"viscous stress 2 b_d dC/dt", "0", "N.s/m^2", "b_d", "(62)"}, not_negative),
       flag_row<Material>("visc_degrade", law(&Law::visc_degrade),

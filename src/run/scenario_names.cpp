@@ -14,9 +14,9 @@ const char* const petsc_beginnings[] = {"snes_", "ksp_",        "pc_",  "mat_", 
                                         "ts_",   "fieldsplit_", "sub_", "mg_"};
 /// Beginnings under which no other name than ours exists.
 const char* const own_prefixes[] = {"mesh_",   "checkpoint_", "restart_", "walltime_",
-                                    "energy_", "crack_",      "stop_"};
+                                    "energy_", "crack_",      "history_"};
 /// Refused by name, so that nobody believes that they had an effect.
-const char* const not_available[] = {"order", "stops", "ts_static_start", "ts_dt_cfl"};
+const char* const not_available[] = {"order", "ts_static_start", "ts_dt_cfl"};
 
 struct Legal {
   std::map<std::string, std::string> names; ///< lower case to the way we write it

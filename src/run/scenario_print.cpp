@@ -98,6 +98,7 @@ std::vector<Section> sections() {
   all.push_back(section("Output", output_class()));
   all.push_back(section("Probes", probe_class()));
   all.push_back(section("Measures", measure_class()));
+  all.push_back(section("Stops", stop_class()));
   all.push_back(solvers);
   return all;
 }
@@ -118,7 +119,7 @@ std::string print_scenario(const Scenario& scenario) {
          materials_text(scenario.materials) + class_text(boundary_class(), scenario.bcs) +
          class_text(initial_class(), scenario.ics) + class_text(contact_class(), scenario.contacts) +
          class_text(output_class(), scenario.outputs) + class_text(probe_class(), scenario.probes) +
-         class_text(measure_class(), scenario.measures);
+         class_text(measure_class(), scenario.measures) + class_text(stop_class(), scenario.stops);
 }
 
 std::string option_help() {

@@ -76,6 +76,17 @@ OptionGroup coupling_group() {
                "of itself",
                "1e-4", "1"},
               positive),
+          number_row<Global>(
+              "coupling_theta_tol", [](auto& s) -> auto& { return s.coupling.theta_tol; },
+              {"passes end when the temperature changes less than this part of its largest value, where a "
+               "material expands with it",
+               "-coupling_snes_atol", "1"},
+              positive, {{"", -1.}}),
+          flag_row<Global>("coupling_error", [](auto& s) -> auto& { return s.coupling.report_error; },
+                           {"column coupling_error: nodal forces that the phi and theta of the end of a step "
+                            "would change, "
+                            "over those that the last pass balanced; costs one residual in a step",
+                            "off"}),
           choice_row<Global, PassRelaxation>(
               "coupling_relaxation", [](auto& s) -> auto& { return s.coupling.relaxation; },
               {"what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi "
@@ -162,6 +173,18 @@ OptionGroup time_group() {
                               "while a crack runs faster; 0: no limit",
                               "0", "1"},
                              {0, 1}),
+          number_row<Global>(
+              "ts_adapt_dalpha", [](auto& s) -> auto& { return s.coupling.max_dalpha; },
+              {"largest growth of the plastic strain at a point in a step, likewise; 0: no limit", "0", "1"},
+              not_negative),
+          number_row<Global>(
+              "ts_adapt_dtheta", [](auto& s) -> auto& { return s.coupling.max_dtheta; },
+              {"largest change of the temperature at a node in a step, likewise; 0: no limit", "0", "K"},
+              not_negative),
+          number_row<Global>(
+              "ts_period", [](auto& s) -> auto& { return s.time.period; },
+              {"of a cyclic load: steps hit the ends and the middles of its cycles exactly", "none", "s"},
+              positive, {{"", 0.}}),
           number_row<Global>("ts_max_time", [](auto& s) -> auto& { return s.time.max_time; },
                              {"end of the run", "required without -ts_times", "s"}, positive, {{"", 0.}}),
           count_row<Global>(
@@ -191,6 +214,10 @@ OptionGroup history_group() {
           number_row<Global>("crack_level", &Scenario::crack_level,
                              {"phi from which a node counts as cracked in the history", "0.9", "1"},
                              {0, 1, true, false}),
+          flag_row<Global>(
+              "history_materials", &Scenario::history_materials,
+              {"energies of fracture and fatigue and all dissipations of each material in the history",
+               "off"}),
       }};
 }
 
@@ -291,8 +318,8 @@ std::vector<OptionRow<Scenario>> global_rows() {
 }
 
 std::vector<std::string> other_global_names() {
-  return {"params",  "functions", "materials", "bcs",  "ics",      "contacts",
-          "outputs", "probes",    "measures",  "help", "reference"};
+  return {"params",  "functions", "materials", "bcs",   "ics",  "contacts",
+          "outputs", "probes",    "measures",  "stops", "help", "reference"};
 }
 
 } // namespace impact

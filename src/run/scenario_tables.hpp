@@ -41,6 +41,7 @@ OptionClass<ContactScenario> contact_class();
 OptionClass<OutputScenario> output_class();
 OptionClass<ProbeScenario> probe_class();
 OptionClass<MeasureScenario> measure_class();
+OptionClass<StopScenario> stop_class();
 
 /// SI unit of the components and of the value of a condition.
 std::string condition_unit(BcType type);

@@ -33,6 +33,7 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s) {
       p.locking = p.model == Model::j2 && s.plane != PlaneMode::stress ? Locking::mean : Locking::none;
     // Physics that is switched off leaves no trace in the law. A body that is not moved expands freely.
     if (!s.has_damage()) p.damage = Damage::none;
+    if (!s.has_motion() || p.damage == Damage::none) p.fatigue_a = 0;
     if (!s.has_heat()) p.c_v = 0;
     if (!s.has_motion()) {
       p.model = Model::elastic;

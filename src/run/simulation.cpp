@@ -11,6 +11,7 @@
 #include <impact/run/restart_keys.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/simulation.hpp>
+#include <impact/run/stop_criteria.hpp>
 #include <impact/run/stop_requests.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/step_control.hpp>
@@ -139,9 +140,10 @@ private:
   Progress progress_;
   Snapshot snapshot_;
   double last_checkpoint_ = 0;
-  std::string checkpoint_file_, stopped_by_;
+  std::string checkpoint_file_, stopped_by_, ended_by_; // from outside, by a criterion of the run
   bool checked_options_ = false;
   StopRequests requests_;
+  StopCriteria stops_;
   StepProbe probe_;
   // -test_restep: every step is tried, refused and tried again with the same dt.
   bool restep_ = false, repeats_ = false, forced_ = false;
@@ -164,7 +166,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                 s.coupling, solver, inertia_, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time),
-      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), probe_(probe) {
+      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe) {
   PetscBool restep = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-test_restep", &restep));
   restep_ = restep == PETSC_TRUE;
@@ -195,7 +197,8 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                                      "(-contact_<id>_impact conserving) is for the trapezoidal rule; take "
                                      "-ts_newmark_rho 1");
   ledger_.emplace(motion_, &coupling_, setup_.state, inertia_,
-                  inertia_ ? newmark_parameters(ts_).alpha_m : 1.0, s.has_motion());
+                  inertia_ ? newmark_parameters(ts_).alpha_m : 1.0, s.has_motion(),
+                  LedgerChoice{s.history_materials, s.coupling.report_error});
   StateRow control{"step_control", Support::global, 4};
   control_ = &setup_.state.add(std::move(control), 4);
   std::optional<double> resume_time;
@@ -206,7 +209,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   }
   history_.emplace(comm, s.output_dir + "/" + history_file_name(s), s, motion_, *ledger_, setup_.state,
                    source_, resume_step);
-  if (resume && history_->last_step() < resume->values.step)
+  if (resume && history_->every_step() && history_->last_step() < resume->values.step)
     check(PetscPrintf(
         comm, "impact: %s has no rows up to the checkpoint's step %ld: the rows between are missing\n",
         history_file_name(s).c_str(), resume->values.step));
@@ -218,6 +221,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   }
   start(resume);
   set_exact_times(ts_, std::move(exact_times));
+  if (s.time.period > 0) set_step_period(ts_, s.time.period);
   if (!s.time.table_times.empty()) set_step_table(ts_, s.time.table_times, s.time.table_dts);
   if (inertia_) set_newmark_hooks(ts_, coupling_.newmark_hooks());
   set_step_hooks(ts_, hooks());
@@ -250,6 +254,10 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
     // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
     // made in its next step.
     for (ContactInterface& contact : setup_.contacts) contact.forget_search();
+    for (const std::string& peak : stops_.restore(resume->values))
+      check(PetscPrintf(comm_, "impact: %s does not know peak(%s): it is counted from here on\n",
+                        resume->file.c_str(), peak.c_str()));
+    stops_.check_names(history_->row(snapshot_, {}));
     check(PetscPrintf(comm_, "resumed from %s at t = %.10g, step %ld\n", resume->file.c_str(), snapshot_.time,
                       snapshot_.step));
     return;
@@ -263,7 +271,9 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   for (ContactInterface& contact : setup_.contacts) contact.advance(u_, u_, 0);
   ledger_->start(u_, v_, a_);
   state.commit();
-  history_->watch(snapshot_, {});
+  const HistoryFile::Row first = history_->watch(snapshot_, {});
+  stops_.check_names(first);
+  stops_.ask(first);
   write_fields(false);
 }
 
@@ -272,7 +282,9 @@ StepHooks Simulation::hooks() {
   hooks.before_attempt = [this](TS, const Attempt& attempt) { before_attempt(attempt); };
   hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling_.guess(attempt, guess); };
   hooks.effort = [this](TS) { return coupling_.hardest_solve(); };
-  if (damage_ && s_.coupling.max_dphi > 0) hooks.utilisation = [this](TS) { return coupling_.utilisation(); };
+  const CouplingScenario& limits = s_.coupling;
+  if (limits.max_dphi > 0 || limits.max_dalpha > 0 || limits.max_dtheta > 0)
+    hooks.utilisation = [this](TS) { return coupling_.utilisation(); };
   hooks.accept = [this](TS, const Attempt& attempt, Vec u, Vec v, Vec a) { return judge(attempt, u, v, a); };
   hooks.on_reject = [this](TS, const Attempt& attempt) { reject(attempt); };
   hooks.on_accept = [this](TS, const Attempt& attempt) { accept(attempt); };
@@ -377,12 +389,16 @@ void Simulation::accept(const Attempt& attempt) {
   snapshot_.dt = attempt.dt;
   snapshot_.tries = static_cast<int>(attempt.number);
   snapshot_.u = u;
-  history_->watch(snapshot_, coupling_.counts());
+  const HistoryFile::Row columns = history_->watch(snapshot_, coupling_.counts());
   write_fields(false);
   progress_.line(snapshot_, coupling_.counts(), *ledger_, active_points());
   if (!checked_options_) report_unused_options(comm_, s_.strict);
   checked_options_ = true;
-  obey(requests_.ask(comm_, checkpoint_is_due()));
+  StopRequest request = requests_.ask(comm_, checkpoint_is_due());
+  ended_by_ = stops_.ask(columns);
+  request.checkpoint = request.checkpoint || !ended_by_.empty();
+  obey(request);
+  if (!ended_by_.empty()) check(TSSetConvergedReason(ts_, TS_CONVERGED_USER));
 }
 
 // A full disk costs field output, not the run.
@@ -424,6 +440,7 @@ void Simulation::write_state(const StepControlState& c) {
   values.time = snapshot_.time;
   values.step = snapshot_.step;
   values.texts["options"] = restart_options(comm_, s_);
+  stops_.store(values);
   char version[256] = "";
   check(PetscGetVersion(version, sizeof version));
   values.texts["petsc_version"] = version;
@@ -469,12 +486,17 @@ ExitCode Simulation::run() {
   check(TSGetConvergedReason(ts_, &reason));
   check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
                     !stopped_by_.empty() ? "stopped by request"
+                    : !ended_by_.empty() ? "stopped"
                     : reason > 0         ? "finished"
                                          : "gave up",
                     snapshot_.time, snapshot_.step, Progress::clock(progress_.wall()).c_str(),
                     ledger_->balance(), ledger_->balance_first_law()));
+  check(PetscPrintf(comm_, "%s", ledger_->report().c_str()));
   if (!stopped_by_.empty())
     check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),
+                      checkpoint_file_.c_str()));
+  if (!ended_by_.empty())
+    check(PetscPrintf(comm_, "stopped by %s; the state is in %s\n", ended_by_.c_str(),
                       checkpoint_file_.c_str()));
   if (reason > 0) return ExitCode::ok;
   check(PetscPrintf(comm_, "impact: the step could not be solved (%s)\n", TSConvergedReasons[reason]));

@@ -21,6 +21,7 @@ struct StepControl {
   PetscInt easy_steps = 4, easy_its = 10;
   PetscInt effort = 0;       // iterations of the step under judgement
   PetscReal utilisation = 0; // part of its limits that the step under judgement used up; 0: there are none
+  PetscReal period = 0;      // of a cyclic load, whose middles and ends are hit; 0: none
   std::vector<PetscReal> times;
   std::vector<PetscReal> table_times, table_dts;
   Mailbox mailbox;

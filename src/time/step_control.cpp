@@ -31,6 +31,10 @@ PetscReal next_time(const StepControl& control, PetscReal t, PetscReal max_time,
   std::vector<PetscReal> times = control.times;
   times.insert(times.end(), control.table_times.begin(), control.table_times.end());
   times.push_back(max_time);
+  if (control.period > 0) {
+    const PetscReal half = control.period / 2;
+    times.push_back(half * (std::floor((t + tolerance) / half) + 1));
+  }
   PetscReal next = std::numeric_limits<PetscReal>::infinity();
   for (const PetscReal time : times)
     if (time - t > tolerance) next = std::min(next, time);
@@ -207,6 +211,13 @@ StepControlState step_control_state(TS ts) { return control_of(ts).state; }
 void set_step_control_state(TS ts, const StepControlState& state) { control_of(ts).state = state; }
 
 void set_exact_times(TS ts, std::vector<PetscReal> times) { control_of(ts).times = std::move(times); }
+
+void set_step_period(TS ts, PetscReal period) {
+  if (!(period >= 0) || !std::isfinite(period))
+    throw UserError(ExitCode::usage, "-ts_period: " + std::to_string(period) +
+                                         "; allowed: > 0; give the period of the load, or leave it out");
+  control_of(ts).period = period;
+}
 
 void set_step_table(TS ts, std::vector<PetscReal> times, std::vector<PetscReal> dts) {
   detail::check_table(times, dts);

@@ -2,6 +2,7 @@
 #include "oracle_values.hpp"
 
 #include <gtest/gtest.h>
+#include <impact/material/fatigue.hpp>
 #include <impact/material/modulus.hpp>
 #include <string>
 
@@ -186,6 +187,12 @@ TEST(Oracle, HeatOfPlasticShear) {
                bisect([&](double x) { return energy(x) - share * work; }, m.theta0, 400), 1e-8);
     expect_row("heat.shear0.2.theta_simple(cV only).chi" + row, m.theta0 + share * work / m.c_v, 1e-8);
   }
+}
+
+TEST(Oracle, FatigueAtConstantPower) {
+  MaterialParameters m = aluminium();
+  m.fatigue_a = 5e-7;
+  expect_row("fatigue.F(1e-3)", fatigue_growth(m, 0.1, 1e9 * 1e-3));
 }
 
 TEST(Oracle, ViscousStress) {

@@ -139,6 +139,7 @@ inline constexpr Oracle oracles[] = {
     {"dmg.TR.dt1e-03.step2", 0.09887655889774},
     {"dmg.TR.dt1e-03.step10", 0.3279331806546},
     {"dmg.zeta0.phi(1e-5)", 0.09067791952585},
+    {"fatigue.F(1e-3)", 90},
     {"at2.phi(gam)", 0.367879446016},
     {"at2.energy_full_bar_over_Gc", 0.9999999958777},
     {"at2.Q1.h0.25.phi(gam)", 0.3669159061801},

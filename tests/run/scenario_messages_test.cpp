@@ -16,6 +16,8 @@ struct Row {
 Options alpha2(Options more) {
   more.insert({{"-ts_type", "alpha2"},
                {"-contacts", "-"},
+               {"-stops", "-"},
+               {"-stop_end_when", "-"},
                {"-contact_tip_secondary", "-"},
                {"-contact_tip_primary", "-"},
                {"-outputs", "-"}});
@@ -59,6 +61,32 @@ const std::vector<Row>& rows() {
        "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: form, theta, bounds, "
        "and names that "
        "start with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
+      {{{"-stops", "broken"}, {"-stop_end_when", "-"}},
+       ExitCode::usage,
+       "-stop_broken_when: missing; allowed: condition on columns by name; it is what ends the run, as in "
+       "reaction_top_y < "
+       "0.1*peak(reaction_top_y): an expression of columns of the history and of parameters"},
+      {{{"-stops", "broken"}, {"-stop_broken_when", "peak(peak(t)) > 1"}, {"-stop_end_when", "-"}},
+       ExitCode::usage,
+       "-stop_broken_when \"peak(peak(t)) > 1\": a peak in a peak; allowed: peak(name)"},
+      {alpha2({{"-stops", "broken"}, {"-stop_broken_when", "t > 1"}}), ExitCode::usage,
+       "-stops \"broken\": not available; allowed with -ts_type alpha2: elastic bodies without damage, heat, "
+       "contact "
+       "and viscosity; remove it, or choose -ts_type newmark"},
+      {{{"-output_vis_cycles", "10"}},
+       ExitCode::usage,
+       "-output_vis_cycles \"10\": counts the cycles of a load whose period is not given; add -ts_period, or "
+       "remove "
+       "it"},
+      {{{"-material_beam_damage", "at2"},
+        {"-material_beam_Gc", "1"},
+        {"-material_beam_gamma", "1"},
+        {"-material_beam_fatigue_a", "1"},
+        {"-damage_bounds", "history"}},
+       ExitCode::usage,
+       "-damage_bounds \"history\": lets the fatigue of -material_beam_fatigue_a drive phi beyond 1; allowed "
+       "with "
+       "fatigue: vi, clip"},
       {{{"-order", "2"}}, ExitCode::usage, "-order \"2\": not available; remove it"},
       {{{"-contact_operatro", "shell"}},
        ExitCode::usage,
@@ -236,7 +264,8 @@ const std::vector<Row>& rows() {
        "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, theta, "
        "stress, "
        "von_mises, alpha, "
-       "pressure, contact_pressure, contact_gap, contact_status, contact_traction, contact_slip; did you "
+       "pressure, fatigue, contact_pressure, contact_gap, contact_status, contact_traction, contact_slip; "
+       "did you "
        "mean von_mises?"},
       {{{"-physics", "motion,heat"}},
        ExitCode::usage,

@@ -37,6 +37,8 @@ inline Options base() {
           {"-outputs", "vis"},
           {"-probes", "p1"},
           {"-probe_p1_at", "0.1,0.2"},
+          {"-stops", "end"},
+          {"-stop_end_when", "t > 100"},
           {"-measures", "tail"},
           {"-measure_tail_on", "beam_left"}};
 }

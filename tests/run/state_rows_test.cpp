@@ -48,7 +48,7 @@ struct AllPhysics {
   static MaterialParameters law() {
     MaterialParameters m;
     m.model = Model::j2;
-    m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = m.c_v = 1;
+    m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = m.c_v = m.fatigue_a = 1;
     m.sigma_y = 0.1;
     m.damage = Damage::at2;
     return m;
@@ -78,13 +78,15 @@ const Rows known = {
     {"ledger_heat", {Support::global, 2}}, // supplied by each condition, and one
     {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
     {"drive", {Support::cell_point, 3}},
+    {"fatigue", {Support::cell_point, 1}},
     {"damage_history", {Support::cell_point, 1}},
     {"contact_face_multiplier", {Support::facet_point, 1}},
     {"contact_face_penalty", {Support::global, 3}},
     {"contact_face_totals", {Support::global, 8}},
     {"contact_face_force", {Support::vertex, 2}},
-    {"rigid", {Support::global, 7}},         // angle and reactions of a body
-    {"ledger_totals", {Support::global, 0}}, // as many as the ledger counts
+    {"rigid", {Support::global, 7}},            // angle and reactions of a body
+    {"ledger_totals", {Support::global, 0}},    // as many as the ledger counts
+    {"ledger_materials", {Support::global, 8}}, // four kinds of dissipation in each of two materials
     {"force_internal", {Support::vertex, 2}},
     {"force_external", {Support::vertex, 2}},
     {"force_contact", {Support::vertex, 2}},

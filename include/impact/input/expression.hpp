@@ -35,7 +35,8 @@ public:
   /// Throws UserError(usage) with the character position (from 0) and the known names; refuses a single `=`.
   /// A value with a unit ("1 mm") is no expression: the option reader converts it to a plain number first.
   /// Functions: those of muParser (sin ... sqrt exp ln log log10 abs sign min max, `a ? b : c`, and or as &&
-  /// ||), ramp(t,t0,t1) 0 to 1 linearly, step(t,t0) 1 from t0 on, pulse(t,t0,t1) 1 in [t0,t1).
+  /// ||), ramp(t,t0,t1) 0 to 1 linearly, step(t,t0) 1 from t0 on, pulse(t,t0,t1) 1 in [t0,t1),
+  /// cycle(t,period) from 0 to 1 in the middle of each period and back to 0, linearly.
   Expression(std::string key, std::string text, const ExpressionContext* context = nullptr);
   /// Takes a function of a reference point, its dimension and time in place of a text; text() is then
   /// "function".

@@ -8,6 +8,7 @@
 /// q = -kappa grad theta and []_h weighing t_{n+1} with theta_h and t_n with 1 - theta_h:
 ///   entropy: int w ([theta]_h (eta - eta_n) - D) + dt [grad w . kappa grad theta]_h           (45')
 ///            D = plastic and viscous dissipation of the step + lambda_n (phi - phi_n)^2/dt
+///              + phi (Fat - Fat_n)/gamma
 ///   energy:  int w (e - e_n - W) + grad w . h (phi - phi_n) + dt [grad w . kappa grad theta]_h (5')
 ///            e = internal energy, W = 1/2 (P + P_n) : (F - F_n), h = G_c gamma C^-1 Grad phi
 /// eta = c_V ln(theta/theta_0) + 3 alpha_t g_v K/2 (J_e^2 - 1) with the J_e of the chosen locking cure. Loads
@@ -32,6 +33,8 @@ struct HeatInput {
   const Batch* history = nullptr; ///< [point][history_size] at t_{n+1}; of moved laws that flow in the energy
                                   ///< form, and in plane stress
   const Batch* history_n = nullptr;   ///< at t_n
+  const Batch* fatigue = nullptr;     ///< [point] Fat at t_{n+1}, or nullptr (= 0); with phi
+  const Batch* fatigue_n = nullptr;   ///< at t_n; with fatigue
   const Batch* dissipation = nullptr; ///< [point] of the step, see motion_advance; nullptr = none
   const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u
   const Batch* stress_n = nullptr; ///< at t_n

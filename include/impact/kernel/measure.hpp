@@ -15,6 +15,7 @@ struct EnergyInput {
   const Batch* phi = nullptr;     ///< [node], or nullptr (= 0)
   const Batch* theta = nullptr;   ///< [node], or nullptr (= theta0)
   const Batch* history = nullptr; ///< [point][history_size] of the same time as u; nullptr for Model::elastic
+  const Batch* fatigue = nullptr; ///< [point] Fat, or nullptr (= 0); with phi
 };
 
 /// Sums over the points, per lane; stored_energy adds to them.
@@ -22,6 +23,7 @@ struct EnergySums {
   Batch elastic = 0;             ///< int g_1 E+ + g_2 E-   (with the J of the chosen locking cure)
   Batch plastic = 0;             ///< int g_p H_s,  H_s = (1 - chi) H_0
   Batch fracture = 0;            ///< int psi_phi
+  Batch fatigue = 0;             ///< int Fat H_f(phi)/gamma
   Batch kinetic = 0;             ///< int rho/2 v.v
   Batch mass = 0;                ///< int rho
   Batch momentum[3] = {0, 0, 0}; ///< int rho v
@@ -38,10 +40,14 @@ struct HeatSums {
 /// Needs in.theta.
 template <class Cell, Frame frame> void stored_heat(const PointLaw&, const EnergyInput& in, HeatSums&);
 
-/// int lambda(phi_n) (phi - phi_n)^2 / dt, per lane; sum is added to. phi, phi_n [node].
+/// int lambda(phi_n) (phi - phi_n)^2 / dt, per lane; sum is added to. phi, phi_n [node]. Where `least` is
+/// given it becomes the smaller of itself and of the integrand at the points.
 template <class Cell, Frame frame>
 void damage_dissipation(const PointLaw&, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
-                        Batch& sum);
+                        Batch& sum, Batch* least = nullptr);
+
+/// Mean over the reference volume of each cell of what is given at its points. X [node][dim], values [point].
+template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* values);
 
 /// What damage and flow of a step exchange with the plastic heat, per lane (PointLaw::plastic_exchange); sum
 /// is added to. For laws that exchange anything.

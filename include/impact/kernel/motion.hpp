@@ -39,6 +39,7 @@ struct StepSums {
   Batch plastic_dissipation = 0; ///< int g_p k_d dalpha,  k_d = chi k(alpha_{n+1})
   Batch viscous_dissipation = 0; ///< int b_d |C - C_n|^2 / dt   (times g_e1 where b_d is degraded)
   Batch plastic_work = 0;        ///< int g_1 [W(b_trial) - W(b)]
+  Batch least_dissipation = 0;   ///< smallest of both integrands of dissipation at a point, at most 0
 };
 
 /// What the heat balance takes from the motion, at the points.

@@ -35,6 +35,7 @@ struct MaterialParameters {
   double Gc = 0, gamma = 0;                           ///< toughness (force/length), layer width (length)
   double c = std::numeric_limits<double>::infinity(); ///< damage rate: lambda = (1 + delta - phi)^zeta / c
   double zeta = 1, delta = 0;
+  double fatigue_a = 0;      ///< growth of the fatigue variable (area); 0: none
   double b_d = 0;            ///< viscosity: S_d = 2 b_d Cdot (62)
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;

@@ -50,6 +50,7 @@ struct PointLaw {
   /// No law at all: the cells of a rigid body have mass alone.
   bool rigid() const { return parameters.model == Model::rigid; }
   bool viscous() const { return parameters.b_d > 0; }
+  bool fatigues() const { return parameters.damage != Damage::none && parameters.fatigue_a > 0; }
   bool crack_stress() const {
     return parameters.damage != Damage::none && parameters.damage_gradient == DamageGradient::spatial;
   }

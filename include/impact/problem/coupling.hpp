@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/problem/damage.hpp>
+#include <impact/problem/fatigue.hpp>
 #include <impact/problem/heat.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/tangent_reuse.hpp>
@@ -7,10 +8,12 @@
 #include <impact/time/pass_shell.hpp>
 #include <impact/time/step_hooks.hpp>
 #include <memory>
+#include <optional>
 #include <span>
 
 /// One step's staggered fixed point and how it hangs in the TS:
-///   TS -> SNES shell `coupling_` -> SNES shell `uzawa_` -> SNES `motion_`;  then SNES `damage_`, `heat_`.
+///   TS -> SNES shell `coupling_` -> SNES shell `uzawa_` -> SNES `motion_`;  then SNES `damage_`, fatigue,
+///   SNES `heat_`.
 /// The residual and tangent reach `motion_` through SNESTSFormFunction, so that the TS supplies v and a.
 namespace impact {
 
@@ -54,7 +57,8 @@ public:
   /// Tangents of the hardest motion solve of the attempt (its iterations, with full Newton): what the step
   /// control calls its effort.
   PetscInt hardest_solve() const { return hardest_solve_; }
-  /// Largest growth of phi in the attempt over -ts_adapt_dphi; 0 without that limit.
+  /// Largest increment of phi, of the plastic strain or of the temperature in the attempt over its limit
+  /// (-ts_adapt_dphi, _dalpha, _dtheta); 0 without limits.
   PetscReal utilisation() const { return utilisation_; }
   /// Drops lagged factors, so that a run behaves after a checkpoint as one that resumed from it. Collective.
   void forget_factors();
@@ -66,6 +70,12 @@ public:
     return heat_ ? std::span<const ContactHeat::Heat>(heat_->contact_heat())
                  : std::span<const ContactHeat::Heat>();
   }
+  /// Growth of fatigue in the attempt; null without.
+  const FatigueUpdate* fatigue() const { return fatigue_ ? &*fatigue_ : nullptr; }
+  /// Parts of the motion's residual at u with the phi and theta of the end of the attempt in place of those
+  /// that its last solve saw: what another pass would have to balance. Costs one evaluation of the residual.
+  /// Collective.
+  void parts_of_next_pass(Vec u, ForceParts& parts);
   double entropy_supplied() const { return heat_ ? heat_->entropy_supplied() : 0; }
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
@@ -104,6 +114,9 @@ private:
   PassResult coupling_pass(PetscInt pass, Vec u);
   PassResult uzawa_pass(PetscInt pass, Vec u);
   void damage_pass(PassResult& result);
+  void fatigue_pass(PassResult& result);
+  void limit_plastic_strain(PassResult& result);
+  void limit(PassResult& result, const char* what, double increment, const char* option, double most);
   void heat_pass(Vec u, PassResult& result);
   void relax_phi(PetscInt pass);
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
@@ -123,6 +136,7 @@ private:
   DamageProblem* damage_;
   HeatProblem* heat_;
   StateTable& state_;
+  std::optional<FatigueUpdate> fatigue_;
   CouplingScenario settings_;
   bool inertia_, stabilise_;
   double contact_scale_ = 1;

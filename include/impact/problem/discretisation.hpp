@@ -34,6 +34,7 @@ struct Discretisation {
     return static_cast<std::size_t>(mesh.node_count() * components);
   }
   bool has_damage() const;
+  bool has_fatigue() const;
   bool has_viscosity() const;
   bool has_plasticity() const;
   bool has_heat() const;              ///< every material has a heat capacity then
@@ -47,7 +48,7 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
                           double thickness);
 
-/// Adds the rows that the physics at hand keeps: u, v, a, phi, theta, history, drive.
+/// Adds the rows that the physics at hand keeps: u, v, a, phi, theta, history, drive, fatigue.
 void declare_state(const Discretisation& discretisation, StateTable& table);
 
 /// Doubles that one group needs for `components` per quadrature point: [batch][point][component][lane].

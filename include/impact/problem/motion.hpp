@@ -90,6 +90,8 @@ public:
   /// Evaluates the law at the accepted u into the trial halves of "history" and "drive". Collective.
   struct Increments {
     double plastic_dissipation = 0, viscous_dissipation = 0, plastic_work = 0;
+    double least_dissipation = 0;                   ///< at a point per volume, at most 0
+    std::vector<double> plastic_part, viscous_part; ///< of the dissipations, of each material
   };
   bool advance(Vec u, Increments& sums, const HeatRows& heat = {});
 

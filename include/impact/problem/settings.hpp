@@ -28,11 +28,15 @@ enum class PassRelaxation { none, aitken };
 struct CouplingScenario {
   int max_it = 1;
   double atol = 1e-4;
+  double theta_tol = -1; ///< of the temperature, relative to its largest value; negative: atol
   PassRelaxation relaxation = PassRelaxation::aitken;
-  double reuse = -1;   ///< of the tangent, see TangentReuse; negative: as suits the linear solver
-  double max_dphi = 0; ///< largest increment of phi in a step; 0: no limit
-  double dt = 0;       ///< -ts_dt
-  bool moves = true;   ///< -physics has motion
+  double reuse = -1;         ///< of the tangent, see TangentReuse; negative: as suits the linear solver
+  double max_dphi = 0;       ///< largest increment of phi in a step; 0: no limit
+  double max_dalpha = 0;     ///< largest increment of the plastic strain
+  double max_dtheta = 0;     ///< largest change of the temperature
+  bool report_error = false; ///< evaluate Coupling::single_pass_error
+  double dt = 0;             ///< -ts_dt
+  bool moves = true;         ///< -physics has motion
 };
 
 } // namespace impact

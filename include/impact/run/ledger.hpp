@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/problem/coupling.hpp>
 #include <impact/run/history_file.hpp>
+#include <string>
 #include <vector>
 
 /// The balance sheet of a run: energies, dissipation and work since t = 0, per material and total, and two
@@ -16,15 +17,21 @@
 namespace impact {
 
 struct MaterialEnergies {
-  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, thermal = 0, entropy = 0;
+  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, fatigue = 0, thermal = 0, entropy = 0;
   double momentum[3] = {0, 0, 0};
+};
+
+/// What is kept beside the columns that every run has.
+struct LedgerChoice {
+  bool materials = false;      ///< energies and dissipations of each material as columns
+  bool coupling_error = false; ///< how far the last pass was from the next one
 };
 
 class Ledger {
 public:
   /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
   Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m,
-         bool moves = true);
+         bool moves = true, LedgerChoice choice = {});
 
   /// Energies and forces of the start. u, v, a at t = 0. Collective.
   void start(Vec u, Vec v, Vec a);
@@ -44,6 +51,8 @@ public:
   void append_reactions(HistoryFile::Row& row) const;
   void append_contact_heat(HistoryFile::Row& row) const;
   void append_materials(HistoryFile::Row& row) const;
+  /// The balance sheet since t = 0, total and of each material, for the end of the log.
+  std::string report() const;
   double balance() const;
   double balance_first_law() const;
   double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
@@ -66,9 +75,19 @@ private:
     identity,
     start_energy,
     scale,
+    fatigue_loss,
+    least, ///< smallest dissipation of a step at a point, per volume; at most 0
     count
   };
+  /// Dissipated since t = 0 in one material.
+  enum Loss { viscous_loss, damage_loss, plastic_loss, fatigue_part, losses };
+
   double& sum(Total which) const { return totals_->trial[which]; }
+  double& lost_in(std::size_t material, Loss which) const {
+    return losses_->trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
+  }
+  void book_damage(double dt);
+  void find_coupling_error(Vec u, Vec internal);
   void measure(Vec u, Vec v, bool trial);
   void find_extremes(bool trial);
   double dissipated() const;
@@ -85,15 +104,17 @@ private:
   StateTable& state_;
   bool inertia_, moves_;
   double alpha_m_;
+  LedgerChoice choice_;
   /// With heat: supplied by each condition since t = 0; conducted into the secondary side of each contact
   /// that passes heat, and what came from outside the bodies there; entropy supplied, entropy at the start.
   StateRow* heat_ = nullptr;
   std::vector<std::string> heat_contacts_; ///< their ids
-  StateRow *totals_, *internal_, *external_, *contact_, *inertia_force_;
+  StateRow *totals_, *losses_, *internal_, *external_, *contact_, *inertia_force_;
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;
   double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
+  double fatigue_max_ = 0, coupling_error_ = 0;
   std::vector<double> reaction_;   ///< [condition][dim]
   std::vector<double> moment_;     ///< [condition][3] about the centres of mass of rigid bodies
   std::vector<double> mean_;       ///< [condition][dim] mean displacement of the condition's nodes

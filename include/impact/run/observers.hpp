@@ -32,6 +32,8 @@ public:
   std::vector<double> cellwise(const std::string& name, const Snapshot& snapshot, int& components) const;
 
 private:
+  std::vector<double> fatigue_means() const;
+
   MotionProblem& motion_;
   const StateTable& state_;
 };
@@ -46,11 +48,15 @@ public:
 
 private:
   OutputScenario settings_;
+  double period_;
   const Discretisation& d_;
   const FieldSource& source_;
   FieldOutput file_;
   double next_time_ = 0;
 };
+
+/// Whether `time` is the start, or the middle or the end of a period number n, 2 n, ..
+bool marks_cycle(double time, double period, int every);
 
 /// Name of the history file: that of the first csv output, else history.csv.
 std::string history_file_name(const Scenario& scenario);
@@ -60,8 +66,12 @@ public:
   HistoryObserver(MPI_Comm comm, const std::string& file, const Scenario& scenario, MotionProblem& motion,
                   const Ledger& ledger, StateTable& state, const FieldSource& source,
                   std::optional<long> resume_after);
-  /// One row. Collective.
-  void watch(const Snapshot& snapshot, const StepCounts& counts);
+  /// The row of a state, written or not. Collective.
+  HistoryFile::Row row(const Snapshot& snapshot, const StepCounts& counts);
+  /// Writes the row, in the cycles that the history is kept of, and returns it. Collective.
+  HistoryFile::Row watch(const Snapshot& snapshot, const StepCounts& counts);
+  /// False when rows stand for chosen cycles only.
+  bool every_step() const { return cycles_ == 0; }
   /// Step of the last row that a resumed file kept, -1 without one. On all ranks.
   long last_step() const { return file_.last_step(); }
 
@@ -87,6 +97,7 @@ private:
   StateTable& state_;
   const FieldSource& source_;
   HistoryFile file_;
+  int cycles_ = 0; ///< of -ts_period between rows; 0: a row for each step
   std::vector<Located> probes_;
 };
 

@@ -48,8 +48,9 @@ struct OutputScenario {
   std::string id;
   enum class Type { xdmf, csv } type = Type::xdmf;
   std::vector<std::string> fields;
-  double dt = 0; ///< 0: not by time
-  int every = 0; ///< 0: not by steps
+  double dt = 0;  ///< 0: not by time
+  int every = 0;  ///< 0: not by steps
+  int cycles = 0; ///< at the middle and the end of every so many cycles of -ts_period; 0: not by cycles
   std::vector<double> times;
   std::string file; ///< without directory; default: <id>.xdmf or history.csv
 };
@@ -66,10 +67,16 @@ struct MeasureScenario {
   enum class Of { mean, min, max, sum } of = Of::mean;
 };
 
+/// Ends the run when it holds at the end of a step.
+struct StopScenario {
+  std::string id, when; ///< a Condition on columns of the history
+};
+
 struct TimeScenario {
   std::string type = "newmark"; ///< newmark | static | alpha2
   double dt = 0, max_time = 0;
   int max_steps = 0;                          ///< 0: no limit
+  double period = 0;                          ///< of a cyclic load; 0: none
   std::vector<double> table_times, table_dts; ///< -ts_times, -ts_dts
 };
 
@@ -117,10 +124,12 @@ struct Scenario {
   std::vector<OutputScenario> outputs;
   std::vector<ProbeScenario> probes;
   std::vector<MeasureScenario> measures;
+  std::vector<StopScenario> stops;
   CheckpointScenario checkpoint;
   double energy_tol = 0; ///< 0: off
   enum class EnergyAction { warn, cut, stop } energy_action = EnergyAction::warn;
   double crack_level = 0.9;
+  bool history_materials = false; ///< energies and dissipations of each material as columns
 
   bool solves(const std::string& name) const;
   bool has_motion() const { return solves("motion"); }

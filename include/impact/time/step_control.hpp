@@ -31,6 +31,10 @@ void set_step_control_state(TS ts, const StepControlState& state);
 /// Replaces the list of times to be hit exactly (any order; those in the past are ignored).
 void set_exact_times(TS ts, std::vector<PetscReal> times);
 
+/// Makes the middles and the ends of the periods of a cyclic load times to be hit exactly; 0: none. Throws
+/// UserError unless it is finite and not negative.
+void set_step_period(TS ts, PetscReal period);
+
 /// Replaces the step table: increasing times, dts > 0, as many as times or one fewer; both empty: none.
 /// Throws UserError.
 void set_step_table(TS ts, std::vector<PetscReal> times, std::vector<PetscReal> dts);

@@ -1,0 +1,108 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <impact/input/spelling.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/run/stop_criteria.hpp>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+namespace impact {
+
+namespace {
+
+/// The number of a column; `t` is the column `time`, unless there is one called so.
+const double* find_column(const HistoryFile::Row& row, const std::string& name) {
+  for (const auto& [column, value] : row)
+    if (column == name) return &value;
+  return name == "t" ? find_column(row, "time") : nullptr;
+}
+
+Condition::Value columns_of(const HistoryFile::Row& row) {
+  return [&row](const std::string& name) {
+    const double* const value = find_column(row, name);
+    if (value == nullptr) throw std::logic_error("stop: column " + name + " has gone");
+    return *value;
+  };
+}
+
+constexpr const char* stored_name = "peaks"; // lines of a number and the text of what it is the peak of
+
+std::map<std::string, double> read_peaks(const std::string& lines) {
+  std::map<std::string, double> peaks;
+  std::istringstream in(lines);
+  for (std::string line; std::getline(in, line);) {
+    double number = 0;
+    const char* const end = line.data() + line.size();
+    const auto [rest, fault] = std::from_chars(line.data(), end, number);
+    if (fault == std::errc() && rest != end) peaks[std::string(rest + 1, end)] = number;
+  }
+  return peaks;
+}
+
+} // namespace
+
+StopCriteria::StopCriteria(MPI_Comm comm, const Scenario& scenario) : comm_(comm) {
+  std::vector<std::pair<std::string, double>> parameters;
+  for (const ParameterScenario& parameter : scenario.params)
+    parameters.emplace_back(parameter.id, parameter.value);
+  for (const StopScenario& stop : scenario.stops)
+    criteria_.emplace_back("-stop_" + stop.id + "_when", stop.when, parameters);
+}
+
+void StopCriteria::check_names(const HistoryFile::Row& row) const {
+  std::vector<std::string> columns;
+  for (const auto& [column, value] : row) columns.push_back(column);
+  for (const Condition& criterion : criteria_)
+    for (const std::string& name : criterion.names()) {
+      if (find_column(row, name) != nullptr) continue;
+      const std::string near = nearest_name(name, columns, 3);
+      std::string all;
+      for (const std::string& column : columns) all += (all.empty() ? "" : " ") + column;
+      throw UserError(ExitCode::usage,
+                      criterion.key() + " \"" + criterion.text() + "\": the history has no column '" + name +
+                          "'" + (near.empty() ? "" : "; did you mean " + near + "?") + "; it has: " + all);
+    }
+}
+
+std::string StopCriteria::ask(const HistoryFile::Row& row) {
+  int held = static_cast<int>(criteria_.size());
+  for (std::size_t i = criteria_.size(); i-- > 0;) {
+    criteria_[i].note(columns_of(row));
+    if (criteria_[i].holds(columns_of(row))) held = static_cast<int>(i);
+  }
+  MPI_Bcast(&held, 1, MPI_INT, 0, comm_);
+  if (held == static_cast<int>(criteria_.size())) return "";
+  const Condition& criterion = criteria_[static_cast<std::size_t>(held)];
+  return criterion.key() + " \"" + criterion.text() + "\"";
+}
+
+void StopCriteria::store(CheckpointValues& values) const {
+  std::string lines;
+  for (Condition& criterion : criteria_)
+    for (std::size_t i = 0; i < criterion.peaks().size(); ++i) {
+      if (std::isnan(criterion.peaks()[i])) continue;
+      std::array<char, 40> digits;
+      const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), criterion.peaks()[i]);
+      lines += std::string(digits.data(), end.ptr) + " " + criterion.peak_texts()[i] + "\n";
+    }
+  if (!lines.empty()) values.texts[stored_name] = lines;
+}
+
+std::vector<std::string> StopCriteria::restore(const CheckpointValues& values) {
+  const auto stored = values.texts.find(stored_name);
+  const auto peaks = read_peaks(stored == values.texts.end() ? "" : stored->second);
+  std::vector<std::string> missing;
+  for (Condition& criterion : criteria_)
+    for (std::size_t i = 0; i < criterion.peaks().size(); ++i) {
+      const std::string& text = criterion.peak_texts()[i];
+      if (const auto found = peaks.find(text); found != peaks.end())
+        criterion.peaks()[i] = found->second;
+      else
+        missing.push_back(text);
+    }
+  return missing;
+}
+
+} // namespace impact
