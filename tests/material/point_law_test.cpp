@@ -45,10 +45,13 @@ TEST(PointLaw, StressIsTheDerivativeOfTheEnergy) { // S = 2 dpsi/dC, both splits
     MaterialParameters m = aluminium();
     m.model = Model::elastic;
     m.split = trial % 2 ? Split::none : Split::volumetric;
-    m.ge = trial % 3 ? Degradation::quadratic : Degradation::cubic;
+    m.ge = trial % 3 == 0   ? Degradation::cubic
+           : trial % 3 == 1 ? Degradation::quadratic
+                            : Degradation::ductile;
+    m.alpha_c = 0.1;
     Matrix<double> F = dense<3>(random.gradient<3>(0.1));
     for (unsigned i = 0; i < 3; ++i) F[4 * i] += 1;
-    const auto old = PointHistory<double, 3>{identity<double, 3>(), 0};
+    const auto old = PointHistory<double, 3>{identity<double, 3>(), random.uniform(0, 0.2)};
     const double phi = random.uniform(0, 0.9), theta = random.uniform(280, 400);
     const auto response = evaluate(PointLaw{m}, point(F, old, phi, theta));
     const Matrix<double> C = reference::multiply(reference::transpose(F), F), Fi = reference::inverse(F);
@@ -59,11 +62,12 @@ TEST(PointLaw, StressIsTheDerivativeOfTheEnergy) { // S = 2 dpsi/dC, both splits
         for (unsigned k = 0; k < 9; ++k) z[k] = C[k];
         z[3 * i + j] += Complex(0, 0.5 * reference::step);
         z[3 * j + i] += Complex(0, 0.5 * reference::step);
-        S[3 * i + j] = 2 *
-                       reference::elastic_energy(m, z, dense<3>(old.A), std::sqrt(reference::det(z)),
-                                                 Complex(phi), reference::J_theta(m, Complex(theta)))
-                           .imag() /
-                       reference::step;
+        S[3 * i + j] =
+            2 *
+            reference::elastic_energy(m, z, dense<3>(old.A), std::sqrt(reference::det(z)), Complex(phi),
+                                      reference::J_theta(m, Complex(theta)), old.alpha)
+                .imag() /
+            reference::step;
       }
     const Matrix<double> mine =
         reference::multiply(reference::multiply(Fi, dense<3>(response.tau)), reference::transpose(Fi));

@@ -128,12 +128,12 @@ Matrix<T> kirchhoff(const MaterialParameters& m, const Matrix<T>& F, const Matri
 /// Elastic energy g_1 E+ + g_2 E- as a function of C and A.
 template <class T>
 T elastic_energy(const MaterialParameters& m, const Matrix<T>& C, const Matrix<double>& A, const T& J_vol,
-                 const T& phi, const T& J_th) {
+                 const T& phi, const T& J_th, double alpha = 0) {
   T CA = 0.0;
   for (unsigned i = 0; i < 9; ++i) CA += C[i] * A[i];
   const T W = m.G / 2 * (std::pow(det(C), -1.0 / 3) * CA - 3.0), Je = J_vol / J_th;
   const T U = m.K / 2 * ((Je * Je - 1.0) / 2.0 - std::log(Je));
-  return g_e1(m, phi) * W + (real(Je) >= 1 ? g_e1(m, phi) : g_e2(m, phi)) * U;
+  return g_e1(m, phi, alpha) * W + (real(Je) >= 1 ? g_e1(m, phi, alpha) : g_e2(m, phi, alpha)) * U;
 }
 
 } // namespace reference

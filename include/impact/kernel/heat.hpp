@@ -10,7 +10,7 @@
 ///            D = plastic and viscous dissipation of the step + lambda_n (phi - phi_n)^2/dt
 ///              + phi (Fat - Fat_n)/gamma
 ///   energy:  int w (e - e_n - W) + grad w . h (phi - phi_n) + dt [grad w . kappa grad theta]_h (5')
-///            e = internal energy, W = 1/2 (P + P_n) : (F - F_n), h = G_c gamma C^-1 Grad phi
+///            e = internal energy, W = 1/2 (P + P_n) : (F - F_n), h = a G_c gamma C^-1 Grad phi
 /// eta = c_V ln(theta/theta_0) + 3 alpha_t g_v K/2 (J_e^2 - 1) with the J_e of the chosen locking cure. Loads
 /// are added by the caller. The summed energy form is the discrete first law with the work that the motion
 /// solves did.
