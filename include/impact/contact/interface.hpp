@@ -285,9 +285,7 @@ private:
   void keep_tractions(Vec u);
   std::array<double, 3>
   total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
-  double reported_thickness() const {
-    return is_flat(environment_.frame) ? environment_.thickness : 1;
-  }
+  double reported_thickness() const { return is_flat(environment_.frame) ? environment_.thickness : 1; }
   std::size_t dof(int node, std::size_t component) const {
     return static_cast<std::size_t>(dim_) * static_cast<std::size_t>(node) + component;
   }
