@@ -23,7 +23,8 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
     const Batch z = trace_excess(k.J23 * dev(e), start);
     const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
-    const PointEnergies<Batch> energy = law.energies(z, Je, history.alpha);
+    PointEnergies<Batch> energy = law.energies(z, Je, history.alpha);
+    if (law.softens() && in.drive) energy.plastic = in.drive[q * drive_size + 2];
     sums.elastic += w * (g.e1.g * energy.plus + g.e2.g * energy.minus);
     sums.plastic += w * (g.p.g * ((1 - m.taylor_quinney) * energy.plastic));
     if (m.damage == Damage::at2 && in.phi) {
@@ -70,8 +71,10 @@ void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, c
 }
 
 template <class Cell, Frame frame>
-void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
+void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out) {
   constexpr int d = Cell::dim;
+  MotionInput in = state;
+  in.held = true; // a flow stress that temperature or rate have changed since would let it flow again
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
   Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();

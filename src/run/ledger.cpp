@@ -81,7 +81,9 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   const StateRow* phi_row = state_.find("phi");
   const StateRow* theta_row = state_.find("theta");
   const std::vector<double>& history = half(state_.row("history"));
-  const auto offset = point_offsets(d.groups, history_size(d.frame));
+  const std::vector<double>& drive = half(state_.row("drive"));
+  const auto offset = point_offsets(d.groups, history_size(d.frame)),
+             drive_offset = point_offsets(d.groups, drive_size);
   constexpr std::size_t columns = 9;
   std::vector<double> values(d.materials.size() * columns, 0.0);
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
@@ -104,6 +106,11 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         in.phi = phi_row ? phi->data() : nullptr;
         in.theta = theta_row ? theta->data() : nullptr;
         in.history = points.data();
+        PointValues<Cell, drive_size> energies;
+        if (law.softens()) {
+          energies.load(drive, drive_offset[g], b);
+          in.drive = energies.data();
+        }
         EnergySums sums;
         stored_energy<Cell, frame>(law, in, sums);
         const int used = group.lanes_in_use(b);

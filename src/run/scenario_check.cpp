@@ -308,8 +308,10 @@ void check_condition_groups(const Scenario& scenario, const GroupCheck& check, i
 // Whether motion waits for what damage and heat make of its solution.
 bool iterates(const Scenario& scenario) {
   return scenario.has_damage() ||
-         (scenario.has_heat() && std::any_of(scenario.materials.begin(), scenario.materials.end(),
-                                             [](const auto& material) { return material.law.alpha_t != 0; }));
+         (scenario.has_heat() &&
+          std::any_of(scenario.materials.begin(), scenario.materials.end(), [](const auto& material) {
+            return material.law.alpha_t != 0 || material.law.softening != Softening::none;
+          }));
 }
 
 void complete(Scenario& scenario) {
