@@ -57,11 +57,11 @@ Vector<Batch, d> conducted(const MaterialParameters& m, const Degradations<Batch
 template <class Cell, Frame frame> struct EndOfStep {
   CellState<Cell, frame> cell;
   bool moved;
-  const Batch *phi, *theta, *history;
+  const Batch *phi, *theta, *history, *drive;
 
   EndOfStep(const PointLaw& law, const Batch* X, const Batch* u, const Batch* nodal_phi,
-            const Batch* nodal_theta, const Batch* point_history)
-      : moved(u != nullptr), phi(nodal_phi), theta(nodal_theta), history(point_history) {
+            const Batch* nodal_theta, const Batch* point_history, const Batch* point_drive)
+      : moved(u != nullptr), phi(nodal_phi), theta(nodal_theta), history(point_history), drive(point_drive) {
     cell.volume_J = Batch(0.0);
     if (!moved) return;
     prepare<Cell, frame>(law, X, u, nullptr, nullptr, cell);
@@ -86,7 +86,9 @@ template <class Cell, Frame frame> struct EndOfStep {
       if (law.flows()) e = e + push(k.F, A.A - identity<Batch, d>());
       const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
       sum = g.e1.g * isochoric_energy(m, trace_excess(k.J23 * dev(e), start));
-      if (law.flows()) sum += ((1 - m.taylor_quinney) * g.p.g) * plastic_potential(m, A.alpha);
+      if (law.flows())
+        sum += ((1 - m.taylor_quinney) * g.p.g) *
+               (law.softens() && drive ? drive[q * drive_size + 2] : plastic_potential(m, A.alpha));
       inverse_F = k.inverse_F;
     }
     if (m.damage == Damage::none || !phi) return sum;
@@ -114,8 +116,8 @@ template <class Cell, Frame frame>
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const bool energy = in.form == HeatForm::energy, damages = m.damage != Damage::none && in.phi;
-  const EndOfStep<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history);
-  const EndOfStep<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n);
+  const EndOfStep<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history, in.drive);
+  const EndOfStep<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n);
   int bad = 0;
   Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {

@@ -31,6 +31,7 @@ template <class Cell, Frame frame, bool spectral>
       energy.plus = split.plus;
       energy.minus = split.minus;
     }
+    if (law.softens() && in.drive) energy.plastic = in.drive[q * drive_size + 2];
     sums.elastic += w * (g.e1.g * energy.plus + g.e2.g * energy.minus);
     sums.plastic += w * (g.p.g * ((1 - m.taylor_quinney) * energy.plastic));
     if (m.damage != Damage::none && in.phi) {
@@ -107,16 +108,20 @@ void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch& sum) 
     point_geometry<Cell, frame>(in.X, q, g);
     const Batch now = in.history[q * size + alpha];
     const Batch* drive = in.drive + q * drive_size;
-    sum += g.weight * law.plastic_exchange(
-                          interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), now,
-                          in.history_n[q * size + alpha],
-                          PointEnergies<Batch>{drive[0], drive[1], plastic_potential(law.parameters, now)});
+    sum +=
+        g.weight *
+        law.plastic_exchange(
+            interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), now, in.history_n[q * size + alpha],
+            PointEnergies<Batch>{drive[0], drive[1],
+                                 law.softens() ? drive[2] : plastic_potential(law.parameters, now)});
   }
 }
 
 template <class Cell, Frame frame>
-void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
+void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out) {
   constexpr int d = Cell::dim;
+  MotionInput in = state;
+  in.held = true; // a flow stress that temperature or rate have changed since would let it flow again
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
   read_thickness<Cell, frame>(in.history, s);

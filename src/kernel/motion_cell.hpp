@@ -318,7 +318,7 @@ inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const Ce
                             const PointHistory<Batch, Cell::dim>& old) {
   Batch lost = Batch(0.0);
   if (law.flows())
-    lost = e.g.p.g * ((law.parameters.taylor_quinney * hardening(law.parameters, now.alpha).k) *
+    lost = e.g.p.g * (dissipative_stress(law.parameters, e.flow.at, now.alpha, now.alpha - old.alpha) *
                       (now.alpha - old.alpha));
   if (law.viscous() && in.u_n) {
     const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
@@ -351,6 +351,9 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
       energy.plus = split.plus;
       energy.minus = split.minus;
     }
+    if (law.softens())
+      energy.plastic =
+          law.plastic_energy(e.flow, old.alpha, in.drive ? in.drive[q * drive_size + 2] : Batch(0.0));
     if (trial_history) {
       Batch* h = trial_history + q * history_size(frame);
       for (int i = 0; i < symmetric_size(d); ++i) h[i] = now.A[i];
@@ -364,7 +367,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     }
     status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
     if (law.flows()) {
-      const Batch k_d = m.taylor_quinney * hardening(m, now.alpha).k;
+      const Batch k_d = dissipative_stress(m, e.flow.at, now.alpha, now.alpha - old.alpha);
       const Batch lost = e.g.p.g * (k_d * (now.alpha - old.alpha));
       sums.plastic_dissipation += w * lost;
       sums.least_dissipation = min(lost, sums.least_dissipation);
@@ -405,11 +408,12 @@ template <class Cell, Frame frame, Terms terms>
                                                                trial_history, drive, sums, {});
 }
 
-template <class Cell, Frame frame>
+template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
-  return advance<Cell, frame, true, false>(law, in, trial_history, drive, sums, heat);
+  return advance<Cell, frame, true, false>(restricted(law, terms), restricted(in, terms), trial_history,
+                                           drive, sums, heat);
 }
 
 template <class Cell, Frame frame>
@@ -429,7 +433,9 @@ template <class Cell, Frame frame>
 CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat) {
   if (heat.dissipation || heat.stress)
-    return advance_for_heat<Cell, frame>(law, in, trial_history, drive, sums, heat);
+    return terms_of(law, in) == Terms::all
+               ? advance_for_heat<Cell, frame, Terms::all>(law, in, trial_history, drive, sums, heat)
+               : advance_for_heat<Cell, frame, Terms::plain>(law, in, trial_history, drive, sums, heat);
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
     return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
   });

@@ -88,6 +88,17 @@ inline PointHistory<Batch, dimension(frame)> read_history(const PointLaw& law, c
   return p;
 }
 
+/// What the flow stress hangs on beside alpha.
+template <class Cell>
+inline FlowConditions<Batch> point_conditions(const PointLaw& law, const MotionInput& in, int q) {
+  if (is_plain(law.parameters)) return {};
+  const bool warm = in.theta && law.softens();
+  FlowConditions<Batch> at =
+      law.conditions(warm ? interpolate<Cell>(in.theta, q) : Batch(law.parameters.theta0), in.dt);
+  at.held = in.held;
+  return at;
+}
+
 /// The law at one point.
 template <int dim> struct PointEvaluation {
   Kinematics<Batch, dim> k;
@@ -114,7 +125,8 @@ inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const Moti
   PointEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
   e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
-  e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g);
+  e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g,
+                         point_conditions<Cell>(law, in, q));
   const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
   const Volumetric<Batch> v = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
   const bool mean = m.locking == Locking::mean;

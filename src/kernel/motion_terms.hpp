@@ -8,21 +8,31 @@ namespace impact {
 
 /// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs
 /// registers and chains of selections even where it is not.
-enum class Terms { elastic, undamaged, all, spectral };
+/// `plain`: all, but for a flow stress that hangs on alpha alone, by the Voce law.
+enum class Terms { elastic, undamaged, plain, all, spectral };
 
 inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   const MaterialParameters& m = law.parameters;
+  if (m.hardening != HardeningKind::voce || !is_plain(m)) return Terms::all;
   const bool undamaged = m.damage == Damage::none && !law.viscous() && (!in.theta || m.alpha_t == 0);
-  if (!undamaged) return law.spectral() ? Terms::spectral : Terms::all;
+  if (!undamaged) return law.spectral() ? Terms::spectral : Terms::plain;
   return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
 }
 
 /// The same law and input with everything outside `terms` left at its default: constants, by which the
-/// compiler finds the branches that are never taken.
+/// compiler finds the branches that are never taken. Text and tables are left out with them: what holds a
+/// pointer to memory of its own is read anew after every store.
 inline PointLaw restricted(const PointLaw& law, Terms terms) {
   if (terms == Terms::all || terms == Terms::spectral) return law;
   const MaterialParameters& m = law.parameters;
   PointLaw r;
+  if (terms == Terms::plain) {
+    static_cast<MaterialNumbers&>(r.parameters) = m;
+    r.parameters.hardening = HardeningKind::voce;
+    r.parameters.softening = Softening::none;
+    r.parameters.rate_c = 0;
+    return r;
+  }
   r.parameters.K = m.K;
   r.parameters.G = m.G;
   r.parameters.rho = m.rho;
@@ -37,6 +47,7 @@ inline PointLaw restricted(const PointLaw& law, Terms terms) {
   return r;
 }
 inline MotionInput restricted(MotionInput in, Terms terms) {
+  if (terms != Terms::all) in.drive = nullptr;
   if (terms == Terms::elastic || terms == Terms::undamaged) in.phi = in.theta = in.u_n = nullptr;
   return in;
 }
@@ -50,6 +61,8 @@ template <class F> decltype(auto) with_terms(Terms terms, F&& f) {
     return f(std::integral_constant<Terms, Terms::undamaged>{});
   case Terms::spectral:
     return f(std::integral_constant<Terms, Terms::spectral>{});
+  case Terms::plain:
+    return f(std::integral_constant<Terms, Terms::plain>{});
   default:
     return f(std::integral_constant<Terms, Terms::all>{});
   }

@@ -524,7 +524,7 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
   }
   // Relative to the temperature: a ten-thousandth of it strains a metal by less than 1e-6. What no equation
   // reads needs no second pass.
-  if (!d.has_thermal_expansion()) return;
+  if (!d.temperature_moves()) return;
   PetscReal change_and_size[2] = {0, 0};
   for (std::size_t i = 0; i < theta.trial.size(); ++i) {
     change_and_size[0] = std::max(change_and_size[0], std::abs(theta.trial[i] - theta_frozen_[i]));

@@ -33,10 +33,10 @@ bool Discretisation::has_heat() const {
   return false;
 }
 
-bool Discretisation::has_thermal_expansion() const {
+bool Discretisation::temperature_moves() const {
   if (!has_heat()) return false;
   for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.alpha_t != 0) return true;
+    if (m.law.parameters.alpha_t != 0 || m.law.softens()) return true;
   return false;
 }
 

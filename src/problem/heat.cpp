@@ -15,7 +15,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), x_(d_.node_values(1)),
       r_(d_.node_values(1)), constant_(d_.node_values(1)), free_(d_.node_values(1), 1.0),
       held_(d_.node_values(1), 0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
-      dissipation_offset_(point_offsets(d_.groups, 1)),
+      drive_offset_(point_offsets(d_.groups, drive_size)), dissipation_offset_(point_offsets(d_.groups, 1)),
       stress_offset_(point_offsets(d_.groups, gradient_size(d_.frame))),
       point_offset_(point_offsets(d_.groups, heat_point_size)), supplied_(boundary_.conditions().size(), 0.0),
       moves_(moves), flows_(moves && d_.has_plasticity()) {
@@ -207,7 +207,7 @@ void HeatProblem::begin(double t_n, double t) {
 template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>& theta, Body&& body) {
   const std::vector<double>& theta_n = state_.row("theta").committed;
   const StateRow* stress = state_.find("stress");
-  const StateRow& history = state_.row("history");
+  const StateRow &history = state_.row("history"), &drive = state_.row("drive");
   const StateRow* fatigue = state_.find("fatigue");
   const bool energy = settings_.form == HeatForm::energy;
   bool sound = true;
@@ -224,6 +224,7 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
             phi(group, b, step_.phi ? *step_.phi : theta_n),
             phi_n(group, b, step_.phi_n ? *step_.phi_n : theta_n);
         Points A, A_n;
+        PointValues<Cell, drive_size> E, E_n;
         Stress P, P_n;
         PointValues<Cell, 1> dissipation, worn, worn_n;
         HeatInput in;
@@ -243,6 +244,12 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
           A_n.load(history.committed, history_offset_[g], b);
           in.history = A.data();
           in.history_n = A_n.data();
+        }
+        if (energy && law.softens()) {
+          E.load(drive.trial, drive_offset_[g], b);
+          E_n.load(drive.committed, drive_offset_[g], b);
+          in.drive = E.data();
+          in.drive_n = E_n.data();
         }
         if (energy && stress) {
           P.load(stress->trial, stress_offset_[g], b);

@@ -185,7 +185,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           law.viscous() ? step_.u_n : nullptr,
           accel,
           step_.phi,
-          law.parameters.alpha_t != 0 ? step_.theta : nullptr,
+          law.parameters.alpha_t != 0 || law.softens() ? step_.theta : nullptr,
           keeps_history(law) ? &state_.row("history").committed : nullptr,
           step_.dt};
 }
@@ -341,9 +341,10 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
     if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      const MotionFields fields = step_fields(u_, nullptr, law);
+      MotionFields fields = step_fields(u_, nullptr, law);
+      if (law.softens()) fields.drive = &drive.committed;
       for (int b = 0; b < group.batch_count; ++b) {
-        const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
+        const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g], drive_offset_[g]);
         PointValues<Cell, history_size(frame)> next;
         PointValues<Cell, drive_size> driving;
         PointValues<Cell, 1> dissipation;

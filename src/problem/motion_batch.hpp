@@ -10,6 +10,7 @@ namespace impact {
 struct MotionFields {
   const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *history;
   double dt;
+  const std::vector<double>* drive = nullptr; ///< the committed row, for laws that soften
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
@@ -18,9 +19,11 @@ template <class Cell, Frame frame> struct MotionBatch {
   std::array<Batch, vector_size> X, u, u_n, accel;
   std::array<Batch, static_cast<std::size_t>(Cell::nodes)> phi, theta;
   PointValues<Cell, history_size(frame)> history;
+  PointValues<Cell, drive_size> drive;
   MotionInput in;
 
-  MotionBatch(const CellGroup& group, int batch, const MotionFields& fields, std::size_t history_offset) {
+  MotionBatch(const CellGroup& group, int batch, const MotionFields& fields, std::size_t history_offset,
+              std::size_t drive_offset = 0) {
     const auto read = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
       if (field == nullptr) return nullptr;
       gather<Cell, components>(group, batch, field->data(), values.data());
@@ -35,6 +38,10 @@ template <class Cell, Frame frame> struct MotionBatch {
     if (fields.history != nullptr) {
       history.load(*fields.history, history_offset, batch);
       in.history = history.data();
+    }
+    if (fields.drive != nullptr) {
+      drive.load(*fields.drive, drive_offset, batch);
+      in.drive = drive.data();
     }
     in.dt = fields.dt;
   }

@@ -89,7 +89,9 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   const StateRow* theta_row = state_.find("theta");
   const StateRow* fatigue_row = state_.find("fatigue");
   const std::vector<double>& history = half(state_.row("history"));
-  const auto offset = point_offsets(d.groups, history_size(d.frame)), one = point_offsets(d.groups, 1);
+  const std::vector<double>& drive = half(state_.row("drive"));
+  const auto offset = point_offsets(d.groups, history_size(d.frame)), one = point_offsets(d.groups, 1),
+             drive_offset = point_offsets(d.groups, drive_size);
   constexpr std::size_t columns = 10;
   std::vector<double> values(d.materials.size() * columns, 0.0);
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
@@ -116,6 +118,11 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
         if (fatigue_row) {
           fatigue.load(half(*fatigue_row), one[g], b);
           in.fatigue = fatigue.data();
+        }
+        PointValues<Cell, drive_size> energies;
+        if (law.softens()) {
+          energies.load(drive, drive_offset[g], b);
+          in.drive = energies.data();
         }
         EnergySums sums;
         stored_energy<Cell, frame>(law, in, sums);

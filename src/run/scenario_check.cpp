@@ -227,7 +227,8 @@ void check_split(const Scenario& scenario, const MaterialScenario& material) {
   if (scenario.has_heat() && law.c_v != 0)
     fail(key + "the heat balance does not know its entropy; allowed: runs without heat" + remedy);
   if (scenario.plane == PlaneMode::stress)
-    fail(key + "not available with -plane stress; allowed: strain, axisymmetric, or meshes in space" + remedy);
+    fail(key + "not available with -plane stress; allowed: strain, axisymmetric, or meshes in space" +
+         remedy);
   if (3 * law.K < 2 * law.G)
     fail(key + "with nu < 0 its tensile part can be negative; allowed: nu >= 0" + remedy);
 }
@@ -250,6 +251,9 @@ void check_damage(const Scenario& scenario) {
     if (ductile && scenario.has_heat() && law.c_v != 0)
       fail(prefix + "ge \"ductile\": the heat balance does not know what flow releases through it; allowed: "
                     "runs without heat; choose quadratic or cubic");
+    if (law.plastic_threshold > 0 && law.softening != Softening::none)
+      fail(prefix + "plastic_threshold \"" + number_text(law.plastic_threshold) + "\": not available with " +
+           prefix + "softening, whose plastic energy is a sum over the steps; allowed: 0, or softening none");
     if (law.plastic_threshold > 0 && law.gp != PlasticDegradation::ge)
       fail(prefix + "plastic_threshold \"" + number_text(law.plastic_threshold) +
            "\": has no effect, plastic energy drives damage only with " + prefix +
@@ -413,8 +417,10 @@ void check_condition_groups(const Scenario& scenario, const GroupCheck& check, i
 // Whether motion waits for what damage and heat make of its solution.
 bool iterates(const Scenario& scenario) {
   return scenario.has_damage() ||
-         (scenario.has_heat() && std::any_of(scenario.materials.begin(), scenario.materials.end(),
-                                             [](const auto& material) { return material.law.alpha_t != 0; }));
+         (scenario.has_heat() &&
+          std::any_of(scenario.materials.begin(), scenario.materials.end(), [](const auto& material) {
+            return material.law.alpha_t != 0 || material.law.softening != Softening::none;
+          }));
 }
 
 void complete(Scenario& scenario) {

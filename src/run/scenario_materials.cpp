@@ -1,5 +1,8 @@
 #include "scenario_tables.hpp"
 #include <cmath>
+#include <impact/input/database.hpp>
+#include <impact/input/expression.hpp>
+#include <impact/material/hardening_table.hpp>
 #include <impact/petsc/error.hpp>
 
 /// The table of the options -material_<id>_..., and what is made of them.
@@ -11,7 +14,7 @@ using Material = MaterialInput;
 using Law = MaterialParameters;
 
 /// Place of a member of the law in a MaterialInput.
-template <class Value> auto law(Value Law::*member) {
+template <class Value, class Part> auto law(Value Part::*member) {
   return [member](auto& material) -> auto& { return material.scenario.law.*member; };
 }
 
@@ -79,19 +82,95 @@ OptionRow<Material> capacity_row() {
   return row;
 }
 
-std::vector<OptionRow<Material>> plastic_and_thermal_rows() {
+/// A file with two columns, read and made into the law's table at once.
+OptionRow<Material> hardening_table_row() {
+  OptionRow<Material> row = file_row<Material>(
+      "hardening_table", [](auto& m) -> auto& { return m.scenario.hardening_table; },
+      {"file with two columns alpha, k (stress in run units) of hardening table: straight between the rows, "
+       "constant after the last",
+       "required with hardening table", "", "k_0", "(55a)"});
+  const auto find = row.read;
+  row.read = [find](Material& target, const GivenOption& option, const OptionContext& context) {
+    find(target, option, context);
+    const std::string text = read_input_file(context.comm, option, target.scenario.hardening_table);
+    try {
+      const LinearTable table = parse_table(text);
+      std::vector<std::pair<double, double>> points;
+      for (std::size_t i = 0; i < table.t.size(); ++i) points.emplace_back(table.t[i], table.value[i]);
+      target.scenario.law.table = std::make_shared<const HardeningTable>(points);
+    } catch (const std::invalid_argument& reason) {
+      refuse_option(option, std::string(reason.what()) +
+                                "; allowed: a file with two columns of numbers, alpha from 0 and k > 0");
+    }
+  };
+  return row;
+}
+
+std::vector<OptionRow<Material>> hardening_rows() {
+  const NumberWords none = {{"", MaterialInput::absent}};
   return {
-      required("sigma_y", &Law::sigma_y, {"yield stress", "required with j2", "Pa", "sigma_y", "(55)"}, 1e15),
-      list_row<Material>(
-          "hardening", &Material::hardening,
-          {"parts of k = sigma_y + r (1 - exp(-s alpha)) + H alpha that must be given; they add"},
-          {"none", "voce", "linear"}),
+      required("sigma_y", &Law::sigma_y,
+               {"yield stress", "required with j2, but for hardening table or johnson_cook", "Pa", "sigma_y",
+                "(55)"},
+               1e15),
+      list_row<Material>("hardening", &Material::hardening,
+                         {"parts of k_0 = sigma_y + r (1 - exp(-s alpha)) + H alpha that must be given, they "
+                          "add; or, alone, "
+                          "johnson_cook or table",
+                          "", "", "k_0", "(55')"},
+                         {"none", "voce", "linear", "johnson_cook", "table"}),
       number_row<Material>("voce_r", law(&Law::voce_r),
                            {"saturation of the hardening", "0", "Pa", "r_p", "(55)"}, not_negative),
       number_row<Material>("voce_s", law(&Law::voce_s), {"rate of the saturation", "0", "1", "s_p", "(55)"},
                            not_negative),
       number_row<Material>("linear_h", law(&Law::linear_h), {"linear hardening modulus", "0", "Pa", "H"},
                            not_negative),
+      hardening_table_row(),
+      number_row<Material>("jc_a", &Material::jc_a,
+                           {"Johnson-Cook: k = (A + B alpha^n) (1 + C ln(rate/rate0)) (1 - T*^m)",
+                            "required with hardening johnson_cook", "Pa", "A", "(55a)"},
+                           {0, 1e15, true, false}, none),
+      number_row<Material>("jc_b", law(&Law::power_b),
+                           {"its B", "required with hardening johnson_cook", "Pa", "B", "(55a)"},
+                           {0, 1e15, true, false}, {{"", 0.}}),
+      number_row<Material>("jc_n", law(&Law::power_n), {"its exponent of alpha", "1", "1", "n", "(55a)"},
+                           {0, 1, true, false}),
+      number_row<Material>("jc_c", law(&Law::rate_c),
+                           {"rate factor 1 + C ln(rate/rate0) above the rate rate0, with any hardening", "0",
+                            "1", "C", "(55a)"},
+                           not_negative),
+      number_row<Material>(
+          "jc_rate0", &Material::rate_0,
+          {"rate of alpha from which jc_c counts", "required with jc_c", "1/s", "rate0", "(55a)"}, positive,
+          none),
+      choice_row<Material, Material::Softening>(
+          "softening", &Material::softening,
+          {"factor of the temperature on k; linear: 1 - w (theta - theta0); johnson_cook: 1 - T*^m; auto: "
+           "johnson_cook with the hardening of that name where jc_theta_melt is given, else none",
+           "auto", "", "f", "(55a)"},
+          {{"auto", Material::Softening::automatic},
+           {"none", Material::Softening::none},
+           {"linear", Material::Softening::linear},
+           {"johnson_cook", Material::Softening::johnson_cook}}),
+      number_row<Material>(
+          "softening_w", law(&Law::softening_w),
+          {"slope of the linear softening", "required with softening linear", "1/K", "w", "(55a)"},
+          not_negative, {{"", 0.}}),
+      number_row<Material>("jc_m", law(&Law::softening_m), {"exponent of T*", "1", "1", "m", "(55a)"},
+                           positive),
+      number_row<Material>("jc_theta_melt", law(&Law::theta_melt),
+                           {"temperature of melting, where T* = (theta - theta_ref)/(theta_melt - theta_ref) "
+                            "is 1 and k zero",
+                            "required with softening johnson_cook", "K", "theta_melt", "(55a)"},
+                           positive, {{"", 0.}}),
+      number_row<Material>("jc_theta_ref", &Material::theta_ref,
+                           {"temperature up to which T* is 0", "theta0", "K", "theta_ref", "(55a)"}, positive,
+                           none),
+  };
+}
+
+std::vector<OptionRow<Material>> thermal_rows() {
+  return {
       number_row<Material>("taylor_quinney", law(&Law::taylor_quinney),
                            {"part of the plastic work that is dissipated", "0.9", "1", "chi"}, fraction),
       capacity_row(),
@@ -225,9 +304,70 @@ void set_moduli(MaterialInput& input) {
   result.G = input.G;
 }
 
-void check_plasticity(const MaterialInput& input) {
-  const Law& result = input.scenario.law;
+bool has_part(const MaterialInput& input, const std::string& part) {
+  return std::find(input.hardening.begin(), input.hardening.end(), part) != input.hardening.end();
+}
+
+/// Hardening that brings its own yield stress, and stands alone.
+void set_own_hardening(MaterialInput& input, const std::string& name, HardeningKind kind, double yield) {
+  Law& law = input.scenario.law;
+  const std::string prefix = "-material_" + law.id + "_", with = prefix + "hardening " + name;
+  for (const std::string& part : input.hardening)
+    if (part != name)
+      throw UserError(ExitCode::usage, with + "," + part + ": " + name + " stands alone; remove " + part);
+  if (law.sigma_y != 0)
+    throw UserError(ExitCode::usage, prefix + "sigma_y: has no meaning with " + with +
+                                         ", which tells the yield stress itself; remove it");
+  law.hardening = kind;
+  law.sigma_y = yield;
+}
+
+void set_hardening(MaterialInput& input) {
+  Law& law = input.scenario.law;
+  const std::string prefix = "-material_" + law.id + "_";
+  if (law.rate_c > 0) {
+    if (std::isnan(input.rate_0)) missing(law.id, "jc_rate0", "a rate is needed by " + prefix + "jc_c");
+    law.rate_0 = input.rate_0;
+  }
+  if (has_part(input, "table")) {
+    if (!law.table) missing(law.id, "hardening_table", "needed by " + prefix + "hardening table");
+    return set_own_hardening(input, "table", HardeningKind::table, law.table->at(0).k);
+  }
+  if (!has_part(input, "johnson_cook")) return;
+  const std::string needed = "needed by " + prefix + "hardening johnson_cook";
+  if (std::isnan(input.jc_a)) missing(law.id, "jc_a", needed);
+  if (law.power_b == 0) missing(law.id, "jc_b", needed);
+  set_own_hardening(input, "johnson_cook", HardeningKind::power, input.jc_a);
+}
+
+void set_softening(MaterialInput& input) {
+  using Choice = MaterialInput::Softening;
+  Law& law = input.scenario.law;
+  const std::string prefix = "-material_" + law.id + "_", linear = prefix + "softening linear";
+  const bool by_name = law.hardening == HardeningKind::power && law.theta_melt > 0;
+  law.softening =
+      input.softening == Choice::linear ? Softening::linear
+      : input.softening == Choice::johnson_cook || (input.softening == Choice::automatic && by_name)
+          ? Softening::johnson_cook
+          : Softening::none;
+  law.theta_ref = std::isnan(input.theta_ref) ? law.theta0 : input.theta_ref;
+  if (law.softening == Softening::linear) {
+    if (law.softening_w == 0) missing(law.id, "softening_w", "a positive value is needed by " + linear);
+    if (law.c_v == 0 && std::isnan(input.c_mass))
+      missing(law.id, "c_v", linear + " needs a temperature that is solved for");
+  }
+  if (law.softening != Softening::johnson_cook) return;
+  if (law.theta_melt == 0) missing(law.id, "jc_theta_melt", "needed by " + prefix + "softening johnson_cook");
+  if (law.theta_melt <= law.theta_ref)
+    throw UserError(ExitCode::usage, prefix + "jc_theta_melt: not above " + prefix + "jc_theta_ref " +
+                                         number_text(law.theta_ref) + "; give the temperature of melting");
+}
+
+void set_plasticity(MaterialInput& input) {
+  Law& result = input.scenario.law;
   if (result.model != Model::j2) return;
+  set_hardening(input);
+  set_softening(input);
   if (result.sigma_y == 0)
     missing(result.id, "sigma_y", "-material_" + result.id + "_model j2 needs a yield stress");
   for (const std::string& part : input.hardening) {
@@ -258,7 +398,8 @@ void check_damage(const Law& result) {
 
 OptionClass<MaterialInput> material_class() {
   std::vector<OptionRow<Material>> rows = elastic_rows();
-  for (auto& row : plastic_and_thermal_rows()) rows.push_back(row);
+  for (auto& row : hardening_rows()) rows.push_back(row);
+  for (auto& row : thermal_rows()) rows.push_back(row);
   for (auto& row : damage_rows()) rows.push_back(row);
   return {"material", "materials",
           "`-material_<id>_like <other>` takes everything but the region from another material first.", rows};
@@ -268,7 +409,7 @@ MaterialScenario resolve_material(const MaterialInput& given, const Scenario& sc
   MaterialInput input = given;
   const bool moves = scenario.has_motion(), deforms = moves || scenario.solves("damage");
   if (deforms || !std::isnan(input.E) || !std::isnan(input.K)) set_moduli(input);
-  if (moves) check_plasticity(input);
+  if (moves) set_plasticity(input);
   if (deforms) check_damage(input.scenario.law);
   set_capacity(input);
   MaterialScenario& material = input.scenario;
@@ -297,6 +438,18 @@ MaterialInput material_input(const MaterialScenario& material) {
   if (material.law.model != Model::rigid && material.law.K != 0) {
     input.K = material.law.K;
     input.G = material.law.G;
+  }
+  if (material.law.softening != Softening::none || material.law.hardening == HardeningKind::power)
+    input.softening = material.law.softening == Softening::none     ? Material::Softening::none
+                      : material.law.softening == Softening::linear ? Material::Softening::linear
+                                                                    : Material::Softening::johnson_cook;
+  if (material.law.rate_c > 0) input.rate_0 = material.law.rate_0;
+  if (material.law.softening == Softening::johnson_cook) input.theta_ref = material.law.theta_ref;
+  if (material.law.hardening != HardeningKind::voce) input.scenario.law.sigma_y = 0;
+  if (material.law.hardening == HardeningKind::table) input.hardening = {"table"};
+  if (material.law.hardening == HardeningKind::power) {
+    input.hardening = {"johnson_cook"};
+    input.jc_a = material.law.sigma_y;
   }
   if (material.locking_automatic) return input;
   switch (material.law.locking) {

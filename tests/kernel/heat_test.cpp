@@ -230,24 +230,28 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
   for (int k = 0; k < 24; ++k) {
     MaterialParameters m = hot_aluminium(k);
     m.model = k % 2 ? Model::j2 : Model::elastic;
+    reference::set_hardening(m, k / 2 % reference::hardening_kinds);
     m.b_d = k % 3 ? 3e3 : 0;
     const PointLaw law{m};
     const Case<Cell, frame> c(random);
     Batch history[2][Cell::points * parts], stress[2][Cell::points * gradient_size(frame)], force[2][dofs],
-        drive[Cell::points * drive_size];
+        drive_n[Cell::points * drive_size], drive[2][Cell::points * drive_size];
+    for (auto& x : drive_n) x = random.uniform(0, 1e6);
     const Batch *u[2] = {c.batch.u_n, c.batch.u}, *phi[2] = {c.phi_n, c.batch.phi},
                 *theta[2] = {c.theta_n, c.batch.theta};
     Batch stored = 0, work = 0;
     for (int end = 0; end < 2; ++end) {
       MotionInput in = c.batch.input(c.cells[0].dt);
       in.u = u[end], in.phi = phi[end], in.theta = theta[end];
+      in.drive = end ? drive[0] : drive_n;
       StepSums sums;
-      motion_advance<Cell, frame>(law, in, history[end], drive, sums, {nullptr, stress[end]});
+      motion_advance<Cell, frame>(law, in, history[end], drive[end], sums, {nullptr, stress[end]});
       for (auto& f : force[end]) f = 0;
       motion_residual<Cell, frame>(law, in, force[end]);
       EnergyInput at;
       at.X = c.batch.X, at.u = u[end], at.phi = phi[end], at.theta = theta[end];
       at.history = m.model == Model::j2 ? history[end] : nullptr;
+      at.drive = drive[end];
       EnergySums energies;
       HeatSums heat;
       stored_energy<Cell, frame>(law, at, energies);
@@ -259,6 +263,7 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
     in.form = HeatForm::energy;
     in.theta_h = k % 2 ? 1 : 0.5;
     if (m.model == Model::j2) in.history = history[1], in.history_n = history[0];
+    in.drive = drive[1], in.drive_n = drive[0];
     in.stress = stress[1], in.stress_n = stress[0];
     Batch sum = 0, size = 0;
     for (const Batch& x : whole_residual<Cell, frame>(law, in)) sum += x, size += abs(x);
@@ -270,26 +275,29 @@ TYPED_TEST(HeatCell, MotionTellsItsDissipationAtThePoints) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;
   Sampler random(54);
-  MaterialParameters m = hot_aluminium(2);
-  m.b_d = 3e3;
-  const PointLaw law{m};
-  const auto cells = reference::cases<Cell, frame>(random, 0.03);
-  const reference::CellBatch<Cell, frame> batch(cells);
-  Batch history[Cell::points * history_size(frame)], plain[Cell::points * history_size(frame)],
-      drive[Cell::points * drive_size], dissipation[Cell::points];
-  StepSums sums, without;
-  motion_advance<Cell, frame>(law, batch.input(cells[0].dt), history, drive, sums, {dissipation, nullptr});
-  motion_advance<Cell, frame>(law, batch.input(cells[0].dt), plain, drive, without);
-  EXPECT_GT(lane_total(without.plastic_dissipation), 0);
-  EXPECT_GT(lane_total(without.viscous_dissipation), 0);
-  for (int l = 0; l < lanes; ++l) {
-    double total = 0;
-    int q = 0;
-    for (const auto& at : reference::points<Cell, frame>(cells[unsigned(l)].X))
-      total += at.weight * dissipation[q++][l];
-    EXPECT_NEAR(total, (without.plastic_dissipation + without.viscous_dissipation)[l], 1e-12 * total);
-    for (int i = 0; i < Cell::points * history_size(frame); ++i)
-      EXPECT_NEAR(history[i][l], plain[i][l], 1e-15);
+  for (int kind = 0; kind < reference::hardening_kinds; ++kind) {
+    MaterialParameters m = hot_aluminium(2);
+    m.b_d = 3e3;
+    reference::set_hardening(m, kind);
+    const PointLaw law{m};
+    const auto cells = reference::cases<Cell, frame>(random, 0.03);
+    const reference::CellBatch<Cell, frame> batch(cells);
+    Batch history[Cell::points * history_size(frame)], plain[Cell::points * history_size(frame)],
+        drive[Cell::points * drive_size], dissipation[Cell::points];
+    StepSums sums, without;
+    motion_advance<Cell, frame>(law, batch.input(cells[0].dt), history, drive, sums, {dissipation, nullptr});
+    motion_advance<Cell, frame>(law, batch.input(cells[0].dt), plain, drive, without);
+    EXPECT_GT(lane_total(without.plastic_dissipation), 0);
+    EXPECT_GT(lane_total(without.viscous_dissipation), 0);
+    for (int l = 0; l < lanes; ++l) {
+      double total = 0;
+      int q = 0;
+      for (const auto& at : reference::points<Cell, frame>(cells[unsigned(l)].X))
+        total += at.weight * dissipation[q++][l];
+      EXPECT_NEAR(total, (without.plastic_dissipation + without.viscous_dissipation)[l], 1e-12 * total);
+      for (int i = 0; i < Cell::points * history_size(frame); ++i)
+        EXPECT_NEAR(history[i][l], plain[i][l], 1e-15);
+    }
   }
 }
 

@@ -97,7 +97,7 @@ TYPED_TEST(Measure, StepSumsAreTheDissipationsOfThePlainElement) {
         const auto old = c.history[p];
         const auto flow = reference::return_map(m, F, reference::dense<d>(old.A), old.alpha, phi);
         dissipated += q.weight * reference::g_p(m, phi) * m.taylor_quinney *
-                      reference::flow_stress(m, flow.alpha) * (flow.alpha - old.alpha);
+                      reference::static_stress(m, flow.alpha) * (flow.alpha - old.alpha);
         const auto C = reference::right_cauchy_green(F), C_n = reference::right_cauchy_green(q.F(c.u_n));
         double square = 0, trial_W = 0, new_W = 0;
         const auto A = reference::dense<d>(old.A);

@@ -140,7 +140,8 @@ std::vector<T> force(const MaterialParameters& m, const CellCase<Cell, frame>& c
     const T phi = q.at(c.phi), J_th = J_theta(m, q.at(c.theta));
     const Matrix<T> F = q.F(u.data()), Fi = inverse(F), FiT = transpose(Fi);
     const T J = det(F);
-    Matrix<T> tau = return_map(m, F, dense<Cell::dim>(c.history[k].A), c.history[k].alpha, phi).s;
+    Matrix<T> tau =
+        return_map(m, F, dense<Cell::dim>(c.history[k].A), c.history[k].alpha, phi, q.at(c.theta), c.dt).s;
     T p = p_mean;
     if (m.locking == Locking::none) p = pressure(m, J, J_th, phi);
     if (m.locking == Locking::fbar) {

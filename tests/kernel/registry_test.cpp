@@ -10,8 +10,10 @@ using reference::Sampler;
 
 namespace {
 
-/// Every combination of the law's options, named for the message of a failure.
+/// Every combination of the law's options, named for the message of a failure; the hardening laws with every
+/// fifth of them.
 template <class F> void for_every_law(F&& f) {
+  int number = 0;
   for (const Model model : {Model::elastic, Model::j2})
     for (const Damage damage : {Damage::none, Damage::at2, Damage::at1})
       for (const Split split : {Split::volumetric, Split::none, Split::spectral})
@@ -32,11 +34,14 @@ template <class F> void for_every_law(F&& f) {
                   m.b_d = viscous ? 1e5 : 0;
                   m.visc_degrade = viscous == 2;
                   m.residual_stiffness = 1e-6;
-                  f(m, "model " + std::to_string(int(model)) + " damage " + std::to_string(int(damage)) +
-                           " split " + std::to_string(int(split)) + " ge " + std::to_string(int(ge)) +
-                           " gp " + std::to_string(int(gp)) + " gradient " + std::to_string(int(gradient)) +
-                           " locking " + std::to_string(int(locking)) + " viscous " +
-                           std::to_string(viscous));
+                  const int hardening =
+                      m.model == Model::j2 && ++number % 5 == 0 ? number / 5 % reference::hardening_kinds : 0;
+                  reference::set_hardening(m, hardening);
+                  f(m, "hardening " + std::to_string(hardening) + " model " + std::to_string(int(model)) +
+                           " damage " + std::to_string(int(damage)) + " split " + std::to_string(int(split)) +
+                           " ge " + std::to_string(int(ge)) + " gp " + std::to_string(int(gp)) +
+                           " gradient " + std::to_string(int(gradient)) + " locking " +
+                           std::to_string(int(locking)) + " viscous " + std::to_string(viscous));
                 }
 }
 
@@ -48,6 +53,9 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
   const auto cases = reference::cases<Cell, frame>(random, 0.02);
   reference::CellBatch<Cell, frame> batch(cases);
   MotionInput in = batch.input(1e-3);
+  Batch drive_n[points * drive_size];
+  for (auto& x : drive_n) x = 1e6;
+  in.drive = drive_n;
   Batch r[dofs], K[dofs * dofs], up[dofs], down[dofs], trial[points * size], drive[points * drive_size];
   for (int i = 0; i < dofs; ++i) r[i] = up[i] = down[i] = 0.0;
   for (auto& x : K) x = 0.0;
@@ -92,7 +100,8 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
       }
     }
   EnergyInput e;
-  e.X = in.X, e.u = in.u, e.v = in.u_n, e.phi = in.phi, e.theta = in.theta, e.history = trial;
+  e.X = in.X, e.u = in.u, e.v = in.u_n, e.phi = in.phi, e.theta = in.theta, e.history = trial,
+  e.drive = drive;
   EnergySums energy;
   stored_energy<Cell, frame>(law, e, energy);
   EXPECT_GT(energy.elastic[0], 0) << name;

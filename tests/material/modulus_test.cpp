@@ -23,9 +23,10 @@ Modulus<double, n> complex_modulus(const MaterialParameters& m, const Matrix<dou
     Matrix<Complex> z;
     for (unsigned i = 0; i < 9; ++i) z[i] = F[i];
     z[3 * k + L] += Complex(0, reference::step);
-    const Matrix<Complex> P = reference::multiply(
-        reference::kirchhoff(m, z, dense<d>(in.old.A), in.old.alpha, Complex(in.phi), Complex(in.theta)),
-        reference::transpose(reference::inverse(z)));
+    const Matrix<Complex> P =
+        reference::multiply(reference::kirchhoff(m, z, dense<d>(in.old.A), in.old.alpha, Complex(in.phi),
+                                                 Complex(in.theta), in.dt),
+                            reference::transpose(reference::inverse(z)));
     for (int I = 0; I < n; ++I)
       for (int N = 0; N < n; ++N) {
         const unsigned i = unsigned(row_of<n>(I)), j = unsigned(column_of<n>(I)),
@@ -58,16 +59,17 @@ template <int n> void compare(unsigned seed_number) {
     m.split = trial % 2 ? Split::none : Split::volumetric;
     m.gp = trial % 3 ? PlasticDegradation::one : PlasticDegradation::ge;
     m.ge = trial % 7 ? Degradation::quadratic : Degradation::cubic;
-    m.linear_h = trial % 4 ? 0 : 1e9;
+    reference::set_hardening(m, trial % reference::hardening_kinds);
     const PointLaw law{m};
     PointInput<double, d> in{random.gradient<d>(trial % 2 ? 0.03 : 0.004), random.history<d>(0.005),
-                             random.uniform(0, 0.8), random.uniform(280, 400)};
+                             random.uniform(0, 0.8), random.uniform(280, 400), 1e-3};
+    if (trial % 11 == 0) in.old.alpha = 0; // where the power law is vertical
     if (n == 4) in.H[4] = 0;
     if (!law.flows()) in.old = virgin_history<double, d>();
     const auto closed = point_modulus<n>(law, in);
     const auto dual = dual_modulus<n>(in.H, [&](const auto& H) {
       using D = Dual<double, n>;
-      PointInput<D, d> x{H, {}, D(in.phi), D(in.theta)};
+      PointInput<D, d> x{H, {}, D(in.phi), D(in.theta), in.dt};
       for (int i = 0; i < symmetric_size(d); ++i) x.old.A[i] = D(in.old.A[i]);
       x.old.alpha = D(in.old.alpha);
       return evaluate(law, x).tau;

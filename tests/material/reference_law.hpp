@@ -1,6 +1,7 @@
 #pragma once
 #include "../math/dense_matrix.hpp"
 
+#include <impact/material/hardening_table.hpp>
 #include <impact/material/parameters.hpp>
 
 /// A second, plain implementation of the point law on dense 3x3 arrays, after the reference script of the
@@ -56,11 +57,31 @@ template <class T> T crack_slope(const MaterialParameters& m, const T& phi) {
 template <class T> T J_theta(const MaterialParameters& m, const T& theta) {
   return std::exp(3 * m.alpha_t * (theta - m.theta0));
 }
-template <class T> T flow_stress(const MaterialParameters& m, const T& a) {
+/// k_0(alpha), every law written out.
+template <class T> T static_stress(const MaterialParameters& m, const T& a) {
+  if (m.hardening == impact::HardeningKind::power)
+    return m.sigma_y + (a == 0.0 ? T(0.0) : m.power_b * std::pow(a, m.power_n));
+  if (m.hardening == impact::HardeningKind::table) {
+    const auto& p = m.table->pieces;
+    for (std::size_t i = 0; i + 1 < p.size(); ++i)
+      if (std::real(a) < p[i + 1].alpha)
+        return p[i].k + (p[i + 1].k - p[i].k) * (a - p[i].alpha) / (p[i + 1].alpha - p[i].alpha);
+    return p.back().k;
+  }
   return m.sigma_y + m.voce_r * (1.0 - std::exp(-m.voce_s * a)) + m.linear_h * a;
 }
-template <class T> T flow_slope(const MaterialParameters& m, const T& a) {
-  return m.voce_r * m.voce_s * std::exp(-m.voce_s * a) + m.linear_h;
+/// k(alpha, theta, rate) of a step; dt = 0: at rest.
+template <class T>
+T flow_stress(const MaterialParameters& m, const T& a, const T& da, double theta, double dt) {
+  T k = static_stress(m, a);
+  if (m.rate_c > 0 && dt > 0 && std::real(da) / dt > m.rate_0)
+    k *= 1.0 + m.rate_c * std::log(da / (dt * m.rate_0));
+  if (m.softening == impact::Softening::linear) k *= std::max(0.0, 1 - m.softening_w * (theta - m.theta0));
+  if (m.softening == impact::Softening::johnson_cook && theta > m.theta_ref)
+    k *= theta < m.theta_melt
+             ? 1 - std::pow((theta - m.theta_ref) / (m.theta_melt - m.theta_ref), m.softening_m)
+             : 0;
+  return k;
 }
 
 /// Degraded volumetric pressure dU/dJ at the ratio J.
@@ -76,10 +97,11 @@ template <class T> struct Flow {
   T alpha, dbeta;
 };
 
-/// Isochoric Kirchhoff stress, plastic metric and accumulated strain.
+/// Isochoric Kirchhoff stress, plastic metric and accumulated strain. The multiplier by bisection; in T its
+/// derivative follows from three more Newton steps.
 template <class T>
 Flow<T> return_map(const MaterialParameters& m, const Matrix<T>& F, const Matrix<double>& A_n, double alpha_n,
-                   const T& phi) {
+                   const T& phi, double theta = 298.15, double dt = 0) {
   const double q = std::sqrt(2.0 / 3);
   const T J = det(F), scale = std::pow(J, -1.0 / 3);
   Matrix<T> Fb = F;
@@ -90,15 +112,23 @@ Flow<T> return_map(const MaterialParameters& m, const Matrix<T>& F, const Matrix
   for (unsigned i = 0; i < 3; ++i) s[4 * i] -= trace(b) / 3.0;
   for (T& x : s) x *= ge * m.G;
   const T norm = std::sqrt(dot(s, s));
-  const T f = norm - q * gp * flow_stress(m, T(alpha_n));
+  const auto k_of = [&](const auto& x) {
+    return flow_stress(m, decltype(x + x)(alpha_n + q * x), decltype(x + x)(q * x), theta, dt);
+  };
+  const T f = norm - q * gp * k_of(0.0);
   Flow<T> out{s, {}, T(alpha_n), T(0.0)};
   for (unsigned i = 0; i < 9; ++i) out.A[i] = A_n[i];
   if (m.model != impact::Model::j2 || real(f) <= 0) return out;
-  T db = f / (2.0 * mu + 2.0 / 3 * gp * flow_slope(m, T(alpha_n)));
-  for (int i = 0; i < 30; ++i) {
-    const T r = norm - 2.0 * mu * db - q * gp * flow_stress(m, T(alpha_n + q * db));
-    db += r / (2.0 * mu + 2.0 / 3 * gp * flow_slope(m, T(alpha_n + q * db)));
+  const double N = std::real(norm), two_mu = 2 * std::real(mu), c = q * std::real(gp);
+  double low = 0, high = N / two_mu;
+  for (int i = 0; i < 2000 && low < high; ++i) {
+    const double x = 0.5 * (low + high);
+    if (x == low || x == high) break;
+    (N - two_mu * x - c * k_of(x) > 0 ? low : high) = x;
   }
+  const double slope = two_mu + c * k_of(std::complex<double>(low, 1e-30 * low)).imag() / (1e-30 * low);
+  T db = low;
+  for (int i = 0; i < 3; ++i) db += (norm - 2.0 * mu * db - q * gp * k_of(db)) / slope;
   Matrix<T> d;
   for (unsigned i = 0; i < 9; ++i) {
     out.s[i] = s[i] - 2.0 * mu * db * s[i] / norm;
@@ -118,8 +148,8 @@ Flow<T> return_map(const MaterialParameters& m, const Matrix<T>& F, const Matrix
 /// tau_c with p from the J of the point.
 template <class T>
 Matrix<T> kirchhoff(const MaterialParameters& m, const Matrix<T>& F, const Matrix<double>& A_n,
-                    double alpha_n, const T& phi, const T& theta) {
-  Matrix<T> tau = return_map(m, F, A_n, alpha_n, phi).s;
+                    double alpha_n, const T& phi, const T& theta, double dt = 0) {
+  Matrix<T> tau = return_map(m, F, A_n, alpha_n, phi, std::real(theta), dt).s;
   const T J = det(F), p = pressure(m, J, J_theta(m, theta), phi, alpha_n);
   for (unsigned i = 0; i < 3; ++i) tau[4 * i] += p * J;
   return tau;

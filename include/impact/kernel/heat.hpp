@@ -35,6 +35,8 @@ struct HeatInput {
   const Batch* history_n = nullptr;   ///< at t_n
   const Batch* fatigue = nullptr;     ///< [point] Fat at t_{n+1}, or nullptr (= 0); with phi
   const Batch* fatigue_n = nullptr;   ///< at t_n; with fatigue
+  const Batch* drive = nullptr;       ///< [point][drive_size] at t_{n+1}; energy form of laws that soften
+  const Batch* drive_n = nullptr;     ///< at t_n
   const Batch* dissipation = nullptr; ///< [point] of the step, see motion_advance; nullptr = none
   const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u
   const Batch* stress_n = nullptr; ///< at t_n

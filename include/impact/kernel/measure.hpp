@@ -16,12 +16,13 @@ struct EnergyInput {
   const Batch* theta = nullptr;   ///< [node], or nullptr (= theta0)
   const Batch* history = nullptr; ///< [point][history_size] of the same time as u; nullptr for Model::elastic
   const Batch* fatigue = nullptr; ///< [point] Fat, or nullptr (= 0); with phi
+  const Batch* drive = nullptr;   ///< [point][drive_size] of that time; read where the law softens
 };
 
 /// Sums over the points, per lane; stored_energy adds to them.
 struct EnergySums {
   Batch elastic = 0;             ///< int g_1 E+ + g_2 E-   (with the J of the chosen locking cure)
-  Batch plastic = 0;             ///< int g_p H_s,  H_s = (1 - chi) H_0
+  Batch plastic = 0;             ///< int g_p H_s,  H_s = (1 - chi) H_0 (with softening: the sum in drive)
   Batch fracture = 0;            ///< int psi_phi
   Batch fatigue = 0;             ///< int Fat H_f(phi)/gamma
   Batch kinetic = 0;             ///< int rho/2 v.v

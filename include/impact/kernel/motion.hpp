@@ -21,11 +21,13 @@ struct MotionInput {
   const Batch* phi = nullptr;   ///< [node] frozen damage of this pass, or nullptr (= 0)
   const Batch* theta = nullptr; ///< [node] temperature, or nullptr (= theta0)
   const Batch* history =
-      nullptr;   ///< [point][history_size] committed history; may be nullptr for Model::elastic (in plane
-                 ///< stress F_33 is then looked for from 1, and the viscous stress is wrong)
-  double dt = 1; ///< step of S_d = 2 b_d (C - C_n)/dt
-  double mass_shift = 0;  ///< tangent += mass_shift rho N_a N_b delta_ik
-  bool symmetric = false; ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
+      nullptr; ///< [point][history_size] committed history; may be nullptr for Model::elastic (in plane
+               ///< stress F_33 is then looked for from 1, and the viscous stress is wrong)
+  const Batch* drive = nullptr; ///< [point][drive_size] committed drive; laws that soften, in motion_advance
+  bool held = false;            ///< the history is that of u: nothing flows
+  double dt = 1;                ///< step of S_d = 2 b_d (C - C_n)/dt and of the rate in the flow stress
+  double mass_shift = 0;        ///< tangent += mass_shift rho N_a N_b delta_ik
+  bool symmetric = false;       ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
 };
 
 struct CellStatus {
@@ -36,7 +38,7 @@ struct CellStatus {
 
 /// Sums over the points of the cells, per lane; motion_advance adds to them.
 struct StepSums {
-  Batch plastic_dissipation = 0; ///< int g_p k_d dalpha,  k_d = chi k(alpha_{n+1})
+  Batch plastic_dissipation = 0; ///< int g_p k_d dalpha,  k_d = `dissipative_stress` at t_{n+1}
   Batch viscous_dissipation = 0; ///< int b_d |C - C_n|^2 / dt   (times g_e1 where b_d is degraded)
   Batch plastic_work = 0;        ///< int g_1 [W(b_trial) - W(b)]
   Batch least_dissipation = 0;   ///< smallest of both integrands of dissipation at a point, at most 0

@@ -63,7 +63,7 @@ template <int n, class T, int d> Modulus<T, n> assemble_modulus(const ModulusPar
 /// Closed form of the neo-Hookean/J2 law (theory.md, consistent tangent). pJ = p J; dpJ2 = J^2 dp/dJ of the J
 /// of the point (0 where p is held fixed); zeta and moving_zeta are the F-bar factor J/J_0 of the isochoric
 /// stress (zeta = 1, false otherwise).
-template <int n, class T, int d>
+template <int n, class Law = MaterialHardening, class T, int d>
 ModulusParts<T, d> law_modulus(const MaterialParameters& m, const Return<T, d>& flow, const T& g_e1,
                                const T& ratio, const T& pJ, const T& dpJ2, const T& zeta, bool moving_zeta,
                                bool symmetric) {
@@ -82,7 +82,7 @@ ModulusParts<T, d> law_modulus(const MaterialParameters& m, const Return<T, d>& 
   const T norm = sqrt(dot(flow.trial, flow.trial));
   const T inverse_norm = select(flow.plastic, T(1.0) / norm, T(0.0));
   p.n = inverse_norm * flow.trial;
-  const T d0 = T(1.0) + ratio * hardening(m, flow.alpha).dk / ((3 * m.G) * flow.y);
+  const T d0 = T(1.0) + ratio * flow_stress<Law>(m, flow).dk / ((3 * m.G) * flow.y);
   const T i0 = T(1.0) / d0, d1 = T(1.0) - flow.scale, Nmu = norm / flow.y;
   const T d2 = (T(1.0) - i0) * ((2.0 / 3) * (Nmu * flow.dbeta));
   const T d3 = i0 - d1 + d2, d4 = (i0 - d1) * Nmu;
@@ -134,7 +134,7 @@ template <int n, class T, int d>
 Modulus<T, n> point_modulus(const PointLaw& law, const PointInput<T, d>& in, bool symmetric = false) {
   const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
   const Kinematics<T, d> k = kinematics(in.H);
-  const Return<T, d> flow = law.isochoric(in.H, k, in.old, g);
+  const Return<T, d> flow = law.isochoric(in.H, k, in.old, g, law.conditions(in.theta, in.dt));
   const Volumetric<T> v = law.pressure(k.J_minus_1, thermal_volume(law.parameters, in.theta), g);
   return assemble_modulus<n>(law_modulus<n>(law.parameters, flow, g.e1.g, g.p.g / g.e1.g, v.p * k.J,
                                             v.dp * k.J * k.J, T(1.0), false, symmetric));

@@ -1,5 +1,6 @@
 #pragma once
 #include <limits>
+#include <memory>
 #include <string>
 
 /// The symbols of one material, in any consistent set of units (Table 1 of the paper).
@@ -18,14 +19,25 @@ enum class Conduction {
 }; ///< isotropic where the body is now, or in the reference body (paper)
 enum class ConductionDegradation { one, ge }; ///< g_theta = 1 or g_theta = g_e1
 enum class Locking { none, mean, fbar };      ///< volumetric locking cure on quads and hexes
+/// k_0(alpha): sigma_y with Voce and linear parts, sigma_y + b alpha^n, or points joined by lines
+enum class HardeningKind { voce, power, table };
+enum class Softening { none, linear, johnson_cook }; ///< f(theta), a factor on k_0
 
-struct MaterialParameters {
-  std::string id;
+struct HardeningTable; // material/hardening_table.hpp
+
+/// All but what lives elsewhere: a copy of it is numbers only.
+struct MaterialNumbers {
   Model model = Model::elastic;
   double K = 0, G = 0;                                      ///< bulk and shear modulus (stress)
   double rho = 0;                                           ///< reference density
   double sigma_y = 0, voce_r = 0, voce_s = 0, linear_h = 0; ///< k = s_y + r(1 - exp(-s alpha)) + H alpha
-  double alpha_t = 0, theta0 = 298.15;                      ///< thermal expansion, reference temperature
+  HardeningKind hardening = HardeningKind::voce;
+  double power_b = 0, power_n = 1; ///< k_0 = s_y + b alpha^n
+  double rate_c = 0, rate_0 = 1;   ///< factor 1 + c ln(rate/rate_0) on k above the rate rate_0
+  Softening softening = Softening::none;
+  double softening_w = 0;                                     ///< linear: f = 1 - w (theta - theta_0)
+  double theta_ref = 298.15, theta_melt = 0, softening_m = 1; ///< Johnson-Cook: f = 1 - T*^m
+  double alpha_t = 0, theta0 = 298.15;                        ///< thermal expansion, reference temperature
   double c_v = 0;          ///< heat capacity at fixed J_e per reference volume; 0: without temperature
   double conductivity = 0; ///< 0: adiabatic points
   Conduction conduction = Conduction::spatial;
@@ -47,6 +59,11 @@ struct MaterialParameters {
   DamageGradient damage_gradient = DamageGradient::spatial;
   double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
   Locking locking = Locking::none;
+};
+
+struct MaterialParameters : MaterialNumbers {
+  std::string id;
+  std::shared_ptr<const HardeningTable> table; ///< with HardeningKind::table; never changes once it is made
 };
 
 } // namespace impact

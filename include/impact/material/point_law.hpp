@@ -49,6 +49,8 @@ struct PointLaw {
   bool flows() const { return parameters.model == Model::j2; }
   /// No law at all: the cells of a rigid body have mass alone.
   bool rigid() const { return parameters.model == Model::rigid; }
+  /// Plastic energy is a sum over the steps, not a function of alpha.
+  bool softens() const { return flows() && parameters.softening != Softening::none; }
   bool viscous() const { return parameters.b_d > 0; }
   bool fatigues() const { return parameters.damage != Damage::none && parameters.fatigue_a > 0; }
   bool crack_stress() const {
@@ -60,7 +62,7 @@ struct PointLaw {
   /// Isochoric part: dev b after return, alpha_{n+1}; s = g.e1.g * G * dev_b.
   template <class T, int d>
   Return<T, d> isochoric(const Tensor<T, d>& H, const Kinematics<T, d>& k, const PointHistory<T, d>& old,
-                         const Degradations<T>& g) const {
+                         const Degradations<T>& g, const FlowConditions<T>& at = {}) const {
     Symmetric<T, d> e = left_strain(H);
     if (!flows()) {
       Return<T, d> r;
@@ -71,11 +73,12 @@ struct PointLaw {
       r.dbeta = T(0.0);
       r.plastic = value(k.J) < value(k.J);
       r.failed = 0;
+      r.at = at;
       return r;
     }
     e = e + push(k.F, old.A - identity<T, d>());
     const bool undegraded = parameters.damage == Damage::none || parameters.gp == PlasticDegradation::ge;
-    return return_map(parameters, e, k.J23, old.alpha, undegraded ? T(1.0) : g.p.g / g.e1.g);
+    return return_map(parameters, e, k.J23, old.alpha, undegraded ? T(1.0) : g.p.g / g.e1.g, at);
   }
 
   /// g_v p, g_v dp/dJ at a volume ratio J, and which degradation g_v is.
@@ -86,6 +89,18 @@ struct PointLaw {
     v.p = v.p * g_v;
     v.dp = v.dp * g_v;
     return v;
+  }
+
+  /// What the flow stress hangs on beside alpha, at the temperature theta in a step dt.
+  template <class T> FlowConditions<T> conditions(const T& theta, double dt) const {
+    return {softens() ? softening(parameters, theta) : T(1.0), dt, false};
+  }
+
+  /// H_0 at the end of the return: with softening what was reached before plus f times its growth.
+  template <class T, int d> T plastic_energy(const Return<T, d>& flow, const T& alpha_n, const T& H_n) const {
+    if (!softens()) return plastic_potential(parameters, flow.alpha);
+    const T growth = plastic_potential(parameters, flow.alpha) - plastic_potential(parameters, alpha_n);
+    return H_n + flow.at.softening * growth;
   }
 
   /// E+, E- from the isochoric excess z and the volume that the stress uses, H_0 from alpha.
@@ -145,6 +160,8 @@ template <class T, int d> struct PointInput {
   Tensor<T, d> H; ///< Grad u
   PointHistory<T, d> old;
   T phi, theta;
+  double dt = 0;  ///< 0: at rest
+  T H_n = T(0.0); ///< plastic energy at t_n, read where the law softens
 };
 template <class T, int d> struct PointResponse {
   Kinematics<T, d> k;
@@ -158,13 +175,14 @@ template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, cons
   PointResponse<T, d> out;
   const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
   out.k = kinematics(in.H);
-  out.flow = law.isochoric(in.H, out.k, in.old, g);
+  out.flow = law.isochoric(in.H, out.k, in.old, g, law.conditions(in.theta, in.dt));
   const Volumetric<T> v = law.pressure(out.k.J_minus_1, thermal_volume(law.parameters, in.theta), g);
   out.tau = (law.parameters.G * g.e1.g) * out.flow.dev_b;
   for (int i = 0; i < 3; ++i) out.tau[i] = out.tau[i] + v.p * out.k.J;
   const T z = trace_excess(out.flow.dev_b, value(out.flow.y) - Value<T>(1.0));
   out.history = law.updated(out.k, in.old, out.flow, z);
   out.energy = law.energies(z, v.Je_minus_1, out.history.alpha);
+  if (law.softens()) out.energy.plastic = law.plastic_energy(out.flow, in.old.alpha, in.H_n);
   if (!law.spectral()) return out;
   const SpectralSplit<T, d> split = spectral_split(law.parameters, left_strain(in.H), out.k.J_minus_1,
                                                    thermal_volume(law.parameters, in.theta));

@@ -100,6 +100,7 @@ inline double inverse_cbrt(double x) { return 1 / std::cbrt(x); }
 inline std::complex<double> sqrt(const std::complex<double>& x) { return std::sqrt(x); }
 inline std::complex<double> exp(const std::complex<double>& x) { return std::exp(x); }
 inline std::complex<double> log(const std::complex<double>& x) { return std::log(x); }
+inline std::complex<double> pow(const std::complex<double>& x, double p) { return std::pow(x, p); }
 inline std::complex<double> inverse_cbrt(const std::complex<double>& x) {
   const std::complex<double> y = 1 / std::cbrt(x.real());
   return y * (4.0 - x * y * y * y) / 3.0; // one Newton step: exact value, first-order imaginary part
@@ -115,6 +116,10 @@ template <class B, int n> Dual<B, n> exp(const Dual<B, n>& x) {
 }
 template <class B, int n> Dual<B, n> log(const Dual<B, n>& x) {
   return Dual<B, n>::chain(x, log(x.v), B(1.0) / x.v);
+}
+template <class B, int n> Dual<B, n> pow(const Dual<B, n>& x, double p) {
+  const B f = pow(x.v, p);
+  return Dual<B, n>::chain(x, f, B(p) * f / x.v);
 }
 template <class B, int n> Dual<B, n> inverse_cbrt(const Dual<B, n>& x) {
   const B f = inverse_cbrt(x.v);

@@ -3,7 +3,8 @@
 
 /// Root of r(x) = 0 in [low, high] with r(low) >= 0 >= r(high), r decreasing: Newton on values, safeguarded
 /// by bisection. r_and_slope(x, slope) returns r and sets its derivative. Lanes outside `active` keep
-/// `start`.
+/// `start`. Where the slope of r varies by decades (low > 0 then) `noise` says how large its rounding errors
+/// are: bisection is then of the exponent, and the smallest step worth taking that of the slope at hand.
 namespace impact {
 
 template <class V> struct ScalarRoot {
@@ -12,7 +13,8 @@ template <class V> struct ScalarRoot {
 };
 
 template <class V, class M, class F>
-ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&& r_and_slope) {
+ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&& r_and_slope,
+                          const V* noise = nullptr) {
   // Near the start of flow r is round-off of its terms: x is then as good as it can be.
   const V floor = V(4e-15) * high;
   V x = start;
@@ -23,10 +25,10 @@ ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&
     low = select(r > V(0.0), x, low);
     high = select(r > V(0.0), high, x);
     V next = x - r / slope;
-    next = select((next >= low) & (next <= high), next, V(0.5) * (low + high));
+    next = select((next >= low) & (next <= high), next, noise ? sqrt(low * high) : V(V(0.5) * (low + high)));
     const V step = abs(next - x);
     x = select(open, next, x);
-    open = open & (step > V(tolerance) * abs(next) + floor);
+    open = open & (step > V(tolerance) * abs(next) + (noise ? V(*noise / abs(slope)) : floor));
   }
   return {x, bits(open)};
 }

@@ -37,8 +37,8 @@ struct Discretisation {
   bool has_fatigue() const;
   bool has_viscosity() const;
   bool has_plasticity() const;
-  bool has_heat() const;              ///< every material has a heat capacity then
-  bool has_thermal_expansion() const; ///< which motion sees
+  bool has_heat() const;          ///< every material has a heat capacity then
+  bool temperature_moves() const; ///< motion sees it: expansion, softening
 };
 
 /// Throws UserError(data) when a region is unknown, a cell has no material or two. Collective.

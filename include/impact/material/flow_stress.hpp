@@ -1,0 +1,48 @@
+#pragma once
+#include <impact/material/hardening.hpp>
+#include <impact/material/softening.hpp>
+
+/// k = k_0(alpha) f(theta) R(dalpha/dt) (55a), with f at the frozen temperature of the pass and the rate of
+/// the step by backward Euler. R = 1 + c ln(rate/rate_0) above rate_0, 1 below, as in DynELA and Abaqus.
+namespace impact {
+
+template <class T> struct FlowConditions {
+  T softening = T(1.0); ///< f(theta)
+  double dt = 0;        ///< 0: at rest, R = 1
+  bool held = false;    ///< the history is that of the end of the step already: nothing flows
+};
+
+/// k hangs on alpha alone.
+inline bool is_plain(const MaterialParameters& m) { return m.softening == Softening::none && m.rate_c == 0; }
+
+/// R and its slope along dalpha.
+template <class T> Hardening<T> rate_factor(const MaterialParameters& m, double dt, const T& dalpha) {
+  using V = Value<T>;
+  if (m.rate_c == 0 || dt <= 0) return {T(1.0), T(0.0)};
+  const T ratio = (1 / (dt * m.rate_0)) * dalpha;
+  const auto fast = value(ratio) > V(1.0);
+  const V slope = select(fast, V(m.rate_c) / value(dalpha), V(0.0));
+  return {T(1.0) + m.rate_c * log(select(fast, ratio, T(1.0))), T(slope)};
+}
+
+/// k(alpha) and its slope along alpha = alpha_n + dalpha at the frozen temperature.
+template <class Law = MaterialHardening, class T>
+Hardening<T> flow_stress(const MaterialParameters& m, const FlowConditions<T>& at, const T& alpha,
+                         const T& dalpha) {
+  const Hardening<T> h = hardening<Law>(m, alpha);
+  if (is_plain(m)) return h;
+  const Hardening<T> R = rate_factor(m, at.dt, dalpha);
+  return {at.softening * (h.k * R.k), at.softening * (h.dk * R.k + h.k * R.dk)};
+}
+
+/// k_d, the part of k that becomes heat: chi of what k would be at rest and all that the rate adds. k - k_d
+/// is what psi_p keeps (theory.md 5).
+template <class T>
+T dissipative_stress(const MaterialParameters& m, const FlowConditions<T>& at, const T& alpha,
+                     const T& dalpha) {
+  const T k = hardening(m, alpha).k;
+  if (is_plain(m)) return m.taylor_quinney * k;
+  return at.softening * (k * (rate_factor(m, at.dt, dalpha).k - T(1 - m.taylor_quinney)));
+}
+
+} // namespace impact
