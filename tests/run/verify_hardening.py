@@ -119,4 +119,20 @@ runs.check("stored: the rest, summed at each step's temperature", slow["energy_p
 share = run["dissipated_plastic"][-1] / (run["dissipated_plastic"][-1] + run["energy_plastic"][-1])
 R = 1 + C * math.log(run["alpha_max"][-1] / run["time"][-1])
 runs.check("part that is dissipated, with rate", share, 1 - 0.1 / R, 1e-3)
+
+# The gallery, shortened. The block of the shear band is uniform at first: force over mean width is 2/sqrt(3) k on the adiabatic
+# curve, at the plastic strain that it has at the compression 0.1.
+run = runs.run("shear_band", {"mesh_set_n": 4, "mesh_set_ny": 8, "ts_max_time": "100 us", "output_vis_dt": "100 us"},
+               files=[runs.option_file("shear_band.opts")])
+theta, steps = 293.15, 4000
+alpha = numpy.linspace(0, run["alpha_max"][-1], steps + 1)
+for i in range(1, steps + 1):
+    rate, middle = 2 / math.sqrt(3) * 1e3 / (1 - 0.1 * i / steps), 0.5 * (alpha[i] + alpha[i - 1])
+    stress = johnson_cook(middle, rate, theta)
+    theta += (stress - 0.1 * johnson_cook(middle, 0, theta)) * (alpha[i] - alpha[i - 1]) / 3.6018
+runs.check("shear_band.opts before the band: true stress", -run["reaction_platen_y"][-1] * 0.9 / 0.5, 2 / math.sqrt(3) * stress, 3e-3)
+runs.check("shear_band.opts before the band: temperature", run["theta_max"][-1] - 2, theta, 3e-3)
+run = runs.run("taylor_bar", {"ts_max_time": "4 us", "output_vis_dt": "4 us"}, files=[runs.option_file("taylor_bar.opts")])
+runs.check("taylor_bar.opts: first law", abs(run["balance_first_law"]).max(), 0, 1e-11, relative=False)
+runs.require("taylor_bar.opts: the foot flows and warms", run["alpha_max"][-1] > 0.3 and run["theta_max"][-1] > 380)
 runs.finish()
