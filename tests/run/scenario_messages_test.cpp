@@ -151,9 +151,24 @@ const std::vector<Row>& rows() {
       {damaged({{"-material_beam_plastic_threshold", "1e6"}}), ExitCode::usage,
        "-material_beam_plastic_threshold \"1e+06\": has no effect, plastic energy drives damage only with "
        "-material_beam_gp ge; add it, or remove this"},
-      {{{"-plane", "stress"}},
+      {damaged(
+           {{"-material_beam_split", "spectral"}, {"-material_beam_model", "elastic"}, {"-plane", "stress"}}),
        ExitCode::usage,
-       "-plane \"stress\": not available; allowed: strain, axisymmetric"},
+       "-material_beam_split \"spectral\": not available with -plane stress; allowed: strain, axisymmetric, "
+       "or "
+       "meshes in space; choose volumetric"},
+      {damaged({{"-material_beam_plastic_threshold", "1e6"},
+                {"-material_beam_gp", "ge"},
+                {"-material_beam_softening", "linear"},
+                {"-material_beam_softening_w", "1e-3"}}),
+       ExitCode::usage,
+       "-material_beam_plastic_threshold \"1e+06\": not available with -material_beam_softening, whose "
+       "plastic "
+       "energy is a sum over the steps; allowed: 0, or softening none"},
+      {{{"-plane", "stress"}, {"-material_beam_locking", "mean"}},
+       ExitCode::usage,
+       "-material_beam_locking \"mean\": has no meaning with -plane stress, where the volume is free; "
+       "allowed: auto, none"},
       {{{"-material_beam_nu", "-"}},
        ExitCode::usage,
        "-material_beam_nu: missing; give -material_beam_E and -material_beam_nu, or -material_beam_K and "
