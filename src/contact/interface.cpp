@@ -163,7 +163,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
     layout_->to_global(row->committed, u_n);
   }
   time_ = t;
-  form_->begin_attempt(pose_at(t), u_n);
+  form_->begin_attempt(pose_at(t), u_n ? u_n.get() : nullptr);
   step_.rule = !(mass_shift > 0) || !u_n ? StepRule::none
                : conserving()            ? StepRule::exact_work
                : stabilised              ? StepRule::middle
