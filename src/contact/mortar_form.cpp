@@ -291,8 +291,7 @@ MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
     for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c) {
       if (!opposed(f, c, x)) continue;
       const FaceView seen = view(f, c, x);
-      if (seen.smallest < farthest * size &&
-          (seen.largest > -search_.depth(f) || came_through(f, c)))
+      if (seen.smallest < farthest * size && (seen.largest > -search_.depth(f) || came_through(f, c)))
         pairs.emplace_back(std::abs(seen.mean), c);
     }
     // Of two layers over the same part the nearer one counts.

@@ -251,8 +251,8 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
     const std::vector<double>& c = control_->committed;
     set_step_control_state(ts_, {c[0], c[1] != 0, static_cast<PetscInt>(c[2]), static_cast<PetscInt>(c[3])});
     ledger_->resume(u_, v_);
-    // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
-    // made in its next step.
+    // Lists of candidates made so far would serve for a while, but they are not those that the interrupted
+    // run made in its next step.
     for (ContactInterface& contact : setup_.contacts) contact.forget_search();
     for (const std::string& peak : stops_.restore(resume->values))
       check(PetscPrintf(comm_, "impact: %s does not know peak(%s): it is counted from here on\n",

@@ -178,7 +178,7 @@ TEST(PointLaw, DissipatesAndKeepsVolumeAlongRandomPaths) {
                    heat = dissipative_stress(m, now.flow.at, now.history.alpha, dalpha) * dalpha;
       const double kept = (1 - m.taylor_quinney) * now.flow.at.softening *
                           (plastic_potential(m, now.history.alpha) - plastic_potential(m, state.alpha));
-      const double g_1 = degradations(m, 0.1).e1.g, k = hardening(m, now.history.alpha).k;
+      const double g_1 = degradations(m, 0.1, state.alpha).e1.g, k = hardening(m, now.history.alpha).k;
       double change = 0; // of k_0 over the step: what is stored is its integral, not its end times dalpha
       for (int i = 0; i <= 50; ++i)
         change = std::fmax(change, std::fabs(hardening(m, state.alpha + i * dalpha / 50).k - k));
