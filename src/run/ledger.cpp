@@ -365,8 +365,8 @@ void Ledger::book_damage(double dt) {
              drive_at = point_offsets(d.groups, drive_size);
   const double w = d.thickness;
   double smallest = 0;
-  const std::size_t count = materials_.size();
-  std::vector<double> lost(2 * count, 0.0); // by damage; by the exchange of damage and flow
+  const std::size_t materials = materials_.size();
+  std::vector<double> lost(2 * materials, 0.0); // by damage; by the exchange of damage and flow
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];
     const PointLaw& law = d.law(group);
@@ -391,18 +391,18 @@ void Ledger::book_damage(double dt) {
         plastic_exchange<Cell, frame>(
             law, {X.data(), now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
             exchanged);
-        lost[count + material] += lane_sum(exchanged, used);
+        lost[materials + material] += lane_sum(exchanged, used);
       }
     });
   }
   MPI_Allreduce(MPI_IN_PLACE, lost.data(), static_cast<int>(lost.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
   MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
   sum(least) = std::min(sum(least), smallest);
-  for (std::size_t m = 0; m < count; ++m) {
+  for (std::size_t m = 0; m < materials; ++m) {
     sum(damage) += w * lost[m];
-    sum(plastic_dissipation) += w * lost[count + m];
+    sum(plastic_dissipation) += w * lost[materials + m];
     lost_in(m, damage_loss) += w * lost[m];
-    lost_in(m, plastic_loss) += w * lost[count + m];
+    lost_in(m, plastic_loss) += w * lost[materials + m];
   }
 }
 
