@@ -17,7 +17,7 @@ Symmetric<Batch, Cell::dim> undamaged_stress(const PointLaw& law, const CellStat
   const Kinematics<Batch, d> k = kinematics(s.H[q]);
   Symmetric<Batch, d> e = left_strain(s.H[q]);
   if (law.flows()) e = e + push(k.F, read_history<frame>(law, history, q).A - identity<Batch, d>());
-  Batch p = s.mean_p, zeta = Batch(1.0);
+  Batch p = m.locking == Locking::mean ? s.mean_p : Batch(0.0), zeta = Batch(1.0);
   if (m.locking != Locking::mean) {
     const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
     p = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, theta, q),
