@@ -100,7 +100,9 @@ TEST(Hardening, VerticalStartIsSolvedInEveryDecade) { // alpha from 1e-90 to 1e-
       const double norm = m.G * std::sqrt(dot(s, s)),
                    k = m.sigma_y + m.power_b * std::pow(flow.alpha[l], 0.168);
       EXPECT_NEAR(norm, q * k, 4e-15 * norm) << decade;
-      if (decade < 14) EXPECT_GT(flow.alpha[l], 0) << decade;
+      if (decade < 14) {
+        EXPECT_GT(flow.alpha[l], 0) << decade;
+      }
     }
   }
 }
@@ -123,7 +125,9 @@ TEST(Hardening, TableOfVoceIsVoceToTheSquareOfItsSpacing) {
     EXPECT_GT(worst, 0.7 * bound);
     EXPECT_NEAR(plastic_potential(m, 0.1), plastic_potential(voce, 0.1), bound * 0.1);
     EXPECT_EQ(hardening(m, 0.3).k, points.back().second); // constant after the last row
-    if (before > 0) EXPECT_NEAR(before / worst, 4, 0.2);
+    if (before > 0) {
+      EXPECT_NEAR(before / worst, 4, 0.2);
+    }
     before = worst;
   }
 }
