@@ -43,8 +43,12 @@ plain_run = _runs.run
 def family(column):
     """Columns of one kind share a scale: a component that is zero but for the solver's tolerance is measured by its
     vector, and by what else is of its kind: energies, forces, impulses, displacements."""
-    if column.startswith(("energy", "work", "dissipated")):
+    if column.startswith(("energy", "work", "dissipated")) or re.match(r"contact_\w+_work$", column):
         return "energy"
+    if column.startswith("moment_"):
+        return "moment"
+    if re.match(r"rigid_\w+_[lruvw][xyz]$", column):
+        return {"l": "spin", "r": "rotation", "u": "displacement", "v": "velocity", "w": "turning"}[column[-2]]
     if column.startswith("reaction") or re.match(r"contact_\w+_force", column):
         return "force"
     if column.startswith(("momentum", "impulse")):
@@ -93,6 +97,12 @@ def difference(a, b, modulus=0):
         gap = abs(values[good] - other[good]).max(initial=0)
         # Forces that balance to rounding say nothing: no body is 1e10 lengths long.
         if family(column) == "force" and scale < 1e-10 * scales.get("energy", 0):
+            continue
+        # Nor do moments beside forces or work, angular momenta beside momenta or energies, rotations beside ways, their
+        # rates beside speeds.
+        beside = {"moment": ("force", "energy"), "spin": ("momentum", "energy"), "rotation": ("displacement",),
+                  "turning": ("velocity",)}
+        if scale < 1e-10 * max((scales.get(kind, 0) for kind in beside.get(family(column), ())), default=0):
             continue
         kind = "stress" if re.search("_(stress|von_mises|pressure)$", family(column)) else family(column)
         if scale < none.get(kind, 0):

@@ -8,8 +8,8 @@ import numpy
 PROGRAM = os.environ.get("IMPACT_PROGRAM", "impact")
 SOURCE = os.environ.get("IMPACT_SOURCE_DIR", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # One rank without mpirun: no daemon of Open MPI beside each run (0.2 s). The scripts about signals and kills keep it, as
-# users have it.
-ENVIRONMENT = {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1"}
+# users have it. Threads of OpenBLAS would add in an order of their own in each run.
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ, "OMPI_MCA_ess_singleton_isolated": "1"}
 _failures = []
 
 
