@@ -56,45 +56,6 @@ void start_at_smallest_corner(ContactSurface& surface) {
   }
 }
 
-// Places in a triangle (parts of its corners) and weights of sum 1.
-struct TriangleRule {
-  std::vector<std::array<double, 3>> part;
-  std::vector<double> weight;
-};
-TriangleRule triangle_rule(int points) {
-  TriangleRule rule;
-  const auto three = [&](double near, double weight) {
-    for (std::size_t v = 0; v < 3; ++v) {
-      std::array<double, 3>& part = rule.part.emplace_back();
-      part.fill((1 - near) / 2);
-      part[v] = near;
-      rule.weight.push_back(weight);
-    }
-  };
-  switch (points) {
-  case 1:
-    rule.part.push_back({1.0 / 3, 1.0 / 3, 1.0 / 3});
-    rule.weight.push_back(1);
-    return rule;
-  case 2: // degree two
-    three(2.0 / 3, 1.0 / 3);
-    return rule;
-  case 3: // degree four (Dunavant 1985)
-    three(0.108103018168070, 0.223381589678011);
-    three(0.816847572980459, 0.109951743655322);
-    return rule;
-  }
-  // The rule of a quadrilateral of which one side has shrunk to a corner.
-  const GaussRule line = gauss_rule(points);
-  for (std::size_t i = 0; i < line.xi.size(); ++i)
-    for (std::size_t j = 0; j < line.xi.size(); ++j) {
-      const double r = (1 + line.xi[i]) / 2, s = (1 + line.xi[j]) / 2;
-      rule.part.push_back({(1 - r) * (1 - s), r * (1 - s), s});
-      rule.weight.push_back(line.weight[i] * line.weight[j] * (1 - s) / 2);
-    }
-  return rule;
-}
-
 } // namespace
 
 FacePointForm::FacePointForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings,
@@ -473,14 +434,13 @@ void FacePointForm::visit(const std::vector<double>& u, Derivatives derivatives,
     if (seen.candidate >= 0)
       for (int b = 0; b < 4; ++b) w.place(primary_slots(seen.candidate)[b]);
     const bool with_gradient = derivatives != Derivatives::none;
-    FaceCorners s, p;
-    std::array<int, 8> slots;
-    const bool rubs = slip_faces(f, q, u, s, p, slots);
+    SlipFaces faces;
+    const bool rubs = slip_faces(f, q, u, faces);
     if (rubs && !settings_.rigid())
-      for (std::size_t b = 4; b < 8; ++b) w.place(slots[b]);
+      for (std::size_t b = 4; b < 8; ++b) w.place(faces.slot[b]);
     if (with_gradient) add_gap_gradient(f, seen, u, w, c);
     c.slides = rubs;
-    if (rubs) add_slip(f, q, u, with_gradient, w, c);
+    if (rubs) add_slip(f, q, faces, u, with_gradient, w, c);
     c.node = w.node;
     visitor(c);
   });
@@ -509,13 +469,13 @@ void FacePointForm::add_gap_gradient(int facet, const Seen& seen, const std::vec
 
 // The faces of a point's anchor at u, seen from the secondary's first corner; false without friction or where
 // nothing lay opposite. A plane has directions of its own and needs no faces.
-bool FacePointForm::slip_faces(int facet, int point, const std::vector<double>& u, FaceCorners& s,
-                               FaceCorners& p, std::array<int, 8>& slots) const {
+bool FacePointForm::slip_faces(int facet, int point, const std::vector<double>& u, SlipFaces& faces) const {
   if (anchors_.empty() || nodes().start.empty()) return false;
   if (on_plane()) return true;
   const Anchor& anchor = anchors_[index(facet, point)];
   if (!anchor.valid) return false;
   const int* slot = secondary_slots(facet);
+  auto& [s, p, slots] = faces;
   s = secondary_from_corner(facet, u);
   for (std::size_t a = 0; a < 4; ++a) {
     slots[a] = slot[a];
@@ -533,8 +493,8 @@ bool FacePointForm::slip_faces(int facet, int point, const std::vector<double>& 
   return true;
 }
 
-void FacePointForm::add_slip(int facet, int point, const std::vector<double>& u, bool with_gradient,
-                             Workspace& w, Constraint& c) const {
+void FacePointForm::add_slip(int facet, int point, const SlipFaces& faces, const std::vector<double>& u,
+                             bool with_gradient, Workspace& w, Constraint& c) const {
   const std::size_t n = 3 * w.node.size();
   w.slip_gradient.assign(2 * n, 0.0);
   if (on_plane()) {
@@ -550,15 +510,12 @@ void FacePointForm::add_slip(int facet, int point, const std::vector<double>& u,
         }
       }
   } else {
-    FaceCorners s, p;
-    std::array<int, 8> slots;
-    slip_faces(facet, point, u, s, p, slots);
     const FaceSlips slips =
-        face_slips(s, p, map_[at(facet)], anchors_[index(facet, point)].pair, with_gradient);
+        face_slips(faces.s, faces.p, map_[at(facet)], anchors_[index(facet, point)].pair, with_gradient);
     c.slip = {slips.value[0][0], slips.value[0][1]};
     for (std::size_t e = 0; with_gradient && e < 2; ++e)
       for (std::size_t a = 0; a < (settings_.rigid() ? 4 : 8); ++a) {
-        const std::size_t place = n * e + 3 * w.place(slots[a]);
+        const std::size_t place = n * e + 3 * w.place(faces.slot[a]);
         for (std::size_t k = 0; k < 3; ++k) w.slip_gradient[place + k] += slips.gradient[0][e][3 * a + k];
       }
   }
@@ -589,11 +546,12 @@ void FacePointForm::visit_curvature(const std::vector<double>& u, const Pressure
     }
     const Tangential of_slip = factors.of_slip(c.index);
     if (of_slip == Tangential{} || on_plane()) return;
-    FaceCorners s, p;
-    if (!slip_faces(f, q, u, s, p, slots)) return;
+    SlipFaces faces;
+    if (!slip_faces(f, q, u, faces)) return;
     std::array<double, 576> block{};
-    add_face_slip_hessian(s, p, map_[at(f)], anchors_[at(c.index)].pair, {{{of_slip[0], of_slip[1]}}}, block);
-    if (!settings_.rigid()) return visitor(slots, block);
+    add_face_slip_hessian(faces.s, faces.p, map_[at(f)], anchors_[at(c.index)].pair,
+                          {{{of_slip[0], of_slip[1]}}}, block);
+    if (!settings_.rigid()) return visitor(faces.slot, block);
     std::array<double, 144> part;
     for (std::size_t i = 0; i < 12; ++i) std::copy_n(&block[24 * i], 12, &part[12 * i]);
     visitor({slots.data(), 4}, part);

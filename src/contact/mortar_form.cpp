@@ -416,24 +416,21 @@ std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarEdge& edge
 }
 
 std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarFace& face) {
-  // Six points on each triangle, exact up to degree four (Dunavant 1985).
+  // Exact up to degree four.
+  const TriangleRule rule = triangle_rule(3);
   std::vector<FacetPoint> points;
-  for (int t = 0; t < face.triangles(); ++t)
-    for (const auto& [near, weight] : std::array<std::array<double, 2>, 2>{
-             {{0.108103018168070, 0.223381589678011}, {0.816847572980459, 0.109951743655322}}})
-      for (std::size_t v = 0; v < 3; ++v) {
-        FacetPoint point;
-        std::array<double, 3> L;
-        L.fill((1 - near) / 2);
-        L[v] = near;
-        const auto corner = triangle_weights(face.corners, t);
-        for (std::size_t u = 0; u < 3; ++u)
-          for (std::size_t a = 0; a < 4; ++a) point.shape[a] += L[u] * corner[u][a];
-        for (std::size_t a = 0; a < 4; ++a)
-          for (std::size_t b = 0; b < 4; ++b)
-            point.weight[a] += weight * face.area[at(t)] * face.phi[a][b] * point.shape[b];
-        points.push_back(point);
-      }
+  for (int t = 0; t < face.triangles(); ++t) {
+    const auto corner = triangle_weights(face.corners, t);
+    for (std::size_t q = 0; q < rule.part.size(); ++q) {
+      FacetPoint point;
+      for (std::size_t u = 0; u < 3; ++u)
+        for (std::size_t a = 0; a < 4; ++a) point.shape[a] += rule.part[q][u] * corner[u][a];
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b < 4; ++b)
+          point.weight[a] += rule.weight[q] * face.area[at(t)] * face.phi[a][b] * point.shape[b];
+      points.push_back(point);
+    }
+  }
   return points;
 }
 

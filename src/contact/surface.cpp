@@ -77,6 +77,40 @@ GaussRule gauss_rule(int points) {
   return rule;
 }
 
+TriangleRule triangle_rule(int points) {
+  TriangleRule rule;
+  const auto three = [&](double near, double weight) {
+    for (std::size_t v = 0; v < 3; ++v) {
+      std::array<double, 3>& part = rule.part.emplace_back();
+      part.fill((1 - near) / 2);
+      part[v] = near;
+      rule.weight.push_back(weight);
+    }
+  };
+  switch (points) {
+  case 1:
+    rule.part.push_back({1.0 / 3, 1.0 / 3, 1.0 / 3});
+    rule.weight.push_back(1);
+    return rule;
+  case 2: // degree two
+    three(2.0 / 3, 1.0 / 3);
+    return rule;
+  case 3: // degree four (Dunavant 1985)
+    three(0.108103018168070, 0.223381589678011);
+    three(0.816847572980459, 0.109951743655322);
+    return rule;
+  }
+  // The rule of a quadrilateral of which one side has shrunk to a corner.
+  const GaussRule line = gauss_rule(points);
+  for (std::size_t i = 0; i < line.xi.size(); ++i)
+    for (std::size_t j = 0; j < line.xi.size(); ++j) {
+      const double r = (1 + line.xi[i]) / 2, s = (1 + line.xi[j]) / 2;
+      rule.part.push_back({(1 - r) * (1 - s), r * (1 - s), s});
+      rule.weight.push_back(line.weight[i] * line.weight[j] * (1 - s) / 2);
+    }
+  return rule;
+}
+
 SurfacePoints make_points(const ContactSurface& surface, const std::string& contact, int per_facet,
                           Frame frame) {
   if (per_facet < 1 || per_facet > 16)

@@ -4,7 +4,6 @@
 #include <impact/contact/settings.hpp>
 #include <impact/kernel/face_ray.hpp>
 #include <impact/kernel/face_slip.hpp>
-#include <limits>
 
 /// Gauss-point contact in space: one gap constraint at every point of the secondary faces, along the face's
 /// normal to the triangle of the primary surface that lies there (face_ray.hpp), or to a rigid body
@@ -29,9 +28,6 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
-  double deepest() const override {
-    return settings_.rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
-  }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
   void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
@@ -98,10 +94,14 @@ private:
   void visit_points(const std::vector<double>& u, const PressureLaw& law, Visitor&& visitor) const;
   void add_gap_gradient(int facet, const Seen& seen, const std::vector<double>& u, Workspace& w,
                         Constraint& c) const;
-  bool slip_faces(int facet, int point, const std::vector<double>& u, FaceCorners& s, FaceCorners& p,
-                  std::array<int, 8>& slots) const;
-  void add_slip(int facet, int point, const std::vector<double>& u, bool with_gradient, Workspace& w,
-                Constraint& c) const;
+  // What a point's anchor looks like at u.
+  struct SlipFaces {
+    FaceCorners s{}, p{};
+    std::array<int, 8> slot{}; // secondary, primary
+  };
+  bool slip_faces(int facet, int point, const std::vector<double>& u, SlipFaces& faces) const;
+  void add_slip(int facet, int point, const SlipFaces& faces, const std::vector<double>& u,
+                bool with_gradient, Workspace& w, Constraint& c) const;
 
   ContactSettings settings_;
   ObstaclePose pose_;

@@ -6,6 +6,7 @@
 #include <impact/kernel/contact_slip.hpp>
 #include <impact/kernel/rigid_obstacle.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <limits>
 #include <span>
 
 /// How a contact is discretised: a list of gap constraints with their derivatives. What becomes of them, the
@@ -123,7 +124,9 @@ public:
   /// False where the coordinates x of nodes() left the range of the pairs.
   bool pairs_hold(const std::vector<double>& x) const { return search_.holds_for(x); }
   /// Gap below which a constraint lies deeper than the search can judge; -infinity where it always can.
-  virtual double deepest() const = 0;
+  double deepest() const {
+    return search_.meets_rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
+  }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats.
   virtual void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,

@@ -2,7 +2,6 @@
 #include <array>
 #include <impact/contact/form.hpp>
 #include <impact/contact/settings.hpp>
-#include <limits>
 
 /// Gauss-point segment-to-segment contact in the plane: one gap constraint at every point of the secondary
 /// facets, to the nearest place of the primary surface or to a rigid plane (theory.md, contact).
@@ -26,9 +25,6 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
-  double deepest() const override {
-    return settings_.rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
-  }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
   void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,

@@ -7,7 +7,6 @@
 #include <impact/kernel/frame.hpp>
 #include <impact/kernel/mortar_face.hpp>
 #include <impact/kernel/mortar_segment.hpp>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -31,9 +30,6 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
-  double deepest() const override {
-    return settings_.rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
-  }
   void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
              const ConstraintVisitor& visitor) const override;
   void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,

@@ -81,6 +81,7 @@ public:
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return nodes_; }
   double radius() const { return radius_; }
+  bool meets_rigid() const { return kind_ == Primary::rigid; }
   bool meets_itself() const { return kind_ == Primary::itself; }
   /// Whether this facet is the secondary one of its pair with the candidate (a place in candidates().facet):
   /// always, unless the surface may meet itself.

@@ -57,4 +57,12 @@ struct GaussRule {
 };
 GaussRule gauss_rule(int points);
 
+/// Places in a triangle, as parts of its corners, and weights of sum 1: 1, 3, 6 points for `points` 1, 2, 3,
+/// exact to degree 1, 2, 4, and points x points from 4 on.
+struct TriangleRule {
+  std::vector<std::array<double, 3>> part;
+  std::vector<double> weight;
+};
+TriangleRule triangle_rule(int points);
+
 } // namespace impact
