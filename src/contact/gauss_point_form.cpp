@@ -62,7 +62,10 @@ std::pair<StateRow, std::size_t> GaussPointForm::constraint_row(const std::strin
 void GaussPointForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
   std::fill(holds_.begin(), holds_.end(), Hold());
   switched_ = false;
-  if (u_n) anchor(u_n);
+  if (u_n) {
+    search_.begin_attempt(u_n);
+    anchor(u_n);
+  }
   pose_ = pose;
 }
 

@@ -164,6 +164,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   }
   time_ = t;
   form_->begin_attempt(pose_at(t), u_n ? u_n.get() : nullptr);
+  if (form_->list_restored()) use_new_nodes();
   step_.rule = !(mass_shift > 0) || !u_n ? StepRule::none
                : conserving()            ? StepRule::exact_work
                : stabilised              ? StepRule::middle
@@ -179,13 +180,15 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
 
 bool ContactInterface::update_search(Vec u) {
   const PairSearch::Outcome outcome = form_->update(u, law());
-  if (outcome != PairSearch::Outcome::kept) {
-    ++searches_;
-    fetch_fixed();
-    fetch_bodies();
-  }
+  if (outcome != PairSearch::Outcome::kept) use_new_nodes();
   if (step_.rule != StepRule::none) find_start_gaps();
   return outcome == PairSearch::Outcome::other_pairs;
+}
+
+void ContactInterface::use_new_nodes() {
+  ++searches_;
+  fetch_fixed();
+  fetch_bodies();
 }
 
 void ContactInterface::fetch_fixed() {

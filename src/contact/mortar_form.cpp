@@ -146,7 +146,14 @@ void MortarForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
     for (Facet& facet : facets_) facet.changes = 0;
   };
   forget();
-  if (u_n) anchor(u_n);
+  if (u_n) {
+    search_.begin_attempt(u_n);
+    anchor(u_n);
+    if (search_.restored() && !settings_.rigid()) { // what faces bears the numbers of another list
+      facing_ = facing_at(nodes().start);
+      choose_functions(facing_, nodes().start);
+    }
+  }
   forget();
   pose_ = pose;
 }

@@ -67,8 +67,8 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
                        const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
                        Primary kind)
     : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), corners_(mesh.dim() == 2 ? 2 : 4),
-      secondary_(secondary), primary_(primary.node), kind_(kind), radius_(radius), skin_(radius / 2),
-      reach_(radius) {
+      secondary_(secondary), primary_(primary.node), kind_(kind), radius_(radius), skin_(radius / 2) {
+  list_.reach = radius;
   if (kind != Primary::rigid) neighbour_ = surface_neighbours(layout, primary);
   std::vector<PetscInt> nodes = secondary_;
   nodes.insert(nodes.end(), primary_.begin(), primary_.end());
@@ -87,6 +87,21 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   if (kind == Primary::itself) prepare_self_contact();
 }
 
+void PairSearch::begin_attempt(Vec u_n) {
+  PetscBool again = PETSC_FALSE;
+  if (attempt_from_)
+    check(VecEqual(attempt_from_, u_n, &again));
+  else
+    attempt_from_ = layout_->make_global();
+  if (again && found_) {
+    const bool same = all_ranks_agree(mesh_->comm(), list_.candidates.same_pairs(found_->candidates));
+    restored_ = same ? Outcome::rebuilt : Outcome::other_pairs;
+    list_ = std::move(*found_);
+  }
+  found_.reset();
+  check(VecCopy(u_n, attempt_from_));
+}
+
 void PairSearch::set_start(Vec u_n) {
   if (!u_n_) u_n_ = layout_->make_global();
   check(VecCopy(u_n, u_n_));
@@ -95,33 +110,36 @@ void PairSearch::set_start(Vec u_n) {
   fetch_start();
 }
 
-void PairSearch::fetch_start() { nodes_.start = nodes_.current(u_n_); }
+void PairSearch::fetch_start() { list_.nodes.start = list_.nodes.current(u_n_); }
 
 PairSearch::Outcome PairSearch::update(Vec u) {
-  if (kind_ == Primary::rigid && !outdated_) return Outcome::kept;
+  if (kind_ == Primary::rigid && !list_.outdated) return Outcome::kept;
   std::vector<double> x = static_.gather(u);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += static_X_[i];
   const bool finite = all_finite(x);
   // Not a number; moved since the list was built; moved since the start of the step, by side.
   std::array<double, 4> mine = {finite ? 0.0 : 1.0, 0, 0, 0}, all{};
-  if (finite && !outdated_) mine[1] = largest_move(x, static_built_at_, dim_);
+  if (finite && !list_.outdated) mine[1] = largest_move(x, list_.built_at, dim_);
   if (finite && !static_start_.empty()) {
     mine[2] = largest_move(x, static_start_, dim_, secondary_slot_);
     mine[3] = largest_move(x, static_start_, dim_, primary_slot_);
   }
   MPI_Allreduce(mine.data(), all.data(), 4, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  const Outcome owed = std::exchange(restored_, Outcome::kept);
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
-  if (all[0] > 0) return Outcome::kept;
+  if (all[0] > 0) return owed;
   const double motion = all[2] + all[3];
-  if (!outdated_ && all[1] <= skin_ / 2 && motion <= reach_) return Outcome::kept;
-  reach_ = std::max(radius_, motion);
-  Candidates before = std::exchange(candidates_, search(x));
+  if (!list_.outdated && all[1] <= skin_ / 2 && motion <= list_.reach) return owed;
+  List before = std::exchange(list_, {});
+  list_.reach = std::max(radius_, motion);
+  list_.candidates = search(x);
   fetch_nodes(u);
   if (kind_ == Primary::itself) drop_neighbours(u);
-  const bool changed = !all_ranks_agree(mesh_->comm(), candidates_.same_pairs(before));
-  static_built_at_ = std::move(x);
-  outdated_ = false;
-  return changed ? Outcome::other_pairs : Outcome::rebuilt;
+  list_.built_at = std::move(x);
+  list_.outdated = false;
+  const bool changed = !all_ranks_agree(mesh_->comm(), list_.candidates.same_pairs(before.candidates));
+  if (attempt_from_ && !found_) found_ = std::move(before);
+  return changed || owed == Outcome::other_pairs ? Outcome::other_pairs : Outcome::rebuilt;
 }
 
 // In the form of the search: four corners, three coordinates.
@@ -154,7 +172,7 @@ std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) co
 
 Candidates PairSearch::search(const std::vector<double>& x) const {
   if (kind_ == Primary::rigid) return {};
-  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), reach_ + skin_);
+  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin_);
 }
 
 void PairSearch::prepare_self_contact() {
@@ -177,16 +195,16 @@ void PairSearch::prepare_self_contact() {
     own.push_back(facet_shape(dim_, primary[f].x, body_at(primary_slot_[at(corners_) * f])));
   self_ = SelfContact(mesh_->comm(), dim_, own);
   // The body's other side, as far as it can matter.
-  candidates_ = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
+  list_.candidates = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
   const Handle<Vec> rest = layout_->make_global();
   fetch_nodes(rest);
-  const std::vector<double> node_body = nodes_.exchange.gather(body_);
+  const std::vector<double> node_body = list_.nodes.exchange.gather(body_);
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     depth_.push_back(self_depth * shapes_[f].size);
-    for (int c = candidates_.offset[f]; c < candidates_.offset[f + 1]; ++c) {
-      const int p = candidates_.facet[at(c)];
-      FacetShape other = candidate_shape(p, nodes_.X);
-      other.body = static_cast<int>(node_body[at(dim_ * nodes_.primary[at(corners_ * p)])]);
+    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+      const int p = list_.candidates.facet[at(c)];
+      FacetShape other = candidate_shape(p, list_.nodes.X);
+      other.body = static_cast<int>(node_body[at(dim_ * list_.nodes.primary[at(corners_ * p)])]);
       depth_[f] = std::min(depth_[f], SelfContact::thickness(shapes_[f], other));
     }
   }
@@ -195,7 +213,7 @@ void PairSearch::prepare_self_contact() {
 FacetShape PairSearch::candidate_shape(int primary, const std::vector<double>& x) const {
   std::array<double, 12> corner{};
   for (std::size_t a = 0; a < 4; ++a) {
-    const int slot = nodes_.primary[at(corners_ * primary) + std::min(a, at(corners_ - 1))];
+    const int slot = list_.nodes.primary[at(corners_ * primary) + std::min(a, at(corners_ - 1))];
     for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = x[at(dim_ * slot) + k];
   }
   return facet_shape(dim_, corner, 0);
@@ -205,26 +223,26 @@ void PairSearch::drop_neighbours(Vec u) {
   // Facets of one body whose normals enclose less than 60 degrees must turn by as much as that before they
   // can oppose each other, which moves their nodes by a large part of the skin.
   constexpr double alike = 0.5;
-  const std::vector<double> body = nodes_.exchange.gather(body_), now = nodes_.current(u);
-  const auto primaries = static_cast<int>(candidates_.primary.size());
+  const std::vector<double> body = list_.nodes.exchange.gather(body_), now = list_.nodes.current(u);
+  const auto primaries = static_cast<int>(list_.candidates.primary.size());
   std::vector<FacetShape> reference, current;
   for (int p = 0; p < primaries; ++p) {
-    reference.push_back(candidate_shape(p, nodes_.X));
-    reference.back().body = static_cast<int>(body[at(dim_ * nodes_.primary[at(corners_ * p)])]);
+    reference.push_back(candidate_shape(p, list_.nodes.X));
+    reference.back().body = static_cast<int>(body[at(dim_ * list_.nodes.primary[at(corners_ * p)])]);
     current.push_back(candidate_shape(p, now));
   }
   Candidates kept;
   kept.offset.push_back(0);
-  counts_.clear();
+  list_.counts.clear();
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     std::array<double, 12> corner{};
     for (std::size_t a = 0; a < 4; ++a) {
-      const int slot = nodes_.secondary[at(corners_) * f + std::min(a, at(corners_ - 1))];
+      const int slot = list_.nodes.secondary[at(corners_) * f + std::min(a, at(corners_ - 1))];
       for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = now[at(dim_ * slot) + k];
     }
     const std::array<double, 3> n = facet_shape(dim_, corner, 0).normal;
-    for (int c = candidates_.offset[f]; c < candidates_.offset[f + 1]; ++c) {
-      const int p = candidates_.facet[at(c)];
+    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+      const int p = list_.candidates.facet[at(c)];
       const FacetShape& other = reference[at(p)];
       const std::array<double, 3>& m = current[at(p)].normal;
       const bool turned = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > alike;
@@ -232,20 +250,22 @@ void PairSearch::drop_neighbours(Vec u) {
           !SelfContact::may_touch(shapes_[f], other, 2 * radius_))
         continue;
       kept.facet.push_back(p);
-      counts_.push_back(self_.is_secondary(shapes_[f], other) ? 1 : 0);
+      list_.counts.push_back(self_.is_secondary(shapes_[f], other) ? 1 : 0);
     }
     kept.offset.push_back(static_cast<int>(kept.facet.size()));
   }
   // The numbers of the primaries, and the nodes that were fetched for them, stay.
-  kept.primary = std::move(candidates_.primary);
-  candidates_ = std::move(kept);
+  kept.primary = std::move(list_.candidates.primary);
+  list_.candidates = std::move(kept);
 }
 
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
   std::vector<PetscInt> nodes;
-  if (candidates_.offset.empty()) return nodes; // against a rigid plane
-  for (int c = candidates_.offset[at(secondary_facet)]; c < candidates_.offset[at(secondary_facet + 1)]; ++c)
-    for (PetscInt node : candidates_.primary[at(candidates_.facet[at(c)])].node) nodes.push_back(node);
+  if (list_.candidates.offset.empty()) return nodes; // against a rigid plane
+  for (int c = list_.candidates.offset[at(secondary_facet)];
+       c < list_.candidates.offset[at(secondary_facet + 1)]; ++c)
+    for (PetscInt node : list_.candidates.primary[at(list_.candidates.facet[at(c)])].node)
+      nodes.push_back(node);
   return nodes;
 }
 
@@ -254,14 +274,14 @@ void PairSearch::fetch_nodes(Vec u) {
   next.dim = dim_;
   next.corners = corners_;
   next.global = secondary_;
-  for (const SearchFacet& facet : candidates_.primary) {
+  for (const SearchFacet& facet : list_.candidates.primary) {
     next.global.insert(next.global.end(), facet.node.begin(), facet.node.end());
     for (PetscInt node : facet.neighbour)
       if (node >= 0) next.global.push_back(node);
   }
   sort_unique(next.global);
   for (PetscInt node : secondary_) next.secondary.push_back(position(next.global, node));
-  for (const SearchFacet& facet : candidates_.primary) {
+  for (const SearchFacet& facet : list_.candidates.primary) {
     for (int a = 0; a < corners_; ++a) next.primary.push_back(position(next.global, facet.node[at(a)]));
     for (PetscInt node : facet.neighbour)
       next.neighbour.push_back(node >= 0 ? position(next.global, node) : -1);
@@ -271,12 +291,12 @@ void PairSearch::fetch_nodes(Vec u) {
   layout_->to_global(std::vector<double>(mesh_->coordinates().begin(), mesh_->coordinates().end()), X);
   next.X = next.exchange.gather(X);
   next.built_at = next.current(u);
-  nodes_ = std::move(next);
+  list_.nodes = std::move(next);
   if (u_n_) fetch_start();
 }
 
 bool PairSearch::holds_for(const std::vector<double>& x) const {
-  return kind_ == Primary::rigid || largest_move(x, nodes_.built_at, dim_) <= skin_ / 2;
+  return kind_ == Primary::rigid || largest_move(x, list_.nodes.built_at, dim_) <= skin_ / 2;
 }
 
 } // namespace impact

@@ -209,6 +209,59 @@ TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
   }
 }
 
+TEST(ContactInterface, ARefusedAttemptLeavesNoTraceInTheCandidates) {
+  for (const auto& [name, partition] : partitions)
+    for (const ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar}) {
+      SCOPED_TRACE(testing::Message() << name << ", mortar " << (method == ContactMethod::mortar));
+      ContactSettings s = settings_of(100);
+      s.method = method;
+      s.enforce = Enforcement::penalty;
+      Rig rig(PETSC_COMM_WORLD, {}, partition, s);
+      rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+      const Handle<Vec> start = rig.at(crush);
+      rig.layout.to_local(start, rig.state.row("u").trial);
+      rig.state.commit();
+      const auto same_force_as = [&](const Handle<Vec>& r) {
+        const Handle<Vec> now = rig.residual(start);
+        PetscBool equal = PETSC_FALSE;
+        check(VecEqual(now, r, &equal));
+        return equal == PETSC_TRUE;
+      };
+      const auto away = [](double way) {
+        return [way](int body, double, double) { return std::array<double, 2>{body * way, 0}; };
+      };
+      rig.contact.set_time(1, 1, true);
+      rig.contact.update_search(start);
+      const NodePairs found = rig.contact.couplings();
+      const Handle<Vec> force = rig.residual(start);
+      ASSERT_GT(norm(force), 0.1);
+
+      // Searched twice within an attempt that ends far away: the next one begins as this one did, and says
+      // that the matrix has another pattern than it needs.
+      EXPECT_TRUE(rig.contact.update_search(rig.at(away(0.9))));
+      rig.contact.update_search(rig.at(away(1.8)));
+      rig.contact.set_time(0.5, 4, true);
+      EXPECT_EQ(rig.contact.couplings(), found);
+      EXPECT_TRUE(rig.contact.update_search(start));
+      EXPECT_FALSE(rig.contact.update_search(start));
+      EXPECT_EQ(rig.contact.couplings(), found);
+      EXPECT_TRUE(same_force_as(force));
+      // Refused again before it searched: nothing to bring back.
+      rig.contact.set_time(0.25, 16, true);
+      EXPECT_FALSE(rig.contact.update_search(start));
+
+      // Accepted, what was found last is what the next step begins with.
+      const Handle<Vec> there = rig.at(away(0.9));
+      EXPECT_TRUE(rig.contact.update_search(there));
+      const NodePairs kept = rig.contact.couplings();
+      rig.layout.to_local(there, rig.state.row("u").trial);
+      rig.state.commit();
+      rig.contact.set_time(1, 1, true);
+      EXPECT_FALSE(rig.contact.update_search(there));
+      EXPECT_EQ(rig.contact.couplings(), kept);
+    }
+}
+
 TEST(ContactInterface, FreeFlightIsFollowedByContactWhenTheBodiesMeet) {
   TwoBlocks b;
   b.gap = 3;

@@ -115,6 +115,8 @@ public:
   virtual PairSearch::Outcome update(Vec u, const PressureLaw& law) = 0;
   /// The next update builds the pairs afresh.
   void forget() { search_.forget(); }
+  /// True from a begin_attempt that brought the nodes of an earlier list back until the next update.
+  bool list_restored() const { return search_.restored(); }
   /// True when the last update changed what a constraint with pressure faces, on this rank.
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }

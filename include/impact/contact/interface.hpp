@@ -291,6 +291,7 @@ private:
   }
   void set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary);
   void declare_state(StateTable& state);
+  void use_new_nodes(); // of the form
   void fetch_fixed();
   void fetch_bodies();
   ContactStatus add_reduced_tangent(Vec u, double scale, Mat K) const;

@@ -6,6 +6,7 @@
 #include <impact/contact/surface.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -68,25 +69,34 @@ public:
              const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
              Primary kind);
 
+  /// Beginning of an attempt at a step from u_n. One that starts where the last one did finds the list that
+  /// that one found, whatever was searched in it: an attempt that was refused leaves no trace. Collective:
+  /// one reduction.
+  void begin_attempt(Vec u_n);
+  /// True from a begin_attempt that brought an earlier list back until the next update.
+  bool restored() const { return restored_ != Outcome::kept; }
   /// Where the bodies stand at the start of a step; the list then reaches as far as they move. Collective.
   void set_start(Vec u_n);
   /// Makes the list anew when a node moved more than half the skin, or farther since the start of the step
   /// than the list reaches. The same on all ranks. Collective: one reduction when nothing moved that far.
   Outcome update(Vec u);
   /// The next update makes the list anew, as a restarted run does.
-  void forget() { outdated_ = true; }
+  void forget() {
+    list_.outdated = true;
+    found_.reset();
+  }
 
-  const Candidates& candidates() const { return candidates_; }
+  const Candidates& candidates() const { return list_.candidates; }
   /// Global nodes of the candidates of a secondary facet, some several times.
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
-  const ContactNodes& nodes() const { return nodes_; }
+  const ContactNodes& nodes() const { return list_.nodes; }
   double radius() const { return radius_; }
   bool meets_rigid() const { return kind_ == Primary::rigid; }
   bool meets_itself() const { return kind_ == Primary::itself; }
   /// Whether this facet is the secondary one of its pair with the candidate (a place in candidates().facet):
   /// always, unless the surface may meet itself.
   bool counts(int candidate) const {
-    return counts_.empty() || counts_[static_cast<std::size_t>(candidate)] != 0;
+    return list_.counts.empty() || list_.counts[static_cast<std::size_t>(candidate)] != 0;
   }
   /// How deep behind the primary a secondary facet is still seen: the radius. Where the surface may meet
   /// itself: half the facet, or the thickness of its own body if that is less; what is deeper must have
@@ -98,6 +108,15 @@ public:
   bool holds_for(const std::vector<double>& x) const;
 
 private:
+  // What a search finds, and where.
+  struct List {
+    Candidates candidates;
+    ContactNodes nodes;
+    std::vector<char> counts;     // [candidate] of a surface that may meet itself, else empty
+    std::vector<double> built_at; // [static node][dim]
+    double reach = 0; // it holds every facet so near: the radius, or the motion of the step if larger
+    bool outdated = true;
+  };
   // Facets at the coordinates x of the static nodes.
   SearchSecondary secondary_at(const std::vector<double>& x) const;
   std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
@@ -112,24 +131,22 @@ private:
   const Mesh* mesh_ = nullptr;
   const FieldLayout* layout_ = nullptr;
   int dim_ = 2, corners_ = 2;
-  std::vector<PetscInt> secondary_, primary_;          // [facet][corner]
-  std::vector<PetscInt> neighbour_;                    // [facet][2]
-  std::vector<int> secondary_slot_, primary_slot_;     // [facet][corner] into the static nodes
-  NodeExchange static_;                                // nodes of this rank's facets of both surfaces
-  std::vector<double> static_X_;                       // [node][dim]
-  std::vector<double> static_built_at_, static_start_; // [node][dim]; start empty: unknown
-  Handle<Vec> u_n_;                                    // at the start of the step; absent: unknown
+  std::vector<PetscInt> secondary_, primary_;      // [facet][corner]
+  std::vector<PetscInt> neighbour_;                // [facet][2]
+  std::vector<int> secondary_slot_, primary_slot_; // [facet][corner] into the static nodes
+  NodeExchange static_;                            // nodes of this rank's facets of both surfaces
+  std::vector<double> static_X_, static_start_;    // [node][dim]; start empty: unknown
+  Handle<Vec> u_n_;                                // at the start of the step; absent: unknown
   Primary kind_ = Primary::rigid;
-  bool outdated_ = true;
   double radius_ = 0, skin_ = 0;
-  double reach_ = 0; // the list holds every facet so near: the radius, or the motion of the step if larger
-  Candidates candidates_;
-  ContactNodes nodes_;
-  SelfContact self_;               // below: of a surface that may meet itself, else empty
-  Handle<Vec> body_;               // of a node, in its first component
-  std::vector<FacetShape> shapes_; // [secondary facet] reference
-  std::vector<char> counts_;       // [candidate]
-  std::vector<double> depth_;      // [secondary facet]
+  List list_;
+  std::optional<List> found_;        // by the attempt, where it has searched since
+  Handle<Vec> attempt_from_;         // where it started; absent: none yet
+  Outcome restored_ = Outcome::kept; // what the next update owes to the return of an earlier list
+  SelfContact self_;                 // below: of a surface that may meet itself, else empty
+  Handle<Vec> body_;                 // of a node, in its first component
+  std::vector<FacetShape> shapes_;   // [secondary facet] reference
+  std::vector<double> depth_;        // [secondary facet]
 };
 
 } // namespace impact
