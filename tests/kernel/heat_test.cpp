@@ -12,15 +12,8 @@ using reference::Sampler;
 
 namespace {
 
-template <class C, Frame f> struct Element {
-  using Cell = C;
-  static constexpr Frame frame = f;
-};
-using Elements = testing::Types<Element<Tri3, Frame::plane_strain>, Element<Tri3, Frame::axisymmetric>,
-                                Element<Quad4, Frame::plane_strain>, Element<Quad4, Frame::axisymmetric>,
-                                Element<Tet4, Frame::solid>, Element<Hex8, Frame::solid>>;
 template <class> struct HeatCell : testing::Test {};
-TYPED_TEST_SUITE(HeatCell, Elements);
+TYPED_TEST_SUITE(HeatCell, reference::Elements);
 
 /// Free energy of heat and volume, psi_theta + g_v U(J/J_th), as it is written.
 template <class T> T free_energy(const MaterialParameters& m, double J, double phi, const T& theta) {

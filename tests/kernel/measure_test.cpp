@@ -9,15 +9,8 @@ using reference::Sampler;
 
 namespace {
 
-template <class C, Frame f> struct Element {
-  using Cell = C;
-  static constexpr Frame frame = f;
-};
-using Elements = testing::Types<Element<Tri3, Frame::plane_strain>, Element<Tri3, Frame::axisymmetric>,
-                                Element<Quad4, Frame::plane_strain>, Element<Quad4, Frame::axisymmetric>,
-                                Element<Tet4, Frame::solid>, Element<Hex8, Frame::solid>>;
 template <class> struct Measure : testing::Test {};
-TYPED_TEST_SUITE(Measure, Elements);
+TYPED_TEST_SUITE(Measure, reference::Elements);
 
 } // namespace
 

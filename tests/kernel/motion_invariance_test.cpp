@@ -8,28 +8,8 @@ using reference::Sampler;
 
 namespace {
 
-template <class C, Frame f> struct Element {
-  using Cell = C;
-  static constexpr Frame frame = f;
-};
-using Elements = testing::Types<Element<Tri3, Frame::plane_strain>, Element<Tri3, Frame::axisymmetric>,
-                                Element<Quad4, Frame::plane_strain>, Element<Quad4, Frame::axisymmetric>,
-                                Element<Tet4, Frame::solid>, Element<Hex8, Frame::solid>>;
-
 template <class> struct MotionInvariance : testing::Test {};
-TYPED_TEST_SUITE(MotionInvariance, Elements);
-
-MaterialParameters option(int k) {
-  MaterialParameters m = aluminium();
-  m.locking = k % 3 == 0 ? Locking::mean : k % 3 == 1 ? Locking::fbar : Locking::none;
-  m.split = k % 2 ? Split::none : Split::volumetric;
-  m.gp = k % 4 < 2 ? PlasticDegradation::one : PlasticDegradation::ge;
-  m.b_d = k % 5 < 2 ? 0 : 1e5;
-  m.visc_degrade = k % 5 == 3;
-  m.damage_gradient = k % 7 < 5 ? DamageGradient::spatial : DamageGradient::material;
-  m.ge = k % 11 ? Degradation::quadratic : Degradation::cubic;
-  return m;
-}
+TYPED_TEST_SUITE(MotionInvariance, reference::Elements);
 
 } // namespace
 
@@ -41,7 +21,7 @@ TYPED_TEST(MotionInvariance, RigidMotionMakesNoForce) {
   Sampler random(16);
   const double h = 1e-3;
   for (int k = 0; k < 30; ++k) {
-    MaterialParameters m = option(k);
+    MaterialParameters m = reference::every_option(k);
     m.b_d = 0;
     const PointLaw law{m};
     auto cases = reference::cases<Cell, frame>(random, 0.0, 0.0);
@@ -79,7 +59,7 @@ TYPED_TEST(MotionInvariance, RotatingAPlasticallyStrainedCellTurnsItsForceAndNot
   Sampler random(17);
   double dissipated = 0;
   for (int k = 0; k < 30; ++k) {
-    MaterialParameters m = option(k);
+    MaterialParameters m = reference::every_option(k);
     m.b_d = 0;
     const PointLaw law{m};
     auto cases = reference::cases<Cell, frame>(random, 0.03, 0.0);
@@ -131,7 +111,7 @@ TYPED_TEST(MotionInvariance, NodalForcesBalance) {
   constexpr int dofs = Cell::nodes * Cell::dim, dim = Cell::dim;
   Sampler random(18);
   for (int k = 0; k < 20; ++k) {
-    const PointLaw law{option(k)};
+    const PointLaw law{reference::every_option(k)};
     const auto cases = reference::cases<Cell, frame>(random, 0.03);
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs];

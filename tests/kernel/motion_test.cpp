@@ -9,16 +9,8 @@ using reference::Sampler;
 
 namespace {
 
-template <class C, Frame f> struct Element {
-  using Cell = C;
-  static constexpr Frame frame = f;
-};
-using Elements = testing::Types<Element<Tri3, Frame::plane_strain>, Element<Tri3, Frame::axisymmetric>,
-                                Element<Quad4, Frame::plane_strain>, Element<Quad4, Frame::axisymmetric>,
-                                Element<Tet4, Frame::solid>, Element<Hex8, Frame::solid>>;
-
 template <class> struct Motion : testing::Test {};
-TYPED_TEST_SUITE(Motion, Elements);
+TYPED_TEST_SUITE(Motion, reference::Elements);
 
 /// The displacement of the cell with a complex step in dof k.
 template <class Case> std::vector<Complex> complex_u(const Case& c, int k) {
@@ -33,18 +25,6 @@ double largest(const std::vector<double>& x) {
   return m;
 }
 
-MaterialParameters option(int k) {
-  MaterialParameters m = aluminium();
-  m.locking = k % 3 == 0 ? Locking::mean : k % 3 == 1 ? Locking::fbar : Locking::none;
-  m.split = k % 2 ? Split::none : Split::volumetric;
-  m.gp = k % 4 < 2 ? PlasticDegradation::one : PlasticDegradation::ge;
-  m.b_d = k % 5 < 2 ? 0 : 1e5;
-  m.visc_degrade = k % 5 == 3;
-  m.damage_gradient = k % 7 < 5 ? DamageGradient::spatial : DamageGradient::material;
-  m.ge = k % 11 ? Degradation::quadratic : Degradation::cubic;
-  return m;
-}
-
 } // namespace
 
 TYPED_TEST(Motion, ResidualIsThatOfThePlainElement) {
@@ -53,7 +33,7 @@ TYPED_TEST(Motion, ResidualIsThatOfThePlainElement) {
   constexpr int dofs = Cell::nodes * Cell::dim;
   Sampler random(11);
   for (int k = 0; k < 80; ++k) {
-    const PointLaw law{option(k)};
+    const PointLaw law{reference::every_option(k)};
     const auto cases = reference::cases<Cell, frame>(random, k % 2 ? 0.03 : 0.003);
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs];
@@ -75,7 +55,7 @@ TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
   constexpr int dofs = Cell::nodes * Cell::dim;
   Sampler random(12);
   for (int k = 0; k < (250 + lanes - 1) / lanes * 4; ++k) { // 1000 cells
-    const PointLaw law{option(k)};
+    const PointLaw law{reference::every_option(k)};
     const auto cases = reference::cases<Cell, frame>(random, k % 2 ? 0.03 : 0.003);
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs], K[dofs * dofs], only[dofs];
@@ -107,7 +87,7 @@ TYPED_TEST(Motion, MaterialWithoutDamageIsDamageableMaterialAtZeroDamage) {
   constexpr int dofs = Cell::nodes * Cell::dim, values = Cell::points * history_size(Cell::dim);
   Sampler random(21);
   for (int k = 0; k < 24; ++k) {
-    MaterialParameters m = option(k);
+    MaterialParameters m = reference::every_option(k);
     m.model = k % 2 ? Model::j2 : Model::elastic;
     m.b_d = 0;
     m.linear_h = 3e8;
@@ -158,7 +138,7 @@ TYPED_TEST(Motion, SymmetricTangentIsTheSymmetricPart) {
   Sampler random(13);
   double defect = 0;
   for (int k = 0; k < 12; ++k) {
-    const PointLaw law{option(k)};
+    const PointLaw law{reference::every_option(k)};
     const auto cases = reference::cases<Cell, frame>(random, 0.03);
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs], K[dofs * dofs], S[dofs * dofs];
@@ -186,7 +166,7 @@ TYPED_TEST(Motion, ElasticForceIsTheDerivativeOfTheEnergy) {
   constexpr int dofs = Cell::nodes * Cell::dim;
   Sampler random(14);
   for (int k = 0; k < 40; ++k) {
-    MaterialParameters m = option(2 * k);
+    MaterialParameters m = reference::every_option(2 * k);
     if (m.locking == Locking::fbar) m.locking = Locking::none;
     m.sigma_y = 1e15;
     const auto cases = reference::cases<Cell, frame>(random, 0.03);

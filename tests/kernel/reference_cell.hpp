@@ -1,6 +1,7 @@
 #pragma once
 #include "../material/law_sampler.hpp"
 
+#include <gtest/gtest.h>
 #include <impact/element/shape.hpp>
 #include <impact/kernel/motion.hpp>
 #include <numbers>
@@ -13,6 +14,29 @@ namespace reference {
 
 using impact::Frame;
 using impact::Locking;
+
+/// Every shape of cell in the frames that it may stand in, for typed tests.
+template <class C, Frame f> struct Element {
+  using Cell = C;
+  static constexpr Frame frame = f;
+};
+using Elements =
+    testing::Types<Element<impact::Tri3, Frame::plane_strain>, Element<impact::Tri3, Frame::axisymmetric>,
+                   Element<impact::Quad4, Frame::plane_strain>, Element<impact::Quad4, Frame::axisymmetric>,
+                   Element<impact::Tet4, Frame::solid>, Element<impact::Hex8, Frame::solid>>;
+
+/// Aluminium with the k-th choice of locking cure, split, degradations, viscosity and damage gradient.
+inline impact::MaterialParameters every_option(int k) {
+  impact::MaterialParameters m = aluminium();
+  m.locking = k % 3 == 0 ? Locking::mean : k % 3 == 1 ? Locking::fbar : Locking::none;
+  m.split = k % 2 ? impact::Split::none : impact::Split::volumetric;
+  m.gp = k % 4 < 2 ? impact::PlasticDegradation::one : impact::PlasticDegradation::ge;
+  m.b_d = k % 5 < 2 ? 0 : 1e5;
+  m.visc_degrade = k % 5 == 3;
+  m.damage_gradient = k % 7 < 5 ? impact::DamageGradient::spatial : impact::DamageGradient::material;
+  m.ge = k % 11 ? impact::Degradation::quadratic : impact::Degradation::cubic;
+  return m;
+}
 
 /// One random cell with its fields.
 template <class Cell, Frame frame> struct CellCase {
