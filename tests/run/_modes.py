@@ -159,8 +159,10 @@ class Modes:
         return done
 
     def tight(self, said):
-        # A tangent that serves on is a memory that a refused step clears.
+        # A tangent that serves on, or interpolation that does, is a memory that a refused step clears.
         extra = {"motion_reuse_tangent": 0}
+        if "gamg" in said:
+            extra["motion_pc_gamg_reuse_interpolation"] = 0
         for solver, options in TIGHT.items():
             if f"-{solver}_ksp" not in said and f"-{solver}_pc" not in said and "contact_operator" not in said:
                 extra.update(options)
@@ -194,8 +196,10 @@ class Modes:
                 continue
             if mode == "restep":
                 shutil.copytree(folder, folder + "_again")
-                again = plain_run(folder + "_again", {**base, "test_restep": 1}, files=files, ranks=before,
-                                  code=None)
+                refusing = {**base, "test_restep": 1}
+                if re.search(r"-ts_max_reject\s+0\b", said):
+                    refusing["ts_max_reject"] = 1
+                again = plain_run(folder + "_again", refusing, files=files, ranks=before, code=None)
                 if again.code != 0:
                     self.report.add(mode, label, math.inf, f"nothing: exit status {again.code}, "
                                     + again.log.strip().splitlines()[-1])
