@@ -99,6 +99,16 @@ template <class Cell, Frame frame> struct EndOfStep {
   }
 };
 
+/// What the step exchanges between the stores and plastic heat at a point.
+template <class Cell, Frame frame> Batch exchanged(const PointLaw& law, const HeatInput& in, int q) {
+  const int alpha = q * history_size(frame) + symmetric_size(Cell::dim);
+  const Batch* drive = in.drive + q * drive_size;
+  return law.plastic_exchange(
+      interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), in.history[alpha], in.history_n[alpha],
+      PointEnergies<Batch>{drive[0], drive[1],
+                           law.softens() ? drive[2] : plastic_potential(law.parameters, in.history[alpha])});
+}
+
 /// 1/2 (P + P_n) : (F - F_n).
 template <class Cell, Frame frame>
 Batch work_of_stress(const HeatInput& in, const Tensor<Batch, Cell::dim>& H,
@@ -123,8 +133,8 @@ template <class Cell, Frame frame>
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> X;
     point_geometry<Cell, frame>(in.X, q, X);
-    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q),
-                              g_n = point_degradations<Cell, frame>(law, in.phi_n, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history),
+                              g_n = point_degradations<Cell, frame>(law, in.phi_n, q, in.history_n);
     const Batch theta_n = interpolate<Cell>(in.theta_n, q);
     const Batch volume = now.volume(law, q);
     const Batch Je_n = elastic_volume(m, before.volume(law, q), theta_n),
@@ -166,6 +176,7 @@ template <class Cell, Frame frame>
         local -= (1 / in.dt) * (damage_viscosity(m, old) * (step * step));
         if (in.fatigue)
           local -= fatigue_dissipation(m, interpolate<Cell>(in.phi, q), in.fatigue[q] - in.fatigue_n[q]);
+        if (in.drive && law.exchanges()) local -= exchanged<Cell, frame>(law, in, q);
       }
     }
     if (in.theta_h < 1 && m.conductivity != 0) {
@@ -199,7 +210,7 @@ template <class Cell, Frame frame, bool tangent>
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> X;
     point_geometry<Cell, frame>(in.X, q, X);
-    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch theta = interpolate<Cell>(in.theta, q), theta_n = interpolate<Cell>(in.theta_n, q);
     bad |= bits(~(theta > Batch(0.0)));
     const Batch Je = elastic_volume(m, points[q * heat_point_size], theta), g_v = volume_degradation(g, Je);

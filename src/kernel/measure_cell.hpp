@@ -67,7 +67,7 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
   read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
-    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q);
+    const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
     const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g), theta = interpolate<Cell>(in.theta, q);

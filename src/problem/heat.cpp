@@ -239,13 +239,15 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
         }
         in.theta = now.data();
         in.theta_n = before.data();
-        if ((energy && flows_) || (step_.u && d_.frame == Frame::plane_stress)) {
+        const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
+        if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
+            (step_.u && d_.frame == Frame::plane_stress)) {
           A.load(history.trial, history_offset_[g], b);
           A_n.load(history.committed, history_offset_[g], b);
           in.history = A.data();
           in.history_n = A_n.data();
         }
-        if (energy && law.softens()) {
+        if ((energy && law.softens()) || exchanges) {
           E.load(drive.trial, drive_offset_[g], b);
           E_n.load(drive.committed, drive_offset_[g], b);
           in.drive = E.data();

@@ -248,9 +248,6 @@ void check_damage(const Scenario& scenario) {
     if (ductile && law.model != Model::j2)
       fail(prefix + "ge \"ductile\": nothing damages without plastic strain; allowed with " + prefix +
            "model j2; choose quadratic or cubic");
-    if (ductile && scenario.has_heat() && law.c_v != 0)
-      fail(prefix + "ge \"ductile\": the heat balance does not know what flow releases through it; allowed: "
-                    "runs without heat; choose quadratic or cubic");
     if (law.plastic_threshold > 0 && law.softening != Softening::none)
       fail(prefix + "plastic_threshold \"" + number_text(law.plastic_threshold) + "\": not available with " +
            prefix + "softening, whose plastic energy is a sum over the steps; allowed: 0, or softening none");

@@ -225,6 +225,7 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
     m.model = k % 2 ? Model::j2 : Model::elastic;
     reference::set_hardening(m, k / 2 % reference::hardening_kinds);
     m.b_d = k % 3 ? 3e3 : 0;
+    if (k % 8 == 3) m.ge = Degradation::ductile, m.alpha_c = 0.05;
     const PointLaw law{m};
     const Case<Cell, frame> c(random);
     Batch history[2][Cell::points * parts], stress[2][Cell::points * gradient_size(frame)], force[2][dofs],
@@ -261,6 +262,60 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
     Batch sum = 0, size = 0;
     for (const Batch& x : whole_residual<Cell, frame>(law, in)) sum += x, size += abs(x);
     for (int l = 0; l < lanes; ++l) EXPECT_NEAR(sum[l], (stored - work)[l], 1e-11 * size[l]) << k;
+  }
+}
+
+// Of laws whose damage takes other energy from plasticity than is stored, and of a ductile degradation, the
+// entropy form lacks what is not named a dissipation: x of section 11.
+TYPED_TEST(HeatCell, EntropyFormTakesWhatDamageAndFlowExchange) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int parts = history_size(frame), alpha = symmetric_size(Cell::dim);
+  Sampler random(55);
+  for (int k = 0; k < 24; ++k) {
+    MaterialParameters m = hot_aluminium(2);
+    m.model = Model::j2;
+    m.locking = Locking::none;
+    m.split = k % 3 ? Split::volumetric : Split::none;
+    m.gp = k % 4 ? PlasticDegradation::ge : PlasticDegradation::one;
+    m.ge = k % 2 ? Degradation::quadratic : Degradation::ductile;
+    m.alpha_c = 0.05;
+    m.plastic_threshold = k % 5 ? 0 : 1e7;
+    const PointLaw law{m};
+    const Case<Cell, frame> c(random);
+    Batch history[2][Cell::points * parts], drive[Cell::points * drive_size];
+    for (auto& end : history)
+      for (auto& x : end) x = random.uniform(0, 0.1);
+    for (auto& x : drive) x = random.uniform(0, 1e8);
+    HeatInput in = c.input();
+    in.history = history[1], in.history_n = history[0];
+    const auto without = whole_residual<Cell, frame>(law, in);
+    in.drive = drive;
+    const auto with = whole_residual<Cell, frame>(law, in);
+    for (int l = 0; l < lanes; ++l) {
+      std::vector<double> expected(Cell::nodes, 0.0);
+      double size = 0;
+      int q = 0;
+      for (const auto& at : reference::points<Cell, frame>(c.cells[unsigned(l)].X)) {
+        const double phi = at.at(c.cells[unsigned(l)].phi), phi_n = at.at(c.more[unsigned(l)].phi_n.data()),
+                     now = history[1][q * parts + alpha][l], old = history[0][q * parts + alpha][l],
+                     H = plastic_potential(m, now), stored = (1 - m.taylor_quinney) * H,
+                     driving = std::max(H - m.plastic_threshold, 0.0);
+        const auto energy = [&](double a) {
+          return reference::g_e1(m, phi, a) * drive[q * drive_size][l] +
+                 reference::g_e2(m, phi, a) * drive[q * drive_size + 1][l] +
+                 reference::g_p(m, phi, a) * stored;
+        };
+        const double x = (reference::g_p(m, phi, old) - reference::g_p(m, phi_n, old)) * (driving - stored) +
+                         (m.ge == Degradation::ductile ? energy(old) - energy(now) : 0);
+        for (unsigned a = 0; a < Cell::nodes; ++a) expected[a] -= at.weight * at.N[a] * x;
+        ++q;
+      }
+      for (unsigned a = 0; a < Cell::nodes; ++a) size = std::max(size, std::abs(without[a][l]));
+      EXPECT_GT(law.exchanges() ? std::abs(expected[0]) : 1, 1e-9 * size);
+      for (unsigned a = 0; a < Cell::nodes; ++a)
+        EXPECT_NEAR(with[a][l] - without[a][l], expected[a], 1e-11 * (size + std::abs(expected[a]))) << k;
+    }
   }
 }
 

@@ -37,10 +37,13 @@ inline BoundaryCondition condition(std::string id, std::string on, BcType type,
 struct CaseSettings {
   bool inertia = false;
   double dt = 1, t_end = 1;
-  std::vector<Field> initial_velocity;
+  std::vector<Field> initial_velocity{};
+  Field initial_phi{}, initial_theta{}; ///< of laws with damage, with heat
+  HeatScenario heat{};
+  CouplingScenario coupling{};
 };
 
-/// One material on the region "solid", damage-free.
+/// One material on the region "solid", with damage and heat where it has them.
 class MotionCase {
 public:
   MotionCase(Mesh mesh, const MaterialParameters& law, std::vector<BoundaryCondition> conditions,
@@ -51,15 +54,18 @@ public:
     declare_state(d_, state_);
     const SolverDefaults solver; // direct
     motion_.emplace(d_, state_, boundary_, contacts_, false);
+    if (d_.has_damage()) damage_.emplace(d_, state_, boundary_, DamageScenario{});
+    if (d_.has_heat()) heat_.emplace(d_, state_, boundary_, settings.heat, true);
     check(TSCreate(d_.mesh.comm(), ts_.out()));
     check(TSSetProblemType(ts_, TS_NONLINEAR));
     check(TSSetType(ts_, settings.inertia ? "newmark" : "static"));
     check(TSSetTimeStep(ts_, settings.dt));
     check(TSSetMaxTime(ts_, settings.t_end));
     check(TSSetMaxSteps(ts_, 100000));
-    CouplingScenario full_newton; // its order is one of the claims
+    CouplingScenario full_newton = settings.coupling; // its order is one of the claims
     full_newton.reuse = 0;
-    coupling_.emplace(ts_, *motion_, nullptr, nullptr, state_, full_newton, solver, settings.inertia, false);
+    coupling_.emplace(ts_, *motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, state_,
+                      full_newton, solver, settings.inertia, false);
     set_time_options(ts_);
     u_ = d_.displacement.make_global();
     v_ = d_.displacement.make_global();
@@ -73,6 +79,8 @@ public:
     std::vector<double>& v = state_.row("v").trial;
     for (std::size_t i = 0; i < v.size() && !settings_.initial_velocity.empty(); ++i)
       v[i] = settings_.initial_velocity[i % dim()](node(i / dim()), 0);
+    if (damage_) set_scalar("phi", settings_.initial_phi);
+    if (heat_) set_scalar("theta", settings_.initial_theta);
     boundary_.set_displacement(0, 0, u, v, u);
     boundary_.set_initial_rates(settings_.dt, v, state_.row("a").trial);
     state_.row("mean_rate").trial = v;
@@ -83,6 +91,7 @@ public:
     check(TS2SetSolution(ts_, u_, v_));
     if (settings_.inertia) set_newmark_hooks(ts_, coupling_->newmark_hooks());
     coupling_->begin_at_rest_of_step(0, u_, v_);
+    coupling_->start_heat(u_);
     StepHooks hooks;
     hooks.before_attempt = [this](TS, const Attempt& attempt) { coupling_->before_attempt(attempt); };
     hooks.guess = [this](TS, const Attempt& attempt, Vec guess) {
@@ -122,18 +131,26 @@ public:
   const double* node(std::size_t i) const { return &d_.mesh.coordinates()[i * dim()]; }
   const Discretisation& discretisation() const { return d_; }
   const std::vector<double>& u() const { return state_.row("u").committed; }
+  const std::vector<double>& scalar(const char* name) const { return state_.row(name).committed; }
 
   std::vector<int> iterations;   ///< of Newton's method, per step
   std::vector<double> residuals; ///< norms of the last Newton solve, the guess's first
   int rejected = 0;
 
 private:
+  void set_scalar(const char* name, const Field& field) {
+    std::vector<double>& values = state_.row(name).trial;
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = field(node(i), 0);
+  }
+
   CaseSettings settings_;
   Discretisation d_;
   StateTable state_;
   BoundaryData boundary_;
   std::vector<ContactInterface> contacts_;
   std::optional<MotionProblem> motion_;
+  std::optional<DamageProblem> damage_;
+  std::optional<HeatProblem> heat_;
   Handle<TS> ts_;
   std::optional<Coupling> coupling_;
   Handle<Vec> u_, v_;

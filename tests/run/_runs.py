@@ -1,5 +1,6 @@
 """Runs the program from a script and compares what it writes with references."""
 import os
+import re
 import subprocess
 import sys
 
@@ -66,7 +67,15 @@ def run(name, options, files=(), ranks=1, code=0):
         print(done.stdout[-4000:])
         print(f"{name}: exit status {done.returncode}, expected {code}\n  {' '.join(command)}")
         sys.exit(1)
+    _refuse_negative_dissipation(name, done.stdout)
     return Run(done.returncode, done.stdout, name)
+
+
+def _refuse_negative_dissipation(name, log):
+    """The second law in every run of every script: nothing may be dissipated with the wrong sign, at any point in any step."""
+    least = re.search(r"^ *smallest dissipation at a point +(\S+)", log, re.M)
+    if least and float(least.group(1)) < 0:
+        require(f"{name}: smallest dissipation at a point {least.group(1)}, not negative", False)
 
 
 def check(claim, measured, reference, tolerance, relative=True):

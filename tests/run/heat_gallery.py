@@ -19,6 +19,21 @@ check("friction takes mu F v", r["dissipated_friction"][-1] - r["dissipated_fric
 for body, part in (("pad", PART), ("plate", 1 - PART)):
     check(f"part of the {body}", r[f"energy_thermal_{body}"][-1] / lost, part, 1e-4)
 
+# What the first law misses is what the contact did by the trapezoidal rule of the motion and by its own law at the end of the step, and goes
+# with the step.
+misses = []
+for steps in (4, 8, 16):
+    r = run(f"brake_{steps}", {"mesh_set_h": 1, "mesh_set_layers": 10, "mesh_set_grading": 1.4, "mesh_set_length": 40, "ts_dt": 2e-3 / steps,
+                               "ts_max_time": 2e-3, "output_vis_dt": 1, "heat_snes_rtol": 1e-13}, files=[option_file("brake.opts")])
+    stored = sum(r["energy_" + kind] for kind in ("elastic", "thermal", "contact"))
+    missing = stored - stored[0] - r["work_external"] - r["heat_supplied"]
+    own = r["work_contact"] + r["dissipated_friction"] + r["energy_contact"]
+    check(f"brake, {steps} steps: what the first law misses but for the contact's own work / heat", abs(missing - own).max() /
+          r["dissipated_friction"][-1], 0, 1e-9, relative=False)
+    misses.append(missing[-1])
+for before, after in zip(misses, misses[1:]):
+    check("brake: order of what the first law misses", math.log2(before / after), 1, 0.05)
+
 r = run("beam", {"ts_max_steps": 3, "output_vis_dt": 1, "output_vis_times": 1}, files=[option_file("beam_wedge_heat.opts")])
 require("three steps without a cut", len(r["step"]) == 4 and r["tries"].max() == 1)
 check_between("heat goes through the contact", abs(r["heat_contact_tip"][-1]), 1e-9, 1)

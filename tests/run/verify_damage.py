@@ -13,9 +13,9 @@ TWO_THIRDS = numpy.longdouble(2) / 3
 BLOCK = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "materials": "solid"}
 
 
-def last_field(run, name):
-    """Coordinates and values of a nodal field at the last written time."""
-    grid = [g for g in ElementTree.parse(run.dir + "/vis.xdmf").getroot().iter("Grid") if g.get("GridType") == "Uniform"][-1]
+def field_at(run, name, k=-1):
+    """Coordinates and values of a nodal field at the k-th written time."""
+    grid = [g for g in ElementTree.parse(run.dir + "/vis.xdmf").getroot().iter("Grid") if g.get("GridType") == "Uniform"][k]
 
     def data(part):
         file, path = part.find("DataItem").text.strip().split(":", 1)
@@ -37,7 +37,7 @@ for n in (50, 100, 200):
         "material_solid_gamma": WIDTH, "bcs": "hold,crack", "bc_hold_on": "solid", "bc_hold_type": "fix",
         "bc_crack_on": "left", "bc_crack_type": "damage", "bc_crack_value": 1, "ts_dt": 1, "ts_max_time": 1,
         "outputs": "vis", "output_vis_fields": "phi"})
-    x, phi = last_field(run, "phi")
+    x, phi = field_at(run, "phi")
     exact = numpy.cosh((B - x[:, 0]) / WIDTH) / math.cosh(B / WIDTH)
     runs.require(f"D1 n = {n}: {phi.size} nodal values read", phi.size == 2 * (n + 1))
     errors.append(abs(phi - exact).max())
@@ -146,4 +146,38 @@ for phi, gp in ((0.5, "one"), (0.5, "ge"), (0.95, "one"), (0.95, "ge"), (1, "one
         runs.check(f"{claim}: plastic strain", run["alpha_max"][-1], 0, 0, relative=False)
     else:
         runs.check_between(f"{claim}: plastic strain", run["alpha_max"][-1], 0.01, SHEAR)
+# Unloading and reloading: phi of a cell is the largest of its past; without bounds it heals. AT1 and AT2, quadratic, rate-independent.
+K, G = 1000 / 3 / 0.4, 1000 / 2.6
+CYCLE = {**BLOCK, "mesh_set_n": 1, "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_Gc": 1, "material_solid_gamma": 1,
+         "material_solid_residual_stiffness": 0, "damage_snes_rtol": 1e-13, "damage_ksp_rtol": 1e-13, "bcs": "hold", "bc_hold_on": "solid",
+         "bc_hold_ux": "0.05*(t<1 ? t : t<2 ? 2-t : t-2)*x", "bc_hold_uy": 0, "ts_dt": 0.1, "ts_max_time": 4}
+for model, bounds in (("at2", "vi"), ("at2", "history"), ("at2", "clip"), ("at1", "vi"), ("at2", "none")):
+    run = runs.run(f"cycle_{model}_{bounds}", {**CYCLE, "material_solid_damage": model, "damage_bounds": bounds})
+    phi = worst = 0.0
+    for t, phi_now in zip(run["time"], run["phi_max"]):
+        stretch = 1 + 0.05 * (t if t < 1 else 2 - t if t < 2 else t - 2)
+        psi = float(response(K, G, 1, stretch)[0])
+        free = 2 * psi / (2 * psi + 1) if model == "at2" else 1 - 3 / (16 * psi) if psi > 3 / 16 else 0.0
+        phi = free if bounds == "none" else max(phi, free)
+        worst = max(worst, abs(phi_now - phi))
+    runs.check(f"loading cycle, {model}, {bounds}: largest error of phi, {run['phi_max'].max():.3f} at most", worst, 0, 1e-9, relative=False)
+    steps = numpy.diff(run["phi_max"])
+    if bounds == "none":
+        runs.check_between("loading cycle without bounds: it heals, smallest step of phi", steps.min(), -1, -0.1)
+        continue
+    runs.check_between(f"loading cycle, {model}, {bounds}: smallest step of phi", steps.min(), 0, 1)
+    runs.check_between(f"loading cycle, {model}, {bounds}: smallest step of the crack's energy", numpy.diff(run["energy_fracture"]).min(), 0, 1)
+
+# The same of every node of a plate whose damage is not uniform, with a rate.
+run = runs.run("cycle_plate", {
+    **CYCLE, "mesh_set_n": 8, "material_solid_damage": "at2", "material_solid_gamma": 0.2, "material_solid_c": 20, "bcs": "hold,pull",
+    "bc_hold_on": "left", "bc_hold_ux": 0, "bc_pull_on": "right", "bc_pull_ux": "0.1*(t<1 ? t : t<2 ? 2-t : t-2)*(0.5+y)",
+    "bc_pull_uy": 0, "coupling_snes_max_it": 50, "outputs": "vis", "output_vis_fields": "phi"})
+fields = []
+for step in range(len(run["time"])):
+    fields.append(field_at(run, "phi", step)[1])
+runs.require("plate: all times were written", len(fields) == len(run["time"]) == 41 and numpy.ptp(fields[-1]) > 0.1)
+runs.check_between("plate: smallest step of phi at a node", numpy.diff(fields, axis=0).min(), 0, 1)
+runs.check_between("plate: phi at most", numpy.max(fields), 0.3, 1 + 1e-12)
+runs.check("plate: phi at least", numpy.min(fields), 0, 1e-12, relative=False)
 runs.finish()
