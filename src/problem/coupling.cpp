@@ -185,7 +185,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
-  check(SNESLineSearchSetType(search, semismooth() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  check(SNESLineSearchSetType(search, semismooth() || frictional() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
   check_preconditioner(ksp, defaults.matrix);
   check(SNESGetTolerances(motion_snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
@@ -236,7 +236,9 @@ void Coupling::read_contact_scale() {
 
 void Coupling::before_attempt(const Attempt& attempt) {
   state_.rollback();
+  const PetscInt longest = attempt.number > 1 ? counts_.longest : 0;
   counts_ = {};
+  counts_.longest = longest;
   hardest_solve_ = 0;
   utilisation_ = 0;
   // A step must not know which one came before: a resumed run has no factors from there.
@@ -304,6 +306,16 @@ bool Coupling::refresh_contact(Vec u) {
   return true;
 }
 
+bool Coupling::frictional() const {
+  const auto& contacts = motion_.contacts();
+  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.frictional(); });
+}
+
+bool Coupling::reverses() const {
+  const auto& contacts = motion_.contacts();
+  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.reverses(); });
+}
+
 bool Coupling::semismooth() const {
   const auto& contacts = motion_.contacts();
   return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.semismooth(); });
@@ -318,14 +330,23 @@ void Coupling::update_multipliers_in(SNES snes) {
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetPostCheck(
       search,
-      [](SNESLineSearch, Vec x, Vec, Vec w, PetscBool*, PetscBool* changed, void* context) {
+      [](SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth() && self.motion_.rigid().empty()) return PetscErrorCode(0);
-        *changed = PETSC_TRUE; // not w, unless a body turned, but the residual there
+        if (!self.semismooth() && self.motion_.rigid().empty() && !self.frictional())
+          return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
+          if (self.reverses()) {
+            check(VecWAXPY(w, -1, y, x));
+            *changed = PETSC_TRUE;
+          }
+          // Not w, unless a body turned, but the residual there.
+          if (self.semismooth() || !self.motion_.rigid().empty()) *changed = PETSC_TRUE;
           const Handle<Vec> step = self.motion_.discretisation().displacement.make_global();
           check(VecWAXPY(step, -1, x, w));
           self.motion_.rigid().retract(w);
+          if (self.first_way_)
+            for (ContactInterface& contact : self.motion_.contacts())
+              if (contact.follow_sliding(w)) self.reuse_.forget();
           if (!self.semismooth()) return;
           bool other_set = false;
           for (ContactInterface& contact : self.motion_.contacts())
@@ -340,7 +361,7 @@ void Coupling::update_multipliers_in(SNES snes) {
       ksp,
       [](KSP, Vec rhs, Vec, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth()) return PetscErrorCode(0);
+        if (!self.closes_gaps()) return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
           Vec u = nullptr;
           check(SNESGetSolution(self.solving_, &u));
@@ -365,7 +386,7 @@ void Coupling::update_multipliers_in(SNES snes) {
       [](KSP, Vec rhs, Vec du, void* context) {
         auto& self = *static_cast<Coupling*>(context);
         return time_mailbox(self.ts_).guarded([&] {
-          if (self.semismooth()) check(VecCopy(self.bare_residual_, rhs));
+          if (self.closes_gaps()) check(VecCopy(self.bare_residual_, rhs));
           if (self.motion_.rigid().empty()) return;
           Vec u = nullptr;
           check(SNESGetSolution(self.solving_, &u));
@@ -381,40 +402,70 @@ void Coupling::update_multipliers_in(SNES snes) {
         const PetscErrorCode code = SNESConvergedDefault(solver, it, x, step, f, reason, nullptr);
         auto& self = *static_cast<Coupling*>(context);
         if (it == 0) self.first_residual_ = f;
-        if (code != 0 || *reason <= 0 || !self.semismooth()) return code;
+        if (code != 0 || *reason < 0) return code;
         return time_mailbox(self.ts_).guarded([&] {
-          Vec u = nullptr;
-          PetscReal atol = 0, rtol = 0;
-          check(SNESGetSolution(solver, &u));
-          check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
-          const double force = std::max(atol, rtol * self.first_residual_);
-          for (const ContactInterface& contact : self.motion_.contacts())
-            if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
+          const bool balanced = *reason > 0;
+          if (balanced && self.semismooth()) {
+            Vec u = nullptr;
+            PetscReal atol = 0, rtol = 0;
+            check(SNESGetSolution(solver, &u));
+            check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
+            const double force = std::max(atol, rtol * self.first_residual_);
+            for (const ContactInterface& contact : self.motion_.contacts())
+              if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
+          }
+          if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f, balanced))
+            *reason = SNES_DIVERGED_LOCAL_MIN;
         });
       },
       this, nullptr));
 }
 
+bool Coupling::gives_up(PetscReal norm, bool gaps_open) {
+  // More constraints than the surfaces can meet leave gaps that no pressure closes.
+  constexpr int most_open = 6;
+  watch_.note(norm);
+  open_ = gaps_open ? open_ + 1 : 0;
+  return watch_.cycle() > 0 || watch_.stalls() || open_ >= most_open;
+}
+
 SNESConvergedReason Coupling::solve_motion(Vec u) {
   check(VecCopy(u, newton_start_));
-  SNESConvergedReason reason = run_motion(u);
-  if (reason != SNES_DIVERGED_MAX_IT && reason != SNES_DIVERGED_DTOL) return reason;
-  // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
-  // states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle.
   SNESLineSearch search = nullptr;
   SNESLineSearchType type = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   check(SNESLineSearchGetType(search, &type));
-  if (type == nullptr || std::strcmp(type, SNESLINESEARCHBT) == 0) return reason;
-  const std::string first = type;
-  // An active set that does not come to rest: multipliers outside Newton's method do not change it.
-  for (ContactInterface& contact : motion_.contacts())
-    if (contact.semismooth()) contact.fall_back();
-  check(VecCopy(newton_start_, u));
-  reuse_.forget();
-  check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
-  reason = run_motion(u);
-  check(SNESLineSearchSetType(search, first.c_str()));
+  const std::string first = type ? type : "";
+  const bool second_way = !first.empty() && first != SNESLINESEARCHBT, contact = !motion_.contacts().empty();
+  iterations_ = 0;
+  first_way_ = true;
+  watched_ = second_way && contact;
+  watch_.start(first == SNESLINESEARCHBASIC);
+  open_ = 0;
+  SNESConvergedReason reason = run_motion(u);
+  first_way_ = watched_ = false;
+  const bool lost =
+      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
+  // What both ways take together is what one may take.
+  PetscInt most = 0;
+  check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
+  const PetscInt left = contact ? most - iterations_ : most;
+  if (lost && second_way && left > 0) {
+    // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between
+    // two states however small the step. Backtracking does not let the residual rise, so it leaves such a
+    // cycle. An active set that does not come to rest: multipliers outside Newton's method do not change it.
+    for (ContactInterface& c : motion_.contacts())
+      if (c.semismooth()) c.fall_back();
+    check(VecCopy(newton_start_, u));
+    for (ContactInterface& c : motion_.contacts()) c.start_newton(u);
+    reuse_.forget();
+    check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, left, PETSC_DEFAULT));
+    reason = run_motion(u);
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most, PETSC_DEFAULT));
+    check(SNESLineSearchSetType(search, first.c_str()));
+  }
+  counts_.longest = std::max(counts_.longest, iterations_);
   return reason;
 }
 
@@ -428,6 +479,7 @@ SNESConvergedReason Coupling::run_motion(Vec u) {
   check(SNESGetIterationNumber(motion_snes_, &newton));
   check(SNESGetLinearSolveIterations(motion_snes_, &linear));
   counts_.newton += newton;
+  iterations_ += newton;
   hardest_solve_ = std::max(hardest_solve_, tangents_);
   counts_.linear += linear;
   return reason;
