@@ -239,6 +239,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
   const PetscInt longest = attempt.number > 1 ? counts_.longest : 0;
   counts_ = {};
   counts_.longest = longest;
+  if (attempt.number <= 1) second_way_first_ = false;
   hardest_solve_ = 0;
   utilisation_ = 0;
   // A step must not know which one came before: a resumed run has no factors from there.
@@ -401,71 +402,92 @@ void Coupling::update_multipliers_in(SNES snes) {
          void* context) {
         const PetscErrorCode code = SNESConvergedDefault(solver, it, x, step, f, reason, nullptr);
         auto& self = *static_cast<Coupling*>(context);
-        if (it == 0) self.first_residual_ = f;
+        if (it == 0) {
+          self.first_residual_ = f;
+          self.watch_.start(self.line_search() == SNESLINESEARCHBASIC);
+          self.near_ = 0;
+        }
         if (code != 0 || *reason < 0) return code;
         return time_mailbox(self.ts_).guarded([&] {
-          const bool balanced = *reason > 0;
-          if (balanced && self.semismooth()) {
-            Vec u = nullptr;
-            PetscReal atol = 0, rtol = 0;
-            check(SNESGetSolution(solver, &u));
-            check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
-            const double force = std::max(atol, rtol * self.first_residual_);
+          Vec u = nullptr;
+          PetscReal atol = 0, rtol = 0;
+          check(SNESGetSolution(solver, &u));
+          check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
+          const double force = std::max(atol, rtol * self.first_residual_);
+          if (*reason > 0 && self.semismooth())
             for (const ContactInterface& contact : self.motion_.contacts())
               if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
-          }
-          if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f, balanced))
+          if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f, force))
             *reason = SNES_DIVERGED_LOCAL_MIN;
         });
       },
       this, nullptr));
 }
 
-bool Coupling::gives_up(PetscReal norm, bool gaps_open) {
-  // More constraints than the surfaces can meet leave gaps that no pressure closes.
-  constexpr int most_open = 6;
+bool Coupling::gives_up(PetscReal norm, double tolerance) {
+  // Newton's method passes the last decade in an iteration or two, unless rounding is as large, or there are
+  // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
+  constexpr int most_near = 6;
   watch_.note(norm);
-  open_ = gaps_open ? open_ + 1 : 0;
-  return watch_.cycle() > 0 || watch_.stalls() || open_ >= most_open;
+  if (norm <= 10 * tolerance) ++near_;
+  return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
 }
 
 SNESConvergedReason Coupling::solve_motion(Vec u) {
   check(VecCopy(u, newton_start_));
+  iterations_ = 0;
+  const bool contact = !motion_.contacts().empty();
+  SNESConvergedReason reason = SNES_DIVERGED_MAX_IT;
+  if (!second_way_first_) {
+    watched_ = contact && has_second_way();
+    first_way_ = true;
+    reason = run_motion(u);
+    first_way_ = watched_ = false;
+  }
+  const bool lost =
+      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
+  if (lost && has_second_way()) {
+    // With contact both ways together take no more than one may; what has nothing left for the second one
+    // begins the next try of the step with it.
+    PetscInt most = 0;
+    check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
+    if (const PetscInt left = contact ? most - iterations_ : most; left > 0) reason = go_second_way(u, left);
+    if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
+  }
+  counts_.longest = std::max(counts_.longest, iterations_);
+  return reason;
+}
+
+std::string Coupling::line_search() const {
   SNESLineSearch search = nullptr;
   SNESLineSearchType type = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   check(SNESLineSearchGetType(search, &type));
-  const std::string first = type ? type : "";
-  const bool second_way = !first.empty() && first != SNESLINESEARCHBT, contact = !motion_.contacts().empty();
-  iterations_ = 0;
-  first_way_ = true;
-  watched_ = second_way && contact;
-  watch_.start(first == SNESLINESEARCHBASIC);
-  open_ = 0;
-  SNESConvergedReason reason = run_motion(u);
-  first_way_ = watched_ = false;
-  const bool lost =
-      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
-  // What both ways take together is what one may take.
+  return type ? type : "";
+}
+
+bool Coupling::has_second_way() const { return !line_search().empty() && line_search() != SNESLINESEARCHBT; }
+
+// Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
+// states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle. An
+// active set that does not come to rest: multipliers outside Newton's method do not change it.
+SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
+  const std::string first = line_search();
+  SNESLineSearch search = nullptr;
   PetscInt most = 0;
+  check(SNESGetLineSearch(motion_snes_, &search));
   check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
-  const PetscInt left = contact ? most - iterations_ : most;
-  if (lost && second_way && left > 0) {
-    // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between
-    // two states however small the step. Backtracking does not let the residual rise, so it leaves such a
-    // cycle. An active set that does not come to rest: multipliers outside Newton's method do not change it.
-    for (ContactInterface& c : motion_.contacts())
-      if (c.semismooth()) c.fall_back();
-    check(VecCopy(newton_start_, u));
-    for (ContactInterface& c : motion_.contacts()) c.start_newton(u);
-    reuse_.forget();
-    check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
-    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, left, PETSC_DEFAULT));
-    reason = run_motion(u);
-    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most, PETSC_DEFAULT));
-    check(SNESLineSearchSetType(search, first.c_str()));
-  }
-  counts_.longest = std::max(counts_.longest, iterations_);
+  for (ContactInterface& contact : motion_.contacts())
+    if (contact.semismooth()) contact.fall_back();
+  check(VecCopy(newton_start_, u));
+  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
+  reuse_.forget();
+  check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations,
+                          PETSC_DEFAULT));
+  const SNESConvergedReason reason = run_motion(u);
+  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most, PETSC_DEFAULT));
+  check(SNESLineSearchSetType(search, first.c_str()));
   return reason;
 }
 
@@ -493,6 +515,7 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
+    if (result.inner == SNES_DIVERGED_LOCAL_MIN) failure_ += " (Newton's method does not come to rest)";
     if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) {
       // Factors of a singular matrix must not serve the next try.
       forget_factors();

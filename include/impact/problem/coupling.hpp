@@ -124,7 +124,10 @@ private:
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
-  bool gives_up(PetscReal norm, bool gaps_open);
+  SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
+  bool has_second_way() const;
+  std::string line_search() const;
+  bool gives_up(PetscReal norm, double tolerance);
   bool refresh_contact(Vec u);
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde, Vec v);
@@ -166,7 +169,8 @@ private:
   NewtonWatch watch_;
   bool first_way_ = false; // of solve_motion is at work
   bool watched_ = false;   // and may be given up for the second
-  int open_ = 0;           // iterates in a row whose residual is converged while gaps stay open
+  bool second_way_first_ = false;
+  int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
   std::string failure_;
   bool cell_broke_ = false;
