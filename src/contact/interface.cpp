@@ -47,6 +47,13 @@ Traction ContactInterface::traction(const Constraint& c) const {
   return t;
 }
 
+Traction ContactInterface::linear_traction(const Constraint& c) const {
+  Traction t = traction(c);
+  if (slid_.empty() || !t.slides || !(inner(slid_[at(c.index)], t.direction) < 0)) return t;
+  const double size = std::hypot(t.value[0], t.value[1]) + t.excess;
+  return {{size * t.direction[0], size * t.direction[1]}, false, {}, 0};
+}
+
 Tangential ContactInterface::traction_to_keep(const Constraint& c) const {
   return exact_work() ? step_traction(c).end : traction(c).value;
 }
@@ -84,7 +91,7 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, TangentS
     for (std::size_t j = 0; j < n; ++j)
       block[n * i + j] = weight * stiffness * c.gradient[i] * gap_gradient[j];
   if (!rubs(c)) return;
-  const Traction t = traction(c);
+  const Traction t = linear_traction(c);
   const std::array<Tangential, 2> K = slip_stiffness(c, t);
   const auto slip_gradient = [&](std::size_t direction) { return c.slip_gradient.subspan(n * direction, n); };
   for (std::size_t a = 0; a < tangents(); ++a) { // row: derivatives of the traction
@@ -108,7 +115,7 @@ ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, doub
     visitor(c.node, space.block);
     of_gap[at(c.index)] = -scale * c.weight * c.pressure;
     if (!rubs(c)) return;
-    const Tangential t = traction(c).value;
+    const Tangential t = linear_traction(c).value;
     of_slip[at(c.index)] = {scale * c.weight * t[0], scale * c.weight * t[1]};
   });
   switch (step_.rule) {
@@ -284,19 +291,27 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
 }
 
 void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
-  if (!semismooth()) return;
+  if (!semismooth() && !reverses_) return;
   const PressureLaw law = this->law();
   const std::vector<double> values = form_->nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const auto m = at(dim_);
+  const double factor = exact_work() ? 2 * scale : scale;
   visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const std::size_t n = c.gradient.size();
     const double gap = law.stiffness(c.scale) * c.gap;
     const auto add = [&](std::size_t i, double value) {
       if (const std::size_t row = dof(c.node[i % n / m], i % m); !fixed_here_[row])
-        f[row] += scale * c.weight * value;
+        f[row] += factor * c.weight * value;
     };
+    if (!semismooth()) {
+      if (!rubs(c)) return;
+      const Tangential now = traction(c).value, then = linear_traction(c).value;
+      for (std::size_t i = 0; i < tangents() * n; ++i)
+        add(i, (then[i / n] - now[i / n]) * c.slip_gradient[i]);
+      return;
+    }
     for (std::size_t i = 0; i < n; ++i) add(i, gap * c.gradient[i]);
     if (!rubs(c)) return;
     const Traction t = traction(c);
@@ -361,6 +376,11 @@ void ContactInterface::multiply(Vec u, double scale, Vec du, Vec y) const {
 }
 
 void ContactInterface::start_newton(Vec u) {
+  slid_.clear();
+  slides_.clear();
+  kind_.clear();
+  reverses_ = false;
+  follow_sliding(u);
   if (!semismooth()) return;
   // Surfaces that touch without a pressure so far: the first iterate must not pass through them, or has no
   // solution where nothing else holds a body.
@@ -371,6 +391,27 @@ void ContactInterface::start_newton(Vec u) {
   });
   share(lambda, 1);
   multiplier_->trial = std::move(lambda);
+}
+
+bool ContactInterface::follow_sliding(Vec u) {
+  if (!frictional() || semismooth() || friction_suspended_) return false;
+  slid_.swap(slides_);
+  slid_.resize(multiplier_->trial.size(), Tangential{});
+  slides_.assign(slid_.size(), Tangential{});
+  std::vector<char> kind(slid_.size(), 0); // 1: sticks; 2: slides; 3: sticks and would slide the other way
+  visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
+    if (!c.active) return;
+    kind[at(c.index)] = 1;
+    if (!rubs(c)) return;
+    const Traction t = linear_traction(c);
+    slides_[at(c.index)] = t.direction;
+    kind[at(c.index)] = t.slides ? 2 : traction(c).slides ? 3 : 1;
+  });
+  std::array<int, 2> any = {kind != kind_ ? 1 : 0, std::count(kind.begin(), kind.end(), 3) > 0 ? 1 : 0};
+  MPI_Allreduce(MPI_IN_PLACE, any.data(), 2, MPI_INT, MPI_MAX, mesh_->comm());
+  kind_ = std::move(kind);
+  reverses_ = any[1] == 1;
+  return any[0] == 1;
 }
 
 bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {

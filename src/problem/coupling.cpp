@@ -185,7 +185,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
-  check(SNESLineSearchSetType(search, semismooth() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  check(SNESLineSearchSetType(search, semismooth() || frictional() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
   check_preconditioner(ksp, defaults.matrix);
   check(SNESGetTolerances(motion_snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
@@ -236,7 +236,10 @@ void Coupling::read_contact_scale() {
 
 void Coupling::before_attempt(const Attempt& attempt) {
   state_.rollback();
+  const PetscInt longest = attempt.number > 1 ? counts_.longest : 0;
   counts_ = {};
+  counts_.longest = longest;
+  if (attempt.number <= 1) second_way_first_ = false;
   hardest_solve_ = 0;
   utilisation_ = 0;
   // A step must not know which one came before: a resumed run has no factors from there.
@@ -304,6 +307,16 @@ bool Coupling::refresh_contact(Vec u) {
   return true;
 }
 
+bool Coupling::frictional() const {
+  const auto& contacts = motion_.contacts();
+  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.frictional(); });
+}
+
+bool Coupling::reverses() const {
+  const auto& contacts = motion_.contacts();
+  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.reverses(); });
+}
+
 bool Coupling::semismooth() const {
   const auto& contacts = motion_.contacts();
   return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.semismooth(); });
@@ -318,14 +331,23 @@ void Coupling::update_multipliers_in(SNES snes) {
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetPostCheck(
       search,
-      [](SNESLineSearch, Vec x, Vec, Vec w, PetscBool*, PetscBool* changed, void* context) {
+      [](SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth() && self.motion_.rigid().empty()) return PetscErrorCode(0);
-        *changed = PETSC_TRUE; // not w, unless a body turned, but the residual there
+        if (!self.semismooth() && self.motion_.rigid().empty() && !self.frictional())
+          return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
+          if (self.reverses()) {
+            check(VecWAXPY(w, -1, y, x));
+            *changed = PETSC_TRUE;
+          }
+          // Not w, unless a body turned, but the residual there.
+          if (self.semismooth() || !self.motion_.rigid().empty()) *changed = PETSC_TRUE;
           const Handle<Vec> step = self.motion_.discretisation().displacement.make_global();
           check(VecWAXPY(step, -1, x, w));
           self.motion_.rigid().retract(w);
+          if (self.first_way_)
+            for (ContactInterface& contact : self.motion_.contacts())
+              if (contact.follow_sliding(w)) self.reuse_.forget();
           if (!self.semismooth()) return;
           bool other_set = false;
           for (ContactInterface& contact : self.motion_.contacts())
@@ -340,7 +362,7 @@ void Coupling::update_multipliers_in(SNES snes) {
       ksp,
       [](KSP, Vec rhs, Vec, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth()) return PetscErrorCode(0);
+        if (!self.closes_gaps()) return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
           Vec u = nullptr;
           check(SNESGetSolution(self.solving_, &u));
@@ -365,7 +387,7 @@ void Coupling::update_multipliers_in(SNES snes) {
       [](KSP, Vec rhs, Vec du, void* context) {
         auto& self = *static_cast<Coupling*>(context);
         return time_mailbox(self.ts_).guarded([&] {
-          if (self.semismooth()) check(VecCopy(self.bare_residual_, rhs));
+          if (self.closes_gaps()) check(VecCopy(self.bare_residual_, rhs));
           if (self.motion_.rigid().empty()) return;
           Vec u = nullptr;
           check(SNESGetSolution(self.solving_, &u));
@@ -380,40 +402,91 @@ void Coupling::update_multipliers_in(SNES snes) {
          void* context) {
         const PetscErrorCode code = SNESConvergedDefault(solver, it, x, step, f, reason, nullptr);
         auto& self = *static_cast<Coupling*>(context);
-        if (it == 0) self.first_residual_ = f;
-        if (code != 0 || *reason <= 0 || !self.semismooth()) return code;
+        if (it == 0) {
+          self.first_residual_ = f;
+          self.watch_.start(self.line_search() == SNESLINESEARCHBASIC);
+          self.near_ = 0;
+        }
+        if (code != 0 || *reason < 0) return code;
         return time_mailbox(self.ts_).guarded([&] {
           Vec u = nullptr;
           PetscReal atol = 0, rtol = 0;
           check(SNESGetSolution(solver, &u));
           check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
           const double force = std::max(atol, rtol * self.first_residual_);
-          for (const ContactInterface& contact : self.motion_.contacts())
-            if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
+          if (*reason > 0 && self.semismooth())
+            for (const ContactInterface& contact : self.motion_.contacts())
+              if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
+          if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f, force))
+            *reason = SNES_DIVERGED_LOCAL_MIN;
         });
       },
       this, nullptr));
 }
 
+bool Coupling::gives_up(PetscReal norm, double tolerance) {
+  // Newton's method passes the last decade in an iteration or two, unless rounding is as large, or there are
+  // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
+  constexpr int most_near = 6;
+  watch_.note(norm);
+  if (norm <= 10 * tolerance) ++near_;
+  return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
+}
+
 SNESConvergedReason Coupling::solve_motion(Vec u) {
   check(VecCopy(u, newton_start_));
-  SNESConvergedReason reason = run_motion(u);
-  if (reason != SNES_DIVERGED_MAX_IT && reason != SNES_DIVERGED_DTOL) return reason;
-  // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
-  // states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle.
+  iterations_ = 0;
+  const bool contact = !motion_.contacts().empty();
+  SNESConvergedReason reason = SNES_DIVERGED_MAX_IT;
+  if (!second_way_first_) {
+    watched_ = contact && has_second_way();
+    first_way_ = true;
+    reason = run_motion(u);
+    first_way_ = watched_ = false;
+  }
+  const bool lost =
+      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
+  if (lost && has_second_way()) {
+    // With contact both ways together take no more than one may; what has nothing left for the second one
+    // begins the next try of the step with it.
+    PetscInt most = 0;
+    check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
+    if (const PetscInt left = contact ? most - iterations_ : most; left > 0) reason = go_second_way(u, left);
+    if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
+  }
+  counts_.longest = std::max(counts_.longest, iterations_);
+  return reason;
+}
+
+std::string Coupling::line_search() const {
   SNESLineSearch search = nullptr;
   SNESLineSearchType type = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   check(SNESLineSearchGetType(search, &type));
-  if (type == nullptr || std::strcmp(type, SNESLINESEARCHBT) == 0) return reason;
-  const std::string first = type;
-  // An active set that does not come to rest: multipliers outside Newton's method do not change it.
+  return type ? type : "";
+}
+
+bool Coupling::has_second_way() const { return !line_search().empty() && line_search() != SNESLINESEARCHBT; }
+
+// Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
+// states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle. An
+// active set that does not come to rest: multipliers outside Newton's method do not change it.
+SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
+  const std::string first = line_search();
+  SNESLineSearch search = nullptr;
+  PetscInt most = 0;
+  check(SNESGetLineSearch(motion_snes_, &search));
+  check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
   for (ContactInterface& contact : motion_.contacts())
     if (contact.semismooth()) contact.fall_back();
   check(VecCopy(newton_start_, u));
+  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
-  reason = run_motion(u);
+  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations,
+                          PETSC_DEFAULT));
+  const SNESConvergedReason reason = run_motion(u);
+  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most, PETSC_DEFAULT));
   check(SNESLineSearchSetType(search, first.c_str()));
   return reason;
 }
@@ -428,6 +501,7 @@ SNESConvergedReason Coupling::run_motion(Vec u) {
   check(SNESGetIterationNumber(motion_snes_, &newton));
   check(SNESGetLinearSolveIterations(motion_snes_, &linear));
   counts_.newton += newton;
+  iterations_ += newton;
   hardest_solve_ = std::max(hardest_solve_, tangents_);
   counts_.linear += linear;
   return reason;
@@ -441,6 +515,7 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
+    if (result.inner == SNES_DIVERGED_LOCAL_MIN) failure_ += " (Newton's method does not come to rest)";
     if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) {
       // Factors of a singular matrix must not serve the next try.
       forget_factors();

@@ -335,7 +335,10 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
   row.emplace_back("tries", snapshot.tries);
   row.emplace_back("newton", counts.newton);
   row.emplace_back("linear", counts.linear);
-  if (!motion_.contacts().empty()) row.emplace_back("uzawa", counts.uzawa);
+  if (!motion_.contacts().empty()) {
+    row.emplace_back("uzawa", counts.uzawa);
+    row.emplace_back("newton_most", counts.longest);
+  }
   if (motion_.discretisation().has_damage()) row.emplace_back("damage_its", counts.damage);
   if (motion_.discretisation().has_heat()) row.emplace_back("heat_its", counts.heat);
   ledger_.append_energies(row);

@@ -79,6 +79,52 @@ TEST(Friction, OfMortarOnRigidBodiesHasItsExactTangent) {
     }
 }
 
+TEST(Friction, WhatWouldSlideTheOtherWaySticksInTheNextLinearSolve) {
+  const auto shifted = [](double by) {
+    return [by](int body, double X, double Y) {
+      std::array<double, 2> u = crush(body, X, Y);
+      if (body == 1) u = {u[0] + by, u[1] - 0.06}; // so deep that no constraint opens on the way
+      return u;
+    };
+  };
+  for (ContactSettings s : frictional()) {
+    SCOPED_TRACE(testing::Message() << "mortar " << (s.method == ContactMethod::mortar));
+    Sliding rig(s, bodies_mixed);
+    s.friction = 1e9;
+    Sliding rough(s, bodies_mixed);
+    const Handle<Vec> forth = rig.at(shifted(0.1)), further = rig.at(shifted(0.11)),
+                      back = rig.at(shifted(-0.1)), gaps = rig.layout.make_global();
+    rig.contact.start_newton(forth);
+    EXPECT_FALSE(rig.contact.follow_sliding(further));
+    EXPECT_FALSE(rig.contact.reverses());
+    EXPECT_TRUE(rig.contact.follow_sliding(back));
+    EXPECT_TRUE(rig.contact.reverses());
+    // Force and tangent of the linear solve are those of a contact that cannot slide.
+    const Handle<Vec> r = rig.residual(back), stuck = rough.residual(back);
+    const double size = norm(stuck);
+    check(VecAXPY(r, -1, stuck));
+    EXPECT_GT(norm(r), 1e-2 * size);
+    rig.contact.add_gaps(back, 1, gaps);
+    check(VecAXPY(r, 1, gaps));
+    EXPECT_LE(norm(r), 1e-12 * size);
+    const Handle<Mat> K = tangent(rig, back, 1.5), of_stuck = tangent(rough, back, 1.5);
+    double tangent_size = 0, difference = 0;
+    check(MatNorm(of_stuck, NORM_FROBENIUS, &tangent_size));
+    check(MatAXPY(K, -1, of_stuck, DIFFERENT_NONZERO_PATTERN));
+    check(MatNorm(K, NORM_FROBENIUS, &difference));
+    EXPECT_LE(difference, 1e-12 * tangent_size);
+    // It sticks in one solve only, and nothing is remembered from one Newton solve to the next.
+    EXPECT_TRUE(rig.contact.follow_sliding(back));
+    EXPECT_FALSE(rig.contact.reverses());
+    rig.contact.follow_sliding(forth);
+    rig.contact.start_newton(back);
+    EXPECT_FALSE(rig.contact.reverses());
+    check(VecSet(gaps, 0));
+    rig.contact.add_gaps(back, 1, gaps);
+    EXPECT_EQ(norm(gaps), 0);
+  }
+}
+
 TEST(Friction, FieldsObeyCoulombsLaw) {
   for (const ContactSettings& s : frictional()) {
     Sliding rig(s, bodies_mixed);

@@ -12,6 +12,8 @@ SOURCE = os.environ.get("IMPACT_SOURCE_DIR", os.path.join(os.path.dirname(os.pat
 # users have it. Threads of OpenBLAS would add in an order of their own in each run.
 ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ, "OMPI_MCA_ess_singleton_isolated": "1"}
 _failures = []
+MOST_ITERATIONS = 25  # that a solve of the motion with contact may take, as far as a script sets no limit of its own
+_longest = {}  # run -> its longest solve of the motion
 
 
 class Run:
@@ -68,7 +70,10 @@ def run(name, options, files=(), ranks=1, code=0):
         print(f"{name}: exit status {done.returncode}, expected {code}\n  {' '.join(command)}")
         sys.exit(1)
     _refuse_negative_dissipation(name, done.stdout)
-    return Run(done.returncode, done.stdout, name)
+    finished = Run(done.returncode, done.stdout, name)
+    if len(finished.history.get("newton_most", [])) and "motion_snes_max_it" not in " ".join(words):
+        _longest[name] = finished["newton_most"].max()
+    return finished
 
 
 def _refuse_negative_dissipation(name, log):
@@ -109,7 +114,11 @@ def require(claim, holds):
 
 
 def finish():
-    """Ends the script: exit status 1 when a claim failed."""
+    """Ends the script: exit status 1 when a claim failed, or a solve with contact took too many iterations."""
+    if _longest:
+        name = max(_longest, key=_longest.get)
+        check_between(f"{len(_longest)} runs with contact: most Newton iterations of a solve of the motion, in {name}",
+                      _longest[name], 0, MOST_ITERATIONS)
     if _failures:
         print(f"{len(_failures)} of the claims failed: " + "; ".join(_failures))
         sys.exit(1)

@@ -26,6 +26,12 @@ def block(**more):
     }
 
 
+def comes_to_rest(name, r):
+    """Newton's method does, where the block does too: both ways of sliding overshoot into the other one."""
+    check_between(f"{name}: most iterations of a solve", r["newton_most"].max(), 1, 12)
+    check_between(f"{name}: tries of a step", r["tries"].max(), 1, 1)
+
+
 def stop(name, r, distance_column):
     normal, tangential = r["contact_face_force_y"], r["contact_face_force_x"]
     sliding = (r["time"] > 0.02) & (r["time"] < 0.3) & (normal > 0)
@@ -41,6 +47,7 @@ def stop(name, r, distance_column):
     check(f"{name}: heat of friction over the kinetic energy", lost / (RHO * V**2 / 2), 1, 0.02)
     check(f"{name}: first law", r["balance_first_law"][-1], 0, 0.02, relative=False)
     check(f"{name}: work balance of the steps", abs(r["balance"]).max(), 0, 1e-9, relative=False)
+    comes_to_rest(name, r)
 
 
 for enforce in ("penalty", "auglag", "semismooth"):
@@ -72,6 +79,7 @@ for method in ("gpts", "mortar"):
     sliding = (r["time"] > 0.02) & (r["time"] < 0.15) & (normal > 0)
     print(f"     {method}: Newton iterations per step {r['newton'][1:].mean():.2f}, most {r['newton'].max():.0f}, "
           f"tries {r['tries'].max():.0f}")
+    comes_to_rest(f"slab, {method}", r)
     check(f"slab, {method}: tangential over normal force, mean", abs(tangential[sliding].sum() / normal[sliding].sum()),
           MU, 1e-2)
     check(f"slab, {method}: distance v^2/(2 mu g)", r["measure_place_ux"][-1], (V / 2) ** 2 / (2 * MU * G), 0.02)

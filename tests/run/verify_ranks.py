@@ -9,7 +9,7 @@ from _runs import TWO_BLOCKS, check, finish, option_file, require, run
 
 LU = {"motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
       "motion_pc_factor_mat_solver_type": "mumps"}
-COUNTS = ("newton", "linear", "uzawa", "damage_its", "balance", "balance_first_law")
+COUNTS = ("newton", "newton_most", "linear", "uzawa", "damage_its", "balance", "balance_first_law")
 
 BLOCKS = {**TWO_BLOCKS, **LU}
 # As many cells above as below: the simple partitioner parts the bodies, each surface lies on a rank of its own.

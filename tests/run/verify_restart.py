@@ -7,7 +7,7 @@ import re
 import numpy
 from _runs import BREAKING_BLOCKS, check, finish, option_file, require, run
 
-COUNTS = ("newton", "linear", "uzawa", "damage_its", "heat_its", "balance", "balance_first_law")
+COUNTS = ("newton", "newton_most", "linear", "uzawa", "damage_its", "heat_its", "balance", "balance_first_law")
 BLOCKS = {**BREAKING_BLOCKS, "checkpoint_every": 10}
 BEAM = {"output_vis_dt": 0.02, "ts_dt": 0.01, "mesh_set_h_factor": 2, "checkpoint_every": 4, "output_vis_times": 0.13}
 

@@ -188,9 +188,17 @@ public:
   /// a linear solve holds beside the residual, so that the solution closes the gaps. Nothing for other
   /// enforcements. Collective.
   void add_gaps(Vec u, double scale, Vec r) const;
-  /// Before Newton's method starts from u: constraints that touch take part in its first iteration. Nothing
-  /// for other enforcements. Collective.
+  /// Before Newton's method starts from u: constraints that touch take part in its first iteration of the
+  /// semismooth method, and no way of sliding is remembered. Collective.
   void start_newton(Vec u);
+  /// Without the semismooth method, at every iterate: what slid in the linear solve that led to u and would
+  /// slide the other way there sticks in the next one (`reverses`), or Newton's method jumps to and fro
+  /// between two states that slide in opposite directions. True on all ranks when the next linear solve needs
+  /// a matrix of its own. Collective.
+  bool follow_sliding(Vec u);
+  /// Whether anything sticks so in the linear solve at the last iterate: its step closes what sticks, and
+  /// only if it is taken in full. Equal on all ranks.
+  bool reverses() const { return reverses_; }
   /// Multipliers of the linearised system after a full step from u to u + du: lambda - gamma (g + dg.du)
   /// where active at u, else 0. True on all ranks when the active set at u + du is another one. Collective.
   bool take_newton_step(Vec u, Vec du, Vec next);
@@ -267,6 +275,8 @@ private:
   std::size_t tangents() const { return static_cast<std::size_t>(dim_ - 1); }
   Tangential held(const Constraint& c) const; // the traction that a trial value starts from
   Traction traction(const Constraint& c) const;
+  // Coulomb's law as the next linear solve takes it (follow_sliding).
+  Traction linear_traction(const Constraint& c) const;
   // What the next step starts from.
   Tangential traction_to_keep(const Constraint& c) const;
   // Of a sliding constraint: change of its traction by slip across the direction of the traction.
@@ -321,6 +331,11 @@ private:
       *slip_; // [constraint][direction], and at the end of slip_ the state; null without friction
   StateRow* gap_ = nullptr; // accumulated gaps of the conserving update, else null
   Step step_;
+  // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
+  // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
+  std::vector<Tangential> slid_, slides_;
+  std::vector<char> kind_;
+  bool reverses_ = false;
   std::array<double, 3> outward_{}; // from a round rigid body's centre to its pole
   double inertia_penalty_ = 0;      // over the mass shift
   double mean_length_ = 0;          // of the secondary facets

@@ -3,6 +3,7 @@
 #include <impact/problem/fatigue.hpp>
 #include <impact/problem/heat.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/problem/newton_watch.hpp>
 #include <impact/problem/tangent_reuse.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/pass_shell.hpp>
@@ -21,6 +22,7 @@ namespace impact {
 struct StepCounts {
   PetscInt newton = 0, linear = 0, uzawa = 0, damage = 0, damage_linear = 0, heat = 0, heat_linear = 0,
            passes = 0;
+  PetscInt longest = 0; ///< Newton iterations of the longest motion solve of the step, refused tries included
 };
 
 /// Which linear solver and tangent are used where the options say nothing; `reason` is
@@ -122,11 +124,18 @@ private:
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
+  SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
+  bool has_second_way() const;
+  std::string line_search() const;
+  bool gives_up(PetscReal norm, double tolerance);
   bool refresh_contact(Vec u);
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde, Vec v);
   KSP projection_solver();
   bool semismooth() const;
+  bool frictional() const;
+  bool reverses() const;
+  bool closes_gaps() const { return semismooth() || reverses(); }
   void update_multipliers_in(SNES snes);
   void take_out_contact(Vec v, Vec a);
   void take_out_rigidity(Vec u, Vec v, Vec a);
@@ -156,7 +165,12 @@ private:
   Handle<Vec> bare_residual_; // what the right-hand side was before they were added
   Handle<Vec> residual_, newton_start_, contact_force_, contact_shock_, contact_acceleration_;
   StepCounts counts_;
-  PetscInt hardest_solve_ = 0, tangents_ = 0;
+  PetscInt hardest_solve_ = 0, tangents_ = 0, iterations_ = 0; // iterations_: of one solve
+  NewtonWatch watch_;
+  bool first_way_ = false; // of solve_motion is at work
+  bool watched_ = false;   // and may be given up for the second
+  bool second_way_first_ = false;
+  int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
   std::string failure_;
   bool cell_broke_ = false;

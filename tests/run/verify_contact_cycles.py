@@ -1,0 +1,74 @@
+# labels: run
+# timeout: 120
+# processors: 1
+"""Newton's method with contact that does not come to rest: where a primary surface ends above a gap the force of mortar
+jumps, and full Newton steps go round in circles; a cycle is seen before its fourth round, and the second way and the
+cut step end at the pressure of the closed form. More constraints than a surface can meet leave gaps that no pressure
+closes: the first way ends early there too. No solve takes more than 25 iterations (asserted of all runs of all
+scripts)."""
+import re
+
+from _press import press
+from _runs import check, check_between, finish, mesh, require, run
+
+E, NU, SQUEEZE = 1e6, 0.3, 0.02
+STRETCH, FORCE = press(E, NU, 1 - SQUEEZE)
+SHOW = {"motion_snes_monitor": "", "motion_snes_converged_reason": ""}
+
+
+def solves(log):
+    """Norms of the residuals of each solve of the motion, and how it ended."""
+    norms = []
+    for line in log.splitlines():
+        if norm := re.search(r"^ +\d+ SNES Function norm (\S+)", line):
+            norms.append(float(norm[1]))
+        if end := re.search(r"motion_ solve .* due to (\w+) iterations", line):
+            yield norms, end[1]
+            norms = []
+
+
+def period(norms):
+    """Of the circle in which a list of norms ends, 0: none."""
+    for n in range(2, len(norms) // 2 + 1):
+        if all(abs(norms[-i] - norms[-i - n]) < 0.05 * norms[-i] for i in range(1, n + 1)):
+            return n
+    return 0
+
+
+print("two blocks squeezed by mortar and augmentations: the sides of both end at the same place")
+r = run("kink", {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 5, "mesh_set_n_upper": 4,
+    "materials": "lower,upper", "material_lower_E": E, "material_lower_nu": NU, "material_upper_like": "lower",
+    "bcs": "plate,press", "bc_plate_on": "lower_bottom", "bc_plate_ux": f"{STRETCH - 1!r}*x*t", "bc_plate_uy": 0,
+    "bc_press_on": "upper_top", "bc_press_ux": f"{STRETCH - 1!r}*x*t", "bc_press_uy": f"-{2 * SQUEEZE!r}*t",
+    "contacts": "face", "contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom",
+    "contact_face_method": "mortar", "contact_face_enforce": "auglag", "contact_face_gap_tol": 1e-9,
+    "contact_face_pressure_tol": 1e-8, "uzawa_snes_max_it": 100,
+    "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, **SHOW})
+circles = [norms for norms, end in solves(r.log) if end == "DIVERGED_LOCAL_MIN"]
+require("a solve goes round in a circle", len(circles) > 0)
+for norms in circles:
+    n = period(norms)
+    begins = next(i for i in range(len(norms)) if period(norms[i:]) == n and period(norms[i + 1:]) != n) if n else 0
+    check_between("iterates of the circle", n, 2, 6)
+    check_between("rounds until it is seen", (len(norms) - begins) / max(n, 1), 2, 3)
+check_between("pressure of the closed form at every node, smallest", r["contact_face_pressure_min"][-1] * STRETCH / FORCE,
+              1 - 1e-8, 1 + 1e-8)
+check_between("largest", r["contact_face_pressure_max"][-1] * STRETCH / FORCE, 1 - 1e-8, 1 + 1e-8)
+check_between("most iterations of a solve, both ways", r["newton_most"].max(), 12, 25)
+
+print("a notch that closes: two constraints per facet and the multipliers of the semismooth method")
+NOTCH = {
+    "mesh": mesh("notch.geo"), "mesh_set_wedge": 1, "materials": "block", "material_block_E": 1000,
+    "material_block_nu": 0.3, "bcs": "left,right", "bc_left_on": "left", "bc_left_ux": 0, "bc_left_uy": 0,
+    "bc_right_on": "right", "bc_right_ux": "-0.25*t", "bc_right_uy": 0,
+    "contacts": "skin", "contact_skin_secondary": "skin", "contact_skin_primary": "skin",
+    "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 0.3,
+}
+runs = {method: run(method, {**NOTCH, "contact_skin_method": method, "contact_skin_enforce": "semismooth", **SHOW})
+        for method in ("gpts", "mortar")}
+ends = [end for _, end in solves(runs["gpts"].log)]
+require("gaps stay open in some solve", "DIVERGED_LOCAL_MIN" in ends)
+require("with as many constraints as nodes in none", all(end.startswith("CONV") for _, end in solves(runs["mortar"].log)))
+check("force against mortar", runs["gpts"]["reaction_right_x"][-1], runs["mortar"]["reaction_right_x"][-1], 1e-3)
+finish()
