@@ -79,6 +79,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
     check(PetscOptionsHasName(nullptr, nullptr, "-heat_sub_pc_type", &set));
     if (!set) check(PetscOptionsSetValue(nullptr, "-heat_sub_pc_type", "icc")); // CG wants symmetric blocks
   }
+  read_substeps();
   check(SNESSetFromOptions(snes_));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
 }
@@ -203,9 +204,25 @@ void HeatProblem::begin(double t_n, double t) {
   });
 }
 
+namespace {
+
+// What a row is at both ends of a part of the step.
+template <class Values> void cut_to(double begin, double end, Values& now, Values& before) {
+  for (std::size_t i = 0; i < now.value.size(); ++i) {
+    const Batch change = now.value[i] - before.value[i], start = before.value[i];
+    now.value[i] = start + end * change;
+    before.value[i] = start + begin * change;
+  }
+}
+
+} // namespace
+
 // body.operator()<Cell, frame>(group, batch, law, input) with the input's arrays at hand.
 template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>& theta, Body&& body) {
-  const std::vector<double>& theta_n = state_.row("theta").committed;
+  const std::vector<double>& theta_n = theta_at_start();
+  const auto cut = [this](auto& now, auto& before) {
+    if (!window_.whole()) cut_to(window_.begin, window_.end, now, before);
+  };
   const StateRow* stress = state_.find("stress");
   const StateRow &history = state_.row("history"), &drive = state_.row("drive");
   const StateRow* fatigue = state_.find("fatigue");
@@ -218,11 +235,14 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
       using Points = PointValues<Cell, history_size(frame)>;
       using Stress = PointValues<Cell, gradient_size(frame)>;
       for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, X_), u(group, b, step_.u ? *step_.u : X_),
+        const Gathered<Cell, Cell::dim> X(group, b, X_);
+        Gathered<Cell, Cell::dim> u(group, b, step_.u ? *step_.u : X_),
             u_n(group, b, step_.u_n ? *step_.u_n : X_);
-        const Gathered<Cell, 1> now(group, b, theta), before(group, b, theta_n),
-            phi(group, b, step_.phi ? *step_.phi : theta_n),
+        const Gathered<Cell, 1> now(group, b, theta), before(group, b, theta_n);
+        Gathered<Cell, 1> phi(group, b, step_.phi ? *step_.phi : theta_n),
             phi_n(group, b, step_.phi_n ? *step_.phi_n : theta_n);
+        cut(u, u_n);
+        cut(phi, phi_n);
         Points A, A_n;
         PointValues<Cell, drive_size> E, E_n;
         Stress P, P_n;
@@ -234,6 +254,7 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
         if (fatigue && law.fatigues()) {
           worn.load(fatigue->trial, dissipation_offset_[g], b);
           worn_n.load(fatigue->committed, dissipation_offset_[g], b);
+          cut(worn, worn_n);
           in.fatigue = worn.data();
           in.fatigue_n = worn_n.data();
         }
@@ -244,23 +265,28 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
             (step_.u && d_.frame == Frame::plane_stress)) {
           A.load(history.trial, history_offset_[g], b);
           A_n.load(history.committed, history_offset_[g], b);
+          cut(A, A_n);
           in.history = A.data();
           in.history_n = A_n.data();
         }
         if ((energy && law.softens()) || exchanges) {
           E.load(drive.trial, drive_offset_[g], b);
           E_n.load(drive.committed, drive_offset_[g], b);
+          if (energy) cut(E, E_n); // the exchange of the entropy form takes that of the end, like damage
           in.drive = E.data();
           in.drive_n = E_n.data();
         }
         if (energy && stress) {
           P.load(stress->trial, stress_offset_[g], b);
           P_n.load(stress->committed, stress_offset_[g], b);
+          cut(P, P_n); // linear in time like F: the works of the sub-steps add up to that of the step
           in.stress = P.data();
           in.stress_n = P_n.data();
         }
         if (!energy && moves_) {
           dissipation.load(dissipation_, dissipation_offset_[g], b);
+          if (!window_.whole())
+            for (Batch& lost : dissipation.value) lost *= window_.end - window_.begin;
           in.dissipation = dissipation.data();
         }
         in.dt = t_ - t_n_;
@@ -310,9 +336,8 @@ bool HeatProblem::make_constant_part() {
   }
   if (settings_.theta < 1)
     for (const Surface& surface : surfaces_)
-      load_supplied_[static_cast<std::size_t>(surface.load->condition)] +=
-          add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[0], state_.row("theta").committed,
-                           weight[0], load_);
+      load_supplied_[static_cast<std::size_t>(surface.load->condition)] += add_surface_heat(
+          surface.load->facets, d_.frame, X_, surface.heat[0], theta_at_start(), weight[0], load_);
   for (std::size_t i = 0; i < load_.size(); ++i) constant_[i] -= load_[i];
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
@@ -424,8 +449,52 @@ void HeatProblem::book() {
                   d_.mesh.comm());
 }
 
+const std::vector<double>& HeatProblem::theta_at_start() const {
+  return window_.begin == 0 ? state_.row("theta").committed : theta_before_;
+}
+
+void HeatProblem::read_substeps() {
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsGetReal(nullptr, nullptr, "-heat_ts_dt", &substep_, &set));
+  if (!set) return;
+  if (!(substep_ > 0))
+    throw UserError(ExitCode::usage, "-heat_ts_dt: sub-steps of the heat balance want a time above 0");
+  if (!contacts_.empty())
+    throw UserError(ExitCode::usage, "-heat_ts_dt: no sub-steps where heat passes a contact; remove it, or "
+                                     "choose a smaller -ts_dt");
+}
+
 HeatOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
   step_ = step;
+  // A step that is a whole number of sub-steps but for its last digits is not divided once more.
+  const double count = substep_ > 0 ? std::ceil((t_ - t_n_) / substep_ * (1 - 1e-9)) : 1;
+  return count > 1 ? solve_substeps(static_cast<int>(count), theta) : solve_window(theta);
+}
+
+HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
+  const double t_n = t_n_, t = t_;
+  std::vector<double> supplied(supplied_.size(), 0.0);
+  double entropy_supplied = 0;
+  HeatOutcome sum;
+  theta = state_.row("theta").committed;
+  for (int k = 0; k < count; ++k) {
+    window_ = {double(k) / count, k + 1 == count ? 1 : double(k + 1) / count};
+    begin(t_n + window_.begin * (t - t_n), k + 1 == count ? t : t_n + window_.end * (t - t_n));
+    theta_before_ = theta;
+    const HeatOutcome part = solve_window(theta);
+    sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear};
+    if (part.reason < 0) break;
+    for (std::size_t c = 0; c < supplied.size(); ++c) supplied[c] += supplied_[c];
+    entropy_supplied += entropy_supplied_;
+  }
+  window_ = {};
+  begin(t_n, t);
+  supplied_ = std::move(supplied);
+  entropy_supplied_ = entropy_supplied;
+  return sum;
+}
+
+HeatOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_temperature(t_, theta); });
   x_ = theta;
   HeatOutcome outcome;

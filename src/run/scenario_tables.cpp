@@ -139,7 +139,8 @@ OptionGroup coupling_group() {
 
 OptionGroup heat_group() {
   return {"Heat",
-          "Solved after motion and damage in each pass, where materials have a heat capacity.",
+          "Solved after motion and damage in each pass, where materials have a heat capacity; with "
+          "`-heat_ts_dt`, a number in run units, in sub-steps of that length at most.",
           {
               choice_row<Global, HeatForm>(
                   "heat_form", [](auto& s) -> auto& { return s.heat.form; },

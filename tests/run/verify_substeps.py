@@ -1,8 +1,9 @@
 # labels: run
 # timeout: 120
-"""Sub-steps of the damage equation (-damage_ts_dt). Without a rate they change nothing. With one, in a body whose
+"""Sub-steps of the damage equation (-damage_ts_dt) and of the heat balance (-heat_ts_dt). Without a rate they change nothing. With one, in a body whose
 strain is held, they are the same as steps of that length, and the error against a reference with short steps is of
-first order in the length of the sub-steps; in a body that is pulled, too."""
+first order in the length of the sub-steps; in a body that is pulled, too. Heat: one step of even motion in sub-steps
+is as many steps, and the energy form keeps the first law with whatever happens in a step."""
 import math
 
 import _runs as runs
@@ -63,4 +64,54 @@ for a, b in ((20, 40), (40, 80)):
     error = [abs(pulled[n]["phi_max"][-1] - fine["phi_max"][-1]) for n in (a, b)]
     runs.check(f"pulled, order of the error from {a} to {b} steps of 4 sub-steps", math.log2(error[0] / error[1]), 1,
                0.2, relative=False)
+
+# Heat alone, with loads that change in time: sub-steps are steps.
+HOT = {"units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_n": 8, "mesh_set_ny": 2, "mesh_set_lx": 8, "mesh_set_ly": 2,
+       "materials": "solid", "material_solid_E": 72e3, "material_solid_nu": 0.33, "material_solid_c_v": 2.4,
+       "material_solid_conductivity": 50, "ts_max_time": 1, "heat_snes_rtol": 1e-14, "heat_ksp_rtol": 1e-14,
+       "probes": "p", "probe_p_at": "5,1", "probe_p_fields": "theta"}
+LOADS = {"bcs": "warm,flux,air,source", "bc_warm_on": "left", "bc_warm_type": "temperature", "bc_warm_value": "300+40*sin(3*t)",
+         "bc_flux_on": "right", "bc_flux_type": "heat_flux", "bc_flux_value": "30*t", "bc_air_on": "top", "bc_air_type": "convection",
+         "bc_air_value": "300+20*t*t", "bc_air_h": 5, "bc_source_on": "solid", "bc_source_type": "heat_source", "bc_source_value": "2*t"}
+COLUMNS = ("probe_p_theta", "theta_max", "energy_thermal", "heat_supplied", "heat_warm", "heat_air", "entropy_produced")
+
+
+def same_heat(claim, options, steps, count, tolerance, columns=COLUMNS):
+    """`steps` steps of `count` sub-steps against as many short steps, at the end."""
+    whole = runs.run("heat_whole", {**options, "ts_dt": 1 / steps})
+    split = runs.run("heat_split", {**options, "ts_dt": 1 / steps, "heat_ts_dt": 1 / steps / count})
+    short = runs.run("heat_short", {**options, "ts_dt": 1 / steps / count})
+    runs.require(f"{claim}: {steps} steps against {steps * count}", len(split["time"]) == steps + 1 and len(short["time"]) == steps * count + 1)
+    for column in columns:
+        scale = abs(short[column]).max()
+        runs.check(f"{claim}: {column}", abs(split[column][-1] - short[column][-1]) / scale, 0, tolerance, relative=False)
+    runs.check_between(f"{claim}: what sub-steps change of the temperature in K", abs(split["probe_p_theta"][-1] - whole["probe_p_theta"][-1]),
+                       0.005, 20)
+
+
+for form, weight in (("entropy", 1), ("energy", 0.5)):
+    same_heat(f"heat alone, {form} form, weight {weight}", {**HOT, **LOADS, "physics": "heat", "heat_form": form, "heat_theta": weight},
+              2, 5, 1e-11)
+# An elastic body that is stretched evenly within the step cools as it does in short steps, and conducts meanwhile.
+STRETCHED = {**HOT, "ts_type": "static", "material_solid_alpha_t": 2e-5, "bcs": "hold,warm", "bc_hold_on": "solid", "bc_hold_ux": "0.002*t*x*x",
+             "bc_hold_uy": 0, "bc_warm_on": "left", "bc_warm_type": "temperature", "bc_warm_value": "298.15+5*t", "coupling_snes_atol": 1e-13}
+same_heat("stretched, entropy form", STRETCHED, 1, 8, 1e-10, ("probe_p_theta", "theta_max", "energy_thermal", "heat_supplied"))
+# In the energy form the stress is linear in time within a step; in short steps it follows the temperature too: 0.06 of 1.9 K.
+same_heat("stretched, energy form", {**STRETCHED, "heat_form": "energy"}, 1, 8, 3e-4, ("probe_p_theta",))
+# Flow, softening, damage, viscosity, conduction, inertia: sub-steps leave the first law of the energy form.
+PLATE = {**HOT, "ts_type": "newmark", "mesh_set_lx": 1, "mesh_set_ly": 0.5, "mesh_set_ny": 4, "material_solid_rho": 2.81e-9,
+         "material_solid_model": "j2", "material_solid_sigma_y": 368, "material_solid_voce_r": 78, "material_solid_voce_s": 32,
+         "material_solid_softening": "linear", "material_solid_softening_w": 1e-3, "material_solid_alpha_t": 2.3e-5,
+         "material_solid_b_d": 1e-6, "material_solid_damage": "at2", "material_solid_Gc": 5, "material_solid_gamma": 0.25,
+         "material_solid_c": 5e3, "bcs": "hold,pull", "bc_hold_on": "left", "bc_hold_type": "fix", "bc_pull_on": "right",
+         "bc_pull_ux": "2500*t*t/(t+5e-6)", "bc_pull_uy": 0, "ics": "hot", "ic_hot_on": "bottom", "ic_hot_theta": 320, "heat_form": "energy",
+         "ts_dt": 3e-6, "heat_ts_dt": 0.7e-6, "ts_max_time": 6e-5, "motion_snes_rtol": 1e-11, "damage_snes_rtol": 1e-12, "probe_p_at": "0.5,0.2",
+         "coupling_snes_max_it": 3, "coupling_snes_atol": 1}
+run = runs.run("plate", PLATE)
+runs.check("plate, energy form, 5 sub-steps: first law", abs(run["balance_first_law"]).max(), 0, 1e-8, relative=False)
+runs.check_between("plate: plastic strain, phi", min(run["alpha_max"][-1] / 0.05, run["phi_max"][-1] / 0.3), 1, 100)
+two = runs.run("plate_2", PLATE, ranks=2)
+runs.check("plate on 2 ranks: temperature", abs(two["theta_max"] - run["theta_max"]).max() / run["theta_max"].max(), 0, 1e-8, relative=False)
+refused = runs.run("refused", {**HOT, **LOADS, "physics": "heat", "ts_dt": 1, "heat_ts_dt": 0}, code=2)
+runs.require("a sub-step of no length is refused", "-heat_ts_dt" in refused.log)
 runs.finish()

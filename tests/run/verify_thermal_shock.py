@@ -49,14 +49,14 @@ Transfinite Curve {1, 3} = 2; Transfinite Curve {2, 4} = 101; Transfinite Surfac
 Physical Surface("slab") = {1};
 Physical Curve("bottom") = {1}; Physical Curve("right") = {2}; Physical Curve("cold") = {3}; Physical Curve("left") = {4};
 """)
-for drop in (200, 380):
-    r = run(f"strip_{drop}", {"mesh": "strip.geo", "ts_times": "0,1e-5,4e-5", "ts_dts": "2.5e-7,7.5e-7", "param_drop": drop,
-                              "output_vis_times": 4e-5, "coupling_snes_atol": 1e-6, "measures": "skin", "measure_skin_on": "cold",
-                              "measure_skin_fields": "phi"}, files=[option_file("thermal_shock.opts")])
-    phi, energy = skin(drop, 4e-5, 0.3)
-    check(f"{drop} K colder: phi of the surface", r["measure_skin_phi"][-1], phi, 2e-3)
-    check(f"{drop} K colder: energy of the damage", r["energy_fracture"][-1], 0.01 * energy, 5e-3)
-    check(f"{drop} K colder: first law", abs(r["balance_first_law"]).max(), 0, 1e-10, relative=False)
+DROP = 380
+r = run("strip", {"mesh": "strip.geo", "ts_times": "0,1e-5,4e-5", "ts_dts": "2.5e-7,7.5e-7", "output_vis_times": 4e-5,
+                  "coupling_snes_atol": 1e-6, "measures": "skin", "measure_skin_on": "cold", "measure_skin_fields": "phi"},
+        files=[option_file("thermal_shock.opts")])
+phi, energy = skin(DROP, 4e-5, 0.3)
+check("phi of the surface before it cracks", r["measure_skin_phi"][-1], phi, 1e-3)
+check("energy of the damage", r["energy_fracture"][-1], 0.01 * energy, 1e-3)
+check("first law", abs(r["balance_first_law"]).max(), 0, 1e-10, relative=False)
 r = run("strip_none", {"mesh": "strip.geo", "ts_times": "0,1e-5,4e-5", "ts_dts": "5e-6,1e-5", "param_drop": 100, "output_vis_times": 4e-5},
         files=[option_file("thermal_shock.opts")])
 check("100 K colder, below the strength: damage", r["phi_max"].max(), 0, 0, relative=False)

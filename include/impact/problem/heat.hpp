@@ -40,7 +40,8 @@ public:
   /// Evaluates sources, fluxes and convection at both ends of the step. Collective. Throws UserError(data).
   void begin(double t_n, double t);
 
-  /// Solves for the temperature at t_{n+1}; theta (local, ghosts consistent) holds the guess on entry.
+  /// Solves for the temperature at t_{n+1}; theta (local, ghosts consistent) holds the guess on entry. With
+  /// -heat_ts_dt in equal sub-steps of that length at most, over which motion and damage go on evenly.
   /// Collective.
   HeatOutcome solve(const HeatStep& step, std::vector<double>& theta);
 
@@ -72,6 +73,16 @@ private:
     SurfaceHeat heat[2]; ///< at t_n and t_{n+1}
   };
 
+  /// Part of the step that is being solved, 0 to 1: all of it without sub-steps.
+  struct Window {
+    double begin = 0, end = 1;
+    bool whole() const { return begin == 0 && end == 1; }
+  };
+
+  const std::vector<double>& theta_at_start() const; ///< of the window
+  void read_substeps();
+  HeatOutcome solve_window(std::vector<double>& theta);
+  HeatOutcome solve_substeps(int count, std::vector<double>& theta);
   void find_regions();
   void build_matrix();
   void begin_contacts();
@@ -89,7 +100,10 @@ private:
   const BoundaryData& boundary_;
   HeatScenario settings_;
   HeatStep step_;
-  double t_n_ = 0, t_ = 0;
+  Window window_;
+  double t_n_ = 0, t_ = 0; ///< of the window
+  double substep_ = 0;     ///< -heat_ts_dt; 0: none
+  std::vector<double> theta_before_;
   Mailbox mailbox_;
   std::vector<Region> regions_;
   std::vector<Surface> surfaces_;
