@@ -242,8 +242,8 @@ void PairSearch::drop_neighbours(Vec u) {
 }
 
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
+  if (candidates_.offset.empty()) return added_; // against a rigid plane, sphere or cylinder
   std::vector<PetscInt> nodes;
-  if (candidates_.offset.empty()) return nodes; // against a rigid plane
   for (int c = candidates_.offset[at(secondary_facet)]; c < candidates_.offset[at(secondary_facet + 1)]; ++c)
     for (PetscInt node : candidates_.primary[at(candidates_.facet[at(c)])].node) nodes.push_back(node);
   return nodes;
@@ -254,6 +254,7 @@ void PairSearch::fetch_nodes(Vec u) {
   next.dim = dim_;
   next.corners = corners_;
   next.global = secondary_;
+  next.global.insert(next.global.end(), added_.begin(), added_.end());
   for (const SearchFacet& facet : candidates_.primary) {
     next.global.insert(next.global.end(), facet.node.begin(), facet.node.end());
     for (PetscInt node : facet.neighbour)

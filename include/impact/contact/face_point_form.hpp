@@ -92,6 +92,7 @@ private:
   // Visits the points that face something: visitor(constraint, facet, what is seen).
   template <class Visitor>
   void visit_points(const std::vector<double>& u, const PressureLaw& law, Visitor&& visitor) const;
+  CarriedFunction carried_gap_of(int facet, int point, const std::vector<double>& u) const;
   void add_gap_gradient(int facet, const Seen& seen, const std::vector<double>& u, Workspace& w,
                         Constraint& c) const;
   // What a point's anchor looks like at u.
@@ -104,7 +105,6 @@ private:
                 bool with_gradient, Workspace& w, Constraint& c) const;
 
   ContactSettings settings_;
-  ObstaclePose pose_;
   ContactSurface secondary_;
   std::vector<int> corners_; // [secondary facet] different ones
   std::vector<FaceMap> map_; // [secondary facet], with friction

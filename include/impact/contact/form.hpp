@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <impact/contact/obstacle_carrier.hpp>
 #include <impact/contact/pair_search.hpp>
 #include <impact/contact/settings.hpp>
 #include <impact/kernel/contact_pair.hpp>
@@ -87,7 +88,7 @@ struct CurvatureFactors {
 /// call.
 using BlockVisitor = std::function<void(std::span<const int>, std::span<const double>)>;
 
-/// Where a rigid body stands in an attempt.
+/// Where a rigid obstacle stands in an attempt; one with mass: in the reference configuration, not moved.
 struct ObstaclePose {
   RigidObstacle obstacle;        ///< at the end of the step
   std::array<double, 3> moved{}; ///< its displacement since the start of the step
@@ -102,6 +103,11 @@ inline PairSearch::Primary what_it_meets(const ContactSettings& settings) {
 class ContactForm {
 public:
   virtual ~ContactForm() = default;
+  /// The rigid obstacle moves as a body of the mesh does. Before the first update.
+  void carry(ObstacleCarrier carrier) {
+    carrier_ = std::move(carrier);
+    search_.add_nodes(carrier_.nodes());
+  }
 
   /// A row that holds so many numbers per constraint, [constraint][component], and its length.
   virtual std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const = 0;
@@ -144,7 +150,20 @@ public:
   virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
 
 protected:
+  bool carried() const { return !carrier_.empty(); }
+  /// The rigid obstacle at the displacement u of nodes().
+  RigidObstacle obstacle_at(const std::vector<double>& u) const {
+    return carried() ? carrier_.obstacle(u) : pose_.obstacle;
+  }
+  PairSearch::Outcome update_pairs(Vec u) {
+    const PairSearch::Outcome outcome = search_.update(u);
+    if (outcome != PairSearch::Outcome::kept) carrier_.locate(nodes());
+    return outcome;
+  }
+
   PairSearch search_;
+  ObstaclePose pose_;
+  ObstacleCarrier carrier_; ///< empty: the obstacle, where there is one, moves as told
   bool switched_ = false;
 };
 
