@@ -136,19 +136,12 @@ std::pair<StateRow, std::size_t> FacePointForm::constraint_row(const std::string
   return {row, at(components) * weight_.size()};
 }
 
-void FacePointForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
-  std::fill(holds_.begin(), holds_.end(), Hold());
-  switched_ = false;
-  if (u_n) {
-    search_.begin_attempt(u_n);
-    anchor(u_n);
-  }
-  pose_ = pose;
-}
+void FacePointForm::release() { std::fill(holds_.begin(), holds_.end(), Hold()); }
 
 void FacePointForm::anchor(Vec u) {
   pose_.moved = {};
   search_.set_start(u);
+  if (carried() && !anchors_.empty()) carrier_.anchor(nodes(), nodes().start);
   if (anchors_.empty() || on_plane()) return;
   const std::vector<double>& x = nodes().start;
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -196,7 +189,7 @@ void FacePointForm::locate_holds() {
 }
 
 PairSearch::Outcome FacePointForm::update(Vec u, const PressureLaw& law) {
-  const PairSearch::Outcome outcome = search_.update(u);
+  const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) {
     locate_anchors();
     if (!settings_.rigid()) locate_holds();
@@ -393,6 +386,7 @@ template <class Visitor>
 void FacePointForm::visit_points(const std::vector<double>& u, const PressureLaw& law,
                                  Visitor&& visitor) const {
   const std::vector<double> x = nodes().current(u);
+  const RigidObstacle obstacle = obstacle_at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     const FaceCorners s = secondary_face(f, x);
     const Point3 normal = face_normal(s);
@@ -403,7 +397,7 @@ void FacePointForm::visit_points(const std::vector<double>& u, const PressureLaw
       if (weight_[number] == 0) continue;
       Seen seen;
       if (settings_.rigid()) {
-        const ObstacleGap gap = gap_to(pose_.obstacle, point_at(shape_[number], f, u));
+        const ObstacleGap gap = gap_to(obstacle, point_at(shape_[number], f, u));
         if (!(dot(gap.normal, normal) < 0)) continue;
         seen.foot.gap = gap.gap;
         seen.foot.normal = gap.normal;
@@ -436,6 +430,7 @@ void FacePointForm::visit(const std::vector<double>& u, Derivatives derivatives,
     for (int a = 0; a < corners_[at(f)]; ++a) w.place(secondary_slots(f)[a]);
     if (seen.candidate >= 0)
       for (int b = 0; b < 4; ++b) w.place(primary_slots(seen.candidate)[b]);
+    for (int slot : carrier_.slots()) w.node.push_back(slot);
     const bool with_gradient = derivatives != Derivatives::none;
     SlipFaces faces;
     const bool rubs = slip_faces(f, q, u, faces);
@@ -454,7 +449,10 @@ void FacePointForm::add_gap_gradient(int facet, const Seen& seen, const std::vec
   const std::array<double, 4>& shape = shape_[at(c.index)];
   const int* slot = secondary_slots(facet);
   w.gradient.assign(3 * w.node.size(), 0.0);
-  if (settings_.rigid()) {
+  if (carried()) {
+    carrier_.add_gradient(carried_gap_of(facet, c.index - facet * per_facet_, u), c.share, carrier_.shares(),
+                          1, w.gradient.data());
+  } else if (settings_.rigid()) {
     for (std::size_t a = 0; a < at(corners_[at(facet)]); ++a)
       for (std::size_t k = 0; k < 3; ++k) w.gradient[3 * a + k] = shape[a] * seen.foot.normal[k];
   } else {
@@ -470,6 +468,10 @@ void FacePointForm::add_gap_gradient(int facet, const Seen& seen, const std::vec
   c.gradient = w.gradient;
 }
 
+CarriedFunction FacePointForm::carried_gap_of(int facet, int point, const std::vector<double>& u) const {
+  return carried_gap(carrier_.obstacle(u), point_at(shape_[index(facet, point)], facet, u));
+}
+
 // The faces of a point's anchor at u, seen from the secondary's first corner; false without friction or where
 // nothing lay opposite. A plane has directions of its own and needs no faces.
 bool FacePointForm::slip_faces(int facet, int point, const std::vector<double>& u, SlipFaces& faces) const {
@@ -483,6 +485,11 @@ bool FacePointForm::slip_faces(int facet, int point, const std::vector<double>& 
   for (std::size_t a = 0; a < 4; ++a) {
     slots[a] = slot[a];
     slots[4 + a] = anchor.slot[a];
+    if (carried()) {
+      slots[4 + a] = carrier_.slots()[a];
+      p[a] = carrier_.place<3>(nodes(), facet, static_cast<int>(a), slot[0], u);
+      continue;
+    }
     if (!settings_.rigid()) {
       if (anchor.slot[a] < 0) return false;
       p[a] = nodes().place<3>(anchor.slot[a], slot[0], u);
@@ -500,7 +507,14 @@ void FacePointForm::add_slip(int facet, int point, const SlipFaces& faces, const
                              bool with_gradient, Workspace& w, Constraint& c) const {
   const std::size_t n = 3 * w.node.size();
   w.slip_gradient.assign(2 * n, 0.0);
-  if (on_plane()) {
+  if (on_plane() && carried()) {
+    const std::array<Point3, 2> t = tangents_of(pose_.obstacle.direction);
+    for (std::size_t e = 0; e < 2; ++e) {
+      const ObstacleCarrier::PlaneSlip slip = carrier_.slip(nodes(), facet, c.share, t[e], u);
+      c.slip[e] = slip.function.value;
+      carrier_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
+    }
+  } else if (on_plane()) {
     const std::array<Point3, 2> t = tangents_of(pose_.obstacle.direction);
     const std::array<double, 4>& shape = shape_[index(facet, point)];
     for (std::size_t b = 0; b < at(corners_[at(facet)]); ++b)
@@ -513,11 +527,15 @@ void FacePointForm::add_slip(int facet, int point, const SlipFaces& faces, const
         }
       }
   } else {
-    const FaceSlips slips =
+    FaceSlips slips =
         face_slips(faces.s, faces.p, map_[at(facet)], anchors_[index(facet, point)].pair, with_gradient);
     c.slip = {slips.value[0][0], slips.value[0][1]};
+    for (std::size_t e = 0; with_gradient && carried() && e < 2; ++e) {
+      const std::array<double, 24> row = slips.gradient[0][e];
+      carrier_.chain(facet, &row[12], &slips.gradient[0][e][12]);
+    }
     for (std::size_t e = 0; with_gradient && e < 2; ++e)
-      for (std::size_t a = 0; a < (settings_.rigid() ? 4 : 8); ++a) {
+      for (std::size_t a = 0; a < (settings_.rigid() && !carried() ? 4 : 8); ++a) {
         const std::size_t place = n * e + 3 * w.place(faces.slot[a]);
         for (std::size_t k = 0; k < 3; ++k) w.slip_gradient[place + k] += slips.gradient[0][e][3 * a + k];
       }
@@ -532,7 +550,25 @@ void FacePointForm::visit_curvature(const std::vector<double>& u, const Pressure
     const std::array<double, 4>& shape = shape_[at(c.index)];
     std::array<int, 8> slots;
     std::copy_n(secondary_slots(f), 4, slots.begin());
-    if (of_gap != 0 && settings_.rigid()) {
+    const Tangential of_slip = factors.of_slip(c.index);
+    const std::size_t corners = c.share.size();
+    if (carried()) {
+      std::array<double, 576> block{};
+      const std::size_t n = 3 * (corners + 4);
+      if (of_gap != 0)
+        carrier_.add_hessian(carried_gap_of(f, q, u), c.share, carrier_.shares(), of_gap, block.data());
+      if (on_plane() && of_slip != Tangential{}) {
+        const std::array<Point3, 2> t = tangents_of(pose_.obstacle.direction);
+        for (std::size_t e = 0; e < 2; ++e)
+          if (of_slip[e] != 0) {
+            const ObstacleCarrier::PlaneSlip slip = carrier_.slip(nodes(), f, c.share, t[e], u);
+            carrier_.add_hessian(slip.function, c.share, slip.shares, of_slip[e], block.data());
+          }
+      }
+      std::copy(carrier_.slots().begin(), carrier_.slots().end(),
+                slots.begin() + static_cast<std::ptrdiff_t>(corners));
+      visitor({slots.data(), corners + 4}, {block.data(), n * n});
+    } else if (of_gap != 0 && settings_.rigid()) {
       const std::array<double, 9> H = gap_to(pose_.obstacle, point_at(shape, f, u)).curvature;
       std::array<double, 144> block;
       for (std::size_t i = 0; i < 12; ++i)
@@ -547,13 +583,17 @@ void FacePointForm::visit_curvature(const std::vector<double>& u, const Pressure
                       triangle_weights(primary_corners(seen.candidate), seen.triangle), of_gap, block);
       visitor(slots, block);
     }
-    const Tangential of_slip = factors.of_slip(c.index);
     if (of_slip == Tangential{} || on_plane()) return;
     SlipFaces faces;
     if (!slip_faces(f, q, u, faces)) return;
     std::array<double, 576> block{};
     add_face_slip_hessian(faces.s, faces.p, map_[at(f)], anchors_[at(c.index)].pair,
                           {{{of_slip[0], of_slip[1]}}}, block);
+    if (carried()) {
+      std::vector<double> chained;
+      carrier_.chain_block(f, block, chained);
+      return visitor(faces.slot, chained);
+    }
     if (!settings_.rigid()) return visitor(faces.slot, block);
     std::array<double, 144> part;
     for (std::size_t i = 0; i < 12; ++i) std::copy_n(&block[24 * i], 12, &part[12 * i]);

@@ -59,21 +59,14 @@ std::pair<StateRow, std::size_t> GaussPointForm::constraint_row(const std::strin
   return {row, at(components) * points_.weight.size()};
 }
 
-void GaussPointForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
-  std::fill(holds_.begin(), holds_.end(), Hold());
-  switched_ = false;
-  if (u_n) {
-    search_.begin_attempt(u_n);
-    anchor(u_n);
-  }
-  pose_ = pose;
-}
+void GaussPointForm::release() { std::fill(holds_.begin(), holds_.end(), Hold()); }
 
 void GaussPointForm::anchor(Vec u) {
   pose_.moved = {};
   search_.set_start(u);
   if (!(settings_.friction > 0)) return;
   const std::vector<double>& x = nodes().start;
+  if (carried()) carrier_.anchor(nodes(), x);
   const std::vector<double> moved = nodes().displacement(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     Point point = on_facet(f);
@@ -111,7 +104,7 @@ GaussPointForm::Point GaussPointForm::on_facet(int facet) const {
 }
 
 PairSearch::Outcome GaussPointForm::update(Vec u, const PressureLaw& law) {
-  const PairSearch::Outcome outcome = search_.update(u);
+  const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) locate_anchors();
   if (!settings_.rigid()) hold_edges(nodes().current(u), law);
   return outcome;
@@ -130,13 +123,30 @@ NodePairs GaussPointForm::couplings() const {
   return pairs;
 }
 
-Foot<double> GaussPointForm::obstacle_foot(const Point2<double>& x) const {
-  const ObstacleGap at_x = gap_to(pose_.obstacle, {x[0], x[1], 0});
-  Foot<double> foot;
-  foot.part = FootPart::edge;
-  foot.normal = {at_x.normal[0], at_x.normal[1]};
-  foot.gap = at_x.gap;
-  return foot;
+bool GaussPointForm::face_obstacle(const RigidObstacle& obstacle, const Point2<double>& x,
+                                   const Point2<double>& normal, Point& point) {
+  const ObstacleGap at_x = gap_to(obstacle, {x[0], x[1], 0});
+  point.node_count = 2;
+  point.foot = {};
+  point.foot.part = FootPart::edge;
+  point.foot.normal = {at_x.normal[0], at_x.normal[1]};
+  point.foot.gap = at_x.gap;
+  return retraction(point.foot, normal, infinity) < infinity;
+}
+
+void GaussPointForm::add_carrier(Workspace& w, Constraint& c) const {
+  std::copy(carrier_.slots().begin(), carrier_.slots().end(), w.node.begin() + 2);
+  c.node = {w.node.data(), at(2 + carrier_.count())};
+}
+
+CarriedFunction GaussPointForm::carried_gap_of(const Point& point, const std::vector<double>& u) const {
+  std::array<double, 3> x{};
+  for (std::size_t a = 0; a < 2; ++a)
+    for (std::size_t k = 0; k < 2; ++k) {
+      const std::size_t i = 2 * at(point.node[a]) + k;
+      x[k] += point.shape[a] * (nodes().X[i] + u[i]);
+    }
+  return carried_gap(carrier_.obstacle(u), x);
 }
 
 PrimaryEdge<double> GaussPointForm::primary_edge(int candidate,
@@ -153,11 +163,6 @@ PrimaryEdge<double> GaussPointForm::primary_edge(int candidate,
 
 bool GaussPointForm::face(const Point2<double>& x, const Point2<double>& normal,
                           const std::vector<double>& coordinates, const Hold& hold, Point& point) const {
-  if (settings_.rigid()) {
-    point.node_count = 2;
-    point.foot = obstacle_foot(x);
-    return retraction(point.foot, normal, infinity) < infinity;
-  }
   return face_held(x, normal, coordinates, hold, point) || face_nearest(x, normal, coordinates, point) ||
          face_passed(x, normal, coordinates, point);
 }
@@ -307,6 +312,8 @@ void GaussPointForm::visit_points(const std::vector<double>& u, bool second, con
                                   Visitor&& visitor) const {
   Workspace w;
   const std::vector<double> x = nodes().current(u);
+  const bool rigid = settings_.rigid();
+  const RigidObstacle obstacle = obstacle_at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     Point point = on_facet(f);
     const Point2<double> x0 = point_at(x, point.node[0]), x1 = point_at(x, point.node[1]);
@@ -317,7 +324,9 @@ void GaussPointForm::visit_points(const std::vector<double>& u, bool second, con
       point.shape = {points_.shape[at(2 * point.index)], points_.shape[at(2 * point.index + 1)]};
       const Point2<double> x_s = {point.shape[0] * x0[0] + point.shape[1] * x1[0],
                                   point.shape[0] * x0[1] + point.shape[1] * x1[1]};
-      if (!face(x_s, normal, x, holds_[at(point.index)], point)) continue;
+      if (!(rigid ? face_obstacle(obstacle, x_s, normal, point)
+                  : face(x_s, normal, x, holds_[at(point.index)], point)))
+        continue;
       sharpen(u, point);
       Constraint c;
       c.index = point.index;
@@ -333,6 +342,7 @@ void GaussPointForm::visit_points(const std::vector<double>& u, bool second, con
       std::copy(point.node.begin(), point.node.end(), w.node.begin());
       c.node = {w.node.data(), at(point.node_count)};
       c.share = point.shape;
+      if (carried()) add_carrier(w, c);
       add_slip(point, u, x_s, second, w, c);
       visitor(c, point, w);
     }
@@ -344,8 +354,12 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
   visit_points(u, false, law, [&](Constraint& c, const Point& point, Workspace& w) {
     if (derivatives != Derivatives::none) {
       w.gradient.fill(0);
-      const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
-      std::copy_n(dg.begin(), 2 * point.node_count, w.gradient.begin());
+      if (carried()) {
+        carrier_.add_gradient(carried_gap_of(point, u), point.shape, carrier_.shares(), 1, w.gradient.data());
+      } else {
+        const std::array<double, 8> dg = gap_gradient(point.shape, point.foot);
+        std::copy_n(dg.begin(), 2 * point.node_count, w.gradient.begin());
+      }
       c.gradient = {w.gradient.data(), 2 * c.node.size()};
     }
     visitor(c);
@@ -376,7 +390,10 @@ void GaussPointForm::visit_curvature(const std::vector<double>& u, const Pressur
     if (of_gap == 0 && of_slip == 0) return;
     const std::size_t n = 2 * c.node.size();
     for (std::size_t i = 0; i < n * n; ++i) w.hessian[i] = of_slip != 0 ? of_slip * w.slip_hessian[i] : 0;
-    if (settings_.rigid()) {
+    if (carried()) {
+      carrier_.add_hessian(carried_gap_of(point, u), point.shape, carrier_.shares(), of_gap,
+                           w.hessian.data());
+    } else if (settings_.rigid()) {
       const Point2<double> x = {point.shape[0] * X[2 * at(c.node[0])] + point.shape[1] * X[2 * at(c.node[1])],
                                 point.shape[0] * X[2 * at(c.node[0]) + 1] +
                                     point.shape[1] * X[2 * at(c.node[1]) + 1]};
@@ -400,7 +417,14 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
   if (!anchor.valid) return;
   w.slip_gradient.fill(0);
   if (second) w.slip_hessian.fill(0);
-  if (settings_.rigid()) {
+  if (carried()) {
+    const std::array<double, 3>& n = pose_.obstacle.direction;
+    const ObstacleCarrier::PlaneSlip slip =
+        carrier_.slip(nodes(), point.facet, point.shape, {-n[1], n[0], 0}, u);
+    c.slip[0] = slip.function.value;
+    carrier_.add_gradient(slip.function, point.shape, slip.shares, 1, w.slip_gradient.data());
+    if (second) carrier_.add_hessian(slip.function, point.shape, slip.shares, 1, w.slip_hessian.data());
+  } else if (settings_.rigid()) {
     const Point2<double> t = {-point.foot.normal[1], point.foot.normal[0]};
     const Point2<double> opposite = {anchor.place[0] + pose_.moved[0], anchor.place[1] + pose_.moved[1]};
     c.slip[0] = detail::dot(t, detail::minus(x_s, opposite));
@@ -436,13 +460,16 @@ void GaussPointForm::add_slip(const Point& point, const std::vector<double>& u, 
 }
 
 void GaussPointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
+  const bool rigid = settings_.rigid();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int a = 0; a < 2; ++a) {
       const int* ends = &nodes().secondary[at(2 * f)];
       const Point2<double> place = point_at(x, ends[a]);
       Point point;
       point.facet = f;
-      if (!face(place, detail::right_normal(point_at(x, ends[0]), point_at(x, ends[1])), x, Hold(), point))
+      const Point2<double> normal = detail::right_normal(point_at(x, ends[0]), point_at(x, ends[1]));
+      if (!(rigid ? face_obstacle(pose_.obstacle, place, normal, point)
+                  : face(place, normal, x, Hold(), point)))
         continue;
       // Coordinates that were meant to touch differ by rounding of their own size.
       const double depth = -point.foot.gap;

@@ -84,6 +84,7 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
     form_ = std::make_unique<FacePointForm>(mesh, displacement, settings_, std::move(secondary), primary,
                                             hold_gap);
   declare_state(state);
+  if (!settings_.carrier.empty()) form_->carry(ObstacleCarrier(mesh, settings_.carrier, pose_at(0).obstacle));
   form_->begin_attempt(pose_at(0), nullptr);
   const Handle<Vec> at_rest = displacement.make_global();
   update_search(at_rest);

@@ -139,23 +139,9 @@ std::pair<StateRow, std::size_t> MortarForm::constraint_row(const std::string& n
   return {StateRow{name, Support::vertex, components}, at(components) * node_count_};
 }
 
-void MortarForm::begin_attempt(const ObstaclePose& pose, Vec u_n) {
+void MortarForm::release() {
   std::fill(switches_.begin(), switches_.end(), 0);
-  switched_ = false;
-  const auto forget = [&] {
-    for (Facet& facet : facets_) facet.changes = 0;
-  };
-  forget();
-  if (u_n) {
-    search_.begin_attempt(u_n);
-    anchor(u_n);
-    if (search_.restored() && !settings_.rigid()) { // what faces bears the numbers of another list
-      facing_ = facing_at(nodes().start);
-      choose_functions(facing_, nodes().start);
-    }
-  }
-  forget();
-  pose_ = pose;
+  for (Facet& facet : facets_) facet.changes = 0;
 }
 
 void MortarForm::set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi) {
@@ -319,7 +305,7 @@ std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, c
 }
 
 PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
-  const PairSearch::Outcome outcome = search_.update(u);
+  const PairSearch::Outcome outcome = update_pairs(u);
   if (settings_.rigid()) return outcome;
   const std::vector<double> moved = nodes().displacement(u), x = nodes().current(moved);
   switched_ = false;
@@ -452,13 +438,25 @@ Point3 MortarForm::place_of(const Facet& facet, const FacetPoint& point, const i
   return x;
 }
 
-MortarFacePair MortarForm::obstacle_gaps(int f, const std::vector<double>& u) const {
+MortarFacePair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle,
+                                         const std::vector<double>& u) const {
   const Facet& facet = facets_[at(f)];
   MortarFacePair pair;
   pair.covered = true;
   const auto d = at(dim_);
   for (const FacetPoint& point : facet.points) {
-    const ObstacleGap gap = gap_to(pose_.obstacle, place_of(facet, point, secondary_slots(f), u));
+    const Point3 x = place_of(facet, point, secondary_slots(f), u);
+    if (carried()) {
+      const CarriedFunction gap = carried_gap(obstacle, x);
+      for (std::size_t a = 0; a < at(facet.corners); ++a) {
+        pair.gap[a] += point.weight[a] * gap.value;
+        pair.cover[a] += point.weight[a];
+        carrier_.add_gradient(gap, {point.shape.data(), corners_}, carrier_.shares(), point.weight[a],
+                              pair.gradient[a].data());
+      }
+      continue;
+    }
+    const ObstacleGap gap = gap_to(obstacle, x);
     for (std::size_t a = 0; a < at(facet.corners); ++a) {
       pair.gap[a] += point.weight[a] * gap.gap;
       pair.cover[a] += point.weight[a];
@@ -492,8 +490,9 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
   // Each pair once, for all corners of its secondary facet.
   std::vector<Piece> pieces;
   std::vector<std::size_t> first = {0};
+  const RigidObstacle obstacle = obstacle_at(u);
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
-    if (settings_.rigid()) pieces.push_back({f, -1, obstacle_gaps(f, u)});
+    if (settings_.rigid()) pieces.push_back({f, -1, obstacle_gaps(f, obstacle, u)});
     for (int candidate : facing_[at(f)]) {
       pieces.push_back({f, candidate, pair_at(f, candidate, u, with_gradient)});
       if (!pieces.back().pair.covered) pieces.pop_back();
@@ -531,8 +530,8 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
         c.gap += piece.pair.gap[a];
         cover += piece.pair.cover[a];
         if (!with_gradient) continue;
-        const int* primary = piece.candidate < 0 ? nullptr : primary_slots(piece.candidate);
-        for (std::size_t b = 0; b < (primary ? 2 : 1) * corners_; ++b) {
+        const std::span<const int> primary = opposite_slots(piece.candidate);
+        for (std::size_t b = 0; b < corners_ + primary.size(); ++b) {
           const std::size_t place = d * place_of(b < corners_ ? secondary[b] : primary[b - corners_]);
           gradient.resize(d * node.size(), 0.0);
           for (std::size_t m = 0; m < d; ++m)
@@ -560,6 +559,7 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
 void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw&,
                                  const CurvatureFactors& factors, const BlockVisitor& visitor) const {
   std::array<int, 8> node{};
+  const RigidObstacle obstacle = obstacle_at(u);
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const Facet& facet = facets_[at(f)];
     std::array<double, 4> factor{};
@@ -570,6 +570,20 @@ void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw
       }
     if (std::all_of(factor.begin(), factor.end(), [](double value) { return value == 0; })) continue;
     std::copy_n(secondary_slots(f), corners_, node.begin());
+    if (carried()) {
+      std::array<double, 576> block{};
+      for (const FacetPoint& point : facet.points) {
+        double weight = 0;
+        for (std::size_t a = 0; a < 4; ++a) weight += factor[a] * point.weight[a];
+        carrier_.add_hessian(carried_gap(obstacle, place_of(facet, point, node.data(), u)),
+                             {point.shape.data(), corners_}, carrier_.shares(), weight, block.data());
+      }
+      const std::size_t count = corners_ + carrier_.slots().size(), n = at(dim_) * count;
+      std::copy(carrier_.slots().begin(), carrier_.slots().end(),
+                node.begin() + static_cast<std::ptrdiff_t>(corners_));
+      visitor({node.data(), count}, {block.data(), n * n});
+      continue;
+    }
     if (settings_.rigid()) {
       const auto d = at(dim_), n = d * corners_;
       std::array<double, 144> block{};

@@ -9,19 +9,24 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// Visits a block of a pair, or the part of it that belongs to the secondary.
-template <std::size_t nodes, std::size_t size>
-void visit_secondary(const std::array<int, nodes>& slots, const std::array<double, size>& block, bool alone,
-                     const BlockVisitor& visitor) {
-  if (!alone) return visitor(slots, block);
-  std::array<double, size / 4> part;
-  constexpr std::size_t whole = nodes == 8 ? 24 : 8, half = whole / 2;
-  static_assert(whole * whole == size);
-  for (std::size_t i = 0; i < half; ++i) std::copy_n(&block[whole * i], half, &part[half * i]);
-  visitor({slots.data(), nodes / 2}, part);
-}
-
 } // namespace
+
+void MortarForm::visit_slip_block(int facet, bool carried_along, std::span<const int> slots,
+                                  std::span<const double> block, const BlockVisitor& visitor) const {
+  if (!carried_along) return visitor(slots, block);
+  if (carried()) {
+    std::vector<int> node(slots.begin(), slots.begin() + static_cast<std::ptrdiff_t>(corners_));
+    node.insert(node.end(), carrier_.slots().begin(), carrier_.slots().end());
+    std::vector<double> chained;
+    carrier_.chain_block(facet, block, chained);
+    return visitor(node, chained);
+  }
+  // The part that belongs to the secondary.
+  const std::size_t half = at(dim_) * corners_;
+  std::array<double, 144> part;
+  for (std::size_t i = 0; i < half; ++i) std::copy_n(&block[2 * half * i], half, &part[half * i]);
+  visitor(slots.first(corners_), {part.data(), half * half});
+}
 
 void MortarForm::find_tangents(const std::vector<double>& X) {
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
@@ -50,11 +55,16 @@ void MortarForm::find_tangents(const std::vector<double>& X) {
 void MortarForm::anchor(Vec u) {
   pose_.moved = {};
   search_.set_start(u);
-  if (!(settings_.friction > 0) || on_plane()) return;
+  const bool rubs = settings_.friction > 0, restored = search_.restored() && !settings_.rigid();
+  if (carried() && rubs) carrier_.anchor(nodes(), nodes().start);
+  if (!restored && (!rubs || on_plane())) return;
   const std::vector<double>& x = nodes().start;
   if (settings_.rigid()) return anchor_on_round(x);
   const Facing facing = facing_at(x);
+  if (restored) facing_ = facing; // which bore the numbers of another list
   choose_functions(facing, x);
+  release(); // what was chosen for the start does not count as a change
+  if (!rubs) return;
   if (dim_ == 2)
     anchor_edges(facing, x);
   else
@@ -135,6 +145,7 @@ void MortarForm::locate_anchors() {
 
 bool MortarForm::slip_nodes(std::size_t number, NodePlaces& place_of) const {
   if (!(settings_.friction > 0)) return false;
+  for (int slot : carrier_.slots()) place_of(slot);
   if (on_plane()) return !nodes().start.empty();
   bool slides = false;
   const auto add = [&](const auto& opposite) {
@@ -172,7 +183,9 @@ void MortarForm::add_slip(std::size_t number, const std::vector<double>& u, Node
   const std::size_t d = at(dim_), n = d * place_of.node.size();
   std::vector<double>& gradient = rows.gradient;
   gradient.assign((d - 1) * n, 0.0);
-  if (on_plane()) {
+  if (on_plane() && carried()) {
+    add_plane_slip(owner, u, place_of, rows, c);
+  } else if (on_plane()) {
     const std::array<Point3, 2> t = plane_tangents();
     for (const Incident& i : owner.facets) {
       const int* slot = secondary_slots(i.facet);
@@ -196,6 +209,11 @@ void MortarForm::add_slip(std::size_t number, const std::vector<double>& u, Node
       c.slip[0] += slip.value;
       for (std::size_t i = 0; i < (anchor.opposite.carried ? 4 : 8); ++i)
         gradient[2 * place_of(slots[i / 2]) + i % 2] += slip.gradient[i];
+      if (!carried()) continue;
+      std::array<double, 6> by_carrier;
+      carrier_.chain(anchor.facet, &slip.gradient[4], by_carrier.data());
+      for (std::size_t i = 0; i < 6; ++i)
+        gradient[2 * place_of(carrier_.slots()[i / 2]) + i % 2] += by_carrier[i];
     }
   } else {
     for (const Incident& i : owner.facets) {
@@ -209,9 +227,11 @@ void MortarForm::add_slip(std::size_t number, const std::vector<double>& u, Node
           for (std::size_t e = 0; e < 2; ++e) {
             const double factor = i.turn[a][e] / owner.weight;
             c.slip[a] += factor * slips.value[at(i.corner)][e];
-            const std::array<double, 24>& row = slips.gradient[at(i.corner)][e];
-            for (std::size_t b = 0; b < (opposite.carried ? 4 : 8); ++b) {
-              const std::size_t place = n * a + 3 * place_of(b < 4 ? secondary[b] : opposite.slot[b - 4]);
+            std::array<double, 24> row = slips.gradient[at(i.corner)][e];
+            if (carried()) carrier_.chain(i.facet, &slips.gradient[at(i.corner)][e][12], &row[12]);
+            const int* other = carried() ? carrier_.slots().data() : opposite.slot.data();
+            for (std::size_t b = 0; b < (opposite.carried && !carried() ? 4 : 8); ++b) {
+              const std::size_t place = n * a + 3 * place_of(b < 4 ? secondary[b] : other[b - 4]);
               for (std::size_t m = 0; m < 3; ++m) gradient[place + m] += factor * row[3 * b + m];
             }
           }
@@ -219,6 +239,29 @@ void MortarForm::add_slip(std::size_t number, const std::vector<double>& u, Node
     }
   }
   c.slip_gradient = gradient;
+}
+
+void MortarForm::add_plane_slip(const Node& owner, const std::vector<double>& u, NodePlaces& place_of,
+                                SlipRows& rows, Constraint& c) const {
+  const std::array<Point3, 2> t = plane_tangents();
+  const std::size_t d = at(dim_), n = d * place_of.node.size();
+  std::array<double, 24> local;
+  std::array<double, 4> weight;
+  for (const Incident& i : owner.facets) {
+    for (std::size_t b = 0; b < corners_; ++b)
+      weight[b] = facets_[at(i.facet)].onto.D[at(i.corner)][b] / owner.weight;
+    for (std::size_t a = 0; a < d - 1; ++a) {
+      const ObstacleCarrier::PlaneSlip slip =
+          carrier_.slip(nodes(), i.facet, {weight.data(), corners_}, t[a], u);
+      c.slip[a] += slip.function.value;
+      local.fill(0);
+      carrier_.add_gradient(slip.function, {weight.data(), corners_}, slip.shares, 1, local.data());
+      for (std::size_t b = 0; b < corners_ + carrier_.slots().size(); ++b) {
+        const int slot = b < corners_ ? secondary_slots(i.facet)[b] : carrier_.slots()[b - corners_];
+        for (std::size_t k = 0; k < d; ++k) rows.gradient[n * a + d * place_of(slot) + k] += local[d * b + k];
+      }
+    }
+  }
 }
 
 std::array<Point3, 2> MortarForm::plane_tangents() const {
@@ -235,7 +278,7 @@ void MortarForm::place_anchor(int facet, const FacetAnchor& anchor, const std::v
     slots[4 + a] = anchor.opposite.slot[a];
     s[a] = nodes().place<3>(secondary[a], secondary[0], u);
   }
-  p = place_opposite(anchor.opposite, secondary[0], u);
+  p = place_opposite(anchor.opposite, facet, secondary[0], u);
 }
 
 void MortarForm::place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
@@ -243,7 +286,7 @@ void MortarForm::place_anchor(const Anchor& anchor, const std::vector<double>& u
   const int* secondary = secondary_slots(anchor.facet);
   slots = {secondary[0], secondary[1], anchor.opposite.slot[0], anchor.opposite.slot[1]};
   for (std::size_t a = 0; a < 2; ++a) s[a] = nodes().place<2>(slots[a], slots[0], u);
-  p = place_opposite(anchor.opposite, slots[0], u);
+  p = place_opposite(anchor.opposite, anchor.facet, slots[0], u);
 }
 
 Slip MortarForm::slip_at(const Anchor& anchor, const std::vector<double>& u,
@@ -255,6 +298,7 @@ Slip MortarForm::slip_at(const Anchor& anchor, const std::vector<double>& u,
 
 void MortarForm::visit_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
                                       const BlockVisitor& visitor) const {
+  if (on_plane() && carried()) return visit_plane_slip_curvature(u, factors, visitor);
   for (int f = 0; f < static_cast<int>(facet_anchors_.size()); ++f) {
     std::array<std::array<double, 2>, 4> factor{};
     bool any = false;
@@ -278,7 +322,7 @@ void MortarForm::visit_slip_curvature(const std::vector<double>& u, const Curvat
       place_anchor(f, anchor, u, slots, s, p);
       std::array<double, 576> block{};
       add_face_slip_hessian(s, p, facet.map, anchor.pair, factor, block);
-      visit_secondary(slots, block, anchor.opposite.carried, visitor);
+      visit_slip_block(f, anchor.opposite.carried, slots, block, visitor);
     }
   }
   for (std::size_t number = 0; number < anchors_.size(); ++number) {
@@ -291,7 +335,33 @@ void MortarForm::visit_slip_curvature(const std::vector<double>& u, const Curvat
       place_anchor(anchor, u, slots, s, p);
       std::array<double, 64> block = slip_hessian(s, p, anchor.pair);
       for (double& value : block) value *= factor;
-      visit_secondary(slots, block, anchor.opposite.carried, visitor);
+      visit_slip_block(anchor.facet, anchor.opposite.carried, slots, block, visitor);
+    }
+  }
+}
+
+void MortarForm::visit_plane_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                                            const BlockVisitor& visitor) const {
+  const std::array<Point3, 2> t = plane_tangents();
+  const std::size_t count = corners_ + carrier_.slots().size(), n = at(dim_) * count;
+  std::array<double, 4> weight;
+  std::array<double, 576> block;
+  std::vector<int> node;
+  for (const Node& owner : owned_) {
+    const Tangential factor = factors.of_slip(owner.local);
+    if (factor == Tangential{}) continue;
+    for (const Incident& i : owner.facets) {
+      for (std::size_t b = 0; b < corners_; ++b)
+        weight[b] = facets_[at(i.facet)].onto.D[at(i.corner)][b] / owner.weight;
+      block.fill(0);
+      for (std::size_t a = 0; a < at(dim_) - 1; ++a) {
+        const ObstacleCarrier::PlaneSlip slip =
+            carrier_.slip(nodes(), i.facet, {weight.data(), corners_}, t[a], u);
+        carrier_.add_hessian(slip.function, {weight.data(), corners_}, slip.shares, factor[a], block.data());
+      }
+      node.assign(secondary_slots(i.facet), secondary_slots(i.facet) + corners_);
+      node.insert(node.end(), carrier_.slots().begin(), carrier_.slots().end());
+      visitor(node, {block.data(), n * n});
     }
   }
 }

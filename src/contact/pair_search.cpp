@@ -260,8 +260,8 @@ void PairSearch::drop_neighbours(Vec u) {
 }
 
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
+  if (list_.candidates.offset.empty()) return added_; // against a rigid plane, sphere or cylinder
   std::vector<PetscInt> nodes;
-  if (list_.candidates.offset.empty()) return nodes; // against a rigid plane
   for (int c = list_.candidates.offset[at(secondary_facet)];
        c < list_.candidates.offset[at(secondary_facet + 1)]; ++c)
     for (PetscInt node : list_.candidates.primary[at(list_.candidates.facet[at(c)])].node)
@@ -274,6 +274,7 @@ void PairSearch::fetch_nodes(Vec u) {
   next.dim = dim_;
   next.corners = corners_;
   next.global = secondary_;
+  next.global.insert(next.global.end(), added_.begin(), added_.end());
   for (const SearchFacet& facet : list_.candidates.primary) {
     next.global.insert(next.global.end(), facet.node.begin(), facet.node.end());
     for (PetscInt node : facet.neighbour)

@@ -5,6 +5,7 @@
 #include <impact/mesh/gmsh.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/mesh/partition.hpp>
+#include <limits>
 #include <sstream>
 
 namespace impact {
@@ -276,10 +277,50 @@ std::vector<Group> groups_from_labels(DM dm) {
   return groups;
 }
 
+namespace {
+
+std::array<double, 6> box_of(const GmshFile& file, double scale) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  std::array<double, 6> box = {far, far, far, -far, -far, -far};
+  for (std::size_t i = 0; i < file.x.size(); ++i) {
+    box[i % 3] = std::min(box[i % 3], scale * file.x[i]);
+    box[3 + i % 3] = std::max(box[3 + i % 3], scale * file.x[i]);
+  }
+  return box;
+}
+
+void append(GmshFile& file, const AddedCell& cell, double scale) {
+  for (const GmshGroup& group : file.groups)
+    if (group.name == cell.region)
+      throw UserError(ExitCode::data, "mesh: has a group \"" + cell.region +
+                                          "\", a name that the program needs for the body of a rigid "
+                                          "obstacle with mass; rename one of them");
+  GmshBlock block;
+  block.dim = file.dim;
+  block.nodes = static_cast<int>(cell.corner.size());
+  block.groups = {static_cast<int>(file.groups.size())};
+  for (const std::array<double, 3>& X : cell.corner) {
+    block.node.push_back(static_cast<int>(file.x.size() / 3));
+    for (double component : X) file.x.push_back(component / scale);
+  }
+  file.groups.push_back({cell.region, file.dim, 0});
+  file.blocks.insert(file.blocks.begin(), std::move(block)); // DMPlex refines simplices before other cells
+}
+
+} // namespace
+
 Mesh read_mesh(MPI_Comm comm, const MeshRequest& request) {
   GmshFile file;
   on_rank_zero(comm, [&] { file = read_file(request); });
   MPI_Bcast(&file.dim, 1, MPI_INT, 0, comm);
+  if (request.add) {
+    std::array<double, 6> box = box_of(file, request.scale);
+    MPI_Bcast(box.data(), 6, MPI_DOUBLE, 0, comm);
+    const std::vector<AddedCell> added = request.add(file.dim, box);
+    on_rank_zero(comm, [&] {
+      for (const AddedCell& cell : added) append(file, cell, request.scale);
+    });
+  }
   std::vector<Group> groups = share_groups(comm, file.groups);
   Handle<DM> dm = make_topology(comm, file);
   set_coordinates(dm, file, request.scale);

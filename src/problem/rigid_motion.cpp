@@ -240,8 +240,8 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies,
   for (const ContactInterface& contact : contacts) {
     const ContactSettings& settings = contact.settings();
     if (!(contact.measures(undeformed).gap_min <= settings.gap_tol)) continue; // nan: nothing is near
-    for (const std::string& side : {settings.secondary, settings.primary})
-      if (!ContactSettings::rigid_name(side))
+    for (const std::string& side : {settings.secondary, settings.primary, settings.carrier})
+      if (!side.empty() && !ContactSettings::rigid_name(side))
         for (int node : d.mesh.nodes(side))
           touched[static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)])] = 1;
   }

@@ -124,6 +124,11 @@ void HistoryObserver::check_fields() const {
 
 void HistoryObserver::locate_probes() {
   const Discretisation& d = motion_.discretisation();
+  // Cells that stand for rigid obstacles are in the place of other bodies.
+  std::vector<PetscInt> obstacles;
+  for (const ContactScenario& contact : scenario_.contacts)
+    if (scenario_.has_motion() && !contact.carrier.empty())
+      for (PetscInt cell : d.mesh.region_cells(contact.carrier)) obstacles.push_back(cell);
   for (const ProbeScenario& probe : scenario_.probes) {
     Located found;
     std::vector<PetscInt> region =
@@ -133,6 +138,9 @@ void HistoryObserver::locate_probes() {
         for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
           if (!probe.region.empty() &&
               std::find(region.begin(), region.end(), table.point[c]) == region.end())
+            continue;
+          if (probe.region.empty() &&
+              std::find(obstacles.begin(), obstacles.end(), table.point[c]) != obstacles.end())
             continue;
           double X[Cell::nodes * Cell::dim], N[Cell::nodes];
           for (int a = 0; a < Cell::nodes; ++a)

@@ -161,6 +161,40 @@ void check_contact(const ContactSettings& contact) {
          "\": is less than the starting penalty; allowed: >= " + number_text(contact.penalty));
 }
 
+void check_obstacle(const ContactScenario& contact, const Scenario& scenario) {
+  const std::string prefix = "-contact_" + contact.id + "_";
+  const bool inertia = !std::isnan(contact.rigid_inertia);
+  const auto given = [](const auto& components) {
+    return std::find_if(std::begin(components), std::end(components),
+                        [](const auto& c) { return c.has_value(); });
+  };
+  if (contact.rigid_mass == 0) {
+    const auto turn = given(contact.rigid_r);
+    const std::string name = inertia                         ? prefix + "rigid_inertia"
+                             : contact.rigid_length > 0      ? prefix + "rigid_length"
+                             : turn != contact.rigid_r.end() ? (*turn)->key()
+                                                             : "";
+    if (!name.empty())
+      fail(name + ": is for a rigid body with mass; give " + prefix + "rigid_mass, or remove it");
+    return;
+  }
+  const std::string mass = prefix + "rigid_mass \"" + number_text(contact.rigid_mass) + "\": ";
+  if (!contact.rigid())
+    fail(mass + "`" + contact.primary +
+         "` is a boundary of the mesh; allowed: with plane, rigid_sphere, rigid_cylinder as the primary; a "
+         "meshed body has the mass of its material");
+  if (contact.rigid_length > 0 && (contact.primary != "rigid_cylinder" || inertia))
+    fail(prefix + "rigid_length \"" + number_text(contact.rigid_length) + "\": " +
+         (inertia ? "beside " + prefix + "rigid_inertia there is nothing for it to say"
+                  : "`" + contact.primary + "` has none; allowed: with rigid_cylinder") +
+         "; remove it");
+  if (scenario.has_heat())
+    fail(mass + "not available with heat; allowed: runs without; mesh the body, or prescribe its motion");
+  if (scenario.contact_operator == ContactOperator::shell)
+    fail("-contact_operator \"shell\": not with the rigid body of -contact_" + contact.id +
+         "_rigid_mass; allowed: assembled, the default");
+}
+
 void check_contact_heat(const ContactScenario& contact, const Scenario& scenario) {
   const std::string prefix = "-contact_" + contact.id + "_";
   if (contact.conductance > 0 && !scenario.has_heat() && scenario.physics.empty())
@@ -309,6 +343,10 @@ void check_matrix(const Scenario& scenario) {
   for (const BoundaryCondition& bc : scenario.bcs)
     if (bc.type == BcType::pressure)
       fail(key + "that of -bc_" + bc.id + "_type pressure is not; allowed: dead loads; " + remedy);
+  for (const ContactScenario& contact : scenario.contacts)
+    if (contact.rigid_mass > 0)
+      fail(key + "that of -contact_" + contact.id +
+           "_rigid_mass is not; allowed: rigid bodies that move as told; " + remedy);
   for (const ContactSettings& contact : scenario.contacts)
     if (contact.friction > 0)
       fail(key + "that of -contact_" + contact.id + "_friction is not; allowed: no friction; " + remedy);
@@ -385,6 +423,28 @@ private:
   int dim_;
 };
 
+void check_obstacle_motion(const ContactScenario& contact, const Scenario& scenario, const GroupCheck& check,
+                           int dim) {
+  if (contact.carrier.empty()) return;
+  check.component(contact.rigid_u[2]);
+  for (std::size_t k = 0; k < 2; ++k)
+    if (dim == 2 && contact.rigid_r[k])
+      GroupCheck::data(contact.rigid_r[k]->key() + " \"" + contact.rigid_r[k]->text() +
+                       "\": the mesh is plane; allowed: rz");
+  const bool ring = scenario.plane == PlaneMode::axisymmetric,
+             held = ring || (contact.primary == "plane" && std::isnan(contact.rigid_inertia));
+  bool moves = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (k < static_cast<std::size_t>(dim)) moves = moves || !(contact.rigid_u[k] || (ring && k == 0));
+    if (dim == 3 || k == 2) moves = moves || !(contact.rigid_r[k] || held);
+  }
+  if (!moves)
+    fail("-contact_" + contact.id + "_rigid_mass \"" + number_text(contact.rigid_mass) +
+         "\": the whole motion is prescribed, and nothing is left that a mass could change; allowed: leave a "
+         "component of -contact_" +
+         contact.id + "_rigid_u out, or the mass");
+}
+
 void check_condition_groups(const Scenario& scenario, const GroupCheck& check, int dim) {
   for (const BoundaryCondition& bc : scenario.bcs) {
     const bool surface = bc.type == BcType::traction || bc.type == BcType::pressure ||
@@ -421,6 +481,8 @@ bool iterates(const Scenario& scenario) {
 }
 
 void complete(Scenario& scenario) {
+  for (ContactScenario& contact : scenario.contacts)
+    if (contact.rigid_mass > 0 && contact.rigid()) contact.carrier = "obstacle_" + contact.id;
   complete_time(scenario.time);
   if (scenario.coupling.max_it == 0)
     scenario.coupling.max_it =
@@ -450,6 +512,7 @@ void check_scenario(const Scenario& scenario) {
   check_heat(scenario);
   for (const ContactScenario& contact : scenario.contacts) {
     check_contact(contact);
+    check_obstacle(contact, scenario);
     check_contact_heat(contact, scenario);
   }
   check_impact_updates(scenario);
@@ -473,7 +536,8 @@ void check_groups(const Scenario& scenario, const std::vector<Group>& groups, in
     for (const std::string& region : material.regions)
       check("-material_" + material.law.id + "_region", region, {dim});
   check_condition_groups(scenario, check, dim);
-  for (const ContactSettings& contact : scenario.contacts) {
+  for (const ContactScenario& contact : scenario.contacts) {
+    check_obstacle_motion(contact, scenario, check, dim);
     check("-contact_" + contact.id + "_secondary", contact.secondary, {dim - 1});
     if (!contact.rigid()) check("-contact_" + contact.id + "_primary", contact.primary, {dim - 1});
   }

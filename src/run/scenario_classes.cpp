@@ -52,8 +52,28 @@ std::vector<OptionRow<Contact>> contact_side_rows() {
                           not_negative),
   };
   add_components<Contact>(
-      rows, "rigid_u", [](auto& c) -> auto& { return c.rigid_u; }, "displacement of the rigid body over t",
+      rows, "rigid_u", [](auto& c) -> auto& { return c.rigid_u; },
+      "displacement of the rigid body over t; left out: none, or with a mass free",
       [](const Contact&) { return std::string("m"); }, "m");
+  rows.push_back(number_row<Contact>("rigid_mass", &Contact::rigid_mass,
+                                     {"of the rigid body, which then moves freely as the region "
+                                      "obstacle_<id>; of plane bodies for the whole "
+                                      "thickness; left out: it moves as told",
+                                      "", "kg", "M"},
+                                     positive, {{"", 0.}}));
+  rows.push_back(number_row<Contact>(
+      "rigid_inertia", &Contact::rigid_inertia,
+      {"its moment of inertia about any axis through its centre; auto: 2/5 M R^2 of a sphere, M R^2/2 of a "
+       "cylinder about its axis, also in the plane; a plane does not turn",
+       "auto", "kg.m^2", "J"},
+      positive, automatic()));
+  rows.push_back(number_row<Contact>(
+      "rigid_length", &Contact::rigid_length,
+      {"of a rigid cylinder in space, for its inertia across the axis", "", "m"}, positive, {{"", 0.}}));
+  add_components<Contact>(
+      rows, "rigid_r", [](auto& c) -> auto& { return c.rigid_r; },
+      "rotation of a rigid body with mass about its centre over t, as with -bc_<id>_rx; left out: free",
+      [](const Contact&) { return std::string("1"); }, "1");
   return rows;
 }
 

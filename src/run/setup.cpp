@@ -3,14 +3,26 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/shifted_mesh.hpp>
 #include <impact/problem/rigid_motion.hpp>
+#include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>
 
 namespace impact {
 
 namespace {
 
-Mesh make_mesh(MPI_Comm comm, const Scenario& s) {
+// `obstacles`: becomes the bodies of rigid obstacles with mass.
+Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obstacles) {
   MeshRequest request;
+  if (s.has_motion())
+    request.add = [&](int dim, const std::array<double, 6>& box) {
+      std::vector<AddedCell> cells;
+      for (const ContactScenario& contact : s.contacts) {
+        if (contact.carrier.empty()) continue;
+        obstacles.push_back(obstacle_body(contact, dim, s.plane, s.thickness, box));
+        cells.push_back(obstacles.back().cell);
+      }
+      return cells;
+    };
   request.file = s.mesh.file;
   request.parameters = s.mesh.set;
   request.scale = s.mesh.scale;
@@ -25,7 +37,8 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s) {
   return mesh;
 }
 
-std::vector<MaterialAssignment> assign_materials(const Scenario& s) {
+std::vector<MaterialAssignment> assign_materials(const Scenario& s,
+                                                 const std::vector<ObstacleBody>& obstacles) {
   std::vector<MaterialAssignment> materials;
   for (const MaterialScenario& m : s.materials) {
     MaterialParameters p = m.law;
@@ -41,6 +54,13 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s) {
       p.locking = Locking::none;
     }
     materials.push_back({PointLaw{p}, m.regions});
+  }
+  for (const ObstacleBody& body : obstacles) {
+    MaterialParameters p;
+    p.id = body.cell.region;
+    p.model = Model::rigid;
+    p.rho = body.density;
+    materials.push_back({PointLaw{p}, {body.cell.region}});
   }
   return materials;
 }
@@ -60,7 +80,7 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
   for (const ContactScenario& contact : s.contacts) {
     ContactSettings settings = contact;
     for (std::size_t k = 0; k < 3; ++k)
-      if (const auto& u = contact.rigid_u[k])
+      if (const auto& u = contact.rigid_u[k]; u && contact.carrier.empty())
         settings.rigid_motion[k] = [u = *u, dim = d.dim()](double t) {
           const std::array<double, 3> origin{};
           return u(origin.data(), dim, t);
@@ -85,13 +105,15 @@ std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisat
 }
 
 // Conditions of physics that is switched off are passed over.
-std::vector<BoundaryCondition> conditions_at_work(const Scenario& s) {
+std::vector<BoundaryCondition> conditions_at_work(const Scenario& s, int dim) {
   std::vector<BoundaryCondition> conditions;
   for (const BoundaryCondition& bc : s.bcs)
     if (is_thermal(bc.type)         ? s.has_heat()
         : bc.type == BcType::damage ? s.has_damage() || s.has_motion()
                                     : s.has_motion())
       conditions.push_back(bc);
+  if (s.has_motion())
+    for (BoundaryCondition& bc : obstacle_conditions(s, dim)) conditions.push_back(std::move(bc));
   return conditions;
 }
 
@@ -101,9 +123,10 @@ Frame frame_of(PlaneMode plane) {
                                           : Frame::plane_strain;
 }
 
-std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s) {
-  Discretisation d = discretise(std::move(mesh), assign_materials(s), frame_of(s.plane), s.thickness);
-  std::vector<BoundaryCondition> conditions = conditions_at_work(s);
+std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<ObstacleBody>& obstacles) {
+  Discretisation d =
+      discretise(std::move(mesh), assign_materials(s, obstacles), frame_of(s.plane), s.thickness);
+  std::vector<BoundaryCondition> conditions = conditions_at_work(s, d.dim());
   RigidBodies rigid(d, conditions, s.time.max_time);
   BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node());
   auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}});
@@ -155,7 +178,8 @@ void report(const ContactSettings& contact, const Adjusted& adjusted, const Mesh
 // Moves the secondary nodes of contacts that overlap at the start out of their primaries, contact by contact,
 // and builds everything on the mesh that this makes. What is moved may overlap something else, a little, or a
 // curved surface by the square of the way: more than one round.
-void adjust_overlaps(const Scenario& s, std::unique_ptr<Setup>& setup) {
+void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacles,
+                     std::unique_ptr<Setup>& setup) {
   constexpr int rounds = 5;
   std::vector<Adjusted> adjusted(setup->contacts.size());
   for (int round = 1, moved = 1; moved > 0; ++round) {
@@ -173,7 +197,7 @@ void adjust_overlaps(const Scenario& s, std::unique_ptr<Setup>& setup) {
       round_off(overlap.shift, contact.initial_tol);
       adjusted[i].add(overlap.shift);
       moved += overlap.nodes;
-      setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s);
+      setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
     }
   }
   for (std::size_t i = 0; i < adjusted.size(); ++i)
@@ -183,10 +207,12 @@ void adjust_overlaps(const Scenario& s, std::unique_ptr<Setup>& setup) {
 } // namespace
 
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
-  std::unique_ptr<Setup> setup = build_on(make_mesh(comm, s), s);
+  std::vector<ObstacleBody> obstacles;
+  Mesh mesh = make_mesh(comm, s, obstacles);
+  std::unique_ptr<Setup> setup = build_on(std::move(mesh), s, obstacles);
   for (const ContactInterface& contact : setup->contacts)
     for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
-  adjust_overlaps(s, setup);
+  adjust_overlaps(s, obstacles, setup);
   if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))

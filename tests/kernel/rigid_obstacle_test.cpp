@@ -87,3 +87,71 @@ TEST(RigidObstacle, DistancesFromThePoleAreTheSameAndKeepTheirDigits) {
     }
   }
 }
+
+namespace {
+
+// The value at place q + c and direction d, both moved.
+double moved_gap(RigidObstacle obstacle, const std::array<double, 3>& x, const std::array<double, 6>& by) {
+  std::array<double, 3> place = x;
+  for (std::size_t k = 0; k < 3; ++k) {
+    place[k] += by[k];
+    obstacle.direction[k] += by[3 + k];
+  }
+  return carried_gap(obstacle, place).value;
+}
+
+} // namespace
+
+TEST(RigidObstacle, GapsOfCarriedOnesHaveExactDerivativesByPlaceAndDirection) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-2, 2);
+  constexpr double h = 1e-4;
+  for (RigidObstacle obstacle : obstacles())
+    for (const double size : {1.0, 0.9}) // between two rigid states directions are shorter
+      for (int trial = 0; trial < 20; ++trial) {
+        RigidObstacle now = obstacle;
+        for (double& component : now.direction) component *= size;
+        const std::array<double, 3> x = {u(random), u(random), u(random)};
+        const CarriedFunction at = carried_gap(now, x);
+        if (size == 1) {
+          EXPECT_NEAR(at.value, gap_to(obstacle, x).gap, 1e-15);
+        }
+        // How the two take part in a motion of one node, chosen at random.
+        const CarriedShare row = {u(random), u(random)}, column = {u(random), u(random)};
+        const std::array<double, 3> gradient = gradient_by(at, row);
+        const std::array<double, 9> hessian = hessian_by(at, row, column);
+        const auto value = [&](std::size_t i, double a, std::size_t j, double b) {
+          std::array<double, 6> by{};
+          by[i] += a * row.place;
+          by[3 + i] += a * row.direction;
+          by[j] += b * column.place;
+          by[3 + j] += b * column.direction;
+          return moved_gap(now, x, by);
+        };
+        // Central differences of fourth order.
+        const auto slope = [&](auto&& f) { return (8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h); };
+        for (std::size_t i = 0; i < 3; ++i) {
+          EXPECT_NEAR(gradient[i], slope([&](double a) { return value(i, a, 0, 0); }), 1e-9);
+          for (std::size_t j = 0; j < 3; ++j) {
+            const double difference =
+                slope([&](double a) { return slope([&](double b) { return value(i, a, j, b); }); });
+            EXPECT_NEAR(hessian[3 * i + j], difference, 2e-6 * (1 + std::abs(difference)));
+          }
+        }
+      }
+}
+
+TEST(RigidObstacle, TheGapToACarriedPlaneChangesByItsGradientAtTheMiddle) {
+  const std::array<double, 3> q0 = {0.3, -0.2, 0.7}, q1 = {-0.1, 0.4, 0.2}, d0 = {0.6, 0.8, 0},
+                              d1 = {0, 0.6, 0.8};
+  std::array<double, 3> q{}, d{};
+  double change = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    q[k] = (q0[k] + q1[k]) / 2;
+    d[k] = (d0[k] + d1[k]) / 2;
+  }
+  const CarriedFunction middle = carried_product(q, d);
+  for (std::size_t k = 0; k < 3; ++k)
+    change += middle.by_place[k] * (q1[k] - q0[k]) + middle.by_direction[k] * (d1[k] - d0[k]);
+  EXPECT_NEAR(change, carried_product(q1, d1).value - carried_product(q0, d0).value, 1e-15);
+}

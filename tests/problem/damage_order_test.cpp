@@ -1,4 +1,4 @@
-#include "box_mesh.hpp"
+#include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
 
 // The damage equation alone: its drive is written into the state, so that a chosen phi is the solution.
@@ -6,8 +6,8 @@
 namespace impact {
 namespace {
 
-using problem_test::box_mesh;
 using problem_test::Field;
+using run_test::box_mesh;
 
 constexpr double pi = std::numbers::pi;
 

@@ -1,4 +1,4 @@
-#include "box_mesh.hpp"
+#include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
 #include <impact/problem/heat.hpp>
 
@@ -7,9 +7,9 @@
 namespace impact {
 namespace {
 
-using problem_test::box_mesh;
 using problem_test::expression;
 using problem_test::Field;
+using run_test::box_mesh;
 
 constexpr double pi = std::numbers::pi;
 

@@ -1,4 +1,4 @@
-#include "box_mesh.hpp"
+#include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
 
 // Manufactured solutions: a smooth displacement is chosen, the body force that makes it the solution follows
@@ -8,10 +8,10 @@
 namespace impact {
 namespace {
 
-using problem_test::box_mesh;
 using problem_test::condition;
 using problem_test::Field;
 using problem_test::MotionCase;
+using run_test::box_mesh;
 
 constexpr double pi = std::numbers::pi;
 

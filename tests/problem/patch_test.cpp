@@ -1,4 +1,4 @@
-#include "box_mesh.hpp"
+#include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
 #include <cstdlib>
 #include <random>
@@ -9,9 +9,9 @@
 namespace impact {
 namespace {
 
-using problem_test::box_mesh;
 using problem_test::condition;
 using problem_test::MotionCase;
+using run_test::box_mesh;
 
 /// Inner nodes moved by up to 20 % of the cell in each direction; the same on all ranks.
 std::string distorted(Shape shape, int n) {

@@ -278,6 +278,43 @@ const std::vector<Row>& rows() {
        "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -contact_tip_friction is not; "
        "allowed: no "
        "friction; choose -motion_mat_type aij"},
+      {{{"-contact_tip_rigid_mass", "1"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_mass \"1\": `beam_bottom` is a boundary of the mesh; allowed: with plane, "
+       "rigid_sphere, rigid_cylinder as the primary; a meshed body has the mass of its material"},
+      {{{"-contact_tip_primary", "plane"}, {"-contact_tip_rigid_mass", "0"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_mass \"0\": out of range; allowed: > 0 kg"},
+      {{{"-contact_tip_primary", "plane"}, {"-contact_tip_rigid_inertia", "1"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_inertia: is for a rigid body with mass; give -contact_tip_rigid_mass, or remove "
+       "it"},
+      {{{"-contact_tip_primary", "plane"}, {"-contact_tip_rigid_rz", "t"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_rz: is for a rigid body with mass; give -contact_tip_rigid_mass, or remove it"},
+      {{{"-contact_tip_primary", "plane"},
+        {"-contact_tip_rigid_mass", "1"},
+        {"-contact_tip_rigid_length", "1"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_length \"1\": `plane` has none; allowed: with rigid_cylinder; remove it"},
+      {{{"-contact_tip_primary", "plane"},
+        {"-contact_tip_rigid_mass", "1"},
+        {"-material_beam_c_v", "1000"},
+        {"-material_wedge_c_v", "1000"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_mass \"1\": not available with heat; allowed: runs without; mesh the body, or "
+       "prescribe its motion"},
+      {{{"-contact_tip_primary", "plane"}, {"-contact_tip_rigid_mass", "1"}, {"-contact_operator", "shell"}},
+       ExitCode::usage,
+       "-contact_operator \"shell\": not with the rigid body of -contact_tip_rigid_mass; allowed: assembled, "
+       "the default"},
+      {{{"-contact_tip_primary", "plane"},
+        {"-contact_tip_rigid_mass", "1"},
+        {"-motion_mat_type", "sbaij"},
+        {"-motion_tangent", "symmetric"}},
+       ExitCode::usage,
+       "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -contact_tip_rigid_mass is not; "
+       "allowed: rigid bodies that move as told; choose -motion_mat_type aij"},
       {{{"-motion_mat_type", "sbaij"},
         {"-motion_tangent", "symmetric"},
         {"-bc_push_type", "pressure"},

@@ -24,7 +24,6 @@ public:
                 ContactSurface secondary, const ContactSurface& primary, double hold_gap);
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
-  void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
@@ -37,6 +36,7 @@ public:
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 
 private:
+  void release() override;
   // A triangle of a candidate, as a point sees it.
   struct Seen {
     int candidate = -1, triangle = 0; // -1: none
@@ -92,6 +92,7 @@ private:
   // Visits the points that face something: visitor(constraint, facet, what is seen).
   template <class Visitor>
   void visit_points(const std::vector<double>& u, const PressureLaw& law, Visitor&& visitor) const;
+  CarriedFunction carried_gap_of(int facet, int point, const std::vector<double>& u) const;
   void add_gap_gradient(int facet, const Seen& seen, const std::vector<double>& u, Workspace& w,
                         Constraint& c) const;
   // What a point's anchor looks like at u.
@@ -104,7 +105,6 @@ private:
                 bool with_gradient, Workspace& w, Constraint& c) const;
 
   ContactSettings settings_;
-  ObstaclePose pose_;
   ContactSurface secondary_;
   std::vector<int> corners_; // [secondary facet] different ones
   std::vector<FaceMap> map_; // [secondary facet], with friction

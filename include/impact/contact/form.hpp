@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <impact/contact/obstacle_carrier.hpp>
 #include <impact/contact/pair_search.hpp>
 #include <impact/contact/settings.hpp>
 #include <impact/kernel/contact_pair.hpp>
@@ -87,7 +88,7 @@ struct CurvatureFactors {
 /// call.
 using BlockVisitor = std::function<void(std::span<const int>, std::span<const double>)>;
 
-/// Where a rigid body stands in an attempt.
+/// Where a rigid obstacle stands in an attempt; one with mass: in the reference configuration, not moved.
 struct ObstaclePose {
   RigidObstacle obstacle;        ///< at the end of the step
   std::array<double, 3> moved{}; ///< its displacement since the start of the step
@@ -102,12 +103,26 @@ inline PairSearch::Primary what_it_meets(const ContactSettings& settings) {
 class ContactForm {
 public:
   virtual ~ContactForm() = default;
+  /// The rigid obstacle moves as a body of the mesh does. Before the first update.
+  void carry(ObstacleCarrier carrier) {
+    carrier_ = std::move(carrier);
+    search_.add_nodes(carrier_.nodes());
+  }
 
   /// A row that holds so many numbers per constraint, [constraint][component], and its length.
   virtual std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const = 0;
   /// Beginning of an attempt; `pose`: of the rigid body, where the primary is one; `u_n`: where the attempt
   /// starts, or null. Slip counts from there. Collective.
-  virtual void begin_attempt(const ObstaclePose& pose, Vec u_n) = 0;
+  void begin_attempt(const ObstaclePose& pose, Vec u_n) {
+    switched_ = false;
+    release();
+    if (u_n) {
+      search_.begin_attempt(u_n);
+      if (list_restored()) carrier_.locate(nodes());
+      anchor(u_n);
+    }
+    pose_ = pose;
+  }
   /// Slip counts from u and from the rigid body's present place from now on. Collective.
   virtual void anchor(Vec u) = 0;
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
@@ -146,7 +161,22 @@ public:
   virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
 
 protected:
+  /// What was kept fixed during the solves of the last attempt is free again.
+  virtual void release() = 0;
+  bool carried() const { return !carrier_.empty(); }
+  /// The rigid obstacle at the displacement u of nodes().
+  RigidObstacle obstacle_at(const std::vector<double>& u) const {
+    return carried() ? carrier_.obstacle(u) : pose_.obstacle;
+  }
+  PairSearch::Outcome update_pairs(Vec u) {
+    const PairSearch::Outcome outcome = search_.update(u);
+    if (outcome != PairSearch::Outcome::kept) carrier_.locate(nodes());
+    return outcome;
+  }
+
   PairSearch search_;
+  ObstaclePose pose_;
+  ObstacleCarrier carrier_; ///< empty: the obstacle, where there is one, moves as told
   bool switched_ = false;
 };
 

@@ -21,7 +21,6 @@ public:
                  ContactSurface secondary, const ContactSurface& primary, double hold_gap);
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
-  void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
@@ -34,10 +33,11 @@ public:
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 
 private:
+  void release() override;
   // A point of a secondary facet and what it faces.
   struct Point {
     int facet = 0, index = 0;      // secondary facet of this rank; facet * points + point
-    int node_count = 4;            // 4, or 2 against the rigid plane
+    int node_count = 4;            // 4, or 2 against a rigid body that is no mesh
     std::array<int, 4> node{};     // into nodes(): secondary 0, 1, primary 0, 1
     std::array<double, 2> shape{}; // secondary shape functions
     Foot<double> foot;
@@ -74,7 +74,12 @@ private:
                 Workspace& w, Constraint& c) const;
   Point on_facet(int facet) const; // which faces nothing yet
   void hold_edges(const std::vector<double>& x, const PressureLaw& law);
-  Foot<double> obstacle_foot(const Point2<double>& x) const;
+  // Whether the point at x faces the rigid body.
+  static bool face_obstacle(const RigidObstacle& obstacle, const Point2<double>& x,
+                            const Point2<double>& normal, Point& point);
+  // What an obstacle with mass adds to a constraint: its nodes behind the secondary ones.
+  void add_carrier(Workspace& w, Constraint& c) const;
+  CarriedFunction carried_gap_of(const Point& point, const std::vector<double>& u) const;
   // What the point at x faces: its held edge, else the nearest, else one that it passed in this step.
   bool face(const Point2<double>& x, const Point2<double>& normal, const std::vector<double>& coordinates,
             const Hold& hold, Point& point) const;
@@ -92,7 +97,6 @@ private:
 
   ContactSettings settings_;
   Frame frame_;
-  ObstaclePose pose_;
   ContactSurface secondary_;
   SurfacePoints points_;
   std::vector<double> nodal_area_;

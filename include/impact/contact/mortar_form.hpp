@@ -26,7 +26,6 @@ public:
              const ContactSurface& secondary, const ContactSurface& primary);
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
-  void begin_attempt(const ObstaclePose& pose, Vec u_n) override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
   NodePairs couplings() const override;
@@ -39,6 +38,7 @@ public:
   void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
 
 private:
+  void release() override;
   // A point of the integrals over the gap to a rigid body: weights of the facet's corners in its place, and
   // Phi_a dA_0.
   struct FacetPoint {
@@ -153,11 +153,14 @@ private:
   // The secondary edge and the primary one of an anchor at u, seen from the secondary's first node.
   // Places of what lay opposite, seen from a secondary node.
   template <std::size_t corners, std::size_t dim>
-  std::array<std::array<double, dim>, corners>
-  place_opposite(const Opposite<corners, dim>& opposite, int origin, const std::vector<double>& u) const {
+  std::array<std::array<double, dim>, corners> place_opposite(const Opposite<corners, dim>& opposite,
+                                                              int facet, int origin,
+                                                              const std::vector<double>& u) const {
     std::array<std::array<double, dim>, corners> p;
     for (std::size_t b = 0; b < corners; ++b)
-      if (!opposite.carried)
+      if (opposite.carried && carried())
+        p[b] = carrier_.place<dim>(nodes(), facet, static_cast<int>(b), origin, u);
+      else if (!opposite.carried)
         p[b] = nodes().place<dim>(opposite.slot[b], origin, u);
       else
         for (std::size_t k = 0; k < dim; ++k) {
@@ -181,15 +184,28 @@ private:
                 Constraint& c) const;
   // A rigid plane has directions of its own.
   bool on_plane() const { return settings_.rigid() && pose_.obstacle.shape == RigidObstacle::Shape::plane; }
-  std::array<Point3, 2> plane_tangents() const;
+  std::array<Point3, 2> plane_tangents() const; // of one with mass: in the reference configuration
+  void add_plane_slip(const Node& owner, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
+                      Constraint& c) const;
+  // Of an edge's or a face's slip: the derivatives by what lay opposite become those by the carrier.
+  void visit_slip_block(int facet, bool carried_along, std::span<const int> slots,
+                        std::span<const double> block, const BlockVisitor& visitor) const;
   void visit_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
                             const BlockVisitor& visitor) const;
+  void visit_plane_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                                  const BlockVisitor& visitor) const;
   static std::vector<FacetPoint> points_of(const MortarEdge& edge);
   static std::vector<FacetPoint> points_of(const MortarFace& face);
   Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot,
                   const std::vector<double>& u) const;
-  // Weighted gaps of a whole facet to the rigid body, in the form of a pair without a primary.
-  MortarFacePair obstacle_gaps(int facet, const std::vector<double>& u) const;
+  // Weighted gaps of a whole facet to the rigid body, in the form of a pair without a primary, or with the
+  // carrier of the obstacle in its place.
+  MortarFacePair obstacle_gaps(int facet, const RigidObstacle& obstacle, const std::vector<double>& u) const;
+  // Nodes behind those of the secondary facet in the gradient of a pair.
+  std::span<const int> opposite_slots(int candidate) const {
+    if (candidate < 0) return carrier_.slots();
+    return {primary_slots(candidate), corners_};
+  }
   // [corner] nodal areas of a secondary facet at u.
   std::array<double, 4> areas_at(int facet, const std::vector<double>& u) const;
 
@@ -205,7 +221,6 @@ private:
   std::vector<std::vector<Anchor>> anchors_;            // [owned node] in the plane, empty without friction
   std::vector<std::vector<FacetAnchor>> facet_anchors_; // [facet] in space, likewise
   std::vector<int> switches_;                           // [facet] in this attempt
-  ObstaclePose pose_;
 };
 
 } // namespace impact

@@ -75,6 +75,12 @@ public:
   void begin_attempt(Vec u_n);
   /// True from a begin_attempt that brought an earlier list back until the next update.
   bool restored() const { return restored_ != Outcome::kept; }
+  /// Nodes that every rank has among nodes() from the next update on, beside those of the facets; they are
+  /// what a secondary facet meets where the primary is no surface of the mesh.
+  void add_nodes(const std::vector<PetscInt>& nodes) {
+    added_ = nodes;
+    list_.outdated = true;
+  }
   /// Where the bodies stand at the start of a step; the list then reaches as far as they move. Collective.
   void set_start(Vec u_n);
   /// Makes the list anew when a node moved more than half the skin, or farther since the start of the step
@@ -133,6 +139,7 @@ private:
   int dim_ = 2, corners_ = 2;
   std::vector<PetscInt> secondary_, primary_;      // [facet][corner]
   std::vector<PetscInt> neighbour_;                // [facet][2]
+  std::vector<PetscInt> added_;                    // nodes of no facet
   std::vector<int> secondary_slot_, primary_slot_; // [facet][corner] into the static nodes
   NodeExchange static_;                            // nodes of this rank's facets of both surfaces
   std::vector<double> static_X_, static_start_;    // [node][dim]; start empty: unknown

@@ -33,7 +33,8 @@ struct ContactSettings {
   double centre[3] = {0, 0, 0}, axis[3] = {0, 0, 1};              ///< of a rigid sphere, a rigid cylinder
   double radius = 0;                                              ///< of both
   std::array<std::function<double(double t)>, 3>
-      rigid_motion;                                ///< displacement of the rigid body; empty: none
+      rigid_motion;    ///< displacement of the rigid body; empty: none
+  std::string carrier; ///< region of the rigid body of the mesh that carries it; empty: it moves as told
   ContactMethod method = ContactMethod::automatic; ///< automatic: Gauss points in the plane, mortar in space
   MultiplierSpace multipliers =
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space

@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+#include <functional>
 #include <impact/element/shape.hpp>
 #include <impact/petsc/handle.hpp>
 #include <map>
@@ -111,6 +113,12 @@ struct PartitionWeights {
       boundary; ///< extra cost of a cell per facet on these boundaries (contact surfaces)
 };
 
+/// A triangle or tetrahedron, a region of its own, that shares no node with anything.
+struct AddedCell {
+  std::string region;
+  std::vector<std::array<double, 3>> corner; ///< 3 counter-clockwise, or 4 of positive volume
+};
+
 /// How a mesh is made from a file.
 struct MeshRequest {
   std::string file; ///< .msh 4.1 (or 2.2 without overlapping groups) or .geo
@@ -119,6 +127,9 @@ struct MeshRequest {
   double scale = 1;           ///< every coordinate is multiplied by it
   int refine = 0;             ///< uniform refinements
   std::string work_dir = "."; ///< where a .geo's mesh is written
+  /// Cells beside those of the file, asked for once its dimension and the box around its nodes (smallest x,
+  /// y, z, then largest) are known; alike on all ranks. Empty: none.
+  std::function<std::vector<AddedCell>(int dim, const std::array<double, 6>& box)> add;
   PartitionWeights weights;
 };
 

@@ -97,7 +97,11 @@ struct CheckpointScenario {
 
 struct ContactScenario : ContactSettings {
   std::array<std::optional<Expression>, 3> rigid_u; ///< displacement of the rigid body over t
-  std::optional<Expression> temperature;            ///< of the rigid body over t
+  std::array<std::optional<Expression>, 3> rigid_r; ///< rotation of one with mass over t
+  double rigid_mass = 0;                            ///< 0: the rigid body moves as told
+  double rigid_inertia = automatic; ///< about its centre of mass; automatic: by shape, a plane does not turn
+  double rigid_length = 0;          ///< of a cylinder in space, for its inertia
+  std::optional<Expression> temperature; ///< of the rigid body over t
 };
 
 struct Scenario {

@@ -1,5 +1,5 @@
 #pragma once
-#include "../mesh/small_mesh.hpp"
+#include "small_mesh.hpp"
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 /// The unit square or cube of one shape of cell, with its nodes moved: text of a mesh file with the region
 /// "solid" and the boundary "boundary" (all of it).
-namespace impact::problem_test {
+namespace impact::run_test {
 
 using Move = std::function<std::array<double, 3>(std::array<double, 3> x, bool inside)>;
 
@@ -88,4 +88,4 @@ inline std::string box_mesh(Shape shape, int n, const Move& move = {}) {
          "$EndElements\n";
 }
 
-} // namespace impact::problem_test
+} // namespace impact::run_test

@@ -1,0 +1,233 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/obstacle_carrier.hpp>
+#include <impact/math/rotation.hpp>
+#include <impact/petsc/error.hpp>
+
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct Corner {
+  std::array<double, 3> X{};
+  PetscInt node = 0;
+};
+
+// All nodes of a region on all ranks, by their coordinates: the same order for every partition.
+std::vector<Corner> nodes_of(const Mesh& mesh, const std::string& region) {
+  const auto dim = at(mesh.dim());
+  std::vector<double> mine;
+  for (int node : mesh.nodes(region)) {
+    if (!mesh.owned(node)) continue;
+    mine.insert(mine.end(), {0, 0, 0, static_cast<double>(mesh.global_node()[at(node)])});
+    std::copy_n(&mesh.coordinates()[dim * at(node)], dim, mine.end() - 4);
+  }
+  int ranks = 0, size = static_cast<int>(mine.size());
+  MPI_Comm_size(mesh.comm(), &ranks);
+  std::vector<int> sizes(at(ranks)), first(at(ranks) + 1, 0);
+  MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, mesh.comm());
+  for (std::size_t r = 0; r < sizes.size(); ++r) first[r + 1] = first[r] + sizes[r];
+  std::vector<double> all(at(first.back()));
+  MPI_Allgatherv(mine.data(), size, MPI_DOUBLE, all.data(), sizes.data(), first.data(), MPI_DOUBLE,
+                 mesh.comm());
+  std::vector<Corner> nodes;
+  for (std::size_t i = 0; i < all.size(); i += 4)
+    nodes.push_back({{all[i], all[i + 1], all[i + 2]}, static_cast<PetscInt>(all[i + 3])});
+  std::sort(nodes.begin(), nodes.end(), [](const Corner& a, const Corner& b) { return a.X < b.X; });
+  return nodes;
+}
+
+// Nodes that span the space as widely as may be: each the farthest from the span of those before, the first
+// from the mean. Refined meshes have more nodes than are needed.
+std::vector<Corner> widest(const std::vector<Corner>& nodes, std::size_t count) {
+  std::vector<Corner> chosen;
+  std::vector<std::array<double, 3>> axis; // unit vectors of the span
+  std::array<double, 3> origin{};
+  for (const Corner& node : nodes)
+    for (std::size_t k = 0; k < 3; ++k) origin[k] += node.X[k] / static_cast<double>(nodes.size());
+  double size = 0;
+  while (chosen.size() < count) {
+    double farthest = 0;
+    std::array<double, 3> way{};
+    const Corner* next = nullptr;
+    for (const Corner& node : nodes) {
+      std::array<double, 3> d{};
+      for (std::size_t k = 0; k < 3; ++k) d[k] = node.X[k] - origin[k];
+      for (const auto& a : axis) {
+        const double along = d[0] * a[0] + d[1] * a[1] + d[2] * a[2];
+        for (std::size_t k = 0; k < 3; ++k) d[k] -= along * a[k];
+      }
+      const double distance = std::hypot(d[0], d[1], d[2]);
+      // Of equals the first, whatever their last digits say.
+      if (next != nullptr && !(distance > (1 + 1e-9) * farthest)) continue;
+      farthest = distance;
+      way = d;
+      next = &node;
+    }
+    size = std::max(size, farthest);
+    if (next == nullptr || !(farthest > 1e-9 * size)) return {};
+    if (!chosen.empty()) {
+      for (double& component : way) component /= farthest;
+      axis.push_back(way);
+    }
+    chosen.push_back(*next);
+    origin = chosen.front().X;
+  }
+  return chosen;
+}
+
+} // namespace
+
+ObstacleCarrier::ObstacleCarrier(const Mesh& mesh, const std::string& region, const RigidObstacle& at_rest)
+    : dim_(at(mesh.dim())), corners_(mesh.dim() == 2 ? 2 : 4), at_rest_(at_rest) {
+  const std::vector<Corner> corners = widest(nodes_of(mesh, region), dim_ + 1);
+  if (corners.empty())
+    throw UserError(ExitCode::data, "region " + region + ": spans no space; an obstacle cannot move with it");
+  // The pole of a cylinder in space would turn with it.
+  if (dim_ == 3 && at_rest.shape == RigidObstacle::Shape::cylinder) at_rest_.outward = {};
+  Matrix3 edges = unit_matrix; // columns
+  for (std::size_t b = 0; b < dim_; ++b)
+    for (std::size_t k = 0; k < dim_; ++k) edges[3 * k + b] = corners[b + 1].X[k] - corners[0].X[k];
+  const Matrix3 slopes = inverse(edges); // rows: gradients of the weights of corners 1, 2, 3
+  for (std::size_t b = 0; b <= dim_; ++b) node_.push_back(corners[b].node);
+  for (std::size_t k = 0; k < dim_; ++k)
+    for (std::size_t b = 0; b < dim_; ++b) {
+      axis_[k][b + 1] = slopes[3 * b + k];
+      axis_[k][0] -= slopes[3 * b + k];
+    }
+  shares_.place[0] = 1;
+  for (std::size_t k = 0; k < dim_; ++k)
+    for (std::size_t b = 0; b <= dim_; ++b)
+      shares_.place[b] += axis_[k][b] * (at_rest_.point[k] - corners[0].X[k]);
+  shares_.direction = of_direction(at_rest_.direction);
+}
+
+ObstacleCarrier::Weights ObstacleCarrier::of_direction(const std::array<double, 3>& at_rest) const {
+  Weights weights{};
+  for (std::size_t k = 0; k < dim_; ++k)
+    for (std::size_t b = 0; b <= dim_; ++b) weights[b] += at_rest[k] * axis_[k][b];
+  return weights;
+}
+
+void ObstacleCarrier::locate(const ContactNodes& nodes) {
+  slot_.clear();
+  for (PetscInt node : node_) slot_.push_back(nodes.slot(node));
+}
+
+RigidObstacle ObstacleCarrier::obstacle(const std::vector<double>& u) const {
+  RigidObstacle now = at_rest_;
+  for (std::size_t b = 0; b < slot_.size(); ++b)
+    for (std::size_t k = 0; k < dim_; ++k) {
+      const double moved = u[dim_ * at(slot_[b]) + k];
+      now.point[k] += shares_.place[b] * moved;
+      now.pole[k] += shares_.place[b] * moved;
+      now.direction[k] += shares_.direction[b] * moved;
+    }
+  return now;
+}
+
+void ObstacleCarrier::anchor(const ContactNodes& nodes, const std::vector<double>& x) {
+  // Places are brought back to the reference configuration, where their weights are known.
+  std::array<double, 3> centre{};
+  Matrix3 turned{}; // columns: where the axes x, y, z point
+  for (std::size_t b = 0; b < slot_.size(); ++b)
+    for (std::size_t k = 0; k < dim_; ++k) {
+      const double coordinate = x[dim_ * at(slot_[b]) + k];
+      centre[k] += shares_.place[b] * coordinate;
+      for (std::size_t j = 0; j < dim_; ++j) turned[3 * k + j] += axis_[j][b] * coordinate;
+    }
+  const std::size_t facets = nodes.secondary.size() / corners_;
+  carried_.assign(corners_ * facets, Weights{});
+  for (std::size_t i = 0; i < carried_.size(); ++i) {
+    carried_[i] = shares_.place;
+    for (std::size_t j = 0; j < dim_; ++j) {
+      double along = 0;
+      for (std::size_t k = 0; k < dim_; ++k)
+        along += turned[3 * k + j] * (x[dim_ * at(nodes.secondary[i]) + k] - centre[k]);
+      for (std::size_t b = 0; b <= dim_; ++b) carried_[i][b] += along * axis_[j][b];
+    }
+  }
+}
+
+ObstacleCarrier::PlaneSlip ObstacleCarrier::slip(const ContactNodes& nodes, int facet,
+                                                 std::span<const double> weight,
+                                                 const std::array<double, 3>& tangent_at_rest,
+                                                 const std::vector<double>& u) const {
+  PlaneSlip slip;
+  slip.shares.direction = of_direction(tangent_at_rest);
+  std::array<double, 3> t = tangent_at_rest, q{};
+  const auto seen = [&](int slot, std::size_t k) { // from the first corner of the facet
+    const std::size_t i = dim_ * at(slot) + k, o = dim_ * at(nodes.secondary[corners_ * at(facet)]) + k;
+    return (nodes.X[i] - nodes.X[o]) + (u[i] - u[o]);
+  };
+  for (std::size_t a = 0; a < weight.size(); ++a) {
+    const Weights& opposite = carried(facet, static_cast<int>(a));
+    for (std::size_t b = 0; b <= dim_; ++b) slip.shares.place[b] += weight[a] * opposite[b];
+    for (std::size_t k = 0; k < dim_; ++k)
+      q[k] += weight[a] * seen(nodes.secondary[corners_ * at(facet) + a], k);
+  }
+  for (std::size_t b = 0; b < slot_.size(); ++b)
+    for (std::size_t k = 0; k < dim_; ++k) {
+      q[k] -= slip.shares.place[b] * seen(slot_[b], k);
+      t[k] += slip.shares.direction[b] * u[dim_ * at(slot_[b]) + k];
+    }
+  slip.function = carried_product(q, t);
+  return slip;
+}
+
+void ObstacleCarrier::add_gradient(const CarriedFunction& f, std::span<const double> shape,
+                                   const Shares& shares, double factor, double* gradient) const {
+  for (std::size_t a = 0; a < shape.size(); ++a)
+    for (std::size_t k = 0; k < dim_; ++k) gradient[dim_ * a + k] += factor * shape[a] * f.by_place[k];
+  gradient += dim_ * shape.size();
+  for (std::size_t b = 0; b <= dim_; ++b) {
+    const std::array<double, 3> g = gradient_by(f, {-shares.place[b], shares.direction[b]});
+    for (std::size_t k = 0; k < dim_; ++k) gradient[dim_ * b + k] += factor * g[k];
+  }
+}
+
+void ObstacleCarrier::add_hessian(const CarriedFunction& f, std::span<const double> shape,
+                                  const Shares& shares, double factor, double* block) const {
+  const std::size_t count = shape.size() + dim_ + 1, n = dim_ * count;
+  const auto share = [&](std::size_t node) -> CarriedShare {
+    if (node < shape.size()) return {shape[node], 0};
+    return {-shares.place[node - shape.size()], shares.direction[node - shape.size()]};
+  };
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b) {
+      const std::array<double, 9> H = hessian_by(f, share(a), share(b));
+      for (std::size_t i = 0; i < dim_; ++i)
+        for (std::size_t j = 0; j < dim_; ++j)
+          block[n * (dim_ * a + i) + dim_ * b + j] += factor * H[3 * i + j];
+    }
+}
+
+void ObstacleCarrier::chain(int facet, const double* by_places, double* by_corners) const {
+  std::fill(by_corners, by_corners + dim_ * (dim_ + 1), 0.0);
+  for (std::size_t l = 0; l < corners_; ++l)
+    for (std::size_t b = 0; b <= dim_; ++b)
+      for (std::size_t k = 0; k < dim_; ++k)
+        by_corners[dim_ * b + k] += carried(facet, static_cast<int>(l))[b] * by_places[dim_ * l + k];
+}
+
+void ObstacleCarrier::chain_block(int facet, std::span<const double> block,
+                                  std::vector<double>& chained) const {
+  const std::size_t half = dim_ * corners_, m = 2 * half, n = half + dim_ * (dim_ + 1);
+  std::vector<double> rows(m * n); // columns chained
+  for (std::size_t i = 0; i < m; ++i) {
+    std::copy_n(&block[m * i], half, &rows[n * i]);
+    chain(facet, &block[m * i + half], &rows[n * i + half]);
+  }
+  chained.assign(n * n, 0.0);
+  std::copy_n(rows.begin(), half * n, chained.begin());
+  for (std::size_t l = 0; l < corners_; ++l)
+    for (std::size_t b = 0; b <= dim_; ++b)
+      for (std::size_t k = 0; k < dim_; ++k)
+        for (std::size_t j = 0; j < n; ++j)
+          chained[n * (half + dim_ * b + k) + j] +=
+              carried(facet, static_cast<int>(l))[b] * rows[n * (half + dim_ * l + k) + j];
+}
+
+} // namespace impact
