@@ -6,9 +6,11 @@ DefineConstant[
   gap = 0,
   inset = 0,    // the upper block is narrower by this on each side
   angle = 0,    // degrees: both blocks turned about the origin in the plane of x and y
+  tilt = 0,     // degrees: in space, and then in the plane of y and z
   simplices_lower = 0, simplices_upper = 0 // 1: triangles or tetrahedra
 ];
 turn = angle * Pi / 180;
+lean = tilt * Pi / 180;
 x[] = {0, 1, 1, 0, inset, 1 - inset, 1 - inset, inset};
 y[] = {0, 0, 1, 1, 1 + gap, 1 + gap, 2 + gap, 2 + gap};
 z[] = {0, 1, inset, 1 - inset};
@@ -17,8 +19,10 @@ For b In {0 : 1}
   f = 100 * b; // numbers of this block start here
   For k In {0 : dim - 2}
     For i In {0 : 3}
+      up = Sin(turn) * x[4 * b + i] + Cos(turn) * y[4 * b + i];
+      aside = (dim - 2) * z[2 * b + k];
       Point(f + 4 * k + i + 1) = {Cos(turn) * x[4 * b + i] - Sin(turn) * y[4 * b + i],
-                                  Sin(turn) * x[4 * b + i] + Cos(turn) * y[4 * b + i], (dim - 2) * z[2 * b + k]};
+                                  Cos(lean) * up - Sin(lean) * aside, Sin(lean) * up + Cos(lean) * aside};
     EndFor
     For i In {1 : 4}
       Line(f + 4 * k + i) = {f + 4 * k + i, f + 4 * k + 1 + (i % 4)};

@@ -377,7 +377,7 @@ MortarFacePair MortarForm::pair_at(int facet, int candidate, const std::vector<d
   const MortarEdge& edge = facets_[at(facet)].edge;
   MortarFacePair pair;
   CoveredPart<double> part = covered_part(s, p);
-  pair.covered = part.end > part.begin;
+  pair.covered = pair.touched = part.end > part.begin;
   if (!pair.covered) return pair;
   const std::array<double, 2> gap = weighted_gaps(part, edge);
   std::copy(gap.begin(), gap.end(), pair.gap.begin());
@@ -442,7 +442,7 @@ MortarFacePair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle,
                                          const std::vector<double>& u) const {
   const Facet& facet = facets_[at(f)];
   MortarFacePair pair;
-  pair.covered = true;
+  pair.covered = pair.touched = true;
   const auto d = at(dim_);
   for (const FacetPoint& point : facet.points) {
     const Point3 x = place_of(facet, point, secondary_slots(f), u);
@@ -495,7 +495,7 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
     if (settings_.rigid()) pieces.push_back({f, -1, obstacle_gaps(f, obstacle, u)});
     for (int candidate : facing_[at(f)]) {
       pieces.push_back({f, candidate, pair_at(f, candidate, u, with_gradient)});
-      if (!pieces.back().pair.covered) pieces.pop_back();
+      if (!pieces.back().pair.touched) pieces.pop_back();
     }
     first.push_back(pieces.size());
   }
@@ -507,7 +507,9 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
   for (std::size_t number = 0; number < owned_.size(); ++number) {
     const Node& owner = owned_[number];
     const bool covered = std::any_of(owner.facets.begin(), owner.facets.end(), [&](const Incident& i) {
-      return first[at(i.facet)] < first[at(i.facet) + 1];
+      const auto begin = pieces.begin() + static_cast<std::ptrdiff_t>(first[at(i.facet)]),
+                 end = pieces.begin() + static_cast<std::ptrdiff_t>(first[at(i.facet) + 1]);
+      return std::any_of(begin, end, [](const Piece& piece) { return piece.pair.covered; });
     });
     if (!covered) continue;
     node.clear();

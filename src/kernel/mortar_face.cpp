@@ -48,8 +48,14 @@ double area_of(int corners, const FaceCorners& x) {
   return area;
 }
 
-// A place on the secondary triangle (its second and third barycentric coordinate) and the gap there.
-template <class T> struct Place { T b, c, gap; };
+// A place on the secondary triangle (its second and third barycentric coordinate) and the gap there. `a`, the
+// first coordinate, in polygons alone: carried along like the others, its small values mean as much as
+// theirs. Taken from b and c they would be rounding, and two neighbours not agree on which side of the border
+// their common side lies.
+template <class T> struct Place {
+  T b, c, gap;
+  T a = T(0.0);
+};
 
 // Where a point lies along the normal of the triangle (0, e1, e2).
 template <class T> Place<T> project(const Vector<T>& e1, const Vector<T>& e2, const Vector<T>& d) {
@@ -59,35 +65,52 @@ template <class T> Place<T> project(const Vector<T>& e1, const Vector<T>& e2, co
   return {dot(cross(d, e2), N) * inverse, dot(cross(e1, d), N) * inverse, dot(d, N) / sqrt(square)};
 }
 
+constexpr int border = -1;
+
 template <class T> struct Polygon {
   std::array<Place<T>, 10> place;
+  std::array<int, 10>
+      side{}; // of the primary triangle, on which the polygon goes on from the place; or `border`
   std::size_t count = 0;
-  void add(const Place<T>& p) { place[count++] = p; }
+  void add(const Place<T>& p, int goes_on) {
+    side[count] = goes_on;
+    place[count++] = p;
+  }
 };
 
-// The part of the polygon where `inside`, linear in the place, is positive.
+// The part of the polygon where `inside`, linear in the place, is not negative.
 template <class T, class Inside> Polygon<T> cut(const Polygon<T>& polygon, Inside&& inside) {
   Polygon<T> kept;
   for (std::size_t i = 0; i < polygon.count; ++i) {
     const Place<T>&from = polygon.place[i], &to = polygon.place[(i + 1) % polygon.count];
     const T at_from = inside(from), at_to = inside(to);
-    if (real_part(at_from) >= 0) kept.add(from);
-    if ((real_part(at_from) >= 0) == (real_part(at_to) >= 0)) continue;
+    const bool leaves = real_part(at_from) >= 0;
+    if (leaves) kept.add(from, polygon.side[i]);
+    if (leaves == (real_part(at_to) >= 0)) continue;
     const T part = at_from / (at_from - at_to);
     kept.add({from.b + part * (to.b - from.b), from.c + part * (to.c - from.c),
-              from.gap + part * (to.gap - from.gap)});
+              from.gap + part * (to.gap - from.gap), from.a + part * (to.a - from.a)},
+             leaves ? border : polygon.side[i]);
   }
   return kept;
 }
+
+// Corners of a primary triangle in the order in which it runs around with the secondary one; side s from the
+// s-th.
+constexpr std::array<std::size_t, 3> around = {0, 2, 1};
 
 // The part of the secondary triangle that a projected primary triangle covers. It runs against the secondary:
 // its corners come the other way round.
 template <class T> Polygon<T> covered_polygon(const std::array<Place<T>, 3>& primary) {
   Polygon<T> polygon;
-  for (std::size_t i : {0, 2, 1}) polygon.add(primary[i]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Place<T> corner = primary[around[i]];
+    corner.a = T(1.0) - corner.b - corner.c;
+    polygon.add(corner, static_cast<int>(i));
+  }
   polygon = cut(polygon, [](const Place<T>& p) { return p.b; });
   polygon = cut(polygon, [](const Place<T>& p) { return p.c; });
-  return cut(polygon, [](const Place<T>& p) { return T(1.0) - p.b - p.c; });
+  return cut(polygon, [](const Place<T>& p) { return p.a; });
 }
 
 // Twice the signed area in the plane of (b, c): 1 for the whole triangle.
@@ -130,6 +153,55 @@ template <class T> TriangleGaps<T> integrate(const Polygon<T>& polygon) {
   return sum;
 }
 
+// The derivatives of int L_v g by (b, c, gap) of the primary's corners, [v][3 corner + component], by the
+// transport theorem: what the gap changes at fixed places, and what the primary's sides sweep over, of which
+// the borders of the secondary triangle, that stand still, have no part. No place where sides cross is
+// derived: along a side that lies on a border it moves without bound. There two neighbours sweep one against
+// the other, whichever covers the strip.
+template <class T>
+std::array<std::array<T, 9>, 3> gap_derivatives(const std::array<Place<T>, 3>& q, const Polygon<T>& polygon) {
+  const T b1 = q[1].b - q[0].b, c1 = q[1].c - q[0].c, b2 = q[2].b - q[0].b, c2 = q[2].c - q[0].c;
+  const T inverse = T(1.0) / (b1 * c2 - c1 * b2);
+  const T rise1 = q[1].gap - q[0].gap, rise2 = q[2].gap - q[0].gap;
+  const T slope_b = (rise1 * c2 - rise2 * c1) * inverse, slope_c = (b1 * rise2 - b2 * rise1) * inverse;
+  const auto shares = [&](const T& b, const T& c) -> std::array<T, 3> {
+    const T x = b - q[0].b, y = c - q[0].c;
+    const T first = (x * c2 - y * b2) * inverse, second = (b1 * y - c1 * x) * inverse;
+    return {T(1.0) - first - second, first, second};
+  };
+  std::array<std::array<T, 9>, 3> D;
+  for (auto& row : D) row.fill(T(0.0));
+  for (std::size_t j = 0; j < 3; ++j) {
+    Polygon<T> weighted = polygon;
+    for (std::size_t i = 0; i < polygon.count; ++i)
+      weighted.place[i].gap = shares(polygon.place[i].b, polygon.place[i].c)[j];
+    const std::array<T, 3> share = integrate(weighted).gap;
+    for (std::size_t v = 0; v < 3; ++v) {
+      D[v][3 * j] -= slope_b * share[v];
+      D[v][3 * j + 1] -= slope_c * share[v];
+      D[v][3 * j + 2] += share[v];
+    }
+  }
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    if (polygon.side[i] == border) continue;
+    const auto s = static_cast<std::size_t>(polygon.side[i]);
+    const Place<T>&from = polygon.place[i], &to = polygon.place[(i + 1) % polygon.count];
+    const T along_b = to.b - from.b, along_c = to.c - from.c;
+    // Two Gauss points: L_v, g and the motion are linear. Twice, as in integrate, and half for each point.
+    for (const double x : {0.5 - std::sqrt(1.0 / 12), 0.5 + std::sqrt(1.0 / 12)}) {
+      const T b = from.b + x * along_b, c = from.c + x * along_c, gap = from.gap + x * (to.gap - from.gap);
+      const std::array<T, 3> share = shares(b, c), L = {T(1.0) - b - c, b, c};
+      for (std::size_t v = 0; v < 3; ++v)
+        for (const std::size_t j : {around[s], around[(s + 1) % 3]}) {
+          const T swept = L[v] * gap * share[j];
+          D[v][3 * j] += swept * along_c;
+          D[v][3 * j + 1] -= swept * along_b;
+        }
+    }
+  }
+  return D;
+}
+
 std::array<Place<double>, 3> places_of(const Triangle& s, const Triangle& p) {
   const Point3 e1 = minus(s[1], s[0]), e2 = minus(s[2], s[0]);
   return {project(e1, e2, minus(p[0], s[0])), project(e1, e2, minus(p[1], s[0])),
@@ -139,9 +211,9 @@ std::array<Place<double>, 3> places_of(const Triangle& s, const Triangle& p) {
 // False where the projections certainly do not meet, or the primary does not run against the secondary.
 bool may_cover(const std::array<Place<double>, 3>& p) {
   const auto all = [&](auto&& outside) { return outside(p[0]) && outside(p[1]) && outside(p[2]); };
-  return !all([](const Place<double>& q) { return q.b <= 0; }) &&
-         !all([](const Place<double>& q) { return q.c <= 0; }) &&
-         !all([](const Place<double>& q) { return q.b + q.c >= 1; }) && twice_area(p[0], p[2], p[1]) > 0;
+  return !all([](const Place<double>& q) { return q.b < 0; }) &&
+         !all([](const Place<double>& q) { return q.c < 0; }) &&
+         !all([](const Place<double>& q) { return 1 - q.b - q.c < 0; }) && twice_area(p[0], p[2], p[1]) > 0;
 }
 
 // Barycentric coordinates of a place in a projected primary triangle.
@@ -435,8 +507,9 @@ MortarFacePair mortar_face_pair(const FaceCorners& x, int primary_corners, const
                   [&](std::size_t i, const Weights& ws, const Weights& wp, const Triangle& s,
                       const Triangle& t, const std::array<Place<double>, 3>& places) {
                     const Polygon<double> polygon = covered_polygon(places);
-                    if (!(part_of(polygon) > 0)) return;
-                    pair.covered = true;
+                    if (polygon.count < 3) return;
+                    pair.touched = true;
+                    pair.covered = pair.covered || part_of(polygon) > 0;
                     const TriangleGaps<double> sums = integrate(polygon);
                     for (std::size_t a = 0; a < n; ++a)
                       for (std::size_t v = 0; v < 3; ++v) {
@@ -445,13 +518,12 @@ MortarFacePair mortar_face_pair(const FaceCorners& x, int primary_corners, const
                         pair.cover[a] += phi * sums.cover[v];
                       }
                     if (!with_gradient) return;
-                    const TriangleGaps<First> by_place =
-                        integrate(covered_polygon(seeded_places<First>(places, first_seed)));
+                    const auto by_place = gap_derivatives(places, polygon);
                     const PlaceGradient J = place_gradient(s, t);
                     std::array<std::array<double, 18>, 3> gradient{};
                     for (std::size_t v = 0; v < 3; ++v)
                       for (std::size_t q = 0; q < stage; ++q)
-                        for (std::size_t k = 0; k < 18; ++k) gradient[v][k] += by_place.gap[v].d[q] * J[q][k];
+                        for (std::size_t k = 0; k < 18; ++k) gradient[v][k] += by_place[v][q] * J[q][k];
                     for (std::size_t a = 0; a < n; ++a) {
                       std::array<double, 18> row{};
                       for (std::size_t v = 0; v < 3; ++v) {
@@ -472,51 +544,56 @@ MortarFacePair mortar_face_pair(const FaceCorners& x, int primary_corners, const
 bool add_mortar_face_hessian(const FaceCorners& x, int primary_corners, const FaceCorners& p,
                              const MortarFace& face, const std::array<double, 4>& factor,
                              std::array<double, 576>& hessian) {
-  bool covered = false;
-  visit_triangles(
-      face.corners, x, primary_corners, p,
-      [&](std::size_t i, const Weights& ws, const Weights& wp, const Triangle& s, const Triangle& t,
-          const std::array<Place<double>, 3>& places) {
-        if (!(part_of(covered_polygon(places)) > 0)) return;
-        covered = true;
-        std::array<double, 3> f{};
-        for (std::size_t a = 0; a < static_cast<std::size_t>(face.corners); ++a)
-          for (std::size_t v = 0; v < 3; ++v) f[v] += face.area[i] * factor[a] * function_at(face, ws, a, v);
-        const TriangleGaps<Second> G = integrate(covered_polygon(seeded_places<Second>(places, second_seed)));
-        const Second sum = f[0] * G.gap[0] + f[1] * G.gap[1] + f[2] * G.gap[2];
-        const PlaceGradient J = place_gradient(s, t);
-        // J^T G'' J
-        std::array<std::array<double, 18>, stage> GJ{};
-        for (std::size_t q = 0; q < stage; ++q)
-          for (std::size_t r = 0; r < stage; ++r)
-            for (std::size_t k = 0; k < 18; ++k) GJ[q][k] += sum.d[q].d[r] * J[r][k];
-        std::array<double, 324> block{};
-        for (std::size_t q = 0; q < stage; ++q)
-          for (std::size_t k = 0; k < 18; ++k)
-            for (std::size_t m = 0; m < 18; ++m) block[18 * k + m] += J[q][k] * GJ[q][m];
-        // sum_q G'_q q''
-        const Point3 e1 = minus(s[1], s[0]), e2 = minus(s[2], s[0]);
-        for (std::size_t b = 0; b < 3; ++b) {
-          const Place<Second> place = seeded_projection<Second>(e1, e2, minus(t[b], s[0]), second_seed);
-          const Second weighted =
-              sum.v.d[3 * b] * place.b + sum.v.d[3 * b + 1] * place.c + sum.v.d[3 * b + 2] * place.gap;
-          std::array<std::array<double, 18>, stage> half{};
-          for (std::size_t q = 0; q < stage; ++q) {
-            std::array<double, stage> row;
-            std::copy_n(weighted.d[q].d, stage, row.begin());
-            spread(row, b, half[q]);
-          }
-          for (std::size_t k = 0; k < 18; ++k) {
-            std::array<double, stage> column;
-            for (std::size_t q = 0; q < stage; ++q) column[q] = half[q][k];
-            std::array<double, 18> whole{};
-            spread(column, b, whole);
-            for (std::size_t m = 0; m < 18; ++m) block[18 * m + k] += whole[m];
-          }
-        }
-        add_to_faces(block, ws, wp, hessian);
-      });
-  return covered;
+  bool touched = false;
+  visit_triangles(face.corners, x, primary_corners, p,
+                  [&](std::size_t i, const Weights& ws, const Weights& wp, const Triangle& s,
+                      const Triangle& t, const std::array<Place<double>, 3>& places) {
+                    if (covered_polygon(places).count < 3) return;
+                    touched = true;
+                    std::array<double, 3> f{};
+                    for (std::size_t a = 0; a < static_cast<std::size_t>(face.corners); ++a)
+                      for (std::size_t v = 0; v < 3; ++v)
+                        f[v] += face.area[i] * factor[a] * function_at(face, ws, a, v);
+                    const std::array<Place<First>, 3> seeded = seeded_places<First>(places, first_seed);
+                    const auto by_place = gap_derivatives(seeded, covered_polygon(seeded));
+                    std::array<First, stage> sum; // first derivatives, and of those the second ones
+                    for (std::size_t q = 0; q < stage; ++q)
+                      sum[q] = f[0] * by_place[0][q] + f[1] * by_place[1][q] + f[2] * by_place[2][q];
+                    const PlaceGradient J = place_gradient(s, t);
+                    // J^T G'' J
+                    std::array<std::array<double, 18>, stage> GJ{};
+                    for (std::size_t q = 0; q < stage; ++q)
+                      for (std::size_t r = 0; r < stage; ++r)
+                        for (std::size_t k = 0; k < 18; ++k) GJ[q][k] += sum[q].d[r] * J[r][k];
+                    std::array<double, 324> block{};
+                    for (std::size_t q = 0; q < stage; ++q)
+                      for (std::size_t k = 0; k < 18; ++k)
+                        for (std::size_t m = 0; m < 18; ++m) block[18 * k + m] += J[q][k] * GJ[q][m];
+                    // sum_q G'_q q''
+                    const Point3 e1 = minus(s[1], s[0]), e2 = minus(s[2], s[0]);
+                    for (std::size_t b = 0; b < 3; ++b) {
+                      const Place<Second> place =
+                          seeded_projection<Second>(e1, e2, minus(t[b], s[0]), second_seed);
+                      const Second weighted = First(sum[3 * b].v) * place.b +
+                                              First(sum[3 * b + 1].v) * place.c +
+                                              First(sum[3 * b + 2].v) * place.gap;
+                      std::array<std::array<double, 18>, stage> half{};
+                      for (std::size_t q = 0; q < stage; ++q) {
+                        std::array<double, stage> row;
+                        std::copy_n(weighted.d[q].d, stage, row.begin());
+                        spread(row, b, half[q]);
+                      }
+                      for (std::size_t k = 0; k < 18; ++k) {
+                        std::array<double, stage> column;
+                        for (std::size_t q = 0; q < stage; ++q) column[q] = half[q][k];
+                        std::array<double, 18> whole{};
+                        spread(column, b, whole);
+                        for (std::size_t m = 0; m < 18; ++m) block[18 * m + k] += whole[m];
+                      }
+                    }
+                    add_to_faces(block, ws, wp, hessian);
+                  });
+  return touched;
 }
 
 } // namespace impact

@@ -101,6 +101,44 @@ TEST(MortarFace, GradientIsTheDerivativeOfTheGaps) {
   EXPECT_GT(covered, 35);
 }
 
+// Concentric quadrilaterals of different size: the sides of their triangles lie on each other, and which of
+// them cover the strips between is decided by the last digit. What they make together does not depend on it.
+TEST(MortarFace, SidesThatLieOnEachOtherLeaveNoTraceInTheDerivatives) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> digit(-1, 1);
+  const FaceCorners square = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+  const auto evaluate_shaken = [&](double by, double angle) {
+    Pair pair;
+    pair.corners = pair.primary_corners = 4;
+    for (std::size_t a = 0; a < 4; ++a) {
+      // A larger primary above, running against the secondary.
+      const Point3 p = square[(4 - a) % 4];
+      const auto turned = [&](double X, double Y, double Z) -> Point3 {
+        return {std::cos(angle) * X - std::sin(angle) * Y + by * digit(random),
+                std::sin(angle) * X + std::cos(angle) * Y + by * digit(random), Z};
+      };
+      pair.x[a] = turned(square[a][0] - 0.5, square[a][1] - 0.5, 0);
+      pair.p[a] = turned(1.2 * (p[0] - 0.5), 1.2 * (p[1] - 0.5), 0.2 + 0.03 * p[0]);
+    }
+    pair.face = make_mortar_face(4, square, false);
+    return evaluate(pair);
+  };
+  for (const double angle : {0.0, 0.3, 1.1}) {
+    const MortarFacePair reference = evaluate_shaken(0, angle);
+    EXPECT_GT(reference.gap[0], 0.01);
+    for (const double by : {1e-17, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9})
+      for (int trial = 0; trial < 10; ++trial) {
+        const MortarFacePair here = evaluate_shaken(by, angle);
+        for (std::size_t a = 0; a < 4; ++a) {
+          EXPECT_NEAR(here.gap[a], reference.gap[a], 1e-8);
+          for (std::size_t i = 0; i < 24; ++i)
+            EXPECT_NEAR(here.gradient[a][i], reference.gradient[a][i], 2e-8)
+                << "shaken by " << by << ", angle " << angle << ", dof " << i;
+        }
+      }
+  }
+}
+
 TEST(MortarFace, HessianIsTheDerivativeOfTheGradientAndSymmetric) {
   std::mt19937 random(3);
   constexpr double h = 1e-6;

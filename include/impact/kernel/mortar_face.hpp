@@ -56,7 +56,8 @@ bool corner_gap(int corners, const FaceCorners& x, int corner, int primary_corne
 /// Weighted gaps of a pair, and the derivatives by the dofs of (secondary corners 0 .. 3, primary corners
 /// 0 .. 3), x before y before z. Dofs of a corner that a triangle repeats are zero.
 struct MortarFacePair {
-  bool covered = false;                             ///< false: all zero
+  bool covered = false;                             ///< part of the secondary face is
+  bool touched = false;                             ///< false: all zero; true without `covered`: along a side
   std::array<double, 4> gap{};                      ///< G_a
   std::array<double, 4> cover{};                    ///< int Phi_a over the covered part
   std::array<std::array<double, 24>, 4> gradient{}; ///< dG_a
@@ -67,7 +68,7 @@ MortarFacePair mortar_face_pair(const FaceCorners& x, int primary_corners, const
                                 const MortarFace& face, bool with_gradient);
 
 /// Adds sum_a factor[a] d2G_a, 24 x 24 row by row, to `hessian`; symmetric and exact. False: nothing is
-/// covered.
+/// touched.
 bool add_mortar_face_hessian(const FaceCorners& x, int primary_corners, const FaceCorners& p,
                              const MortarFace& face, const std::array<double, 4>& factor,
                              std::array<double, 576>& hessian);

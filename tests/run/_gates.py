@@ -1,0 +1,80 @@
+"""What a contact must not depend on, for every method and enforcement in the plane and in space: two free blocks, of
+which the upper one flies into the lower one."""
+from math import cos, pi, sin
+
+import numpy
+from _runs import check, check_between, mesh, require, run
+
+E, RHO, GAP, SPEED = 1e6, 1000.0, 0.0213, 1.0
+DT, END = 4e-3, 0.12
+INSET = 0.07
+ALL = [(dim, method, enforce) for dim in (2, 3) for method in ("gpts", "mortar")
+       for enforce in ("penalty", "auglag", "semismooth")]
+# The sides do not match, though their diagonals lie on each other in space, and both have as many cells: the simple partitioner gives
+# each of two ranks one of them.
+BASE = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 3, "mesh_set_n_upper": 3, "mesh_set_gap": GAP,
+    "mesh_set_inset": INSET,
+    "materials": "lower,upper", "material_lower_E": E, "material_lower_nu": 0.3, "material_lower_rho": RHO,
+    "material_upper_like": "lower", "ics": "flight", "ic_flight_on": "upper",
+    "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    "ts_dt": DT, "ts_max_time": END, "ts_newmark_rho": 0.9,
+    "motion_snes_rtol": 1e-12, "motion_snes_atol": 1e-9, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
+}
+SWAPPED = {"contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom"}
+
+
+def flight(case, name, angle=0, tilt=0, extra=None, ranks=1):
+    """Two blocks turned by the angle in the plane of x and y, then by the tilt in that of y and z."""
+    dim, method, enforce = case
+    turn, lean = angle * pi / 180, tilt * pi / 180
+    options = {**BASE, "mesh_set_dim": dim, "mesh_set_angle": angle, "contact_face_method": method,
+               "contact_face_enforce": enforce, **(extra or {})}
+    velocity = (SPEED * sin(turn), -SPEED * cos(turn) * cos(lean), -SPEED * cos(turn) * sin(lean))
+    for axis, value in zip("xyz"[:dim], velocity):
+        options[f"ic_flight_v{axis}"] = repr(value)
+    if dim == 3:
+        options["mesh_set_tilt"] = tilt
+    return run(f"{dim}_{method}_{enforce}_{name}", options, ranks=ranks)
+
+
+def vector(r, column):
+    """[step][component] of a vector among the columns."""
+    return numpy.array([r[f"{column}_{axis}"] for axis in "xyz" if f"{column}_{axis}" in r.history]).T
+
+
+def size(r, column):
+    return numpy.linalg.norm(vector(r, column), axis=1)
+
+
+def same(claim, a, b, tolerance):
+    """Energies, gap, force and momenta of two runs, relative to each column's largest value."""
+    if not require(f"{claim}: as many steps", len(a["time"]) == len(b["time"])):
+        return
+    worst = {}
+    for column in ("energy_kinetic", "energy_elastic", "contact_face_gap_min", "contact_face_length"):
+        difference = abs(a[column] - b[column])
+        worst[column] = numpy.nanmax(difference) / numpy.nanmax(abs(a[column]))
+        if (numpy.isnan(a[column]) != numpy.isnan(b[column])).any():
+            worst[column] = numpy.inf
+    for column in ("contact_face_force", "impulse_face", "momentum_lower", "momentum_upper"):
+        worst[column] = abs(size(a, column) - size(b, column)).max() / size(a, column).max()
+    name = max(worst, key=worst.get)
+    check(f"{claim}: largest difference, in {name}", worst[name], 0, tolerance, relative=False)
+
+
+def touches_and_keeps_momentum(claim, r):
+    active = r["contact_face_active"] > 0
+    require(f"{claim}: nothing presses before the gap is closed", not active[r["time"] < GAP / SPEED - DT].any())
+    check_between(f"{claim}: steps with contact", numpy.count_nonzero(active), 5, 25)
+    lower, upper, impulse = vector(r, "momentum_lower"), vector(r, "momentum_upper"), vector(r, "impulse_face")
+    whole = numpy.linalg.norm(upper[0])
+    check(f"{claim}: sum of the momenta", abs(lower + upper - upper[0]).max() / whole, 0, 1e-12, relative=False)
+    check(f"{claim}: impulse on the upper block is its change of momentum",
+          abs(upper - upper[0] - impulse).max() / whole, 0, 1e-9, relative=False)
+    # Of an elastic stroke that leaves no waves: 2 M / (M + m), M the lower block's mass.
+    part = (1 - 2 * INSET) ** (2 if upper.shape[1] == 3 else 1)
+    check_between(f"{claim}: what it gives away, over its momentum", numpy.linalg.norm(impulse[-1]) / whole, 0.8,
+                  2 / (1 + part))
+    check_between(f"{claim}: largest energy over that of the start",
+                  (r["energy_kinetic"] + r["energy_elastic"]).max() / r["energy_kinetic"][0], 0.97, 1.001)
