@@ -1,4 +1,4 @@
-#include "box_mesh.hpp"
+#include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
 
 // Damage and heat together, in a body whose motion is prescribed. phi is chosen; the temperature is what
@@ -10,12 +10,12 @@
 namespace impact {
 namespace {
 
-using problem_test::box_mesh;
 using problem_test::CaseSettings;
 using problem_test::condition;
 using problem_test::expression;
 using problem_test::Field;
 using problem_test::MotionCase;
+using run_test::box_mesh;
 
 constexpr double pi = std::numbers::pi;
 
