@@ -3,14 +3,18 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 
 import numpy
 
 PROGRAM = os.environ.get("IMPACT_PROGRAM", "impact")
 SOURCE = os.environ.get("IMPACT_SOURCE_DIR", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 # One rank without mpirun: no daemon of Open MPI beside each run (0.2 s). The scripts about signals and kills keep it, as
-# users have it. Threads of OpenBLAS would add in an order of their own in each run.
-ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ, "OMPI_MCA_ess_singleton_isolated": "1"}
+# users have it. All such runs would share a folder of /tmp, and two that make it in the same moment fail: each script has its
+# own. Threads of OpenBLAS would add in an order of their own in each run.
+_session = tempfile.TemporaryDirectory(prefix="impact-mpi-")
+ENVIRONMENT = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ, "OMPI_MCA_ess_singleton_isolated": "1",
+               "OMPI_MCA_orte_tmpdir_base": _session.name}
 _failures = []
 MOST_ITERATIONS = 25  # that a solve of the motion with contact may take, as far as a script sets no limit of its own
 _longest = {}  # run -> its longest solve of the motion
