@@ -126,11 +126,11 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
           "temperature", [](auto& c) -> auto& { return c.temperature; },
           {"of the rigid body over t; left out: it is insulated", "", "K"},
           [](const Contact&) { return std::string("K"); }),
-      number_row<Contact>(
-          "penalty", &Contact::penalty,
-          {"starting penalty; auto: 10 E/h of the softer side, with auglag more in steps far below h/c_p",
-           "auto", "N/m^3", "epsilon_N", "(75)"},
-          positive, automatic()),
+      number_row<Contact>("penalty", &Contact::penalty,
+                          {"starting penalty; auto: 10 E/h, E of the softest body, h the mean secondary "
+                           "facet, with auglag more in steps far below h/c_p",
+                           "auto", "N/m^3", "epsilon_N", "(75)"},
+                          positive, automatic()),
       number_row<Contact>("penalty_increment", &Contact::penalty_increment,
                           {"added when the penalty grows; auto: the starting penalty, or four times its "
                            "automatic value from a start below that",
