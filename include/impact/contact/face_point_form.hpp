@@ -88,7 +88,6 @@ private:
   void hold_triangles(const std::vector<double>& x, const PressureLaw& law);
   void locate_anchors();
   void locate_holds();
-  bool on_plane() const { return settings_.rigid() && pose_.obstacle.shape == RigidObstacle::Shape::plane; }
   // Visits the points that face something: visitor(constraint, facet, what is seen).
   template <class Visitor>
   void visit_points(const std::vector<double>& u, const PressureLaw& law, Visitor&& visitor) const;

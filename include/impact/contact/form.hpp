@@ -164,6 +164,10 @@ protected:
   /// What was kept fixed during the solves of the last attempt is free again.
   virtual void release() = 0;
   bool carried() const { return !carrier_.empty(); }
+  /// A rigid plane has directions of its own.
+  bool on_plane() const {
+    return search_.meets_rigid() && pose_.obstacle.shape == RigidObstacle::Shape::plane;
+  }
   /// The rigid obstacle at the displacement u of nodes().
   RigidObstacle obstacle_at(const std::vector<double>& u) const {
     return carried() ? carrier_.obstacle(u) : pose_.obstacle;

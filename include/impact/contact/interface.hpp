@@ -185,8 +185,8 @@ public:
   /// active set did not come to rest.
   void fall_back() { fallen_back_ = true; }
   /// r += scale gamma sum w g dg over the active constraints, zero on fixed dofs: what the right-hand side of
-  /// a linear solve holds beside the residual, so that the solution closes the gaps. Nothing for other
-  /// enforcements. Collective.
+  /// a linear solve holds beside the residual, so that the solution closes the gaps. For other
+  /// enforcements what sticks for this solve alone (follow_sliding). Collective.
   void add_gaps(Vec u, double scale, Vec r) const;
   /// Before Newton's method starts from u: constraints that touch take part in its first iteration of the
   /// semismooth method, and no way of sliding is remembered. Collective.

@@ -182,8 +182,6 @@ private:
   // Slip and its gradient.
   void add_slip(std::size_t number, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
                 Constraint& c) const;
-  // A rigid plane has directions of its own.
-  bool on_plane() const { return settings_.rigid() && pose_.obstacle.shape == RigidObstacle::Shape::plane; }
   std::array<Point3, 2> plane_tangents() const; // of one with mass: in the reference configuration
   void add_plane_slip(const Node& owner, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
                       Constraint& c) const;
