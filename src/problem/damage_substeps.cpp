@@ -3,19 +3,8 @@
 
 namespace impact {
 
-namespace {
-
-// -damage_ts_dt asks for sub-steps; its value is read by the TS itself.
-bool substeps_asked() {
-  PetscBool set = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, "-damage_ts_dt", &set));
-  return set == PETSC_TRUE;
-}
-
-} // namespace
-
 void DamageProblem::make_substeps() {
-  if (!substeps_asked()) return;
+  if (settings_.substep == 0) return;
   if (settings_.form != DamageForm::multiplied || settings_.theta != 1)
     throw UserError(ExitCode::usage,
                     "-damage_ts_dt: sub-steps want -damage_form multiplied and -damage_theta 1; the "
@@ -24,6 +13,7 @@ void DamageProblem::make_substeps() {
   check(TSSetOptionsPrefix(substeps_, "damage_"));
   check(TSSetProblemType(substeps_, TS_NONLINEAR));
   check(TSSetType(substeps_, TSBEULER));
+  check(TSSetTimeStep(substeps_, settings_.substep));
   check(TSSetApplicationContext(substeps_, this));
   check(TSSetIFunction(
       substeps_, nullptr,

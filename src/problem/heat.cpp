@@ -79,7 +79,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
     check(PetscOptionsHasName(nullptr, nullptr, "-heat_sub_pc_type", &set));
     if (!set) check(PetscOptionsSetValue(nullptr, "-heat_sub_pc_type", "icc")); // CG wants symmetric blocks
   }
-  read_substeps();
+  check_substeps();
   check(SNESSetFromOptions(snes_));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
 }
@@ -453,13 +453,8 @@ const std::vector<double>& HeatProblem::theta_at_start() const {
   return window_.begin == 0 ? state_.row("theta").committed : theta_before_;
 }
 
-void HeatProblem::read_substeps() {
-  PetscBool set = PETSC_FALSE;
-  check(PetscOptionsGetReal(nullptr, nullptr, "-heat_ts_dt", &substep_, &set));
-  if (!set) return;
-  if (!(substep_ > 0))
-    throw UserError(ExitCode::usage, "-heat_ts_dt: sub-steps of the heat balance want a time above 0");
-  if (!contacts_.empty())
+void HeatProblem::check_substeps() {
+  if (settings_.substep > 0 && !contacts_.empty())
     throw UserError(ExitCode::usage, "-heat_ts_dt: no sub-steps where heat passes a contact; remove it, or "
                                      "choose a smaller -ts_dt");
 }
@@ -467,7 +462,7 @@ void HeatProblem::read_substeps() {
 HeatOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
   step_ = step;
   // A step that is a whole number of sub-steps but for its last digits is not divided once more.
-  const double count = substep_ > 0 ? std::ceil((t_ - t_n_) / substep_ * (1 - 1e-9)) : 1;
+  const double count = settings_.substep > 0 ? std::ceil((t_ - t_n_) / settings_.substep * (1 - 1e-9)) : 1;
   return count > 1 ? solve_substeps(static_cast<int>(count), theta) : solve_window(theta);
 }
 

@@ -168,8 +168,10 @@ void read_mesh_settings(Scenario& scenario) {
 }
 
 /// PETSc's TS reads these itself, as plain numbers.
-void hand_over_times(const TimeScenario& time) {
-  const std::pair<const char*, double> handed[] = {{"ts_dt", time.dt}, {"ts_max_time", time.max_time}};
+void hand_over_times(const Scenario& scenario) {
+  const std::pair<const char*, double> handed[] = {{"ts_dt", scenario.time.dt},
+                                                   {"ts_max_time", scenario.time.max_time},
+                                                   {"damage_ts_dt", scenario.damage.substep}};
   for (const auto& [name, value] : handed)
     if (const auto text = option_text(name); text && !parse_number(*text))
       replace_option(name, number_text(value));
@@ -234,7 +236,7 @@ Scenario read_scenario(MPI_Comm comm) {
     Condition("-stop_" + stop.id + "_when", stop.when, context.names.parameters);
   complete(scenario);
   check_scenario(scenario);
-  hand_over_times(scenario.time);
+  hand_over_times(scenario);
   return scenario;
 }
 

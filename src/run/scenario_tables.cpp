@@ -102,6 +102,12 @@ OptionGroup coupling_group() {
               "damage_theta", [](auto& s) -> auto& { return s.damage.theta; },
               {"time weight of the damage equation: 1 backward Euler, 0.5 trapezoid", "1", "1", "theta"},
               {0, 1, true, false}),
+          number_row<Global>(
+              "damage_ts_dt", [](auto& s) -> auto& { return s.damage.substep; },
+              {"the damage equation takes sub-steps of that length at most, with form multiplied "
+               "and theta 1; their own method is chosen by -damage_ts_type",
+               "none", "s"},
+              positive, {{"", 0.}}),
           choice_row<Global, DamageBounds>("damage_bounds", [](auto& s) -> auto& { return s.damage.bounds; },
                                            {"how phi_n <= phi <= 1 is kept: bound-constrained solve, "
                                             "committed largest drive, cut off afterwards, "
@@ -139,8 +145,7 @@ OptionGroup coupling_group() {
 
 OptionGroup heat_group() {
   return {"Heat",
-          "Solved after motion and damage in each pass, where materials have a heat capacity; with "
-          "`-heat_ts_dt`, a number in run units, in sub-steps of that length at most.",
+          "Solved after motion and damage in each pass, where materials have a heat capacity.",
           {
               choice_row<Global, HeatForm>(
                   "heat_form", [](auto& s) -> auto& { return s.heat.form; },
@@ -152,6 +157,11 @@ OptionGroup heat_group() {
                   "heat_theta", [](auto& s) -> auto& { return s.heat.theta; },
                   {"time weight of the heat balance: 1 backward Euler, 0.5 trapezoid", "1", "1", "theta"},
                   {0.5, 1, false, false}),
+              number_row<Global>("heat_ts_dt", [](auto& s) -> auto& { return s.heat.substep; },
+                                 {"heat takes sub-steps of that length at most, over which motion and damage "
+                                  "go on evenly; not where heat passes contacts",
+                                  "none", "s"},
+                                 positive, {{"", 0.}}),
           }};
 }
 

@@ -53,13 +53,18 @@ const std::vector<Row>& rows() {
        "with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
       {{{"-heat_foo", "1"}},
        ExitCode::usage,
-       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, theta, and names that "
+       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, theta, ts_dt, and names "
+       "that "
        "start with snes_ ksp_ pc_ mat_ vec_ ts_ "
        "fieldsplit_ sub_ mg_)"},
+      {{{"-heat_ts_dt", "abc"}},
+       ExitCode::usage,
+       "-heat_ts_dt \"abc\": not a number; allowed: a number in s, or one with a unit of that kind"},
+      {{{"-damage_ts_dt", "0"}}, ExitCode::usage, "-damage_ts_dt \"0\": out of range; allowed: > 0 s"},
       {{{"-damage_bound", "vi"}},
        ExitCode::usage,
-       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: form, theta, bounds, "
-       "and names that "
+       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: form, theta, ts_dt, "
+       "bounds, and names that "
        "start with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
       {{{"-stops", "broken"}, {"-stop_end_when", "-"}},
        ExitCode::usage,

@@ -80,7 +80,7 @@ private:
   };
 
   const std::vector<double>& theta_at_start() const; ///< of the window
-  void read_substeps();
+  void check_substeps();
   HeatOutcome solve_window(std::vector<double>& theta);
   HeatOutcome solve_substeps(int count, std::vector<double>& theta);
   void find_regions();
@@ -102,7 +102,6 @@ private:
   HeatStep step_;
   Window window_;
   double t_n_ = 0, t_ = 0; ///< of the window
-  double substep_ = 0;     ///< -heat_ts_dt; 0: none
   std::vector<double> theta_before_;
   Mailbox mailbox_;
   std::vector<Region> regions_;

@@ -14,11 +14,13 @@ struct DamageScenario {
   DamageForm form = DamageForm::multiplied;
   double theta = 1;
   DamageBounds bounds = DamageBounds::vi;
+  double substep = 0; ///< -damage_ts_dt; 0: none
 };
 
 struct HeatScenario {
   HeatForm form = HeatForm::entropy;
-  double theta = 1; ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
+  double theta = 1;   ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
+  double substep = 0; ///< -heat_ts_dt; 0: none
 };
 
 /// What the next pass of a staggered step starts from: the last phi, or one extrapolated from the last two
