@@ -90,16 +90,17 @@ HeatPaths ContactInterface::heat_paths(Vec u) const {
   return paths;
 }
 
-double ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
+ObstacleWork ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
   const std::array<double, 3> moved = pose_at(time_).moved;
-  if (moved == std::array<double, 3>{}) return 0; // at rest, or no rigid body: no force is asked for
+  if (moved == std::array<double, 3>{}) return {}; // at rest, or no rigid body: no force is asked for
   const std::array<double, 3> force = total_force(u);
-  double work = 0;
+  ObstacleWork work;
   for (std::size_t k = 0; k < at(dim_); ++k) {
     const double before = totals_->committed[at(dim_) + 1 + k];
-    work += moved[k] * (force_at_end ? force[k] + step_.shock[k] : (before + force[k]) / 2);
+    work.force += reported_thickness() * moved[k] * (force_at_end ? force[k] : (before + force[k]) / 2);
+    if (force_at_end) work.shock += reported_thickness() * moved[k] * step_.shock[k];
   }
-  return reported_thickness() * work;
+  return work;
 }
 
 void ContactInterface::share(std::vector<double>& values, int components) const {

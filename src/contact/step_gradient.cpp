@@ -26,10 +26,32 @@ std::vector<double> ContactInterface::place_of_gradients(const std::vector<doubl
 // Forms bring gradients of what presses: with these multipliers that is all within a facet.
 PressureLaw ContactInterface::reaching_law() const { return {step_.reach, penalty()}; }
 
-void ContactInterface::find_start_gaps() {
-  step_.start = form_->nodes().displacement(step_.u_n);
+std::vector<double> ContactInterface::relative_start() const {
+  std::vector<double> start = form_->nodes().displacement(step_.u_n);
   const std::array<double, 3> moved = pose_at(time_).moved;
-  for (std::size_t i = 0; i < step_.start.size(); ++i) step_.start[i] += moved[i % at(dim_)];
+  for (std::size_t i = 0; i < start.size(); ++i) start[i] += moved[i % at(dim_)];
+  return start;
+}
+
+double ContactInterface::closed_within_step(Vec u, double least) const {
+  if (!step_.u_n) return 0;
+  std::vector<double> depth(multiplier_->trial.size(), 0.0);
+  const auto deepest = [&] {
+    double largest = 0;
+    for (double d : depth) largest = std::max(largest, d / mean_length_);
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+    return largest > least ? largest : 0;
+  };
+  form_->visit(form_->nodes().displacement(u), Derivatives::none, law(),
+               [&](const Constraint& c) { depth[at(c.index)] = -c.gap; });
+  if (deepest() == 0) return 0;
+  form_->visit(relative_start(), Derivatives::none, law(),
+               [&](const Constraint& c) { depth[at(c.index)] += std::min(0.0, c.gap); });
+  return deepest();
+}
+
+void ContactInterface::find_start_gaps() {
+  step_.start = relative_start();
   const std::size_t count = multiplier_->trial.size();
   if (exact_work())
     step_.start_gap = gap_->committed;

@@ -510,6 +510,8 @@ SNESConvergedReason Coupling::run_motion(Vec u) {
 PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   PassResult result;
   refresh_contact(u);
+  if (pass == 1 && counts_.passes == 1) limit_closing(result, u);
+  if (result.inner < 0) return result;
   for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
   result.inner = solve_motion(u);
   counts_.uzawa += 1;
@@ -627,11 +629,27 @@ void Coupling::fatigue_pass(PassResult& result) {
   result.inner = SNES_DIVERGED_FUNCTION_DOMAIN;
 }
 
+// What flies deep into another body within a step leaves Newton's method a start with cells turned inside
+// out, whose balance need not be that of the bodies.
+void Coupling::limit_closing(PassResult& result, Vec u) {
+  if (!inertia_ || settings_.max_closing <= 0 || at_least_step()) return;
+  for (const ContactInterface& contact : motion_.contacts()) {
+    const double depth = contact.closed_within_step(u, settings_.max_closing);
+    if (depth == 0) continue;
+    char text[200];
+    std::snprintf(text, sizeof(text), "contact %.80s would close %.3g facets deep, -ts_adapt_closing is %.3g",
+                  contact.id().c_str(), depth, settings_.max_closing);
+    failure_ = text;
+    result.inner = SNES_DIVERGED_INNER;
+    return;
+  }
+}
+
 void Coupling::limit(PassResult& result, const char* what, double increment, const char* option,
                      double most) {
   utilisation_ = std::max<PetscReal>(utilisation_, increment / most);
   // What jumps in any step, such as a rate-independent crack, may do so in one below a thousandth of -ts_dt.
-  if (increment <= most || step_.dt <= 1e-3 * settings_.dt) return;
+  if (increment <= most || at_least_step()) return;
   char text[120];
   std::snprintf(text, sizeof(text), "%s by %.3g, -ts_adapt_%s is %.3g", what, increment, option, most);
   failure_ = text;

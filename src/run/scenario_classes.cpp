@@ -174,9 +174,9 @@ std::vector<OptionRow<Contact>> detection_rows() {
           {"deepest overlap that is moved apart; auto: 1e-3 of the secondary facet", "auto", "m"},
           not_negative, automatic()),
       choice_row<Contact, ImpactUpdate>("impact", &Contact::impact,
-                                        {"treatment of the shock at touch; auto: stabilised where dt is at "
-                                         "most 20 h/c_p, else none; conserving: "
-                                         "a penalty whose work is exact, in the trapezoidal rule",
+                                        {"treatment of the shock at touch; auto: stabilised, but none "
+                                         "where another contact is conserving or nothing has a stiffness; "
+                                         "conserving: a penalty whose work is exact, in the trapezoidal rule",
                                          "auto"},
                                         {{"auto", ImpactUpdate::automatic},
                                          {"stabilised", ImpactUpdate::stabilised},

@@ -193,6 +193,12 @@ OptionGroup time_group() {
               {"largest change of the temperature at a node in a step, likewise; 0: no limit", "0", "K"},
               not_negative),
           number_row<Global>(
+              "ts_adapt_closing", [](auto& s) -> auto& { return s.coupling.max_closing; },
+              {"with inertia: depth, in mean secondary facets, to which a contact may close in the motion "
+               "that a step is expected to make; a step that goes deeper is cut; 0: no limit",
+               "1", "1"},
+              not_negative),
+          number_row<Global>(
               "ts_period", [](auto& s) -> auto& { return s.time.period; },
               {"of a cyclic load: steps hit the ends and the middles of its cycles exactly", "none", "s"},
               positive, {{"", 0.}}),

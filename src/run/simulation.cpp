@@ -68,21 +68,18 @@ bool conserves(const Scenario& s) {
   });
 }
 
-// The contact-stabilised update belongs to steps that resolve waves. Far above that its contact force
-// alternates from step to step without damping, and the alternation grows (beam on wedge, dt = 1e5 h/c_p:
-// lost after 100 steps).
+// The contact-stabilised update is for all that has inertia and stiffness, at any length of the steps.
 bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
   if (s.contacts.empty() || !s.has_inertia()) return false;
-  const bool conserve = conserves(s);
-  bool stabilise = false;
-  for (const ContactSettings& contact : s.contacts)
-    stabilise = stabilise || contact.impact == ImpactUpdate::stabilised ||
-                (contact.impact == ImpactUpdate::automatic && solver.resolves_waves() && !conserve);
+  const bool conserve = conserves(s), automatic = solver.cfl > 0 && !conserve;
+  const bool stabilise = std::any_of(s.contacts.begin(), s.contacts.end(), [&](const ContactSettings& c) {
+    return c.impact == ImpactUpdate::stabilised || (c.impact == ImpactUpdate::automatic && automatic);
+  });
   check(PetscPrintf(comm, "impact update: %s (dt is %.3g times h/c_p)\n",
-                    stabilise                 ? "contact-stabilised"
-                    : conserve                ? "energy-conserving"
-                    : solver.resolves_waves() ? "none, as asked"
-                                              : "none: the steps do not resolve waves",
+                    stabilise        ? "contact-stabilised"
+                    : conserve       ? "energy-conserving"
+                    : solver.cfl > 0 ? "none, as asked"
+                                     : "none: nothing has a stiffness",
                     solver.cfl));
   return stabilise;
 }

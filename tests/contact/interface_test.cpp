@@ -304,6 +304,44 @@ TEST(ContactInterface, FastNodesDeeperThanAFacetAreNotLost) {
   EXPECT_NEAR(through.contact.measures(below).force[1], 100 * 0.7 * 1.25, 1e-10);
 }
 
+TEST(ContactInterface, WhatClosesWithinAStepIsMeasuredInFacets) {
+  TwoBlocks b; // facets of 0.3 below, 0.25 above
+  b.gap = 0.01;
+  for (ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar})
+    for (const auto& [name, partition] : partitions) {
+      ContactSettings s = settings_of(100);
+      s.method = method;
+      Rig rig(PETSC_COMM_WORLD, b, partition, s);
+      const Handle<Vec> u = rig.at(sink(0.26));
+      rig.contact.update_search(u);
+      EXPECT_EQ(rig.contact.closed_within_step(u, 0.5), 0) << name << ": no step has begun";
+      StateRow& start =
+          rig.state.add({"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+      rig.contact.set_time(0);
+      rig.contact.update_search(u);
+      EXPECT_NEAR(rig.contact.closed_within_step(u, 0.5), 1, 1e-12) << name;
+      EXPECT_EQ(rig.contact.closed_within_step(u, 1.01), 0) << name;
+      // It lay 0.1 deep before.
+      rig.layout.to_local(rig.at(sink(0.11)), start.committed);
+      rig.contact.set_time(0);
+      rig.contact.update_search(u);
+      EXPECT_NEAR(rig.contact.closed_within_step(u, 0.5), 0.6, 1e-12) << name;
+    }
+  // A plane that rises by 0.2 towards a block 0.05 above it.
+  ContactSettings s = settings_of(100);
+  s.primary = "plane";
+  s.rigid_motion[1] = [](double t) { return 0.2 * t - 0.05; };
+  Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s);
+  rig.state.add({"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+  const Handle<Vec> rest = rig.at(sink(0));
+  rig.contact.set_time(0);
+  rig.contact.advance(rest, rest, 0);
+  rig.state.commit();
+  rig.contact.set_time(1);
+  rig.contact.update_search(rest);
+  EXPECT_NEAR(rig.contact.closed_within_step(rest, 0.1), 0.15 / 0.25, 1e-12);
+}
+
 TEST(ContactInterface, PointThatPassedAFacetInTheStepIsHeldAtAnyDepth) {
   TwoBlocks b; // facets of 0.3 below, 0.25 above; search radius 0.6
   b.gap = 0.8;
@@ -640,8 +678,8 @@ TEST(ContactInterface, WorkOfAMovingRigidBodyIsItsForceTimesItsMotion) {
   rig.state.commit();
   rig.contact.set_time(3);
   // 100 x 1.25 x depth at both ends of the step, over a way of 0.02.
-  EXPECT_NEAR(rig.contact.obstacle_work(u, true), 3 * 125 * 0.05 * 0.02, 1e-12);
-  EXPECT_NEAR(rig.contact.obstacle_work(u, false), 3 * 125 * 0.04 * 0.02, 1e-12);
+  EXPECT_NEAR(rig.contact.obstacle_work(u, true).force, 3 * 125 * 0.05 * 0.02, 1e-12);
+  EXPECT_NEAR(rig.contact.obstacle_work(u, false).force, 3 * 125 * 0.04 * 0.02, 1e-12);
 }
 
 TEST(ContactInterface, InitialOverlapIsAdjustedRefusedOrAllowedButRoundingIsNone) {

@@ -24,7 +24,7 @@ BASE = {
 SWAPPED = {"contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom"}
 
 
-def flight(case, name, angle=0, tilt=0, extra=None, ranks=1):
+def flight(case, name, angle=0, tilt=0, extra=None, ranks=1, speed=SPEED):
     """Two blocks turned by the angle in the plane of x and y, then by the tilt in that of y and z. None among the extra
     options leaves one of BASE to the program's default."""
     dim, method, enforce = case
@@ -32,7 +32,7 @@ def flight(case, name, angle=0, tilt=0, extra=None, ranks=1):
     options = {**BASE, "mesh_set_dim": dim, "mesh_set_angle": angle, "contact_face_method": method,
                "contact_face_enforce": enforce, **(extra or {})}
     options = {key: value for key, value in options.items() if value is not None}
-    velocity = (SPEED * sin(turn), -SPEED * cos(turn) * cos(lean), -SPEED * cos(turn) * sin(lean))
+    velocity = (speed * sin(turn), -speed * cos(turn) * cos(lean), -speed * cos(turn) * sin(lean))
     for axis, value in zip("xyz"[:dim], velocity):
         options[f"ic_flight_v{axis}"] = repr(value)
     if dim == 3:

@@ -45,7 +45,7 @@ def stop(name, r, distance_column):
           relative=False)
     lost = r["dissipated_friction"][-1]
     check(f"{name}: heat of friction over the kinetic energy", lost / (RHO * V**2 / 2), 1, 0.02)
-    check(f"{name}: first law", r["balance_first_law"][-1], 0, 0.02, relative=False)
+    check(f"{name}: first law", abs(r["balance_first_law"]).max(), 0, 1e-6, relative=False)
     check(f"{name}: work balance of the steps", abs(r["balance"]).max(), 0, 1e-9, relative=False)
     comes_to_rest(name, r)
 
@@ -86,14 +86,14 @@ for method in ("gpts", "mortar"):
     # Both blocks are elastic: the stop leaves a part in their vibration.
     check_between(f"slab, {method}: heat of friction over the kinetic energy",
                   r["dissipated_friction"][-1] / (MASS * (V / 2) ** 2 / 2), 0.85, 1)
-    check(f"slab, {method}: first law", r["balance_first_law"][-1], 0, 2e-2, relative=False)
+    check(f"slab, {method}: first law", abs(r["balance_first_law"]).max(), 0, 1e-5, relative=False)
     for column in ("measure_place_ux", "dissipated_friction", "energy_kinetic"):
         check(f"slab, {method}: 2 ranks against 1, {column}",
               abs(runs[1][column] - r[column]).max() / abs(r[column]).max(), 0, 1e-6, relative=False)
 
 short = run("slab_short_steps", {**SLAB, "contact_face_method": "mortar", "ts_dt": SLAB["ts_dt"] / 4})
-check_between("slab, mortar: first law with a fourth of the step over that with the whole one",
-              short["balance_first_law"][-1] / r["balance_first_law"][-1], -0.4, 0.4)
+check_between("slab, mortar: loss of the integrator and of closing gaps with a fourth of the step over that with the whole one",
+              short["dissipated_numerical"][-1] / r["dissipated_numerical"][-1], 0, 0.4)
 check("slab, mortar: heat with a fourth of the step over the kinetic energy",
       short["dissipated_friction"][-1] / (MASS * (V / 2) ** 2 / 2), 1, 0.04)
 print("slope: the weight turns slowly to the angle once the block rests")

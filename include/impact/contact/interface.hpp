@@ -77,6 +77,10 @@ struct ContactFields {
   std::vector<double> slip;     ///< of the secondary side, since the place closed
 };
 
+struct ObstacleWork {
+  double force = 0, shock = 0;
+};
+
 /// Places at which heat passes a contact in one step. Per unit thickness.
 struct HeatPaths {
   std::vector<double> conductance; ///< [place] h dA, power per temperature
@@ -149,6 +153,10 @@ public:
   const ContactNodes& nodes() const { return form_->nodes(); }
   /// How often the nodes were found anew.
   long searches() const { return searches_; }
+  /// Of an attempt from a row `u`: how much deeper than at its start any constraint lies at u, in mean
+  /// secondary facets; 0 where that is no more than `least`. Collective: one reduction where nothing lies
+  /// that deep.
+  double closed_within_step(Vec u, double least) const;
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
   ContactStatus add_residual(Vec u, double scale, Vec r) const;
@@ -178,7 +186,7 @@ public:
   double released_energy(Vec u) const;
   /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
   /// at the end and that of the shock at its start, or the mean of both ends. Before advance. Collective.
-  double obstacle_work(Vec u, bool force_at_end) const;
+  ObstacleWork obstacle_work(Vec u, bool force_at_end) const;
   /// Whether the multipliers are updated within Newton's method.
   bool semismooth() const { return settings_.enforce == Enforcement::semismooth && !fallen_back_; }
   /// For the rest of the attempt an augmented Lagrangian takes the place of the semismooth method, whose
@@ -251,6 +259,8 @@ private:
   };
   bool exact_work() const { return step_.rule == StepRule::exact_work; }
   static std::array<double, 3> half(const std::array<double, 3>& a) { return {a[0] / 2, a[1] / 2, a[2] / 2}; }
+  // Of nodes(): where the attempt starts, relative to the rigid body where it will be. Collective.
+  std::vector<double> relative_start() const;
   void find_start_gaps();
   PressureLaw reaching_law() const;
   // Where the gradients of the step are taken.

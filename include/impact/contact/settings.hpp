@@ -18,7 +18,7 @@ enum class ImpactUpdate {
   stabilised,
   conserving,
   none
-}; ///< automatic: stabilised when dt <= 20 h/c_p, else none; conserving: a penalty whose work is exact
+}; ///< automatic: stabilised, but none beside a conserving one; conserving: a penalty whose work is exact
 enum class PenaltyGrowth {
   on_slow_gap,
   every_augmentation

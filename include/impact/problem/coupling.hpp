@@ -118,6 +118,9 @@ private:
   void damage_pass(PassResult& result);
   void fatigue_pass(PassResult& result);
   void limit_plastic_strain(PassResult& result);
+  void limit_closing(PassResult& result, Vec u);
+  // Limits of a step do not cut it any more.
+  bool at_least_step() const { return step_.dt <= 1e-3 * settings_.dt; }
   void limit(PassResult& result, const char* what, double increment, const char* option, double most);
   void heat_pass(Vec u, PassResult& result);
   void relax_phi(PetscInt pass);

@@ -36,6 +36,7 @@ struct CouplingScenario {
   double max_dphi = 0;       ///< largest increment of phi in a step; 0: no limit
   double max_dalpha = 0;     ///< largest increment of the plastic strain
   double max_dtheta = 0;     ///< largest change of the temperature
+  double max_closing = 1;    ///< largest depth in facets at which a contact may close; 0: no limit
   bool report_error = false; ///< evaluate Coupling::single_pass_error
   double dt = 0;             ///< -ts_dt
   bool moves = true;         ///< -physics has motion

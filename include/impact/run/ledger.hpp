@@ -113,7 +113,8 @@ private:
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;
-  double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
+  double energy_contact_ = 0, energy_contact_before_ = 0;
+  double phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
   double fatigue_max_ = 0, coupling_error_ = 0;
   std::vector<double> reaction_;   ///< [condition][dim]
   std::vector<double> moment_;     ///< [condition][3] about the centres of mass of rigid bodies
