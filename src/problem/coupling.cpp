@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/forget.hpp>
 #include <impact/problem/coupling.hpp>
 #include <impact/time/types.hpp>
 
@@ -288,7 +289,7 @@ void Coupling::on_reject() { state_.rollback(); }
 void Coupling::forget_factors() {
   KSP ksp = nullptr;
   check(SNESGetKSP(motion_snes_, &ksp));
-  check(KSPReset(ksp));
+  impact::forget_factors(ksp);
   if (heat_) heat_->forget_factors();
 }
 
@@ -301,7 +302,7 @@ bool Coupling::refresh_contact(Vec u) {
   // Another pattern: a new matrix, and the solver's factors with it.
   KSP ksp = nullptr;
   check(SNESGetKSP(motion_snes_, &ksp));
-  check(KSPReset(ksp));
+  impact::forget_factors(ksp);
   refresh_matrix();
   check(TSSetI2Jacobian(ts_, motion_.jacobian(), motion_.matrix(), nullptr, nullptr));
   return true;

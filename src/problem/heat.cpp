@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/forget.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat.hpp>
 #include <map>
@@ -162,7 +163,7 @@ HeatRows HeatProblem::rows() {
 void HeatProblem::forget_factors() {
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_, &ksp));
-  check(KSPReset(ksp));
+  impact::forget_factors(ksp);
 }
 
 void HeatProblem::evaluate_loads(double t, int end) {

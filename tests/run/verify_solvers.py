@@ -2,6 +2,8 @@
 # timeout: 120
 """Another linear solver changes the iteration counts and nothing else: the two blocks in contact with each solver, and
 with the fragments of options/solver."""
+import shutil
+
 import numpy
 from _runs import TWO_BLOCKS, check, finish, option_file, require, run
 
@@ -39,4 +41,12 @@ for name, options in VARIANTS.items():
 for fragment in ("direct", "jacobi", "hypre", "gamg"):
     compare(f"solver/{fragment}.opts", reference,
             run(fragment, BLOCKS, files=[option_file(f"solver/{fragment}.opts")]))
+
+# A hierarchy that serves on is a memory, which a checkpoint ends.
+MULTIGRID = {**BLOCKS, **VARIANTS["gmres + gamg"], "checkpoint_every": 15}
+whole = run("whole", MULTIGRID)
+shutil.copytree("whole", "resumed")
+resumed = run("resumed", {**MULTIGRID, "restart": "resumed/checkpoints/checkpoint_000001.h5"})
+for column in COLUMNS:
+    check(f"gamg, resumed: {column}", abs(resumed[column] - whole[column]).max(), 0, 0, relative=False)
 finish()
