@@ -198,6 +198,7 @@ void Ledger::start(Vec u, Vec v, Vec) {
   const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
   energy_contact_ = contact_energy(u);
+  sum(contact_store) = energy_contact_;
   sum(start_energy) = stored();
   if (heat_) heat_->trial.back() = total_.entropy;
   sum(scale) = std::abs(stored());
@@ -242,7 +243,6 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   const double kinetic_n = total_.kinetic;
   total_before_ = total_;
   materials_before_ = materials_;
-  energy_contact_before_ = energy_contact_;
 
   // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history.
   ForceParts parts;
@@ -316,7 +316,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   const double loss = work_inertia + work_rigid + (inertia_ ? work_contact - kinetic_change : 0.0);
   sum(external) += work_external + work_rigid;
   // What contact takes from the bodies and obstacles, and neither keeps nor rubs into heat.
-  double taken = -work_contact - (energy_contact_ - energy_contact_before_);
+  double taken = -work_contact - (energy_contact_ - sum(contact_store));
   for (const ContactInterface& contact : motion_.contacts()) {
     const ObstacleWork of_obstacle = contact.obstacle_work(u, coupling_->stabilised());
     const double rubbed = contact.friction_loss(u);
@@ -328,6 +328,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   // The stabilised update closes gaps against the pressure of the step's end, which takes energy as a plastic
   // impact does. It gives none: a gain stays in the first law.
   if (coupling_->stabilised()) sum(numerical) += std::max(0.0, taken);
+  sum(contact_store) = energy_contact_;
   sum(contact_work) += work_contact;
   sum(numerical) += loss;
   sum(identity) += kinetic_change + loss + work_internal - work_external - work_rigid - work_contact;
@@ -430,7 +431,6 @@ void Ledger::find_coupling_error(Vec u, Vec internal) {
 void Ledger::unbook() {
   total_ = total_before_;
   materials_ = materials_before_;
-  energy_contact_ = energy_contact_before_;
 }
 
 void Ledger::find_reactions(const std::vector<double>& u) {

@@ -76,7 +76,8 @@ private:
     start_energy,
     scale,
     fatigue_loss,
-    least, ///< smallest dissipation of a step at a point, per volume; at most 0
+    contact_store, ///< energy_contact as the last step left it
+    least,         ///< smallest dissipation of a step at a point, per volume; at most 0
     count
   };
   /// Dissipated since t = 0 in one material.
@@ -113,8 +114,7 @@ private:
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;
-  double energy_contact_ = 0, energy_contact_before_ = 0;
-  double phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
+  double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
   double fatigue_max_ = 0, coupling_error_ = 0;
   std::vector<double> reaction_;   ///< [condition][dim]
   std::vector<double> moment_;     ///< [condition][3] about the centres of mass of rigid bodies
