@@ -290,6 +290,7 @@ void Coupling::forget_factors() {
   KSP ksp = nullptr;
   check(SNESGetKSP(motion_snes_, &ksp));
   impact::forget_factors(ksp);
+  if (damage_) damage_->forget_factors();
   if (heat_) heat_->forget_factors();
 }
 

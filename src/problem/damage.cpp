@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/forget.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
 
@@ -190,6 +191,14 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
     });
   }
   return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+void DamageProblem::forget_factors() {
+  for (SNES snes : solvers()) {
+    KSP ksp = nullptr;
+    check(SNESGetKSP(snes, &ksp));
+    impact::forget_factors(ksp);
+  }
 }
 
 std::vector<SNES> DamageProblem::solvers() const {

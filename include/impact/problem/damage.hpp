@@ -38,6 +38,8 @@ public:
   DamageOutcome solve(const DamageStep& step, std::vector<double>& phi);
 
   Mat matrix() const { return assembly_->matrix(); }
+  /// Drops what its linear solvers keep. Collective.
+  void forget_factors();
 
 private:
   void residual(Vec x, Vec f);
