@@ -77,6 +77,7 @@ struct ContactFields {
   std::vector<double> slip;     ///< of the secondary side, since the place closed
 };
 
+/// Of a moving rigid body on the bodies in one step: by the forces of the step, by the shock at its start.
 struct ObstacleWork {
   double force = 0, shock = 0;
 };
