@@ -3,7 +3,9 @@
 
 namespace impact {
 
-void forget_factors(KSP ksp) {
+void forget_factors(SNES snes) {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(snes, &ksp));
   check(KSPReset(ksp));
   PC pc = nullptr;
   PetscBool gamg = PETSC_FALSE;

@@ -287,9 +287,7 @@ void Coupling::guess(const Attempt& attempt, Vec u) {
 void Coupling::on_reject() { state_.rollback(); }
 
 void Coupling::forget_factors() {
-  KSP ksp = nullptr;
-  check(SNESGetKSP(motion_snes_, &ksp));
-  impact::forget_factors(ksp);
+  impact::forget_factors(motion_snes_);
   if (damage_) damage_->forget_factors();
   if (heat_) heat_->forget_factors();
 }
@@ -301,9 +299,7 @@ std::span<const double> Coupling::heat_supplied() const {
 bool Coupling::refresh_contact(Vec u) {
   if (!motion_.update_contact(u)) return false;
   // Another pattern: a new matrix, and the solver's factors with it.
-  KSP ksp = nullptr;
-  check(SNESGetKSP(motion_snes_, &ksp));
-  impact::forget_factors(ksp);
+  impact::forget_factors(motion_snes_);
   refresh_matrix();
   check(TSSetI2Jacobian(ts_, motion_.jacobian(), motion_.matrix(), nullptr, nullptr));
   return true;

@@ -194,11 +194,7 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
 }
 
 void DamageProblem::forget_factors() {
-  for (SNES snes : solvers()) {
-    KSP ksp = nullptr;
-    check(SNESGetKSP(snes, &ksp));
-    impact::forget_factors(ksp);
-  }
+  for (SNES snes : solvers()) impact::forget_factors(snes);
 }
 
 std::vector<SNES> DamageProblem::solvers() const {

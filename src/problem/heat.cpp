@@ -160,11 +160,7 @@ HeatRows HeatProblem::rows() {
   return rows;
 }
 
-void HeatProblem::forget_factors() {
-  KSP ksp = nullptr;
-  check(SNESGetKSP(snes_, &ksp));
-  impact::forget_factors(ksp);
-}
+void HeatProblem::forget_factors() { impact::forget_factors(snes_); }
 
 void HeatProblem::evaluate_loads(double t, int end) {
   for (Region& region : regions_) {

@@ -1,10 +1,10 @@
 #pragma once
-#include <petscksp.h>
+#include <petscsnes.h>
 
 namespace impact {
 
-/// Leaves `ksp` as if it had never solved: factors, hierarchies, and what a preconditioner keeps beside them.
-/// Collective.
-void forget_factors(KSP ksp);
+/// Leaves the linear solver of `snes` as if it had never solved: factors, hierarchies, and what a
+/// preconditioner keeps beside them. Collective.
+void forget_factors(SNES snes);
 
 } // namespace impact
