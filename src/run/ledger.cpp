@@ -549,8 +549,7 @@ double Ledger::balance_first_law() const {
 }
 
 double Ledger::energy_error() const {
-  const double gained = std::min(0.0, sum(numerical)) + std::min(0.0, sum(closing));
-  return balance_first_law() - gained / energy_scale();
+  return balance_first_law() - std::min(0.0, sum(closing)) / energy_scale();
 }
 
 void Ledger::append_energies(HistoryFile::Row& row) const {

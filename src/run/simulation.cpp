@@ -95,6 +95,9 @@ Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
   return ts;
 }
 
+// So many steps in a row beyond -energy_tol or -energy_stop are no start of a run.
+constexpr int steps_beyond = 5;
+
 // The objects of a run in the order in which they depend on each other.
 class Simulation {
 public:
@@ -133,7 +136,7 @@ private:
   Coupling coupling_;
   std::optional<Ledger> ledger_;
   FieldSource source_;
-  StateRow* control_;
+  StateRow *control_, *watch_; // watch_: steps in a row beyond -energy_tol, -energy_stop
   std::optional<HistoryObserver> history_;
   std::vector<FieldObserver> fields_;
   Handle<Vec> u_, v_, a_;
@@ -205,6 +208,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                   LedgerChoice{s.history_materials, s.coupling.report_error});
   StateRow control{"step_control", Support::global, 4};
   control_ = &setup_.state.add(std::move(control), 4);
+  watch_ = &setup_.state.add({"energy_watch", Support::global, 2}, 2);
   std::optional<double> resume_time;
   std::optional<long> resume_step;
   if (resume) {
@@ -354,20 +358,30 @@ Verdict Simulation::judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a) {
   const double before = ledger_->energy_error();
   ledger_->book(attempt.dt, u, v, inertia_ ? a : a_.get());
   const double residual = ledger_->energy_error();
-  if (std::abs(residual) <= std::abs(before) || ledger_->energy_scale() < least_energy_) return {};
-  if (s_.energy_stop > 0 && std::abs(residual) > s_.energy_stop && must_close(residual)) {
+  // Consecutive steps beyond the bounds: what the first steps of a run miss is soon small beside what is
+  // stored.
+  const bool counts = ledger_->energy_scale() >= least_energy_;
+  const auto beyond = [&](std::size_t which, double bound) {
+    const bool is = counts && bound > 0 && std::abs(residual) > bound;
+    watch_->trial[which] = is ? watch_->committed[which] + 1 : 0;
+    return is;
+  };
+  const bool past_stop = beyond(1, s_.energy_stop), past_tol = beyond(0, s_.energy_tol);
+  if (past_stop && watch_->trial[1] >= steps_beyond && must_close(residual)) {
     check(PetscPrintf(comm_, "impact: %s\n", energy_text(residual, attempt.t, "energy_stop").c_str()));
     throw UserError(ExitCode::solver, "stopped by -energy_stop: this is no solution; " +
                                           energy_remedy(residual) + " (-energy_stop 0 goes on)");
   }
-  if (s_.energy_tol <= 0 || std::abs(residual) <= s_.energy_tol) return {};
-  const bool warns = s_.energy_action == Scenario::EnergyAction::warn;
-  if (!warns || energy_warning_.empty()) {
+  if (!past_tol) return {};
+  if (s_.energy_action == Scenario::EnergyAction::warn) {
+    if (watch_->trial[0] < steps_beyond || !energy_warning_.empty()) return {};
     energy_warning_ = energy_text(residual, attempt.t, "energy_tol");
-    check(PetscPrintf(comm_, "impact: %s%s%s\n", warns ? "WARNING: " : "", energy_warning_.c_str(),
-                      warns ? ("; " + energy_remedy(residual)).c_str() : ""));
+    check(PetscPrintf(comm_, "impact: WARNING: %s; %s\n", energy_warning_.c_str(),
+                      energy_remedy(residual).c_str()));
+    return {};
   }
-  if (warns) return {};
+  if (std::abs(residual) <= std::abs(before)) return {};
+  check(PetscPrintf(comm_, "impact: %s\n", energy_text(residual, attempt.t, "energy_tol").c_str()));
   if (s_.energy_action == Scenario::EnergyAction::stop)
     throw UserError(ExitCode::solver,
                     "stopped by -energy_action stop; take smaller steps or more coupling passes");
@@ -542,7 +556,7 @@ ExitCode Simulation::run() {
                     snapshot_.time, snapshot_.step, Progress::clock(progress_.wall()).c_str(),
                     ledger_->balance(), ledger_->balance_first_law()));
   check(PetscPrintf(comm_, "%s", ledger_->report().c_str()));
-  if (!energy_warning_.empty() && s_.energy_action == Scenario::EnergyAction::warn)
+  if (!energy_warning_.empty())
     check(PetscPrintf(comm_, "impact: WARNING, first of its kind: %s; at the end %.3g\n",
                       energy_warning_.c_str(), ledger_->balance_first_law()));
   if (!stopped_by_.empty())

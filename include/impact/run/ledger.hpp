@@ -55,7 +55,7 @@ public:
   std::string report() const;
   double balance() const;
   double balance_first_law() const;
-  /// The same and, as gains, what entries that are losses by their nature have below zero.
+  /// The same and, as a gain, what dissipated_closing has below zero.
   double energy_error() const;
   double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
   double phi_max() const { return phi_max_; }
