@@ -118,6 +118,17 @@ void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch& sum) 
 }
 
 template <class Cell, Frame frame>
+void unilateral_energy(const PointLaw& law, const Batch* X, const Batch* phi, const Batch* history_n,
+                       const Batch* drive, const Batch* drive_n, Batch& sum) {
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> g;
+    point_geometry<Cell, frame>(X, q, g);
+    const Batch m = unilateral_part(point_degradations<Cell, frame>(law, phi, q, history_n));
+    sum += g.weight * (m * (drive[q * drive_size + 1] - drive_n[q * drive_size + 1]));
+  }
+}
+
+template <class Cell, Frame frame>
 void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out) {
   constexpr int d = Cell::dim;
   MotionInput in = state;

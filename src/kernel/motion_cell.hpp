@@ -260,7 +260,7 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
   const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
   status.bad |= find_thickness<Cell, frame>(law, in, s);
 
   Fluxes<Cell, frame> fluxes;
@@ -336,7 +336,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
   const MaterialParameters& m = law.parameters;
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
   status.bad |= find_thickness<Cell, frame>(law, in, s);
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);

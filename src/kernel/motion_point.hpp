@@ -29,9 +29,11 @@ inline Batch point_alpha(const PointLaw& law, const Batch* history, int q) {
 
 template <class Cell, Frame frame>
 inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* phi, int q,
-                                              const Batch* history = nullptr) {
-  return degradations(law.parameters, phi ? interpolate<Cell>(phi, q) : Batch(0.0),
-                      point_alpha<Cell, frame>(law, history, q));
+                                              const Batch* history = nullptr, double unilateral = 1) {
+  Degradations<Batch> g = degradations(law.parameters, phi ? interpolate<Cell>(phi, q) : Batch(0.0),
+                                       point_alpha<Cell, frame>(law, history, q));
+  if (law.parameters.damage != Damage::none) g.e2.g += (unilateral - 1) * unilateral_part(g);
+  return g;
 }
 
 template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
@@ -43,7 +45,7 @@ template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, con
 /// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
 template <class Cell, Frame frame>
 inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
-                    CellState<Cell, frame>& s, const Batch* history = nullptr) {
+                    CellState<Cell, frame>& s, const Batch* history = nullptr, double unilateral = 1) {
   constexpr int d = Cell::dim;
   const auto& t = shape_table<Cell>;
   Batch jacobian[Cell::points][d * d], slope[Cell::points][d * d]; // dX_i/dxi_k, du_i/dxi_k
@@ -61,8 +63,9 @@ inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const B
     s.volume_J = mean / s.volume;
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {
-      const Volumetric<Batch> v = law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
-                                               point_degradations<Cell, frame>(law, phi, q, history));
+      const Volumetric<Batch> v =
+          law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
+                       point_degradations<Cell, frame>(law, phi, q, history, unilateral));
       s.mean_p += s.map[q].weight * v.p;
       s.mean_dp += s.map[q].weight * v.dp;
     }
@@ -124,7 +127,7 @@ inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const Moti
   const MaterialParameters& m = law.parameters;
   PointEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
-  e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
+  e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history, in.unilateral);
   e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g,
                          point_conditions<Cell>(law, in, q));
   const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;

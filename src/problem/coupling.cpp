@@ -29,6 +29,15 @@ struct Projection {
   }
 };
 
+// Whether m tau- of broken points acts like a contact. Sheets follow tau_33 = 0 of the whole stress at the
+// end of a step, and the heat balance the work of both its ends: there it acts like all other stress.
+bool has_unilateral_stress(const Discretisation& d) {
+  return d.frame != Frame::plane_stress && !d.has_heat() &&
+         std::any_of(d.materials.begin(), d.materials.end(), [](const MaterialAssignment& m) {
+           return m.law.parameters.damage != Damage::none && m.law.parameters.split != Split::none;
+         });
+}
+
 std::string option_text(const char* name) {
   char text[128] = "";
   PetscBool set = PETSC_FALSE;
@@ -122,7 +131,8 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
                    const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
                    bool stabilise_contact)
     : ts_(ts), motion_(motion), damage_(damage), heat_(heat), state_(state), settings_(settings),
-      inertia_(inertia), stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
+      inertia_(inertia), stabilise_(stabilise_contact && inertia && !motion.contacts().empty()),
+      unilateral_(inertia && damage && has_unilateral_stress(motion.discretisation())) {
   const Discretisation& d = motion_.discretisation();
   const MPI_Comm comm = d.mesh.comm();
   residual_ = d.displacement.make_global();
@@ -230,9 +240,11 @@ void Coupling::refresh_matrix() {
 
 void Coupling::read_contact_scale() {
   // The integrator reads its options after this object exists.
-  if (!stabilise_) return;
+  if (!stabilise_ && !unilateral_) return;
   const NewmarkParameters p = newmark_parameters(ts_);
-  contact_scale_ = p.alpha_m / (2 * p.beta);
+  const double scale = p.alpha_m / (2 * p.beta);
+  if (stabilise_) contact_scale_ = scale;
+  if (unilateral_) unilateral_scale_ = scale;
 }
 
 void Coupling::before_attempt(const Attempt& attempt) {
@@ -254,6 +266,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
   step_.dt = attempt.dt;
   step_.u_n = &state_.row("u").committed;
   step_.contact_scale = contact_scale_;
+  step_.unilateral_scale = unilateral_scale_;
   step_.stabilised = stabilise_;
   if (inertia_) {
     const NewmarkParameters p = newmark_parameters(ts_);
@@ -770,22 +783,29 @@ NewmarkHooks Coupling::newmark_hooks() {
     hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde, Vec v) {
       project_predictor(t_n, dt, u_tilde, v);
     };
-  if (stabilise_ || !motion_.rigid().empty())
+  if (stabilise_ || unilateral_ || !motion_.rigid().empty())
     hooks.correct = [this](TS, Vec u, Vec v, Vec a) {
       check(VecSet(contact_acceleration_, 0));
-      if (stabilise_) take_out_contact(v, a);
+      if (stabilise_ || unilateral_) take_out_step_forces(u, v, a);
       if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);
     };
   return hooks;
 }
 
-void Coupling::take_out_contact(Vec v, Vec a) {
+// The forces that act over the step as a whole: of contact, and of what is crushed.
+void Coupling::take_out_step_forces(Vec u, Vec v, Vec a) {
   PetscReal size = 0;
-  check(VecNorm(contact_force_, NORM_INFINITY, &size));
+  check(VecSet(residual_, 0));
+  if (stabilise_) check(VecCopy(contact_force_, residual_));
+  if (unilateral_) {
+    ForceParts forces;
+    motion_.parts(u, forces);
+    check(VecAXPY(residual_, -1, forces.unilateral));
+  }
+  check(VecNorm(residual_, NORM_INFINITY, &size));
   if (size == 0) return;
   const NewmarkParameters p = newmark_parameters(ts_);
-  check(VecCopy(contact_force_, residual_));
-  check(VecScale(residual_, contact_scale_ / p.alpha_m));
+  check(VecScale(residual_, 1 / (2 * p.beta)));
   motion_.mass_solve(residual_, contact_acceleration_);
   check(VecAXPY(a, -1, contact_acceleration_));
   check(VecAXPY(v, step_.dt * (2 * p.beta - p.gamma), contact_acceleration_));
@@ -953,6 +973,7 @@ void Coupling::begin_at_rest_of_step(double t, Vec u, Vec v) {
   if (damage_) step.phi = &state_.row("phi").committed;
   if (heat_) step.theta = &state_.row("theta").committed;
   step.contact_scale = contact_scale_;
+  step.unilateral_scale = unilateral_scale_;
   motion_.begin(step);
 }
 

@@ -191,7 +191,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
 }
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
-                              std::vector<double>& r) {
+                              double unilateral, std::vector<double>& r) {
   broken_ = {};
   bool sound = true;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
@@ -200,7 +200,8 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim;
-      const MotionFields fields = step_fields(u, accel, law);
+      MotionFields fields = step_fields(u, accel, law);
+      fields.unilateral = unilateral;
       for (int b = 0; b < group.batch_count; ++b) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
@@ -242,7 +243,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
     accel = &a_;
   }
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -dead_load_[i];
-  const bool sound = add_cells(u_, accel, r_);
+  const bool sound = add_cells(u_, accel, step_.unilateral_scale, r_);
   add_pressures(u_, -1, r_);
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
@@ -266,7 +267,8 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       constexpr int dim = Cell::dim, n = Cell::nodes * dim;
-      const MotionFields fields = step_fields(u_, nullptr, law);
+      MotionFields fields = step_fields(u_, nullptr, law);
+      fields.unilateral = step_.unilateral_scale;
       for (int b = 0; b < group.batch_count; ++b) {
         MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         batch.in.mass_shift = mass_shift;
@@ -382,10 +384,19 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   for (Handle<Vec>* part : {&parts.internal, &parts.external, &parts.contact})
     if (!*part) *part = d_.displacement.make_global();
   d_.displacement.to_local(u, u_);
+  const bool apart = step_.unilateral_scale != 1;
   std::fill(r_.begin(), r_.end(), 0.0);
-  add_cells(u_, nullptr, r_);
+  add_cells(u_, nullptr, apart ? 0 : 1, r_);
   check(VecSet(parts.internal, 0));
   d_.displacement.add_to_global(r_, parts.internal);
+  if (apart) {
+    if (!parts.unilateral) parts.unilateral = d_.displacement.make_global();
+    std::fill(r_.begin(), r_.end(), 0.0);
+    add_cells(u_, nullptr, 1, r_);
+    check(VecSet(parts.unilateral, 0));
+    d_.displacement.add_to_global(r_, parts.unilateral);
+    check(VecAXPY(parts.unilateral, -1, parts.internal));
+  }
 
   r_ = dead_load_;
   add_pressures(u_, 1, r_);

@@ -11,6 +11,7 @@ struct MotionFields {
   const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *history;
   double dt;
   const std::vector<double>* drive = nullptr; ///< the committed row, for laws that soften
+  double unilateral = 1;                      ///< factor of the unilateral stress
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
@@ -44,6 +45,7 @@ template <class Cell, Frame frame> struct MotionBatch {
       in.drive = drive.data();
     }
     in.dt = fields.dt;
+    in.unilateral = fields.unilateral;
   }
   MotionBatch(const MotionBatch&) = delete;
   MotionBatch& operator=(const MotionBatch&) = delete;

@@ -216,7 +216,9 @@ void Ledger::start(Vec u, Vec v, Vec) {
   reaction_force_ = internal_->trial;
   std::vector<double> loads = d.displacement.make_local();
   d.displacement.to_local(parts.external, loads);
-  for (std::size_t i = 0; i < loads.size(); ++i) reaction_force_[i] -= loads[i];
+  std::vector<double> unilateral = d.displacement.make_local();
+  if (parts.unilateral) d.displacement.to_local(parts.unilateral, unilateral);
+  for (std::size_t i = 0; i < loads.size(); ++i) reaction_force_[i] += unilateral[i] - loads[i];
   std::vector<double> local = d.displacement.make_local();
   d.displacement.to_local(u, local);
   find_reactions(local);
@@ -250,7 +252,10 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   d.displacement.to_local(parts.internal, internal_->trial);
   d.displacement.to_local(parts.external, external_->trial);
   d.displacement.to_local(coupling_->contact_force(), contact_->trial);
-  double work_rigid = 0;
+  // m tau- of broken points acts over the step as a whole, like the stabilised contact.
+  std::vector<double> unilateral(internal_->trial.size(), 0.0), on_supports = unilateral;
+  if (parts.unilateral) d.displacement.to_local(parts.unilateral, unilateral);
+  double work_rigid = 0, over_step = 1;
   if (inertia_) {
     // M a_eq of the balance: a_eq = alpha_m a* + (1 - alpha_m) a_n with a* before the contact's share was
     // taken out.
@@ -263,11 +268,11 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     d.displacement.to_local(force, inertia_force_->trial);
     // The reactions of rigid bodies, like all that keeps them rigid, act on displacement and velocity as one
     // force over the step: the part 2 beta/alpha_m of what the balance lacks at its end.
-    const double over_step = 2 * newmark_parameters(coupling_->integrator()).beta / alpha_m_;
+    over_step = 2 * newmark_parameters(coupling_->integrator()).beta / alpha_m_;
     work_rigid = w * motion_.book_rigid_reactions(u, a_eq, over_step);
     // The contact-stabilised update lets s F_c act on the displacement but F_c on the body: that is what
     // supports feel.
-    check(VecAXPY(a_eq, -(1 - 1 / s) * alpha_m_, coupling_->contact_acceleration()));
+    check(VecAXPY(a_eq, -(1 - over_step) * alpha_m_, coupling_->contact_acceleration()));
     motion_.mass_multiply(a_eq, force);
     d.displacement.to_local(force, reaction_force_);
   } else {
@@ -278,11 +283,12 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   std::vector<double> shock = d.displacement.make_local();
   d.displacement.to_local(coupling_->contact_shock(), shock);
   for (std::size_t i = 0; i < inertia_force_->trial.size(); ++i) {
-    reaction_force_[i] += internal_->trial[i] - external_->trial[i] - contact_->trial[i];
+    reaction_force_[i] += internal_->trial[i] + unilateral[i] - external_->trial[i] - contact_->trial[i];
     if (motion_.boundary().fixed_mask()[i]) {
       // Held dofs: the reaction closes the balance, with F_c itself, not s F_c; its work is also that of the
       // shock, which no column of forces shows.
-      const double support = reaction_force_[i] - shock[i];
+      on_supports[i] = unilateral[i];
+      const double support = reaction_force_[i] - unilateral[i] - shock[i];
       if (inertia_) inertia_force_->trial[i] = support - internal_->trial[i] + external_->trial[i];
       external_->trial[i] += support;
       continue;
@@ -294,7 +300,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
       continue;
     }
     // J = M a_eq - s F_c takes the place of the inertia.
-    if (inertia_) inertia_force_->trial[i] -= s * contact_->trial[i];
+    if (inertia_) inertia_force_->trial[i] -= s * contact_->trial[i] - unilateral[i] / over_step;
   }
 
   std::vector<double> u_local = d.displacement.make_local();
@@ -309,12 +315,17 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
       w * dot(d.mesh, du,
               coupling_->stabilised() ? contact_->trial : mean_of(contact_->committed, contact_->trial));
 
+  // Where a node is held its support does this work.
+  const double work_unilateral = w * dot(d.mesh, du, unilateral),
+               work_on_supports = w * dot(d.mesh, du, on_supports),
+               work_on_bodies = work_unilateral - work_on_supports;
   measure(u, v, true);
   energy_contact_ = contact_energy(u);
   const double kinetic_change = total_.kinetic - kinetic_n;
   // Without inertia what is left are the arms of a rigid body's forces, which belong to the end of the step.
-  const double loss = work_inertia + work_rigid + (inertia_ ? work_contact - kinetic_change : 0.0);
-  sum(external) += work_external + work_rigid;
+  const double loss =
+      work_inertia + work_rigid + (inertia_ ? work_contact - work_on_bodies - kinetic_change : 0.0);
+  sum(external) += work_external + work_rigid + work_on_supports;
   // What contact takes from the bodies and obstacles, and neither keeps nor rubs into heat.
   double taken = -work_contact - (energy_contact_ - sum(contact_store));
   for (const ContactInterface& contact : motion_.contacts()) {
@@ -331,9 +342,11 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(contact_store) = energy_contact_;
   sum(contact_work) += work_contact;
   sum(numerical) += loss;
-  sum(identity) += kinetic_change + loss + work_internal - work_external - work_rigid - work_contact;
+  sum(identity) +=
+      kinetic_change + loss + work_internal + work_on_bodies - work_external - work_rigid - work_contact;
 
   for (const ContactInterface& contact : motion_.contacts()) sum(numerical) += contact.released_energy(u);
+  if (coupling_->unilateral()) sum(closing) += work_unilateral - w * unilateral_energy();
   const MotionProblem::Increments& increments = coupling_->increments();
   sum(viscous) += w * increments.viscous_dissipation;
   sum(plastic_dissipation) += w * increments.plastic_dissipation;
@@ -366,6 +379,37 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
       std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
   if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
   find_reactions(u_local);
+}
+
+// What the unilateral stress stores in the step, at the damage of its end; not times the thickness.
+double Ledger::unilateral_energy() const {
+  const Discretisation& d = motion_.discretisation();
+  const StateRow &phi = state_.row("phi"), &history = state_.row("history"), &drive = state_.row("drive");
+  const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
+             drive_at = point_offsets(d.groups, drive_size);
+  double sum = 0;
+  for (std::size_t g = 0; g < d.groups.size(); ++g) {
+    const CellGroup& group = d.groups[g];
+    const PointLaw& law = d.law(group);
+    if (law.parameters.damage == Damage::none) continue;
+    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, Cell::dim> X(group, b, X_);
+        const Gathered<Cell, 1> now(group, b, phi.trial);
+        PointValues<Cell, history_size(frame)> flowed;
+        PointValues<Cell, drive_size> after, before;
+        flowed.load(history.committed, flow_at[g], b);
+        after.load(drive.trial, drive_at[g], b);
+        before.load(drive.committed, drive_at[g], b);
+        Batch part = 0;
+        impact::unilateral_energy<Cell, frame>(law, X.data(), now.data(), flowed.data(), after.data(),
+                                               before.data(), part);
+        sum += lane_sum(part, group.lanes_in_use(b));
+      }
+    });
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  return sum;
 }
 
 void Ledger::book_damage(double dt) {
@@ -483,7 +527,7 @@ double Ledger::balance() const { return sum(identity) / energy_scale(); }
 double Ledger::dissipated() const {
   if (heat_) return sum(numerical); // the rest is thermal energy
   return sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +
-         sum(numerical);
+         sum(closing) + sum(numerical);
 }
 
 double Ledger::heat_supplied() const {
@@ -502,6 +546,10 @@ double Ledger::entropy_produced() const {
 
 double Ledger::balance_first_law() const {
   return (stored() + dissipated() - sum(external) - heat_supplied() - sum(start_energy)) / energy_scale();
+}
+
+double Ledger::energy_error() const {
+  return balance_first_law() - std::min(0.0, sum(closing)) / energy_scale();
 }
 
 void Ledger::append_energies(HistoryFile::Row& row) const {
@@ -523,6 +571,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (has_friction) row.emplace_back("dissipated_friction", sum(friction));
   if (d.has_fatigue()) row.emplace_back("dissipated_fatigue", sum(fatigue_loss));
   if (has_contact) row.emplace_back("energy_contact", energy_contact_);
+  if (coupling_ && coupling_->unilateral()) row.emplace_back("dissipated_closing", sum(closing));
   if (moves_) row.emplace_back("dissipated_numerical", sum(numerical));
   if (moves_) row.emplace_back("work_external", sum(external));
   if (has_contact) row.emplace_back("work_contact", sum(contact_work));
@@ -650,6 +699,7 @@ std::string Ledger::report() const {
   if (d.has_fatigue()) loss_line(name("fatigue").c_str(), fatigue_loss, fatigue_part);
   if (std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); }))
     line("dissipated: friction", sum(friction), {});
+  if (coupling_ && coupling_->unilateral()) line("dissipated: closing cracks", sum(closing), {});
   if (moves_) line("dissipated: integrator", sum(numerical), {});
   line("first-law residual", balance_first_law() * energy_scale(), {});
   line("smallest dissipation at a point", sum(least), {});

@@ -221,8 +221,13 @@ OptionGroup history_group() {
       "Energy balance and cracks",
       "",
       {
-          number_row<Global>("energy_tol", &Scenario::energy_tol,
-                             {"bound of the relative balance of a step; 0: none", "0", "1"}, not_negative),
+          number_row<Global>(
+              "energy_tol", &Scenario::energy_tol,
+              {"bound of the first law's residual over the largest energy; 0: none", "0.02", "1"},
+              not_negative),
+          number_row<Global>("energy_stop", &Scenario::energy_stop,
+                             {"residual that ends the run, but for losses in statics; 0: none", "0.2", "1"},
+                             not_negative),
           choice_row<Global, Scenario::EnergyAction>("energy_action", &Scenario::energy_action,
                                                      {"what happens beyond the bound", "warn"},
                                                      {{"warn", Scenario::EnergyAction::warn},

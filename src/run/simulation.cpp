@@ -95,6 +95,9 @@ Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
   return ts;
 }
 
+// So many steps in a row beyond -energy_tol or -energy_stop are no start of a run.
+constexpr int steps_beyond = 5;
+
 // The objects of a run in the order in which they depend on each other.
 class Simulation {
 public:
@@ -111,6 +114,9 @@ private:
   void check_prescribed_data(const Attempt& attempt) const;
   Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
   Verdict judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a);
+  bool must_close(double residual) const;
+  std::string energy_text(double residual, double t, const char* option) const;
+  std::string energy_remedy(double residual) const;
   void write_fields(bool last);
   void obey(const StopRequest& request);
   void write_state(const StepControlState& c);
@@ -130,7 +136,7 @@ private:
   Coupling coupling_;
   std::optional<Ledger> ledger_;
   FieldSource source_;
-  StateRow* control_;
+  StateRow *control_, *watch_; // watch_: steps in a row beyond -energy_tol, -energy_stop
   std::optional<HistoryObserver> history_;
   std::vector<FieldObserver> fields_;
   Handle<Vec> u_, v_, a_;
@@ -138,6 +144,8 @@ private:
   Snapshot snapshot_;
   double last_checkpoint_ = 0;
   std::string checkpoint_file_, stopped_by_, ended_by_; // from outside, by a criterion of the run
+  std::string energy_warning_;                          // the first one
+  double least_energy_ = 0; // of bodies strained by 1e-8: below it the first law is one of rounding errors
   bool checked_options_ = false;
   StopRequests requests_;
   StopCriteria stops_;
@@ -164,6 +172,8 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time),
       requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe) {
+  least_energy_ = 1e-4 * motion_.reference_force() * d_.mesh.smallest_edge() * d_.thickness *
+                  static_cast<double>(d_.mesh.global_cell_count());
   PetscBool restep = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-test_restep", &restep));
   restep_ = restep == PETSC_TRUE;
@@ -198,6 +208,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                   LedgerChoice{s.history_materials, s.coupling.report_error});
   StateRow control{"step_control", Support::global, 4};
   control_ = &setup_.state.add(std::move(control), 4);
+  watch_ = &setup_.state.add({"energy_watch", Support::global, 2}, 2);
   std::optional<double> resume_time;
   std::optional<long> resume_step;
   if (resume) {
@@ -344,19 +355,75 @@ Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
 }
 
 Verdict Simulation::judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a) {
-  const double before = std::abs(ledger_->balance_first_law());
+  const double before = ledger_->energy_error();
   ledger_->book(attempt.dt, u, v, inertia_ ? a : a_.get());
-  const double residual = std::abs(ledger_->balance_first_law());
-  if (s_.energy_tol <= 0 || residual <= s_.energy_tol || residual <= before) return {};
-  check(PetscPrintf(comm_,
-                    "impact: energy balance: first-law residual %.3g exceeds -energy_tol %.3g at t = %.10g\n",
-                    residual, s_.energy_tol, attempt.t));
+  const double residual = ledger_->energy_error();
+  // Consecutive steps beyond the bounds: what the first steps of a run miss is soon small beside what is
+  // stored.
+  const bool counts = ledger_->energy_scale() >= least_energy_;
+  const auto beyond = [&](std::size_t which, double bound) {
+    const bool is = counts && bound > 0 && std::abs(residual) > bound;
+    watch_->trial[which] = is ? watch_->committed[which] + 1 : 0;
+    return is;
+  };
+  const bool past_stop = beyond(1, s_.energy_stop), past_tol = beyond(0, s_.energy_tol);
+  if (past_stop && watch_->trial[1] >= steps_beyond && must_close(residual)) {
+    check(PetscPrintf(comm_, "impact: %s\n", energy_text(residual, attempt.t, "energy_stop").c_str()));
+    throw UserError(ExitCode::solver, "stopped by -energy_stop: this is no solution; " +
+                                          energy_remedy(residual) + " (-energy_stop 0 goes on)");
+  }
+  if (!past_tol) return {};
+  if (s_.energy_action == Scenario::EnergyAction::warn) {
+    if (watch_->trial[0] < steps_beyond || !energy_warning_.empty()) return {};
+    energy_warning_ = energy_text(residual, attempt.t, "energy_tol");
+    check(PetscPrintf(comm_, "impact: WARNING: %s; %s\n", energy_warning_.c_str(),
+                      energy_remedy(residual).c_str()));
+    return {};
+  }
+  if (std::abs(residual) <= std::abs(before)) return {};
+  check(PetscPrintf(comm_, "impact: %s\n", energy_text(residual, attempt.t, "energy_tol").c_str()));
   if (s_.energy_action == Scenario::EnergyAction::stop)
     throw UserError(ExitCode::solver,
                     "stopped by -energy_action stop; take smaller steps or more coupling passes");
-  if (s_.energy_action == Scenario::EnergyAction::warn) return {};
   ledger_->unbook();
   return {false, 0.5};
+}
+
+// What a run without inertia loses may be what a crack released that ran within a step: no store takes it up.
+// What holds a prescribed phi is work that the ledger does not know.
+bool Simulation::must_close(double residual) const {
+  const auto& conditions = motion_.boundary().conditions();
+  const bool unbooked = std::any_of(conditions.begin(), conditions.end(),
+                                    [](const BoundaryCondition& bc) { return bc.type == BcType::damage; });
+  return (inertia_ || residual > 0) && !unbooked;
+}
+
+std::string Simulation::energy_text(double residual, double t, const char* option) const {
+  char text[240];
+  std::snprintf(
+      text, sizeof(text),
+      "energy balance: first-law residual %.3g exceeds -%s %.3g at t = %.10g: %.4g of energy %s since "
+      "t = 0, the largest is %.4g",
+      std::abs(residual), option, option == std::string("energy_tol") ? s_.energy_tol : s_.energy_stop, t,
+      std::abs(residual) * ledger_->energy_scale(), residual > 0 ? "gained" : "lost",
+      ledger_->energy_scale());
+  return text;
+}
+
+std::string Simulation::energy_remedy(double residual) const {
+  const bool damage = d_.has_damage(), few = damage && s_.coupling.max_it < 10;
+  if (!inertia_ && residual < 0 && damage)
+    return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
+           "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
+  std::string text = residual > 0 ? "likely the steps are too long for what changes its stiffness in them"
+                                  : "likely the steps are too long";
+  if (few)
+    text += ", or damage lags behind the motion in " + std::to_string(s_.coupling.max_it) + " pass" +
+            (s_.coupling.max_it == 1 ? "" : "es");
+  text += ": take a shorter -ts_dt";
+  if (few) text += ", -coupling_snes_max_it 50";
+  if (inertia_ && residual > 0) text += ", -ts_newmark_rho 0.5";
+  return text;
 }
 
 void Simulation::accept(const Attempt& attempt) {
@@ -489,6 +556,9 @@ ExitCode Simulation::run() {
                     snapshot_.time, snapshot_.step, Progress::clock(progress_.wall()).c_str(),
                     ledger_->balance(), ledger_->balance_first_law()));
   check(PetscPrintf(comm_, "%s", ledger_->report().c_str()));
+  if (!energy_warning_.empty())
+    check(PetscPrintf(comm_, "impact: WARNING, first of its kind: %s; at the end %.3g\n",
+                      energy_warning_.c_str(), ledger_->balance_first_law()));
   if (!stopped_by_.empty())
     check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),
                       checkpoint_file_.c_str()));

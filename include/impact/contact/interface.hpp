@@ -263,6 +263,7 @@ private:
   // Of nodes(): where the attempt starts, relative to the rigid body where it will be. Collective.
   std::vector<double> relative_start() const;
   void find_start_gaps();
+  double kept_overlap(int index) const;
   PressureLaw reaching_law() const;
   // Where the gradients of the step are taken.
   std::vector<double> place_of_gradients(const std::vector<double>& u) const;

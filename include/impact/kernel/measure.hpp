@@ -60,6 +60,13 @@ struct ExchangeInput {
 };
 template <class Cell, Frame frame> void plastic_exchange(const PointLaw&, const ExchangeInput&, Batch& sum);
 
+/// int m (E^- - E^-_n), per lane: what a step stores by the unilateral part of the stress; sum is added to.
+/// X [node][dim]; phi [node]; history [point][history_size] of t_n, read where g knows alpha; drive, drive_n
+/// [point][drive_size] at t_{n+1} and t_n.
+template <class Cell, Frame frame>
+void unilateral_energy(const PointLaw&, const Batch* X, const Batch* phi, const Batch* history_n,
+                       const Batch* drive, const Batch* drive_n, Batch& sum);
+
 /// Averages over the reference volume of each cell.
 struct CellOutput {
   Batch stress[6]; ///< Cauchy stress 11 22 33 12 23 13 (all parts of the motion's stress)

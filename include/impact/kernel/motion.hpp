@@ -26,6 +26,7 @@ struct MotionInput {
   const Batch* drive = nullptr; ///< [point][drive_size] committed drive; laws that soften, in motion_advance
   bool held = false;            ///< the history is that of u: nothing flows
   double dt = 1;                ///< step of S_d = 2 b_d (C - C_n)/dt and of the rate in the flow stress
+  double unilateral = 1;        ///< factor of the unilateral stress m tau-
   double mass_shift = 0;        ///< tangent += mass_shift rho N_a N_b delta_ik
   bool symmetric = false;       ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
 };

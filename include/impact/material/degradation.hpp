@@ -57,4 +57,11 @@ template <class T> Degradations<T> degradations(const MaterialParameters& m, con
   return {e1, m.split == Split::none ? e1 : one, m.gp == PlasticDegradation::ge ? e1 : one};
 }
 
+/// m = (g_2 - g_1)(1 - g_1), the part of g_2 that the integrator treats like a contact of crack faces
+/// (49'''): none of it in sound material, nearly all of it in broken one. Without it compression is at most
+/// twice as stiff as tension, g_2 - m <= 2 g_1, whatever phi.
+template <class T> T unilateral_part(const Degradations<T>& g) {
+  return (g.e2.g - g.e1.g) * (T(1.0) - g.e1.g);
+}
+
 } // namespace impact

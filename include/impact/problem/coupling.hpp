@@ -107,10 +107,13 @@ public:
   Vec contact_force() const { return contact_force_; }
   /// Impulse over dt that the projection of the last step's velocity put on the bodies; zero elsewhere.
   Vec contact_shock() const { return contact_shock_; }
-  /// What was taken out of the integrator's acceleration in the last step: of deformable bodies the contact's
-  /// share by the contact-stabilised update, of rigid ones also that of the constraint.
+  /// What was taken out of the integrator's acceleration in the last step: of deformable bodies the shares of
+  /// the contact-stabilised update and of the unilateral stress, of rigid ones that of the constraint.
   Vec contact_acceleration() const { return contact_acceleration_; }
   bool stabilised() const { return stabilise_; }
+  /// Whether the unilateral stress of broken points acts over the step as a whole, as stabilised contact
+  /// does.
+  bool unilateral() const { return unilateral_; }
 
 private:
   PassResult coupling_pass(PetscInt pass, Vec u);
@@ -140,7 +143,7 @@ private:
   bool reverses() const;
   bool closes_gaps() const { return semismooth() || reverses(); }
   void update_multipliers_in(SNES snes);
-  void take_out_contact(Vec v, Vec a);
+  void take_out_step_forces(Vec u, Vec v, Vec a);
   void take_out_rigidity(Vec u, Vec v, Vec a);
 
   TS ts_;
@@ -150,8 +153,8 @@ private:
   StateTable& state_;
   std::optional<FatigueUpdate> fatigue_;
   CouplingScenario settings_;
-  bool inertia_, stabilise_;
-  double contact_scale_ = 1;
+  bool inertia_, stabilise_, unilateral_;
+  double contact_scale_ = 1, unilateral_scale_ = 1;
   double first_residual_ = 0; // of the Newton solve at work
   double residual_tol_ = 0;   // absolute, as the options say
   MotionStep step_;

@@ -30,6 +30,7 @@ struct MotionStep {
   const std::vector<double>* phi = nullptr;   ///< frozen damage of this pass, null without damage
   const std::vector<double>* theta = nullptr; ///< frozen temperature of this pass, null without heat
   double contact_scale = 1;                   ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+  double unilateral_scale = 1;                ///< the same for the unilateral stress of broken points
   bool stabilised = false;                    ///< the contact-stabilised update
   double mass_shift = 0;                      ///< factor of the mass in the tangent, 1/s^2; 0 without inertia
 };
@@ -44,6 +45,7 @@ struct HeatRows {
 /// Forces at an accepted state, for reactions and the ledger (global vectors, fixed rows included).
 struct ForceParts {
   Handle<Vec> internal, external, contact;
+  Handle<Vec> unilateral; ///< of m tau-, which `internal` then lacks; null where it acts like the rest
 };
 
 class MotionProblem {
@@ -121,7 +123,8 @@ private:
   bool keeps_history(const PointLaw& law) const { return law.flows() || d_.frame == Frame::plane_stress; }
   MotionFields step_fields(const std::vector<double>& u, const std::vector<double>* accel,
                            const PointLaw& law) const;
-  bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, std::vector<double>& r);
+  bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, double unilateral,
+                 std::vector<double>& r);
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   void add_pressure_tangent(const std::vector<double>& u);
   void note_broken(const CellGroup& group, int batch, int bad, const Batch& min_J);

@@ -55,6 +55,8 @@ public:
   std::string report() const;
   double balance() const;
   double balance_first_law() const;
+  /// The same and, as a gain, what dissipated_closing has below zero.
+  double energy_error() const;
   double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
   double phi_max() const { return phi_max_; }
   double alpha_max() const { return alpha_max_; }
@@ -77,6 +79,7 @@ private:
     scale,
     fatigue_loss,
     contact_store, ///< energy_contact as the last step left it
+    closing,       ///< by the unilateral stress of broken points
     least,         ///< smallest dissipation of a step at a point, per volume; at most 0
     count
   };
@@ -88,6 +91,7 @@ private:
     return losses_->trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
   }
   void book_damage(double dt);
+  double unilateral_energy() const;
   void find_coupling_error(Vec u, Vec internal);
   void measure(Vec u, Vec v, bool trial);
   void find_extremes(bool trial);

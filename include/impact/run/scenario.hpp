@@ -131,7 +131,8 @@ struct Scenario {
   std::vector<MeasureScenario> measures;
   std::vector<StopScenario> stops;
   CheckpointScenario checkpoint;
-  double energy_tol = 0; ///< 0: off
+  double energy_tol = 0.02; ///< of the largest energy; 0: off
+  double energy_stop = 0.2; ///< ends the run; 0: never
   enum class EnergyAction { warn, cut, stop } energy_action = EnergyAction::warn;
   double crack_level = 0.9;
   bool history_materials = false; ///< energies and dissipations of each material as columns
