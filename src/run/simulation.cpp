@@ -137,7 +137,8 @@ private:
   Progress progress_;
   Snapshot snapshot_;
   double last_checkpoint_ = 0;
-  std::string checkpoint_file_, stopped_by_, ended_by_; // from outside, by a criterion of the run
+  std::string checkpoint_file_, stopped_by_, ended_by_;
+  std::string last_cause_; // why the last try was refused // from outside, by a criterion of the run
   bool checked_options_ = false;
   StopRequests requests_;
   StopCriteria stops_;
@@ -325,10 +326,11 @@ void Simulation::reject(const Attempt& attempt) {
     return;
   }
   repeats_ = false;
-  const std::string why = coupling_.failure_text();
+  last_cause_ = coupling_.failure_text();
+  if (last_cause_.empty()) last_cause_ = "step refused";
   check(PetscPrintf(comm_, "impact: %s, step %ld try %d at t = %.10g, dt = %.4g; time step cut\n",
-                    why.empty() ? "step refused" : why.c_str(), snapshot_.step + 1,
-                    static_cast<int>(attempt.number), attempt.t, attempt.dt));
+                    last_cause_.c_str(), snapshot_.step + 1, static_cast<int>(attempt.number), attempt.t,
+                    attempt.dt));
   coupling_.on_reject();
 }
 
@@ -489,6 +491,8 @@ ExitCode Simulation::run() {
                     snapshot_.time, snapshot_.step, Progress::clock(progress_.wall()).c_str(),
                     ledger_->balance(), ledger_->balance_first_law()));
   check(PetscPrintf(comm_, "%s", ledger_->report().c_str()));
+  if (coupling_.second_ways() > 0)
+    check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", coupling_.second_ways()));
   if (!stopped_by_.empty())
     check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),
                       checkpoint_file_.c_str()));
@@ -496,7 +500,8 @@ ExitCode Simulation::run() {
     check(PetscPrintf(comm_, "stopped by %s; the state is in %s\n", ended_by_.c_str(),
                       checkpoint_file_.c_str()));
   if (reason > 0) return ExitCode::ok;
-  check(PetscPrintf(comm_, "impact: the step could not be solved (%s)\n", TSConvergedReasons[reason]));
+  check(PetscPrintf(comm_, "impact: the step could not be solved (%s): %s\n", TSConvergedReasons[reason],
+                    last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
   save_after_failure();
   return ExitCode::solver;
 }
