@@ -8,6 +8,7 @@
 #include <dlfcn.h>
 #include <limits>
 #include <memory>
+#include <petscts.h>
 #include <string>
 #include <sys/types.h>
 #include <sys/uio.h>
@@ -48,6 +49,9 @@ const FileFault& file_fault() {
 }
 
 std::atomic<long> calls{0};
+
+/// Evaluations of the motion's residual that still have a value; negative: all.
+long sound_evaluations = -1;
 
 /// True when the call on that path must fail.
 bool fails(const char* path) {
@@ -121,6 +125,14 @@ int rename(const char* from, const char* to) noexcept {
   return fails(to) ? -1 : real(from, to);
 }
 
+PetscErrorCode SNESTSFormFunction(SNES snes, Vec x, Vec f, void* context) {
+  static const auto real = original<PetscErrorCode(SNES, Vec, Vec, void*)>("SNESTSFormFunction");
+  if (const PetscErrorCode code = real(snes, x, f, context); code != 0 || sound_evaluations < 0) return code;
+  if (sound_evaluations == 0) return SNESSetFunctionDomainError(snes);
+  --sound_evaluations;
+  return PetscErrorCode(0);
+}
+
 } // extern "C"
 
 namespace impact {
@@ -138,15 +150,22 @@ StateRow* poisoned_row(StateTable& table) {
 
 StepProbe fault_probe() {
   const std::vector<std::string> words = words_of_fault();
-  if (words[0] != "nan") return {};
+  if (words[0] != "nan" && words[0] != "domain") return {};
   const auto number = [&](std::size_t i, long fallback) {
     return words.size() > i ? std::atol(words[i].c_str()) : fallback;
   };
   const long step_of_fault = number(1, 1), rank_of_fault = number(2, 0), tries = number(3, 1);
+  StepProbe probe;
+  if (words[0] == "domain") {
+    const long evaluation = number(2, 1);
+    probe.before = [=](const Attempt& attempt, long step, StateTable&) {
+      sound_evaluations = step == step_of_fault && attempt.number == 1 ? evaluation - 1 : -1;
+    };
+    return probe;
+  }
   int rank = 0;
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
   if (rank != rank_of_fault) return {};
-  StepProbe probe;
   auto kept = std::make_shared<std::vector<double>>();
   probe.before = [=](const Attempt& attempt, long step, StateTable& table) {
     StateRow* row = poisoned_row(table);

@@ -60,12 +60,6 @@ double ContactHeat::jump(std::size_t place, const std::vector<double>& theta) co
   return difference;
 }
 
-double ContactHeat::square_of_conductances() const {
-  double sum = 0;
-  for (double conductance : paths_.conductance) sum += dt_ * conductance * dt_ * conductance;
-  return sum;
-}
-
 void ContactHeat::add_residual(Vec theta, Vec r) const {
   const std::vector<double> values = weighted(theta);
   std::vector<double> lost(values.size(), 0.0);

@@ -303,9 +303,21 @@ double BoundaryData::heat_value(int condition, const double* x, double t) const 
   return (*conditions_[static_cast<std::size_t>(condition)].value)(x, dim_, t);
 }
 
+double BoundaryData::ambient_temperature(int condition, const double* x, double t) const {
+  const double value = heat_value(condition, x, t);
+  if (value > 0) return value;
+  throw UserError(ExitCode::data, "-bc_" + conditions_[static_cast<std::size_t>(condition)].id + "_value: " +
+                                      std::to_string(value) + " K around the body at t=" + std::to_string(t) +
+                                      "; temperatures are absolute and positive");
+}
+
 double BoundaryData::heat_coefficient(int condition, const double* x, double t) const {
-  const auto& h = conditions_[static_cast<std::size_t>(condition)].coefficient;
-  return h ? (*h)(x, dim_, t) : 0.0;
+  const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(condition)];
+  const double h = bc.coefficient ? (*bc.coefficient)(x, dim_, t) : 0.0;
+  if (h >= 0) return h;
+  throw UserError(ExitCode::data, "-bc_" + bc.id + "_h: is " + std::to_string(h) +
+                                      " at t=" + std::to_string(t) +
+                                      "; allowed: >= 0; heat flows from the warmer side to the colder");
 }
 
 bool BoundaryData::body_force(double t, std::vector<double>& f) const {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/problem/coupling.hpp>
 #include <impact/time/types.hpp>
@@ -174,9 +175,10 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
 
   check(SNESCreate(comm, motion_snes_.out()));
   check(SNESSetOptionsPrefix(motion_snes_, "motion_"));
+  check_solver_options("motion_", {SNESNEWTONLS});
   check(SNESSetFunction(motion_snes_, residual_, SNESTSFormFunction, ts_));
   refresh_matrix();
-  check(SNESSetTolerances(motion_snes_, motion_.reference_force(), 1e-10, 1e-12, 25, PETSC_DEFAULT));
+  check(SNESSetTolerances(motion_snes_, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
   KSP ksp = nullptr;
   PC pc = nullptr;
   check(SNESGetKSP(motion_snes_, &ksp));
@@ -199,7 +201,6 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   check(SNESLineSearchSetType(search, semismooth() || frictional() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
   check_preconditioner(ksp, defaults.matrix);
-  check(SNESGetTolerances(motion_snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
   update_multipliers_in(motion_snes_);
   PetscBool factorises = PETSC_FALSE;
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
@@ -217,18 +218,21 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
                     "-motion_ksp_type preonly: not with -contact_operator shell, whose preconditioner "
                     "does not see the contact; use gmres, or -contact_operator assembled");
 
-  uzawa_shell_ = {[this](PetscInt pass, Vec u) { return uzawa_pass(pass, u); }, &time_mailbox(ts_)};
+  uzawa_shell_ = {[this](PetscInt pass, Vec u) { return uzawa_pass(pass, u); }, &time_mailbox(ts_), false};
   check(SNESCreate(comm, uzawa_snes_.out()));
   check(SNESSetOptionsPrefix(uzawa_snes_, "uzawa_"));
+  check_solver_options("uzawa_", {SNESSHELL});
   make_pass_shell(uzawa_snes_, uzawa_shell_);
   // The tolerances of gap and pressure belong to each contact: a pass changes 1 until all of them are met.
   check(SNESSetTolerances(uzawa_snes_, 0.5, 0, 0, 30, PETSC_DEFAULT));
   check(SNESSetFromOptions(uzawa_snes_));
 
   SNES coupling = nullptr;
-  coupling_shell_ = {[this](PetscInt pass, Vec u) { return coupling_pass(pass, u); }, &time_mailbox(ts_)};
+  coupling_shell_ = {[this](PetscInt pass, Vec u) { return coupling_pass(pass, u); }, &time_mailbox(ts_),
+                     true};
   check(TSGetSNES(ts_, &coupling));
   check(SNESSetOptionsPrefix(coupling, "coupling_"));
+  check_solver_options("coupling_", {SNESSHELL});
   make_pass_shell(coupling, coupling_shell_);
   check(SNESSetTolerances(coupling, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
 }
@@ -282,10 +286,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
     step_.theta = &theta_frozen_;
   }
   motion_.begin(step_);
-  if (motion_.rigid().empty()) return;
-  // Below the rounding of heavy bodies' inertia no residual can fall.
-  const double least = std::max(residual_tol_, motion_.rigid().rounding(step_.mass_shift));
-  check(SNESSetTolerances(motion_snes_, least, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  motion_.balance().forget();
 }
 
 void Coupling::guess(const Attempt& attempt, Vec u) {
@@ -375,21 +376,8 @@ void Coupling::update_multipliers_in(SNES snes) {
         auto& self = *static_cast<Coupling*>(context);
         if (!self.closes_gaps()) return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
-          Vec u = nullptr;
-          check(SNESGetSolution(self.solving_, &u));
           check(VecCopy(rhs, self.bare_residual_));
-          Vec gaps = rhs;
-          Handle<Vec> apart; // of what rigid bodies feel already
-          if (!self.motion_.rigid().empty()) {
-            apart = self.motion_.discretisation().displacement.make_global();
-            gaps = apart;
-          }
-          for (const ContactInterface& contact : self.motion_.contacts())
-            contact.add_gaps(u, self.step_.contact_scale, gaps);
-          if (!apart) return;
-          self.motion_.rigid().place(u);
-          self.motion_.rigid().reduce(apart);
-          check(VecAXPY(rhs, 1, apart));
+          self.add_gaps(self.iterate_, rhs);
         });
       },
       this));
@@ -400,53 +388,147 @@ void Coupling::update_multipliers_in(SNES snes) {
         return time_mailbox(self.ts_).guarded([&] {
           if (self.closes_gaps()) check(VecCopy(self.bare_residual_, rhs));
           if (self.motion_.rigid().empty()) return;
-          Vec u = nullptr;
-          check(SNESGetSolution(self.solving_, &u));
-          self.motion_.rigid().place(u);
+          self.motion_.rigid().place(self.iterate_);
           self.motion_.rigid().expand(du);
         });
       },
       this));
   check(SNESSetConvergenceTest(
       snes,
-      [](SNES solver, PetscInt it, PetscReal x, PetscReal step, PetscReal f, SNESConvergedReason* reason,
+      [](SNES solver, PetscInt it, PetscReal, PetscReal, PetscReal f, SNESConvergedReason* reason,
          void* context) {
-        const PetscErrorCode code = SNESConvergedDefault(solver, it, x, step, f, reason, nullptr);
         auto& self = *static_cast<Coupling*>(context);
-        if (it == 0) {
-          self.first_residual_ = f;
-          self.watch_.start(self.line_search() == SNESLINESEARCHBASIC);
-          self.near_ = 0;
-        }
-        if (code != 0 || *reason < 0) return code;
         return time_mailbox(self.ts_).guarded([&] {
+          ForceBalance& balance = self.motion_.balance();
+          if (it == 0) {
+            if (!self.first_done_) balance.start();
+            self.watch_.start(self.line_search() == SNESLINESEARCHBASIC);
+            self.near_ = 0;
+          }
+          *reason = balance.test(solver, it, f);
           Vec u = nullptr;
-          PetscReal atol = 0, rtol = 0;
           check(SNESGetSolution(solver, &u));
-          check(SNESGetTolerances(solver, &atol, &rtol, nullptr, nullptr, nullptr));
-          const double force = std::max(atol, rtol * self.first_residual_);
           if (*reason > 0 && self.semismooth())
             for (const ContactInterface& contact : self.motion_.contacts())
-              if (!contact.gaps_closed(u, force)) *reason = SNES_CONVERGED_ITERATING;
-          if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f, force))
+              if (!contact.gaps_closed(u, balance.force())) *reason = SNES_CONVERGED_ITERATING;
+          if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f))
             *reason = SNES_DIVERGED_LOCAL_MIN;
         });
       },
       this, nullptr));
 }
 
-bool Coupling::gives_up(PetscReal norm, double tolerance) {
+void Coupling::add_gaps(Vec u, Vec f) {
+  Vec gaps = f;
+  Handle<Vec> apart; // of what rigid bodies feel already
+  if (!motion_.rigid().empty()) {
+    apart = motion_.discretisation().displacement.make_global();
+    gaps = apart;
+  }
+  for (const ContactInterface& contact : motion_.contacts()) contact.add_gaps(u, step_.contact_scale, gaps);
+  if (!apart) return;
+  motion_.rigid().place(u);
+  motion_.rigid().reduce(apart);
+  check(VecAXPY(f, 1, apart));
+}
+
+// Imposes the prescribed values and, where that is worth while, takes the first iteration of the step.
+// Prescribed nodes that jump ahead of their neighbours leave the whole increment to one layer of cells, and a
+// search for the smallest residual shortens the steps of slender bodies, whose linear answer stretches them
+// before the next iteration turns it. So the first iteration stands at the guess, takes the prescribed nodes
+// along and goes all the way.
+void Coupling::begin_newton(Vec u) {
+  const Discretisation& d = motion_.discretisation();
+  Handle<Vec> goal = d.displacement.make_global();
+  const Handle<Vec> ahead = d.displacement.make_global();
+  check(VecCopy(u, goal));
+  motion_.impose(goal);
+  motion_.rigid().retract(u);
+  check(VecWAXPY(ahead, -1, u, goal));
+  PetscReal largest = 0;
+  check(VecNorm(ahead, NORM_INFINITY, &largest));
+  // A jump below that strains the layer by so little that its answer is linear too.
+  const double small = 1e-7 * d.mesh.smallest_edge();
+  if (largest <= small) check(VecCopy(goal, u));
+  first_done_ = (largest > small || line_search() == SNESLINESEARCHL2) &&
+                take_first_step(u, largest > small ? ahead.get() : nullptr, small / largest);
+  if (!first_done_) check(VecCopy(goal, u));
+}
+
+// K_ff du_f = -r - K_fc du_c at u, where `ahead` is du_c, or null. K_fc du_c is a difference of the residual
+// over a small `part` of it, whatever makes it up. False where there is nothing to do, or the answer is no
+// better than the guess: the energy's slope along the step, zero at the end if all was linear, is still as
+// large as at its start.
+bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
+  const Discretisation& d = motion_.discretisation();
+  refresh_contact(u);
+  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
+  const Handle<Vec> r = d.displacement.make_global(), other = d.displacement.make_global(),
+                    step = d.displacement.make_global(), start = d.displacement.make_global();
+  PetscReal atol = 0, rtol = 0, slope[2] = {0, 0}, norm[2] = {0, 0};
+  check(SNESGetTolerances(motion_snes_, &atol, &rtol, nullptr, nullptr, nullptr));
+  iterate_ = u;
+  tangents_ = 0;
+  check(VecCopy(u, start));
+  check(SNESComputeFunction(motion_snes_, u, r));
+  if (ahead != nullptr) {
+    check(VecAXPY(u, part, ahead));
+    check(SNESComputeFunction(motion_snes_, u, other));
+    check(VecCopy(r, step));
+    if (closes_gaps()) {
+      add_gaps(u, other);
+      add_gaps(start, step);
+    }
+    check(VecCopy(start, u));
+    check(VecAXPY(other, -1, step));
+    check(VecAXPY(r, 1 / part, other));
+  }
+  motion_.balance().start();
+  motion_.balance().judge(r, atol, rtol);
+  if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
+  KSP ksp = nullptr;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscInt linear = 0;
+  check(SNESComputeJacobian(motion_snes_, u, motion_.jacobian(), motion_.matrix()));
+  check(SNESGetKSP(motion_snes_, &ksp));
+  check(KSPSetOperators(ksp, motion_.jacobian(), motion_.matrix()));
+  check(KSPSolve(ksp, r, step));
+  check(KSPGetConvergedReason(ksp, &reason));
+  check(KSPGetIterationNumber(ksp, &linear));
+  counts_.newton += 1;
+  counts_.linear += linear;
+  iterations_ = 1;
+  if (reason < 0 || cell_broke_) return cell_broke_ = false;
+  check(VecAXPY(u, -1, step));
+  motion_.impose(u);
+  if (semismooth()) {
+    check(VecWAXPY(other, -1, start, u));
+    for (ContactInterface& contact : motion_.contacts())
+      if (contact.semismooth()) contact.take_newton_step(start, other, u);
+  } else {
+    check(SNESComputeFunction(motion_snes_, u, other));
+    for (int end : {0, 1}) {
+      check(VecDot(end == 0 ? r : other, step, &slope[end]));
+      check(VecNorm(end == 0 ? r : other, NORM_2, &norm[end]));
+    }
+    if (cell_broke_ || !(std::abs(slope[1]) < std::abs(slope[0]))) return cell_broke_ = false;
+    if (norm[1] > reuse_.reduction() * norm[0]) reuse_.forget();
+  }
+  return true;
+}
+
+bool Coupling::gives_up(PetscReal norm) {
   // Newton's method passes the last decade in an iteration or two, unless rounding is as large, or there are
   // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
   constexpr int most_near = 6;
   watch_.note(norm);
-  if (norm <= 10 * tolerance) ++near_;
+  if (motion_.balance().ratio() <= 10) ++near_;
   return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
 }
 
 SNESConvergedReason Coupling::solve_motion(Vec u) {
   check(VecCopy(u, newton_start_));
-  iterations_ = 0;
+  iterations_ = first_done_ ? 1 : 0;
   const bool contact = !motion_.contacts().empty();
   SNESConvergedReason reason = SNES_DIVERGED_MAX_IT;
   if (!second_way_first_) {
@@ -486,6 +568,7 @@ SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
   const std::string first = line_search();
   SNESLineSearch search = nullptr;
   PetscInt most = 0;
+  ++second_ways_;
   check(SNESGetLineSearch(motion_snes_, &search));
   check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
   for (ContactInterface& contact : motion_.contacts())
@@ -503,19 +586,35 @@ SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
 }
 
 SNESConvergedReason Coupling::run_motion(Vec u) {
-  tangents_ = 0;
-  solving_ = motion_snes_;
+  tangents_ = first_done_ ? 1 : 0;
+  iterate_ = u;
   check(SNESSolve(motion_snes_, nullptr, u));
+  first_done_ = false;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   PetscInt newton = 0, linear = 0;
   check(SNESGetConvergedReason(motion_snes_, &reason));
   check(SNESGetIterationNumber(motion_snes_, &newton));
   check(SNESGetLinearSolveIterations(motion_snes_, &linear));
+  // No reason but a residual within its tolerance counts. A line search that found none smaller may have met
+  // its rounding, which the last tangent told.
+  if (reason == SNES_DIVERGED_LINE_SEARCH && !cell_broke_ && balanced(u))
+    reason = SNES_CONVERGED_FNORM_RELATIVE;
   counts_.newton += newton;
   iterations_ += newton;
   hardest_solve_ = std::max(hardest_solve_, tangents_);
   counts_.linear += linear;
   return reason;
+}
+
+bool Coupling::balanced(Vec u) {
+  PetscReal atol = 0, rtol = 0;
+  check(SNESGetTolerances(motion_snes_, &atol, &rtol, nullptr, nullptr, nullptr));
+  check(SNESComputeFunction(motion_snes_, u, residual_));
+  motion_.balance().judge(residual_, atol, rtol);
+  const auto& contacts = motion_.contacts();
+  return motion_.balance().holds() && std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) {
+           return c.gaps_closed(u, motion_.balance().force());
+         });
 }
 
 PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
@@ -559,7 +658,7 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
   if (pass > 1 && damage_) relax_phi(pass);
   if (pass > 1 && heat_) theta_frozen_ = state_.row("theta").trial;
   if (settings_.moves) {
-    if (pass == 1) motion_.impose(u);
+    if (pass == 1) begin_newton(u);
     check(SNESSolve(uzawa_snes_, nullptr, u));
     check(SNESGetConvergedReason(uzawa_snes_, &result.inner));
     if (result.inner < 0) {
@@ -599,7 +698,9 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
   counts_.heat_linear += outcome.linear;
   result.inner = outcome.reason;
   if (outcome.reason < 0) {
-    failure_ = std::string("heat: ") + SNESConvergedReasons[outcome.reason];
+    failure_ = "heat: " + (outcome.cause.empty() ? SNESConvergedReasons[outcome.reason] : outcome.cause);
+    if (outcome.cause.empty() && outcome.reason == SNES_DIVERGED_FUNCTION_DOMAIN)
+      failure_ += " (0 K or less at a point of a cell, or values that are no numbers)";
     return;
   }
   const Discretisation& d = motion_.discretisation();
@@ -872,18 +973,19 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
     problem.goal = goal;
     Handle<SNES> snes;
     reuse_.forget();
+    motion_.balance().forget();
     check(SNESCreate(motion_.discretisation().mesh.comm(), snes.out()));
     check(SNESSetKSP(snes, projection_solver()));
     check(SNESSetFunction(snes, f, Projection::residual, &problem));
     check(SNESSetJacobian(snes, motion_.jacobian(), motion_.matrix(), Projection::tangent, &problem));
-    check(SNESSetTolerances(snes, motion_.reference_force(), 1e-10, 1e-12, 25, PETSC_DEFAULT));
+    check(SNESSetTolerances(snes, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
     // Full steps: the problem is convex, and a search for a smaller residual stalls where a point opens or
     // closes.
     SNESLineSearch search = nullptr;
     check(SNESGetLineSearch(snes, &search));
     check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
     update_multipliers_in(snes);
-    solving_ = snes;
+    iterate_ = u_tilde;
     for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
     for (int pass = 0; pass < 10; ++pass) {
       check(SNESSolve(snes, nullptr, u_tilde));
@@ -926,6 +1028,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
     rigid.test_in_the_middle(true);
     if (!projected) rigid.put_change(u_tilde, untouched, predictor);
   }
+  motion_.balance().forget();
   for (auto& [row, values] : kept) row->trial = std::move(values);
   for (ContactInterface& contact : motion_.contacts()) {
     contact.suspend_friction(false);

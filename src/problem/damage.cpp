@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
@@ -58,6 +59,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
   lower_ = d_.scalar.make_global();
   upper_ = d_.scalar.make_global();
 
+  check_solver_options("damage_", {SNESVINEWTONRSLS, SNESVINEWTONSSLS});
   for (Handle<SNES>* snes : {&unconstrained_, &bounded_}) {
     const bool bounded = snes == &bounded_;
     if (bounded && settings_.bounds != DamageBounds::vi) continue;
@@ -83,6 +85,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
     set_tolerances(*snes);
     check(SNESSetFromOptions(*snes));
     if (!bounded) check(SNESSetType(*snes, SNESNEWTONLS)); // -damage_snes_type names the bounded method
+    if (!bounded) check(SNESGetTolerances(*snes, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
     if (bounded) {
       PetscBool gamg = PETSC_FALSE;
       KSP ksp = nullptr;
@@ -101,7 +104,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
 }
 
 void DamageProblem::set_tolerances(SNES snes) {
-  check(SNESSetTolerances(snes, reference_, 1e-9, 1e-12, 100, PETSC_DEFAULT));
+  check(SNESSetTolerances(snes, reference_, 1e-9, 0, 100, PETSC_DEFAULT));
   KSP ksp = nullptr;
   PC pc = nullptr;
   check(SNESGetKSP(snes, &ksp));
@@ -229,6 +232,8 @@ void DamageProblem::tangent(Vec x) {
   double sum = 0;
   check(MatGetDiagonal(matrix(), diagonal_));
   check(VecSum(diagonal_, &sum));
+  // No residual can fall below what the last digit of phi makes of its rows.
+  for (SNES snes : solvers()) allow_rounding(snes, diagonal_);
   assembly_->set_diagonal(owned_held_,
                           sum > 0 ? sum / static_cast<double>(d_.mesh.global_node_count()) : 1.0);
 }
@@ -278,6 +283,8 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
   d_.scalar.to_global(low, lower_);
   d_.scalar.to_global(high, upper_);
 
+  for (SNES snes : solvers())
+    check(SNESSetTolerances(snes, residual_tol_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   if (substeps_) return solve_substeps(step, phi);
   // The norm that SNES saw before its first iteration.
   const auto first_residual = [](SNES snes) {
@@ -290,7 +297,7 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
   const auto run = [&](SNES snes) {
     mailbox_.deliver(SNESSolve(snes, nullptr, solution_));
     PetscInt newton = 0, linear = 0;
-    check(SNESGetConvergedReason(snes, &outcome.reason));
+    outcome.reason = reason_by_residual(snes);
     check(SNESGetIterationNumber(snes, &newton));
     check(SNESGetLinearSolveIterations(snes, &linear));
     outcome.newton += newton;

@@ -1,7 +1,9 @@
 #include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat.hpp>
@@ -61,9 +63,10 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       },
       this));
   build_matrix();
+  check_solver_options("heat_", {SNESNEWTONLS});
   check(SNESSetType(snes_, SNESNEWTONLS));
   const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
-  check(SNESSetTolerances(snes_, rounding, 1e-10, 1e-14, 50, PETSC_DEFAULT));
+  check(SNESSetTolerances(snes_, rounding, 1e-10, 0, 50, PETSC_DEFAULT));
   KSP ksp = nullptr;
   PC pc = nullptr;
   int size = 1;
@@ -108,20 +111,16 @@ void HeatProblem::begin_contacts() {
     build_matrix();
   }
   d_.scalar.to_global(state_.row("theta").committed, residual_);
-  double square = 0;
   for (ContactHeat& contact : contacts_) {
     double rigid = 0;
     if (const auto& theta = contact.contact().settings().rigid_temperature)
       rigid = settings_.theta * theta(t_) + (1 - settings_.theta) * theta(t_n_);
+    if (rigid < 0)
+      throw UserError(ExitCode::data, "-contact_" + contact.contact().id() +
+                                          "_temperature: is negative at t=" + std::to_string(t_) +
+                                          "; temperatures are absolute and positive");
     contact.begin(step_.displacement, residual_, t_ - t_n_, settings_.theta, rigid);
-    square += contact.square_of_conductances();
   }
-  // No residual can fall below what the last digit of a temperature passes through a good joint.
-  PetscReal hottest = 0;
-  check(VecNorm(residual_, NORM_INFINITY, &hottest));
-  MPI_Allreduce(MPI_IN_PLACE, &square, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
-  const double least = std::max(residual_tol_, 2e-15 * hottest * std::sqrt(square));
-  check(SNESSetTolerances(snes_, least, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
 }
 
 void HeatProblem::find_regions() {
@@ -187,7 +186,8 @@ void HeatProblem::evaluate_loads(double t, int end) {
     SurfaceHeat& heat = surface.heat[end];
     for_each_facet_point(surface.load->facets, d_.frame, X_, [&](std::size_t i, const double* x) {
       heat.coefficient[i] = convects ? boundary_.heat_coefficient(c, x, t) : 0.0;
-      heat.inflow[i] = (convects ? heat.coefficient[i] : 1.0) * boundary_.heat_value(c, x, t);
+      heat.inflow[i] = (convects ? heat.coefficient[i] * boundary_.ambient_temperature(c, x, t)
+                                 : boundary_.heat_value(c, x, t));
     });
   }
 }
@@ -410,6 +410,9 @@ void HeatProblem::tangent(Vec x) {
   double sum = 0;
   check(MatGetDiagonal(matrix, diagonal_));
   check(VecSum(diagonal_, &sum));
+  // No residual can fall below what the last digit of a temperature makes of its rows.
+  check(VecPointwiseMult(diagonal_, diagonal_, x));
+  allow_rounding(snes_, diagonal_);
   assembly_->set_diagonal(owned_held_,
                           sum > 0 ? sum / static_cast<double>(d_.mesh.global_node_count()) : 1.0);
 }
@@ -474,7 +477,7 @@ HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
     begin(t_n + window_.begin * (t - t_n), k + 1 == count ? t : t_n + window_.end * (t - t_n));
     theta_before_ = theta;
     const HeatOutcome part = solve_window(theta);
-    sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear};
+    sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear, part.cause};
     if (part.reason < 0) break;
     for (std::size_t c = 0; c < supplied.size(); ++c) supplied[c] += supplied_[c];
     entropy_supplied += entropy_supplied_;
@@ -484,6 +487,29 @@ HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
   supplied_ = std::move(supplied);
   entropy_supplied_ = entropy_supplied;
   return sum;
+}
+
+// Where it is colder than nothing the points of a cell may still be warm.
+void HeatProblem::refuse_below_zero(HeatOutcome& outcome) const {
+  PetscInt row = 0, start = 0, end = 0;
+  PetscReal coldest = 0;
+  check(VecMin(solution_, &row, &coldest));
+  if (coldest > 0) return;
+  outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
+  double x[3] = {0, 0, 0};
+  check(VecGetOwnershipRange(solution_, &start, &end));
+  for (int i = 0; row >= start && row < end && i < d_.mesh.node_count(); ++i)
+    if (d_.mesh.global_node()[static_cast<std::size_t>(i)] == row)
+      std::copy_n(&X_[static_cast<std::size_t>(i * d_.dim())], d_.dim(), x);
+  MPI_Allreduce(MPI_IN_PLACE, x, 3, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  char text[160];
+  std::snprintf(text, sizeof(text), "%.6g K at x=(%.6g,%.6g%s", coldest, x[0], x[1],
+                d_.dim() == 2 ? ")" : "");
+  outcome.cause = text;
+  if (d_.dim() == 3) {
+    std::snprintf(text, sizeof(text), ",%.6g)", x[2]);
+    outcome.cause += text;
+  }
 }
 
 HeatOutcome HeatProblem::solve_window(std::vector<double>& theta) {
@@ -496,10 +522,12 @@ HeatOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   }
   begin_contacts();
   d_.scalar.to_global(theta, solution_);
+  check(SNESSetTolerances(snes_, residual_tol_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   mailbox_.deliver(SNESSolve(snes_, nullptr, solution_));
-  check(SNESGetConvergedReason(snes_, &outcome.reason));
+  outcome.reason = reason_by_residual(snes_);
   check(SNESGetIterationNumber(snes_, &outcome.newton));
   check(SNESGetLinearSolveIterations(snes_, &outcome.linear));
+  if (outcome.reason >= 0) refuse_below_zero(outcome);
   if (outcome.reason < 0) return outcome;
   book();
   theta = x_;

@@ -38,7 +38,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
       free_(d_.node_values(d_.dim()), 1.0), history_offset_(point_offsets(d_.groups, history_size(d_.frame))),
       drive_offset_(point_offsets(d_.groups, drive_size)), dissipation_offset_(point_offsets(d_.groups, 1)),
-      stress_offset_(point_offsets(d_.groups, gradient_size(d_.frame))) {
+      stress_offset_(point_offsets(d_.groups, gradient_size(d_.frame))), balance_(d_) {
   for (std::size_t i = 0; i < free_.size(); ++i)
     if (boundary_.fixed_mask()[i]) {
       free_[i] = 0;
@@ -68,11 +68,12 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       for (int k = 0; k < d_.dim(); ++k)
         if (free_[static_cast<std::size_t>(group.node[i] * d_.dim() + k)] == 0) held[i / size] = 1;
   }
-  double stiffest = 0;
+  double softest = HUGE_VAL;
   for (const MaterialAssignment& m : d_.materials)
-    if (!m.law.rigid()) stiffest = std::max(stiffest, youngs_modulus(m.law.parameters));
-  reference_force_ = 1e-12 * stiffest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
-  work_ = d_.displacement.make_global();
+    if (!m.law.rigid()) softest = std::min(softest, youngs_modulus(m.law.parameters));
+  if (softest < HUGE_VAL)
+    reference_force_ = 1e-12 * softest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
+  for (Handle<Vec>* vec : {&work_, &cells_diagonal_, &diagonal_}) *vec = d_.displacement.make_global();
   for (ContactInterface& contact : contacts_) {
     contact.set_fixed_dofs(boundary_.fixed_mask());
     if (!rigid_->empty()) contact.set_rigid_nodes(rigid_->reduction(), rigid_->body_of_node());
@@ -294,6 +295,7 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
 
 void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double mass_shift) {
   assembly_->finish();
+  check(MatGetDiagonal(matrix(), cells_diagonal_));
   if (!contacts_.empty() || !boundary_.pressures().empty() || !rigid_->empty()) {
     rigid_->add_tangent(mass_shift, matrix());
     if (pressures) add_pressure_tangent(u_);
@@ -304,6 +306,8 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
     check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }
+  check(MatGetDiagonal(matrix(), diagonal_));
+  balance_.note_tangent(u, cells_diagonal_, diagonal_);
   // Prescribed rows were masked out; the mean of the cells' other diagonals keeps the condition of the
   // matrix.
   double sums[2] = {diagonal, -static_cast<double>(massless_.size())};

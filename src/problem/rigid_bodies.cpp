@@ -457,16 +457,4 @@ void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<dou
   }
 }
 
-double RigidBodies::rounding(double mass_shift) const {
-  double largest = 0;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    double size = bodies_[b].length;
-    for (std::size_t k = 0; k < 3; ++k)
-      size =
-          std::max({size, std::abs(bodies_[b].centre[k]), now_.empty() ? 0.0 : std::abs(now_[b].moved[k])});
-    largest = std::max(largest, bodies_[b].mass * size);
-  }
-  return 1e-15 * mass_shift * largest;
-}
-
 } // namespace impact

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/progress.hpp>
@@ -86,7 +87,19 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   PC pc = nullptr;
   check(TSGetSNES(ts, &snes));
   check(SNESSetOptionsPrefix(snes, "motion_"));
-  check(SNESSetTolerances(snes, motion.reference_force(), 1e-10, 1e-12, 25, PETSC_DEFAULT));
+  check_solver_options("motion_", {SNESNEWTONLS});
+  check(SNESSetTolerances(snes, motion.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
+  check(SNESSetConvergenceTest(
+      snes,
+      [](SNES self_snes, PetscInt it, PetscReal, PetscReal, PetscReal norm, SNESConvergedReason* why,
+         void* context) {
+        auto& self = *static_cast<Problem*>(context);
+        return self.mailbox.guarded([&] {
+          if (it == 0) self.motion->balance().start();
+          *why = self.motion->balance().test(self_snes, it, norm);
+        });
+      },
+      &problem, nullptr));
   check(SNESGetKSP(snes, &ksp));
   check(KSPSetType(ksp, KSPPREONLY));
   check(KSPGetPC(ksp, &pc));

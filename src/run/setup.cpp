@@ -271,6 +271,8 @@ void set_initial_state(const Scenario& s, Setup& setup) {
         }
       });
     }
+  // What the first guess extrapolates by: prescribed nodes do not run ahead of their neighbours.
+  std::vector<double> rate = v;
   agree_on_errors(d.mesh.comm(), [&] {
     setup.boundary.set_displacement(0, 0, u, v, u);
     setup.boundary.set_initial_rates(s.time.dt, v, a);
@@ -279,7 +281,9 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   });
   setup.rigid.set_initial(s.time.dt, u, v);
   state.row("prescribed_velocity").trial = v;
-  state.row("mean_rate").trial = v;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (!setup.boundary.fixed_mask()[i]) rate[i] = v[i];
+  state.row("mean_rate").trial = std::move(rate);
   state.commit();
 }
 

@@ -144,6 +144,7 @@ private:
   Snapshot snapshot_;
   double last_checkpoint_ = 0;
   std::string checkpoint_file_, stopped_by_, ended_by_; // from outside, by a criterion of the run
+  std::string last_cause_;                              // why the last try was refused
   std::string energy_warning_;                          // the first one
   double least_energy_ = 0; // of bodies strained by 1e-8: below it the first law is one of rounding errors
   bool checked_options_ = false;
@@ -336,10 +337,11 @@ void Simulation::reject(const Attempt& attempt) {
     return;
   }
   repeats_ = false;
-  const std::string why = coupling_.failure_text();
+  last_cause_ = coupling_.failure_text();
+  if (last_cause_.empty()) last_cause_ = "step refused";
   check(PetscPrintf(comm_, "impact: %s, step %ld try %d at t = %.10g, dt = %.4g; time step cut\n",
-                    why.empty() ? "step refused" : why.c_str(), snapshot_.step + 1,
-                    static_cast<int>(attempt.number), attempt.t, attempt.dt));
+                    last_cause_.c_str(), snapshot_.step + 1, static_cast<int>(attempt.number), attempt.t,
+                    attempt.dt));
   coupling_.on_reject();
 }
 
@@ -559,6 +561,8 @@ ExitCode Simulation::run() {
   if (!energy_warning_.empty())
     check(PetscPrintf(comm_, "impact: WARNING, first of its kind: %s; at the end %.3g\n",
                       energy_warning_.c_str(), ledger_->balance_first_law()));
+  if (coupling_.second_ways() > 0)
+    check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", coupling_.second_ways()));
   if (!stopped_by_.empty())
     check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),
                       checkpoint_file_.c_str()));
@@ -566,7 +570,8 @@ ExitCode Simulation::run() {
     check(PetscPrintf(comm_, "stopped by %s; the state is in %s\n", ended_by_.c_str(),
                       checkpoint_file_.c_str()));
   if (reason > 0) return ExitCode::ok;
-  check(PetscPrintf(comm_, "impact: the step could not be solved (%s)\n", TSConvergedReasons[reason]));
+  check(PetscPrintf(comm_, "impact: the step could not be solved (%s): %s\n", TSConvergedReasons[reason],
+                    last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
   save_after_failure();
   return ExitCode::solver;
 }

@@ -31,6 +31,9 @@ struct StepControl {
 StepControl* find_control(TS ts);
 /// The next try from the current time with the remembered dt.
 StepPlan plan_step(TS ts, StepControl& control);
+/// Below it no step is tried at time t: what thirty halvings of -ts_dt did not help does not come from the
+/// length of the step.
+PetscReal smallest_step(const StepControl& control, PetscReal t);
 /// A try was refused; ts->time_step is already the reduced one.
 void note_rejection(TS ts, StepControl& control);
 

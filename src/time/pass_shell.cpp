@@ -17,7 +17,7 @@ SNESConvergedReason run_passes(SNES snes, const PassShell& shell, Vec x) {
     check(SNESMonitor(snes, pass, result.change));
     if (result.change < atol) return SNES_CONVERGED_FNORM_ABS;
   }
-  return max_it == 1 ? SNES_CONVERGED_ITS : SNES_DIVERGED_MAX_IT;
+  return max_it == 1 && shell.single_pass ? SNES_CONVERGED_ITS : SNES_DIVERGED_MAX_IT;
 }
 
 PetscErrorCode solve_passes(SNES snes, Vec x) {

@@ -180,6 +180,8 @@ StepPlan plan_step(TS ts, StepControl& control) {
   return plan_from(ts->adapt, control, ts->ptime, ts->max_time);
 }
 
+PetscReal smallest_step(const StepControl& control, PetscReal t) { return 1e-9 * limit_at(control, t); }
+
 void note_rejection(TS ts, StepControl& control) {
   StepControlState& state = control.state;
   state.dt = ts->time_step;

@@ -101,13 +101,16 @@ void take_over(TS ts, Integrator& integrator, PetscReal next_dt) {
 
 void refuse(TS ts, Integrator& integrator) {
   if (integrator.hooks.on_reject) integrator.hooks.on_reject(ts, integrator.attempt);
-  if (StepControl* const control = find_control(ts)) note_rejection(ts, *control);
+  PetscReal least = ts->adapt->dt_min;
+  if (StepControl* const control = find_control(ts)) {
+    least = std::max(least, smallest_step(*control, integrator.attempt.t_n));
+    note_rejection(ts, *control);
+  }
   ++ts->reject;
   // Below the last digits of t a smaller step only repeats the failure.
   const bool vanished = integrator.attempt.t_n + 16 * ts->time_step == integrator.attempt.t_n;
   const bool too_often = ts->max_reject >= 0 && integrator.attempt.number > ts->max_reject;
-  if (!ts->reason && (too_often || vanished || ts->time_step < ts->adapt->dt_min))
-    ts->reason = TS_DIVERGED_STEP_REJECTED;
+  if (!ts->reason && (too_often || vanished || ts->time_step < least)) ts->reason = TS_DIVERGED_STEP_REJECTED;
 }
 
 PetscErrorCode step(TS ts) {

@@ -12,7 +12,7 @@ MOMENTUM = RHO * L * WIDTH * V
 GAP = 1e-5
 # The default of -motion_snes_atol, 1e-12 E h = 3.5e-5 N, leaves 1e-11 of the momentum after 600 steps, and an iteration
 # that moves the flying bar by 1e-12 of its way may leave 1e-5 N.
-BASE = {"mesh_set_gap": GAP * 1e3, "output_vis_every": 100000, "motion_snes_atol": 1e-7, "motion_snes_stol": 1e-15}
+BASE = {"mesh_set_gap": GAP * 1e3, "output_vis_every": 100000, "motion_snes_atol": 1e-7}
 
 
 def energy(r):

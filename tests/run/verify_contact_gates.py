@@ -74,9 +74,8 @@ check_between("touch exactly at a step: most tries", r["tries"].max(), 1, 1)
 check("touch exactly at a step: the time that 40 steps reach", r["time"][-1], 0.1, 1e-9)
 
 print("criteria of Newton's method one by one; none may end a step blind after the free flight")
-for name, criterion in {"rtol": {"snes_rtol": 1e-9, "snes_stol": 0},
-                        "atol": {"snes_rtol": 0, "snes_atol": 1e-5, "snes_stol": 0},
-                        "stol": {"snes_rtol": 0, "snes_stol": 1e-9}}.items():
+for name, criterion in {"rtol": {"snes_rtol": 1e-9}, "atol": {"snes_rtol": 0, "snes_atol": 1e-5},
+                        "rounding": {"snes_rtol": 0, "snes_atol": 0}}.items():
     same(f"-motion_snes_{name} decides", reference,
          flight(0, {f"motion_{key}": value for key, value in criterion.items()}), 1e-5)
 

@@ -8,9 +8,9 @@ from _runs import finish
 
 # Each alone, the others switched off; the last one leaves all of them to the program.
 CRITERIA = {
-    "rtol": {"motion_snes_rtol": 1e-9, "motion_snes_atol": 0, "motion_snes_stol": 0},
-    "atol": {"motion_snes_rtol": 0, "motion_snes_atol": 1e-5, "motion_snes_stol": 0},
-    "stol": {"motion_snes_rtol": 0, "motion_snes_atol": 0, "motion_snes_stol": 1e-9},
+    "rtol": {"motion_snes_rtol": 1e-9, "motion_snes_atol": 0},
+    "atol": {"motion_snes_rtol": 0, "motion_snes_atol": 1e-5},
+    "rounding": {"motion_snes_rtol": 0, "motion_snes_atol": 0},
     "default": {"motion_snes_rtol": None, "motion_snes_atol": None},
 }
 # Two different materials whose sides run on rails: one-dimensional, so that the choice of sides changes nothing but what

@@ -21,7 +21,7 @@ BASE = {
     "ics": "swing", "ic_swing_on": "strip", "ic_swing_vx": f"{AMPLITUDE * OMEGA!r}*sin({K!r}*x)",
     "measures": "tip", "measure_tip_on": "right", "measure_tip_fields": "u,v",
     # Forces at this strain are 1e-9 E h: the absolute tolerance, 1e-10 E h, would be too coarse.
-    "motion_snes_atol": 0, "motion_snes_stol": 0, "motion_snes_rtol": 1e-9,
+    "motion_snes_atol": 0, "motion_snes_rtol": 1e-9,
     "motion_ksp_type": "preonly", "motion_pc_type": "lu",
 }
 

@@ -24,8 +24,6 @@ public:
   /// Fixes what the step takes from the motion that ended at u: `weight` weighs t_{n+1} against t_n,
   /// `rigid_theta` is the rigid body's temperature in the step. Collective.
   void begin(Vec u, Vec theta_n, double dt, double weight, double rigid_theta);
-  /// sum (dt h A)^2 of this rank: times the square of a temperature's rounding that of the residual's.
-  double square_of_conductances() const;
   /// r += heat that leaves the nodes. Collective.
   void add_residual(Vec theta, Vec r) const;
   /// K += its derivative by MatSetValues, without rows and columns of nodes with held != 0 (a nodal vector);

@@ -66,6 +66,7 @@ public:
   /// Scalar (flux inwards, temperature around, source) and coefficient of a thermal condition at a reference
   /// point.
   double heat_value(int condition, const double* x, double t) const;
+  double ambient_temperature(int condition, const double* x, double t) const; ///< of a convection, K
   double heat_coefficient(int condition, const double* x, double t) const;
 
   /// Acceleration-like body force per mass at the nodes, [node][dim]; false when none acts.

@@ -59,6 +59,8 @@ public:
   /// Tangents of the hardest motion solve of the attempt (its iterations, with full Newton): what the step
   /// control calls its effort.
   PetscInt hardest_solve() const { return hardest_solve_; }
+  /// Motion solves of this run that were tried once more, with backtracking.
+  long second_ways() const { return second_ways_; }
   /// Largest increment of phi, of the plastic strain or of the temperature in the attempt over its limit
   /// (-ts_adapt_dphi, _dalpha, _dtheta); 0 without limits.
   PetscReal utilisation() const { return utilisation_; }
@@ -133,7 +135,11 @@ private:
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
   bool has_second_way() const;
   std::string line_search() const;
-  bool gives_up(PetscReal norm, double tolerance);
+  void begin_newton(Vec u);
+  bool take_first_step(Vec u, Vec ahead, double part);
+  void add_gaps(Vec u, Vec f);
+  bool gives_up(PetscReal norm);
+  bool balanced(Vec u);
   bool refresh_contact(Vec u);
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde, Vec v);
@@ -155,8 +161,6 @@ private:
   CouplingScenario settings_;
   bool inertia_, stabilise_, unilateral_;
   double contact_scale_ = 1, unilateral_scale_ = 1;
-  double first_residual_ = 0; // of the Newton solve at work
-  double residual_tol_ = 0;   // absolute, as the options say
   MotionStep step_;
   std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
   std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve
@@ -167,15 +171,17 @@ private:
   Handle<SNES> uzawa_snes_, motion_snes_;
   Handle<KSP> projection_ksp_; // where the motion's own solver needs a definite matrix
   bool projection_failed_ = false;
-  SNES solving_ = nullptr;    // whose linear solves close the gaps of the semismooth method
+  Vec iterate_ = nullptr;     // of the Newton solve at work, about which linear solves close gaps
   Handle<Vec> bare_residual_; // what the right-hand side was before they were added
   Handle<Vec> residual_, newton_start_, contact_force_, contact_shock_, contact_acceleration_;
+  bool first_done_ = false; // the solve to come goes on from a first iteration
   StepCounts counts_;
   PetscInt hardest_solve_ = 0, tangents_ = 0, iterations_ = 0; // iterations_: of one solve
   NewtonWatch watch_;
   bool first_way_ = false; // of solve_motion is at work
   bool watched_ = false;   // and may be given up for the second
   bool second_way_first_ = false;
+  long second_ways_ = 0;
   int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
   std::string failure_;

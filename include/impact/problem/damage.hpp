@@ -73,6 +73,7 @@ private:
   PetscReal substep_ = 0;
   std::vector<double> substep_start_;
   Handle<Vec> solution_, residual_, diagonal_, lower_, upper_;
+  double residual_tol_ = 0; // absolute, as the options say
   double reference_ = 0;
   bool bounded_at_once_ = false;
 };

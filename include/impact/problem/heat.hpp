@@ -10,6 +10,7 @@
 #include <impact/problem/settings.hpp>
 #include <impact/problem/surface_load.hpp>
 #include <optional>
+#include <string>
 
 /// The heat balance of one step: SNES `heat_` for the temperature at t_{n+1} with displacement and damage
 /// frozen (45'), (5'). Everything is an energy per step.
@@ -26,6 +27,7 @@ struct HeatStep {
 struct HeatOutcome {
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   PetscInt newton = 0, linear = 0;
+  std::string cause; ///< of a failure, where there is more to say than its reason
 };
 
 class HeatProblem {
@@ -82,6 +84,7 @@ private:
   const std::vector<double>& theta_at_start() const; ///< of the window
   void check_substeps();
   HeatOutcome solve_window(std::vector<double>& theta);
+  void refuse_below_zero(HeatOutcome& outcome) const;
   HeatOutcome solve_substeps(int count, std::vector<double>& theta);
   void find_regions();
   void build_matrix();

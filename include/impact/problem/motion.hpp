@@ -4,6 +4,7 @@
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
+#include <impact/problem/force_balance.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
@@ -114,8 +115,11 @@ public:
   const BoundaryData& boundary() const { return boundary_; }
   std::vector<ContactInterface>& contacts() { return contacts_; }
   const BrokenCell& broken() const { return broken_; }
-  /// Reference force E h^(dim-1) 1e-12: the absolute tolerance that makes sense for the residual.
+  /// 1e-12 E h^(dim-1) of the softest material: the absolute tolerance that makes sense for the residual,
+  /// beside the rounding of stiffer bodies (ForceBalance).
   double reference_force() const { return reference_force_; }
+  /// When the residual is balanced; its rounding is that of the last tangent.
+  ForceBalance& balance() { return balance_; }
   double mass_shift_of_last_tangent() const { return last_mass_shift_; }
 
 private:
@@ -163,7 +167,8 @@ private:
   double reference_force_ = 0, last_mass_shift_ = 0;
   Handle<Mat> mass_, mass_free_; // consistent mass; with prescribed rows and columns as identity
   Handle<KSP> mass_solver_;
-  Handle<Vec> work_;
+  ForceBalance balance_;
+  Handle<Vec> work_, cells_diagonal_, diagonal_;
   Handle<Mat> shell_;         // with ContactOperator::shell
   Handle<Vec> linearised_at_; // where the shell's contact tangent is taken
 };

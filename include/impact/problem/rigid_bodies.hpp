@@ -113,9 +113,6 @@ public:
   std::vector<RigidMotionState> motion(Vec u, Vec v) const;
   double angle(int body) const; ///< of a plane body, turns counted
 
-  /// Size of the rounding error of inertia in a residual: 1e-15 of coordinate times mass times mass shift.
-  double rounding(double mass_shift) const;
-
 private:
   // Sums over a body's nodes of f m and f y^T, or of f and f Y^T.
   struct Sums {

@@ -14,6 +14,7 @@ public:
   /// To be asked once in each iteration of `snes`, with what the tangent depends on beside the state. The
   /// same on all ranks.
   bool serves(SNES snes, PetscReal dt, PetscReal shift);
+  double reduction() const { return reduction_; }
   /// The matrix holds something else, or nothing any more.
   void forget() { valid_ = false; }
 

@@ -15,11 +15,12 @@ struct PassResult {
 
 /// Runs pass 1, 2, .. on x until the change is below -<prefix>snes_atol. A failed pass ends with
 /// SNES_DIVERGED_INNER;
-/// -<prefix>snes_max_it passes without convergence with SNES_DIVERGED_MAX_IT, except that a single pass
-/// (max_it 1) counts as converged. The same on all ranks as far as `pass` answers the same.
+/// -<prefix>snes_max_it passes without convergence with SNES_DIVERGED_MAX_IT. The same on all ranks as far as
+/// `pass` answers the same.
 struct PassShell {
   std::function<PassResult(PetscInt pass, Vec x)> pass;
   Mailbox* mailbox = nullptr; // takes the exceptions of `pass`
+  bool single_pass = true;    // a method of its own where max_it is 1: what it leaves counts as converged
 };
 
 /// Makes `snes` such a shell; `shell` must outlive it. To be called before SNESSetFromOptions.

@@ -1,0 +1,48 @@
+#pragma once
+#include <impact/problem/discretisation.hpp>
+
+/// When a residual of the motion counts as balanced (theory.md, when a step has converged). The nodes fall in
+/// parts: bodies, divided by the stiffest material that meets at a node. The norm of the residual on each
+/// part must fall below the largest of
+///   atol;
+///   rtol times the largest norm that it had in the solve, or the whole residual at its start if less;
+///   once an iteration leaves more than half of it, its rounding error: 1e-15 of (u + largest cell) times the
+///   cells' part of the tangent's diagonal, and of (u + coordinate) times the rest of it, contact's and rigid
+///   bodies'.
+/// So neither the stiffness nor the load nor the rounding of one part excuses forces left on another.
+namespace impact {
+
+class ForceBalance {
+public:
+  /// Collective.
+  explicit ForceBalance(const Discretisation& discretisation);
+
+  /// The rounding error is that of another problem: what the last tangent said counts no more.
+  void forget();
+  /// A solve begins: what counts is relative to the residuals that follow.
+  void start();
+  /// Diagonals of the tangent at u: of the cells alone, and of all. Collective.
+  void note_tangent(Vec u, Vec cells, Vec all);
+  /// Holds the residual f against its tolerances. One reduction, nothing allocated. Collective.
+  void judge(Vec f, double atol, double rtol);
+  /// Answers for `snes`, whose function and tolerances these are, like SNESConvergedDefault, but never for
+  /// the length of a step. Collective.
+  SNESConvergedReason test(SNES snes, PetscInt iteration, PetscReal norm);
+
+  /// What the last `judge` said: largest quotient of residual and tolerance of a part.
+  double ratio() const { return ratio_; }
+  bool holds() const { return ratio_ <= 1; }
+  /// max(atol, rtol times the whole residual at the start).
+  double force() const { return force_; }
+
+private:
+  int dim_, parts_ = 0;
+  double largest_cell_ = 0, extent_ = 0;
+  MPI_Comm comm_;
+  std::vector<int> part_of_node_;             // of owned nodes, in the order of the vectors
+  std::vector<double> sums_, rounding_;       // squares of each part: of the residual and of its rounding
+  std::vector<double> largest_, last_;        // residuals of each part in this solve
+  double first_ = -1, force_ = 0, ratio_ = 0; // first_ < 0: no residual yet
+};
+
+} // namespace impact
