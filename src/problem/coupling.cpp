@@ -122,7 +122,8 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
                    const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
                    bool stabilise_contact)
     : ts_(ts), motion_(motion), damage_(damage), heat_(heat), state_(state), settings_(settings),
-      inertia_(inertia), stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
+      phi_passes_(motion.discretisation().mesh, settings.relaxation), inertia_(inertia),
+      stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
   const Discretisation& d = motion_.discretisation();
   const MPI_Comm comm = d.mesh.comm();
   residual_ = d.displacement.make_global();
@@ -543,7 +544,7 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
 PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
   PassResult result;
   counts_.passes = pass;
-  if (pass > 1 && damage_) relax_phi(pass);
+  if (pass > 1 && damage_) phi_passes_.relax(pass, state_.row("phi"), phi_frozen_);
   if (pass > 1 && heat_) theta_frozen_ = state_.row("theta").trial;
   if (settings_.moves) {
     if (pass == 1) motion_.impose(u);
@@ -692,48 +693,9 @@ void Coupling::damage_pass(PassResult& result) {
     failure_ = std::string("damage: ") + SNESConvergedReasons[outcome.reason];
     return;
   }
-  PetscReal change_and_growth[2] = {0, 0};
-  std::swap(phi_change_before_, phi_change_);
-  phi_change_.resize(phi.trial.size());
-  for (std::size_t i = 0; i < phi.trial.size(); ++i) {
-    phi_change_[i] = phi.trial[i] - phi_frozen_[i];
-    change_and_growth[0] = std::max(change_and_growth[0], std::abs(phi_change_[i]));
-    change_and_growth[1] = std::max(change_and_growth[1], phi.trial[i] - phi.committed[i]);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, change_and_growth, 2, MPIU_REAL, MPIU_MAX,
-                motion_.discretisation().mesh.comm());
-  result.change = change_and_growth[0];
-  if (settings_.max_dphi > 0) limit(result, "phi grows", change_and_growth[1], "dphi", settings_.max_dphi);
-}
-
-double Coupling::owned_dot(const std::vector<double>& a, const std::vector<double>& b) const {
-  const Mesh& mesh = motion_.discretisation().mesh;
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    if (mesh.owned(static_cast<int>(i))) sum += a[i] * b[i];
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPIU_REAL, MPIU_SUM, mesh.comm());
-  return sum;
-}
-
-void Coupling::relax_phi(PetscInt pass) {
-  // The error of the passes falls by a nearly constant factor, 0.8 and more beside an open crack. Aitken's
-  // extrapolation takes that factor from two changes; while the changes grow the crack runs, and is not
-  // hurried.
-  const StateRow& phi = state_.row("phi");
-  if (settings_.relaxation == PassRelaxation::none || pass < 3) {
-    phi_frozen_ = phi.trial;
-    relaxation_ = 1;
-    return;
-  }
-  const double before = owned_dot(phi_change_before_, phi_change_before_);
-  const double mixed = owned_dot(phi_change_before_, phi_change_);
-  const double now = owned_dot(phi_change_, phi_change_);
-  const double curvature = before - 2 * mixed + now;
-  constexpr double longest = 10;
-  const double factor = curvature > 0 ? relaxation_ * (before - mixed) / curvature : 0;
-  relaxation_ = now < before && factor > 1 ? std::min(factor, longest) : 1;
-  for (std::size_t i = 0; i < phi_frozen_.size(); ++i)
-    phi_frozen_[i] = std::clamp(phi_frozen_[i] + relaxation_ * phi_change_[i], phi.committed[i], 1.0);
+  const PhiPasses::Change change = phi_passes_.note(phi_frozen_, phi);
+  result.change = change.of_pass;
+  if (settings_.max_dphi > 0) limit(result, "phi grows", change.growth, "dphi", settings_.max_dphi);
 }
 
 std::string Coupling::failure_text() const {

@@ -4,6 +4,7 @@
 #include <impact/problem/heat.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/newton_watch.hpp>
+#include <impact/problem/phi_passes.hpp>
 #include <impact/problem/tangent_reuse.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/pass_shell.hpp>
@@ -123,8 +124,6 @@ private:
   bool at_least_step() const { return step_.dt <= 1e-3 * settings_.dt; }
   void limit(PassResult& result, const char* what, double increment, const char* option, double most);
   void heat_pass(Vec u, PassResult& result);
-  void relax_phi(PetscInt pass);
-  double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
@@ -150,14 +149,13 @@ private:
   StateTable& state_;
   std::optional<FatigueUpdate> fatigue_;
   CouplingScenario settings_;
+  PhiPasses phi_passes_;
   bool inertia_, stabilise_;
   double contact_scale_ = 1;
   double first_residual_ = 0; // of the Newton solve at work
   double residual_tol_ = 0;   // absolute, as the options say
   MotionStep step_;
   std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
-  std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve
-  double relaxation_ = 1;
   PetscReal utilisation_ = 0;
   TangentReuse reuse_{0};
   PassShell coupling_shell_, uzawa_shell_;
