@@ -82,6 +82,8 @@ public:
   double entropy_supplied() const { return heat_ ? heat_->entropy_supplied() : 0; }
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
+  /// How far a crack ran in the attempt at a load that it held fixed; empty when none did. Collective.
+  std::string crack_text() const;
   SNES motion_snes() const { return motion_snes_; }
   TS integrator() const { return ts_; }
 
@@ -124,6 +126,8 @@ private:
   bool at_least_step() const { return step_.dt <= 1e-3 * settings_.dt; }
   void limit(PassResult& result, const char* what, double increment, const char* option, double most);
   void heat_pass(Vec u, PassResult& result);
+  void report_crack();
+  std::string crack_length(const std::vector<double>& phi) const;
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
@@ -152,8 +156,8 @@ private:
   PhiPasses phi_passes_;
   bool inertia_, stabilise_;
   double contact_scale_ = 1;
-  double first_residual_ = 0; // of the Newton solve at work
-  double residual_tol_ = 0;   // absolute, as the options say
+  double first_residual_ = 0;                   // of the Newton solve at work
+  double residual_tol_ = 0, residual_rtol_ = 0; // absolute and relative, as the options say
   MotionStep step_;
   std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
   PetscReal utilisation_ = 0;
@@ -174,6 +178,8 @@ private:
   int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
   std::string failure_;
+  const char* changing_ = "phi"; // what a pass changed most
+  double said_ = 0;              // wall time of the last word about a crack that runs
   bool cell_broke_ = false;
 };
 
