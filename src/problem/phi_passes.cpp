@@ -6,7 +6,8 @@ namespace impact {
 
 namespace {
 
-constexpr int gains_of_a_run = 20; // a step that converges seldom takes as many passes
+constexpr int gains_of_a_run = 20;  // a step that converges seldom takes as many passes
+constexpr double first_reach = 0.1; // of phi, by the first leap
 
 } // namespace
 
@@ -14,6 +15,9 @@ void PhiPasses::begin(const StateRow& phi) {
   record_ = owned_sum(phi.committed);
   gains_ = 0;
   runs_ = false;
+  reach_ = first_reach;
+  since_leap_ = 0;
+  leap_.clear();
 }
 
 PhiPasses::Change PhiPasses::note(const std::vector<double>& start, const StateRow& phi) {
@@ -52,25 +56,31 @@ double PhiPasses::owned_dot(const std::vector<double>& a, const std::vector<doub
   return sum;
 }
 
-double PhiPasses::next_factor() const {
+double PhiPasses::next_factor() {
   const double before = owned_dot(change_before_, change_before_);
   const double mixed = owned_dot(change_before_, change_);
   const double now = owned_dot(change_, change_);
-  if (!runs_) {
-    // The error of the passes falls by a nearly constant factor, 0.8 and more beside an open crack. Aitken's
-    // extrapolation takes that factor from two changes, as long as they fall.
-    const double curvature = before - 2 * mixed + now;
-    constexpr double longest = 10;
-    const double factor = curvature > 0 ? factor_ * (before - mixed) / curvature : 0;
-    return now < before && factor > 1 ? std::min(factor, longest) : 1;
-  }
-  // The front of a crack that runs is carried on by nearly the same change in pass after pass: a leap takes
-  // many at once. It enlarges what a plain pass would have brought to rest, so that the next one waits until
-  // two plain passes agree again.
-  constexpr double alike = 0.9, longest = 30, reach = 0.5;
-  if (factor_ != 1 || largest_ == 0 || mixed < alike * std::sqrt(before * now)) return 1;
-  const double factor = mixed < before ? before / (before - mixed) : longest;
-  return std::max(1.0, std::min({factor, longest, reach / largest_}));
+  if (runs_) return leap(mixed / std::sqrt(before * now));
+  // The error of the passes falls by a nearly constant factor, 0.8 and more beside an open crack. Aitken's
+  // extrapolation takes that factor from two changes; while the changes grow it does not hurry.
+  const double curvature = before - 2 * mixed + now;
+  constexpr double longest = 10;
+  const double factor = curvature > 0 ? factor_ * (before - mixed) / curvature : 0;
+  return now < before && factor > 1 ? std::min(factor, longest) : 1;
+}
+
+// The front of a crack that runs is carried on by nearly the same change in pass after pass: a leap takes
+// many of them at once. It enlarges what a plain pass would have brought to rest, so that the next one waits
+// until two plain passes agree again; whether phi still wants to go its way there tells how long that may be.
+double PhiPasses::leap(double cosine) {
+  constexpr double alike = 0.9, longest = 30, farthest = 0.5;
+  ++since_leap_;
+  if (since_leap_ == 2 && !leap_.empty())
+    reach_ = owned_dot(leap_, change_) > 0 ? std::min(farthest, 2 * reach_) : reach_ / 2;
+  if (since_leap_ < 3 || !(cosine >= alike) || reach_ <= largest_) return 1;
+  leap_ = change_;
+  since_leap_ = 0;
+  return std::min(longest, reach_ / largest_);
 }
 
 void PhiPasses::relax(PetscInt pass, const StateRow& phi, std::vector<double>& start) {
@@ -84,7 +94,7 @@ void PhiPasses::relax(PetscInt pass, const StateRow& phi, std::vector<double>& s
     start[i] = std::clamp(start[i] + factor_ * change_[i], phi.committed[i], 1.0);
 }
 
-bool PhiPasses::far_from_rest() const { return runs_ && largest_ > std::max(0.01, 10 * tolerance_); }
+bool PhiPasses::far_from_rest() const { return runs_ && largest_ > 10 * tolerance_; }
 
 double PhiPasses::extent(const std::vector<double>& phi, double level) const {
   const auto X = mesh_.coordinates();

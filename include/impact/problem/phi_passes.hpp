@@ -40,7 +40,8 @@ public:
 private:
   double owned_sum(const std::vector<double>& a) const;
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
-  double next_factor() const;
+  double next_factor();
+  double leap(double cosine);
 
   const Mesh& mesh_;
   PassRelaxation choice_;
@@ -52,6 +53,9 @@ private:
   double record_ = 0;                          // largest sum of phi so far
   int gains_ = 0;                              // passes in a row with a new one
   bool runs_ = false;
+  std::vector<double> leap_; // the change that the last leap enlarged
+  double reach_ = 0;         // by how much the next one may change phi
+  int since_leap_ = 0;       // passes
 };
 
 } // namespace impact
