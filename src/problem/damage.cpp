@@ -19,6 +19,22 @@ bool needs_bounds(const PointLaw& law) {
   return damages(law) && (law.parameters.damage == Damage::at1 || !is_convex(law.parameters));
 }
 
+/// What g_1' multiplies in the source: E+, and what else of E-, H_0 the law degrades by the same function;
+/// the others are not degraded at all. `drive` strides by `stride`.
+template <class T> T driving_energy(const MaterialParameters& m, const T* drive, std::size_t stride) {
+  T sum = drive[0];
+  if (m.split == Split::none) sum = sum + drive[stride];
+  if (m.gp == PlasticDegradation::ge) sum = sum + drive[2 * stride];
+  return sum;
+}
+
+/// That energy in place of its parts.
+template <class Cell> void put_history(const PointValues<Cell, 1>& H, PointValues<Cell, drive_size>& drive) {
+  for (std::size_t q = 0; q < static_cast<std::size_t>(Cell::points); ++q)
+    for (std::size_t k = 0; k < drive_size; ++k)
+      drive.value[q * drive_size + k] = k == 0 ? H.value[q] : Batch(0.0);
+}
+
 } // namespace
 
 DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
@@ -154,8 +170,9 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
         if (history) {
           PointValues<Cell, 1> H;
           H.load(history->trial, history_offset_[g], b);
-          for (int q = 0; q < Cell::points; ++q)
-            now.value[static_cast<std::size_t>(q * drive_size)] = H.value[static_cast<std::size_t>(q)];
+          put_history<Cell>(H, now);
+          H.load(history->committed, history_offset_[g], b);
+          put_history<Cell>(H, before);
         }
         PointValues<Cell, 1> worn;
         DamageInput in;
@@ -242,10 +259,12 @@ void DamageProblem::raise_history() {
   if (!state_.find("damage_history")) return;
   StateRow& history = state_.row("damage_history");
   const StateRow& drive = state_.row("drive");
-  for (std::size_t i = 0; i < history.trial.size(); ++i) {
-    const std::size_t point = i / lanes, lane = i % lanes;
-    history.trial[i] = std::max(history.committed[i], drive.trial[point * drive_size * lanes + lane]);
-  }
+  for (std::size_t g = 0; g < d_.groups.size(); ++g)
+    for (std::size_t i = history_offset_[g]; i < history_offset_[g + 1]; ++i) {
+      const double* at = &drive.trial[i / lanes * drive_size * lanes + i % lanes];
+      history.trial[i] =
+          std::max(history.committed[i], driving_energy(d_.law(d_.groups[g]).parameters, at, lanes));
+    }
 }
 
 bool DamageProblem::within_bounds(Vec x) const {

@@ -484,10 +484,13 @@ void complete(Scenario& scenario) {
   for (ContactScenario& contact : scenario.contacts)
     if (contact.rigid_mass > 0 && contact.rigid()) contact.carrier = "obstacle_" + contact.id;
   complete_time(scenario.time);
-  if (scenario.coupling.max_it == 0)
-    scenario.coupling.max_it =
-        scenario.has_motion() && !scenario.has_inertia() && iterates(scenario) ? 200 : 1;
+  if (scenario.coupling.max_it == 0) {
+    scenario.coupling.follow_cracks = scenario.has_motion() && !scenario.has_inertia() && iterates(scenario);
+    scenario.coupling.max_it = scenario.coupling.follow_cracks ? 200 : 1;
+  }
   scenario.coupling.moves = scenario.has_motion();
+  scenario.coupling.crack_level = scenario.crack_level;
+  scenario.coupling.length_unit = scenario.units.length == -3 ? "mm" : "m";
   const auto& steps = scenario.time.table_dts;
   scenario.coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
   if (scenario.checkpoint.wall < 0)

@@ -439,6 +439,8 @@ void Simulation::accept(const Attempt& attempt) {
   d_.displacement.to_local(a, state.row("a").trial);
   std::vector<double>& rate = state.row("mean_rate").trial;
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (row.trial[i] - row.committed[i]) / attempt.dt;
+  if (const std::string text = coupling_.crack_text(); !text.empty())
+    check(PetscPrintf(comm_, "impact: step %ld: %s\n", snapshot_.step + 1, text.c_str()));
   setup_.rigid.advance(u);
   StateRow& prescribed = state.row("prescribed_velocity");
   setup_.boundary.set_exact_velocity(attempt.t_n, attempt.t, prescribed.committed, prescribed.trial);

@@ -9,15 +9,20 @@ SNESConvergedReason run_passes(SNES snes, const PassShell& shell, Vec x) {
   PetscInt max_it = 0;
   check(SNESGetTolerances(snes, &atol, nullptr, nullptr, &max_it, nullptr));
   check(SNESSetIterationNumber(snes, 0));
-  for (PetscInt pass = 1; pass <= max_it; ++pass) {
-    const PassResult result = shell.pass(pass, x);
+  PetscInt counted = 0;
+  PassResult result;
+  for (PetscInt pass = 1; counted < max_it; ++pass) {
+    result = shell.pass(pass, x);
     check(SNESSetIterationNumber(snes, pass));
     if (result.inner < 0) return SNES_DIVERGED_INNER;
     check(SNESSetFunctionNorm(snes, result.change));
     check(SNESMonitor(snes, pass, result.change));
     if (result.change < atol) return SNES_CONVERGED_FNORM_ABS;
+    counted = result.counts ? counted + 1 : 0;
   }
-  return max_it == 1 && shell.single_pass ? SNES_CONVERGED_ITS : SNES_DIVERGED_MAX_IT;
+  if (max_it == 1 && shell.single_pass) return SNES_CONVERGED_ITS;
+  if (shell.gives_up) shell.gives_up(counted, result.change);
+  return SNES_DIVERGED_MAX_IT;
 }
 
 PetscErrorCode solve_passes(SNES snes, Vec x) {

@@ -168,6 +168,19 @@ for model, bounds in (("at2", "vi"), ("at2", "history"), ("at2", "clip"), ("at1"
     runs.check_between(f"loading cycle, {model}, {bounds}: smallest step of phi", steps.min(), 0, 1)
     runs.check_between(f"loading cycle, {model}, {bounds}: smallest step of the crack's energy", numpy.diff(run["energy_fracture"]).min(), 0, 1)
 
+# Without a split compression drives damage too, and plastic energy where it is degraded: "history" keeps the whole drive at its largest.
+SQUEEZE = {**CYCLE, "damage_bounds": "history", "bc_hold_ux": "-0.05*(t<1 ? t : t<2 ? 2-t : t-2)*x", "material_solid_damage": "at2"}
+for split in ("none", "volumetric", "spectral"):
+    run = runs.run(f"squeeze_{split}", {**SQUEEZE, "material_solid_split": split})
+    runs.check_between(f"squeezed and let go, history, split {split}: smallest step of phi", numpy.diff(run["phi_max"]).min(), 0, 1)
+    if split == "none":
+        psi = float(response(K, G, 1, 0.9)[0])  # the last load is the largest
+        runs.check("its phi after all is that of the largest energy", run["phi_max"][-1], 2 * psi / (2 * psi + 1), 1e-9)
+run = runs.run("squeeze_j2", {**SQUEEZE, "material_solid_split": "none", "material_solid_gp": "ge", "material_solid_model": "j2",
+                              "material_solid_sigma_y": 20, "material_solid_linear_h": 50, "coupling_snes_max_it": 100})
+runs.check_between("squeezed and let go, history, j2 with a degraded yield stress: smallest step of phi", numpy.diff(run["phi_max"]).min(), 0, 1)
+runs.check_between("it flowed", run["alpha_max"].max(), 1e-3, 1)
+
 # The same of every node of a plate whose damage is not uniform, with a rate.
 run = runs.run("cycle_plate", {
     **CYCLE, "mesh_set_n": 8, "material_solid_damage": "at2", "material_solid_gamma": 0.2, "material_solid_c": 20, "bcs": "hold,pull",

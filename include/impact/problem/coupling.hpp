@@ -4,6 +4,7 @@
 #include <impact/problem/heat.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/newton_watch.hpp>
+#include <impact/problem/phi_passes.hpp>
 #include <impact/problem/tangent_reuse.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/pass_shell.hpp>
@@ -83,6 +84,8 @@ public:
   double entropy_supplied() const { return heat_ ? heat_->entropy_supplied() : 0; }
   /// Why the last attempt failed; empty when it did not. Collective: names the worst cell of all ranks.
   std::string failure_text() const;
+  /// How far a crack ran in the attempt at a load that it held fixed; empty when none did. Collective.
+  std::string crack_text() const;
   SNES motion_snes() const { return motion_snes_; }
   TS integrator() const { return ts_; }
 
@@ -128,8 +131,8 @@ private:
   bool at_least_step() const { return step_.dt <= 1e-3 * settings_.dt; }
   void limit(PassResult& result, const char* what, double increment, const char* option, double most);
   void heat_pass(Vec u, PassResult& result);
-  void relax_phi(PetscInt pass);
-  double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
+  void report_crack();
+  std::string crack_length(const std::vector<double>& phi) const;
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
@@ -159,12 +162,12 @@ private:
   StateTable& state_;
   std::optional<FatigueUpdate> fatigue_;
   CouplingScenario settings_;
+  PhiPasses phi_passes_;
   bool inertia_, stabilise_, unilateral_;
   double contact_scale_ = 1, unilateral_scale_ = 1;
+  double residual_rtol_ = 0; // as the options say
   MotionStep step_;
   std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
-  std::vector<double> phi_change_, phi_change_before_; // of the last two passes, by the damage solve
-  double relaxation_ = 1;
   PetscReal utilisation_ = 0;
   TangentReuse reuse_{0};
   PassShell coupling_shell_, uzawa_shell_;
@@ -185,6 +188,8 @@ private:
   int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
   std::string failure_;
+  const char* changing_ = "phi"; // what a pass changed most
+  double said_ = 0;              // wall time of the last word about a crack that runs
   bool cell_broke_ = false;
 };
 

@@ -2,6 +2,7 @@
 #include <impact/kernel/damage.hpp>
 #include <impact/kernel/heat.hpp>
 #include <impact/mesh/matrix_format.hpp>
+#include <string>
 
 /// Choices of the solution method that the user makes by options.
 namespace impact {
@@ -29,6 +30,7 @@ enum class PassRelaxation { none, aitken };
 
 struct CouplingScenario {
   int max_it = 1;
+  bool follow_cracks = false; ///< max_it counts no pass in which phi grows
   double atol = 1e-4;
   double theta_tol = -1; ///< of the temperature, relative to its largest value; negative: atol
   PassRelaxation relaxation = PassRelaxation::aitken;
@@ -39,7 +41,9 @@ struct CouplingScenario {
   double max_closing = 1;    ///< largest depth in facets at which a contact may close; 0: no limit
   bool report_error = false; ///< evaluate Coupling::single_pass_error
   double dt = 0;             ///< -ts_dt
-  bool moves = true;         ///< -physics has motion
+  double crack_level = 0.9;  ///< phi from which a node counts as cracked
+  std::string length_unit = "m";
+  bool moves = true; ///< -physics has motion
 };
 
 } // namespace impact

@@ -11,16 +11,20 @@ namespace impact {
 struct PassResult {
   SNESConvergedReason inner = SNES_CONVERGED_ITS;
   PetscReal change = 0;
+  bool counts = true; ///< against -<prefix>snes_max_it; a pass that does not begins the count anew
 };
 
 /// Runs pass 1, 2, .. on x until the change is below -<prefix>snes_atol. A failed pass ends with
 /// SNES_DIVERGED_INNER;
-/// -<prefix>snes_max_it passes without convergence with SNES_DIVERGED_MAX_IT. The same on all ranks as far as
-/// `pass` answers the same.
+/// -<prefix>snes_max_it passes that count, in a row and without convergence, with SNES_DIVERGED_MAX_IT,
+/// except that a single pass (max_it 1) counts as converged where it is a method of its own. The same on all
+/// ranks as far as `pass` answers the same.
 struct PassShell {
   std::function<PassResult(PetscInt pass, Vec x)> pass;
   Mailbox* mailbox = nullptr; // takes the exceptions of `pass`
   bool single_pass = true;    // a method of its own where max_it is 1: what it leaves counts as converged
+  /// Told of the passes without convergence and of the last one's change, before the shell gives up.
+  std::function<void(PetscInt passes, PetscReal change)> gives_up = {};
 };
 
 /// Makes `snes` such a shell; `shell` must outlive it. To be called before SNESSetFromOptions.
