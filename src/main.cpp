@@ -2,6 +2,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/file_access.hpp>
 #include <impact/petsc/shared_cores.hpp>
@@ -67,6 +68,12 @@ int main(int argc, char** argv) {
   impact::yield_while_waiting();
   impact::hold_to_one_thread();
   impact::install_signal_handlers();
+  try {
+    impact::check_option_files(argc, argv);
+  } catch (const impact::UserError& error) {
+    std::fprintf(stderr, "impact: %s\n", error.what());
+    return static_cast<int>(error.code());
+  }
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {
     const std::string why = impact::last_petsc_message();

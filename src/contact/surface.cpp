@@ -26,6 +26,7 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
   if (found == nullptr || found->dim != mesh.dim() - 1)
     throw UserError(ExitCode::data, "contact " + contact + ": no boundary `" + group +
                                         "` in the mesh; boundaries are: " + boundary_names(mesh));
+  mesh.require_outside("contact " + contact + ": boundary", group);
   const FacetTable facets = mesh.facets(group);
   ContactSurface surface;
   const int dim = mesh.dim();

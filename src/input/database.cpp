@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <impact/input/database.hpp>
@@ -20,6 +21,23 @@ std::string all_options() {
   return text;
 }
 
+/// The files from the command line down to the one that is looked into.
+void follow_option_file(const std::string& file, std::vector<std::string> above) {
+  const auto refuse = [&](const std::string& reason) { refuse_option({"-options_file", file}, reason); };
+  const bool again = std::find(above.begin(), above.end(), file) != above.end();
+  above.push_back(file);
+  if (again) refuse("leads back to itself: " + join(above) + "; remove the line that names it again");
+  std::ifstream lines(file);
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    if (number == 1 && line.starts_with(byte_order_mark))
+      refuse("begins with a byte-order mark; save it as plain UTF-8");
+    std::istringstream words(line);
+    std::string name, value;
+    if (words >> name >> value && lower_case(name) == "-options_file") follow_option_file(value, above);
+  }
+}
+
 /// Read by PETSc in PetscInitialize or only in PetscFinalize, so that "unused" says nothing.
 bool read_at_the_ends(const std::string& name) {
   for (const char* exact :
@@ -34,6 +52,11 @@ bool read_at_the_ends(const std::string& name) {
 
 void refuse_option(const GivenOption& option, const std::string& reason) {
   throw UserError(ExitCode::usage, option.key + " \"" + option.text + "\": " + reason);
+}
+
+void check_option_files(int argc, const char* const* argv) {
+  for (int i = 1; i + 1 < argc; ++i)
+    if (lower_case(argv[i]) == "-options_file") follow_option_file(argv[i + 1], {});
 }
 
 std::vector<std::string> option_names() {
@@ -107,6 +130,7 @@ std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std:
     content << file.rdbuf();
     if (!file) throw UserError(ExitCode::io, option.key + " \"" + path + "\": cannot be read");
     text = content.str();
+    if (text.starts_with(byte_order_mark)) text.erase(0, std::strlen(byte_order_mark));
   });
   return broadcast(comm, text);
 }

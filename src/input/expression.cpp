@@ -132,7 +132,8 @@ struct Expression::Impl {
   Impl(std::string key_, std::function<double(const double*, int, double)> function_)
       : key(std::move(key_)), text("function"), function(std::move(function_)) {}
   Impl(const Impl& other)
-      : key(other.key), text(other.text), context(other.context), function(other.function) {
+      : key(other.key), text(other.text), allowed(other.allowed), range(other.range), context(other.context),
+        function(other.function) {
     if (!function) compile();
   }
   Impl& operator=(const Impl&) = delete;
@@ -153,7 +154,8 @@ struct Expression::Impl {
     }
   }
 
-  std::string key, text;
+  std::string key, text, allowed = "finite values everywhere and always";
+  Interval range;
   ExpressionContext context;
   std::function<double(const double*, int, double)> function; // in place of the parsed text
   double variable[4] = {0, 0, 0, 0};
@@ -174,18 +176,24 @@ Expression& Expression::operator=(const Expression& other) {
 Expression& Expression::operator=(Expression&&) noexcept = default;
 Expression::~Expression() = default;
 
+void Expression::restrict_to(const Interval& range, const std::string& allowed) {
+  impl_->range = range;
+  impl_->allowed = allowed;
+}
+
 double Expression::operator()(const double* x, int dim, double t) const {
   Impl& impl = *impl_;
   for (int i = 0; i < 3; ++i) impl.variable[i] = i < dim ? x[i] : 0.;
   impl.variable[3] = t;
   const double value = impl.function ? impl.function(x, dim, t) : impl.parser.Eval();
-  if (std::isfinite(value)) [[likely]]
-    return value;
+  constexpr double rounding = 1e-12;
+  const double near = std::clamp(value, impl.range.low, impl.range.high);
+  if (std::isfinite(value) && impl.range.contains(near) && std::abs(value - near) <= rounding) [[likely]]
+    return near;
   std::string point;
   for (int i = 0; i < dim; ++i) point += (i ? "," : "") + number_text(x[i]);
   throw UserError(ExitCode::data, quoted(impl.key, impl.text) + ": " + number_text(value) + " at x=(" +
-                                      point + "), t=" + number_text(t) +
-                                      "; allowed: finite values everywhere and always");
+                                      point + "), t=" + number_text(t) + "; allowed: " + impl.allowed);
 }
 
 const std::string& Expression::key() const { return impl_->key; }

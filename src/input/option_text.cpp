@@ -32,10 +32,6 @@ bool needs_quotes(const std::string& text) {
 
 } // namespace
 
-bool Interval::contains(double value) const {
-  return (open_low ? value > low : value >= low) && (open_high ? value < high : value <= high);
-}
-
 std::string interval_text(const Interval& range, const std::string& unit, const UnitSystem& units) {
   const Dimension dimension = unit.empty() ? Dimension{} : parse_unit(unit).dimension;
   std::string text;
@@ -133,22 +129,26 @@ std::vector<double> read_numbers(const GivenOption& option, const std::string& u
   return values;
 }
 
-Expression read_expression(const GivenOption& option, const std::string& unit, const OptionContext& context) {
+Expression read_expression(const GivenOption& option, const std::string& unit, const OptionContext& context,
+                           const Interval& range) {
   if (option.text.empty())
     refuse_option(
         option,
         "a value is missing (one that begins with a minus needs brackets: (-t)); allowed: an expression");
   std::string text = option.text;
-  if (const auto literal = split_literal(text); literal && !literal->unit.empty()) {
+  const std::string allowed = interval_text(range, unit, context.units);
+  if (const auto literal = split_literal(text); literal && !(literal->unit.empty() && allowed.empty())) {
     bool is_unit = true;
     try {
-      parse_unit(literal->unit);
+      parse_unit(literal->unit.empty() ? "1" : literal->unit);
     } catch (const std::invalid_argument&) {
       is_unit = false; // an operator or a name: the expression parser says what is wrong
     }
-    if (is_unit) text = number_text(read_number(option, unit, any_number, {}, context.units));
+    if (is_unit) text = number_text(read_number(option, unit, range, {}, context.units));
   }
-  return Expression(option.key, text, &context.names);
+  Expression expression(option.key, text, &context.names);
+  if (!allowed.empty()) expression.restrict_to(range, allowed);
+  return expression;
 }
 
 std::string number_or_word(double value, const NumberWords& words) {

@@ -28,16 +28,88 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-// gmsh ignores names that it does not know; a misspelt one would silently give another mesh.
+std::string without_comments(const std::string& text) {
+  std::string kept;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const std::size_t quote = text[i] == '"' ? text.find('"', i + 1) : std::string::npos;
+    if (quote != std::string::npos) {
+      kept += text.substr(i, quote - i + 1);
+      i = quote;
+    } else if (text.compare(i, 2, "//") == 0) {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (text.compare(i, 2, "/*") == 0) {
+      i = std::min(text.find("*/", i), text.size() - 2) + 1;
+    } else {
+      kept += text[i];
+    }
+  }
+  return kept;
+}
+
+enum class Constant { number, word };
+
+// The names between the brackets of each DefineConstant, and what their values are.
+std::map<std::string, Constant> declared_constants(const std::string& text) {
+  std::map<std::string, Constant> found;
+  constexpr std::string_view keyword = "DefineConstant";
+  for (std::size_t at = text.find(keyword); at != std::string::npos; at = text.find(keyword, at + 1)) {
+    int depth = 0;
+    std::string name;
+    bool in_name = true, in_text = false, seen_value = false;
+    for (std::size_t i = at + keyword.size(); i < text.size(); ++i) {
+      const char c = text[i];
+      if (c == '"') in_text = !in_text;
+      if (!in_name && !seen_value && c != '{' && !std::isspace(static_cast<unsigned char>(c))) {
+        seen_value = true;
+        if (c == '"') found[name] = Constant::word;
+      }
+      if (in_text || c == '"') continue;
+      if (c == '[' || c == '(' || c == '{') ++depth;
+      if (c == ']' || c == ')' || c == '}') --depth;
+      if (in_name && is_word(c)) name += c;
+      if (in_name && !name.empty() && !is_word(c)) found.emplace(name, Constant::number);
+      if (c == '=') in_name = false;
+      if (depth == 1 && c == ',') {
+        name.clear();
+        in_name = true;
+        seen_value = false;
+      }
+      if (depth <= 0 && !std::isspace(static_cast<unsigned char>(c))) break;
+    }
+  }
+  return found;
+}
+
+bool is_number(const std::string& value) {
+  double number = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  return error == std::errc() && end == value.data() + value.size();
+}
+
+// gmsh ignores names that it does not know, those that are not asked for by DefineConstant or Exists, and a
+// word where a number is declared: another mesh than the one that was meant, without a word.
 void check_parameters(const std::string& geo, const std::map<std::string, std::string>& parameters) {
   std::ifstream in(geo);
   if (!in) throw UserError(ExitCode::io, geo + ": cannot be opened; is the path right?");
-  std::ostringstream text;
-  text << in.rdbuf();
-  const bool whole = !has_word(text.str(), "Include") && !has_word(text.str(), "Merge");
-  for (const auto& [name, value] : parameters)
-    if (name.empty() || (whole && !has_word(text.str(), name)))
-      throw UserError(ExitCode::usage, geo + ": has no parameter \"" + name + "\" (-mesh_set_" + name + ")");
+  std::ostringstream content;
+  content << in.rdbuf();
+  const std::string text = without_comments(content.str());
+  const std::map<std::string, Constant> declared = declared_constants(text);
+  std::string known;
+  for (const auto& [name, kind] : declared) known += (known.empty() ? "" : ", ") + name;
+  const bool whole = !has_word(text, "Include") && !has_word(text, "Merge") && !has_word(text, "Exists");
+  for (const auto& [name, value] : parameters) {
+    const auto found = declared.find(name);
+    if (found == declared.end() && whole)
+      throw UserError(ExitCode::usage,
+                      geo + ": has no parameter \"" + name + "\" (-mesh_set_" + name +
+                          "); allowed: " + (known.empty() ? "none, it has no DefineConstant" : known));
+    if (found != declared.end() && is_number(value) != (found->second == Constant::number))
+      throw UserError(ExitCode::usage,
+                      "-mesh_set_" + name + " \"" + value + "\": " + geo + " declares " +
+                          (is_number(value) ? "a word" : "a number") +
+                          " of that name; allowed: " + (is_number(value) ? "a word" : "a number"));
+  }
 }
 
 std::vector<std::string> command(const std::string& geo, const std::map<std::string, std::string>& parameters,
@@ -45,10 +117,7 @@ std::vector<std::string> command(const std::string& geo, const std::map<std::str
   std::vector<std::string> words{"gmsh", "-3", "-format",  "msh41", "-order", "1",
                                  "-nt",  "1",  "-nopopup", "-v",    "2"};
   for (const auto& [name, value] : parameters) {
-    double number = 0;
-    const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-    const bool numeric = error == std::errc() && end == value.data() + value.size();
-    words.insert(words.end(), {numeric ? "-setnumber" : "-setstring", name, value});
+    words.insert(words.end(), {is_number(value) ? "-setnumber" : "-setstring", name, value});
   }
   words.insert(words.end(), {"-o", out, geo});
   return words;

@@ -364,6 +364,40 @@ FacetTable Mesh::facets(const std::string& name) const {
   return table;
 }
 
+void Mesh::require_outside(const std::string& option, const std::string& name) const {
+  PetscInt chart_end = 0, start = 0, end = 0, roots = 0;
+  PetscSF sf = nullptr;
+  check(DMPlexGetChart(dm_, nullptr, &chart_end));
+  check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
+  std::vector<int> cells(static_cast<std::size_t>(chart_end), 0), closure;
+  for (PetscInt point = start; point < end; ++point) {
+    PetscInt size = 0;
+    check(DMPlexGetSupportSize(dm_, point, &size));
+    cells[static_cast<std::size_t>(point)] = static_cast<int>(size);
+  }
+  check(DMGetPointSF(dm_, &sf));
+  check(PetscSFGetGraph(sf, &roots, nullptr, nullptr, nullptr));
+  if (roots >= 0) { // the cells of a facet may be on two ranks
+    const std::vector<int> mine = cells;
+    check(PetscSFReduceBegin(sf, MPI_INT, mine.data(), cells.data(), MPI_SUM));
+    check(PetscSFReduceEnd(sf, MPI_INT, mine.data(), cells.data(), MPI_SUM));
+  }
+  std::string trouble;
+  for (const PetscInt point : labelled_points(name)) {
+    if (point < start || point >= end || cells[static_cast<std::size_t>(point)] < 2) continue;
+    closure_nodes(dm_, point, vertex_start_, vertex_start_ + node_count_, closure);
+    std::ostringstream text;
+    text << option << " \"" << name << "\": has a facet inside a body, near (";
+    for (int i = 0; i < dim_; ++i)
+      text << (i ? ", " : "") << coordinates_[static_cast<std::size_t>(closure[0] * dim_ + i)];
+    text << "), with a cell on either side; allowed: facets on the outside of bodies; a traction or a force "
+            "acts inside too, and a slit or a contact there wants its nodes twice";
+    trouble = text.str();
+    break;
+  }
+  throw_first(comm(), ExitCode::data, trouble);
+}
+
 std::vector<int> Mesh::nodes(const std::string& name) const {
   group(name);
   PetscInt chart_end = 0, roots = 0;

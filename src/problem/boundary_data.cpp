@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <map>
@@ -90,19 +91,50 @@ double integral(const Expression& rate, const double* x, int dim, double t0, dou
 
 BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
                            std::span<const int> body_of_node)
-    : dim_(mesh.dim()), node_count_(mesh.node_count()),
+    : dim_(mesh.dim()), node_count_(mesh.node_count()), smallest_edge_(mesh.smallest_edge()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
       fixed_mask_(static_cast<std::size_t>(node_count_ * dim_), 0),
       damage_mask_(static_cast<std::size_t>(node_count_), 0),
       temperature_condition_(static_cast<std::size_t>(node_count_), -1),
       force_area_(conditions_.size(), 0.0) {
-  resolve_fixed(mesh, t_end, body_of_node);
+  resolve_fixed(mesh, body_of_node);
   resolve_loads(mesh);
-  resolve_temperatures(mesh, t_end);
+  resolve_temperatures(mesh);
+  agree_on_errors(mesh.comm(), [&] {
+    for (double t : {0.0, t_end}) require_agreement(0, t, {}, {});
+  });
 }
 
-void BoundaryData::resolve_temperatures(const Mesh& mesh, double t_end) {
-  std::string conflict;
+void BoundaryData::require_agreement(double t0, double t1, const std::vector<double>& u_n,
+                                     const std::vector<double>& v_n) const {
+  // Rounding is no conflict: of sums over many steps, and of values that pass through zero.
+  const auto compare = [&](int first, int second, const std::string& what, int node, double a, double b,
+                           double scale) {
+    if (std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)) + 1e-12 * scale) return;
+    std::string place;
+    for (int k = 0; k < dim_; ++k)
+      place += (k ? ", " : "") + number_text(x_[static_cast<std::size_t>(node * dim_ + k)]);
+    throw UserError(ExitCode::data, "-bc_" + conditions_[static_cast<std::size_t>(first)].id + " and -bc_" +
+                                        conditions_[static_cast<std::size_t>(second)].id +
+                                        " prescribe different " + what + " (" + number_text(a) + ", " +
+                                        number_text(b) + " at t=" + number_text(t1) +
+                                        ") on a common node at (" + place + "); leave it out of one of them");
+  };
+  for (const auto& [one, other] : shared_dofs_) {
+    const auto i = static_cast<std::size_t>(one.dof);
+    const double u = u_n.empty() ? 0 : u_n[i], v = v_n.empty() ? 0 : v_n[i];
+    compare(one.condition, other.condition, std::string("u") + axis_name[one.component], one.dof / dim_,
+            prescribed(one, t0, t1, u, v), prescribed(other, t0, t1, u, v), smallest_edge_);
+  }
+  for (const SharedValue& at : shared_values_) {
+    const double* x = &x_[static_cast<std::size_t>(at.node * dim_)];
+    compare(at.first, at.second,
+            conditions_[static_cast<std::size_t>(at.first)].type == BcType::damage ? "phi" : "temperatures",
+            at.node, heat_value(at.first, x, t1), heat_value(at.second, x, t1), 1);
+  }
+}
+
+void BoundaryData::resolve_temperatures(const Mesh& mesh) {
   for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
     const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
     if (bc.type != BcType::temperature) continue;
@@ -110,26 +142,16 @@ void BoundaryData::resolve_temperatures(const Mesh& mesh, double t_end) {
       require_group(mesh, bc, name);
       for (int node : mesh.nodes(name)) {
         int& holder = temperature_condition_[static_cast<std::size_t>(node)];
-        const double* x = &x_[static_cast<std::size_t>(node * dim_)];
         if (holder < 0) holder = c;
-        if (holder == c || !conflict.empty()) continue;
-        for (double t : {0.0, t_end}) {
-          const double a = heat_value(holder, x, t), b = heat_value(c, x, t);
-          if (std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b))) continue;
-          conflict = "-bc_" + conditions_[static_cast<std::size_t>(holder)].id + " and -bc_" + bc.id +
-                     " prescribe different temperatures (" + std::to_string(a) + ", " + std::to_string(b) +
-                     " at t=" + std::to_string(t) + ") on a common node; give the node to one of them";
-          break;
-        }
+        if (holder != c) shared_values_.push_back({node, holder, c});
       }
     }
   }
-  throw_first(mesh.comm(), ExitCode::data, conflict);
 }
 
-void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end, std::span<const int> body_of_node) {
+void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_node) {
   std::map<int, FixedDof> chosen;
-  std::string conflict;
+  std::map<int, int> damaged; // node, condition
   for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
     const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
     if (!prescribes_motion(bc.type) && bc.type != BcType::damage) continue;
@@ -148,7 +170,9 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end, std::span<const
       }
       for (int node : nodes) {
         if (bc.type == BcType::damage) {
-          if (!damage_mask_[static_cast<std::size_t>(node)]) damage_nodes_.emplace_back(node, c);
+          const auto [where, inserted] = damaged.emplace(node, c);
+          if (inserted) damage_nodes_.emplace_back(node, c);
+          if (where->second != c) shared_values_.push_back({node, where->second, c});
           damage_mask_[static_cast<std::size_t>(node)] = 1;
           continue;
         }
@@ -158,20 +182,11 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, double t_end, std::span<const
           if (!held) continue;
           const FixedDof mine{node * dim_ + k, c, k};
           const auto [where, inserted] = chosen.emplace(mine.dof, mine);
-          if (inserted || !conflict.empty()) continue;
-          for (double t : {0.0, t_end}) {
-            const double a = prescribed(where->second, 0, t, 0, 0), b = prescribed(mine, 0, t, 0, 0);
-            if (std::abs(a - b) <= 1e-12 * std::max(std::abs(a), std::abs(b))) continue;
-            conflict = "-bc_" + conditions_[static_cast<std::size_t>(where->second.condition)].id +
-                       " and -bc_" + bc.id + " prescribe different u" + axis_name[k] + " (" +
-                       std::to_string(a) + ", " + std::to_string(b) + " at t=" + std::to_string(t) +
-                       ") on a common node; leave the component out of one of them";
-          }
+          if (!inserted && where->second.condition != c) shared_dofs_.emplace_back(where->second, mine);
         }
       }
     }
   }
-  throw_first(mesh.comm(), ExitCode::data, conflict);
   for (const auto& [dof, fixed] : chosen) {
     fixed_.push_back(fixed);
     fixed_mask_[static_cast<std::size_t>(dof)] = 1;
@@ -198,6 +213,7 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
                                             std::to_string(dim_ - 1) + "D), this group is " +
                                             std::to_string(group.dim) +
                                             "D; mesh has: " + available_groups(mesh));
+      if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", name);
       LoadedFacets load{c, mesh.facets(name)};
       for (int f = 0; f < load.facets.count(); ++f)
         force_area_[static_cast<std::size_t>(c)] += facet_area(mesh, load.facets, f);
@@ -283,13 +299,8 @@ void BoundaryData::set_damage(double t, std::vector<double>& phi) const {
 
 void BoundaryData::set_temperature(double t, std::vector<double>& theta) const {
   for (std::size_t node = 0; node < theta.size(); ++node)
-    if (const int c = temperature_condition_[node]; c >= 0) {
+    if (const int c = temperature_condition_[node]; c >= 0)
       theta[node] = heat_value(c, &x_[node * static_cast<std::size_t>(dim_)], t);
-      if (!(theta[node] > 0))
-        throw UserError(ExitCode::data, "-bc_" + conditions_[static_cast<std::size_t>(c)].id +
-                                            "_value: prescribes " + std::to_string(theta[node]) + " K at t=" +
-                                            std::to_string(t) + "; temperatures are absolute and positive");
-    }
 }
 
 std::vector<int> BoundaryData::heat_sources() const {

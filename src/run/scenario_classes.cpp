@@ -125,7 +125,7 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
       expression_row<Contact>(
           "temperature", [](auto& c) -> auto& { return c.temperature; },
           {"of the rigid body over t; left out: it is insulated", "", "K"},
-          [](const Contact&) { return std::string("K"); }),
+          [](const Contact&) { return std::string("K"); }, positive),
       number_row<Contact>("penalty", &Contact::penalty,
                           {"starting penalty; auto: 10 E/h, E of the softest body, h the mean secondary "
                            "facet, with auglag more in steps far below h/c_p",
@@ -216,6 +216,12 @@ std::string condition_unit(BcType type) {
   return "1";
 }
 
+Interval condition_range(BcType type) {
+  return type == BcType::damage                                      ? fraction
+         : type == BcType::temperature || type == BcType::convection ? positive
+                                                                     : any_number;
+}
+
 OptionClass<ParameterScenario> parameter_class() {
   OptionRow<ParameterScenario> value = number_row<ParameterScenario>(
       "", &ParameterScenario::value, {"value of the parameter `<id>` in every expression", "required", "any"},
@@ -281,11 +287,11 @@ OptionClass<BoundaryCondition> boundary_class() {
       {"scalar of pressure, damage (phi), temperature, heat_flux and heat_source; of convection the "
        "temperature around",
        "", "by type"},
-      unit_of));
+      unit_of, any_number, [](const Bc& bc) { return condition_range(bc.type); }));
   rows.push_back(expression_row<Bc>(
       "h", [](auto& bc) -> auto& { return bc.coefficient; },
       {"coefficient of convection, per reference area", "", "W/(m^2.K)", "h"},
-      [](const Bc&) { return std::string("W/(m^2.K)"); }));
+      [](const Bc&) { return std::string("W/(m^2.K)"); }, not_negative));
   return {"bc", "bcs", "Values are expressions of x, y, z (reference coordinates) and t.", rows};
 }
 
@@ -302,11 +308,11 @@ OptionClass<InitialCondition> initial_class() {
       [](const Ic&) { return std::string("m/s"); }, "m/s");
   rows.push_back(expression_row<Ic>(
       "phi", [](auto& ic) -> auto& { return ic.phi; }, {"initial damage", "", "1", "phi"},
-      [](const Ic&) { return std::string("1"); }));
+      [](const Ic&) { return std::string("1"); }, fraction));
   rows.push_back(expression_row<Ic>(
       "theta", [](auto& ic) -> auto& { return ic.theta; },
       {"initial temperature", "_theta0 of the material", "K", "theta"},
-      [](const Ic&) { return std::string("K"); }));
+      [](const Ic&) { return std::string("K"); }, positive));
   return {"ic", "ics", "Boundary conditions win over initial ones.", rows};
 }
 

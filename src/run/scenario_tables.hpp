@@ -47,6 +47,8 @@ OptionClass<StopScenario> stop_class();
 
 /// SI unit of the components and of the value of a condition.
 std::string condition_unit(BcType type);
+/// Range of the value of a condition.
+Interval condition_range(BcType type);
 
 /// The names of a class of options, all that the check of keys needs.
 struct ClassKeys {

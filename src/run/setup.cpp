@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/shifted_mesh.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -9,6 +10,18 @@
 namespace impact {
 
 namespace {
+
+// Left of the axis a ring would have a negative volume.
+void check_radii(const Mesh& mesh) {
+  const auto dim = static_cast<std::size_t>(mesh.dim());
+  const auto X = mesh.coordinates();
+  std::string trouble;
+  for (std::size_t i = 0; i < X.size() && trouble.empty(); i += dim)
+    if (X[i] < -1e-8 * mesh.smallest_edge())
+      trouble = "-plane \"axisymmetric\": x is the radius, and the mesh has a node at (" + number_text(X[i]) +
+                ", " + number_text(X[i + 1]) + "); allowed: x >= 0; move or mirror the mesh";
+  throw_first(mesh.comm(), ExitCode::data, trouble);
+}
 
 // `obstacles`: becomes the bodies of rigid obstacles with mass.
 Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obstacles) {
@@ -34,6 +47,7 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obst
       if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] = 4;
   Mesh mesh = read_mesh(comm, request);
   check_groups(s, mesh.groups(), mesh.dim());
+  if (s.plane == PlaneMode::axisymmetric) check_radii(mesh);
   return mesh;
 }
 
@@ -261,13 +275,8 @@ void set_initial_state(const Scenario& s, Setup& setup) {
           }
           if (ic.phi && state.find("phi"))
             state.row("phi").trial[static_cast<std::size_t>(node)] = (*ic.phi)(x, d.dim(), 0);
-          if (ic.theta && state.find("theta")) {
-            const double theta = (*ic.theta)(x, d.dim(), 0);
-            if (!(theta > 0))
-              throw UserError(ExitCode::data, "-ic_" + ic.id + "_theta: is " + std::to_string(theta) +
-                                                  " K somewhere; temperatures are absolute and positive");
-            state.row("theta").trial[static_cast<std::size_t>(node)] = theta;
-          }
+          if (ic.theta && state.find("theta"))
+            state.row("theta").trial[static_cast<std::size_t>(node)] = (*ic.theta)(x, d.dim(), 0);
         }
       });
     }

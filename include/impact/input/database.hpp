@@ -33,7 +33,15 @@ std::vector<std::string> option_folders();
 /// looks. Throws UserError(io) naming the folders.
 std::string find_input_file(MPI_Comm comm, const GivenOption& option);
 
-/// Whole text of a file, read on rank 0. Collective. Throws UserError(io).
+/// Some editors put it before a text; no reader of ours or of PETSc's takes it for a blank.
+inline constexpr const char* byte_order_mark = "\xEF\xBB\xBF";
+
+/// Follows the options files of a command line and those that they name, before PETSc reads them: one that
+/// leads back to itself has no end, and PETSc runs out of memory for its calls. Throws UserError(usage) for
+/// it and for one that begins with a byte-order mark. Each rank reads by itself: MPI has not started.
+void check_option_files(int argc, const char* const* argv);
+
+/// Whole text of a file without its byte-order mark, read on rank 0. Collective. Throws UserError(io).
 std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std::string& path);
 
 /// Options that nobody has read so far, each as "-name value", without those that PETSc reads at its end

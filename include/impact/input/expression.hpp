@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <impact/input/interval.hpp>
 #include <map>
 #include <memory>
 #include <string>
@@ -47,9 +48,13 @@ public:
   Expression& operator=(Expression&&) noexcept;
   ~Expression();
 
+  /// From here on values outside `range` are refused like those that are not finite, but for rounding, which
+  /// is cut off; `allowed` is the range as text.
+  void restrict_to(const Interval& range, const std::string& allowed);
+
   /// Value at a reference point (`dim` coordinates, the others are 0) and time. Throws UserError(data) naming
-  /// option, point and time when it is not finite; where ranks evaluate different points, the caller makes
-  /// them agree. Uses a scratch place of this object: one thread per object.
+  /// option, point and time when it is not finite or out of its range; where ranks evaluate different points,
+  /// the caller makes them agree. Uses a scratch place of this object: one thread per object.
   double operator()(const double* x, int dim, double t) const;
   const std::string& key() const;
   const std::string& text() const;

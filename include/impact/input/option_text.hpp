@@ -1,8 +1,8 @@
 #pragma once
 #include <impact/input/database.hpp>
 #include <impact/input/expression.hpp>
+#include <impact/input/interval.hpp>
 #include <impact/input/units.hpp>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -19,18 +19,6 @@ struct OptionNote {
   std::string symbol = "";   ///< in the paper or in src/theory.md
   std::string equation = ""; ///< the paper's equation
 };
-
-/// Range of a number, in SI units; an open end excludes its bound.
-struct Interval {
-  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  bool open_low = false, open_high = false;
-  bool contains(double value) const;
-};
-inline constexpr double unbounded = std::numeric_limits<double>::infinity();
-inline constexpr Interval any_number{};
-inline constexpr Interval positive{0, unbounded, true, false};
-inline constexpr Interval not_negative{0, unbounded, false, false};
-inline constexpr Interval fraction{0, 1, false, false};
 
 /// Words that stand for a number, such as auto and inf.
 using NumberWords = std::vector<std::pair<std::string, double>>;
@@ -56,8 +44,10 @@ std::vector<std::string> read_list(const GivenOption& option, const std::vector<
 /// A comma list of quantities.
 std::vector<double> read_numbers(const GivenOption& option, const std::string& unit, const Interval& range,
                                  const UnitSystem& units);
-/// An expression, or one number with a unit of that kind ("0.5 mm"), which becomes a plain number.
-Expression read_expression(const GivenOption& option, const std::string& unit, const OptionContext& context);
+/// An expression, or one number with a unit of that kind ("0.5 mm"), which becomes a plain number. A number
+/// outside `range` is refused here, an expression where it takes such a value.
+Expression read_expression(const GivenOption& option, const std::string& unit, const OptionContext& context,
+                           const Interval& range = any_number);
 
 /// The number, or the word that stands for it.
 std::string number_or_word(double value, const NumberWords& words);

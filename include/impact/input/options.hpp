@@ -185,20 +185,29 @@ OptionRow<Struct> point_row(const std::string& name, Place place, const OptionNo
           }};
 }
 
-/// An expression in an std::optional; its unit may depend on what has been read before: `unit(struct)`.
-template <class Struct, class Place, class UnitOf>
-OptionRow<Struct> expression_row(const std::string& name, Place place, const OptionNote& note, UnitOf unit) {
+/// An expression in an std::optional; its unit may depend on what has been read before: `unit(struct)`, and
+/// so may its range.
+template <class Struct, class Place, class UnitOf, class RangeOf>
+OptionRow<Struct> expression_row(const std::string& name, Place place, const OptionNote& note, UnitOf unit,
+                                 const Interval& documented, RangeOf range) {
   return {name,
           note,
-          {},
+          documented,
           "expression",
           [=](Struct& target, const GivenOption& option, const OptionContext& context) {
-            std::invoke(place, target) = read_expression(option, unit(std::as_const(target)), context);
+            std::invoke(place, target) =
+                read_expression(option, unit(std::as_const(target)), context, range(std::as_const(target)));
           },
           [=](const Struct& target) {
             const std::optional<Expression>& expression = std::invoke(place, target);
             return expression ? expression->text() : std::string();
           }};
+}
+
+template <class Struct, class Place, class UnitOf>
+OptionRow<Struct> expression_row(const std::string& name, Place place, const OptionNote& note, UnitOf unit,
+                                 const Interval& range = any_number) {
+  return expression_row<Struct>(name, place, note, unit, range, [=](const Struct&) { return range; });
 }
 
 } // namespace impact

@@ -73,6 +73,9 @@ public:
   std::vector<PetscInt> region_cells(const std::string& name) const;
   /// Facets of a boundary group on this rank. A facet inside a body takes one of its two cells.
   FacetTable facets(const std::string& name) const;
+  /// Refuses a boundary group some of whose facets lie inside a body, where what acts would have two sides to
+  /// choose from: UserError(data) that begins with `option` and the group. Collective.
+  void require_outside(const std::string& option, const std::string& name) const;
   /// Sorted local nodes of a boundary, region or point group, complete on every rank (also where a rank holds
   /// only the node and no facet or cell of the group). Collective.
   std::vector<int> nodes(const std::string& name) const;

@@ -32,8 +32,9 @@ int plane_axis(const Mesh& mesh, const std::vector<int>& nodes);
 class BoundaryData {
 public:
   /// Finds groups, checks components and conflicts (two conditions with different values on one dof at t = 0
-  /// or t_end, a plane group for `symmetry`). Nodes of rigid bodies, [local node] >= 0, have no prescribed
-  /// dofs here: what holds them is the business of RigidBodies. Throws UserError(data). Collective.
+  /// or t_end; require_agreement looks between, a plane group for `symmetry`). Nodes of rigid bodies, [local
+  /// node] >= 0, have no prescribed dofs here: what holds them is the business of RigidBodies. Throws
+  /// UserError(data). Collective.
   BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
                std::span<const int> body_of_node = {});
 
@@ -55,10 +56,13 @@ public:
   /// "prescribed_velocity").
   void set_exact_velocity(double t0, double t1, const std::vector<double>& v_n, std::vector<double>& v) const;
   void set_damage(double t, std::vector<double>& phi) const;
+  /// Throws UserError(data), on the ranks that hold such a node, where two conditions prescribe different
+  /// values at t1 for one node; arguments as for set_displacement, empty vectors for zeros.
+  void require_agreement(double t0, double t1, const std::vector<double>& u_n,
+                         const std::vector<double>& v_n) const;
 
   /// [local node] the condition that prescribes its temperature, -1 without one.
   const std::vector<int>& temperature_condition() const { return temperature_condition_; }
-  /// Throws UserError(data), on the ranks that hold such a node, where the data are not positive.
   void set_temperature(double t, std::vector<double>& theta) const;
   /// Facets with a heat flux or a convection, and the condition of regions with a heat source.
   const std::vector<LoadedFacets>& heat_fluxes() const { return heat_fluxes_; }
@@ -78,12 +82,13 @@ public:
   double pressure(const LoadedFacets& load, const double* x, double t) const;
 
 private:
-  void resolve_fixed(const Mesh& mesh, double t_end, std::span<const int> body_of_node);
+  void resolve_fixed(const Mesh& mesh, std::span<const int> body_of_node);
   void resolve_loads(const Mesh& mesh);
-  void resolve_temperatures(const Mesh& mesh, double t_end);
+  void resolve_temperatures(const Mesh& mesh);
   double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const;
 
   int dim_, node_count_;
+  double smallest_edge_;
   std::vector<double> x_;
   std::vector<BoundaryCondition> conditions_;
   std::vector<FixedDof> fixed_;
@@ -92,6 +97,11 @@ private:
   std::vector<std::pair<int, int>> body_nodes_;   ///< node, condition
   std::vector<LoadedFacets> tractions_, pressures_, heat_fluxes_;
   std::vector<int> temperature_condition_;
+  struct SharedValue {
+    int node, first, second;
+  };
+  std::vector<std::pair<FixedDof, FixedDof>> shared_dofs_; ///< held by two conditions, which must agree
+  std::vector<SharedValue> shared_values_;                 ///< of phi and temperature
   std::vector<double> force_area_; ///< per condition: reference area of a `force` group
 };
 

@@ -1,0 +1,130 @@
+"""Inputs that cannot be meant are refused: each row is a command, its exit status and words of its message, on one rank and
+on two. They ran to their end before, with status 0 and a wrong answer."""
+# labels: run
+# timeout: 120
+import os
+import subprocess
+
+from _runs import ENVIRONMENT, PROGRAM, check, finish, require, run
+
+
+def write_mesh(name, left=0.0, inner=False):
+    """A unit square of 2 x 2 quadrilaterals in triangles, its left side at `left`; `inner` labels its middle line."""
+    nodes = [(left + 0.5 * i, 0.5 * j) for j in range(3) for i in range(3)]
+    cells = [(3 * j + i + 1, 3 * j + i + 2, 3 * j + i + 5, 3 * j + i + 4) for j in range(2) for i in range(2)]
+    lines = {"bottom": [(1, 2), (2, 3)], "right": [(3, 6), (6, 9)], "top": [(9, 8), (8, 7)], "left": [(7, 4), (4, 1)]}
+    if inner:
+        lines["mid"] = [(4, 5), (5, 6)]
+    groups = ["solid"] + list(lines)
+    elements = [f"2 2 1 1 {t[0]} {t[1]} {t[2]}" for a, b, c, d in cells for t in ((a, b, c), (a, c, d))]
+    for number, line in enumerate(lines.values(), 2):
+        elements += [f"1 2 {number} {number} {a} {b}" for a, b in line]
+    with open(name, "w") as file:
+        file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n%d\n" % len(groups))
+        file.writelines(f'{2 if g == "solid" else 1} {k} "{g}"\n' for k, g in enumerate(groups, 1))
+        file.write("$EndPhysicalNames\n$Nodes\n%d\n" % len(nodes))
+        file.writelines(f"{k} {x} {y} 0\n" for k, (x, y) in enumerate(nodes, 1))
+        file.write("$EndNodes\n$Elements\n%d\n" % len(elements))
+        file.writelines(f"{k} {e}\n" for k, e in enumerate(elements, 1))
+        file.write("$EndElements\n")
+    return name
+
+
+def write(name, text, encoding="utf-8"):
+    with open(name, "w", encoding=encoding) as file:
+        file.write(text)
+    return name
+
+
+def without(options, *beginnings):
+    return {key: value for key, value in options.items() if not key.startswith(beginnings)}
+
+
+def more(options, **changes):
+    return {**options, **changes}
+
+
+SQUARE = write_mesh("square.msh")
+GEO = write("square.geo", 'DefineConstant[ n = {2, Name "cells"}, kind = "plain" ];\nm = n; // mesh_set_m has no effect\n'
+            "Point(1) = {0, 0, 0};\nExtrude{1, 0, 0}{ Point{1}; Layers{m}; }\nExtrude{0, 1, 0}{ Line{1}; Layers{m}; }\n"
+            'Physical Surface("solid") = {5}; Physical Curve("bottom") = {1}; Physical Curve("top") = {2};\n')
+write("loop.opts", f"-mesh {SQUARE}\n-options_file other.opts\n")
+write("other.opts", "-options_file loop.opts\n")
+write("marked.opts", f"-mesh {SQUARE}\n", "utf-8-sig")
+
+PULL = {
+    "mesh": SQUARE, "materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "material_solid_rho": 1000,
+    "bcs": "hold,push", "bc_hold_on": "bottom", "bc_hold_type": "fix", "bc_push_on": "top", "bc_push_uy": "0.1*t",
+    "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 1,
+}
+INNER = {**PULL, "mesh": write_mesh("inner.msh", inner=True)}
+CRACK = {**PULL, "material_solid_damage": "at2", "material_solid_Gc": 200, "material_solid_gamma": 0.5}
+HEAT = {**without(PULL, "bc_"), "material_solid_c_v": 1000, "material_solid_conductivity": 10, "physics": "heat", "bcs": "air",
+        "bc_air_on": "left", "bc_air_type": "convection", "bc_air_value": 300, "bc_air_h": 10}
+
+
+# claim, options, exit status, words of the message
+ROWS = [
+    ("a pressure inside a body", more(without(INNER, "bc_push"), bcs="hold,p", bc_p_on="mid", bc_p_type="pressure", bc_p_value="1e3*t"), 3,
+     ['-bc_p_on "mid": has a facet inside a body, near (', "allowed: facets on the outside"]),
+    ("a contact surface inside a body", more(INNER, contacts="c", contact_c_secondary="mid", contact_c_primary="plane"), 3,
+     ['contact c: boundary "mid": has a facet inside a body']),
+    ("phi above 1 at the start", more(CRACK, ics="seed", ic_seed_on="solid", ic_seed_phi="2*x"), 3,
+     ['-ic_seed_phi "2*x": 2 at x=(1,', "t=0; allowed: 0 <= value <= 1"]),
+    ("a number of phi above 1", more(CRACK, ics="seed", ic_seed_on="solid", ic_seed_phi="2"), 2, ["out of range; allowed: 0 <= value <= 1"]),
+    ("phi below 0 on a boundary", more(CRACK, bcs="hold,push,d", bc_d_on="left", bc_d_type="damage", bc_d_value="(-1)"), 3,
+     ['-bc_d_value "(-1)": -1 at x=(0,', "t=0; allowed: 0 <= value <= 1"]),
+    ("phi above 1 later", more(CRACK, bcs="hold,push,d", bc_d_on="left", bc_d_type="damage", bc_d_value="4*t"), 3,
+     ['-bc_d_value "4*t": 1.2', "t=0.3", "allowed: 0 <= value <= 1"]),
+    ("rings left of the axis", more(PULL, mesh=write_mesh("left.msh", left=-3.0), plane="axisymmetric"), 3,
+     ['-plane "axisymmetric": x is the radius, and the mesh has a node at (-']),
+    ("a word for a number of the mesh", more(PULL, mesh=GEO, mesh_set_n="abc"), 2, ['-mesh_set_n "abc"', "allowed: a number"]),
+    ("a number for a word of the mesh", more(PULL, mesh=GEO, mesh_set_kind="3"), 2, ['-mesh_set_kind "3"', "allowed: a word"]),
+    ("a constant that the mesh does not ask for", more(PULL, mesh=GEO, mesh_set_m="3"), 2, ['has no parameter "m"', "allowed: kind, n"]),
+    ("a negative coefficient of convection", more(HEAT, bc_air_h="5-10*t"), 3, ['-bc_air_h "5-10*t": -', "allowed: >= 0"]),
+    ("an absolute temperature below zero around", more(HEAT, bc_air_value="300-400*t"), 3, ['-bc_air_value "300-400*t": -', "allowed: > 0 K"]),
+    ("two displacements that agree at the ends alone",
+     more(PULL, bcs="hold,push,side", bc_side_on="right", bc_side_uy="0.1*t*y+t*(1-t)*(y > 0.9)"), 3,
+     ["-bc_push and -bc_side prescribe different uy (0.0", "at t=0.1) on a common node at (1, 1)"]),
+    ("two velocities that agree at the ends alone",
+     more(PULL, bcs="hold,push,side", bc_push_type="velocity", bc_push_uy="0.1", bc_side_on="right", bc_side_type="velocity",
+          bc_side_uy="y > 0.9 ? 0.2*t : 0"), 3, ["-bc_push and -bc_side prescribe different uy", "at t=0.1)"]),
+    ("two temperatures that agree at the ends alone",
+     more(without(HEAT, "bc_"), bcs="hot,warm", bc_hot_on="top", bc_hot_type="temperature", bc_hot_value="400", bc_warm_on="right",
+          bc_warm_type="temperature", bc_warm_value="400+t*(1-t)"), 3,
+     ["-bc_hot and -bc_warm prescribe different temperatures (400, 400.0", "on a common node at (1, 1)"]),
+    ("two phi on a node", more(CRACK, bcs="hold,push,a,b", bc_a_on="left", bc_a_type="damage", bc_a_value="0.5", bc_b_on="top",
+                               bc_b_type="damage", bc_b_value="0.6"), 3, ["-bc_a and -bc_b prescribe different phi (0.5, 0.6"]),
+    ("an options file that leads back to itself", ["-options_file", "loop.opts"], 2,
+     ["leads back to itself: loop.opts, other.opts, loop.opts"]),
+    ("an options file with a byte-order mark", ["-options_file", "marked.opts"], 2, ["begins with a byte-order mark"]),
+]
+
+
+def start(options, ranks):
+    words = options if isinstance(options, list) else [word for key, value in options.items() for word in ("-" + key, str(value))]
+    command = (["mpirun", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + words + ["-output_dir", "out"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
+    return done.returncode, [line for line in done.stdout.splitlines() if line.startswith("impact: ")]
+
+
+for claim, options, status, words in ROWS:
+    code, lines = start(options, 1)
+    message = lines[-1] if lines else "nothing"
+    require(f"{claim}: status {code}, {message[:200]}", code == status and all(word in message for word in words))
+# What one rank alone may see ends the job on all of them with one line.
+for claim, options, status, words in [row for row in ROWS if row[0] in (
+        "a pressure inside a body", "phi above 1 later", "a negative coefficient of convection",
+        "two displacements that agree at the ends alone")]:
+    code, lines = start(options, 2)
+    require(f"{claim}, two ranks: status {code}", code == status and any(all(w in line for w in words) for line in lines))
+
+# A byte-order mark before a table is none of its numbers.
+pulled = [run(name, more(PULL, functions="f", function_f_table=write(name + ".csv", "0 0\n1 1\n", encoding), bc_push_uy="0.1*f(t)"))
+          for name, encoding in (("plain", "utf-8"), ("marked", "utf-8-sig"))]
+check("table with a byte-order mark: elastic energy at the end", pulled[1]["energy_elastic"][-1], pulled[0]["energy_elastic"][-1], 0.0)
+require("dead loads and forces inside a body act", run("inside", more(
+    without(INNER, "bc_push"), bcs="hold,p", bc_p_on="mid", bc_p_type="force", bc_p_uy="1e3*t")).code == 0)
+check("their reaction", run("inside2", more(without(INNER, "bc_push"), bcs="hold,p", bc_p_on="mid", bc_p_type="force", bc_p_uy="1e3*t"), ranks=2)[
+    "reaction_hold_y"][-1], -1000.0, 1e-8)
+finish()
