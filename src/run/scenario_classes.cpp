@@ -284,7 +284,7 @@ OptionClass<BoundaryCondition> boundary_class() {
       unit_of));
   rows.push_back(expression_row<Bc>(
       "h", [](auto& bc) -> auto& { return bc.coefficient; },
-      {"coefficient of convection, per reference area", "", "W/(m^2.K)", "h"},
+      {"coefficient of convection, not negative, per reference area", "", "W/(m^2.K)", "h"},
       [](const Bc&) { return std::string("W/(m^2.K)"); }));
   return {"bc", "bcs", "Values are expressions of x, y, z (reference coordinates) and t.", rows};
 }
