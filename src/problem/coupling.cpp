@@ -448,12 +448,15 @@ void Coupling::add_gaps(Vec u, Vec f) {
 // search for the smallest residual shortens the steps of slender bodies, whose linear answer stretches them
 // before the next iteration turns it. So the first iteration stands at the guess, takes the prescribed nodes
 // along and goes all the way.
-void Coupling::begin_newton(Vec u) {
+void Coupling::begin_newton(Vec u, PassResult& result) {
   const Discretisation& d = motion_.discretisation();
   Handle<Vec> goal = d.displacement.make_global();
   const Handle<Vec> ahead = d.displacement.make_global();
   check(VecCopy(u, goal));
   motion_.impose(goal);
+  refresh_contact(goal);
+  limit_closing(result, goal);
+  if (result.inner < 0) return;
   motion_.rigid().retract(u);
   check(VecWAXPY(ahead, -1, u, goal));
   PetscReal largest = 0;
@@ -599,7 +602,15 @@ SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
 SNESConvergedReason Coupling::run_motion(Vec u) {
   tangents_ = first_done_ ? 1 : 0;
   iterate_ = u;
+  PetscInt most = 0;
+  check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
+  const auto allow = [&](PetscInt iterations) {
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, iterations,
+                            PETSC_DEFAULT));
+  };
+  allow(std::max<PetscInt>(most - tangents_, 0));
   check(SNESSolve(motion_snes_, nullptr, u));
+  allow(most);
   first_done_ = false;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   PetscInt newton = 0, linear = 0;
@@ -608,6 +619,7 @@ SNESConvergedReason Coupling::run_motion(Vec u) {
   check(SNESGetLinearSolveIterations(motion_snes_, &linear));
   // No reason but a residual within its tolerance counts. A line search that found none smaller may have met
   // its rounding, which the last tangent told.
+  if (reason > 0 && !motion_.balance().holds()) reason = SNES_DIVERGED_LINE_SEARCH;
   if (reason == SNES_DIVERGED_LINE_SEARCH && !cell_broke_ && balanced(u))
     reason = SNES_CONVERGED_FNORM_RELATIVE;
   counts_.newton += newton;
@@ -631,8 +643,6 @@ bool Coupling::balanced(Vec u) {
 PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   PassResult result;
   refresh_contact(u);
-  if (pass == 1 && counts_.passes == 1) limit_closing(result, u);
-  if (result.inner < 0) return result;
   for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
   result.inner = solve_motion(u);
   counts_.uzawa += 1;
@@ -669,7 +679,8 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
   if (pass > 1 && damage_) phi_passes_.relax(pass, state_.row("phi"), phi_frozen_);
   if (pass > 1 && heat_) theta_frozen_ = state_.row("theta").trial;
   if (settings_.moves) {
-    if (pass == 1) begin_newton(u);
+    if (pass == 1) begin_newton(u, result);
+    if (result.inner < 0) return result;
     // As long as the next pass moves the crack on, a residual that falls by ten is exact enough.
     const bool rough = phi_passes_.far_from_rest() && motion_.contacts().empty();
     check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT,

@@ -85,7 +85,9 @@ std::vector<Section> sections() {
       "`-uzawa_snes_max_it`, `-coupling_snes_monitor`. Under `motion_ damage_ heat_ coupling_ uzawa_` names "
       "begin with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_, beside those in the tables. Fragments "
       "to "
-      "add on the command line are in `options/solver`.",
+      "add on the command line are in `options/solver`. `-motion_snes_atol` (1e-12 E h^(d-1) of the softest "
+      "material) and `-motion_snes_rtol` (1e-10 of the first residual) hold for each body on its own; no "
+      "length of a step ends a solve (`_snes_stol` is 0).",
       {}};
   // In the order in which a run is thought out.
   const std::vector<Section> described = {section("Parameters of expressions", parameter_class()),

@@ -74,7 +74,7 @@ public:
   /// Runs to the end with Newton converged to round-off.
   void run() {
     const SNES newton = coupling_->motion_snes();
-    check(SNESSetTolerances(newton, 1e-5 * motion_->reference_force(), 1e-13, 1e-15, 25, PETSC_DEFAULT));
+    check(SNESSetTolerances(newton, 1e-5 * motion_->reference_force(), 1e-13, 0, 25, PETSC_DEFAULT));
     std::vector<double>& u = state_.row("u").trial;
     std::vector<double>& v = state_.row("v").trial;
     for (std::size_t i = 0; i < v.size() && !settings_.initial_velocity.empty(); ++i)

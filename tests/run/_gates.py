@@ -24,7 +24,7 @@ BASE = {
 SWAPPED = {"contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom"}
 
 
-def flight(case, name, angle=0, tilt=0, extra=None, ranks=1, speed=SPEED):
+def flight(case, name, angle=0, tilt=0, extra=None, ranks=1, speed=SPEED, refused=0):
     """Two blocks turned by the angle in the plane of x and y, then by the tilt in that of y and z. None among the extra
     options leaves one of BASE to the program's default."""
     dim, method, enforce = case
@@ -37,7 +37,7 @@ def flight(case, name, angle=0, tilt=0, extra=None, ranks=1, speed=SPEED):
         options[f"ic_flight_v{axis}"] = repr(value)
     if dim == 3:
         options["mesh_set_tilt"] = tilt
-    return run(f"{dim}_{method}_{enforce}_{name}", options, ranks=ranks)
+    return run(f"{dim}_{method}_{enforce}_{name}", options, ranks=ranks, refused=refused)
 
 
 def vector(r, column):

@@ -26,12 +26,12 @@ BASE = {
 SWAPPED = {"contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom"}
 
 
-def flight(angle, extra=None, **kwargs):
+def flight(angle, extra=None, refused=0, **kwargs):
     turn = angle * pi / 180
     options = {**BASE, "mesh_set_angle": angle, "ic_flight_vx": repr(SPEED * sin(turn)),
                "ic_flight_vy": repr(-SPEED * cos(turn)), **(extra or {})}
     name = "run_" + "_".join(str(v) for v in (angle, *(extra or {}).values(), *kwargs.values()))
-    return run("".join(c if c.isalnum() or c in "_." else "_" for c in name)[:80], options, **kwargs)
+    return run("".join(c if c.isalnum() or c in "_." else "_" for c in name)[:80], options, refused=refused, **kwargs)
 
 
 def impulse(r):
@@ -98,7 +98,7 @@ for facets, extra in ((1.2, {}), (2, {}), (3.2, SWAPPED), (5, {}),
                       (5, {**SPACE, "contact_face_method": "gpts", "contact_face_enforce": "penalty"})):
     step = facets * 0.25 / SPEED
     r = flight(0, {"ts_dt": step, "ts_max_time": 6 * step, "contact_face_impact": "stabilised",
-                   "contact_face_enforce": "auglag", **extra})
+                   "contact_face_enforce": "auglag", **extra}, refused=3)
     before = -r["momentum_upper_y"][0]
     print(f"     v dt = {facets} facets {extra}: tries {r['tries'].max():.0f}, Newton at most {r['newton'].max():.0f}, "
           f"upward momentum {r['momentum_upper_y'][-1]:.4g}")

@@ -33,7 +33,7 @@ for case in CASES:
 leap = {**GROUND, **SWAPPED, "contact_face_impact": "stabilised", "ts_dt": 5 * FACET, "ts_max_time": 5 * FACET}
 for case in CASES[:3]:
     name = "{}D, {}, {}".format(*case)
-    r = flight(case, "leap", extra=leap)
+    r = flight(case, "leap", extra=leap, refused=3)
     depth = SPEED * r["time"][1] - GAP
     check_between(f"{name}: depth of the first step that is taken, in facets", depth / FACET, 0.45, 1)
     check_between(f"{name}: largest number of tries", r["tries"].max(), 4, 4)

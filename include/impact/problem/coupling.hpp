@@ -138,7 +138,7 @@ private:
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
   bool has_second_way() const;
   std::string line_search() const;
-  void begin_newton(Vec u);
+  void begin_newton(Vec u, PassResult& result);
   bool take_first_step(Vec u, Vec ahead, double part);
   void add_gaps(Vec u, Vec f);
   bool gives_up(PetscReal norm);
