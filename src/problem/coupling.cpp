@@ -676,8 +676,9 @@ void Coupling::limit_plastic_strain(PassResult& result) {
   if (settings_.max_dalpha <= 0) return;
   const StateRow& history = state_.row("history");
   const auto components = static_cast<std::size_t>(history.components);
+  const auto alpha = static_cast<std::size_t>(history_alpha(motion_.discretisation().frame));
   PetscReal growth = 0;
-  for (std::size_t i = (components - 1) * lanes; i < history.trial.size(); i += components * lanes)
+  for (std::size_t i = alpha * lanes; i < history.trial.size(); i += components * lanes)
     for (std::size_t l = 0; l < lanes; ++l)
       growth = std::max(growth, history.trial[i + l] - history.committed[i + l]);
   MPI_Allreduce(MPI_IN_PLACE, &growth, 1, MPIU_REAL, MPIU_MAX, motion_.discretisation().mesh.comm());
