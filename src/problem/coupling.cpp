@@ -122,7 +122,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
                    const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
                    bool stabilise_contact)
     : ts_(ts), motion_(motion), damage_(damage), heat_(heat), state_(state), settings_(settings),
-      phi_passes_(motion.discretisation().mesh, settings.relaxation, settings.atol, inertia),
+      phi_passes_(motion.discretisation().mesh, settings.relaxation, settings.atol, settings.follow_cracks),
       inertia_(inertia), stabilise_(stabilise_contact && inertia && !motion.contacts().empty()) {
   const Discretisation& d = motion_.discretisation();
   const MPI_Comm comm = d.mesh.comm();

@@ -10,33 +10,33 @@ namespace impact {
 
 namespace {
 
-// Cells that cannot flow or shear at a fixed volume: a word for each material and shape, once.
-void warn_of_locking(const Scenario& s, const Discretisation& d) {
+// The choice of a locking cure, and a word where there is none: for each material and shape, once.
+void report_locking(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion() || s.plane == PlaneMode::stress) return;
+  constexpr const char* names[] = {"linear triangles", "quadrilaterals", "linear tetrahedra", "hexahedra"};
   constexpr std::size_t shapes = 4;
   std::vector<int> found(d.materials.size() * shapes, 0);
   for (const CellGroup& group : d.groups)
     found[static_cast<std::size_t>(group.material) * shapes + static_cast<std::size_t>(group.shape)] = 1;
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, d.mesh.comm());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const MaterialParameters& p = d.materials[i / shapes].law.parameters;
+    const PointLaw& law = d.materials[i / shapes].law;
+    const MaterialParameters& p = law.parameters;
     const auto shape = static_cast<Shape>(i % shapes);
-    const bool simplex = shape == Shape::tri3 || shape == Shape::tet4, plane = dimension(shape) == 2;
-    // What has a choice of cures locks at the user's will, unless its split forbids them.
-    const bool incurable = simplex || (p.locking == Locking::none && d.materials[i / shapes].law.spectral());
-    if (!found[i] || !keeps_volume(p) || !incurable) continue;
-    check(PetscPrintf(d.mesh.comm(),
-                      "impact: material %s: its %s lock, %s, so that it is too stiff; remedy: %s, or a finer "
-                      "mesh\n",
-                      p.id.c_str(),
-                      shape == Shape::tri3    ? "linear triangles"
-                      : shape == Shape::tet4  ? "linear tetrahedra"
-                      : shape == Shape::quad4 ? "quadrilaterals"
-                                              : "hexahedra",
-                      p.model == Model::j2 ? "because plastic flow (j2) keeps the volume"
-                                           : "because it is nearly incompressible (nu from 0.45 on)",
-                      !simplex ? "-material_<id>_split volumetric"
-                      : plane  ? "quadrilaterals (Recombine Surface in the .geo)"
+    const bool simplex = shape == Shape::tri3 || shape == Shape::tet4;
+    if (!found[i]) continue;
+    if (!simplex && p.locking != Locking::none)
+      check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", p.id.c_str(),
+                        names[i % shapes], p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
+    // What has a choice of cures locks at the user's will.
+    if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
+    check(PetscPrintf(
+        d.mesh.comm(),
+        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n",
+        p.id.c_str(), names[i % shapes],
+        law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
+        !simplex               ? "another -material_<id>_split"
+        : shape == Shape::tri3 ? "quadrilaterals (Recombine Surface in the .geo)"
                                : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
   }
 }
@@ -60,22 +60,19 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
       check(PetscPrintf(comm, "material %s: rigid, rho %.6g\n", p.id.c_str(), p.rho));
       continue;
     }
-    check(PetscPrintf(comm, "material %s: %s%s%s, K %.6g, G %.6g, rho %.6g%s\n", p.id.c_str(),
+    check(PetscPrintf(comm, "material %s: %s%s%s, K %.6g, G %.6g, rho %.6g\n", p.id.c_str(),
                       p.model == Model::j2 ? "j2" : "elastic",
                       p.damage == Damage::at2   ? " with at2 damage"
                       : p.damage == Damage::at1 ? " with at1 damage"
                                                 : "",
-                      m.law.fatigues() ? " and fatigue" : "", p.K, p.G, p.rho,
-                      p.locking == Locking::mean   ? "; locking cure: mean volume of a cell"
-                      : p.locking == Locking::fbar ? "; locking cure: F-bar"
-                                                   : ""));
+                      m.law.fatigues() ? " and fatigue" : "", p.K, p.G, p.rho));
   }
   if (s.has_heat())
     for (const MaterialAssignment& m : d.materials)
       check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",
                         m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
                         m.law.parameters.alpha_t, m.law.parameters.theta0));
-  warn_of_locking(s, d);
+  report_locking(s, d);
   if (s.has_motion())
     check(PetscPrintf(comm, "motion solver: %s; tangent %s\n", solver.reason.c_str(),
                       solver.symmetric ? "symmetric" : "consistent"));

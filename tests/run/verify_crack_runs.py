@@ -9,13 +9,13 @@ import re
 import _griffith as griffith
 import _runs as runs
 
-GAMMA, H, LENGTH, SLOT = 0.08, 0.02, 2.5, 1.2
+GAMMA, H, LENGTH, SLOT = 0.08, 0.02, 3.0, 1.2
 COARSE = {"mesh_set_length": LENGTH, "mesh_set_slot": SLOT}
 u_c, one = griffith.strip("one", GAMMA, H, COARSE)
 griffith.check_strip("one rank", GAMMA, H, LENGTH, SLOT, u_c, one)
 passes = int(re.search(r"crack ran: .* (\d+) passes", one.log).group(1))
-runs.check_between("passes of the jump, of 65 cells", passes, 20, 130)
-import sys; runs.finish() if "X" in __import__("os").environ else None
+runs.check_between("passes of the jump, of 90 cells", passes, 20, 180)
+
 _, two = griffith.strip("two", GAMMA, H, COARSE, ranks=2)
 runs.check("two ranks: time of the jump", two["time"][-1], one["time"][-1], 1e-12)
 for column in ("energy_fracture", "work_external"):
