@@ -101,7 +101,7 @@ template <class Cell, Frame frame> struct EndOfStep {
 
 /// What the step exchanges between the stores and plastic heat at a point.
 template <class Cell, Frame frame> Batch exchanged(const PointLaw& law, const HeatInput& in, int q) {
-  const int alpha = q * history_size(frame) + symmetric_size(Cell::dim);
+  const int alpha = q * history_size(frame) + history_alpha(frame);
   const Batch* drive = in.drive + q * drive_size;
   return law.plastic_exchange(
       interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), in.history[alpha], in.history_n[alpha],

@@ -102,7 +102,7 @@ template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* 
 
 template <class Cell, Frame frame>
 void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch& sum) {
-  constexpr int alpha = symmetric_size(Cell::dim), size = history_size(frame);
+  constexpr int alpha = history_alpha(frame), size = history_size(frame);
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> g;
     point_geometry<Cell, frame>(in.X, q, g);

@@ -357,8 +357,8 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     if (trial_history) {
       Batch* h = trial_history + q * history_size(frame);
       for (int i = 0; i < symmetric_size(d); ++i) h[i] = now.A[i];
-      h[symmetric_size(d)] = now.alpha;
-      if constexpr (frame == Frame::plane_stress) h[symmetric_size(d) + 1] = s.H[q][4];
+      h[history_alpha(frame)] = now.alpha;
+      if constexpr (frame == Frame::plane_stress) h[history_size(frame) - 1] = s.H[q][4];
     }
     if (drive) {
       drive[q * drive_size] = energy.plus;

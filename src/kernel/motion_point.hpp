@@ -24,7 +24,7 @@ template <class Cell, Frame frame> struct CellState {
 template <class Cell, Frame frame>
 inline Batch point_alpha(const PointLaw& law, const Batch* history, int q) {
   if (!is_ductile(law.parameters) || !history) return Batch(0.0);
-  return history[q * history_size(frame) + symmetric_size(Cell::dim)];
+  return history[q * history_size(frame) + history_alpha(frame)];
 }
 
 template <class Cell, Frame frame>
@@ -87,7 +87,7 @@ inline PointHistory<Batch, dimension(frame)> read_history(const PointLaw& law, c
   const Batch* h = history + q * history_size(frame);
   PointHistory<Batch, dim> p;
   for (int i = 0; i < symmetric_size(dim); ++i) p.A[i] = h[i];
-  p.alpha = h[symmetric_size(dim)];
+  p.alpha = h[history_alpha(frame)];
   return p;
 }
 

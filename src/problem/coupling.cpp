@@ -132,7 +132,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
                    const CouplingScenario& settings, const SolverDefaults& defaults, bool inertia,
                    bool stabilise_contact)
     : ts_(ts), motion_(motion), damage_(damage), heat_(heat), state_(state), settings_(settings),
-      phi_passes_(motion.discretisation().mesh, settings.relaxation, settings.atol, inertia),
+      phi_passes_(motion.discretisation().mesh, settings.relaxation, settings.atol, settings.follow_cracks),
       inertia_(inertia), stabilise_(stabilise_contact && inertia && !motion.contacts().empty()),
       unilateral_(inertia && damage && has_unilateral_stress(motion.discretisation())) {
   const Discretisation& d = motion_.discretisation();
@@ -801,8 +801,9 @@ void Coupling::limit_plastic_strain(PassResult& result) {
   if (settings_.max_dalpha <= 0) return;
   const StateRow& history = state_.row("history");
   const auto components = static_cast<std::size_t>(history.components);
+  const auto alpha = static_cast<std::size_t>(history_alpha(motion_.discretisation().frame));
   PetscReal growth = 0;
-  for (std::size_t i = (components - 1) * lanes; i < history.trial.size(); i += components * lanes)
+  for (std::size_t i = alpha * lanes; i < history.trial.size(); i += components * lanes)
     for (std::size_t l = 0; l < lanes; ++l)
       growth = std::max(growth, history.trial[i + l] - history.committed[i + l]);
   MPI_Allreduce(MPI_IN_PLACE, &growth, 1, MPIU_REAL, MPIU_MAX, motion_.discretisation().mesh.comm());

@@ -36,7 +36,7 @@ PhiPasses::Change PhiPasses::note(const std::vector<double>& start, const StateR
   const bool gained = sum > record_ + tolerance_;
   record_ = std::max(record_, sum);
   gains_ = gained ? gains_ + 1 : 0;
-  runs_ = runs_ || (!inertia_ && gains_ >= gains_of_a_run);
+  runs_ = runs_ || (follow_cracks_ && gains_ >= gains_of_a_run);
   return {change_and_growth[0], change_and_growth[1], gained};
 }
 

@@ -168,7 +168,7 @@ void Ledger::find_extremes(bool trial) {
   const StateRow& row = state_.row("history");
   const std::vector<double>& history = trial ? row.trial : row.committed;
   const auto components = static_cast<std::size_t>(history_size(d.frame));
-  const auto of_alpha = static_cast<std::size_t>(symmetric_size(d.dim()));
+  const auto of_alpha = static_cast<std::size_t>(history_alpha(d.frame));
   for (std::size_t i = of_alpha * lanes; i < history.size(); i += components * lanes)
     for (std::size_t l = 0; l < lanes; ++l) extremes[1] = std::max(extremes[1], history[i + l]);
   if (const StateRow* theta = state_.find("theta"))

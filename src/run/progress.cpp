@@ -4,8 +4,44 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
 #include <impact/run/progress.hpp>
+#include <vector>
 
 namespace impact {
+
+namespace {
+
+// The choice of a locking cure, and a word where there is none: for each material and shape, once.
+void report_locking(const Scenario& s, const Discretisation& d) {
+  if (!s.has_motion() || s.plane == PlaneMode::stress) return;
+  constexpr const char* names[] = {"linear triangles", "quadrilaterals", "linear tetrahedra", "hexahedra"};
+  constexpr std::size_t shapes = 4;
+  std::vector<int> found(d.materials.size() * shapes, 0);
+  for (const CellGroup& group : d.groups)
+    found[static_cast<std::size_t>(group.material) * shapes + static_cast<std::size_t>(group.shape)] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, d.mesh.comm());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const PointLaw& law = d.materials[i / shapes].law;
+    const MaterialParameters& p = law.parameters;
+    const auto shape = static_cast<Shape>(i % shapes);
+    const bool simplex = shape == Shape::tri3 || shape == Shape::tet4;
+    if (!found[i]) continue;
+    if (!simplex && p.locking != Locking::none)
+      check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", p.id.c_str(),
+                        names[i % shapes], p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
+    // What has a choice of cures locks at the user's will.
+    if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
+    check(PetscPrintf(
+        d.mesh.comm(),
+        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n",
+        p.id.c_str(), names[i % shapes],
+        law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
+        !simplex               ? "another -material_<id>_split"
+        : shape == Shape::tri3 ? "quadrilaterals (Recombine Surface in the .geo)"
+                               : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
+  }
+}
+
+} // namespace
 
 void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaults& solver) {
   const MPI_Comm comm = d.mesh.comm();
@@ -36,6 +72,7 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
       check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",
                         m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
                         m.law.parameters.alpha_t, m.law.parameters.theta0));
+  report_locking(s, d);
   if (s.has_motion())
     check(PetscPrintf(comm, "motion solver: %s; tangent %s\n", solver.reason.c_str(),
                       solver.symmetric ? "symmetric" : "consistent"));

@@ -56,8 +56,6 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
   std::vector<MaterialAssignment> materials;
   for (const MaterialScenario& m : s.materials) {
     MaterialParameters p = m.law;
-    if (m.locking_automatic)
-      p.locking = p.model == Model::j2 && s.plane != PlaneMode::stress ? Locking::mean : Locking::none;
     // Physics that is switched off leaves no trace in the law. A body that is not moved expands freely.
     if (!s.has_damage()) p.damage = Damage::none;
     if (!s.has_motion() || p.damage == Damage::none) p.fatigue_a = 0;

@@ -27,6 +27,11 @@ runs.require("-ts_adapt_dalpha: a step beyond it is cut and says so",
 runs.check("-ts_adapt_dalpha: the end is reached", limited["time"][-1], 1, 1e-12)
 runs.check("-ts_adapt_dalpha: the plastic strain of short steps", limited["alpha_max"][-1], fine["alpha_max"][-1], 0.02)
 
+# The same of a sheet, whose history holds its thickness behind the plastic strain.
+free, limited = (runs.run(f"sheet_{limit}", {**PLASTIC, "plane": "stress", "ts_adapt_dalpha": limit}) for limit in (0, MOST))
+runs.check_between("sheet without the limit: largest growth of alpha_max in a step", numpy.diff(free["alpha_max"]).max(), 2 * MOST, 1)
+runs.check_between("sheet, -ts_adapt_dalpha: largest growth", numpy.diff(limited["alpha_max"]).max(), 0.4 * MOST, MOST)
+
 # Temperature: a heat pulse.
 HEAT = {**BLOCK, "physics": "heat", "material_solid_c_v": 2.0, "material_solid_conductivity": 0.1, "bcs": "glow",
         "bc_glow_on": "solid", "bc_glow_type": "heat_source", "bc_glow_value": "400*pulse(t,0.25,0.75)", "ts_dt": 0.125,

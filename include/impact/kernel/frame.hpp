@@ -25,6 +25,8 @@ inline constexpr int history_size(Frame f) {
   return f == Frame::solid ? 7 : f == Frame::plane_stress ? 6 : 5;
 }
 inline constexpr int history_size(int dim) { return dim == 3 ? 7 : 5; }
+/// Where alpha stands in it.
+inline constexpr int history_alpha(Frame f) { return f == Frame::solid ? 6 : 4; }
 inline constexpr double history_start(int component) { return component < 3 ? 1 : 0; }
 
 /// Drive of the damage equation per point: E_plus, E_minus, and H_0(alpha) or what of it is above the

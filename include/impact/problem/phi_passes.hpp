@@ -16,9 +16,9 @@ public:
     bool gained = false;   ///< the sum over the nodes is larger than after any pass before
   };
 
-  /// `inertia`: the bodies' mass keeps a crack from running at a fixed load.
-  PhiPasses(const Mesh& mesh, PassRelaxation choice, double tolerance, bool inertia)
-      : mesh_(mesh), choice_(choice), tolerance_(tolerance), inertia_(inertia) {}
+  /// `follow_cracks`: passes have no limit while phi grows, and hurry.
+  PhiPasses(const Mesh& mesh, PassRelaxation choice, double tolerance, bool follow_cracks)
+      : mesh_(mesh), choice_(choice), tolerance_(tolerance), follow_cracks_(follow_cracks) {}
 
   /// Forgets the passes of the attempt before. Collective.
   void begin(const StateRow& phi);
@@ -28,8 +28,7 @@ public:
   /// Turns `start` into the phi that the next pass, number `pass`, starts from. Collective.
   void relax(PetscInt pass, const StateRow& phi, std::vector<double>& start);
 
-  /// Without inertia phi has grown in one pass after the other of this attempt: no shorter step would need
-  /// fewer.
+  /// phi has grown in one pass after the other of this attempt, and its cracks are followed.
   bool crack_runs() const { return runs_; }
   /// A crack runs and the last pass moved it on so far that the next motion solve may be rough.
   bool far_from_rest() const;
@@ -46,7 +45,7 @@ private:
   const Mesh& mesh_;
   PassRelaxation choice_;
   double tolerance_; // of phi between passes
-  bool inertia_;
+  bool follow_cracks_;
   std::vector<double> change_, change_before_; // of the last two passes, by the damage solve
   PetscReal largest_ = 0;                      // of the last one
   double factor_ = 1;                          // of the last extrapolation

@@ -144,6 +144,11 @@ struct Scenario {
   bool has_inertia() const { return has_motion() && time.type != "static"; }
 };
 
+/// Whether the volume of the cells is nearly fixed: by plastic flow, or by elastic moduli (nu from 0.45 on).
+bool keeps_volume(const MaterialParameters& law);
+/// The cure of volumetric locking where the options name none.
+Locking automatic_locking(const MaterialParameters& law, PlaneMode plane);
+
 /// Reads and checks everything (closed key set with suggestions, units, ranges, expressions). Collective.
 /// Throws UserError(usage) with one line for the first fault, UserError(io) for a file that cannot be read.
 /// With -help prints option_help() first. Values of -ts_dt and -ts_max_time with a unit are replaced by plain
