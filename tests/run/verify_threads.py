@@ -62,7 +62,7 @@ require(f"most threads of a rank, those of MPI included: {plain_threads}, with t
         0 < plain_threads == threads)
 require("the log says so: 2 ranks, 1 thread each", "2 ranks, 1 thread each" in plain_log)
 # The cores may be shared with anything; a second thread that spins beside each rank takes twice the time and more.
-check_between("CPU time over that with the variables", plain_seconds / seconds, 0.5, 1.6)
+check_between("CPU time over that with the variables", plain_seconds / seconds, 0, 1.6)
 
 asked = subprocess.run([PROGRAM, "-options_file", "options/beam_wedge.opts", "-dry_run", "-output_dir", os.path.abspath("asked")],
                        cwd=SOURCE, env={**PLAIN, "OMP_NUM_THREADS": "2"}, stdout=subprocess.PIPE, text=True)
