@@ -309,9 +309,17 @@ void append(GmshFile& file, const AddedCell& cell, double scale) {
 
 } // namespace
 
-Mesh read_mesh(MPI_Comm comm, const MeshRequest& request) {
+GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request) {
   GmshFile file;
   on_rank_zero(comm, [&] { file = read_file(request); });
+  return file;
+}
+
+Mesh read_mesh(MPI_Comm comm, const MeshRequest& request) {
+  return build_mesh(comm, request, read_mesh_file(comm, request));
+}
+
+Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
   MPI_Bcast(&file.dim, 1, MPI_INT, 0, comm);
   if (request.add) {
     std::array<double, 6> box = box_of(file, request.scale);

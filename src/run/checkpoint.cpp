@@ -406,6 +406,10 @@ std::uint64_t expected_bytes(const CheckpointState& state) {
     bytes += row->committed.size() * sizeof(double);
   }
   bytes += static_cast<std::uint64_t>(points) * per_point;
+  if (state.file != nullptr) {
+    bytes += state.file->x.size() * sizeof(double);
+    for (const GmshBlock& block : state.file->blocks) bytes += (block.node.size() + 16) * sizeof(int);
+  }
   bytes += static_cast<std::uint64_t>(state.mesh.node_count()) * 6 * sizeof(double);
   MPI_Allreduce(&bytes, &all, 1, MPI_UINT64_T, MPI_SUM, state.mesh.comm());
   return all + all / 4 + (std::uint64_t{1} << 20);
@@ -559,6 +563,12 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
         for (const auto& row : state.table.rows())
           if (in_sections(*row)) write_row(state, *row, viewer, sections);
       });
+      on_rank_zero(comm, [&] {
+        if (state.file == nullptr) return;
+        hdf5::File out(temporary, hdf5::File::Mode::update);
+        write_stored_mesh(out, *state.file);
+        out.close();
+      });
       keep_pattern(state, temporary);
     }
     int rank = 0;
@@ -600,6 +610,18 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
       MPI_Bcast(row->committed.data(), static_cast<int>(row->committed.size()), MPI_DOUBLE, 0, comm);
     if (row->has_trial) row->trial = row->committed;
   }
+}
+
+std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoint& checkpoint) {
+  std::optional<GmshFile> mesh;
+  int found = 0;
+  on_rank_zero(comm, [&] {
+    mesh = read_stored_mesh(checkpoint.file);
+    found = mesh ? 1 : 0;
+  });
+  MPI_Bcast(&found, 1, MPI_INT, 0, comm);
+  if (found == 1 && !mesh) mesh.emplace();
+  return mesh;
 }
 
 Mesh read_checkpoint_mesh(MPI_Comm comm, const Checkpoint& checkpoint, const PartitionWeights& weights) {

@@ -102,7 +102,8 @@ std::vector<std::string> changed_keys(const Values& before, const Values& now) {
   for (const std::string& key : keys) {
     const auto a = before.find(key), b = now.find(key);
     const bool both = a != before.end() && b != now.end();
-    if (key == "dim" && !both) continue; // a check of the mesh that was added or dropped
+    if (key == "dim" && !both) continue;          // a check of the mesh that was added or dropped
+    if (key == "mesh_content" && !both) continue; // the file is gone: its mesh is in the checkpoint
     if (!both || !same(key, a->second, b->second)) changed.push_back(key);
   }
   return changed;
@@ -167,14 +168,19 @@ std::string restart_options(MPI_Comm comm, const Scenario& scenario) {
   for (const std::string& name : option_names())
     if (chooses_scheme(lower_case(name)))
       if (const auto text = option_text(name)) lines += option_line(lower_case(name), *text);
-  for (const FunctionScenario& function : scenario.functions) {
+  const auto add_content = [&](const std::string& key, const std::string& file) {
     std::string sum;
     on_rank_zero(comm, [&] {
       std::uintmax_t size = 0;
-      sum = to_hex(file_checksum(function.file, size));
+      std::error_code none;
+      if (std::filesystem::exists(file, none)) sum = to_hex(file_checksum(file, size));
     });
-    lines += option_line("function_" + function.id + "_content", broadcast(comm, sum));
-  }
+    sum = broadcast(comm, sum);
+    if (!sum.empty()) lines += option_line(key, sum);
+  };
+  add_content("mesh_content", scenario.mesh.file);
+  for (const FunctionScenario& function : scenario.functions)
+    add_content("function_" + function.id + "_content", function.file);
   return lines;
 }
 
@@ -188,7 +194,9 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
   for (const std::string& key : changed_keys(before, after)) {
     const RestartKey kind = restart_key(key);
     if (kind == RestartKey::free) continue;
-    const std::string change = text_of(after, key) + " instead of " + text_of(before, key);
+    const std::string change =
+        key == "mesh_content" ? "the file of -mesh has changed; the run would go on with the mesh of before"
+                              : text_of(after, key) + " instead of " + text_of(before, key);
     if (kind == RestartKey::frozen)
       throw UserError(ExitCode::usage, "-" + key + ": " + change + " in checkpoint " + checkpoint +
                                            "; mesh, dimension and units cannot change on restart; "

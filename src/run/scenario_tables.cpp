@@ -1,5 +1,6 @@
 #include "scenario_tables.hpp"
 #include <cmath>
+#include <impact/petsc/error.hpp>
 #include <sstream>
 
 namespace impact {
@@ -45,12 +46,31 @@ OptionGroup general_group() {
       }};
 }
 
+// A restart takes the mesh from its checkpoint and may do without the file.
+OptionRow<Global> mesh_row() {
+  auto row =
+      file_row<Global>("mesh", [](auto& s) -> auto& { return s.mesh.file; },
+                       {"a .msh file (4.1), or a .geo file from which gmsh makes one; a restart goes on "
+                        "with the mesh in its checkpoint",
+                        "required"});
+  const auto existing = row.read;
+  row.read = [existing](Global& s, const GivenOption& option, const OptionContext& context) {
+    const std::string restart = option_text("restart").value_or("none");
+    try {
+      existing(s, option, context);
+    } catch (const UserError&) {
+      if (restart == "none" || option.text.empty()) throw;
+      s.mesh.file = option.text;
+    }
+  };
+  return row;
+}
+
 OptionGroup mesh_group() {
   return {"Mesh",
           "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file.",
           {
-              file_row<Global>("mesh", [](auto& s) -> auto& { return s.mesh.file; },
-                               {"a .msh file (4.1), or a .geo file from which gmsh makes one", "required"}),
+              mesh_row(),
               number_row<Global>(
                   "mesh_scale", [](auto& s) -> auto& { return s.mesh.scale; },
                   {"factor of all coordinates of the file", "1", "1"}, positive),

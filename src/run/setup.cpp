@@ -23,8 +23,9 @@ void check_radii(const Mesh& mesh) {
   throw_first(mesh.comm(), ExitCode::data, trouble);
 }
 
-// `obstacles`: becomes the bodies of rigid obstacles with mass.
-Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obstacles) {
+// `obstacles`: becomes the bodies of rigid obstacles with mass. `file`: filled where it was not kept.
+Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obstacles, GmshFile& file,
+               bool kept) {
   MeshRequest request;
   if (s.has_motion())
     request.add = [&](int dim, const std::array<double, 6>& box) {
@@ -45,7 +46,8 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obst
   for (const ContactSettings& contact : s.contacts)
     for (const std::string& side : {contact.secondary, contact.primary})
       if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] = 4;
-  Mesh mesh = read_mesh(comm, request);
+  if (!kept) file = read_mesh_file(comm, request);
+  Mesh mesh = build_mesh(comm, request, file);
   check_groups(s, mesh.groups(), mesh.dim());
   if (s.plane == PlaneMode::axisymmetric) check_radii(mesh);
   return mesh;
@@ -141,7 +143,8 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
   std::vector<BoundaryCondition> conditions = conditions_at_work(s, d.dim());
   RigidBodies rigid(d, conditions, s.time.max_time);
   BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node());
-  auto setup = std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}});
+  auto setup =
+      std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}, {}});
   declare_state(setup->discretisation, setup->state);
   setup->rigid.declare_state(setup->state);
   if (s.has_motion()) setup->contacts = make_contacts(s, setup->discretisation, setup->state);
@@ -218,9 +221,10 @@ void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacl
 
 } // namespace
 
-std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
+std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, const GmshFile* kept) {
   std::vector<ObstacleBody> obstacles;
-  Mesh mesh = make_mesh(comm, s, obstacles);
+  GmshFile file = kept != nullptr ? *kept : GmshFile{};
+  Mesh mesh = make_mesh(comm, s, obstacles, file, kept != nullptr);
   std::unique_ptr<Setup> setup = build_on(std::move(mesh), s, obstacles);
   for (const ContactInterface& contact : setup->contacts)
     for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
@@ -229,6 +233,7 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))
       PetscPrintf(comm, "impact: %s\n", warning.c_str());
+  setup->file = std::move(file);
   return setup;
 }
 

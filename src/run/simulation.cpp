@@ -513,7 +513,7 @@ void Simulation::write_state(const StepControlState& c) {
   char version[256] = "";
   check(PetscGetVersion(version, sizeof version));
   values.texts["petsc_version"] = version;
-  checkpoint_file_ = write_checkpoint({d_.mesh, d_.groups, setup_.state}, values,
+  checkpoint_file_ = write_checkpoint({d_.mesh, d_.groups, setup_.state, &setup_.file}, values,
                                       {s_.checkpoint.dir, s_.checkpoint.keep, s_.checkpoint.patience});
   // A resumed run builds its candidate list afresh and factors anew: so does this one, or they would part by
   // round-off.
@@ -584,7 +584,10 @@ ExitCode Simulation::run() {
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   register_time_types();
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
-  const std::unique_ptr<Setup> setup = build_setup(comm, s);
+  std::optional<GmshFile> kept; // a changed or missing file, or another gmsh, changes nothing on a restart
+  if (resume) kept = read_checkpoint_mesh_file(comm, *resume);
+  const std::unique_ptr<Setup> setup = build_setup(comm, s, kept ? &*kept : nullptr);
+  kept.reset();
   ContactDemands demands;
   for (const ContactInterface& contact : setup->contacts) {
     demands.closes_gaps = demands.closes_gaps || contact.semismooth();

@@ -128,7 +128,7 @@ TEST(ScenarioKeys, EveryChoiceAndSwitchListsWhatIsAllowed) {
 TEST(ScenarioKeys, EveryExpressionIsParsedAtOnce) {
   int expressions = 0;
   for (const Documented& option : documented()) {
-    if (option.allowed != "expression") continue;
+    if (!option.allowed.ends_with("expression")) continue;
     ++expressions;
     for (const char* wrong : {"1+", "q*t", "x=1", ""}) {
       const Outcome result = outcome(with({{option.key, wrong}}));

@@ -122,6 +122,8 @@ struct AddedCell {
   std::vector<std::array<double, 3>> corner; ///< 3 counter-clockwise, or 4 of positive volume
 };
 
+struct GmshFile;
+
 /// How a mesh is made from a file.
 struct MeshRequest {
   std::string file; ///< .msh 4.1 (or 2.2 without overlapping groups) or .geo
@@ -143,6 +145,10 @@ struct MeshRequest {
 /// understood and UserError(data) for a mesh that cannot be used: no groups, second order, mixed dimensions,
 /// duplicated, folded, inverted or degenerate cells, loose nodes.
 Mesh read_mesh(MPI_Comm comm, const MeshRequest& request);
+/// Its two halves: what the file says, on rank 0 alone; and the mesh made of that, the same from the same
+/// file wherever it was kept.
+GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request);
+Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file);
 
 /// Moves the cells of a mesh to the ranks (overlap 0) by weight; `dm` is replaced. Returns the migration SF,
 /// empty when nothing moved (one rank). The graph may start on one rank (after reading) only with the type

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/mesh/cell_batches.hpp>
+#include <impact/mesh/gmsh.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
@@ -15,7 +16,8 @@
 /// points, all through PETSc's DMPlex calls, and the values of the run in /impact. Points are recognised by
 /// `point_keys`: numbers made of the coordinates of a point's cells alone. The state can therefore be read
 /// onto any mesh that has the same cells, on any number of ranks; on the same number every double returns
-/// with the same bits, and so do they on others.
+/// with the same bits, and so do they on others. Beside it stands the mesh as its file had it: a restart
+/// builds its own from that, so that numbers and parts are those of a run that read the file.
 namespace impact {
 
 /// What a run wants to find again beside the state table.
@@ -31,6 +33,7 @@ struct CheckpointState {
   const Mesh& mesh;
   const std::vector<CellGroup>& groups;
   StateTable& table;
+  const GmshFile* file = nullptr; ///< of the mesh, on rank 0: with it a restart needs no other
 };
 
 struct CheckpointFolder {
@@ -82,6 +85,10 @@ Checkpoint open_checkpoint(MPI_Comm comm, const std::string& file);
 /// Fills committed and trial halves of all rows with checkpointed == true. The table must have the rows of
 /// the run that wrote. Collective. Throws UserError(io): another mesh, other rows, unreadable.
 void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state);
+
+/// The file of the mesh as the run that wrote the checkpoint read it, on rank 0; on no rank one where the
+/// checkpoint has none. Collective. Throws UserError(io).
+std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoint& checkpoint);
 
 /// The mesh that a checkpoint holds, distributed over the ranks at hand by weight. Collective. Throws
 /// UserError(io).

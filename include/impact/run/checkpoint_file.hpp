@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
+#include <impact/mesh/gmsh.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/hdf5_file.hpp>
+#include <optional>
 
 /// The parts a checkpoint is made of: its place in the directory (rank 0 alone) and the identity of mesh
 /// points.
@@ -22,6 +24,11 @@ void remove_old_checkpoints(const CheckpointFolder& folder);
 std::string fault_of_checkpoint(const std::string& file);
 void write_values(hdf5::File& file, const CheckpointValues& values);
 CheckpointValues read_values(const hdf5::File& file);
+
+/// The mesh of the run as its file had it, before it was refined, distributed and ordered.
+void write_stored_mesh(hdf5::File& file, const GmshFile& mesh);
+/// What write_stored_mesh wrote into a checkpoint; none in those of older versions. Throws UserError(io).
+std::optional<GmshFile> read_stored_mesh(const std::string& checkpoint);
 
 /// Two numbers per mesh point, [point][2], that depend on the coordinates and regions of the cells around it
 /// and on the place of the point in them, not on ranks or numbering; equal on all ranks that share a point.

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/contact/interface.hpp>
+#include <impact/mesh/gmsh.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
@@ -16,10 +17,12 @@ struct Setup {
   RigidBodies rigid;
   BoundaryData boundary;
   std::vector<ContactInterface> contacts;
+  GmshFile file; ///< of the mesh, on rank 0
 };
 
-/// Its parts refer to each other, so it does not move. Collective. Throws UserError.
-std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario);
+/// Its parts refer to each other, so it does not move. `file`: the mesh that a checkpoint holds, on rank 0,
+/// in place of the one that the scenario names. Collective. Throws UserError.
+std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario, const GmshFile* file = nullptr);
 
 /// Whether neither side of a contact can deform. Collective.
 bool between_rigid_sides(const Setup& setup, const ContactSettings& contact);
