@@ -500,6 +500,8 @@ bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
   motion_.balance().start();
   motion_.balance().judge(r, atol, rtol);
   if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
+  check(VecNorm(r, NORM_2, &norm[0]));
+  check(SNESMonitor(motion_snes_, 0, norm[0])); // that of the next iteration follows, under the number 0 too
   KSP ksp = nullptr;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt linear = 0;
@@ -521,10 +523,9 @@ bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
       if (contact.semismooth()) contact.take_newton_step(start, other, u);
   } else {
     check(SNESComputeFunction(motion_snes_, u, other));
-    for (int end : {0, 1}) {
-      check(VecDot(end == 0 ? r : other, step, &slope[end]));
-      check(VecNorm(end == 0 ? r : other, NORM_2, &norm[end]));
-    }
+    check(VecDot(r, step, &slope[0]));
+    check(VecDot(other, step, &slope[1]));
+    check(VecNorm(other, NORM_2, &norm[1]));
     if (cell_broke_ || !(std::abs(slope[1]) < std::abs(slope[0]))) return cell_broke_ = false;
     if (norm[1] > reuse_.reduction() * norm[0]) reuse_.forget();
   }
