@@ -27,8 +27,7 @@ UserError usage(const ContactSettings& settings, const std::string& key, const s
 }
 
 void check_settings(ContactSettings& settings, int dim) {
-  if (settings.method == ContactMethod::automatic)
-    settings.method = dim == 2 ? ContactMethod::gauss_points : ContactMethod::mortar;
+  if (settings.method == ContactMethod::automatic) settings.method = ContactMethod::mortar;
   const bool mortar = settings.method == ContactMethod::mortar;
   if (settings.multipliers == MultiplierSpace::automatic)
     settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;

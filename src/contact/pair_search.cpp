@@ -296,6 +296,21 @@ void PairSearch::fetch_nodes(Vec u) {
   if (u_n_) fetch_start();
 }
 
+double PairSearch::nearest_nodes(const std::vector<double>& u) const {
+  const std::vector<double> x = list_.nodes.current(u);
+  double square = HUGE_VAL;
+  const auto& offset = list_.candidates.offset;
+  for (std::size_t f = 0; f + 1 < offset.size(); ++f)
+    for (int c = offset[f]; c < offset[f + 1]; ++c)
+      for (int a = 0; a < corners_; ++a)
+        for (int b = 0; b < corners_; ++b) {
+          const int s = list_.nodes.secondary[at(corners_) * f + at(a)],
+                    p = list_.nodes.primary[at(corners_ * list_.candidates.facet[at(c)] + b)];
+          square = std::min(square, square_of_move(&x[at(dim_ * s)], &x[at(dim_ * p)], dim_));
+        }
+  return std::sqrt(square);
+}
+
 bool PairSearch::holds_for(const std::vector<double>& x) const {
   return kind_ == Primary::rigid || largest_move(x, list_.nodes.built_at, dim_) <= skin_ / 2;
 }

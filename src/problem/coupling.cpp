@@ -132,6 +132,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   newton_start_ = d.displacement.make_global();
   contact_acceleration_ = d.displacement.make_global();
   u_local_ = d.displacement.make_local();
+  if (!inertia_) loose_ = LooseBodies(d, motion_.boundary(), motion_.contacts(), motion_.rigid());
   if (damage_) phi_frozen_ = state_.row("phi").committed;
   if (heat_) theta_frozen_ = state_.row("theta").committed;
   if (state_.find("fatigue")) fatigue_.emplace(d, state_);
@@ -152,9 +153,17 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
       [](TS, PetscReal, Vec u, Vec, Vec, PetscReal, PetscReal shift_a, Mat, Mat, void* context) {
         auto& self = *static_cast<Coupling*>(context);
         return time_mailbox(self.ts_).guarded([&] {
+          if (!self.loose_.empty()) {
+            Vec r = nullptr;
+            check(SNESGetFunction(self.motion_snes_, &r, nullptr, nullptr));
+            self.loose_.weigh(u, r);
+            if (self.loose_.unbalanced()) self.reuse_.forget();
+          }
           if (self.reuse_.serves(self.motion_snes_, self.step_.dt, shift_a)) return;
           self.tangents_ += 1;
-          if (self.motion_.tangent(u, self.inertia_ ? shift_a : 0)) return;
+          const bool sound = self.motion_.tangent(u, self.inertia_ ? shift_a : 0);
+          if (!self.loose_.empty()) self.loose_.add_to(self.motion_.matrix());
+          if (sound) return;
           self.reuse_.forget();
           self.cell_broke_ = true;
           check(SNESSetJacobianDomainError(self.motion_snes_));
@@ -186,7 +195,8 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
-  check(SNESLineSearchSetType(search, semismooth() || frictional() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  check(SNESLineSearchSetType(search, semismooth() || frictional() || !loose_.empty() ? SNESLINESEARCHBASIC
+                                                                                      : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
   check_preconditioner(ksp, defaults.matrix);
   check(SNESGetTolerances(motion_snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
@@ -269,6 +279,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
     step_.theta = &theta_frozen_;
   }
   motion_.begin(step_);
+  loose_.start_attempt();
   if (motion_.rigid().empty()) return;
   // Below the rounding of heavy bodies' inertia no residual can fall.
   const double least = std::max(residual_tol_, motion_.rigid().rounding(step_.mass_shift));
@@ -323,17 +334,22 @@ bool Coupling::semismooth() const {
 // Multipliers of the semismooth method follow every iterate, before the residual is evaluated there; the
 // solve ends when they have come to rest too.
 void Coupling::update_multipliers_in(SNES snes) {
-  // The first multipliers may raise the norm of a residual that was nearly zero by any factor.
-  if (semismooth()) check(SNESSetDivergenceTolerance(snes, -1));
+  // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
+  // was nearly zero by any factor.
+  if (semismooth() || !loose_.empty()) check(SNESSetDivergenceTolerance(snes, -1));
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetPostCheck(
       search,
       [](SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth() && self.motion_.rigid().empty() && !self.frictional())
+        if (!self.semismooth() && self.motion_.rigid().empty() && !self.frictional() && self.loose_.empty())
           return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
+          if (const double part = self.loose_.empty() ? 1 : self.loose_.part_of(y); part < 1) {
+            check(VecWAXPY(w, -part, y, x));
+            *changed = PETSC_TRUE;
+          }
           if (self.reverses()) {
             check(VecWAXPY(w, -1, y, x));
             *changed = PETSC_TRUE;
@@ -491,6 +507,7 @@ SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
 
 SNESConvergedReason Coupling::run_motion(Vec u) {
   tangents_ = 0;
+  loose_.start_solve();
   solving_ = motion_snes_;
   check(SNESSolve(motion_snes_, nullptr, u));
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
@@ -505,17 +522,33 @@ SNESConvergedReason Coupling::run_motion(Vec u) {
   return reason;
 }
 
+// What faces what is found between the Newton solves: a loose body that faces nothing yet strides towards
+// what the search sees, one iteration at a time.
+void Coupling::approach(Vec u) {
+  PetscInt most = 0;
+  check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
+  for (PetscInt stride = 0; stride < most && loose_.sees_only(u); ++stride) {
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 1, PETSC_DEFAULT));
+    const SNESConvergedReason reason = run_motion(u);
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most, PETSC_DEFAULT));
+    if (reason != SNES_DIVERGED_MAX_IT) return;
+    refresh_contact(u);
+  }
+}
+
 PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   PassResult result;
   refresh_contact(u);
   if (pass == 1 && counts_.passes == 1) limit_closing(result, u);
   if (result.inner < 0) return result;
+  if (!loose_.empty()) approach(u);
   for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
   result.inner = solve_motion(u);
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
     if (result.inner == SNES_DIVERGED_LOCAL_MIN) failure_ += " (Newton's method does not come to rest)";
+    if (const std::string adrift = loose_.adrift(); !adrift.empty()) failure_ += " (" + adrift + ")";
     if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) {
       // Factors of a singular matrix must not serve the next try.
       forget_factors();

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/shifted_mesh.hpp>
+#include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>
@@ -213,6 +214,7 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s) {
   for (const ContactInterface& contact : setup->contacts)
     for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
   adjust_overlaps(s, obstacles, setup);
+  if (s.has_motion()) refuse_deep_overlaps(setup->discretisation, setup->contacts);
   if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))

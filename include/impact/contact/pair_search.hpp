@@ -110,6 +110,9 @@ public:
   double depth(int secondary_facet) const {
     return depth_.empty() ? radius_ : depth_[static_cast<std::size_t>(secondary_facet)];
   }
+  /// Distance of the nearest nodes of two facets of a pair at the displacement u of nodes(); infinite without
+  /// pairs.
+  double nearest_nodes(const std::vector<double>& u) const;
   /// False: something moved so far that the list may miss a facet. x: [node][dim] of nodes().
   bool holds_for(const std::vector<double>& x) const;
 

@@ -2,6 +2,7 @@
 #include <impact/problem/damage.hpp>
 #include <impact/problem/fatigue.hpp>
 #include <impact/problem/heat.hpp>
+#include <impact/problem/loose_bodies.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/newton_watch.hpp>
 #include <impact/problem/tangent_reuse.hpp>
@@ -128,6 +129,7 @@ private:
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
+  void approach(Vec u);
   bool has_second_way() const;
   std::string line_search() const;
   bool gives_up(PetscReal norm, double tolerance);
@@ -175,6 +177,7 @@ private:
   bool second_way_first_ = false;
   int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
+  LooseBodies loose_; // empty with inertia
   std::string failure_;
   bool cell_broke_ = false;
 };
