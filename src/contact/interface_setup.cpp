@@ -133,6 +133,7 @@ void ContactInterface::set_automatic_values(const ContactSurface& secondary, con
   fill(settings_.penalty_max, 1e4 * (penalty > 0 ? penalty : settings_.penalty));
   fill(settings_.gap_tol, 1e-3 * h);
   fill(settings_.initial_tol, 1e-3 * h);
+  settings_.local_search = automatic(settings_.search_radius);
   fill(settings_.search_radius, 2 * std::max(longest[0], longest[1]));
   require_positive(settings_, "penalty", settings_.penalty);
   require_positive(settings_, "penalty_increment", settings_.penalty_increment);

@@ -12,9 +12,10 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-// A node is tried at this part of the way into its own cells: where surfaces touch that lies outside the other
-// body, where bodies stand in each other still inside. Closed cells, so that no place between two is missed.
-constexpr double inwards = 1e-2, closed = -1e-9;
+// A node is tried at this part of the way to the middles of its own cells. Less deep is for the pairs to see;
+// where surfaces touch that place lies outside the other body. Cells are closed, so that none is missed
+// between two.
+constexpr double inwards = 1, closed = -1e-9;
 
 using Place = std::array<double, 3>;
 
@@ -57,7 +58,8 @@ std::vector<Simplex> simplices(const Discretisation& d, const std::vector<int>& 
           for (int i = 0; i <= dim; ++i) {
             const int a = pieces == 1 ? i : dim == 2 ? of_quad[p][i] : of_hex[p][i];
             const int node = group.node[at((b * nodes + a) * lanes + l)];
-            for (int k = 0; k < dim; ++k) cell.corner[at(i)][at(k)] = d.mesh.coordinates()[at(node * dim + k)];
+            for (int k = 0; k < dim; ++k)
+              cell.corner[at(i)][at(k)] = d.mesh.coordinates()[at(node * dim + k)];
             cell.body = body_of_node[at(node)];
           }
           if (signed_volume(dim, cell.corner[0], cell.corner[1], cell.corner[2], cell.corner[3]) < 0)
@@ -159,7 +161,8 @@ void refuse_deep_overlaps(const Discretisation& d, std::span<const ContactInterf
         tree.find_leaves(box, leaves);
         for (std::uint32_t leaf : leaves) tree.find_boxes(box, leaf, found);
         for (int c : found)
-          if (theirs[at(cells[at(c)].body)] && !own[at(cells[at(c)].body)] && inside(d.dim(), cells[at(c)], x))
+          if (theirs[at(cells[at(c)].body)] && !own[at(cells[at(c)].body)] &&
+              inside(d.dim(), cells[at(c)], x))
             deep = i;
       }
       MPI_Allreduce(MPI_IN_PLACE, &deep, 1, MPI_INT, MPI_MIN, d.mesh.comm());
@@ -168,8 +171,8 @@ void refuse_deep_overlaps(const Discretisation& d, std::span<const ContactInterf
       std::snprintf(where, sizeof where, d.dim() == 2 ? "(%.4g, %.4g)" : "(%.4g, %.4g, %.4g)",
                     places[at(3 * deep)], places[at(3 * deep + 1)], places[at(3 * deep + 2)]);
       throw UserError(ExitCode::data, "contact " + settings.id + ": `" + side + "` lies around " + where +
-                                          " inside the body of `" + other +
-                                          "`, deeper than -contact_" + settings.id +
+                                          " inside the body of `" + other + "`, deeper than -contact_" +
+                                          settings.id +
                                           "_search_radius sees; part the bodies, or use -contact_" +
                                           settings.id + "_initial allow to pass over it");
     }

@@ -233,6 +233,8 @@ public:
   void advance(Vec u_n, Vec u, double dt);
   /// Collective.
   ContactMeasures measures(Vec u) const;
+  /// Pairs of the search per secondary facet that has any. Collective.
+  double pairs_per_facet() const { return form_->pairs_per_facet(); }
   /// How far the sides are from pressing each other at u. Collective.
   struct Reach {
     double gap = 0;       ///< smallest one, infinite where nothing faces
