@@ -72,8 +72,8 @@ FacePointForm::FacePointForm(const Mesh& mesh, const FieldLayout& layout, const 
   make_points();
   holds_.resize(weight_.size());
   if (settings.friction > 0) anchors_.resize(weight_.size());
-  search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
-                       what_it_meets(settings));
+  search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary,
+                       {settings.search_radius, settings.local_search}, what_it_meets(settings));
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int q = 0; q < per_facet_; ++q)

@@ -36,8 +36,8 @@ GaussPointForm::GaussPointForm(const Mesh& mesh, const FieldLayout& layout, cons
     : settings_(settings), frame_(frame), secondary_(std::move(secondary)),
       points_(make_points(secondary_, settings.id, settings.points, frame)), holds_(points_.weight.size()),
       anchors_(settings.friction > 0 ? points_.weight.size() : 0), hold_gap_(hold_gap) {
-  search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary, settings.search_radius,
-                       what_it_meets(settings));
+  search_ = PairSearch(mesh, layout, secondary_.node, secondary_.X, primary,
+                       {settings.search_radius, settings.local_search}, what_it_meets(settings));
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
     for (int q = 0; q < points_.per_facet; ++q)

@@ -277,6 +277,23 @@ void ContactInterface::keep_tractions(Vec u) {
   traction_->trial = std::move(traction);
 }
 
+ContactInterface::Reach ContactInterface::reach(Vec u) const {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double touch = 1e-6 * mean_length_;
+  const std::vector<double> values = form_->nodes().displacement(u);
+  std::array<double, 3> most = {-infinity, 0, -infinity}; // minus gap, whether it presses, minus distance
+  double stiffness = 0;
+  visit(values, Derivatives::none, [&](const Constraint& c) {
+    most[0] = std::max(most[0], -c.gap);
+    if (c.active) most[1] = 1;
+    if (c.gap < touch) stiffness += c.weight * penalty();
+  });
+  if (most[0] == -infinity) most[2] = -form_->nearest_nodes(values);
+  MPI_Allreduce(MPI_IN_PLACE, most.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  MPI_Allreduce(MPI_IN_PLACE, &stiffness, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  return {-most[0], -most[2], most[1] > 0 ? 0 : stiffness, most[1] > 0};
+}
+
 ContactMeasures ContactInterface::measures(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double eps = penalty();

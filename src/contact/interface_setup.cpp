@@ -27,8 +27,7 @@ UserError usage(const ContactSettings& settings, const std::string& key, const s
 }
 
 void check_settings(ContactSettings& settings, int dim) {
-  if (settings.method == ContactMethod::automatic)
-    settings.method = dim == 2 ? ContactMethod::gauss_points : ContactMethod::mortar;
+  if (settings.method == ContactMethod::automatic) settings.method = ContactMethod::mortar;
   const bool mortar = settings.method == ContactMethod::mortar;
   if (settings.multipliers == MultiplierSpace::automatic)
     settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
@@ -134,6 +133,7 @@ void ContactInterface::set_automatic_values(const ContactSurface& secondary, con
   fill(settings_.penalty_max, 1e4 * (penalty > 0 ? penalty : settings_.penalty));
   fill(settings_.gap_tol, 1e-3 * h);
   fill(settings_.initial_tol, 1e-3 * h);
+  settings_.local_search = automatic(settings_.search_radius);
   fill(settings_.search_radius, 2 * std::max(longest[0], longest[1]));
   require_positive(settings_, "penalty", settings_.penalty);
   require_positive(settings_, "penalty_increment", settings_.penalty_increment);

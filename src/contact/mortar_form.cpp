@@ -100,7 +100,8 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
   layout.to_local(owned_area, area);
   for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
   if (dim_ == 3 && settings.friction > 0) find_tangents(X);
-  search_ = PairSearch(mesh, layout, nodes, X, primary, settings.search_radius, what_it_meets(settings));
+  search_ = PairSearch(mesh, layout, nodes, X, primary, {settings.search_radius, settings.local_search},
+                       what_it_meets(settings));
   facing_.resize(facets_.size());
   switches_.assign(facets_.size(), 0);
 }

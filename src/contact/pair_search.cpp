@@ -24,11 +24,25 @@ double square_of_move(const double* a, const double* b, int dim) {
   return square;
 }
 
-double largest_move(const std::vector<double>& a, const std::vector<double>& b, int dim) {
+// Largest move of a node over what it may move by.
+double largest_part(const std::vector<double>& a, const std::vector<double>& b, int dim,
+                    const std::vector<double>& slack) {
   double largest = 0;
-  for (std::size_t i = 0; i < a.size(); i += at(dim))
-    largest = std::max(largest, square_of_move(&a[i], &b[i], dim));
+  for (std::size_t i = 0; i < slack.size(); ++i)
+    largest =
+        std::max(largest, square_of_move(&a[at(dim) * i], &b[at(dim) * i], dim) / (slack[i] * slack[i]));
   return std::sqrt(largest);
+}
+
+// With local sizes facets are a pair nearer than this part of the longest sides of both, and their nodes may
+// move by this part of them until the list is made anew.
+constexpr double local_part = 0.4, local_slack = 0.1;
+
+double longest_side(const double* x, int corners, int dim) {
+  double square = 0;
+  for (int a = 0; a < corners; ++a)
+    square = std::max(square, square_of_move(x + at(dim * a), x + at(dim * ((a + 1) % corners)), dim));
+  return std::sqrt(square);
 }
 
 // Of the nodes [slot].
@@ -64,11 +78,11 @@ std::vector<double> ContactNodes::current(const std::vector<double>& u) const {
 }
 
 PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
-                       const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
-                       Primary kind)
+                       const std::vector<double>& secondary_X, const ContactSurface& primary,
+                       SearchRange range, Primary kind)
     : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), corners_(mesh.dim() == 2 ? 2 : 4),
-      secondary_(secondary), primary_(primary.node), kind_(kind), radius_(radius), skin_(radius / 2) {
-  list_.reach = radius;
+      secondary_(secondary), primary_(primary.node), kind_(kind), radius_(range.radius),
+      skin_(range.radius / 2), local_(range.local && kind == Primary::other) {
   if (kind != Primary::rigid) neighbour_ = surface_neighbours(layout, primary);
   std::vector<PetscInt> nodes = secondary_;
   nodes.insert(nodes.end(), primary_.begin(), primary_.end());
@@ -84,6 +98,21 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   place(secondary_, secondary_X, secondary_slot_);
   place(primary_, primary.X, primary_slot_);
   static_ = NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, nodes);
+  static_slack_.assign(nodes.size(), local_ ? HUGE_VAL : skin_ / 2);
+  smallest_ = HUGE_VAL;
+  const auto measure = [&](const std::vector<double>& X, const std::vector<int>& slot) {
+    for (std::size_t i = 0; i < slot.size(); i += at(corners_)) {
+      const double size = longest_side(&X[at(dim_) * i], corners_, dim_);
+      smallest_ = std::min(smallest_, size);
+      for (std::size_t a = i; local_ && a < i + at(corners_); ++a) {
+        double& slack = static_slack_[at(slot[a])];
+        slack = std::min(slack, local_slack * size);
+      }
+    }
+  };
+  measure(secondary_X, secondary_slot_);
+  measure(primary.X, primary_slot_);
+  MPI_Allreduce(MPI_IN_PLACE, &smallest_, 1, MPI_DOUBLE, MPI_MIN, mesh.comm());
   if (kind == Primary::itself) prepare_self_contact();
 }
 
@@ -119,7 +148,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   const bool finite = all_finite(x);
   // Not a number; moved since the list was built; moved since the start of the step, by side.
   std::array<double, 4> mine = {finite ? 0.0 : 1.0, 0, 0, 0}, all{};
-  if (finite && !list_.outdated) mine[1] = largest_move(x, list_.built_at, dim_);
+  if (finite && !list_.outdated) mine[1] = largest_part(x, list_.built_at, dim_, static_slack_);
   if (finite && !static_start_.empty()) {
     mine[2] = largest_move(x, static_start_, dim_, secondary_slot_);
     mine[3] = largest_move(x, static_start_, dim_, primary_slot_);
@@ -129,9 +158,10 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
   if (all[0] > 0) return owed;
   const double motion = all[2] + all[3];
-  if (!list_.outdated && all[1] <= skin_ / 2 && motion <= list_.reach) return owed;
+  if (!list_.outdated && all[1] <= 1 && motion <= list_.reach) return owed;
   List before = std::exchange(list_, {});
-  list_.reach = std::max(radius_, motion);
+  // A step that moves alike finds the list long enough.
+  list_.reach = local_ ? std::max(smallest_, 1.25 * motion) : std::max(radius_, motion);
   list_.candidates = search(x);
   fetch_nodes(u);
   if (kind_ == Primary::itself) drop_neighbours(u);
@@ -172,6 +202,9 @@ std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) co
 
 Candidates PairSearch::search(const std::vector<double>& x) const {
   if (kind_ == Primary::rigid) return {};
+  if (local_)
+    return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach - smallest_,
+                           local_part + local_slack);
   return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin_);
 }
 
@@ -293,11 +326,56 @@ void PairSearch::fetch_nodes(Vec u) {
   next.X = next.exchange.gather(X);
   next.built_at = next.current(u);
   list_.nodes = std::move(next);
+  measure_slack();
   if (u_n_) fetch_start();
 }
 
+void PairSearch::measure_slack() {
+  const ContactNodes& nodes = list_.nodes;
+  list_.slack.assign(nodes.global.size(), local_ ? HUGE_VAL : skin_ / 2);
+  if (!local_) return;
+  for (std::size_t i = 0; i < secondary_.size(); ++i) {
+    double& slack = list_.slack[at(nodes.secondary[i])];
+    slack = std::min(slack, static_slack_[at(secondary_slot_[i])]);
+  }
+  std::vector<double> X(at(dim_ * corners_));
+  for (std::size_t i = 0; i < nodes.primary.size(); i += at(corners_)) {
+    for (std::size_t j = 0; j < X.size(); ++j)
+      X[j] = nodes.X[at(dim_ * nodes.primary[i + j / at(dim_)]) + j % at(dim_)];
+    const double size = longest_side(X.data(), corners_, dim_);
+    for (std::size_t a = i; a < i + at(corners_); ++a) {
+      double& slack = list_.slack[at(nodes.primary[a])];
+      slack = std::min(slack, local_slack * size);
+    }
+  }
+}
+
+double PairSearch::pairs_per_facet() const {
+  std::array<double, 2> sum{};
+  const std::vector<int>& offset = list_.candidates.offset;
+  for (std::size_t f = 0; f + 1 < offset.size(); ++f)
+    if (offset[f + 1] > offset[f]) sum = {sum[0] + offset[f + 1] - offset[f], sum[1] + 1};
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  return sum[1] > 0 ? sum[0] / sum[1] : 0;
+}
+
+double PairSearch::nearest_nodes(const std::vector<double>& u) const {
+  const std::vector<double> x = list_.nodes.current(u);
+  double square = HUGE_VAL;
+  const auto& offset = list_.candidates.offset;
+  for (std::size_t f = 0; f + 1 < offset.size(); ++f)
+    for (int c = offset[f]; c < offset[f + 1]; ++c)
+      for (int a = 0; a < corners_; ++a)
+        for (int b = 0; b < corners_; ++b) {
+          const int s = list_.nodes.secondary[at(corners_) * f + at(a)],
+                    p = list_.nodes.primary[at(corners_ * list_.candidates.facet[at(c)] + b)];
+          square = std::min(square, square_of_move(&x[at(dim_ * s)], &x[at(dim_ * p)], dim_));
+        }
+  return std::sqrt(square);
+}
+
 bool PairSearch::holds_for(const std::vector<double>& x) const {
-  return kind_ == Primary::rigid || largest_move(x, list_.nodes.built_at, dim_) <= skin_ / 2;
+  return kind_ == Primary::rigid || largest_part(x, list_.nodes.built_at, dim_, list_.slack) <= 1;
 }
 
 } // namespace impact

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/contact/box_tree.hpp>
 #include <impact/contact/search.hpp>
 #include <numeric>
@@ -16,6 +17,22 @@ Box box_of(const double* facet) {
   Box box;
   for (std::size_t a = 0; a < 4; ++a) box.include(facet + 3 * a);
   return box;
+}
+
+double size_of(const double* facet) {
+  double square = 0;
+  for (std::size_t a = 0; a < 4; ++a) {
+    const double *x = facet + 3 * a, *y = facet + 3 * ((a + 1) % 4);
+    double side = 0;
+    for (std::size_t k = 0; k < 3; ++k) side += (x[k] - y[k]) * (x[k] - y[k]);
+    square = std::max(square, side);
+  }
+  return std::sqrt(square);
+}
+
+Box grown_box_of(const double* facet, double part) {
+  const Box box = box_of(facet);
+  return part > 0 ? box.grown(part * size_of(facet)) : box;
 }
 
 // The boxes of both surfaces of every rank; an empty surface has an inverted box that meets nothing.
@@ -36,7 +53,7 @@ std::vector<RankBoxes> gather_boxes(MPI_Comm comm, const RankBoxes& mine) {
 // Sends each rank the primary facets that its secondary box reaches. Both sides know from the boxes who talks
 // to whom.
 std::vector<SearchFacet> exchange(MPI_Comm comm, const std::vector<RankBoxes>& boxes,
-                                  const std::vector<SearchFacet>& own, double reach) {
+                                  const std::vector<SearchFacet>& own, double reach, double part) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   const int size = static_cast<int>(boxes.size());
@@ -49,7 +66,7 @@ std::vector<SearchFacet> exchange(MPI_Comm comm, const std::vector<RankBoxes>& b
     if (other == rank || !target.meets(mine.primary)) continue;
     auto& message = outbox[static_cast<std::size_t>(other)];
     for (const SearchFacet& facet : own)
-      if (target.meets(box_of(facet.x.data()))) message.push_back(facet);
+      if (target.meets(grown_box_of(facet.x.data(), part))) message.push_back(facet);
     MPI_Isend(message.data(), static_cast<int>(message.size() * sizeof(SearchFacet)), MPI_BYTE, other, tag,
               comm, &requests.emplace_back());
   }
@@ -154,13 +171,14 @@ bool Candidates::same_pairs(const Candidates& other) const {
                     [](const SearchFacet& a, const SearchFacet& b) { return a.node == b.node; });
 }
 
-Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet> primary, double reach) {
+Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet> primary, double reach,
+                       double part) {
   Candidates found;
   sort_by_nodes(primary);
   found.primary = std::move(primary);
   std::vector<Box> boxes;
   boxes.reserve(found.primary.size());
-  for (const SearchFacet& facet : found.primary) boxes.push_back(box_of(facet.x.data()));
+  for (const SearchFacet& facet : found.primary) boxes.push_back(grown_box_of(facet.x.data(), part));
   const BoxTree tree(boxes);
   const std::size_t count = secondary.node.size() / 4;
   found.offset.reserve(count + 1);
@@ -169,7 +187,8 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
   std::array<Box, together> group;
   for (std::size_t first = 0; first < count; first += together) {
     const std::size_t last = std::min(first + together, count);
-    for (std::size_t s = first; s < last; ++s) group[s - first] = box_of(&secondary.x[12 * s]).grown(reach);
+    for (std::size_t s = first; s < last; ++s)
+      group[s - first] = grown_box_of(&secondary.x[12 * s], part).grown(reach);
     query(first, last, group.data());
   }
   keep_used(found);
@@ -177,12 +196,13 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
 }
 
 Candidates find_candidates(MPI_Comm comm, const SearchSecondary& secondary,
-                           const std::vector<SearchFacet>& own_primary, double reach) {
+                           const std::vector<SearchFacet>& own_primary, double reach, double part) {
   RankBoxes mine;
-  for (std::size_t i = 0; i < secondary.x.size(); i += 3) mine.secondary.include(&secondary.x[i]);
-  for (const SearchFacet& facet : own_primary)
-    for (std::size_t a = 0; a < 4; ++a) mine.primary.include(&facet.x[3 * a]);
-  return match_boxes(secondary, exchange(comm, gather_boxes(comm, mine), own_primary, reach), reach);
+  for (std::size_t i = 0; i < secondary.x.size(); i += 12)
+    mine.secondary.include(grown_box_of(&secondary.x[i], part));
+  for (const SearchFacet& facet : own_primary) mine.primary.include(grown_box_of(facet.x.data(), part));
+  return match_boxes(secondary, exchange(comm, gather_boxes(comm, mine), own_primary, reach, part), reach,
+                     part);
 }
 
 } // namespace impact

@@ -144,6 +144,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   newton_start_ = d.displacement.make_global();
   contact_acceleration_ = d.displacement.make_global();
   u_local_ = d.displacement.make_local();
+  if (!inertia_) loose_ = LooseBodies(d, motion_.boundary(), motion_.contacts(), motion_.rigid());
   if (damage_) phi_frozen_ = state_.row("phi").committed;
   if (heat_) theta_frozen_ = state_.row("theta").committed;
   if (state_.find("fatigue")) fatigue_.emplace(d, state_);
@@ -164,9 +165,17 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
       [](TS, PetscReal, Vec u, Vec, Vec, PetscReal, PetscReal shift_a, Mat, Mat, void* context) {
         auto& self = *static_cast<Coupling*>(context);
         return time_mailbox(self.ts_).guarded([&] {
+          if (!self.loose_.empty()) {
+            Vec r = nullptr;
+            check(SNESGetFunction(self.motion_snes_, &r, nullptr, nullptr));
+            self.loose_.weigh(u, r);
+            if (self.loose_.unbalanced()) self.reuse_.forget();
+          }
           if (self.reuse_.serves(self.motion_snes_, self.step_.dt, shift_a)) return;
           self.tangents_ += 1;
-          if (self.motion_.tangent(u, self.inertia_ ? shift_a : 0)) return;
+          const bool sound = self.motion_.tangent(u, self.inertia_ ? shift_a : 0);
+          if (!self.loose_.empty()) self.loose_.add_to(self.motion_.matrix());
+          if (sound) return;
           self.reuse_.forget();
           self.cell_broke_ = true;
           check(SNESSetJacobianDomainError(self.motion_snes_));
@@ -199,7 +208,8 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(motion_snes_, &search));
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
-  check(SNESLineSearchSetType(search, semismooth() || frictional() ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  check(SNESLineSearchSetType(search, semismooth() || frictional() || !loose_.empty() ? SNESLINESEARCHBASIC
+                                                                                      : SNESLINESEARCHL2));
   check(SNESSetFromOptions(motion_snes_));
   check_preconditioner(ksp, defaults.matrix);
   check(SNESGetTolerances(motion_snes_, nullptr, &residual_rtol_, nullptr, nullptr, nullptr));
@@ -298,6 +308,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
   }
   motion_.begin(step_);
   motion_.balance().forget();
+  loose_.start_attempt();
 }
 
 void Coupling::guess(const Attempt& attempt, Vec u) {
@@ -348,17 +359,22 @@ bool Coupling::semismooth() const {
 // Multipliers of the semismooth method follow every iterate, before the residual is evaluated there; the
 // solve ends when they have come to rest too.
 void Coupling::update_multipliers_in(SNES snes) {
-  // The first multipliers may raise the norm of a residual that was nearly zero by any factor.
-  if (semismooth()) check(SNESSetDivergenceTolerance(snes, -1));
+  // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
+  // was nearly zero by any factor.
+  if (semismooth() || !loose_.empty()) check(SNESSetDivergenceTolerance(snes, -1));
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetPostCheck(
       search,
       [](SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed, void* context) {
         auto& self = *static_cast<Coupling*>(context);
-        if (!self.semismooth() && self.motion_.rigid().empty() && !self.frictional())
+        if (!self.semismooth() && self.motion_.rigid().empty() && !self.frictional() && self.loose_.empty())
           return PetscErrorCode(0);
         return time_mailbox(self.ts_).guarded([&] {
+          if (const double part = self.loose_.empty() ? 1 : self.loose_.part_of(y); part < 1) {
+            check(VecWAXPY(w, -part, y, x));
+            *changed = PETSC_TRUE;
+          }
           if (self.reverses()) {
             check(VecWAXPY(w, -1, y, x));
             *changed = PETSC_TRUE;
@@ -464,7 +480,8 @@ void Coupling::begin_newton(Vec u, PassResult& result) {
   // A jump below that strains the layer by so little that its answer is linear too.
   const double small = 1e-7 * d.mesh.smallest_edge();
   if (largest <= small) check(VecCopy(goal, u));
-  first_done_ = (largest > small || line_search() == SNESLINESEARCHL2) &&
+  // What nothing holds yet has no such answer: its steps are limited ones (H3).
+  first_done_ = loose_.empty() && (largest > small || line_search() == SNESLINESEARCHL2) &&
                 take_first_step(u, largest > small ? ahead.get() : nullptr, small / largest);
   if (!first_done_) check(VecCopy(goal, u));
 }
@@ -610,6 +627,7 @@ SNESConvergedReason Coupling::run_motion(Vec u) {
                             PETSC_DEFAULT));
   };
   allow(std::max<PetscInt>(most - tangents_, 0));
+  loose_.start_solve();
   check(SNESSolve(motion_snes_, nullptr, u));
   allow(most);
   first_done_ = false;
@@ -641,15 +659,31 @@ bool Coupling::balanced(Vec u) {
          });
 }
 
+// What faces what is found between the Newton solves: a loose body that faces nothing yet strides towards
+// what the search sees, one iteration at a time.
+void Coupling::approach(Vec u) {
+  PetscInt most = 0;
+  check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
+  for (PetscInt stride = 0; stride < most && loose_.sees_only(u); ++stride) {
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, 1, PETSC_DEFAULT));
+    const SNESConvergedReason reason = run_motion(u);
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most, PETSC_DEFAULT));
+    if (reason != SNES_DIVERGED_MAX_IT) return;
+    refresh_contact(u);
+  }
+}
+
 PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   PassResult result;
   refresh_contact(u);
+  if (!loose_.empty()) approach(u);
   for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
   result.inner = solve_motion(u);
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
     if (result.inner == SNES_DIVERGED_LOCAL_MIN) failure_ += " (Newton's method does not come to rest)";
+    if (const std::string adrift = loose_.adrift(); !adrift.empty()) failure_ += " (" + adrift + ")";
     if (result.inner == SNES_DIVERGED_LINEAR_SOLVE) {
       // Factors of a singular matrix must not serve the next try.
       forget_factors();

@@ -232,25 +232,38 @@ std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
   return regions;
 }
 
-// [body] 1 where a side of a contact that is closed at u = 0 belongs to it.
+// [body] 1 where a side of a contact that sees its other side at u = 0 belongs to it; of rigid bodies, which
+// must be pressed from the first iteration: of one that is closed.
 std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies,
-                                std::span<const ContactInterface> contacts) {
-  std::vector<int> touched(static_cast<std::size_t>(bodies.count), 0);
+                                std::span<const ContactInterface> contacts, const RigidBodies& rigid) {
+  std::vector<int> touched(static_cast<std::size_t>(bodies.count), 0), is_rigid(touched);
+  for (const RigidBody& body : rigid.bodies()) is_rigid[static_cast<std::size_t>(body.component)] = 1;
   const Handle<Vec> undeformed = d.displacement.make_global();
   for (const ContactInterface& contact : contacts) {
     const ContactSettings& settings = contact.settings();
-    if (!(contact.measures(undeformed).gap_min <= settings.gap_tol)) continue; // nan: nothing is near
+    const ContactInterface::Reach reach = contact.reach(undeformed);
+    if (std::isinf(reach.gap) && std::isinf(reach.distance)) continue;
     for (const std::string& side : {settings.secondary, settings.primary, settings.carrier})
       if (!side.empty() && !ContactSettings::rigid_name(side))
-        for (int node : d.mesh.nodes(side))
-          touched[static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)])] = 1;
+        for (int node : d.mesh.nodes(side)) {
+          const auto body = static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)]);
+          if (!is_rigid[body] || reach.gap <= settings.gap_tol) touched[body] = 1;
+        }
   }
   MPI_Allreduce(MPI_IN_PLACE, touched.data(), bodies.count, MPI_INT, MPI_MAX, d.mesh.comm());
   return touched;
 }
 
-std::vector<FreeBody> free_bodies(const Discretisation& d, const BoundaryData& boundary,
-                                  std::span<const ContactInterface> contacts, const RigidBodies& rigid) {
+std::string list_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+} // namespace
+
+std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary,
+                                       std::span<const ContactInterface> contacts, const RigidBodies& rigid) {
   const Bodies bodies = find_bodies(d.mesh, d.scalar);
   const Geometry geometry = measure(d.mesh, bodies);
   const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry, rigid);
@@ -262,12 +275,13 @@ std::vector<FreeBody> free_bodies(const Discretisation& d, const BoundaryData& b
     std::vector<std::string> motions =
         name_motions(d.frame, {start, start + entries}, geometry.centre[b], geometry.size[b]);
     if (motions.empty()) continue;
-    free.push_back({"", geometry.centre[b], std::move(motions), false});
+    free.push_back(
+        {"", geometry.centre[b], std::move(motions), false, static_cast<int>(b), geometry.size[b]});
     number.push_back(b);
   }
   if (free.empty()) return free;
   const std::vector<std::string> regions = name_regions(d.mesh, bodies);
-  const std::vector<int> touched = touched_bodies(d, bodies, contacts);
+  const std::vector<int> touched = touched_bodies(d, bodies, contacts, rigid);
   for (std::size_t i = 0; i < free.size(); ++i) {
     free[i].regions = regions[number[i]];
     free[i].touched = touched[number[i]] != 0;
@@ -286,32 +300,23 @@ std::string describe(const FreeBody& body, int dim) {
   return text + ")";
 }
 
-std::string list_of(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
-} // namespace
-
-std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary) {
-  return free_bodies(d, boundary, {}, {});
-}
-
 std::vector<std::string> require_held_bodies(const Discretisation& d, const BoundaryData& boundary,
                                              std::span<const ContactInterface> contacts,
                                              const RigidBodies& rigid) {
   std::vector<std::string> warnings;
-  for (const FreeBody& body : free_bodies(d, boundary, contacts, rigid)) {
+  for (const FreeBody& body : find_free_bodies(d, boundary, contacts, rigid)) {
     const std::string who = describe(body, d.dim()), motions = list_of(body.motions);
     if (!body.touched)
-      throw UserError(ExitCode::data,
-                      "-ts_type static: " + who + " is not held against " + motions +
-                          "; prescribe displacements on it (-bcs, -bc_<id>_on, -bc_<id>_type) or keep the "
-                          "inertia (-ts_type newmark)");
-    warnings.push_back(who + " is held by contact alone against " + motions +
-                       "; should Newton's method fail, prescribe displacements on it or keep the inertia "
-                       "(-ts_type newmark)");
+      throw UserError(
+          ExitCode::data,
+          "-ts_type static: " + who + " is not held against " + motions +
+              "; no contact sees anything near it: prescribe displacements on it (-bcs, -bc_<id>_on, "
+              "-bc_<id>_type), bring what shall hold it within -contact_<id>_search_radius, or keep the "
+              "inertia (-ts_type newmark)");
+    warnings.push_back(
+        who + " is held by contact alone against " + motions +
+        "; where that does not hold it, the first step fails: prescribe displacements on it then, or "
+        "keep the inertia (-ts_type newmark)");
   }
   return warnings;
 }

@@ -81,9 +81,7 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
   return {
       choice_row<Contact, ContactMethod>(
           "method", &Contact::method,
-          {"constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: gpts in the plane, "
-           "mortar in space",
-           "auto"},
+          {"constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: mortar", "auto"},
           {{"auto", ContactMethod::automatic},
            {"gpts", ContactMethod::gauss_points},
            {"mortar", ContactMethod::mortar}}),
@@ -159,9 +157,12 @@ std::vector<OptionRow<Contact>> detection_rows() {
   return {
       count_row<Contact>("points", &Contact::points, {"Gauss points per secondary facet and direction", "2"},
                          1, 5),
-      number_row<Contact>("search_radius", &Contact::search_radius,
-                          {"distance of candidate pairs; auto: twice the longest facet", "auto", "m"},
-                          positive, automatic()),
+      number_row<Contact>(
+          "search_radius", &Contact::search_radius,
+          {"distance of candidate pairs; auto: by the facets' own sizes and the motion of a step, twice the "
+           "longest facet deep",
+           "auto", "m"},
+          positive, automatic()),
       choice_row<Contact, InitialOverlap>("initial", &Contact::initial,
                                           {"bodies that overlap at the start: secondary nodes move out "
                                            "without stress, by _initial_tol at most; refused; left so",

@@ -3,6 +3,7 @@
 #include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/shifted_mesh.hpp>
+#include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>
@@ -219,6 +220,21 @@ void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacl
     report(setup->contacts[i].settings(), adjusted[i], setup->discretisation.mesh);
 }
 
+// Every pair is looked at in each residual and couples its nodes in the matrix.
+void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
+  constexpr double many = 30;
+  const double pairs = contact.pairs_per_facet();
+  if (contact.settings().rigid() || pairs == 0) return;
+  const std::string& id = contact.id();
+  PetscPrintf(comm, "contact %s: %.3g candidate pairs per secondary facet\n", id.c_str(), pairs);
+  if (pairs > many)
+    PetscPrintf(
+        comm,
+        "impact: contact %s: more than %g pairs per facet make steps slow: the facets of one side are "
+        "far larger than those of the other, or -contact_%s_search_radius is\n",
+        id.c_str(), many, id.c_str());
+}
+
 } // namespace
 
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, const GmshFile* kept) {
@@ -229,6 +245,8 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, const GmshF
   for (const ContactInterface& contact : setup->contacts)
     for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
   adjust_overlaps(s, obstacles, setup);
+  if (s.has_motion()) refuse_deep_overlaps(setup->discretisation, setup->contacts);
+  for (const ContactInterface& contact : setup->contacts) report_pairs(contact, comm);
   if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))

@@ -18,6 +18,7 @@ BASE = {
     "bc_plate_on": "lower_bottom", "bc_plate_uy": 0, "bc_plate_ux": f"{STRETCH - 1!r}*x*t",
     "bc_press_on": "upper_top", "bc_press_uy": f"-{TOP!r}*t", "bc_press_ux": f"{STRETCH - 1!r}*x*t",
     "contacts": "face", "contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom",
+    "contact_face_method": "gpts",
     # The middles of the cells below the interface, one half of them.
     "probes": ",".join(PROBES), **{f"probe_{k}_at": f"{x},0.9" for k, x in PROBES.items()},
     **{f"probe_{k}_fields": "stress" for k in PROBES},

@@ -56,6 +56,11 @@ require("overlap of rounding size is none", not moved(rounding))
 
 # Round sides: the way out is along the other side's facets. Bodies in flight, so that what a stress would do shows.
 # Their sides are polygons, 0.02 mm within the circles.
+# Deeper than the pairs of the search reach: refused too, not passed over with no force.
+for ranks in (1, 2):
+    far = run(f"far_{ranks}", {**BLOCKS, "mesh_set_n_lower": 20, "mesh_set_n_upper": 20, "mesh_set_gap": -0.5}, ranks=ranks, code=3)
+    require(f"an overlap of half a block is refused, {ranks} ranks", "inside the body of `lower_top`" in far.log)
+
 DISCS = {"mesh_set_gap": -0.04, "contact_face_initial_tol": "0.05 mm", "mesh_set_offset": 3, "ts_max_time": "4 us", "output_vis_dt": 1, "contact_face_initial": "adjust",
          "checkpoint_every": 10, "motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
          "motion_pc_factor_mat_solver_type": "mumps"}

@@ -17,7 +17,7 @@ PRESSED = {
     "materials": "lower,upper", "material_lower_E": 1e6, "material_lower_nu": 0.3, "material_upper_like": "lower",
     "bcs": "plate,press", "bc_plate_on": "lower_bottom", "bc_plate_type": "fix", "bc_press_on": "upper_top",
     "bc_press_ux": "0.01*t", "bc_press_uy": "-0.02*t", "contacts": "face", "contact_face_secondary": "upper_bottom",
-    "contact_face_primary": "lower_top", "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1,
+    "contact_face_primary": "lower_top", "contact_face_method": "gpts", "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1,
 }
 
 for name, options in (("penalty", FLIGHT), ("augmented", AUGMENTED), ("pressed", PRESSED)):

@@ -140,6 +140,10 @@ public:
   virtual NodePairs couplings() const = 0;
   /// False where the coordinates x of nodes() left the range of the pairs.
   bool pairs_hold(const std::vector<double>& x) const { return search_.holds_for(x); }
+  /// Distance of the nearest nodes of this rank's pairs at the displacement u of nodes(); infinite without
+  /// any.
+  double nearest_nodes(const std::vector<double>& u) const { return search_.nearest_nodes(u); }
+  double pairs_per_facet() const { return search_.pairs_per_facet(); }
   /// Gap below which a constraint lies deeper than the search can judge; -infinity where it always can.
   double deepest() const {
     return search_.meets_rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();

@@ -233,6 +233,16 @@ public:
   void advance(Vec u_n, Vec u, double dt);
   /// Collective.
   ContactMeasures measures(Vec u) const;
+  /// Pairs of the search per secondary facet that has any. Collective.
+  double pairs_per_facet() const { return form_->pairs_per_facet(); }
+  /// How far the sides are from pressing each other at u. Collective.
+  struct Reach {
+    double gap = 0;       ///< smallest one, infinite where nothing faces
+    double distance = 0;  ///< of the nearest nodes among the search's pairs, where nothing faces
+    double stiffness = 0; ///< as long as nothing presses: of the penalty, over the places that touch
+    bool presses = false;
+  };
+  Reach reach(Vec u) const;
   /// At the secondary nodes, as weighted means of the constraints. Collective.
   ContactFields nodal_fields(Vec u) const;
 

@@ -54,6 +54,13 @@ template <class T> void sort_unique(std::vector<T>& v) {
   v.erase(std::unique(v.begin(), v.end()), v.end());
 }
 
+/// How near facets are a pair. With `local`: by the sizes of both and what moves in a step, so that coarse
+/// facets elsewhere cost nothing; else, and on a surface that may meet itself: the radius, everywhere.
+struct SearchRange {
+  double radius = 0; ///< how deep behind the primary a facet is seen
+  bool local = false;
+};
+
 class PairSearch {
 public:
   enum class Outcome { kept, rebuilt, other_pairs };
@@ -66,7 +73,7 @@ public:
   /// the primary is no surface of the mesh. A surface that may meet itself keeps of its pairs those that
   /// SelfContact lets touch. Mesh and layout must outlive the search. Collective.
   PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
-             const std::vector<double>& secondary_X, const ContactSurface& primary, double radius,
+             const std::vector<double>& secondary_X, const ContactSurface& primary, SearchRange range,
              Primary kind);
 
   /// Beginning of an attempt at a step from u_n. One that starts where the last one did finds the list that
@@ -93,6 +100,8 @@ public:
   }
 
   const Candidates& candidates() const { return list_.candidates; }
+  /// Pairs per secondary facet that has one, of all ranks. Collective.
+  double pairs_per_facet() const;
   /// Global nodes of the candidates of a secondary facet, some several times.
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return list_.nodes; }
@@ -110,6 +119,9 @@ public:
   double depth(int secondary_facet) const {
     return depth_.empty() ? radius_ : depth_[static_cast<std::size_t>(secondary_facet)];
   }
+  /// Distance of the nearest nodes of two facets of a pair at the displacement u of nodes(); infinite without
+  /// pairs.
+  double nearest_nodes(const std::vector<double>& u) const;
   /// False: something moved so far that the list may miss a facet. x: [node][dim] of nodes().
   bool holds_for(const std::vector<double>& x) const;
 
@@ -120,13 +132,15 @@ private:
     ContactNodes nodes;
     std::vector<char> counts;     // [candidate] of a surface that may meet itself, else empty
     std::vector<double> built_at; // [static node][dim]
-    double reach = 0; // it holds every facet so near: the radius, or the motion of the step if larger
+    std::vector<double> slack;    // [node] of nodes: what it may move by
+    double reach = 0;             // most motion within a step for which the list holds every facet
     bool outdated = true;
   };
   // Facets at the coordinates x of the static nodes.
   SearchSecondary secondary_at(const std::vector<double>& x) const;
   std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
   Candidates search(const std::vector<double>& x) const;
+  void measure_slack();
   void prepare_self_contact();
   // Leaves of the candidates those that may touch; needs nodes_ of them all.
   void drop_neighbours(Vec u);
@@ -143,9 +157,11 @@ private:
   std::vector<int> secondary_slot_, primary_slot_; // [facet][corner] into the static nodes
   NodeExchange static_;                            // nodes of this rank's facets of both surfaces
   std::vector<double> static_X_, static_start_;    // [node][dim]; start empty: unknown
+  std::vector<double> static_slack_;               // [node] what it may move by until the list is made anew
   Handle<Vec> u_n_;                                // at the start of the step; absent: unknown
   Primary kind_ = Primary::rigid;
-  double radius_ = 0, skin_ = 0;
+  double radius_ = 0, skin_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
+  bool local_ = false;
   List list_;
   std::optional<List> found_;        // by the attempt, where it has searched since
   Handle<Vec> attempt_from_;         // where it started; absent: none yet

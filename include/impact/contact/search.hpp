@@ -31,12 +31,14 @@ struct Candidates {
   bool same_pairs(const Candidates& other) const;
 };
 
-/// All pairs whose boxes come closer than `reach`; facets that share a node are no pair. Boxes of the ranks
-/// are gathered, facets travel only to ranks whose secondary box they reach. Collective.
+/// All pairs whose boxes come closer than `reach` and `part` of the longest sides of both; facets that share
+/// a node are no pair. Boxes of the ranks are gathered, facets travel only to ranks whose secondary box they
+/// reach. Collective.
 Candidates find_candidates(MPI_Comm comm, const SearchSecondary& secondary,
-                           const std::vector<SearchFacet>& own_primary, double reach);
+                           const std::vector<SearchFacet>& own_primary, double reach, double part = 0);
 
 /// The part of find_candidates that needs no messages: `primary` may come in any order.
-Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet> primary, double reach);
+Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet> primary, double reach,
+                       double part = 0);
 
 } // namespace impact

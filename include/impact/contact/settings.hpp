@@ -35,7 +35,7 @@ struct ContactSettings {
   std::array<std::function<double(double t)>, 3>
       rigid_motion;    ///< displacement of the rigid body; empty: none
   std::string carrier; ///< region of the rigid body of the mesh that carries it; empty: it moves as told
-  ContactMethod method = ContactMethod::automatic; ///< automatic: Gauss points in the plane, mortar in space
+  ContactMethod method = ContactMethod::automatic; ///< automatic: mortar
   MultiplierSpace multipliers =
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
@@ -52,10 +52,12 @@ struct ContactSettings {
       automatic; ///< automatic: the starting penalty, or 4 times its automatic value from below that
   double penalty_max = automatic; ///< automatic: 1e4 times the automatic penalty
   PenaltyGrowth growth = PenaltyGrowth::on_slow_gap;
-  double gap_tol = automatic;       ///< a length; automatic: 1e-3 of the secondary facet
-  double pressure_tol = 1e-2;       ///< change relative to the largest multiplier
-  int points = 2;                   ///< Gauss points per secondary facet (P + 1)
-  double search_radius = automatic; ///< automatic: twice the longest facet
+  double gap_tol = automatic; ///< a length; automatic: 1e-3 of the secondary facet
+  double pressure_tol = 1e-2; ///< change relative to the largest multiplier
+  int points = 2;             ///< Gauss points per secondary facet (P + 1)
+  double search_radius =
+      automatic;             ///< automatic: pairs by the facets' own sizes, twice the longest facet deep
+  bool local_search = false; ///< the radius was automatic
   InitialOverlap initial = InitialOverlap::error;
   double initial_tol = automatic; ///< automatic: 1e-3 of the facet
   ImpactUpdate impact = ImpactUpdate::automatic;

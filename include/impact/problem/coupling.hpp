@@ -2,6 +2,7 @@
 #include <impact/problem/damage.hpp>
 #include <impact/problem/fatigue.hpp>
 #include <impact/problem/heat.hpp>
+#include <impact/problem/loose_bodies.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/newton_watch.hpp>
 #include <impact/problem/phi_passes.hpp>
@@ -136,6 +137,7 @@ private:
   SNESConvergedReason solve_motion(Vec u);
   SNESConvergedReason run_motion(Vec u);
   SNESConvergedReason go_second_way(Vec u, PetscInt most_iterations);
+  void approach(Vec u);
   bool has_second_way() const;
   std::string line_search() const;
   void begin_newton(Vec u, PassResult& result);
@@ -187,6 +189,7 @@ private:
   long second_ways_ = 0;
   int near_ = 0; // iterates whose residual was beside its tolerance
   MotionProblem::Increments increments_;
+  LooseBodies loose_; // empty with inertia
   std::string failure_;
   const char* changing_ = "phi"; // what a pass changed most
   double said_ = 0;              // wall time of the last word about a crack that runs

@@ -17,17 +17,23 @@ struct FreeBody {
   std::string regions;              ///< of its cells, separated by commas
   std::array<double, 3> centre{};   ///< mean of its nodes
   std::vector<std::string> motions; ///< "translation in x", "rotation about (0, 0)"
-  bool touched = false;             ///< by a contact that is closed in the undeformed state
+  bool touched = false;             ///< a contact sees something near it in the undeformed state
+  int number = 0;                   ///< among find_bodies
+  double size = 0;                  ///< largest distance of a node from the centre
 };
 
 /// Bodies with a rigid motion that vanishes at no prescribed dof, the same list on all ranks, by their lowest
 /// global node. The motions are infinitesimal: 3 in the plane, 1 with a ring's symmetry (along the axis), 6
 /// in space. Two cells that share one node count as one body: a hinge of that kind is not found. Collective.
-std::vector<FreeBody> find_free_bodies(const Discretisation& discretisation, const BoundaryData& boundary);
+std::vector<FreeBody> find_free_bodies(const Discretisation& discretisation, const BoundaryData& boundary,
+                                       std::span<const ContactInterface> contacts = {},
+                                       const RigidBodies& rigid = {});
+/// "the body of region disc around (0, 10)".
+std::string describe(const FreeBody& body, int dim);
 
 /// For runs without inertia: a body that nothing holds throws UserError(data) that names it, its motions and
-/// the remedy. One that contact touches from the start is held perhaps: returns a sentence of warning for
-/// each. Contact that closes later holds nothing in the first step. Collective.
+/// the remedy. One that a contact sees something near is held perhaps (LooseBodies): returns a sentence of
+/// warning for each. Collective.
 std::vector<std::string> require_held_bodies(const Discretisation& discretisation,
                                              const BoundaryData& boundary,
                                              std::span<const ContactInterface> contacts,

@@ -1,0 +1,182 @@
+#include <algorithm>
+#include <cstdio>
+#include <impact/contact/box_tree.hpp>
+#include <impact/mesh/bodies.hpp>
+#include <impact/mesh/cell_batches.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/deep_overlap.hpp>
+
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// A node is tried at this part of the way to the middles of its own cells. Less deep is for the pairs to see;
+// where surfaces touch that place lies outside the other body. Cells are closed, so that none is missed
+// between two.
+constexpr double inwards = 1, closed = -1e-9;
+
+using Place = std::array<double, 3>;
+
+struct Simplex {
+  std::array<Place, 4> corner;
+  int body = 0;
+};
+
+double signed_volume(int dim, const Place& a, const Place& b, const Place& c, const Place& d) {
+  const Place u = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  if (dim == 2) return u[0] * v[1] - u[1] * v[0];
+  const Place w = {d[0] - a[0], d[1] - a[1], d[2] - a[2]};
+  return u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
+         u[2] * (v[0] * w[1] - v[1] * w[0]);
+}
+
+bool inside(int dim, const Simplex& cell, const Place& x) {
+  const double whole = signed_volume(dim, cell.corner[0], cell.corner[1], cell.corner[2], cell.corner[3]);
+  for (int i = 0; i <= dim; ++i) {
+    std::array<Place, 4> with = cell.corner;
+    with[at(i)] = x;
+    if (!(signed_volume(dim, with[0], with[1], with[2], with[3]) > closed * whole)) return false;
+  }
+  return true;
+}
+
+// The cells of this rank as simplices with positive volume, in the reference configuration.
+std::vector<Simplex> simplices(const Discretisation& d, const std::vector<int>& body_of_node) {
+  static constexpr int of_quad[2][3] = {{0, 1, 2}, {0, 2, 3}};
+  static constexpr int of_hex[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
+                                       {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+  const int dim = d.dim();
+  std::vector<Simplex> all;
+  for (const CellGroup& group : d.groups) {
+    const int nodes = node_count(group.shape), pieces = nodes == dim + 1 ? 1 : dim == 2 ? 2 : 6;
+    for (int b = 0; b < group.batch_count; ++b)
+      for (int l = 0; l < group.lanes_in_use(b); ++l)
+        for (int p = 0; p < pieces; ++p) {
+          Simplex cell{};
+          for (int i = 0; i <= dim; ++i) {
+            const int a = pieces == 1 ? i : dim == 2 ? of_quad[p][i] : of_hex[p][i];
+            const int node = group.node[at((b * nodes + a) * lanes + l)];
+            for (int k = 0; k < dim; ++k)
+              cell.corner[at(i)][at(k)] = d.mesh.coordinates()[at(node * dim + k)];
+            cell.body = body_of_node[at(node)];
+          }
+          if (signed_volume(dim, cell.corner[0], cell.corner[1], cell.corner[2], cell.corner[3]) < 0)
+            std::swap(cell.corner[0], cell.corner[1]);
+          all.push_back(cell);
+        }
+  }
+  return all;
+}
+
+// [body] 1 where nodes of the side belong to it.
+std::vector<int> bodies_of(const Discretisation& d, const Bodies& bodies, const std::string& side) {
+  std::vector<int> holds(at(bodies.count), 0);
+  for (int node : d.mesh.nodes(side)) holds[at(bodies.of_node[at(node)])] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, holds.data(), bodies.count, MPI_INT, MPI_MAX, d.mesh.comm());
+  return holds;
+}
+
+// [local node][dim + 1]: sum of the corners of the cells around it, and their number.
+std::vector<double> sums_around(const Discretisation& d) {
+  const int dim = d.dim();
+  std::vector<double> sum(at((dim + 1) * d.mesh.node_count()), 0.0);
+  for (const CellGroup& group : d.groups) {
+    const int nodes = node_count(group.shape);
+    for (int b = 0; b < group.batch_count; ++b)
+      for (int l = 0; l < group.lanes_in_use(b); ++l)
+        for (int i = 0; i < nodes * nodes; ++i) {
+          const int node = group.node[at((b * nodes + i / nodes) * lanes + l)],
+                    corner = group.node[at((b * nodes + i % nodes) * lanes + l)];
+          for (int k = 0; k < dim; ++k)
+            sum[at((dim + 1) * node + k)] += d.mesh.coordinates()[at(dim * corner + k)];
+          sum[at((dim + 1) * node + dim)] += 1;
+        }
+  }
+  return sum;
+}
+
+// Coordinates [node][3], a little inside their body, of the owned nodes of a side, of all ranks.
+std::vector<double> places_of(const Discretisation& d, const std::vector<double>& around,
+                              const std::string& side) {
+  std::vector<double> mine;
+  const int dim = d.dim();
+  for (int node : d.mesh.nodes(side)) {
+    if (!d.mesh.owned(node)) continue;
+    const double* sum = &around[at((dim + 1) * node)];
+    for (int k = 0; k < 3; ++k)
+      mine.push_back(k < dim ? (1 - inwards) * d.mesh.coordinates()[at(node * dim + k)] +
+                                   inwards * sum[k] / sum[dim]
+                             : 0);
+  }
+  int ranks = 1;
+  MPI_Comm_size(d.mesh.comm(), &ranks);
+  std::vector<int> count(at(ranks)), start(at(ranks), 0);
+  const int own = static_cast<int>(mine.size());
+  MPI_Allgather(&own, 1, MPI_INT, count.data(), 1, MPI_INT, d.mesh.comm());
+  for (std::size_t r = 1; r < start.size(); ++r) start[r] = start[r - 1] + count[r - 1];
+  std::vector<double> all(at(start.back() + count.back()));
+  MPI_Allgatherv(mine.data(), own, MPI_DOUBLE, all.data(), count.data(), start.data(), MPI_DOUBLE,
+                 d.mesh.comm());
+  return all;
+}
+
+} // namespace
+
+void refuse_deep_overlaps(const Discretisation& d, std::span<const ContactInterface> contacts) {
+  const auto matters = [](const ContactSettings& settings) {
+    return !settings.rigid() && settings.primary != settings.secondary &&
+           settings.initial != InitialOverlap::allow;
+  };
+  if (std::none_of(contacts.begin(), contacts.end(), [&](const auto& c) { return matters(c.settings()); }))
+    return;
+  const Bodies bodies = find_bodies(d.mesh, d.scalar);
+  const std::vector<Simplex> cells = simplices(d, bodies.of_node);
+  std::vector<Box> boxes;
+  for (const Simplex& cell : cells) {
+    Box& box = boxes.emplace_back();
+    for (int i = 0; i <= d.dim(); ++i) box.include(cell.corner[at(i)].data());
+  }
+  const BoxTree tree(boxes);
+  const std::vector<double> around = sums_around(d);
+  std::vector<std::uint32_t> leaves;
+  std::vector<int> found;
+  for (const ContactInterface& contact : contacts) {
+    const ContactSettings& settings = contact.settings();
+    if (!matters(settings)) continue;
+    for (const bool swapped : {false, true}) {
+      const std::string &side = swapped ? settings.primary : settings.secondary,
+                        &other = swapped ? settings.secondary : settings.primary;
+      const std::vector<int> own = bodies_of(d, bodies, side), theirs = bodies_of(d, bodies, other);
+      const std::vector<double> places = places_of(d, around, side);
+      int deep = static_cast<int>(places.size() / 3); // first node inside a cell of the other side's bodies
+      for (int i = 0; i < deep; ++i) {
+        Place x;
+        std::copy_n(&places[at(3 * i)], 3, x.begin());
+        Box box;
+        box.include(x.data());
+        leaves.clear();
+        found.clear();
+        tree.find_leaves(box, leaves);
+        for (std::uint32_t leaf : leaves) tree.find_boxes(box, leaf, found);
+        for (int c : found)
+          if (theirs[at(cells[at(c)].body)] && !own[at(cells[at(c)].body)] &&
+              inside(d.dim(), cells[at(c)], x))
+            deep = i;
+      }
+      MPI_Allreduce(MPI_IN_PLACE, &deep, 1, MPI_INT, MPI_MIN, d.mesh.comm());
+      if (deep == static_cast<int>(places.size() / 3)) continue;
+      char where[120];
+      std::snprintf(where, sizeof where, d.dim() == 2 ? "(%.4g, %.4g)" : "(%.4g, %.4g, %.4g)",
+                    places[at(3 * deep)], places[at(3 * deep + 1)], places[at(3 * deep + 2)]);
+      throw UserError(ExitCode::data, "contact " + settings.id + ": `" + side + "` lies around " + where +
+                                          " inside the body of `" + other + "`, deeper than -contact_" +
+                                          settings.id +
+                                          "_search_radius sees; part the bodies, or use -contact_" +
+                                          settings.id + "_initial allow to pass over it");
+    }
+  }
+}
+
+} // namespace impact

@@ -1,0 +1,33 @@
+# labels: run
+# timeout: 120
+# processors: 2
+"""Static bodies that contact alone holds (src/theory.md (H1) to (H3)): a round body that touches a block in one point,
+pressed by a dead traction in one step, against Hertz; a stack under gravity with friction; a body above a small gap; a body
+that nothing holds is named. The hold stands in the matrix alone: forces balance to rounding, no work is missing."""
+from _held import METHODS, cylinder, hertz_error, stack
+from _runs import check, check_between, finish, require
+
+for method, enforce in METHODS:
+    if (method, enforce) == ("gpts", "auglag"):
+        continue  # two points a facet are more constraints than it can meet: many augmentations, see the long script
+    r = cylinder(f"cylinder_{method}_{enforce}", method, enforce)
+    error = hertz_error(f"cylinder_{method}_{enforce}")
+    check(f"cylinder, {method}, {enforce}: force of the contact", r["contact_touch_force_y"][-1], 500, 1e-9)
+    check_between(f"cylinder, {method}, {enforce}: pressure over Hertz's", error, 0.96, 1.04)
+    check_between(f"cylinder, {method}, {enforce}: Newton iterations of its hardest solve", r["newton_most"][1], 1, 25)
+    check_between(f"cylinder, {method}, {enforce}: tries", r["tries"].max(), 1, 1)
+    check(f"cylinder, {method}, {enforce}: balance, no force but the contact's holds it", r["balance"][-1], 0, 1e-9,
+          relative=False)
+r = cylinder("two_ranks", "auto", "auto", ranks=2)
+check("default form, two ranks: force", r["contact_touch_force_y"][-1], 500, 1e-9)
+check_between("default form, two ranks: pressure over Hertz's", hertz_error("two_ranks"), 0.96, 1.04)
+for friction in (0, 0.3):
+    r = stack(f"stack_{friction}", "mortar", "semismooth", friction)
+    check(f"stack, friction {friction}: lower force over the weight", r["contact_lower_force_y"][-1] / 4.4145e-3, 1, 1e-9)
+    check(f"stack, friction {friction}: upper force over the weight", r["contact_upper_force_y"][-1] / 1.962e-3, 1, 1e-9)
+    check_between(f"stack, friction {friction}: Newton iterations of the step", r["newton"][1], 1, 25)
+r = cylinder("gap", "auto", "auto", extra={"mesh_set_gap": 0.03})
+check("above a gap: force", r["contact_touch_force_y"][-1], 500, 1e-9)
+r = cylinder("away", "auto", "auto", extra={"bc_load_uy": "50*t"}, code=5)
+require("a body that flies away is named", "the body of region disc" in r.log and "meets nothing that holds it" in r.log)
+finish()
