@@ -4,6 +4,7 @@
 #include <exception>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/file_access.hpp>
+#include <impact/petsc/shared_cores.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
@@ -63,6 +64,8 @@ int main(int argc, char** argv) {
     return 0;
   }
   impact::choose_file_access();
+  impact::yield_while_waiting();
+  impact::hold_to_one_thread();
   impact::install_signal_handlers();
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {

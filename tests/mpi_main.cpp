@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 #include <impact/petsc/file_access.hpp>
+#include <impact/petsc/shared_cores.hpp>
 #include <iostream>
 #include <petscsys.h>
 #ifdef __SANITIZE_ADDRESS__
@@ -29,6 +30,8 @@ private:
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   impact::choose_file_access();
+  impact::yield_while_waiting();
+  impact::hold_to_one_thread();
 #ifdef __SANITIZE_ADDRESS__
   __lsan_disable(); // what MPI takes at its start and never gives back
 #endif

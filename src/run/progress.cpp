@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/shared_cores.hpp>
 #include <impact/run/progress.hpp>
 
 namespace impact {
@@ -9,12 +10,14 @@ namespace impact {
 void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaults& solver) {
   const MPI_Comm comm = d.mesh.comm();
   int ranks = 1;
+  const int threads = threads_per_rank();
   MPI_Comm_size(comm, &ranks);
   check(PetscPrintf(comm, "impact: %s\n", s.title.empty() ? "(no title)" : s.title.c_str()));
-  check(PetscPrintf(comm, "mesh %s: %lld nodes, %lld cells, shortest edge %.4g; %d rank%s\n",
+  check(PetscPrintf(comm,
+                    "mesh %s: %lld nodes, %lld cells, shortest edge %.4g; %d rank%s, %d thread%s each\n",
                     s.mesh.file.c_str(), static_cast<long long>(d.mesh.global_node_count()),
                     static_cast<long long>(d.mesh.global_cell_count()), d.mesh.smallest_edge(), ranks,
-                    ranks == 1 ? "" : "s"));
+                    ranks == 1 ? "" : "s", threads, threads == 1 ? "" : "s"));
   for (const MaterialAssignment& m : d.materials) {
     const MaterialParameters& p = m.law.parameters;
     if (m.law.rigid()) {

@@ -48,7 +48,7 @@ template <class F> void for_every_law(F&& f) {
 template <class Cell, Frame frame>
 void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& random) {
   constexpr int dofs = Cell::nodes * Cell::dim, n = Cell::nodes, points = Cell::points,
-                size = history_size(Cell::dim);
+                size = history_size(frame);
   const PointLaw law{m};
   const auto cases = reference::cases<Cell, frame>(random, 0.02);
   reference::CellBatch<Cell, frame> batch(cases);
@@ -136,6 +136,19 @@ TEST(Registry, EveryLawTakesAStepOnQuad4) {
     one_step_of<Quad4, Frame::plane_strain>(m, name, random);
     one_step_of<Quad4, Frame::axisymmetric>(m, name, random);
   });
+}
+
+// Locking cures have no meaning in a sheet, whose volume is free, and are refused there.
+TEST(Registry, EveryLawTakesAStepOnSheets) {
+  Sampler random(55);
+  int laws = 0;
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    if (m.locking != Locking::none) return;
+    ++laws;
+    one_step_of<Tri3, Frame::plane_stress>(m, name, random);
+    one_step_of<Quad4, Frame::plane_stress>(m, name, random);
+  });
+  EXPECT_GT(laws, 100);
 }
 
 TEST(Registry, EveryLawTakesAStepOnTet4) {

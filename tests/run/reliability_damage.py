@@ -8,8 +8,7 @@ import re
 import shutil
 import time
 
-from _reliability import BOTH, crashed, finish_within, history, log_of, long, start, with_mesh
-from _modes import difference
+from _reliability import BOTH, crashed, difference, finish_within, history, log_of, long, start, with_mesh
 from _runs import check, finish, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 1000 if long() else 40))
@@ -156,7 +155,7 @@ for i in range(WANTED):
         at = re.search(r"resumed from hurt/checkpoints/(\S+)\.h5", log)
         # A removed manifest is what a kill leaves: the older one counts, and nothing is to be warned of.
         warned = "is not used: " in log or "removed" in what
-        if expected == "refused" or not at or at.group(1) != older or not warned or difference(whole, history("hurt"))[0]:
+        if expected == "refused" or not at or at.group(1) != older or not warned or difference(whole, history("hurt"), exact=True)[0]:
             silent.append(f"{what}: {log.splitlines()[:2]}")
         counts["fallback"] += 1
     else:

@@ -71,7 +71,7 @@ while kills < WANTED:
         deaths += 1
         written = max(rows(folder), begun_at + 1)
     kills += deaths
-    gap, column = largest_difference(folder, f"{name}_{ranks}")
+    gap, column = largest_difference(folder, f"{name}_{ranks}", ranks)
     if gap >= worst:
         worst, where = gap, f"{column} of {folder} ({name}, {ranks} ranks)"
     fault = fields_fault(folder)

@@ -3,7 +3,7 @@
 """Contact beside the matrix (-contact_operator shell) gives the histories of contact in the matrix, to the tolerance
 of the solvers: two blocks that meet in flight, with penalty and with augmentations, and two that are pressed together
 without inertia, on 1 and 2 ranks. A preconditioner that cannot see the contact is refused where it is the solver."""
-import numpy
+from _histories import difference
 from _runs import TWO_BLOCKS, check, check_between, finish, mesh, require, run
 
 TIGHT = {"motion_snes_rtol": 1e-12, "motion_ksp_rtol": 1e-12}
@@ -19,29 +19,6 @@ PRESSED = {
     "bc_press_ux": "0.01*t", "bc_press_uy": "-0.02*t", "contacts": "face", "contact_face_secondary": "upper_bottom",
     "contact_face_primary": "lower_top", "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1,
 }
-# Iterations, and sums of differences that are rounding noise.
-SKIPPED = ("newton", "newton_most", "linear", "balance", "balance_first_law")
-
-
-def largest_difference(a, b):
-    """Over all columns, relative to the largest value of the column, or of the vector that it belongs to."""
-    energy = max(abs(a[c]).max() for c in a.history if c.startswith(("energy", "work")))
-    worst, where = 0.0, "time"
-    for column, values in a.history.items():
-        if column in SKIPPED:
-            continue
-        scale = numpy.nanmax(abs(values), initial=0)
-        if column[-2:] in ("_x", "_y"):
-            scale = max(numpy.nanmax(abs(a[column[:-1] + k]), initial=0) for k in "xy")
-        if column.startswith(("energy", "work", "dissipated")):
-            scale = energy
-        same_gaps = (numpy.isnan(values) == numpy.isnan(b[column])).all()
-        difference = numpy.nanmax(abs(values - b[column]), initial=0)
-        difference = difference / scale if same_gaps and scale > 0 else 0 if same_gaps else numpy.inf
-        if difference > worst:
-            worst, where = difference, column
-    return worst, where
-
 
 for name, options in (("penalty", FLIGHT), ("augmented", AUGMENTED), ("pressed", PRESSED)):
     assembled = run(f"{name}_assembled", {**options, "motion_ksp_type": "preonly"})
@@ -50,9 +27,7 @@ for name, options in (("penalty", FLIGHT), ("augmented", AUGMENTED), ("pressed",
     for ranks in (1,) if name == "penalty" else (1, 2):
         shell = run(f"{name}_shell_{ranks}", {**options, "contact_operator": "shell", "motion_ksp_type": "gmres"},
                     ranks=ranks)
-        if not require(f"{name}, {ranks} ranks: the same steps", len(shell["time"]) == len(assembled["time"])):
-            continue
-        worst, where = largest_difference(assembled, shell)
+        worst, where = difference(assembled.history, shell.history)
         check(f"{name}, {ranks} ranks: largest difference, in {where}", worst, 0, 1e-8, relative=False)
         # What shows that the contact is not in the matrix that is factored.
         check_between(f"{name}, {ranks} ranks: linear iterations, shell over assembled",
