@@ -163,7 +163,6 @@ for name, law in (("gp", {"material_solid_gp": "ge"}),
         misses.append(abs(missing[-1] - missing[n // 10]))
     for before, after in zip(misses, misses[1:]):
         runs.check(f"{name}, entropy form: order of what the first law misses, {after:.2e} of the work", math.log2(before / after), 1, 0.1)
-    runs.check(f"{name}, entropy form: balance", abs(run["balance"]).max(), 0, 1e-10, relative=False)
     heat = 2.43 * (run["theta_max"][-1] - 298.15)
     other = runs.run(f"{name}_energy", {**BAR, **law, "ts_dt": 1 / 40, "heat_form": "energy"}, takes_back=name != "threshold")
     runs.check(f"{name}, energy form: what the first law misses / work", abs(other["balance_first_law"]).max(), 0, 1e-8, relative=False)
