@@ -14,7 +14,7 @@ import numpy as np
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#999999"]
 ENERGIES = ["energy_kinetic", "energy_elastic", "energy_plastic", "energy_fracture", "energy_thermal",
             "energy_contact", "dissipated_viscous", "dissipated_damage", "dissipated_plastic",
-            "dissipated_friction", "dissipated_fatigue", "dissipated_closing", "dissipated_numerical",
+            "dissipated_friction", "dissipated_fatigue", "dissipated_contact", "dissipated_closing", "dissipated_numerical",
             "work_external", "heat_supplied"]
 
 

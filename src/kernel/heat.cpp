@@ -172,8 +172,6 @@ template <class Cell, Frame frame>
     } else {
       if (in.dissipation) local -= in.dissipation[q];
       if (damages) {
-        const Batch old = interpolate<Cell>(in.phi_n, q), step = interpolate<Cell>(in.phi, q) - old;
-        local -= (1 / in.dt) * (damage_viscosity(m, old) * (step * step));
         if (in.fatigue)
           local -= fatigue_dissipation(m, interpolate<Cell>(in.phi, q), in.fatigue[q] - in.fatigue_n[q]);
         if (in.drive && law.exchanges()) local -= exchanged<Cell, frame>(law, in, q);

@@ -77,16 +77,14 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   }
 }
 
-template <class Cell, Frame frame>
-void damage_dissipation(const PointLaw& law, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
-                        Batch& sum, Batch* least) {
+template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Batch* values) {
+  Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> g;
     point_geometry<Cell, frame>(X, q, g);
-    const Batch old = interpolate<Cell>(phi_n, q), step = interpolate<Cell>(phi, q) - old;
-    sum += (1 / dt) * (g.weight * (damage_viscosity(law.parameters, old) * (step * step)));
-    if (least) *least = min((1 / dt) * (damage_viscosity(law.parameters, old) * (step * step)), *least);
+    sum += g.weight * values[q];
   }
+  return sum;
 }
 
 template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* values) {
@@ -101,19 +99,15 @@ template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* 
 }
 
 template <class Cell, Frame frame>
-void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch& sum) {
+void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch* points) {
   constexpr int alpha = history_alpha(frame), size = history_size(frame);
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> g;
-    point_geometry<Cell, frame>(in.X, q, g);
     const Batch now = in.history[q * size + alpha];
     const Batch* drive = in.drive + q * drive_size;
-    sum +=
-        g.weight *
-        law.plastic_exchange(
-            interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), now, in.history_n[q * size + alpha],
-            PointEnergies<Batch>{drive[0], drive[1],
-                                 law.softens() ? drive[2] : plastic_potential(law.parameters, now)});
+    points[q] = law.plastic_exchange(
+        interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), now, in.history_n[q * size + alpha],
+        PointEnergies<Batch>{drive[0], drive[1],
+                             law.softens() ? drive[2] : plastic_potential(law.parameters, now)});
   }
 }
 

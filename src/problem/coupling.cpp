@@ -5,6 +5,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
+#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/coupling.hpp>
 #include <impact/time/types.hpp>
 
@@ -138,6 +139,7 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   const Discretisation& d = motion_.discretisation();
   const MPI_Comm comm = d.mesh.comm();
   residual_ = d.displacement.make_global();
+  left_ = d.displacement.make_global();
   contact_force_ = d.displacement.make_global();
   contact_shock_ = d.displacement.make_global();
   bare_residual_ = d.displacement.make_global();
@@ -147,6 +149,9 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   if (!inertia_) loose_ = LooseBodies(d, motion_.boundary(), motion_.contacts(), motion_.rigid());
   if (damage_) phi_frozen_ = state_.row("phi").committed;
   if (heat_) theta_frozen_ = state_.row("theta").committed;
+  const bool exchanges = std::any_of(d.materials.begin(), d.materials.end(),
+                                     [](const MaterialAssignment& m) { return m.law.exchanges(); });
+  if (heat_ || exchanges) dissipation_.resize(point_offsets(d.groups, 1).back());
   if (state_.find("fatigue")) fatigue_.emplace(d, state_);
 
   check(TSSetI2Function(
@@ -693,6 +698,12 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
     }
     return result;
   }
+  Vec left = nullptr;
+  check(SNESGetFunction(motion_snes_, &left, nullptr, nullptr));
+  check(VecCopy(left, left_));
+  // Of the present multipliers and of the places that the solve knew: both may change below.
+  check(VecSet(contact_force_, 0));
+  for (ContactInterface& contact : motion_.contacts()) contact.add_residual(u, -1, contact_force_);
   // A body that moved beyond the skin may touch facets that the list did not hold.
   bool converged = !refresh_contact(u);
   for (ContactInterface& contact : motion_.contacts()) {
@@ -700,9 +711,7 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
     converged = contact.review(u).converged && converged;
   }
   result.change = converged ? 0 : 1;
-  // The solution balances the force of the present multipliers: they change only where another solve follows.
-  check(VecSet(contact_force_, 0));
-  for (ContactInterface& contact : motion_.contacts()) contact.add_residual(u, -1, contact_force_);
+  // Multipliers change only where another solve follows.
   if (!converged)
     for (ContactInterface& contact : motion_.contacts()) contact.augment(u);
   return result;
@@ -728,7 +737,10 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
       return result;
     }
   }
-  if ((settings_.moves || damage_) && !motion_.advance(u, increments_, heat_ ? heat_->rows() : HeatRows{})) {
+  HeatRows rows = heat_ ? heat_->rows() : HeatRows{};
+  if (!dissipation_.empty()) rows.dissipation = &dissipation_;
+  std::fill(dissipation_.begin(), dissipation_.end(), 0.0);
+  if ((settings_.moves || damage_) && !motion_.advance(u, increments_, rows)) {
     cell_broke_ = true;
     failure_ = "the law failed at the solution";
     result.inner = SNES_DIVERGED_FUNCTION_DOMAIN;
@@ -755,6 +767,7 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
     step.phi = &state_.row("phi").trial;
     step.phi_n = &state_.row("phi").committed;
   }
+  if (!dissipation_.empty()) step.dissipation = &dissipation_;
   const HeatOutcome outcome = heat_->solve(step, theta.trial);
   counts_.heat += outcome.newton;
   counts_.heat_linear += outcome.linear;
@@ -871,6 +884,7 @@ void Coupling::damage_pass(PassResult& result) {
     failure_ = std::string("damage: ") + SNESConvergedReasons[outcome.reason];
     return;
   }
+  for (std::size_t i = 0; i < dissipation_.size(); ++i) dissipation_[i] += damage_->dissipated()[i];
   const PhiPasses::Change change = phi_passes_.note(phi_frozen_, phi);
   result.change = change.of_pass;
   result.counts = !(settings_.follow_cracks && change.gained);
@@ -1145,6 +1159,16 @@ void Coupling::start_heat(Vec u) {
   motion_.advance(u, unused, {nullptr, rows.stress});
   state_.row("stress").committed = *rows.stress;
   state_.rollback();
+}
+
+void Coupling::start_damage(Vec u) {
+  if (!damage_) return;
+  motion_.discretisation().displacement.to_local(u, u_local_);
+  damage_->start(u_local_);
+}
+
+double Coupling::prescribed_damage_work() const {
+  return damage_ && !(heat_ && heat_->takes_work_of_damage()) ? damage_->prescribed_work() : 0;
 }
 
 void Coupling::initial_acceleration(double t, Vec u, Vec v, Vec a) {

@@ -1,11 +1,13 @@
 #include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
+#include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
+#include <limits>
 
 namespace impact {
 
@@ -115,7 +117,11 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
                         "system changes its size); use icc, jacobi or hypre, or -damage_bounds history");
     }
   }
-  substep_start_ = d_.scalar.make_local();
+  microforce_ = &state_.add({"force_damage", Support::vertex, 1}, d_.node_values(1));
+  dissipated_.resize(history_offset_.back());
+  const auto& held = boundary_.fixed_damage_mask();
+  prescribes_ = !all_ranks_agree(d_.mesh.comm(), std::find(held.begin(), held.end(), 1) == held.end());
+  substep_start_ = substep_end_ = d_.scalar.make_local();
   make_substeps();
 }
 
@@ -229,7 +235,7 @@ std::vector<SNES> DamageProblem::solvers() const {
   return all;
 }
 
-void DamageProblem::residual(Vec x, Vec f) {
+bool DamageProblem::assemble_forces(Vec x, Vec f) {
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
     const CellGroup& group = d_.groups[static_cast<std::size_t>(g)];
@@ -237,6 +243,11 @@ void DamageProblem::residual(Vec x, Vec f) {
   });
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);
+  return sound;
+}
+
+void DamageProblem::residual(Vec x, Vec f) {
+  const bool sound = assemble_forces(x, f);
   zero_owned(f, d_.mesh, 1, owned_held_);
   if (!sound)
     for (SNES snes : solvers()) check(SNESSetFunctionDomainError(snes));
@@ -253,6 +264,89 @@ void DamageProblem::tangent(Vec x) {
   for (SNES snes : solvers()) allow_rounding(snes, diagonal_);
   assembly_->set_diagonal(owned_held_,
                           sum > 0 ? sum / static_cast<double>(d_.mesh.global_node_count()) : 1.0);
+}
+
+// Nodal forces of the weak form at phi, held nodes included: those of the energy, and with a finite dt those
+// of the rate too.
+void DamageProblem::microforces(const std::vector<double>& phi, double dt, std::vector<double>& force) {
+  const DamageScenario settings = settings_;
+  const double step_dt = step_.dt;
+  settings_.form = DamageForm::multiplied;
+  settings_.theta = 1;
+  step_.dt = dt;
+  const Handle<Vec> x = d_.scalar.make_global(), f = d_.scalar.make_global();
+  d_.scalar.to_global(phi, x);
+  assemble_forces(x, f);
+  d_.scalar.to_local(f, force);
+  settings_ = settings;
+  step_.dt = step_dt;
+}
+
+double DamageProblem::held_work(const std::vector<double>& force, const std::vector<double>& from,
+                                const std::vector<double>& to) const {
+  double work = 0;
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (d_.mesh.owned(static_cast<int>(i))) work += force[i] * (to[i] - from[i]);
+  MPI_Allreduce(MPI_IN_PLACE, &work, 1, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
+  return work;
+}
+
+void DamageProblem::keep_held(std::vector<double>& force) const {
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (!boundary_.fixed_damage_mask()[i]) force[i] = 0;
+}
+
+// The rate's part of a step or sub-step.
+void DamageProblem::book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt) {
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    const PointLaw& law = d_.law(group);
+    if (!damages(law)) continue;
+    visit(group.shape, [&]<class Cell>(Cell) {
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, 1> now(group, b, to), before(group, b, from);
+        PointValues<Cell, 1> points;
+        points.load(dissipated_, history_offset_[g], b);
+        damage_dissipation<Cell>(law, now.data(), before.data(), dt, points.data());
+        points.store(dissipated_, history_offset_[g], b);
+      }
+    });
+  }
+  if (!prescribes_) return;
+  std::vector<double> with, without;
+  with = without = d_.scalar.make_local();
+  const std::vector<double>* phi_n = step_.phi_n;
+  step_.phi_n = &from;
+  microforces(to, dt, with);
+  microforces(to, std::numeric_limits<double>::infinity(), without);
+  step_.phi_n = phi_n;
+  for (std::size_t i = 0; i < with.size(); ++i) with[i] -= without[i];
+  keep_held(with);
+  work_ += held_work(with, from, to);
+}
+
+// The energy's part of the whole step: the mean of both ends.
+void DamageProblem::book_energy(const std::vector<double>& from, const std::vector<double>& to) {
+  std::fill(microforce_->trial.begin(), microforce_->trial.end(), 0.0);
+  if (prescribes_) {
+    microforces(to, std::numeric_limits<double>::infinity(), microforce_->trial);
+    keep_held(microforce_->trial);
+  }
+  work_ += (held_work(microforce_->committed, from, to) + held_work(microforce_->trial, from, to)) / 2;
+}
+
+void DamageProblem::start(const std::vector<double>& u) {
+  const std::vector<double>& phi = state_.row("phi").committed;
+  step_ = {.dt = std::numeric_limits<double>::infinity(), .u = &u, .u_n = &u, .phi_n = &phi};
+  raise_history();
+  std::vector<double>& force = microforce_->trial;
+  microforces(phi, step_.dt, force);
+  // What would grow at once without a rate is let go within the first step; with one it dissipates.
+  const bool at_once = std::none_of(d_.materials.begin(), d_.materials.end(), [](const auto& m) {
+    return damages(m.law) && std::isfinite(m.law.parameters.c);
+  });
+  for (std::size_t i = 0; i < force.size(); ++i)
+    if (!boundary_.fixed_damage_mask()[i]) force[i] = at_once && free_[i] > 0 ? std::min(force[i], 0.0) : 0;
 }
 
 void DamageProblem::raise_history() {
@@ -285,6 +379,8 @@ bool DamageProblem::within_bounds(Vec x) const {
 
 DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
   step_ = step;
+  work_ = 0;
+  std::fill(dissipated_.begin(), dissipated_.end(), 0.0);
   raise_history();
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_damage(step.t, phi); });
   d_.scalar.to_global(phi, solution_);
@@ -351,6 +447,8 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     }
   }
   d_.scalar.to_local(solution_, phi);
+  book_rate(*step.phi_n, phi, step.dt);
+  book_energy(*step.phi_n, phi);
   return outcome;
 }
 

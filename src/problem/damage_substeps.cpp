@@ -37,6 +37,11 @@ void DamageProblem::make_substeps() {
     if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
     return self->mailbox_.guarded([&] { self->start_substep(ts); });
   }));
+  check(TSSetPostStep(substeps_, [](TS ts) -> PetscErrorCode {
+    DamageProblem* self = nullptr;
+    if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
+    return self->mailbox_.guarded([&] { self->finish_substep(ts); });
+  }));
   SNES snes = nullptr;
   check(TSGetSNES(substeps_, &snes));
   check(SNESSetType(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS));
@@ -61,6 +66,16 @@ void DamageProblem::start_substep(TS ts) {
   SNES snes = nullptr;
   check(TSGetSNES(ts, &snes));
   check(SNESVISetVariableBounds(snes, lower_, upper_));
+}
+
+void DamageProblem::finish_substep(TS ts) {
+  Vec x = nullptr;
+  PetscReal start = 0, end = 0;
+  check(TSGetSolution(ts, &x));
+  check(TSGetPrevTime(ts, &start));
+  check(TSGetTime(ts, &end));
+  d_.scalar.to_local(x, substep_end_);
+  book_rate(substep_start_, substep_end_, end - start);
 }
 
 void DamageProblem::substep_residual(TS ts, Vec x, Vec, Vec f) {
@@ -102,6 +117,7 @@ DamageOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   d_.scalar.to_local(solution_, phi);
   if (settings_.bounds == DamageBounds::clip || settings_.bounds == DamageBounds::vi)
     for (std::size_t i = 0; i < phi.size(); ++i) phi[i] = std::min(1.0, std::max(phi[i], (*step.phi_n)[i]));
+  book_energy(*step.phi_n, phi);
   return outcome;
 }
 

@@ -29,7 +29,6 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       if (d_.mesh.owned(static_cast<int>(i))) owned_held_.push_back(static_cast<int>(i));
     }
   points_.resize(point_offset_.back());
-  if (moves_) dissipation_.resize(dissipation_offset_.back());
   if (moves_ && settings_.form == HeatForm::energy)
     state_.add({"stress", Support::cell_point, gradient_size(d_.frame)}, stress_offset_.back());
   find_regions();
@@ -155,7 +154,6 @@ void HeatProblem::find_regions() {
 HeatRows HeatProblem::rows() {
   HeatRows rows;
   if (moves_ && settings_.form == HeatForm::energy) rows.stress = &state_.row("stress").trial;
-  if (moves_ && settings_.form == HeatForm::entropy) rows.dissipation = &dissipation_;
   return rows;
 }
 
@@ -280,8 +278,8 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
           in.stress = P.data();
           in.stress_n = P_n.data();
         }
-        if (!energy && moves_) {
-          dissipation.load(dissipation_, dissipation_offset_[g], b);
+        if (!energy && step_.dissipation) {
+          dissipation.load(*step_.dissipation, dissipation_offset_[g], b);
           if (!window_.whole())
             for (Batch& lost : dissipation.value) lost *= window_.end - window_.begin;
           in.dissipation = dissipation.data();

@@ -325,6 +325,19 @@ void RigidBodies::strike(Vec f, Vec gain) const {
   });
 }
 
+double RigidBodies::strike_power(Vec f, Vec u, Vec v) const {
+  if (empty()) return 0;
+  const std::vector<Sums> total = sums_of(Weight::one, f);
+  const std::vector<RigidMotionState> moves = motion(u, v);
+  double power = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Vector3 moment = axial(total[b].moment * transposed(start_[b].turned));
+    for (std::size_t k = 0; k < 6; ++k)
+      if (bodies_[b].held[k] >= 0) power -= moves[b].velocity[k] * (k < 3 ? total[b].sum[k] : moment[k - 3]);
+  }
+  return power;
+}
+
 double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {
   if (empty()) return 0;
   const Handle<Vec> copy = [&] {

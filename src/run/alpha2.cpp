@@ -113,7 +113,7 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   d.displacement.to_global(setup.state.row("v").committed, v);
   check(TS2SetSolution(ts, u, v));
   const FieldSource source(motion, setup.state);
-  Ledger ledger(motion, nullptr, setup.state, true, 1);
+  Ledger ledger(motion, nullptr, setup.state, true);
   HistoryObserver history(comm, s.output_dir + "/" + history_file_name(s), s, motion, ledger, setup.state,
                           source, std::nullopt);
   Progress progress(comm, s.time.max_time);

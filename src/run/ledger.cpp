@@ -35,11 +35,11 @@ std::vector<double> mean_of(const std::vector<double>& a, const std::vector<doub
 
 } // namespace
 
-Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m,
-               bool moves, LedgerChoice choice)
-    : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), moves_(moves),
-      alpha_m_(alpha_m), choice_(choice), X_(motion.discretisation().mesh.coordinates().begin(),
-                                             motion.discretisation().mesh.coordinates().end()) {
+Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, bool moves,
+               LedgerChoice choice)
+    : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), moves_(moves), choice_(choice),
+      X_(motion.discretisation().mesh.coordinates().begin(),
+         motion.discretisation().mesh.coordinates().end()) {
   const Discretisation& d = motion_.discretisation();
   const auto vertex_row = [&](const char* name) {
     StateRow row{name, Support::vertex, d.dim()};
@@ -53,8 +53,12 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   external_ = vertex_row("force_external");
   contact_ = vertex_row("force_contact");
   inertia_force_ = vertex_row("force_inertia");
+  left_ = vertex_row("force_left");
   materials_.resize(d.materials.size());
   const auto& conditions = motion_.boundary().conditions();
+  prescribes_damage_ =
+      d.has_damage() && std::any_of(conditions.begin(), conditions.end(),
+                                    [](const auto& bc) { return bc.type == BcType::damage; });
   if (d.has_heat()) {
     for (const ContactInterface& contact : motion_.contacts())
       if (contact.passes_heat() && moves_) heat_contacts_.push_back(contact.id());
@@ -191,10 +195,10 @@ double Ledger::contact_energy(Vec u) const {
 
 double Ledger::stored() const {
   return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + total_.fatigue +
-         total_.thermal + energy_contact_;
+         total_.thermal + energy_contact_ + sum(kept);
 }
 
-void Ledger::start(Vec u, Vec v, Vec) {
+void Ledger::start(Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
   energy_contact_ = contact_energy(u);
@@ -207,12 +211,21 @@ void Ledger::start(Vec u, Vec v, Vec) {
   motion_.parts(u, parts);
   d.displacement.to_local(parts.internal, internal_->trial);
   d.displacement.to_local(parts.external, external_->trial);
-  // At the start the inertia balances these forces on the free dofs by the choice of a_0, contact apart.
-  for (std::size_t i = 0; i < internal_->trial.size(); ++i) {
-    if (motion_.boundary().fixed_mask()[i]) external_->trial[i] = internal_->trial[i];
-    inertia_force_->trial[i] = inertia_ ? external_->trial[i] - internal_->trial[i] : 0.0;
-    if (in_rigid_body(i)) inertia_force_->trial[i] = external_->trial[i];
+  if (inertia_) {
+    // M a_0 balances these forces on the free dofs, contact apart.
+    const Handle<Vec> Ma = d.displacement.make_global();
+    motion_.mass_multiply(a, Ma);
+    d.displacement.to_local(Ma, inertia_force_->trial);
+    PetscReal dt = 0;
+    check(TSGetTimeStep(coupling_->integrator(), &dt));
+    sum(kept) = d.thickness * newmark_kept_at_start(newmark_parameters(coupling_->integrator()), dt, a, Ma);
+    sum(kept_at_start) = sum(kept);
+    sum(start_energy) = stored();
   }
+  // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step.
+  for (std::size_t i = 0; i < internal_->trial.size(); ++i)
+    if (!inertia_ || motion_.boundary().fixed_mask()[i])
+      external_->trial[i] = inertia_force_->trial[i] + internal_->trial[i];
   reaction_force_ = internal_->trial;
   std::vector<double> loads = d.displacement.make_local();
   d.displacement.to_local(parts.external, loads);
@@ -239,9 +252,75 @@ void Ledger::resume(Vec u, Vec v) {
   energy_contact_ = contact_energy(u);
 }
 
+// dt times the forces S of the projection strike the bodies at the start of a step. M (v_start - v_n) is that
+// on free dofs; what it is beside that comes from supports, and in rigid bodies also from what keeps them so.
+Ledger::Shock Ledger::find_shock(double dt) const {
+  const Discretisation& d = motion_.discretisation();
+  Shock shock;
+  double size = 0;
+  check(VecNorm(coupling_->contact_shock(), NORM_INFINITY, &size));
+  if (size == 0) return shock;
+  const Handle<Vec> u_n = global_of("u"), v_n = global_of("v"), mean = d.displacement.make_global(),
+                    jump = d.displacement.make_global(), beside = d.displacement.make_global();
+  const Vec v_start = newmark_start_velocity(coupling_->integrator());
+  check(VecWAXPY(jump, -1, v_n, v_start));
+  motion_.mass_multiply(jump, beside);
+  check(VecAXPY(beside, -dt, coupling_->contact_shock()));
+  check(VecWAXPY(mean, 0.5, jump, v_n));
+  std::vector<double> speed = d.displacement.make_local(), force = speed, other = speed;
+  d.displacement.to_local(mean, speed);
+  d.displacement.to_local(coupling_->contact_shock(), force);
+  d.displacement.to_local(beside, other);
+  std::vector<double> held = other;
+  for (std::size_t i = 0; i < speed.size(); ++i) {
+    if (!motion_.boundary().fixed_mask()[i]) held[i] = 0;
+    if (!in_rigid_body(i)) other[i] = 0;
+  }
+  const double of_bodies =
+      d.thickness * dt * motion_.rigid().strike_power(coupling_->contact_shock(), u_n, v_n);
+  shock.contact = d.thickness * dt * dot(d.mesh, speed, force);
+  shock.supports = d.thickness * dot(d.mesh, speed, held) + of_bodies;
+  shock.rigid = d.thickness * dot(d.mesh, speed, other) - of_bodies;
+  return shock;
+}
+
+// The scheme's own energy; the inertia that the step balanced goes into its row.
+NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  const NewmarkParameters weights = newmark_parameters(coupling_->integrator());
+  const Handle<Vec> du = global_of("u"), a_n = global_of("a"), lag = d.displacement.make_global(),
+                    f = d.displacement.make_global();
+  const auto times_mass = [&](Vec of) {
+    Handle<Vec> force = d.displacement.make_global();
+    motion_.mass_multiply(of, force);
+    return force;
+  };
+  check(VecAYPX(du, -1, u));
+  check(VecAXPY(f, 2 * weights.beta, coupling_->contact_acceleration()));
+  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), Mf = times_mass(f);
+  d.displacement.to_global(inertia_force_->committed, lag);
+  check(VecAXPY(lag, -1, Ma_n));
+  const NewmarkEnergy energy =
+      newmark_energy(weights, {.dt = dt,
+                               .du = du,
+                               .v_start = newmark_start_velocity(coupling_->integrator()),
+                               .v = v,
+                               .a_n = a_n,
+                               .a = a,
+                               .f = f,
+                               .Ma_n = Ma_n,
+                               .Ma = Ma,
+                               .Mf = Mf,
+                               .lag = lag});
+  check(VecAXPBY(Ma, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
+  d.displacement.to_local(Ma, inertia_force_->trial);
+  return {d.thickness * energy.loss, d.thickness * energy.kept};
+}
+
 void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
-  const double w = d.thickness, s = coupling_->contact_scale();
+  const double w = d.thickness;
+  const bool stabilised = coupling_->stabilised(), parted = stabilised || coupling_->unilateral();
   const double kinetic_n = total_.kinetic;
   total_before_ = total_;
   materials_before_ = materials_;
@@ -252,55 +331,48 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   d.displacement.to_local(parts.internal, internal_->trial);
   d.displacement.to_local(parts.external, external_->trial);
   d.displacement.to_local(coupling_->contact_force(), contact_->trial);
+  d.displacement.to_local(coupling_->left(), left_->trial);
   // m tau- of broken points acts over the step as a whole, like the stabilised contact.
-  std::vector<double> unilateral(internal_->trial.size(), 0.0), on_supports = unilateral;
+  std::vector<double> unilateral = d.displacement.make_local();
   if (parts.unilateral) d.displacement.to_local(parts.unilateral, unilateral);
-  double work_rigid = 0, over_step = 1;
+  NewmarkEnergy integrator;
+  Shock shock;
+  double work_rigid = 0;
+  std::vector<double> corrected = d.displacement.make_local();
   if (inertia_) {
-    // M a_eq of the balance: a_eq = alpha_m a* + (1 - alpha_m) a_n with a* before the contact's share was
-    // taken out.
-    Handle<Vec> a_eq = d.displacement.make_global(), force = d.displacement.make_global();
-    d.displacement.to_global(state_.row("a").committed, a_eq);
-    check(VecScale(a_eq, 1 - alpha_m_));
-    check(VecAXPY(a_eq, alpha_m_, a));
-    check(VecAXPY(a_eq, alpha_m_, coupling_->contact_acceleration()));
-    motion_.mass_multiply(a_eq, force);
-    d.displacement.to_local(force, inertia_force_->trial);
-    // The reactions of rigid bodies, like all that keeps them rigid, act on displacement and velocity as one
-    // force over the step: the part 2 beta/alpha_m of what the balance lacks at its end.
-    over_step = 2 * newmark_parameters(coupling_->integrator()).beta / alpha_m_;
-    work_rigid = w * motion_.book_rigid_reactions(u, a_eq, over_step);
-    // The contact-stabilised update lets s F_c act on the displacement but F_c on the body: that is what
-    // supports feel.
-    check(VecAXPY(a_eq, -(1 - over_step) * alpha_m_, coupling_->contact_acceleration()));
-    motion_.mass_multiply(a_eq, force);
-    d.displacement.to_local(force, reaction_force_);
+    integrator = find_integrator_energy(dt, u, v, a);
+    shock = find_shock(dt);
+    const auto [beta, gamma, alpha_m] = newmark_parameters(coupling_->integrator());
+    // What acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it
+    // in M a_c. That is the force of stabilised contact less that of closing cracks; of rigid bodies also what
+    // keeps them rigid, and the reactions there.
+    Handle<Vec> a_eq = global_of("a"), force = d.displacement.make_global();
+    motion_.mass_multiply(coupling_->contact_acceleration(), force);
+    check(VecScale(force, parted ? 2 * beta : alpha_m));
+    d.displacement.to_local(force, corrected);
+    check(VecScale(a_eq, 1 - alpha_m));
+    check(VecAXPY(a_eq, alpha_m, a));
+    check(VecAXPY(a_eq, alpha_m, coupling_->contact_acceleration()));
+    work_rigid = w * motion_.book_rigid_reactions(u, a_eq, 2 * beta / alpha_m);
   } else {
-    reaction_force_.assign(inertia_force_->trial.size(), 0.0);
-    std::fill(inertia_force_->trial.begin(), inertia_force_->trial.end(), 0.0);
     work_rigid = w * motion_.book_rigid_reactions(u, nullptr, 1);
   }
-  std::vector<double> shock = d.displacement.make_local();
-  d.displacement.to_local(coupling_->contact_shock(), shock);
-  for (std::size_t i = 0; i < inertia_force_->trial.size(); ++i) {
-    reaction_force_[i] += internal_->trial[i] + unilateral[i] - external_->trial[i] - contact_->trial[i];
-    if (motion_.boundary().fixed_mask()[i]) {
-      // Held dofs: the reaction closes the balance, with F_c itself, not s F_c; its work is also that of the
-      // shock, which no column of forces shows.
-      on_supports[i] = unilateral[i];
-      const double support = reaction_force_[i] - unilateral[i] - shock[i];
-      if (inertia_) inertia_force_->trial[i] = support - internal_->trial[i] + external_->trial[i];
-      external_->trial[i] += support;
-      continue;
-    }
+  // What closes the balance on held dofs is the support's: a mean of both ends, and of what acts over the
+  // step a part that does so too.
+  std::vector<double> over_step = d.displacement.make_local();
+  reaction_force_.resize(over_step.size());
+  for (std::size_t i = 0; i < over_step.size(); ++i) {
+    const double contact = contact_->trial[i], of_step = corrected[i] + unilateral[i] - (stabilised ? contact : 0),
+                 at_end = inertia_force_->trial[i] + internal_->trial[i] - external_->trial[i] -
+                          (stabilised ? 0 : contact);
+    reaction_force_[i] = at_end + of_step;
     if (in_rigid_body(i)) {
-      // What keeps the body rigid does no work: the rest balances the loads, without inertia also the
-      // contact.
-      inertia_force_->trial[i] = external_->trial[i] + (inertia_ ? 0 : contact_->trial[i]);
-      continue;
+      left_->trial[i] = 0; // holds resultants
+      if (!inertia_) inertia_force_->trial[i] = external_->trial[i] + contact_->trial[i];
     }
-    // J = M a_eq - s F_c takes the place of the inertia.
-    if (inertia_) inertia_force_->trial[i] -= s * contact_->trial[i] - unilateral[i] / over_step;
+    if (!motion_.boundary().fixed_mask()[i]) continue;
+    external_->trial[i] += parted ? at_end : reaction_force_[i];
+    if (parted) over_step[i] = of_step;
   }
 
   std::vector<double> u_local = d.displacement.make_local();
@@ -309,44 +381,42 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   const std::vector<double>& u_n = state_.row("u").committed;
   for (std::size_t i = 0; i < du.size(); ++i) du[i] -= u_n[i];
   const double work_internal = w * dot(d.mesh, du, mean_of(internal_->committed, internal_->trial));
-  const double work_external = w * dot(d.mesh, du, mean_of(external_->committed, external_->trial));
-  const double work_inertia = w * dot(d.mesh, du, mean_of(inertia_force_->committed, inertia_force_->trial));
+  const double work_external = w * dot(d.mesh, du, mean_of(external_->committed, external_->trial)) +
+                               w * dot(d.mesh, du, over_step) + work_rigid + shock.supports;
   const double work_contact =
-      w * dot(d.mesh, du,
-              coupling_->stabilised() ? contact_->trial : mean_of(contact_->committed, contact_->trial));
+      w * dot(d.mesh, du, stabilised ? contact_->trial : mean_of(contact_->committed, contact_->trial));
 
-  // Where a node is held its support does this work.
-  const double work_unilateral = w * dot(d.mesh, du, unilateral),
-               work_on_supports = w * dot(d.mesh, du, on_supports),
-               work_on_bodies = work_unilateral - work_on_supports;
+  const double work_unilateral = w * dot(d.mesh, du, unilateral);
   measure(u, v, true);
   energy_contact_ = contact_energy(u);
   const double kinetic_change = total_.kinetic - kinetic_n;
-  // Without inertia what is left are the arms of a rigid body's forces, which belong to the end of the step.
-  const double loss =
-      work_inertia + work_rigid + (inertia_ ? work_contact - work_on_bodies - kinetic_change : 0.0);
-  sum(external) += work_external + work_rigid + work_on_supports;
-  // What contact takes from the bodies and obstacles, and neither keeps nor rubs into heat.
-  double taken = -work_contact - (energy_contact_ - sum(contact_store));
+  const double work_left = w * dot(d.mesh, du, mean_of(left_->committed, left_->trial));
+  // Without inertia the arms of a rigid body's forces belong to the end of the step, and their work to no
+  // one.
+  const double of_arms =
+      inertia_ ? 0
+               : work_rigid + w * dot(d.mesh, du, mean_of(inertia_force_->committed, inertia_force_->trial));
+  sum(external) += work_external;
+  // What contact takes from bodies and obstacles, and neither keeps nor rubs into heat: the stabilised update
+  // closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
+  double taken = -work_contact - shock.contact - shock.rigid - (energy_contact_ - sum(contact_store));
   for (const ContactInterface& contact : motion_.contacts()) {
-    const ObstacleWork of_obstacle = contact.obstacle_work(u, coupling_->stabilised());
+    const ObstacleWork of_obstacle = contact.obstacle_work(u, stabilised);
     const double rubbed = contact.friction_loss(u);
     sum(external) += of_obstacle.force + of_obstacle.shock;
     sum(friction) += rubbed;
-    sum(numerical) += of_obstacle.shock; // not in work_contact, but in the change of the kinetic energy
-    taken += of_obstacle.force - rubbed;
+    sum(contact_loss) += contact.released_energy(u);
+    taken += of_obstacle.force + of_obstacle.shock - rubbed;
   }
-  // The stabilised update closes gaps against the pressure of the step's end, which takes energy as a plastic
-  // impact does. It gives none: a gain stays in the first law.
-  if (coupling_->stabilised()) sum(numerical) += std::max(0.0, taken);
+  if (stabilised) sum(contact_loss) += taken;
   sum(contact_store) = energy_contact_;
   sum(contact_work) += work_contact;
-  sum(numerical) += loss;
-  sum(identity) +=
-      kinetic_change + loss + work_internal + work_on_bodies - work_external - work_rigid - work_contact;
-
-  for (const ContactInterface& contact : motion_.contacts()) sum(numerical) += contact.released_energy(u);
+  sum(numerical) += integrator.loss - (integrator.kept - sum(kept));
+  sum(kept) = integrator.kept;
+  sum(unbalanced) += work_left;
   if (coupling_->unilateral()) sum(closing) += work_unilateral - w * unilateral_energy();
+  sum(identity) += kinetic_change + integrator.loss + work_internal + work_unilateral - work_external -
+                   work_contact - shock.contact - shock.rigid - work_left + of_arms;
   const MotionProblem::Increments& increments = coupling_->increments();
   sum(viscous) += w * increments.viscous_dissipation;
   sum(plastic_dissipation) += w * increments.plastic_dissipation;
@@ -355,7 +425,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     lost_in(m, viscous_loss) += w * increments.viscous_part[m];
     lost_in(m, plastic_loss) += w * increments.plastic_part[m];
   }
-  if (state_.find("phi")) book_damage(dt);
+  if (state_.find("phi")) book_damage();
   if (const FatigueUpdate* fatigue = coupling_->fatigue()) {
     sum(least) = std::min(sum(least), fatigue->least_dissipation());
     for (std::size_t m = 0; m < materials_.size(); ++m) {
@@ -412,11 +482,11 @@ double Ledger::unilateral_energy() const {
   return sum;
 }
 
-void Ledger::book_damage(double dt) {
+void Ledger::book_damage() {
   const Discretisation& d = motion_.discretisation();
   const StateRow &phi = state_.row("phi"), &history = state_.row("history"), &drive = state_.row("drive");
   const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
-             drive_at = point_offsets(d.groups, drive_size);
+             drive_at = point_offsets(d.groups, drive_size), at = point_offsets(d.groups, 1);
   const double w = d.thickness;
   double smallest = 0;
   const std::size_t materials = materials_.size();
@@ -429,23 +499,28 @@ void Ledger::book_damage(double dt) {
     with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, Cell::dim> X(group, b, X_);
-        const Gathered<Cell, 1> now(group, b, phi.trial), before(group, b, phi.committed);
-        Batch part = 0, at_points = 0;
-        damage_dissipation<Cell, frame>(law, X.data(), now.data(), before.data(), dt, part, &at_points);
+        PointValues<Cell, 1> by_damage, all, exchanged;
+        by_damage.load(coupling_->damage_dissipation(), at[g], b);
+        all = by_damage;
         const int used = group.lanes_in_use(b);
-        lost[material] += lane_sum(part, used);
-        for (int l = 0; l < used; ++l) smallest = std::min(smallest, at_points[l]);
-        if (!law.exchanges()) continue;
-        PointValues<Cell, history_size(frame)> flowed, flowed_n;
-        PointValues<Cell, drive_size> driving;
-        flowed.load(history.trial, flow_at[g], b);
-        flowed_n.load(history.committed, flow_at[g], b);
-        driving.load(drive.trial, drive_at[g], b);
-        Batch exchanged = 0;
-        plastic_exchange<Cell, frame>(
-            law, {X.data(), now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
-            exchanged);
-        lost[materials + material] += lane_sum(exchanged, used);
+        lost[material] += lane_sum(cell_integral<Cell, frame>(X.data(), by_damage.data()), used);
+        if (law.exchanges()) {
+          all.load(coupling_->dissipation(), at[g], b);
+          const Gathered<Cell, 1> now(group, b, phi.trial), before(group, b, phi.committed);
+          PointValues<Cell, history_size(frame)> flowed, flowed_n;
+          PointValues<Cell, drive_size> driving;
+          flowed.load(history.trial, flow_at[g], b);
+          flowed_n.load(history.committed, flow_at[g], b);
+          driving.load(drive.trial, drive_at[g], b);
+          plastic_exchange<Cell, frame>(
+              law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
+              exchanged.data());
+          lost[materials + material] +=
+              lane_sum(cell_integral<Cell, frame>(X.data(), exchanged.data()), used);
+          for (std::size_t q = 0; q < all.value.size(); ++q) all.value[q] += exchanged.value[q];
+        }
+        for (const Batch& at_point : all.value)
+          for (int l = 0; l < used; ++l) smallest = std::min(smallest, at_point[l]);
       }
     });
   }
@@ -458,6 +533,9 @@ void Ledger::book_damage(double dt) {
     lost_in(m, damage_loss) += w * lost[m];
     lost_in(m, plastic_loss) += w * lost[materials + m];
   }
+  const double work = w * coupling_->prescribed_damage_work();
+  sum(damage_work) += work;
+  sum(external) += work;
 }
 
 // On free dofs the change of the internal forces is the residual of a next pass, elsewhere that of the
@@ -525,9 +603,10 @@ double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(s
 double Ledger::balance() const { return sum(identity) / energy_scale(); }
 
 double Ledger::dissipated() const {
-  if (heat_) return sum(numerical); // the rest is thermal energy
-  return sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +
-         sum(closing) + sum(numerical);
+  const double lost = sum(numerical) + sum(contact_loss);
+  if (heat_) return lost; // the rest is thermal energy
+  return lost + sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +
+         sum(closing);
 }
 
 double Ledger::heat_supplied() const {
@@ -549,7 +628,12 @@ double Ledger::balance_first_law() const {
 }
 
 double Ledger::energy_error() const {
-  return balance_first_law() - std::min(0.0, sum(closing)) / energy_scale();
+  const double lost = sum(numerical) + sum(contact_loss);
+  const double gained = std::max({0.0, -sum(contact_loss), -sum(closing),
+                                  -std::max(lost, lost + sum(kept) - sum(kept_at_start))}) /
+                        energy_scale();
+  const double residual = balance_first_law();
+  return residual > -gained ? std::max(0.0, residual) + gained : residual;
 }
 
 void Ledger::append_energies(HistoryFile::Row& row) const {
@@ -571,9 +655,12 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (has_friction) row.emplace_back("dissipated_friction", sum(friction));
   if (d.has_fatigue()) row.emplace_back("dissipated_fatigue", sum(fatigue_loss));
   if (has_contact) row.emplace_back("energy_contact", energy_contact_);
+  if (has_contact && inertia_) row.emplace_back("dissipated_contact", sum(contact_loss));
   if (coupling_ && coupling_->unilateral()) row.emplace_back("dissipated_closing", sum(closing));
+  if (inertia_) row.emplace_back("energy_numerical", sum(kept));
   if (moves_) row.emplace_back("dissipated_numerical", sum(numerical));
   if (moves_) row.emplace_back("work_external", sum(external));
+  if (prescribes_damage_) row.emplace_back("work_damage", sum(damage_work));
   if (has_contact) row.emplace_back("work_contact", sum(contact_work));
   if (heat) row.emplace_back("heat_supplied", heat_supplied());
   if (heat) row.emplace_back("entropy_produced", entropy_produced());
@@ -624,6 +711,13 @@ bool Ledger::turns(int condition, std::size_t axis) const {
   const auto& bodies = motion_.rigid().bodies();
   return std::any_of(bodies.begin(), bodies.end(),
                      [&](const RigidBody& body) { return body.held[3 + axis] == condition; });
+}
+
+Handle<Vec> Ledger::global_of(const char* row) const {
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  Handle<Vec> values = layout.make_global();
+  layout.to_global(state_.row(row).committed, values);
+  return values;
 }
 
 bool Ledger::in_rigid_body(std::size_t dof) const {
@@ -682,6 +776,7 @@ std::string Ledger::report() const {
   }
   text += "\n";
   if (moves_) line("work of loads and supports", sum(external), {});
+  if (prescribes_damage_) line("of that of prescribed phi", sum(damage_work), {});
   if (heat_) line("heat supplied", heat_supplied(), {});
   line("at the start", sum(start_energy), {});
   if (inertia_) stored_line("stored: kinetic", &MaterialEnergies::kinetic);
@@ -691,6 +786,7 @@ std::string Ledger::report() const {
   if (d.has_fatigue()) stored_line("stored: fatigue", &MaterialEnergies::fatigue);
   if (heat_) stored_line("stored: thermal", &MaterialEnergies::thermal);
   if (!contacts.empty()) line("stored: contact", energy_contact_, {});
+  if (inertia_) line("stored: integrator", sum(kept), {});
   const char* const became = heat_ ? " (heat)" : "";
   const auto name = [&](const char* kind) { return std::string("dissipated: ") + kind + became; };
   if (d.has_viscosity()) loss_line(name("viscous").c_str(), viscous, viscous_loss);
@@ -699,8 +795,10 @@ std::string Ledger::report() const {
   if (d.has_fatigue()) loss_line(name("fatigue").c_str(), fatigue_loss, fatigue_part);
   if (std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); }))
     line("dissipated: friction", sum(friction), {});
+  if (!contacts.empty() && inertia_) line("dissipated: contact", sum(contact_loss), {});
   if (coupling_ && coupling_->unilateral()) line("dissipated: closing cracks", sum(closing), {});
   if (moves_) line("dissipated: integrator", sum(numerical), {});
+  if (moves_) line("work of unbalanced forces", sum(unbalanced), {});
   line("first-law residual", balance_first_law() * energy_scale(), {});
   line("smallest dissipation at a point", sum(least), {});
   return text;

@@ -204,8 +204,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
     throw UserError(ExitCode::usage, "-ts_newmark_rho: the energy-conserving contact update "
                                      "(-contact_<id>_impact conserving) is for the trapezoidal rule; take "
                                      "-ts_newmark_rho 1");
-  ledger_.emplace(motion_, &coupling_, setup_.state, inertia_,
-                  inertia_ ? newmark_parameters(ts_).alpha_m : 1.0, s.has_motion(),
+  ledger_.emplace(motion_, &coupling_, setup_.state, inertia_, s.has_motion(),
                   LedgerChoice{s.history_materials, s.coupling.report_error});
   StateRow control{"step_control", Support::global, 4};
   control_ = &setup_.state.add(std::move(control), 4);
@@ -272,6 +271,7 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
     return;
   }
   coupling_.start_heat(u_);
+  coupling_.start_damage(u_);
   if (inertia_) {
     coupling_.initial_acceleration(0, u_, v_, a_);
     newmark_set_acceleration(ts_, a_);
@@ -393,13 +393,7 @@ Verdict Simulation::judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a) {
 }
 
 // What a run without inertia loses may be what a crack released that ran within a step: no store takes it up.
-// What holds a prescribed phi is work that the ledger does not know.
-bool Simulation::must_close(double residual) const {
-  const auto& conditions = motion_.boundary().conditions();
-  const bool unbooked = std::any_of(conditions.begin(), conditions.end(),
-                                    [](const BoundaryCondition& bc) { return bc.type == BcType::damage; });
-  return (inertia_ || residual > 0) && !unbooked;
-}
+bool Simulation::must_close(double residual) const { return inertia_ || residual > 0; }
 
 std::string Simulation::energy_text(double residual, double t, const char* option) const {
   char text[240];

@@ -205,6 +205,41 @@ Vec newmark_acceleration(TS ts) {
   return self.a ? self.a.get() : nullptr;
 }
 
+Vec newmark_start_velocity(TS ts) { return detail::integrator(ts).trial.v_start; }
+
+namespace {
+
+PetscReal dot(Vec x, Vec y) {
+  PetscReal value = 0;
+  check(VecDot(x, y, &value));
+  return value;
+}
+
+} // namespace
+
+// With kappa = beta - gamma/2, delta = gamma - 1/2, mu = alpha_m - 1, da = a - a_n:
+//   du = dt (v_start + v)/2 + kappa dt^2 da,   v - v_start = dt ((a_n + a)/2 + delta da + f).
+NewmarkEnergy newmark_energy(const NewmarkParameters& p, const NewmarkStep& s) {
+  const PetscReal kappa = p.beta - p.gamma / 2, delta = p.gamma - 0.5, mu = p.alpha_m - 1, dt = s.dt;
+  const PetscReal square_n = dot(s.a_n, s.Ma_n), square = dot(s.a, s.Ma), mixed = dot(s.a_n, s.Ma),
+                  of_change = square - 2 * mixed + square_n; // da . M da
+  const PetscReal v_da = dot(s.v, s.Ma) - dot(s.v, s.Ma_n),
+                  start_da = dot(s.v_start, s.Ma) - dot(s.v_start, s.Ma_n),
+                  du_da = dot(s.du, s.Ma) - dot(s.du, s.Ma_n);
+  const PetscReal f_a = dot(s.f, s.Ma), f_a_n = dot(s.f, s.Ma_n), f_f = dot(s.f, s.Mf);
+  NewmarkEnergy e;
+  e.loss = kappa * dt * dt * ((square - square_n) / 2 + f_a - f_a_n) - delta * dt * (start_da + v_da) / 2 +
+           (mu * du_da + dot(s.du, s.lag)) / 2;                                         // (N1)
+  const PetscReal whole = square + 2 * f_a + f_f, whole_n = square_n + 2 * f_a_n + f_f; // with f
+  e.kept = kappa / 2 * dt * dt * whole - mu / 2 * dt * v_da +
+           mu / 8 * dt * dt * (whole + whole_n + (2 * kappa + delta - 0.5) * of_change); // (N2)
+  return e;
+}
+
+PetscReal newmark_kept_at_start(const NewmarkParameters& p, PetscReal dt, Vec a, Vec Ma) {
+  return (p.beta - p.gamma / 2 + (p.alpha_m - 1) / 2) / 2 * dt * dt * dot(a, Ma);
+}
+
 void newmark_set_acceleration(TS ts, Vec a) {
   detail::Integrator& self = detail::integrator(ts);
   if (!self.a) check(VecDuplicate(a, self.a.out()));

@@ -79,8 +79,7 @@ std::vector<double> weak_form(const MaterialParameters& m, const reference::Cell
   for (const auto& q : reference::points<Cell, frame>(c.X)) {
     const double theta = q.at(c.theta), theta_n = q.at(e.theta_n.data());
     const double phi = q.at(c.phi), phi_n = q.at(e.phi_n.data());
-    const double lambda = std::pow(1 + m.delta - phi_n, m.zeta) / m.c;
-    const double produced = e.dissipation[k] + lambda * (phi - phi_n) * (phi - phi_n) / c.dt;
+    const double produced = e.dissipation[k];
     const double local = (theta_h * theta + (1 - theta_h) * theta_n) *
                              (entropy(m, J[k], phi, theta) - entropy(m, J_n[k], phi_n, theta_n)) -
                          produced;

@@ -108,10 +108,10 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
   EXPECT_EQ(energy.plastic[0] > 0, m.model == Model::j2) << name;
   EXPECT_EQ(energy.fracture[0] > 0, m.damage != Damage::none) << name;
   if (law.exchanges()) {
-    Batch exchanged = 0, zero[n];
+    Batch exchanged[Cell::points], zero[n];
     for (auto& x : zero) x = 0.0;
-    plastic_exchange<Cell, frame>(law, {in.X, in.phi, zero, trial, in.history, drive}, exchanged);
-    EXPECT_TRUE(std::isfinite(exchanged[0])) << name;
+    plastic_exchange<Cell, frame>(law, {in.phi, zero, trial, in.history, drive}, exchanged);
+    EXPECT_TRUE(std::isfinite(exchanged[0][0])) << name;
   }
   in.history = trial;
   CellOutput out;

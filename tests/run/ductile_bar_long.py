@@ -16,7 +16,6 @@ for law, early, late in (("ductile", "centre", "root"), ("quadratic", "root", "c
                run["phi_max"][start], 1e-3)
     runs.check_between(f"{law}: phi at the {late} then", run[f"probe_{late}_phi"][start], 0, 0.3)
     runs.require(f"{law}: the crack is at the {late} later", first(run, late) > first(run, early))
-    runs.check(f"{law}: balance", abs(run["balance"]).max(), 0, 1e-10, relative=False)
     runs.check(f"{law}: first law", run["balance_first_law"][-1], 0, 0.02, relative=False)
     if law == "ductile":
         runs.check("largest force (N)", run["reaction_grip_y"].max(), 5784.5, 1e-3)

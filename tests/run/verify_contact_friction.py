@@ -46,7 +46,6 @@ def stop(name, r, distance_column):
     lost = r["dissipated_friction"][-1]
     check(f"{name}: heat of friction over the kinetic energy", lost / (RHO * V**2 / 2), 1, 0.02)
     check(f"{name}: first law", abs(r["balance_first_law"]).max(), 0, 1e-6, relative=False)
-    check(f"{name}: work balance of the steps", abs(r["balance"]).max(), 0, 1e-9, relative=False)
     comes_to_rest(name, r)
 
 
@@ -93,7 +92,8 @@ for method in ("gpts", "mortar"):
 
 short = run("slab_short_steps", {**SLAB, "contact_face_method": "mortar", "ts_dt": SLAB["ts_dt"] / 4})
 check_between("slab, mortar: loss of the integrator and of closing gaps with a fourth of the step over that with the whole one",
-              short["dissipated_numerical"][-1] / r["dissipated_numerical"][-1], 0, 0.4)
+              (short["dissipated_numerical"][-1] + short["dissipated_contact"][-1])
+              / (r["dissipated_numerical"][-1] + r["dissipated_contact"][-1]), 0, 0.4)
 check("slab, mortar: heat with a fourth of the step over the kinetic energy",
       short["dissipated_friction"][-1] / (MASS * (V / 2) ** 2 / 2), 1, 0.04)
 print("slope: the weight turns slowly to the angle once the block rests")

@@ -59,7 +59,7 @@ energy = reference["energy_kinetic"] + reference["energy_elastic"]
 require("free flight first: nothing touches before the gap is closed",
         not reference["contact_face_active"][reference["time"] < GAP / SPEED - DT].any())
 check_between("steps with contact", numpy.count_nonzero(reference["contact_face_active"]), 10, 95)
-check_between("largest energy over that of the start", energy.max() / energy[0], 0.97, 1.001)
+check_between("largest energy over that of the start", energy.max() / energy[0], 1, 1 + 1e-9)
 check("impulse on the flying block is its change of momentum", impulse(reference)[-1], momentum[0] - momentum[-1],
       1e-12)
 
@@ -102,7 +102,9 @@ for facets, extra in ((1.2, {}), (2, {}), (3.2, SWAPPED), (5, {}),
     before = -r["momentum_upper_y"][0]
     print(f"     v dt = {facets} facets {extra}: tries {r['tries'].max():.0f}, Newton at most {r['newton'].max():.0f}, "
           f"upward momentum {r['momentum_upper_y'][-1]:.4g}")
-    check_between(f"fast body, v dt = {facets} facets: impulse", impulse(r)[-1], 0.9 * before, 2.5 * before)
+    check_between(f"fast body, v dt = {facets} facets: impulse", impulse(r)[-1], 0.9 * before, 2 * before)
+    energy = r["energy_kinetic"] + r["energy_elastic"] + r["energy_contact"]
+    check_between("largest energy over that of the start", energy.max() / energy[0], 1, 1 + 1e-9)
     # A solve leaves more of a facet's depth than of the first touch.
     check("impulse is the change of momentum", impulse(r)[-1], r["momentum_upper_y"][-1] - r["momentum_upper_y"][0],
           1e-12 if extra in ({}, SWAPPED) else 1e-8 if "mesh_set_gap" in extra else 1e-7)

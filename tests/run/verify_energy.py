@@ -35,7 +35,8 @@ def tear(name, dt):
         "ts_newmark_rho": 0.8})
     spent = sum(column for key, column in run.history.items() if key in (
         "energy_kinetic", "energy_elastic", "energy_plastic", "energy_fracture", "dissipated_viscous",
-        "dissipated_damage", "dissipated_plastic", "dissipated_numerical", "dissipated_closing", "energy_contact"))
+        "dissipated_damage", "dissipated_plastic", "dissipated_numerical", "dissipated_closing", "energy_numerical",
+        "energy_contact"))
     missing = spent - spent[0] - run["work_external"]
     audit = abs(missing).max() / run["work_external"].max()
     print(f"     {name}: {len(run['step']) - 1} steps, work {run['work_external'].max():.4g}, at the end kinetic "

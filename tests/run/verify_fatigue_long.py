@@ -20,7 +20,6 @@ for load in (130, 160, 200):
     m, C, scatter = plot_fatigue.paris(dK, rate)
     print(f"     {load} N/mm: first crack after {cycles[0]:g} cycles, {a[-1]:g} mm after {cycles[-1]:g}; m = {m:.2f}, "
           f"within a factor {scatter:.2f}")
-    runs.check(f"{load} N/mm: balance", abs(run["balance"]).max(), 0, 1e-10, relative=False)
     runs.check_between(f"{load} N/mm: the rate rises with dK, exponent", m, 1.5, 3)
     all_dK.append(dK)
     all_rates.append(rate)

@@ -42,7 +42,6 @@ for nr, nz, steps in ((5, 20, 200), (8, 32, 200), (8, 32, 400)):
     runs.check_between(f"C3 {nr} x {nz}, {steps} steps: it comes before that of the uniform bar", run["time"][force.argmax()], 2, 3.55)
     radii.append(radius)
     runs.check_between(f"C3 {nr} x {nz}, {steps} steps: Newton iterations (J7)", run["newton"].max(), 1, 8)
-    runs.check(f"C3 {nr} x {nz}, {steps} steps: balance", abs(run["balance"]).max(), 0, 1e-10, relative=False)
 runs.check("C3 radius of the neck on 5 x 20 cells", radii[0], 0.362, 0.03)
 runs.check("C3 radius of the neck with half the step", radii[2], radii[1], 0.02)
 runs.finish()

@@ -24,7 +24,6 @@ runs.check_between("displacement there (mm)", run["time"][force.argmax()], 9e-3,
 runs.require("the force falls by a third or more", force[-1] < 2 / 3 * force.max())
 runs.check_between("tip of the crack, x", run["crack_plate_tip_x"][-1], 0.8, 1)
 runs.check_between("tip of the crack, y: below the slit, on the side of tension", run["crack_plate_tip_y"][-1], 0, 0.2)
-runs.check("balance", abs(run["balance"]).max(), 0, 1e-9, relative=False)
 other = plate("volumetric", 9e-3)
 runs.require("with the volumetric split the plate is weaker, because shear alone breaks it",
              other["reaction_push_x"].max() < 0.85 * force.max())

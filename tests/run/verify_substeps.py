@@ -48,7 +48,16 @@ held = {n: final(f"held_{n}", {**HELD, **RATE}, 1, n) for n in (20, 40, 80)}
 whole = final("held_whole", {**HELD, **RATE}, 1)
 runs.check_between("held strain, what 80 sub-steps change of phi", held[80]["phi_max"][-1] - whole["phi_max"][-1],
                    0.01, 0.5)
-same("held strain, 1 step in 40 sub-steps and 40 steps", held[40], final("held_steps", {**HELD, **RATE}, 40), 1e-10)
+steps = final("held_steps", {**HELD, **RATE}, 40)
+same("held strain, 1 step in 40 sub-steps and 40 steps", held[40], steps, 1e-10)
+runs.check("held strain, 1 step in 40 sub-steps and 40 steps: dissipated by damage", held[40]["dissipated_damage"][-1],
+           steps["dissipated_damage"][-1], 1e-9)
+runs.check_between("held strain: what the whole step would book", whole["dissipated_damage"][-1] / steps["dissipated_damage"][-1],
+                   0, 0.9)
+WARM = {**HELD, **RATE, "material_solid_c_v": 2.4e6}
+warm = {n: final(f"warm_{n}", WARM, *n) for n in ((1, 40), (40, None))}
+runs.check("held strain with heat, 1 step in 40 sub-steps and 40 steps: energy_thermal", *(r["energy_thermal"][-1] - r["energy_thermal"][0] for r in warm.values()),
+           5e-3)
 fine = final("held_reference", {**HELD, **RATE}, 1, 1280)
 runs.check_between("held strain, reference: largest phi, far from rest and from start", fine["phi_max"][-1], 0.2, 0.9)
 for a, b in ((20, 40), (40, 80)):

@@ -7,7 +7,7 @@
 /// Heat balance of one batch of cells over a step, as energies (all rates times dt), with the heat flux
 /// q = -kappa grad theta and []_h weighing t_{n+1} with theta_h and t_n with 1 - theta_h:
 ///   entropy: int w ([theta]_h (eta - eta_n) - D) + dt [grad w . kappa grad theta]_h           (45')
-///            D = plastic and viscous dissipation of the step + lambda_n (phi - phi_n)^2/dt
+///            D = dissipation of the step by plasticity, viscosity and the rate of damage
 ///              + phi (Fat - Fat_n)/gamma + x (PointLaw::plastic_exchange)
 ///   energy:  int w (e - e_n - W) + grad w . h (phi - phi_n) + dt [grad w . kappa grad theta]_h (5')
 ///            e = internal energy, W = 1/2 (P + P_n) : (F - F_n), h = a G_c gamma C^-1 Grad phi
@@ -38,7 +38,7 @@ struct HeatInput {
   const Batch* drive = nullptr;       ///< [point][drive_size] at t_{n+1}; of laws that soften in the energy
                                       ///< form, of those that exchange in the entropy form
   const Batch* drive_n = nullptr;     ///< at t_n
-  const Batch* dissipation = nullptr; ///< [point] of the step, see motion_advance; nullptr = none
+  const Batch* dissipation = nullptr; ///< [point] of the step per volume; nullptr = none
   const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u
   const Batch* stress_n = nullptr; ///< at t_n
   double dt = 1;

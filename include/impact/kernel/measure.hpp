@@ -41,24 +41,33 @@ struct HeatSums {
 /// Needs in.theta.
 template <class Cell, Frame frame> void stored_heat(const PointLaw&, const EnergyInput& in, HeatSums&);
 
-/// int lambda(phi_n) (phi - phi_n)^2 / dt, per lane; sum is added to. phi, phi_n [node]. Where `least` is
-/// given it becomes the smaller of itself and of the integrand at the points.
-template <class Cell, Frame frame>
-void damage_dissipation(const PointLaw&, const Batch* X, const Batch* phi, const Batch* phi_n, double dt,
-                        Batch& sum, Batch* least = nullptr);
+/// lambda(phi_n) (phi - phi_n)^2 / dt per volume is added to each of `points`. phi, phi_n [node].
+template <class Cell>
+void damage_dissipation(const PointLaw& law, const Batch* phi, const Batch* phi_n, double dt, Batch* points) {
+  for (int q = 0; q < Cell::points; ++q) {
+    Batch old = Batch(0.0), step = old;
+    for (int a = 0; a < Cell::nodes; ++a) {
+      old += shape_table<Cell>.N[q][a] * phi_n[a];
+      step += shape_table<Cell>.N[q][a] * (phi[a] - phi_n[a]);
+    }
+    points[q] += (1 / dt) * (damage_viscosity(law.parameters, old) * (step * step));
+  }
+}
 
-/// Mean over the reference volume of each cell of what is given at its points. X [node][dim], values [point].
+/// Integral over the reference volume of each cell of what is given at its points, and its mean. X
+/// [node][dim], values [point].
+template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Batch* values);
 template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* values);
 
-/// What damage and flow of a step exchange with the plastic heat, per lane (PointLaw::plastic_exchange); sum
-/// is added to. For laws that exchange anything.
+/// What damage and flow of a step exchange with the plastic heat, per volume at each point
+/// (PointLaw::plastic_exchange). For laws that exchange anything.
 struct ExchangeInput {
-  const Batch* X = nullptr;                             ///< [node][dim] reference coordinates
   const Batch *phi = nullptr, *phi_n = nullptr;         ///< [node]
   const Batch *history = nullptr, *history_n = nullptr; ///< [point][history_size]
   const Batch* drive = nullptr;                         ///< [point][drive_size] at t_{n+1}
 };
-template <class Cell, Frame frame> void plastic_exchange(const PointLaw&, const ExchangeInput&, Batch& sum);
+template <class Cell, Frame frame>
+void plastic_exchange(const PointLaw&, const ExchangeInput&, Batch* points);
 
 /// int m (E^- - E^-_n), per lane: what a step stores by the unilateral part of the stress; sum is added to.
 /// X [node][dim]; phi [node]; history [point][history_size] of t_n, read where g knows alpha; drive, drive_n

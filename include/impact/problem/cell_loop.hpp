@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 #include <impact/problem/discretisation.hpp>
+#include <span>
 
 /// The loop over batches of cells: gather, kernel, scatter, with the shape and the frame as compile-time
 /// constants.
@@ -40,7 +41,7 @@ template <class Cell, int components> struct Gathered {
 template <class Cell, int components> struct PointValues {
   static constexpr std::size_t size = static_cast<std::size_t>(Cell::points * components);
   std::array<Batch, size> value;
-  void load(const std::vector<double>& row, std::size_t offset, int batch) {
+  void load(std::span<const double> row, std::size_t offset, int batch) {
     std::memcpy(value.data(), row.data() + offset + static_cast<std::size_t>(batch) * size * lanes,
                 sizeof(value));
   }

@@ -76,6 +76,16 @@ public:
     return heat_ ? std::span<const ContactHeat::Heat>(heat_->contact_heat())
                  : std::span<const ContactHeat::Heat>();
   }
+  /// Of the attempt, per volume at the points (like row "damage_history"): dissipation by plasticity,
+  /// viscosity and the rate of damage, and the part of the last; empty where neither heat nor an exchange
+  /// of damage and flow asks for the first, without damage.
+  const std::vector<double>& dissipation() const { return dissipation_; }
+  std::span<const double> damage_dissipation() const {
+    return damage_ ? std::span<const double>(damage_->dissipated()) : std::span<const double>();
+  }
+  /// Work of the microforces that prescribe phi in the attempt, per unit thickness; 0 where the energy form
+  /// of the heat balance takes it from the heat.
+  double prescribed_damage_work() const;
   /// Growth of fatigue in the attempt; null without.
   const FatigueUpdate* fatigue() const { return fatigue_ ? &*fatigue_ : nullptr; }
   /// Parts of the motion's residual at u with the phi and theta of the end of the attempt in place of those
@@ -105,12 +115,16 @@ public:
   /// Fills the committed rows that the heat balance takes from the motion, at the start of a run, after
   /// begin_at_rest_of_step. Collective.
   void start_heat(Vec u);
+  /// Microforces of the damage at the start of a run, after begin_at_rest_of_step. Collective.
+  void start_damage(Vec u);
 
   /// Contact-stabilised Newmark: projection of the velocity and removal of the contact acceleration.
   NewmarkHooks newmark_hooks();
   double contact_scale() const { return contact_scale_; }
   /// Contact force on the bodies that the last converged motion solve balanced.
   Vec contact_force() const { return contact_force_; }
+  /// What the last converged motion solve left of the balance of momentum; zero on held dofs.
+  Vec left() const { return left_; }
   /// Impulse over dt that the projection of the last step's velocity put on the bodies; zero elsewhere.
   Vec contact_shock() const { return contact_shock_; }
   /// What was taken out of the integrator's acceleration in the last step: of deformable bodies the shares of
@@ -170,6 +184,7 @@ private:
   double residual_rtol_ = 0; // as the options say
   MotionStep step_;
   std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
+  std::vector<double> dissipation_;
   PetscReal utilisation_ = 0;
   TangentReuse reuse_{0};
   PassShell coupling_shell_, uzawa_shell_;
@@ -178,7 +193,7 @@ private:
   bool projection_failed_ = false;
   Vec iterate_ = nullptr;     // of the Newton solve at work, about which linear solves close gaps
   Handle<Vec> bare_residual_; // what the right-hand side was before they were added
-  Handle<Vec> residual_, newton_start_, contact_force_, contact_shock_, contact_acceleration_;
+  Handle<Vec> residual_, left_, newton_start_, contact_force_, contact_shock_, contact_acceleration_;
   bool first_done_ = false; // the solve to come goes on from a first iteration
   StepCounts counts_;
   PetscInt hardest_solve_ = 0, tangents_ = 0, iterations_ = 0; // iterations_: of one solve

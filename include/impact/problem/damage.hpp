@@ -37,12 +37,27 @@ public:
   /// on entry. Collective.
   DamageOutcome solve(const DamageStep& step, std::vector<double>& phi);
 
+  /// What the rate of phi dissipated in the last solve, per volume at the points: the sum over sub-steps.
+  const std::vector<double>& dissipated() const { return dissipated_; }
+  /// Work of the microforces on nodes where phi is prescribed in the last solve, and in a first step of what
+  /// holds rate-independent damage that is not in balance at the start; all ranks, per unit thickness.
+  double prescribed_work() const { return work_; }
+  /// Microforces of the start of a run at displacement u, local [node][dim]. Collective.
+  void start(const std::vector<double>& u);
+
   Mat matrix() const { return assembly_->matrix(); }
   /// Drops what its linear solvers keep. Collective.
   void forget_factors();
 
 private:
   void residual(Vec x, Vec f);
+  void microforces(const std::vector<double>& phi, double dt, std::vector<double>& force);
+  bool assemble_forces(Vec x, Vec f);
+  void keep_held(std::vector<double>& force) const;
+  double held_work(const std::vector<double>& force, const std::vector<double>& from,
+                   const std::vector<double>& to) const;
+  void book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt);
+  void book_energy(const std::vector<double>& from, const std::vector<double>& to);
   std::vector<SNES> solvers() const;
   void tangent(Vec x);
   template <class Output> bool evaluate(Vec x, bool with_tangent, Output&& output);
@@ -52,6 +67,7 @@ private:
   bool within_bounds(Vec x) const;
   void make_substeps();
   void start_substep(TS ts);
+  void finish_substep(TS ts);
   void substep_residual(TS ts, Vec x, Vec rate, Vec f);
   DamageOutcome solve_substeps(const DamageStep& step, std::vector<double>& phi);
 
@@ -71,7 +87,11 @@ private:
   Handle<SNES> unconstrained_, bounded_;
   Handle<TS> substeps_; ///< when -damage_ts_dt asks for sub-steps
   PetscReal substep_ = 0;
-  std::vector<double> substep_start_;
+  std::vector<double> substep_start_, substep_end_;
+  std::vector<double> dissipated_;
+  StateRow* microforce_ = nullptr; ///< on nodes with prescribed phi, of the energy alone
+  bool prescribes_ = false;        ///< phi of any node
+  double work_ = 0;
   Handle<Vec> solution_, residual_, diagonal_, lower_, upper_;
   double residual_tol_ = 0; // absolute, as the options say
   double reference_ = 0;

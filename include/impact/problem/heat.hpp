@@ -21,6 +21,8 @@ struct HeatStep {
   const std::vector<double>* u_n = nullptr;
   const std::vector<double>* phi = nullptr; ///< local [node]; null without damage
   const std::vector<double>* phi_n = nullptr;
+  /// [point of row "drive"] of the step by plasticity, viscosity and the rate of damage, per volume; or null
+  const std::vector<double>* dissipation = nullptr;
   Vec displacement = nullptr; ///< u as the contacts read it; with motion
 };
 
@@ -47,6 +49,8 @@ public:
   /// Collective.
   HeatOutcome solve(const HeatStep& step, std::vector<double>& theta);
 
+  /// Whether it balances the energy with the work of microforces, of prescribed ones too.
+  bool takes_work_of_damage() const { return settings_.form == HeatForm::energy; }
   /// Where MotionProblem::advance leaves what this balance takes from it.
   HeatRows rows();
 
@@ -110,8 +114,8 @@ private:
   std::vector<Region> regions_;
   std::vector<Surface> surfaces_;
   std::vector<double> X_, x_, r_, constant_;
-  std::vector<double> dissipation_, points_; ///< like rows of the table
-  std::vector<double> free_;                 ///< 0 where the temperature is prescribed
+  std::vector<double> points_; ///< like rows of the table
+  std::vector<double> free_;   ///< 0 where the temperature is prescribed
   std::vector<char> held_;
   std::vector<int> owned_held_;
   std::vector<std::size_t> history_offset_, drive_offset_, dissipation_offset_, stress_offset_, point_offset_;

@@ -102,6 +102,9 @@ public:
   /// gain = rate of the rigid motion per impulse, on the nodes of bodies, by impulses f [node][dim] whose
   /// arms are those of the start of the attempt; prescribed components gain nothing. Collective.
   void strike(Vec f, Vec gain) const;
+  /// Power of the reactions that keep prescribed components as they are while forces f strike; u, v of the
+  /// start of the attempt. Collective.
+  double strike_power(Vec f, Vec u, Vec v) const;
   /// Reactions of prescribed components for the residual's forces f, which keep their values: `factor` times
   /// what is missing to balance, into the trial half of the row. Returns their work in the attempt, with the
   /// mean of both ends unless the attempt is dynamic. After begin. Collective.

@@ -6,10 +6,9 @@
 
 /// The balance sheet of a run: energies, dissipation and work since t = 0, per material and total, and two
 /// checks.
-///   balance            the algorithmic identity of the integrator: kinetic energy, work of the forces that
-///   the motion
-///                      solves really balanced, and the integrator's own loss add up to zero up to Newton's
-///                      tolerance.
+///   balance            change of the kinetic energy, integrator's own loss by its weights (newmark_energy)
+///   and work of the forces that
+///                      the motion solves really balanced: they add up to zero.
 ///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
 ///   With heat: stored energy with the thermal one + what no equation of heat takes up (the integrator's
 ///   loss) - external work - heat supplied - start; rounding with HeatForm::energy.
@@ -30,8 +29,8 @@ struct LedgerChoice {
 class Ledger {
 public:
   /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
-  Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, double alpha_m,
-         bool moves = true, LedgerChoice choice = {});
+  Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, bool moves = true,
+         LedgerChoice choice = {});
 
   /// Energies and forces of the start. u, v, a at t = 0. Collective.
   void start(Vec u, Vec v, Vec a);
@@ -55,7 +54,8 @@ public:
   std::string report() const;
   double balance() const;
   double balance_first_law() const;
-  /// The same and, as a gain, what dissipated_closing has below zero.
+  /// The first law's residual, a gain positive, and energy that contact, closing cracks or the integrator
+  /// gave, which closes it.
   double energy_error() const;
   double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
   double phi_max() const { return phi_max_; }
@@ -71,8 +71,13 @@ private:
     damage,
     plastic_dissipation,
     friction,
-    numerical,
+    numerical, ///< the integrator's loss without what it keeps, and rigid bodies' without inertia
+    kept,      ///< energy that the integrator holds (NewmarkEnergy::kept)
+    kept_at_start,
+    unbalanced,   ///< work of what Newton's method left of the balances
+    contact_loss, ///< of the contact-stabilised and of the conserving update
     external,
+    damage_work, ///< part of `external`
     contact_work,
     identity,
     start_energy,
@@ -90,8 +95,14 @@ private:
   double& lost_in(std::size_t material, Loss which) const {
     return losses_->trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
   }
-  void book_damage(double dt);
+  /// Work of the velocity's projection at the start of a step.
+  struct Shock {
+    double contact = 0, supports = 0, rigid = 0; ///< rigid: of what keeps rigid bodies rigid
+  };
+  Shock find_shock(double dt) const;
+  NewmarkEnergy find_integrator_energy(double dt, Vec u, Vec v, Vec a);
   double unilateral_energy() const;
+  void book_damage();
   void find_coupling_error(Vec u, Vec internal);
   void measure(Vec u, Vec v, bool trial);
   void find_extremes(bool trial);
@@ -100,6 +111,7 @@ private:
   double entropy_produced() const;
   void find_reactions(const std::vector<double>& u);
   double contact_energy(Vec u) const;
+  Handle<Vec> global_of(const char* row) const; ///< of t_n
   bool in_rigid_body(std::size_t dof) const;
   bool turns(int condition, std::size_t axis) const; // the condition prescribes a rotation of a rigid body
   double stored() const;
@@ -107,14 +119,13 @@ private:
   MotionProblem& motion_;
   Coupling* coupling_; ///< null with an integrator that is not ours: no work, no balance
   StateTable& state_;
-  bool inertia_, moves_;
-  double alpha_m_;
+  bool inertia_, moves_, prescribes_damage_ = false;
   LedgerChoice choice_;
   /// With heat: supplied by each condition since t = 0; conducted into the secondary side of each contact
   /// that passes heat, and what came from outside the bodies there; entropy supplied, entropy at the start.
   StateRow* heat_ = nullptr;
   std::vector<std::string> heat_contacts_; ///< their ids
-  StateRow *totals_, *losses_, *internal_, *external_, *contact_, *inertia_force_;
+  StateRow *totals_, *losses_, *internal_, *external_, *contact_, *inertia_force_, *left_;
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;

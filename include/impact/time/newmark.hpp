@@ -56,4 +56,29 @@ Vec newmark_acceleration(TS ts);
 /// Sets the acceleration at the current time (copied). It is then never computed again. Collective.
 void newmark_set_acceleration(TS ts, Vec a);
 
+/// v at the start of the try in progress: v_n, or what the hook `predict` made of it; owned by the TS.
+Vec newmark_start_velocity(TS ts);
+
+/// A step as it was taken, M being the mass matrix of all unknowns, held ones too.
+struct NewmarkStep {
+  PetscReal dt = 0;
+  Vec du = nullptr;                            ///< u - u_n
+  Vec v_start = nullptr;                       ///< after the hook `predict`
+  Vec v = nullptr, a_n = nullptr, a = nullptr; ///< after the hook `correct`
+  Vec f = nullptr; ///< 2 beta a_c, a_c what that hook took out of the acceleration
+  Vec Ma_n = nullptr, Ma = nullptr, Mf = nullptr; ///< M times a_n, a, f
+  Vec lag = nullptr;                              ///< (alpha_m - 1) M (a_n - a_{n-1}); 0 in the first step
+};
+
+/// What the scheme itself does to the energy in a step, in closed form from its weights (theory.md, N1 and
+/// N2): no force of the problem and no kinetic energy enters.
+struct NewmarkEnergy {
+  PetscReal loss = 0; ///< T(v_start) - T(v) + du . (mean inertia + M f)                       (N1)
+  PetscReal kept = 0; ///< what of it v and the accelerations hold and give back, of any sign  (N2)
+};
+/// Collective.
+NewmarkEnergy newmark_energy(const NewmarkParameters& parameters, const NewmarkStep& step);
+/// `kept` at a start, where no acceleration was before. Collective.
+PetscReal newmark_kept_at_start(const NewmarkParameters& parameters, PetscReal dt, Vec a, Vec Ma);
+
 } // namespace impact

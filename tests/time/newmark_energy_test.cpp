@@ -1,0 +1,139 @@
+#include "simulation.hpp"
+#include <gtest/gtest.h>
+
+namespace impact {
+
+using time_test::Simulation;
+
+namespace {
+
+/// Hard springs with masses of 2, whose scheme is disturbed at both of its hooks.
+struct Springs {
+  static constexpr PetscReal mass = 2, dt = 0.3;
+  Simulation simulation{time_test::equations_of({.m = mass, .k = 1, .cubic = 4}), 5};
+  NewmarkParameters weights;
+  bool disturbed;
+  Handle<Vec> f, v_n, lag, inertia, a_before;
+  PetscReal kept = 0, largest_error = 0, least_loss = 0, left = 0, energy_of_wrong = 0;
+  NewmarkParameters wrong;
+  int steps = 0;
+
+  Springs(const NewmarkParameters& given, bool with_hooks)
+      : weights(given), disturbed(with_hooks), wrong(given) {
+    for (Handle<Vec>* vec : {&f, &v_n, &lag, &inertia, &a_before}) {
+      check(VecDuplicate(simulation.u, vec->out()));
+      check(VecSet(*vec, 0));
+    }
+    time_test::fill(simulation.u, [](PetscInt i) { return 1 - 0.3 * static_cast<PetscReal>(i); });
+    time_test::fill(simulation.v, [](PetscInt i) { return 0.2 * static_cast<PetscReal>(i % 3); });
+    set_newmark_parameters(simulation.ts, weights);
+    if (disturbed)
+      set_newmark_hooks(simulation.ts,
+                        {.predict =
+                             [](TS, PetscReal, PetscReal step, Vec u_tilde, Vec v) {
+                               check(VecShift(v, -0.02));
+                               check(VecShift(u_tilde, -0.02 * step));
+                             },
+                         .correct =
+                             [this](TS, Vec u, Vec v, Vec a) {
+                               check(VecCopy(u, f));
+                               check(VecScale(f, 0.1 * 2 * weights.beta));
+                               check(VecAXPY(a, -1 / (2 * weights.beta), f));
+                               check(VecAXPY(v, dt * (1 - weights.gamma / (2 * weights.beta)), f));
+                             }});
+    set_step_hooks(simulation.ts, {.accept = [this](TS ts, const Attempt&, Vec u, Vec v, Vec a) {
+                     audit(ts, u, v, a);
+                     return Verdict{};
+                   }});
+  }
+
+  static PetscReal dot(Vec x, Vec y) {
+    PetscReal value = 0;
+    check(VecDot(x, y, &value));
+    return value;
+  }
+  static Handle<Vec> combine(PetscReal p, Vec x, PetscReal q, Vec y) {
+    Handle<Vec> sum;
+    check(VecDuplicate(x, sum.out()));
+    check(VecCopy(x, sum));
+    check(VecAXPBY(sum, q, p, y));
+    return sum;
+  }
+
+  void audit(TS ts, Vec u, Vec v, Vec a) {
+    Vec u_n = nullptr, old_v = nullptr;
+    check(TS2GetSolution(ts, &u_n, &old_v));
+    const Vec a_n = newmark_acceleration(ts), v_start = newmark_start_velocity(ts);
+    const PetscReal alpha_m = weights.alpha_m;
+    if (steps++ == 0) {
+      check(VecAXPY(inertia, mass, a_n));
+      check(VecCopy(a_n, a_before));
+      const Handle<Vec> Ma = combine(mass, a_n, 0, a_n);
+      kept = newmark_kept_at_start(weights, dt, a_n, Ma);
+    }
+    const Handle<Vec> du = combine(1, u, -1, u_n), Ma_n = combine(mass, a_n, 0, a_n),
+                      Ma = combine(mass, a, 0, a), Mf = combine(mass, f, 0, f),
+                      of_step = combine(alpha_m, Ma, 1 - alpha_m, Ma_n),
+                      mean = combine(0.5, inertia, 0.5, of_step), change = combine(1, a, -1, a_before);
+    check(VecWAXPY(lag, -1, Ma_n, inertia));
+    const NewmarkStep step{.dt = dt,
+                           .du = du,
+                           .v_start = v_start,
+                           .v = v,
+                           .a_n = a_n,
+                           .a = a,
+                           .f = f,
+                           .Ma_n = Ma_n,
+                           .Ma = Ma,
+                           .Mf = Mf,
+                           .lag = lag};
+    const NewmarkEnergy energy = newmark_energy(weights, step);
+    const PetscReal rise = mass * (dot(v, v) - dot(v_start, v_start)) / 2, work = dot(du, mean) + dot(du, Mf);
+    largest_error = std::max(largest_error, std::abs(rise - work + energy.loss));
+    energy_of_wrong = std::max(energy_of_wrong, std::abs(rise - work + newmark_energy(wrong, step).loss));
+    const PetscReal kappa = weights.beta - weights.gamma / 2, delta = weights.gamma - 0.5,
+                    lost = energy.loss - (energy.kept - kept),
+                    expected =
+                        mass * dt * dt * (alpha_m - 1) / 8 * (0.5 + delta + 2 * kappa) * dot(change, change);
+    left = std::max(left, std::abs(lost - expected));
+    least_loss = std::min(least_loss, lost);
+    kept = energy.kept;
+    check(VecCopy(of_step, inertia));
+    check(VecCopy(a_n, a_before));
+  }
+};
+
+const NewmarkParameters sets[] = {newmark_with_radius(1),      newmark_with_radius(0.8),
+                                  newmark_with_radius(0.3),    {.beta = 0.36, .gamma = 0.7},
+                                  {.beta = 0.3, .gamma = 0.5}, {.beta = 0.4, .gamma = 0.6, .alpha_m = 1.2}};
+
+TEST(NewmarkEnergy, ClosedFormIsTheChangeOfTheKineticEnergyLessTheWorkOfInertia) {
+  for (const NewmarkParameters& weights : sets)
+    for (const bool disturbed : {false, true}) {
+      Springs springs(weights, disturbed);
+      time_test::run(springs.simulation, Springs::dt, 9);
+      EXPECT_GE(springs.steps, 30);
+      EXPECT_LT(springs.largest_error, 1e-13) << weights.beta << " " << disturbed; // of an energy of 5
+    }
+}
+
+TEST(NewmarkEnergy, WrongWeightShows) {
+  for (int kind = 0; kind < 3; ++kind) {
+    Springs springs(newmark_with_radius(0.9), true);
+    (kind == 0 ? springs.wrong.beta : kind == 1 ? springs.wrong.gamma : springs.wrong.alpha_m) *= 1.001;
+    time_test::run(springs.simulation, Springs::dt, 9);
+    EXPECT_GT(springs.energy_of_wrong, 1e-6) << kind;
+  }
+}
+
+TEST(NewmarkEnergy, DampedFamilyLosesASquareBesideWhatItKeeps) {
+  for (const PetscReal rho : {1.0, 0.9, 0.5, 0.0}) {
+    Springs springs(newmark_with_radius(rho), false);
+    time_test::run(springs.simulation, Springs::dt, 30);
+    EXPECT_LT(springs.left, 1e-13) << rho;
+    EXPECT_GE(springs.least_loss, -1e-15) << rho;
+  }
+}
+
+} // namespace
+} // namespace impact
