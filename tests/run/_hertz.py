@@ -15,8 +15,9 @@ LIGHT = {"param_way": 0.0245, "mesh_set_patch": 0.9}  # a hundredth of the load,
 class Indentation:
     """A run with its load per length, the closed form for that load and the nodal pressures at the end."""
 
-    def __init__(self, name, options):
-        self.run = run(name, {"output_vis_every": 1000, "output_vis_dt": 10, **options}, files=[option_file("hertz.opts")])
+    def __init__(self, name, options, refused=0):
+        self.run = run(name, {"output_vis_every": 1000, "output_vis_dt": 10, **options}, files=[option_file("hertz.opts")],
+                       refused=refused)
         self.load = 2 * abs(self.run["reaction_press_y"][-1])
         self.peak, self.width = hertz(self.load)
         self.X, self.x, self.p = pressed(self.run)

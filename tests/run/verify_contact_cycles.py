@@ -2,10 +2,9 @@
 # timeout: 120
 # processors: 1
 """Newton's method with contact that does not come to rest: where a primary surface ends above a gap the force of mortar
-jumps, and full Newton steps go round in circles; a cycle is seen before its fourth round, and the second way and the
-cut step end at the pressure of the closed form. More constraints than a surface can meet leave gaps that no pressure
-closes: the first way ends early there too. No solve takes more than 25 iterations (asserted of all runs of all
-scripts)."""
+jumps, and iterations that begin with one squashed layer of cells go round in circles; those whose first one moves the
+whole body do not, and end at the pressure of the closed form. More constraints than a surface can meet leave gaps that no pressure
+closes: the first way ends early there too."""
 import re
 
 from _press import press
@@ -45,17 +44,12 @@ r = run("kink", {
     "contact_face_method": "mortar", "contact_face_enforce": "auglag", "contact_face_gap_tol": 1e-9,
     "contact_face_pressure_tol": 1e-8, "uzawa_snes_max_it": 100,
     "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, **SHOW})
-circles = [norms for norms, end in solves(r.log) if end == "DIVERGED_LOCAL_MIN"]
-require("a solve goes round in a circle", len(circles) > 0)
-for norms in circles:
-    n = period(norms)
-    begins = next(i for i in range(len(norms)) if period(norms[i:]) == n and period(norms[i + 1:]) != n) if n else 0
-    check_between("iterates of the circle", n, 2, 6)
-    check_between("rounds until it is seen", (len(norms) - begins) / max(n, 1), 2, 3)
+require("no solve goes round in a circle",
+        all(end.startswith("CONV") and period(norms) == 0 for norms, end in solves(r.log)))
 check_between("pressure of the closed form at every node, smallest", r["contact_face_pressure_min"][-1] * STRETCH / FORCE,
               1 - 1e-8, 1 + 1e-8)
 check_between("largest", r["contact_face_pressure_max"][-1] * STRETCH / FORCE, 1 - 1e-8, 1 + 1e-8)
-check_between("most iterations of a solve, both ways", r["newton_most"].max(), 12, 25)
+check_between("most iterations of a solve, both ways", r["newton_most"].max(), 3, 12)
 
 print("a notch that closes: two constraints per facet and the multipliers of the semismooth method")
 NOTCH = {
@@ -65,7 +59,8 @@ NOTCH = {
     "contacts": "skin", "contact_skin_secondary": "skin", "contact_skin_primary": "skin",
     "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 0.3,
 }
-runs = {method: run(method, {**NOTCH, "contact_skin_method": method, "contact_skin_enforce": "semismooth", **SHOW})
+runs = {method: run(method, {**NOTCH, "contact_skin_method": method, "contact_skin_enforce": "semismooth", **SHOW},
+                    refused=10 if method == "gpts" else 0)
         for method in ("gpts", "mortar")}
 ends = [end for _, end in solves(runs["gpts"].log)]
 require("gaps stay open in some solve", "DIVERGED_LOCAL_MIN" in ends)

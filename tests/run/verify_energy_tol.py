@@ -49,7 +49,7 @@ runs.require("stop: the history ends before the step beyond the bound", numpy.ar
     stopped["time"], off["time"][:len(stopped["time"])]) and residual[len(stopped["time"])] > TOL
     and residual[:len(stopped["time"])].max() <= TOL)
 
-cut = runs.run("cut", {**BAR, "energy_tol": TOL, "energy_action": "cut"})
+cut = runs.run("cut", {**BAR, "energy_tol": TOL, "energy_action": "cut"}, refused=17)
 runs.require("cut: the refused steps are cut", "time step cut" in cut.log and len(told(cut)) > 0)
 runs.check("cut: the run reaches its end", cut["time"][-1], 1, 1e-12)
 runs.check_between("cut: tries of a step at most", cut["tries"].max(), 2, 10)

@@ -11,7 +11,8 @@ def cook(name, n, E, nu, force, locking, steps, at):
         **STATIC, "mesh": runs.mesh("cook.geo"), "mesh_set_n": n, "materials": "solid", "material_solid_E": repr(E),
         "material_solid_nu": nu, "material_solid_locking": locking, "bcs": "clamp,shear", "bc_clamp_on": "left",
         "bc_clamp_type": "fix", "bc_shear_on": "right", "bc_shear_type": "force", "bc_shear_uy": f"{force}*t",
-        "ts_dt": 1 / steps, "ts_max_time": 1, "probes": "p", "probe_p_at": at, "probe_p_fields": "u"})["probe_p_uy"][-1]
+        "ts_dt": 1 / steps, "ts_max_time": 1, "probes": "p", "probe_p_at": at, "probe_p_fields": "u"},
+                    refused=6 if nu > 0.49 else 0)["probe_p_uy"][-1]  # a force on what is nearly incompressible
 
 
 # A4: an independent program with this law and element; deal.II's code gallery (quasi-static finite-strain compressible
