@@ -162,7 +162,8 @@ TYPED_TEST(FatigueCell, EnergyAndHeatAreThoseOfThePotential) {
         integral += q.weight * f, volume += q.weight;
         ++p;
       }
-      for (int a = 0; a < n; ++a) scale = std::fmax(scale, std::fabs(without[a][l]));
+      for (int a = 0; a < n; ++a)
+        scale = std::fmax(scale, std::fmax(std::fabs(without[a][l]), std::fabs(with[a][l])));
       for (int a = 0; a < n; ++a) EXPECT_NEAR(with[a][l] - without[a][l], expected[a], 1e-12 * scale);
       EXPECT_NEAR(sums.fatigue[l], energy, 1e-12 * std::fabs(energy));
       EXPECT_NEAR(mean[l], integral / volume, 1e-12 * mean[l]);
