@@ -87,8 +87,8 @@ OptionGroup coupling_group() {
       {
           count_row<Global>(
               "coupling_snes_max_it", [](auto& s) -> auto& { return s.coupling.max_it; },
-              {"largest number of passes in a step",
-               "1; with -ts_type static and damage or thermal expansion 200 in a row in which phi does not grow"},
+              {"largest number of passes in a step", "1; with -ts_type static and damage or thermal "
+                                                     "expansion 200 in a row in which phi does not grow"},
               1),
           number_row<Global>(
               "coupling_snes_atol", [](auto& s) -> auto& { return s.coupling.atol; },

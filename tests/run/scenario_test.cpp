@@ -109,8 +109,10 @@ TEST(Scenario, DefaultsThatDependOnOthersAreFilledIn) {
   still["-ts_type"] = "static";
   still["-material_beam_rho"] = "-";
   EXPECT_EQ(read(with(still)).coupling.max_it, 200);
+  EXPECT_TRUE(read(with(still)).coupling.follow_cracks); // passes in which phi grows do not count
   still["-coupling_snes_max_it"] = "7";
   EXPECT_EQ(read(with(still)).coupling.max_it, 7);
+  EXPECT_FALSE(read(with(still)).coupling.follow_cracks);
   const Scenario table =
       read(with({{"-ts_dt", "-"}, {"-ts_max_time", "-"}, {"-ts_times", "0,10,50"}, {"-ts_dts", "1,0.1"}}));
   EXPECT_EQ(table.time.dt, 1);
