@@ -22,7 +22,11 @@ bool any_set(std::initializer_list<const char*> names) {
 
 } // namespace
 
-void yield_while_waiting() { setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0); }
+void yield_while_waiting() {
+  // A rank that is alone waits for no one, and would lose its core at every call of MPI.
+  const char* const ranks = std::getenv("OMPI_COMM_WORLD_SIZE");
+  if (ranks != nullptr && std::atoi(ranks) > 1) setenv("OMPI_MCA_mpi_yield_when_idle", "1", 0);
+}
 
 void hold_to_one_thread() {
   if (any_set({"OMP_NUM_THREADS"})) return; // OpenBLAS reads it too

@@ -41,6 +41,11 @@ ON_ONE_RANK = re.compile(r"-motion_pc_type icc|solver_type petsc")
 plain_run = _runs.run
 
 
+def repeat_run(*arguments, **more):
+    """What a repetition needs of tries, and what its law takes back, is no claim here."""
+    return plain_run(*arguments, **more, refused=None, takes_back=True)
+
+
 class Report:
     def __init__(self):
         self.rows, self.failed, self.skipped = [], [], []
@@ -66,10 +71,10 @@ class Modes:
         self.in_turn = in_turn
         self.most, self.count, self.repeated = most, 0, 0
 
-    def __call__(self, name, options, files=(), ranks=1, code=0):
+    def __call__(self, name, options, files=(), ranks=1, code=0, **more):
         if self.repeated >= self.most or time.monotonic() > self.deadline:
             sys.exit(0)  # of the script: its other runs are not wanted
-        done = plain_run(name, options, files=files, ranks=ranks, code=code)
+        done = plain_run(name, options, files=files, ranks=ranks, code=code, **more)
         self.count += 1
         if done.code != 0 or self.count % self.share[1] != self.share[0] % self.share[1]:
             return done
@@ -136,12 +141,12 @@ class Modes:
         for before, after in pairs:
             folder = f"{name}.{mode}{before}{after}"
             label = f"{what}, {before} -> {after} ranks" if mode == "repartition" else what
-            reference = plain_run(folder, base, files=files, ranks=before, code=None)
+            reference = repeat_run(folder, base, files=files, ranks=before, code=None)
             if reference.code == 0 and int(reference["step"][-1]) < half:
                 # Another solver may take fewer steps: its half is another one.
                 base["checkpoint_every"] = max(1, int(reference["step"][-1]) // 2)
                 shutil.rmtree(folder)
-                reference = plain_run(folder, base, files=files, ranks=before, code=None)
+                reference = repeat_run(folder, base, files=files, ranks=before, code=None)
             if reference.code != 0:
                 self.report.add(mode, label, math.inf, f"nothing: exit status {reference.code}, "
                                 + reference.log.strip().splitlines()[-1])
@@ -151,7 +156,7 @@ class Modes:
                 refusing = {**base, "test_restep": 1}
                 if re.search(r"-ts_max_reject\s+0\b", said):
                     refusing["ts_max_reject"] = 1
-                again = plain_run(folder + "_again", refusing, files=files, ranks=before, code=None)
+                again = repeat_run(folder + "_again", refusing, files=files, ranks=before, code=None)
                 if again.code != 0:
                     self.report.add(mode, label, math.inf, f"nothing: exit status {again.code}, "
                                     + again.log.strip().splitlines()[-1])
@@ -162,7 +167,7 @@ class Modes:
             else:
                 shutil.copytree(folder, folder + "_again")
                 file = os.path.join(folder + "_again", "checkpoints", "checkpoint_000001.h5")
-                again = plain_run(folder + "_again", {**base, "restart": file}, files=files, ranks=after, code=None)
+                again = repeat_run(folder + "_again", {**base, "restart": file}, files=files, ranks=after, code=None)
                 if again.code != 0:
                     self.report.add(mode, label, math.inf, f"nothing: exit status {again.code}, "
                                     + again.log.strip().splitlines()[-1])
@@ -177,7 +182,7 @@ class Modes:
             noise = 0.0
             if TOLERANCE[mode] < gap < MOST_NOISE and (before > 1 or after > 1):
                 for k in range(1, 7):
-                    repeat = plain_run(folder + "_repeat", self.shaken(base, said, k) if before != after else base,
+                    repeat = repeat_run(folder + "_repeat", self.shaken(base, said, k) if before != after else base,
                                        files=files, ranks=before)
                     noise = max(noise, compare(reference, repeat)[0])
                     shutil.rmtree(folder + "_repeat")
