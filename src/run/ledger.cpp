@@ -344,8 +344,8 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     shock = find_shock(dt);
     const auto [beta, gamma, alpha_m] = newmark_parameters(coupling_->integrator());
     // What acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it
-    // in M a_c. That is the force of stabilised contact less that of closing cracks; of rigid bodies also what
-    // keeps them rigid, and the reactions there.
+    // in M a_c. That is the force of stabilised contact less that of closing cracks; of rigid bodies also
+    // what keeps them rigid, and the reactions there.
     Handle<Vec> a_eq = global_of("a"), force = d.displacement.make_global();
     motion_.mass_multiply(coupling_->contact_acceleration(), force);
     check(VecScale(force, parted ? 2 * beta : alpha_m));
@@ -362,7 +362,8 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   std::vector<double> over_step = d.displacement.make_local();
   reaction_force_.resize(over_step.size());
   for (std::size_t i = 0; i < over_step.size(); ++i) {
-    const double contact = contact_->trial[i], of_step = corrected[i] + unilateral[i] - (stabilised ? contact : 0),
+    const double contact = contact_->trial[i],
+                 of_step = corrected[i] + unilateral[i] - (stabilised ? contact : 0),
                  at_end = inertia_force_->trial[i] + internal_->trial[i] - external_->trial[i] -
                           (stabilised ? 0 : contact);
     reaction_force_[i] = at_end + of_step;

@@ -146,7 +146,7 @@ private:
   std::string checkpoint_file_, stopped_by_, ended_by_; // from outside, by a criterion of the run
   std::string last_cause_;                              // why the last try was refused
   std::string energy_warning_;                          // the first one
-  double least_energy_ = 0; // of bodies strained by 1e-8: below it the first law is one of rounding errors
+  double least_energy_ = 0; // of bodies strained by 1e-7: below it the first law is one of rounding errors
   bool checked_options_ = false;
   StopRequests requests_;
   StopCriteria stops_;
@@ -173,7 +173,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time),
       requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe) {
-  least_energy_ = 1e-4 * motion_.reference_force() * d_.mesh.smallest_edge() * d_.thickness *
+  least_energy_ = 1e-2 * motion_.reference_force() * d_.mesh.smallest_edge() * d_.thickness *
                   static_cast<double>(d_.mesh.global_cell_count());
   PetscBool restep = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-test_restep", &restep));

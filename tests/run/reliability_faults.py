@@ -80,7 +80,7 @@ require("the linear solver fails: a checkpoint of the start", "the state at t = 
 rescued = run("linear", {**BLOCK, "ts_dt": 0.05, "restart": "auto"})
 check("other solver on restart: elastic energy at the end", rescued["energy_elastic"][-1], small["energy_elastic"][-1], 1e-8)
 
-uzawa = run("uzawa", {**with_mesh(BOTH), "checkpoint_every": 0, "uzawa_snes_max_it": 3, "contact_face_enforce": "auglag",
+uzawa = run("uzawa", {**with_mesh(BOTH), "checkpoint_every": 0, "uzawa_snes_max_it": 3, "contact_face_method": "gpts", "contact_face_enforce": "auglag",
                       "contact_face_pressure_tol": 1e-2, "output_vis_every": 1000}, code=None, refused=None)
 require(f"augmentation fails: {(cut_lines(uzawa.log) or [''])[0]}", "uzawa: DIVERGED_MAX_IT" in uzawa.log)
 require(f"augmentation fails: the step is cut and the run ends (status {uzawa.code})",

@@ -28,7 +28,8 @@ runs.check("-ts_adapt_dalpha: the end is reached", limited["time"][-1], 1, 1e-12
 runs.check("-ts_adapt_dalpha: the plastic strain of short steps", limited["alpha_max"][-1], fine["alpha_max"][-1], 0.02)
 
 # The same of a sheet, whose history holds its thickness behind the plastic strain.
-free, limited = (runs.run(f"sheet_{limit}", {**PLASTIC, "plane": "stress", "ts_adapt_dalpha": limit}) for limit in (0, MOST))
+free, limited = (runs.run(f"sheet_{limit}", {**PLASTIC, "plane": "stress", "ts_adapt_dalpha": limit}, refused=cuts)
+                 for limit, cuts in ((0, 0), (MOST, 3)))
 runs.check_between("sheet without the limit: largest growth of alpha_max in a step", numpy.diff(free["alpha_max"]).max(), 2 * MOST, 1)
 runs.check_between("sheet, -ts_adapt_dalpha: largest growth", numpy.diff(limited["alpha_max"]).max(), 0.4 * MOST, MOST)
 
