@@ -118,12 +118,14 @@ def _audit_energy(name, run):
     contact, integrator, kept = column("dissipated_contact"), column("dissipated_numerical"), column("energy_numerical")
     lost = contact + column("dissipated_closing") + integrator
     wrong = [("balance", abs(run["balance"]).max(), 1e-10)]
-    # Turning facets work to third order, augmentations within their tolerance.
+    # Turning facets work to third order, augmentations within their tolerance. While cracks close, the damped family
+    # gives before it takes: 1.1e-7 of the work on a torn plate (verify_energy).
     exact = not any(c.endswith("_sliding") for c in run.history) and max(run.history.get("uzawa", [0])) <= 1
     if not any(c.endswith("_gap_min") and run[c][0] < 0 for c in run.history):
         wrong += [("energy that contact gave", -contact.min() / largest, 1e-9 if exact else 1e-7),
                   ("energy that integrator, contact and closing cracks gave",
-                   -numpy.maximum(lost, lost + kept - kept[0]).min() / largest, 1e-9)]
+                   -numpy.maximum(lost, lost + kept - kept[0]).min() / largest,
+                   1e-6 if "dissipated_closing" in run.history else 1e-9)]
         if "dissipated_contact" not in run.history and "dissipated_closing" not in run.history:
             wrong.append(("energy that the integrator gave", -integrator.min() / largest, 1e-9))
     left = re.search(r"^ *work of unbalanced forces +(\S+)", run.log, re.M)
