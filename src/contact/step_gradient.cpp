@@ -135,15 +135,15 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
                                   const ConstraintVisitor& visitor) const {
   const PressureLaw law = this->law();
   const auto m = at(dim_);
-  const bool of_end = step_.rule == StepRule::middle;
+  const bool of_end = step_.rule == StepRule::middle, strikes = step_.rule == StepRule::start;
   const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;
-  std::vector<double> end_gap(of_end ? multiplier_->trial.size() : 0, unknown_gap);
+  std::vector<double> end_gap(of_end || strikes ? multiplier_->trial.size() : 0, unknown_gap);
   std::vector<double> end_gradient, gradient, slip_gradient;
   std::vector<int> node;
   // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
   const bool adds_nodes = multiplier_->support == Support::vertex;
   Gradients end(to_end ? end_gap.size() : 0);
-  if (of_end)
+  if (of_end || strikes)
     form_->visit(u, to_end ? Derivatives::first : Derivatives::none, reaching_law(),
                  [&](const Constraint& c) {
                    end_gap[at(c.index)] = c.gap;
@@ -155,11 +155,13 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
       const std::size_t k = dof(c.node[i % n / m], i % m);
       return u[k] - step_.start[k];
     };
+    // It faces nothing any more. The gradients of the start know no edge: a body that flies past it is not
+    // struck either.
+    if ((of_end || strikes) && end_gap[at(c.index)] == unknown_gap) return;
     c.slip = {};
     for (std::size_t i = 0; i < c.slip_gradient.size(); ++i) c.slip[i / n] += c.slip_gradient[i] * moved(i);
     if (of_end) {
       c.gap = end_gap[at(c.index)];
-      if (c.gap == unknown_gap) return; // faces nothing any more
       c.gap -= kept_overlap(c.index);
       if (to_end && end.over_nodes_of(c, adds_nodes, node, end_gradient)) {
         c.end_gradient = end_gradient;
@@ -179,7 +181,7 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
       for (std::size_t i = 0; i < n; ++i) change += c.gradient[i] * moved(i);
       // It faces something now and did not at the start.
       if (start == unknown_gap) start = std::max(0.0, c.gap - change / 2);
-      if (step_.rule == StepRule::start) start = std::max(0.0, start);
+      if (strikes) start = std::max(0.0, start);
       c.gap = start + change;
       if (exact_work()) {
         c.lambda = 0;
