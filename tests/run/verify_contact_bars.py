@@ -13,6 +13,9 @@ GAP = 1e-5
 # The default of -motion_snes_atol, 1e-12 E h = 3.5e-5 N, leaves 1e-11 of the momentum after 600 steps, and an iteration
 # that moves the flying bar by 1e-12 of its way may leave 1e-5 N.
 BASE = {"mesh_set_gap": GAP * 1e3, "output_vis_every": 100000, "motion_snes_atol": 1e-7}
+# Augmented multipliers. Semismooth ones, the default, follow rounding of the gap: 1e-20 m times the stiffness of their linear
+# solves is 1e-5 N in each step.
+POINTS = {**BASE, "contact_face_method": "gpts", "contact_face_enforce": "auglag"}
 
 
 def energy(r):
@@ -32,7 +35,7 @@ def plateau(r):
     return -r["contact_face_force_x"][middle]
 
 
-def exchange(r, most_uzawa, most_newton):
+def exchange(r, most_uzawa, most_newton, rounding=1e-12):
     start, end = closed(r)
     check("first touch at gap / v, within a step", start, GAP / V, 1.001e-7, relative=False)
     check("contact time 2 L/c", end - start, 2 * L / C, 0.02)
@@ -45,25 +48,30 @@ def exchange(r, most_uzawa, most_newton):
     jump = r["momentum_striker_x"] - MOMENTUM + r["momentum_target_x"]
     check("impulses on both bodies add to zero, relative", abs(jump).max() / MOMENTUM, 0, 1e-12, relative=False)
     check("impulse of the contact is the change of momentum, relative",
-          abs(r["impulse_face_x"][-1] + r["momentum_target_x"][-1]) / MOMENTUM, 0, 1e-12, relative=False)
+          abs(r["impulse_face_x"][-1] + r["momentum_target_x"][-1]) / MOMENTUM, 0, rounding, relative=False)
     check_between("most Uzawa passes in a step", r["uzawa"].max(), 1, most_uzawa)
     check_between("most Newton iterations in a step", r["newton"].max(), 1, most_newton)
     check_between("tries of a step", r["tries"].max(), 1, 1)
 
 
 print("stabilised update, rho = 0.9 (options/bars_impact.opts)")
-r = run("damped", BASE, files=[option_file("bars_impact.opts")])
+r = run("damped", POINTS, files=[option_file("bars_impact.opts")])
 require("the program says that the update is stabilised", "impact update: contact-stabilised" in r.log)
 exchange(r, 6, 14)
 check_between("largest energy / energy at the start", energy(r).max(), 0.97, 1 + 1e-9)
 check_between("energy at the end / energy at the start", energy(r)[-1], 0.97, 1)
 
 print("stabilised update, undamped Newmark, multipliers to 1e-6: the energy decays by theory")
-r = run("undamped", {**BASE, "ts_newmark_rho": 1, "contact_face_pressure_tol": 1e-6},
+r = run("undamped", {**POINTS, "ts_newmark_rho": 1, "contact_face_pressure_tol": 1e-6},
         files=[option_file("bars_impact.opts")])
 exchange(r, 9, 12)
 check_between("largest energy / energy at the start", energy(r).max(), 0.97, 1 + 1e-9)
 check_between("energy at the end / energy at the start", energy(r)[-1], 0.97, 1)
+
+print("the same by the default form, mortar with semismooth multipliers")
+r = run("default", BASE, files=[option_file("bars_impact.opts")])
+exchange(r, 1, 12, rounding=1e-10)
+check_between("largest energy / energy at the start", energy(r).max(), 0.97, 1 + 1e-9)
 
 print("without stabilisation, undamped: recorded, it must be worse")
 r = run("bare", {**BASE, "ts_newmark_rho": 1, "contact_face_impact": "none", "energy_stop": 0},

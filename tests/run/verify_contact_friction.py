@@ -54,7 +54,7 @@ for enforce in ("penalty", "auglag", "semismooth"):
     stop(f"rigid plane, {enforce}", r, "measure_place_ux")
 stop("rigid plane, mortar", run("plane_mortar", block(contact_face_method="mortar")), "measure_place_ux")
 ROUND = {"contact_face_primary": "rigid_cylinder", "contact_face_radius": 1, "contact_face_centre": "0.5,-1,0"}
-r = run("refused", block(**ROUND), code=2)
+r = run("refused", block(**ROUND, contact_face_method="gpts"), code=2)
 check("friction at Gauss points on a round rigid body: one line that names the option",
       sum("-contact_face_friction: on a round" in line for line in r.log.splitlines()), 1, 0)
 

@@ -13,8 +13,9 @@ from _runs import check, check_between, finish, require
 PRESSURE = {"param_load": 9, "bc_outside_value": "load*stiffness*t", "ts_dt": 0.02, "ts_max_time": 0.75}
 
 
-def touch(thickness, cells):
-    r = ring(f"touch_{thickness}_{cells}", {**PRESSURE, "mesh_set_thickness": thickness, "mesh_set_n_around": cells})
+def touch(thickness, cells, refused=0):
+    r = ring(f"touch_{thickness}_{cells}", {**PRESSURE, "mesh_set_thickness": thickness, "mesh_set_n_around": cells},
+             refused=refused)
     force = abs(r["contact_inside_force_y"])
     first, second = numpy.nonzero(force)[0][1:3]
     p = 9 * r["time"]
@@ -22,7 +23,8 @@ def touch(thickness, cells):
 
 
 # Quadrilaterals in bending are too stiff by the square of their length.
-thick, thin = ((4 * touch(h, 2 * n) - touch(h, n)) / 3 for h, n in ((1, 64), (0.5, 128)))
+# The finest ring snaps together within a step: it is cut twice, once after a repeated solve.
+thick, thin = ((4 * touch(h, 2 * n, most) - touch(h, n)) / 3 for h, n, most in ((1, 64, 0), (0.5, 128, 3)))
 print(f"     pressure at touch over EI/R^3: {thick:.4f} with R/10, {thin:.4f} with R/20")
 check("pressure at touch, thickness to zero", 2 * thin - thick, 5.247, 0.01)
 
