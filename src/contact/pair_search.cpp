@@ -359,6 +359,8 @@ double PairSearch::pairs_per_facet() const {
   return sum[1] > 0 ? sum[0] / sum[1] : 0;
 }
 
+double PairSearch::range() const { return local_ ? 2 * local_part * smallest_ : radius_; }
+
 double PairSearch::nearest_nodes(const std::vector<double>& u) const {
   const std::vector<double> x = list_.nodes.current(u);
   double square = HUGE_VAL;

@@ -7,8 +7,10 @@
 /// feet occur; for tests of the forms of contact.
 namespace impact::contact_test {
 
+/// Constraints at Gauss points; a test of another form says so.
 inline ContactSettings settings_of(double penalty) {
   ContactSettings s;
+  s.method = ContactMethod::gauss_points;
   s.id = "pair";
   s.secondary = "upper_bottom";
   s.primary = "lower_top";

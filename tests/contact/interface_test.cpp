@@ -171,8 +171,10 @@ TEST(ContactInterface, FixedDofsHaveNoRowsAndColumnsOnAnyRank) {
 }
 
 TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
+  ContactSettings s = settings_of(100);
+  s.search_radius = 0.6; // by local sizes the list is made anew far earlier
   for (const auto& [name, partition] : partitions) {
-    Rig rig(PETSC_COMM_WORLD, {}, partition);
+    Rig rig(PETSC_COMM_WORLD, {}, partition, s);
     const double skin = rig.contact.settings().search_radius / 2;
     EXPECT_FALSE(rig.contact.update_search(rig.at(rest))); // built by the constructor
     const auto before = rig.contact.couplings();
@@ -209,6 +211,51 @@ TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
   }
 }
 
+TEST(ContactInterface, ByLocalSizesCandidatesAreRebuiltAfterATenthOfAFacetAndThenTheSame) {
+  const double tenth = 0.025; // of a facet of the upper block, the shorter one
+  const Motion pressed = [](int body, double X, double Y) {
+    const std::array<double, 2> d = crush(body, X, Y);
+    return std::array<double, 2>{d[0] + 0.05 * body, d[1]};
+  };
+  for (const auto& [name, partition] : partitions) {
+    Rig rig(PETSC_COMM_WORLD, {}, partition);
+    const Handle<Vec> r = rig.layout.make_global();
+    const auto stale_at = [&](const Handle<Vec>& u) {
+      int stale = rig.contact.add_residual(u, 1, r).search_holds ? 0 : 1;
+      MPI_Allreduce(MPI_IN_PLACE, &stale, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+      return stale == 1;
+    };
+    const auto moved = [&](double way) {
+      return rig.at([&](int body, double X, double Y) {
+        const std::array<double, 2> d = pressed(body, X, Y);
+        return std::array<double, 2>{d[0] + way * body, d[1]};
+      });
+    };
+    const auto before = rig.contact.couplings();
+    const Handle<Vec> start = moved(0), near = moved(0.99 * tenth), far = moved(1.01 * tenth);
+    EXPECT_TRUE(stale_at(start));
+    EXPECT_TRUE(rig.contact.update_search(start));
+    int other = rig.contact.couplings() != before ? 1 : 0; // a rank may have no facets
+    MPI_Allreduce(MPI_IN_PLACE, &other, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
+    EXPECT_EQ(other, 1);
+    const auto found = rig.contact.couplings();
+    EXPECT_FALSE(stale_at(start));
+    EXPECT_FALSE(stale_at(near));
+    EXPECT_TRUE(stale_at(far));
+
+    // The force does not depend on when the list was built.
+    EXPECT_FALSE(rig.contact.update_search(near));
+    EXPECT_EQ(rig.contact.couplings(), found);
+    const Handle<Vec> old_list = rig.residual(near);
+    EXPECT_GT(norm(old_list), 0.1);
+    rig.contact.forget_search();
+    rig.contact.update_search(near);
+    const Handle<Vec> new_list = rig.residual(near);
+    check(VecAXPY(new_list, -1, old_list));
+    EXPECT_LE(norm(new_list), 1e-14 * norm(old_list)) << name;
+  }
+}
+
 TEST(ContactInterface, ARefusedAttemptLeavesNoTraceInTheCandidates) {
   for (const auto& [name, partition] : partitions)
     for (const ContactMethod method : {ContactMethod::gauss_points, ContactMethod::mortar}) {
@@ -220,6 +267,7 @@ TEST(ContactInterface, ARefusedAttemptLeavesNoTraceInTheCandidates) {
       rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
       const Handle<Vec> start = rig.at(crush);
       rig.layout.to_local(start, rig.state.row("u").trial);
+      rig.contact.update_search(start); // what an attempt from here begins with
       rig.state.commit();
       const auto same_force_as = [&](const Handle<Vec>& r) {
         const Handle<Vec> now = rig.residual(start);
@@ -287,7 +335,9 @@ TEST(ContactInterface, FreeFlightIsFollowedByContactWhenTheBodiesMeet) {
 TEST(ContactInterface, FastNodesDeeperThanAFacetAreNotLost) {
   TwoBlocks b; // facets of 0.3 below, 0.25 above
   b.gap = 0.01;
-  Rig rig(PETSC_COMM_WORLD, b, bodies_apart);
+  ContactSettings s = settings_of(100);
+  s.search_radius = 0.6; // by local sizes only what moved so far within a step is seen so deep
+  Rig rig(PETSC_COMM_WORLD, b, bodies_apart, s);
   const Handle<Vec> u = rig.at(sink(0.46));
   rig.contact.update_search(u);
   EXPECT_NEAR(rig.contact.measures(u).force[1], 100 * 0.45 * 1.25, 1e-10);
@@ -302,6 +352,24 @@ TEST(ContactInterface, FastNodesDeeperThanAFacetAreNotLost) {
   const Handle<Vec> below = through.at(sink(0.71));
   through.contact.update_search(below);
   EXPECT_NEAR(through.contact.measures(below).force[1], 100 * 0.7 * 1.25, 1e-10);
+  // By local sizes what falls so far within a step is held, and is no solution: the next one, which starts
+  // there, would miss it. What lies 0.19 deep is one, and is still held there.
+  for (const double depth : {0.45, 0.19}) {
+    Rig local(PETSC_COMM_WORLD, b, bodies_apart);
+    StateRow& start =
+        local.state.add({"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(local.mesh.node_count()));
+    local.contact.set_time(0);
+    const Handle<Vec> fallen = local.at(sink(depth + 0.01)), next = local.at(sink(depth + 0.015));
+    local.contact.update_search(fallen);
+    EXPECT_NEAR(local.contact.measures(fallen).force[1], 100 * depth * 1.25, 1e-10);
+    EXPECT_EQ(local.contact.review(fallen).settled, depth < 0.2);
+    local.layout.to_local(fallen, start.trial);
+    local.state.commit();
+    local.contact.set_time(1);
+    local.contact.forget_search(); // as a restart does
+    local.contact.update_search(next);
+    EXPECT_NEAR(local.contact.measures(next).force[1], depth < 0.2 ? 100 * (depth + 0.005) * 1.25 : 0, 1e-10);
+  }
 }
 
 TEST(ContactInterface, WhatClosesWithinAStepIsMeasuredInFacets) {
@@ -728,19 +796,32 @@ TEST(ContactInterface, InitialOverlapIsAdjustedRefusedOrAllowedButRoundingIsNone
 
 TEST(ContactInterface, AutomaticValuesAndWarningsAreStated) {
   ContactSettings s = settings_of(ContactSettings::automatic);
+  s.method = ContactMethod::automatic;
   ContactEnvironment environment;
   environment.modulus = 70;
   Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s, environment);
+  EXPECT_EQ(rig.contact.settings().method, ContactMethod::mortar);
+  EXPECT_EQ(rig.contact.settings().multipliers, MultiplierSpace::standard);
+  EXPECT_EQ(rig.contact.settings().enforce, Enforcement::semismooth);
   EXPECT_NEAR(rig.contact.settings().penalty, 10 * 70 / 0.25, 1e-9);
   EXPECT_NEAR(rig.contact.settings().penalty_max, 1e5 * 70 / 0.25, 1e-4);
   EXPECT_NEAR(rig.contact.settings().gap_tol, 2.5e-4, 1e-15);
   EXPECT_NEAR(rig.contact.settings().search_radius, 0.6, 1e-12);
+  EXPECT_TRUE(rig.contact.settings().local_search);
   EXPECT_TRUE(rig.contact.warnings().empty());
+  s.method = ContactMethod::gauss_points;
+  s.search_radius = 0.5;
+  const Rig points(PETSC_COMM_WORLD, {}, bodies_mixed, s, environment);
+  EXPECT_EQ(points.contact.settings().enforce, Enforcement::auglag);
+  EXPECT_FALSE(points.contact.settings().local_search);
   TwoBlocks fine;
   fine.lower_cells = 40; // facets of 0.0525 under points 0.125 apart
   Rig slips(PETSC_COMM_WORLD, fine, bodies_mixed);
   ASSERT_EQ(slips.contact.warnings().size(), 1U);
   EXPECT_NE(slips.contact.warnings()[0].find("shorter than the spacing"), std::string::npos);
+  s = settings_of(100);
+  s.method = ContactMethod::automatic; // mean gaps: nothing slips between points
+  EXPECT_TRUE(Rig(PETSC_COMM_WORLD, fine, bodies_mixed, s).contact.warnings().empty());
 }
 
 TEST(ContactInterface, WrongSettingsAreRefusedOnAllRanks) {

@@ -57,7 +57,7 @@ def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False, g
     refused, and solves repeated with backtracking, in a run that ends well: a number, or None for any. `takes_back`: the law
     lets a crack take back plastic work that had become heat (theory.md, 11), so that the dissipation at a point may be negative.
     `gain`: energy that the damped integrator may give beside what contact takes, over the largest one: it has no bound where
-    contact persists while its force changes (theory.md, 11)."""
+    contact persists while its force changes, or cracks close (theory.md, 11)."""
     words = []
     for file in files:
         words += ["-options_file", file]

@@ -24,7 +24,7 @@ struct AllPhysics {
   std::optional<HeatProblem> heat;
   std::optional<Ledger> ledger;
 
-  explicit AllPhysics(Mesh mesh)
+  explicit AllPhysics(Mesh mesh, ContactMethod method)
       : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}}, false,
                      1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
@@ -32,6 +32,7 @@ struct AllPhysics {
     rigid.declare_state(state);
     ContactSettings settings;
     settings.id = "face";
+    settings.method = method;
     settings.secondary = "upper_bottom";
     settings.primary = "lower top";
     ContactEnvironment environment;
@@ -80,7 +81,7 @@ const Rows known = {
     {"drive", {Support::cell_point, 3}},
     {"fatigue", {Support::cell_point, 1}},
     {"damage_history", {Support::cell_point, 1}},
-    {"contact_face_multiplier", {Support::facet_point, 1}},
+    {"contact_face_multiplier", {Support::facet_point, 1}}, // by the method, see multipliers
     {"contact_face_penalty", {Support::global, 3}},
     {"contact_face_totals", {Support::global, 8}},
     {"contact_face_force", {Support::vertex, 2}},
@@ -95,10 +96,15 @@ const Rows known = {
     {"force_damage", {Support::vertex, 1}}, // on prescribed phi
 };
 
-AllPhysics make() {
+AllPhysics make(ContactMethod method) {
   return AllPhysics(
-      run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("state_rows"), run_test::two_bodies(6)));
+      run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("state_rows"), run_test::two_bodies(6)),
+      method);
 }
+
+// Multipliers stand at the points of the facets, or at the nodes.
+const std::map<ContactMethod, Support> multipliers = {{ContactMethod::gauss_points, Support::facet_point},
+                                                      {ContactMethod::mortar, Support::vertex}};
 
 // Numbers that use all bits, say where they belong and are the same wherever a place is stored twice: ghosts,
 // padding lanes, all ranks of a global row.
@@ -132,61 +138,72 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 TEST(StateRows, AreExactlyTheKnownOnesAndAllAreKeptByCheckpoints) {
-  const AllPhysics run = make();
-  Rows missing = known;
-  for (const auto& row : run.state.rows()) {
-    const auto found = missing.find(row->name);
-    ASSERT_NE(found, missing.end()) << "row " << row->name << " is not known here";
-    EXPECT_EQ(row->support, found->second.first) << row->name;
-    if (found->second.second > 0) {
-      EXPECT_EQ(row->components, found->second.second) << row->name;
+  for (const auto& [method, support] : multipliers) {
+    SCOPED_TRACE(support == Support::vertex ? "mortar" : "gpts");
+    const AllPhysics run = make(method);
+    Rows missing = known;
+    missing["contact_face_multiplier"].first = support;
+    for (const auto& row : run.state.rows()) {
+      const auto found = missing.find(row->name);
+      ASSERT_NE(found, missing.end()) << "row " << row->name << " is not known here";
+      EXPECT_EQ(row->support, found->second.first) << row->name;
+      if (found->second.second > 0) {
+        EXPECT_EQ(row->components, found->second.second) << row->name;
+      }
+      EXPECT_TRUE(row->checkpointed) << row->name << " would be lost at a restart";
+      EXPECT_TRUE(row->has_trial) << row->name << " would keep what a rejected step wrote";
+      EXPECT_EQ(row->committed.size(), row->trial.size()) << row->name;
+      missing.erase(found);
     }
-    EXPECT_TRUE(row->checkpointed) << row->name << " would be lost at a restart";
-    EXPECT_TRUE(row->has_trial) << row->name << " would keep what a rejected step wrote";
-    EXPECT_EQ(row->committed.size(), row->trial.size()) << row->name;
-    missing.erase(found);
+    for (const auto& [name, shape] : missing) ADD_FAILURE() << "row " << name << " is not in the table";
   }
-  for (const auto& [name, shape] : missing) ADD_FAILURE() << "row " << name << " is not in the table";
 }
 
 TEST(StateRows, RollbackAndCommitReachEveryValueOfEveryRow) {
-  AllPhysics run = make();
-  std::size_t values = 0;
-  for (const auto& row : run.state.rows()) {
-    row->committed = numbers(run, *row, 1);
-    row->trial = numbers(run, *row, 2);
-    values += row->committed.size();
-  }
-  EXPECT_GT(values, 0u);
-  run.state.rollback();
-  for (const auto& row : run.state.rows()) {
-    EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 1))) << row->name << ": rollback changed t_n";
-    EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name << " keeps what a rejected step wrote";
-    row->trial = numbers(run, *row, 3);
-  }
-  run.state.commit();
-  for (const auto& row : run.state.rows()) {
-    EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 3))) << row->name << " lost an accepted step";
-    EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name;
+  for (const auto& [method, support] : multipliers) {
+    SCOPED_TRACE(support == Support::vertex ? "mortar" : "gpts");
+    AllPhysics run = make(method);
+    std::size_t values = 0;
+    for (const auto& row : run.state.rows()) {
+      row->committed = numbers(run, *row, 1);
+      row->trial = numbers(run, *row, 2);
+      values += row->committed.size();
+    }
+    EXPECT_GT(values, 0u);
+    run.state.rollback();
+    for (const auto& row : run.state.rows()) {
+      EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 1))) << row->name << ": rollback changed t_n";
+      EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name << " keeps what a rejected step wrote";
+      row->trial = numbers(run, *row, 3);
+    }
+    run.state.commit();
+    for (const auto& row : run.state.rows()) {
+      EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 3))) << row->name << " lost an accepted step";
+      EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name;
+    }
   }
 }
 
 TEST(StateRows, ACheckpointReturnsEveryBitOfEveryRow) {
-  AllPhysics run = make();
-  for (const auto& row : run.state.rows()) {
-    row->committed = numbers(run, *row, 4);
-    row->trial = numbers(run, *row, 5); // of an attempt that is under way: not in the checkpoint
-  }
-  const std::string file = write_checkpoint({run.d.mesh, run.d.groups, run.state}, {},
-                                            {run_test::fresh_dir("state_rows_checkpoint"), 1});
-  for (const auto& row : run.state.rows()) {
-    row->committed.assign(row->committed.size(), -7);
-    row->trial.assign(row->trial.size(), -7);
-  }
-  read_checkpoint(open_checkpoint(PETSC_COMM_WORLD, file), {run.d.mesh, run.d.groups, run.state});
-  for (const auto& row : run.state.rows()) {
-    EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 4))) << row->name << " is not what was written";
-    EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name;
+  for (const auto& [method, support] : multipliers) {
+    SCOPED_TRACE(support == Support::vertex ? "mortar" : "gpts");
+    AllPhysics run = make(method);
+    for (const auto& row : run.state.rows()) {
+      row->committed = numbers(run, *row, 4);
+      row->trial = numbers(run, *row, 5); // of an attempt that is under way: not in the checkpoint
+    }
+    const std::string file = write_checkpoint({run.d.mesh, run.d.groups, run.state}, {},
+                                              {run_test::fresh_dir("state_rows_checkpoint"), 1});
+    for (const auto& row : run.state.rows()) {
+      row->committed.assign(row->committed.size(), -7);
+      row->trial.assign(row->trial.size(), -7);
+    }
+    read_checkpoint(open_checkpoint(PETSC_COMM_WORLD, file), {run.d.mesh, run.d.groups, run.state});
+    for (const auto& row : run.state.rows()) {
+      EXPECT_TRUE(same_bits(row->committed, numbers(run, *row, 4)))
+          << row->name << " is not what was written";
+      EXPECT_TRUE(same_bits(row->trial, row->committed)) << row->name;
+    }
   }
 }
 

@@ -144,9 +144,10 @@ public:
   /// any.
   double nearest_nodes(const std::vector<double>& u) const { return search_.nearest_nodes(u); }
   double pairs_per_facet() const { return search_.pairs_per_facet(); }
-  /// Gap below which a constraint lies deeper than the search can judge; -infinity where it always can.
+  /// Gap below which a constraint lies deeper than the search can judge, in this step or the next; -infinity
+  /// where it always can.
   double deepest() const {
-    return search_.meets_rigid() ? -std::numeric_limits<double>::infinity() : -search_.radius();
+    return search_.meets_rigid() ? -std::numeric_limits<double>::infinity() : -search_.range();
   }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats.

@@ -106,6 +106,9 @@ public:
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return list_.nodes; }
   double radius() const { return radius_; }
+  /// How deep any facet is seen that did not move within the step: the radius; by local sizes, that of the
+  /// smallest facets on both sides.
+  double range() const;
   bool meets_rigid() const { return kind_ == Primary::rigid; }
   bool meets_itself() const { return kind_ == Primary::itself; }
   /// Whether this facet is the secondary one of its pair with the candidate (a place in candidates().facet):
