@@ -23,7 +23,7 @@ def touch(thickness, cells, refused=0):
 
 
 # Quadrilaterals in bending are too stiff by the square of their length.
-# The finest ring snaps together within a step: it is cut twice, once after a repeated solve.
+# The finest ring needs three tries of one step, as ever, and one solve is repeated.
 thick, thin = ((4 * touch(h, 2 * n, most) - touch(h, n)) / 3 for h, n, most in ((1, 64, 0), (0.5, 128, 3)))
 print(f"     pressure at touch over EI/R^3: {thick:.4f} with R/10, {thin:.4f} with R/20")
 check("pressure at touch, thickness to zero", 2 * thin - thick, 5.247, 0.01)
