@@ -56,8 +56,8 @@ def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False, g
     list of words). Any other exit status than `code` (None: any) ends the script. `refused`: tries of steps that may be
     refused, and solves repeated with backtracking, in a run that ends well: a number, or None for any. `takes_back`: the law
     lets a crack take back plastic work that had become heat (theory.md, 11), so that the dissipation at a point may be negative.
-    `gain`: energy that the damped integrator may give beside what contact takes, over the largest one: it has no bound where
-    contact persists while its force changes, or cracks close (theory.md, 11)."""
+    `gain`: energy that contact, and the damped integrator beside what contact takes, may give over the largest one: there is no
+    bound where contact persists while its force changes, or cracks close (theory.md, 11)."""
     words = []
     for file in files:
         words += ["-options_file", file]
@@ -125,7 +125,7 @@ def _audit_energy(name, run, gain):
     if not any(c.endswith("_gap_min") and run[c][0] < 0 for c in run.history):
         given = -contact.min() / largest
         # What contact may give by itself is not the integrator's.
-        wrong += [("energy that contact gave", given, 1e-9 if exact else 1e-7),
+        wrong += [("energy that contact gave", given, max(gain, 1e-9 if exact else 1e-7)),
                   ("energy that integrator, contact and closing cracks gave",
                    -numpy.maximum(lost, lost + kept - kept[0]).min() / largest, gain + given)]
         if "dissipated_contact" not in run.history and "dissipated_closing" not in run.history:
@@ -179,7 +179,9 @@ def finish():
     sys.exit(0)
 
 
-# Two elastic blocks with non-matching sides: the upper one flies, touches the lower one and slides.
+# Two elastic blocks with non-matching sides: the upper one flies, touches the lower one and slides. At Gauss points, because
+# two equal runs on two ranks differ by 1e-10 with the default form, whose multipliers stand at a thousand penalties in the
+# matrix, and MUMPS adds in the order of messages.
 _BLOCKS = {
     "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 6, "mesh_set_n_upper": 5, "mesh_set_gap": 0.017,
     "mesh_set_inset": 0.1,
@@ -188,7 +190,7 @@ _BLOCKS = {
     "bcs": "hold", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
     "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": 0.3, "ic_flight_vy": -1,
     "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9,
+    "contact_face_method": "gpts", "ts_dt": 2e-3, "ts_max_time": 0.06, "ts_newmark_rho": 0.9,
 }
 # Without augmentations, whose number may hang on the last digits of a multiplier.
 TWO_BLOCKS = {**_BLOCKS, "contact_face_enforce": "penalty"}
