@@ -89,13 +89,14 @@ def observables(folder):
     start = np.searchsorted(time, first(time, history["phi_max"], 0.6)) - 1
     row("first-law residual before the crack opens", np.abs(history["balance_first_law"][start]), 0, 1e-3)
     row("first-law residual over the external work", np.abs(history["balance_first_law"][-1]), 0, 5e-3)
-    row("largest momentum balance", np.abs(history["balance"]).max(), 0, 1e-8)
-    # The two reactions differ by the inertia of the bodies; what they leave in a step is momentum.
+    row("largest momentum balance", np.abs(history["balance"]).max(), 0, 1e-10)
+    # The two reactions differ by the inertia of the bodies; what they leave in a step is momentum. The force of closing cracks
+    # acts on the clamp over a step as a whole: the mean of both ends leaves out half a step of it.
     left = history["reaction_push_y"] + history["reaction_clamp_y"]
     impulse = np.append(0, np.cumsum((left[1:] + left[:-1]) / 2 * np.diff(time)))
     gained = history["momentum_beam_y"] + history["momentum_wedge_y"]
     row("impulse of the reactions against the momentum", np.abs(impulse - (gained - gained[0])).max() * N_PER_MM
-        / (force[peak] * time[-1]), 0, 1e-10)
+        / (force[peak] * time[-1]), 0, 1e-6)
     return rows
 
 
