@@ -159,8 +159,8 @@ std::vector<OptionRow<Contact>> detection_rows() {
                          1, 5),
       number_row<Contact>(
           "search_radius", &Contact::search_radius,
-          {"distance of candidate pairs; auto: by the facets' own sizes and the motion of a step, twice the "
-           "longest facet deep",
+          {"distance of candidate pairs; auto: by the facets' own sizes and the motion of a step, 0.8 of the "
+           "smallest facet deep",
            "auto", "m"},
           positive, automatic()),
       choice_row<Contact, InitialOverlap>("initial", &Contact::initial,

@@ -56,7 +56,7 @@ struct ContactSettings {
   double pressure_tol = 1e-2; ///< change relative to the largest multiplier
   int points = 2;             ///< Gauss points per secondary facet (P + 1)
   double search_radius =
-      automatic;             ///< automatic: pairs by the facets' own sizes, twice the longest facet deep
+      automatic;             ///< automatic: pairs by the facets' own sizes, 0.8 of the smallest facet deep
   bool local_search = false; ///< the radius was automatic
   InitialOverlap initial = InitialOverlap::error;
   double initial_tol = automatic; ///< automatic: 1e-3 of the facet
