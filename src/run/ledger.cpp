@@ -452,10 +452,10 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   find_reactions(u_local);
 }
 
-// What the unilateral stress stores in the step, at the damage of its end; not times the thickness.
+// What the unilateral stress stores in the step, at the damage that its force saw; not times the thickness.
 double Ledger::unilateral_energy() const {
   const Discretisation& d = motion_.discretisation();
-  const StateRow &phi = state_.row("phi"), &history = state_.row("history"), &drive = state_.row("drive");
+  const StateRow &history = state_.row("history"), &drive = state_.row("drive");
   const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
              drive_at = point_offsets(d.groups, drive_size);
   double sum = 0;
@@ -466,14 +466,14 @@ double Ledger::unilateral_energy() const {
     with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, Cell::dim> X(group, b, X_);
-        const Gathered<Cell, 1> now(group, b, phi.trial);
+        const Gathered<Cell, 1> seen(group, b, coupling_->frozen_phi());
         PointValues<Cell, history_size(frame)> flowed;
         PointValues<Cell, drive_size> after, before;
         flowed.load(history.committed, flow_at[g], b);
         after.load(drive.trial, drive_at[g], b);
         before.load(drive.committed, drive_at[g], b);
         Batch part = 0;
-        impact::unilateral_energy<Cell, frame>(law, X.data(), now.data(), flowed.data(), after.data(),
+        impact::unilateral_energy<Cell, frame>(law, X.data(), seen.data(), flowed.data(), after.data(),
                                                before.data(), part);
         sum += lane_sum(part, group.lanes_in_use(b));
       }

@@ -19,7 +19,7 @@ def crack_start(history, level=0.5):
     return history["time"][numpy.argmax(history["phi_max"] > level)]
 
 
-base = run("base", {}, [option_file("beam_wedge.opts")], ranks=2, gain=1e-7)
+base = run("base", {}, [option_file("beam_wedge.opts")], ranks=2)
 tool = os.path.join(SOURCE, "tools", "beam_wedge_observables.py")
 done = subprocess.run([sys.executable, tool, "base"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 print(done.stdout)
@@ -29,7 +29,7 @@ peak = base["reaction_push_y"].max()
 
 
 def variant(name, options):
-    r = run(name, {"ts_max_time": END, "output_vis_dt": 1, **options}, [option_file("beam_wedge.opts")], ranks=2, gain=1e-7)
+    r = run(name, {"ts_max_time": END, "output_vis_dt": 1, **options}, [option_file("beam_wedge.opts")], ranks=2)
     print(f"{name}: largest force {r['reaction_push_y'].max():.6g}, phi > 0.5 at {crack_start(r.history):.6g}, > 0.95 at "
           f"{crack_start(r.history, 0.95):.6g}, first law {r['balance_first_law'][-1]:.3g}")
     return r

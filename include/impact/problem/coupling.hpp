@@ -134,6 +134,8 @@ public:
   /// Whether the unilateral stress of broken points acts over the step as a whole, as stabilised contact
   /// does.
   bool unilateral() const { return unilateral_; }
+  /// The damage that the last motion solve saw; empty without.
+  const std::vector<double>& frozen_phi() const { return phi_frozen_; }
 
 private:
   PassResult coupling_pass(PetscInt pass, Vec u);
