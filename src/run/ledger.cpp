@@ -54,6 +54,7 @@ Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, boo
   contact_ = vertex_row("force_contact");
   inertia_force_ = vertex_row("force_inertia");
   left_ = vertex_row("force_left");
+  step_acceleration_ = vertex_row("step_acceleration");
   materials_.resize(d.materials.size());
   const auto& conditions = motion_.boundary().conditions();
   prescribes_damage_ =
@@ -288,7 +289,8 @@ Ledger::Shock Ledger::find_shock(double dt) const {
 NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
   const NewmarkParameters weights = newmark_parameters(coupling_->integrator());
-  const Handle<Vec> du = global_of("u"), a_n = global_of("a"), lag = d.displacement.make_global(),
+  const Handle<Vec> du = global_of("u"), a_n = global_of("a"), df = global_of("step_acceleration"),
+                    struck = global_of("v"), lag = d.displacement.make_global(),
                     f = d.displacement.make_global();
   const auto times_mass = [&](Vec of) {
     Handle<Vec> force = d.displacement.make_global();
@@ -297,7 +299,10 @@ NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
   };
   check(VecAYPX(du, -1, u));
   check(VecAXPY(f, 2 * weights.beta, coupling_->contact_acceleration()));
-  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), Mf = times_mass(f);
+  check(VecAYPX(df, -1, f));
+  check(VecAYPX(struck, -1, newmark_start_velocity(coupling_->integrator())));
+  d.displacement.to_local(f, step_acceleration_->trial);
+  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), Mf = times_mass(f), Mdf = times_mass(df);
   d.displacement.to_global(inertia_force_->committed, lag);
   check(VecAXPY(lag, -1, Ma_n));
   const NewmarkEnergy energy =
@@ -308,13 +313,18 @@ NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
                                .a_n = a_n,
                                .a = a,
                                .f = f,
+                               .df = df,
                                .Ma_n = Ma_n,
                                .Ma = Ma,
                                .Mf = Mf,
-                               .lag = lag});
+                               .Mdf = Mdf,
+                               .lag = lag,
+                               .struck = struck,
+                               .grown = sum(grown) / d.thickness});
   check(VecAXPBY(Ma, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
   d.displacement.to_local(Ma, inertia_force_->trial);
-  return {d.thickness * energy.loss, d.thickness * energy.kept};
+  const double w = d.thickness;
+  return {w * energy.loss, w * energy.kept, w * energy.grown, w * energy.exchange};
 }
 
 void Ledger::book(double dt, Vec u, Vec v, Vec a) {
@@ -414,6 +424,8 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(contact_work) += work_contact;
   sum(numerical) += integrator.loss - (integrator.kept - sum(kept));
   sum(kept) = integrator.kept;
+  sum(grown) = integrator.grown;
+  sum(exchange) += integrator.exchange;
   sum(unbalanced) += work_left;
   if (coupling_->unilateral()) sum(closing) += work_unilateral - w * unilateral_energy();
   sum(identity) += kinetic_change + integrator.loss + work_internal + work_unilateral - work_external -
@@ -628,11 +640,13 @@ double Ledger::balance_first_law() const {
   return (stored() + dissipated() - sum(external) - heat_supplied() - sum(start_energy)) / energy_scale();
 }
 
+double Ledger::gain() const {
+  const double lost = sum(contact_loss) + sum(closing) + sum(numerical);
+  return std::max({0.0, -sum(contact_loss), -std::max(lost, lost + sum(kept) - sum(kept_at_start))});
+}
+
 double Ledger::energy_error() const {
-  const double lost = sum(numerical) + sum(contact_loss);
-  const double gained = std::max({0.0, -sum(contact_loss), -sum(closing),
-                                  -std::max(lost, lost + sum(kept) - sum(kept_at_start))}) /
-                        energy_scale();
+  const double gained = gain() / energy_scale();
   const double residual = balance_first_law();
   return residual > -gained ? std::max(0.0, residual) + gained : residual;
 }
@@ -660,6 +674,8 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (coupling_ && coupling_->unilateral()) row.emplace_back("dissipated_closing", sum(closing));
   if (inertia_) row.emplace_back("energy_numerical", sum(kept));
   if (moves_) row.emplace_back("dissipated_numerical", sum(numerical));
+  if (inertia_) row.emplace_back("exchange_numerical", sum(exchange));
+  if (inertia_) row.emplace_back("gain", gain());
   if (moves_) row.emplace_back("work_external", sum(external));
   if (prescribes_damage_) row.emplace_back("work_damage", sum(damage_work));
   if (has_contact) row.emplace_back("work_contact", sum(contact_work));

@@ -231,8 +231,16 @@ NewmarkEnergy newmark_energy(const NewmarkParameters& p, const NewmarkStep& s) {
   e.loss = kappa * dt * dt * ((square - square_n) / 2 + f_a - f_a_n) - delta * dt * (start_da + v_da) / 2 +
            (mu * du_da + dot(s.du, s.lag)) / 2;                                         // (N1)
   const PetscReal whole = square + 2 * f_a + f_f, whole_n = square_n + 2 * f_a_n + f_f; // with f
+  const PetscReal theta = kappa / 2 * ((mu - 0.5) * (mu - 0.5) + 1.5 * mu) + mu / 8 * (2 * mu * mu + delta);
+  const PetscReal df_df = dot(s.df, s.Mdf), df_a_n = dot(s.df, s.Ma_n), df_da = dot(s.df, s.Ma) - df_a_n,
+                  df_lag = dot(s.df, s.lag), sigma = (0.5 + delta + 2 * kappa) / 2; // 4 times, over mu
+  e.grown = theta * dt * dt * df_df;
   e.kept = kappa / 2 * dt * dt * whole - mu / 2 * dt * v_da +
-           mu / 8 * dt * dt * (whole + whole_n + (2 * kappa + delta - 0.5) * of_change); // (N2)
+           mu / 8 * dt * dt * (whole + whole_n + (2 * kappa + delta - 0.5) * of_change) - e.grown; // (N2)
+  e.exchange = -dt * dt *
+                   ((kappa + mu / 2) * (df_a_n + dot(s.df, s.Mf) - df_df / 2) - df_lag / 4 +
+                    sigma * (mu * (df_da + df_df) + df_lag)) +
+               e.grown - s.grown + dt / 2 * dot(s.struck, s.lag); // (N3)
   return e;
 }
 

@@ -113,11 +113,11 @@ for ranks in (2, 3):
     more = run(f"beam_{ranks}", {**BEAM, "bc_tip_uy": "-2*t", "motion_snes_rtol": 1e-12}, ranks=ranks)
     check(f"{ranks} ranks: elastic energy", more["energy_elastic"][-1], one["energy_elastic"][-1], 1e-10)
     check(f"{ranks} ranks: iterations", more["newton"][-1], one["newton"][-1], 1, relative=False)
-# A tenth of two touching blocks at once, by every enforcement.
+# A tenth of two touching blocks at once, by every enforcement; with inertia a twentieth of that, since facets that turn within a
+# step let contact work to third order: 2.6e-9 of the energy in twice the step.
 for enforce in ("penalty", "auglag", "semismooth"):
-    for extra in ({}, {"contact_operator": "shell", "contact_face_gap_tol": 1e-5}, {"ts_type": "newmark", "ts_dt": 0.1}):
-        r = run("press", {**PRESS, "ts_max_steps": 1, "contact_face_enforce": enforce, **extra}, ranks=1 + len(extra),
-                gain=0.02 if extra.get("ts_type") == "newmark" else 1e-9)  # a force that grows from nothing in one step
+    for extra in ({}, {"contact_operator": "shell", "contact_face_gap_tol": 1e-5}, {"ts_type": "newmark", "ts_dt": 0.05}):
+        r = run("press", {**PRESS, "ts_max_steps": 1, "contact_face_enforce": enforce, **extra}, ranks=1 + len(extra))
         name = " ".join([enforce] + [str(value) for value in extra.values()])
         check_between(f"pressed blocks, {name}: tries", r["tries"].max(), 1, 1)
         check_between(f"pressed blocks, {name}: longest solve", r["newton_most"].max(), 1, 12)

@@ -54,8 +54,10 @@ public:
   std::string report() const;
   double balance() const;
   double balance_first_law() const;
-  /// The first law's residual, a gain positive, and energy that contact, closing cracks or the integrator
-  /// gave, which closes it.
+  /// Energy that contact gave by itself, or beside it closing cracks and the integrator; not negative
+  /// (theory.md, 11).
+  double gain() const;
+  /// The first law's residual, a gain positive, and with it `gain`, which closes it.
   double energy_error() const;
   double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
   double phi_max() const { return phi_max_; }
@@ -74,6 +76,8 @@ private:
     numerical, ///< the integrator's loss without what it keeps, and rigid bodies' without inertia
     kept,      ///< energy that the integrator holds (NewmarkEnergy::kept)
     kept_at_start,
+    grown,        ///< part of that (NewmarkEnergy::grown)
+    exchange,     ///< part of `numerical`, of any sign (NewmarkEnergy::exchange)
     unbalanced,   ///< work of what Newton's method left of the balances
     contact_loss, ///< of the contact-stabilised and of the conserving update
     external,
@@ -126,6 +130,7 @@ private:
   StateRow* heat_ = nullptr;
   std::vector<std::string> heat_contacts_; ///< their ids
   StateRow *totals_, *losses_, *internal_, *external_, *contact_, *inertia_force_, *left_;
+  StateRow* step_acceleration_; ///< NewmarkStep::f
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;

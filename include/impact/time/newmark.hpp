@@ -65,16 +65,23 @@ struct NewmarkStep {
   Vec du = nullptr;                            ///< u - u_n
   Vec v_start = nullptr;                       ///< after the hook `predict`
   Vec v = nullptr, a_n = nullptr, a = nullptr; ///< after the hook `correct`
-  Vec f = nullptr; ///< 2 beta a_c, a_c what that hook took out of the acceleration
-  Vec Ma_n = nullptr, Ma = nullptr, Mf = nullptr; ///< M times a_n, a, f
-  Vec lag = nullptr;                              ///< (alpha_m - 1) M (a_n - a_{n-1}); 0 in the first step
+  Vec f = nullptr;  ///< 2 beta a_c, a_c what that hook took out of the acceleration
+  Vec df = nullptr; ///< change of f since the last step
+  Vec Ma_n = nullptr, Ma = nullptr, Mf = nullptr, Mdf = nullptr; ///< M times a_n, a, f, df
+  Vec lag = nullptr;    ///< (alpha_m - 1) M (a_n - a_{n-1}); 0 in the first step
+  Vec struck = nullptr; ///< v_start - v_n
+  PetscReal grown = 0;  ///< NewmarkEnergy::grown of the last step
 };
 
-/// What the scheme itself does to the energy in a step, in closed form from its weights (theory.md, N1 and
-/// N2): no force of the problem and no kinetic energy enters.
+/// What the scheme itself does to the energy in a step, in closed form from its weights (theory.md, N1 to
+/// N3): no force of the problem and no kinetic energy enters.
 struct NewmarkEnergy {
-  PetscReal loss = 0; ///< T(v_start) - T(v) + du . (mean inertia + M f)                       (N1)
-  PetscReal kept = 0; ///< what of it v and the accelerations hold and give back, of any sign  (N2)
+  PetscReal loss = 0;  ///< T(v_start) - T(v) + du . (mean inertia + M f)                       (N1)
+  PetscReal kept = 0;  ///< what of it v and the accelerations hold and give back, of any sign  (N2)
+  PetscReal grown = 0; ///< part of -kept: theta |dt df|^2
+  /// Of any sign, because f changed: the damped family's loss less the change of `kept` and this is a square,
+  /// in steps of one length.                                                                     (N3)
+  PetscReal exchange = 0;
 };
 /// Collective.
 NewmarkEnergy newmark_energy(const NewmarkParameters& parameters, const NewmarkStep& step);
