@@ -153,7 +153,11 @@ void HeatProblem::find_regions() {
 
 HeatRows HeatProblem::rows() {
   HeatRows rows;
-  if (moves_ && settings_.form == HeatForm::energy) rows.stress = &state_.row("stress").trial;
+  if (moves_ && settings_.form == HeatForm::energy) {
+    rows.stress = &state_.row("stress").trial;
+    step_stress_.resize(rows.stress->size());
+    rows.step_stress = &step_stress_;
+  }
   return rows;
 }
 
@@ -272,7 +276,7 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
           in.drive_n = E_n.data();
         }
         if (energy && stress) {
-          P.load(stress->trial, stress_offset_[g], b);
+          P.load(step_stress_, stress_offset_[g], b);
           P_n.load(stress->committed, stress_offset_[g], b);
           cut(P, P_n); // linear in time like F: the works of the sub-steps add up to that of the step
           in.stress = P.data();

@@ -341,6 +341,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
   bool sound = true;
   const std::size_t materials = d_.materials.size();
   std::vector<double> total(3 + 2 * materials, 0.0);
+  const bool apart = heat.stress && step_.unilateral_scale != 1;
   double least = 0;
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
@@ -348,6 +349,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
     const PointLaw& law = d_.law(group);
     with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
       MotionFields fields = step_fields(u_, nullptr, law);
+      if (apart) fields.unilateral = 0;
       if (law.softens()) fields.drive = &drive.committed;
       for (int b = 0; b < group.batch_count; ++b) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g], drive_offset_[g]);
@@ -358,14 +360,23 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
         StepSums step_sums;
         const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
                             heat.stress ? stress.data() : nullptr};
-        const CellStatus status = motion_advance<Cell, frame>(
-            law, batch.in, keeps_history(law) ? next.data() : nullptr, driving.data(), step_sums, feed);
+        Batch* const trial = keeps_history(law) ? next.data() : nullptr;
+        if (apart && heat.step_stress) {
+          MotionInput in = batch.in;
+          in.unilateral = 2;
+          StepSums unused;
+          motion_advance<Cell, frame>(law, in, trial, nullptr, unused, {nullptr, stress.data()});
+          stress.store(*heat.step_stress, stress_offset_[g], b);
+        }
+        const CellStatus status =
+            motion_advance<Cell, frame>(law, batch.in, trial, driving.data(), step_sums, feed);
         const int used = group.lanes_in_use(b);
         sound = sound && (status.bad & ((1 << used) - 1)) == 0;
         if (keeps_history(law)) next.store(history.trial, history_offset_[g], b);
         driving.store(drive.trial, drive_offset_[g], b);
         if (heat.dissipation) dissipation.store(*heat.dissipation, dissipation_offset_[g], b);
         if (heat.stress) stress.store(*heat.stress, stress_offset_[g], b);
+        if (heat.step_stress && !apart) stress.store(*heat.step_stress, stress_offset_[g], b);
         total[0] += lane_sum(step_sums.plastic_dissipation, used);
         total[1] += lane_sum(step_sums.viscous_dissipation, used);
         total[2] += lane_sum(step_sums.plastic_work, used);

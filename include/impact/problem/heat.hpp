@@ -118,6 +118,7 @@ private:
   std::vector<double> free_;   ///< 0 where the temperature is prescribed
   std::vector<char> held_;
   std::vector<int> owned_held_;
+  std::vector<double> step_stress_; // HeatRows
   std::vector<std::size_t> history_offset_, drive_offset_, dissipation_offset_, stress_offset_, point_offset_;
   std::vector<double> supplied_, load_supplied_;
   std::vector<double> load_; ///< nodal heat of the loads at t_n and of the sources
