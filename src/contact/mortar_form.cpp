@@ -83,6 +83,8 @@ MortarForm::MortarForm(const Mesh& mesh, const FieldLayout& layout, const Contac
       area = nodal_areas(facet.corners, corner);
     }
     if (settings.rigid()) { // which covers everything
+      // To a round obstacle a node counts nearer than it is, by h^2/12R in each direction of the surface: the
+      // dual functions of a facet of the side h take the integral of x^2 for -h^2/6.
       if (dual) set_functions(facet, facet.dual);
       facet.points = dim_ == 2 ? points_of(facet.edge) : points_of(facet.face);
       for (const FacetPoint& point : facet.points)

@@ -31,8 +31,8 @@ struct Projection {
   }
 };
 
-// Whether m tau- of broken points acts like a contact. Not in sheets, whose thickness gives way: compression is
-// never more than 1 + 4G/3K times as stiff as tension there.
+// Whether m tau- of broken points acts like a contact. Not in sheets, whose thickness gives way: compression
+// is never more than 1 + 4G/3K times as stiff as tension there.
 bool has_unilateral_stress(const Discretisation& d) {
   return d.frame != Frame::plane_stress &&
          std::any_of(d.materials.begin(), d.materials.end(), [](const MaterialAssignment& m) {
