@@ -970,9 +970,8 @@ void Coupling::take_out_step_forces(Vec u, Vec v, Vec a) {
   check(VecSet(residual_, 0));
   if (stabilise_) check(VecCopy(contact_force_, residual_));
   if (unilateral_) {
-    ForceParts forces;
-    motion_.parts(u, forces);
-    check(VecAXPY(residual_, -1, forces.unilateral));
+    motion_.parts(u, forces_);
+    check(VecAXPY(residual_, -1, forces_.unilateral));
   }
   check(VecNorm(residual_, NORM_INFINITY, &size));
   if (size == 0) return;

@@ -336,8 +336,9 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   materials_before_ = materials_;
 
   // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history.
-  ForceParts parts;
-  motion_.parts(u, parts);
+  ForceParts evaluated;
+  if (!coupling_->unilateral()) motion_.parts(u, evaluated);
+  const ForceParts& parts = coupling_->unilateral() ? coupling_->forces() : evaluated;
   d.displacement.to_local(parts.internal, internal_->trial);
   d.displacement.to_local(parts.external, external_->trial);
   d.displacement.to_local(coupling_->contact_force(), contact_->trial);

@@ -134,6 +134,8 @@ public:
   /// Whether the unilateral stress of broken points acts over the step as a whole, as stabilised contact
   /// does.
   bool unilateral() const { return unilateral_; }
+  /// Forces at the end of the last step, `unilateral` among them; where it acts apart.
+  const ForceParts& forces() const { return forces_; }
   /// The damage that the last motion solve saw; empty without.
   const std::vector<double>& frozen_phi() const { return phi_frozen_; }
 
@@ -196,6 +198,7 @@ private:
   Vec iterate_ = nullptr;     // of the Newton solve at work, about which linear solves close gaps
   Handle<Vec> bare_residual_; // what the right-hand side was before they were added
   Handle<Vec> residual_, left_, newton_start_, contact_force_, contact_shock_, contact_acceleration_;
+  ForceParts forces_;
   bool first_done_ = false; // the solve to come goes on from a first iteration
   StepCounts counts_;
   PetscInt hardest_solve_ = 0, tangents_ = 0, iterations_ = 0; // iterations_: of one solve
