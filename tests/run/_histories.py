@@ -29,7 +29,7 @@ def family(column):
     vector, and by what else is of its kind: energies, forces, impulses, displacements."""
     if column in OF_ONE:
         return "one"
-    if column.startswith(("energy", "work", "dissipated", "heat_")) or re.match(r"contact_\w+_work$", column):
+    if column.startswith(("energy", "work", "dissipated", "exchange", "gain", "heat_")) or re.match(r"contact_\w+_work$", column):
         return "energy"
     if column.startswith("moment_"):
         return "moment"
