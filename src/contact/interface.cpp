@@ -163,6 +163,7 @@ ObstaclePose ContactInterface::pose_at(double t) const {
 void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   penalty_->trial[2] = inertia_penalty_ * mass_shift;
   fallen_back_ = false;
+  at_rest_ = !(mass_shift > 0);
   const StateRow* row = state_->find("u");
   Handle<Vec> u_n;
   if (row != nullptr) {
@@ -203,6 +204,55 @@ void ContactInterface::fetch_fixed() {
   if (!fixed_) return;
   const std::vector<double> flags = form_->nodes().exchange.gather(fixed_);
   std::transform(flags.begin(), flags.end(), fixed_here_.begin(), [](double f) { return f > 0.5 ? 1 : 0; });
+  const std::vector<int>& mine = form_->nodes().secondary;
+  supported_ =
+      multiplier_->support == Support::vertex && std::any_of(mine.begin(), mine.end(), [&](int node) {
+        return std::any_of(&fixed_here_[dof(node, 0)], &fixed_here_[dof(node, 0)] + dim_,
+                           [](char fixed) { return fixed != 0; });
+      });
+}
+
+// On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike, nothing
+// slides: the traction along it would feel the bodies through the neighbours alone, and grow to its limit
+// against slips that nothing can close.
+void ContactInterface::hold_slip(const std::vector<double>& u, Constraint& c,
+                                 std::vector<double>& gradient) const {
+  const ContactNodes& nodes = form_->nodes();
+  if (!c.slides || nodes.start.empty()) return;
+  const std::size_t n = c.gradient.size(), mine = c.share.size();
+  const auto own =
+      static_cast<std::size_t>(std::max_element(c.share.begin(), c.share.end()) - c.share.begin());
+  const auto moved = [&](std::size_t i) { return nodes.X[i] + u[i] - nodes.start[i]; };
+  for (std::size_t k = 0; k < at(dim_); ++k) {
+    const std::size_t row = dof(c.node[own], k);
+    if (!fixed_here_[row] ||
+        std::none_of(c.node.begin() + static_cast<std::ptrdiff_t>(mine), c.node.end(), [&](int other) {
+          const std::size_t i = dof(other, k);
+          return fixed_here_[i] && std::abs(moved(i) - moved(row)) <= 1e-9 * mean_length_;
+        }))
+      continue;
+    // The direction in which the surfaces are held, in those of the slip.
+    Tangential held{};
+    double all = 0;
+    for (std::size_t a = 0; a < tangents(); ++a) {
+      held[a] = c.slip_gradient[n * a + at(dim_) * own + k];
+      for (std::size_t m = 0; m < at(dim_); ++m)
+        all += std::pow(c.slip_gradient[n * a + at(dim_) * own + m], 2);
+    }
+    const double size = std::hypot(held[0], held[1]);
+    if (!(size * size * static_cast<double>(tangents()) > all / 4)) continue; // it lies across the surface
+    if (c.slip_gradient.data() != gradient.data())
+      gradient.assign(c.slip_gradient.begin(), c.slip_gradient.end());
+    c.slip_gradient = gradient;
+    for (double& component : held) component /= size;
+    const double slip = inner(held, c.slip);
+    for (std::size_t a = 0; a < tangents(); ++a) c.slip[a] -= slip * held[a];
+    for (std::size_t j = 0; j < n; ++j) {
+      double along = 0;
+      for (std::size_t a = 0; a < tangents(); ++a) along += held[a] * gradient[n * a + j];
+      for (std::size_t a = 0; a < tangents(); ++a) gradient[n * a + j] -= along * held[a];
+    }
+  }
 }
 
 void ContactInterface::fetch_bodies() {
@@ -256,10 +306,17 @@ ContactStatus ContactInterface::visit(const std::vector<double>& u, Derivatives 
   ContactStatus seen;
   seen.finite = all_finite(u);
   seen.search_holds = form_->pairs_hold(form_->nodes().current(u));
+  std::vector<double> held;
+  const bool holds = supported_ && frictional();
+  if (holds) derivatives = std::max(derivatives, Derivatives::first);
   const ConstraintVisitor counted = [&](const Constraint& c) {
     if (c.active) ++seen.active;
     seen.penetration = std::max(seen.penetration, -c.gap);
-    visitor(c);
+    if (!holds) return visitor(c);
+    Constraint own = c;
+    held.clear();
+    hold_slip(u, own, held);
+    visitor(own);
   };
   if (step_.rule != StepRule::none)
     visit_step(u, derivatives, counted);

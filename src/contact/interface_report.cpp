@@ -115,7 +115,19 @@ void ContactInterface::share(std::vector<double>& values, int components) const 
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = vectors[d * (i / n) + i % n];
 }
 
-void ContactInterface::start_augmentation() { penalty_->trial[1] = 0; }
+void ContactInterface::start_augmentation() {
+  penalty_->trial[1] = 0;
+  last_change_ = HUGE_VAL;
+}
+
+double ContactInterface::largest_of(const std::vector<double>& nodal) const {
+  const Handle<Vec> sum = layout_->make_global();
+  check(VecSet(sum, 0));
+  form_->nodes().exchange.add(nodal, sum);
+  double largest = 0;
+  check(VecNorm(sum, NORM_INFINITY, &largest));
+  return largest;
+}
 
 AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
                                         std::vector<double>& traction) const {
@@ -123,32 +135,52 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   lambda.assign(multiplier_->trial.size(), 0.0);
   traction.assign(traction_ != nullptr ? tangents() * lambda.size() : 0, 0.0);
   AugmentReport report;
+  // What the change of the multipliers does to the bodies, and all that they do.
+  const std::vector<double> values = form_->nodes().displacement(u);
+  std::vector<double> change(values.size(), 0.0), force(values.size(), 0.0);
+  const auto m = at(dim_);
+  double widest = 0;
   const ContactStatus status =
-      visit(form_->nodes().displacement(u), Derivatives::none, [&](const Constraint& c) {
-        lambda[at(c.index)] = std::max(0.0, c.pressure);
+      visit(values, augments() ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
+        const double p = std::max(0.0, c.pressure), before = multiplier_->trial[at(c.index)];
+        lambda[at(c.index)] = p;
+        const std::size_t n = c.gradient.size();
+        const auto act = [&](double now, double then, std::span<const double> gradient) {
+          for (std::size_t i = 0; i < n; ++i) {
+            const std::size_t row = dof(c.node[i / m], i % m);
+            if (fixed_here_[row]) continue;
+            force[row] += c.weight * now * gradient[i];
+            change[row] += c.weight * (now - then) * gradient[i];
+          }
+        };
+        if (p != 0 || before != 0) act(p, before, c.gradient);
         if (traction_ != nullptr) {
           const Tangential t = traction_to_keep(c);
           std::copy_n(t.begin(), tangents(), &traction[tangents() * at(c.index)]);
+          if (c.slides)
+            for (std::size_t a = 0; a < tangents(); ++a)
+              act(-t[a], -traction_->trial[tangents() * at(c.index) + a], c.slip_gradient.subspan(n * a, n));
         }
         // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
         if (c.active)
           report.largest_gap =
               std::max(report.largest_gap, std::min(std::abs(c.gap), c.pressure / penalty()));
         if (c.active && c.gap < form_->deepest()) report.settled = false;
+        widest = std::max(widest, c.weight);
       });
   share(lambda, 1);
   if (traction_ != nullptr) share(traction, dim_ - 1);
   if (form_->switched()) report.settled = false;
-  double change = 0;
+  double most = 0;
   for (std::size_t i = 0; i < lambda.size(); ++i) {
     report.multiplier = std::max(report.multiplier, lambda[i]);
-    change = std::max(change, std::abs(lambda[i] - multiplier_->trial[i]));
+    most = std::max(most, std::abs(lambda[i] - multiplier_->trial[i]));
   }
   for (std::size_t i = 0; i < traction.size(); ++i)
-    change = std::max(change, std::abs(traction[i] - traction_->trial[i]));
-  std::array<double, 5> largest = {status.penetration, report.settled ? 0.0 : 1.0, report.multiplier, change,
-                                   report.largest_gap};
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 5, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+    most = std::max(most, std::abs(traction[i] - traction_->trial[i]));
+  std::array<double, 6> largest = {
+      status.penetration, report.settled ? 0.0 : 1.0, report.multiplier, widest, report.largest_gap, most};
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 6, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   MPI_Allreduce(&status.active, &report.active, 1, MPI_INT, MPI_SUM, mesh_->comm());
   report.penetration = largest[0];
   report.largest_gap = largest[4];
@@ -156,28 +188,35 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   report.multiplier = largest[2];
   // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
   const double negligible = 1e-9 * penalty() * settings_.search_radius;
-  report.change = largest[3] > 0 ? largest[3] / std::max(largest[2], negligible) : 0;
+  const auto relative = [](double part, double of) { return part > 0 ? part / of : 0; };
+  report.change = relative(largest[5], std::max(largest[2], negligible));
+  // Constraints that are more than the surfaces can meet share a force in many ways, and go on changing. With
+  // inertia every change left is energy.
+  double of_force = report.change;
+  if (at_rest_ && augments() && report.change > last_change_ / 2 &&
+      report.penetration < settings_.gap_tol / 10)
+    of_force = relative(largest_of(change), std::max(largest_of(force), negligible * largest[3]));
   report.penalty = penalty();
   switch (settings_.enforce) {
   case Enforcement::penalty:
     report.converged = report.settled;
     break;
   case Enforcement::semismooth:
-    if (!fallen_back_) {
-      report.converged = report.settled && gaps_closed(u);
+    if (semismooth()) {
+      report.converged = report.settled && gaps_left(u).open <= most_open;
       break;
     }
     [[fallthrough]];
   case Enforcement::automatic:
   case Enforcement::auglag:
-    report.converged =
-        report.settled && report.penetration < settings_.gap_tol && report.change < settings_.pressure_tol;
+    report.converged = report.settled && report.penetration < settings_.gap_tol &&
+                       std::min(report.change, of_force) < settings_.pressure_tol;
   }
   return report;
 }
 
-bool ContactInterface::gaps_closed(Vec u, double force) const {
-  if (!semismooth()) return true;
+ContactInterface::GapsLeft ContactInterface::gaps_left(Vec u, double force) const {
+  if (!semismooth()) return {};
   const std::vector<double> values = form_->nodes().displacement(u);
   // Gap or slip that must vanish; the largest force that closing one takes; coordinate.
   std::array<double, 3> largest = {0, 0, 0};
@@ -202,7 +241,8 @@ bool ContactInterface::gaps_closed(Vec u, double force) const {
     largest[2] = std::max(largest[2], std::abs(coordinate));
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   const bool rounding = largest[0] <= 1e-14 * largest[2];
-  return rounding || (largest[0] <= newton_gap * mean_length_ && largest[1] <= force);
+  return {rounding || (largest[0] <= newton_gap * mean_length_ && largest[1] <= force),
+          largest[0] / mean_length_};
 }
 
 AugmentReport ContactInterface::review(Vec u) const {
@@ -218,6 +258,7 @@ AugmentReport ContactInterface::augment(Vec u) {
   multiplier_->trial = std::move(lambda);
   if (traction_ != nullptr && !friction_suspended_) traction_->trial = std::move(traction);
   if (semismooth()) return report;
+  last_change_ = report.change;
   const double before = penalty_->trial[1];
   const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
   if (settings_.growth == PenaltyGrowth::every_augmentation || slow)

@@ -13,6 +13,9 @@ namespace impact {
 
 namespace {
 
+// A residual within this multiple of its tolerance is near the solution.
+constexpr double near_balance = 10;
+
 double longitudinal_speed(const MaterialParameters& p) { return std::sqrt((p.K + 4 * p.G / 3) / p.rho); }
 
 // The projection of a predictor as a SNES problem.
@@ -436,13 +439,13 @@ void Coupling::update_multipliers_in(SNES snes) {
             if (!self.first_done_) balance.start();
             self.watch_.start(self.line_search() == SNESLINESEARCHBASIC);
             self.near_ = 0;
+            self.open_ = HUGE_VAL;
           }
           *reason = balance.test(solver, it, f);
           Vec u = nullptr;
           check(SNESGetSolution(solver, &u));
-          if (*reason > 0 && self.semismooth())
-            for (const ContactInterface& contact : self.motion_.contacts())
-              if (!contact.gaps_closed(u, balance.force())) *reason = SNES_CONVERGED_ITERATING;
+          if (self.semismooth() && balance.ratio() <= near_balance && !self.gaps_settle(u) && *reason > 0)
+            *reason = SNES_CONVERGED_ITERATING;
           if (*reason == SNES_CONVERGED_ITERATING && self.watched_ && self.gives_up(f))
             *reason = SNES_DIVERGED_LOCAL_MIN;
         });
@@ -554,12 +557,25 @@ bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
   return true;
 }
 
+// Whether nothing is left open that another iteration closes.
+bool Coupling::gaps_settle(Vec u) {
+  const double before = open_;
+  bool closed = true;
+  open_ = 0;
+  for (const ContactInterface& contact : motion_.contacts()) {
+    const ContactInterface::GapsLeft left = contact.gaps_left(u, motion_.balance().force());
+    closed = closed && left.closed;
+    open_ = std::max(open_, left.open);
+  }
+  return closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+}
+
 bool Coupling::gives_up(PetscReal norm) {
   // Newton's method passes the last decade in an iteration or two, unless rounding is as large, or there are
   // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
   constexpr int most_near = 6;
   watch_.note(norm);
-  if (motion_.balance().ratio() <= 10) ++near_;
+  if (motion_.balance().ratio() <= near_balance) ++near_;
   return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
 }
 
@@ -660,7 +676,7 @@ bool Coupling::balanced(Vec u) {
   motion_.balance().judge(residual_, atol, rtol);
   const auto& contacts = motion_.contacts();
   return motion_.balance().holds() && std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) {
-           return c.gaps_closed(u, motion_.balance().force());
+           return c.gaps_left(u, motion_.balance().force()).closed;
          });
 }
 
@@ -682,8 +698,33 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   PassResult result;
   refresh_contact(u);
   if (!loose_.empty()) approach(u);
-  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
-  result.inner = solve_motion(u);
+  // What presses nothing yet is brought to rest on penalties, whose forces grow with the way: the semismooth
+  // method, whose gaps close at once, begins from the pressures that they find.
+  if (pass == 1) first_touch_ = semismooth() && !loose_.empty() && !loose_.rest(u);
+  for (ContactInterface& contact : motion_.contacts()) {
+    contact.meet(first_touch_);
+    contact.start_newton(u);
+  }
+  // Before the last augmentation a residual that falls to a tenth is exact enough.
+  rough_ = first_touch_ || (pass > 1 && rough_);
+  PetscReal rtol = 0;
+  check(SNESGetTolerances(motion_snes_, nullptr, &rtol, nullptr, nullptr, nullptr));
+  const auto solve_to = [&](PetscReal relative) {
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, relative, PETSC_DEFAULT, PETSC_DEFAULT,
+                            PETSC_DEFAULT));
+    return solve_motion(u);
+  };
+  const auto settled = [&] {
+    const auto& contacts = motion_.contacts();
+    return std::all_of(contacts.begin(), contacts.end(),
+                       [&](const auto& c) { return c.review(u).converged; });
+  };
+  result.inner = solve_to(rough_ ? std::max(rtol, 0.1) : rtol);
+  if (rough_ && result.inner >= 0 && !first_touch_ && settled()) {
+    rough_ = false;
+    result.inner = solve_to(rtol);
+  }
+  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
@@ -705,15 +746,24 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   check(VecSet(contact_force_, 0));
   for (ContactInterface& contact : motion_.contacts()) contact.add_residual(u, -1, contact_force_);
   // A body that moved beyond the skin may touch facets that the list did not hold.
-  bool converged = !refresh_contact(u);
-  for (ContactInterface& contact : motion_.contacts()) {
-    if (pass == 1) contact.start_augmentation();
-    converged = contact.review(u).converged && converged;
-  }
+  const bool kept = !refresh_contact(u);
+  auto& contacts = motion_.contacts();
+  if (pass == 1)
+    for (ContactInterface& contact : contacts) contact.start_augmentation();
+  const bool converged = settled() && kept && !rough_;
   result.change = converged ? 0 : 1;
-  // Multipliers change only where another solve follows.
-  if (!converged)
-    for (ContactInterface& contact : motion_.contacts()) contact.augment(u);
+  if (converged) return result;
+  // Multipliers change only where another solve follows, and not by penalties of places that it did not know.
+  if (first_touch_) {
+    first_touch_ = !kept || std::any_of(contacts.begin(), contacts.end(),
+                                        [&](const auto& c) { return !c.review(u).settled; });
+    if (first_touch_) return result;
+  }
+  for (ContactInterface& contact : contacts) {
+    contact.augment(u);
+    contact.meet(false);
+  }
+  rough_ = std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
   return result;
 }
 

@@ -221,6 +221,15 @@ bool LooseBodies::sees_only(Vec u) const {
   });
 }
 
+bool LooseBodies::rest(Vec u) const {
+  std::vector<ContactInterface::Reach> reach;
+  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
+  return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+    return std::any_of(body.contacts.begin(), body.contacts.end(),
+                       [&](std::size_t c) { return reach[c].presses; });
+  });
+}
+
 double LooseBodies::part_of(Vec du) { // (H3)
   std::vector<double> local = d_->displacement.make_local();
   d_->displacement.to_local(du, local);

@@ -148,7 +148,9 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
                            "auto", "m", "", "(77)-(79)"},
                           positive, automatic()),
       number_row<Contact>("pressure_tol", &Contact::pressure_tol,
-                          {"change of the multipliers against the largest at which they end", "1e-2", "1"},
+                          {"change of the multipliers against the largest at which they end, or of a node's "
+                           "force where that stagnates at rest",
+                           "1e-2", "1"},
                           positive),
   };
 }

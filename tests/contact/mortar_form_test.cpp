@@ -134,15 +134,15 @@ TEST(SemismoothContact, StepsOfTheLinearisedSystemCloseTheGapAndKeepWhatPresses)
     Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s);
     const Handle<Vec> u = rig.at(sink(0.01)), back = rig.at(sink(0)), step = rig.layout.make_global();
     rig.contact.update_search(u);
-    EXPECT_FALSE(rig.contact.gaps_closed(u));
+    EXPECT_FALSE(rig.contact.gaps_left(u).closed);
     // A full step that closes the gap exactly leaves the multipliers where they were: at zero.
     check(VecWAXPY(step, -1, u, back));
     EXPECT_TRUE(rig.contact.take_newton_step(u, step, back));
     EXPECT_NEAR(rig.contact.measures(back).pressure_max, 0, 1e-9);
-    EXPECT_TRUE(rig.contact.gaps_closed(back));
+    EXPECT_TRUE(rig.contact.gaps_left(back).closed);
     // One that leaves a part of it raises them by gamma times that part.
     const Handle<Vec> above = rig.at(sink(1e-6));
-    EXPECT_FALSE(rig.contact.gaps_closed(above));
+    EXPECT_FALSE(rig.contact.gaps_left(above).closed);
     check(VecWAXPY(step, -1, u, above));
     rig.contact.take_newton_step(u, step, above);
     EXPECT_NEAR(rig.contact.measures(above).pressure_min, 1e5 * 1e-6, 1e-6);

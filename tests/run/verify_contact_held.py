@@ -8,16 +8,13 @@ from _held import METHODS, cylinder, hertz_error, stack
 from _runs import check, check_between, finish, require
 
 for method, enforce in METHODS:
-    if (method, enforce) == ("gpts", "auglag"):
-        continue  # two points a facet are more constraints than it can meet: many augmentations, see the long script
-    r = cylinder(f"cylinder_{method}_{enforce}", method, enforce)
-    error = hertz_error(f"cylinder_{method}_{enforce}")
-    check(f"cylinder, {method}, {enforce}: force of the contact", r["contact_touch_force_y"][-1], 500, 1e-9)
-    check_between(f"cylinder, {method}, {enforce}: pressure over Hertz's", error, 0.96, 1.04)
-    check_between(f"cylinder, {method}, {enforce}: Newton iterations of its hardest solve", r["newton_most"][1], 1, 25)
-    check_between(f"cylinder, {method}, {enforce}: tries", r["tries"].max(), 1, 1)
-    check(f"cylinder, {method}, {enforce}: balance, no force but the contact's holds it", r["balance"][-1], 0, 1e-9,
-          relative=False)
+    for friction in (0, 0.3):
+        name, what = f"cylinder_{method}_{enforce}_{friction}", f"cylinder, {method}, {enforce}, friction {friction}"
+        r = cylinder(name, method, enforce, friction)
+        check(f"{what}: force of the contact", r["contact_touch_force_y"][-1], 500, 1e-9)
+        check_between(f"{what}: pressure over Hertz's", hertz_error(name), 0.96, 1.04)
+        check_between(f"{what}: Newton iterations of the step", r["newton"][1], 1, 25)
+        check(f"{what}: balance, no force but the contact's holds it", r["balance"][-1], 0, 1e-9, relative=False)
 r = cylinder("two_ranks", "auto", "auto", ranks=2)
 check("default form, two ranks: force", r["contact_touch_force_y"][-1], 500, 1e-9)
 check_between("default form, two ranks: pressure over Hertz's", hertz_error("two_ranks"), 0.96, 1.04)

@@ -23,6 +23,7 @@ public:
   FacePointForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings,
                 ContactSurface secondary, const ContactSurface& primary, double hold_gap);
 
+  bool overdetermined() const override { return true; }
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const PressureLaw& law) override;

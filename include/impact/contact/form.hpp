@@ -144,6 +144,8 @@ public:
   /// any.
   double nearest_nodes(const std::vector<double>& u) const { return search_.nearest_nodes(u); }
   double pairs_per_facet() const { return search_.pairs_per_facet(); }
+  /// Whether it has far more constraints than its surface has nodes.
+  virtual bool overdetermined() const { return false; }
   /// Gap below which a constraint lies deeper than the search can judge, in this step or the next; -infinity
   /// where it always can.
   double deepest() const {

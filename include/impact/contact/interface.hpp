@@ -47,7 +47,8 @@ struct AugmentReport {
   int active = 0;
   bool settled =
       true; ///< nothing that presses changed what it faces since the solve, or is too deep to judge
-  /// settled, and unless the penalty is all: penetration < gap_tol and change < pressure_tol
+  /// settled, and unless the penalty is all: penetration < gap_tol and change < pressure_tol, or that of the
+  /// forces on the nodes where an augmentation did not halve the change
   bool converged = false;
 };
 
@@ -189,7 +190,18 @@ public:
   /// at the end and that of the shock at its start, or the mean of both ends. Before advance. Collective.
   ObstacleWork obstacle_work(Vec u, bool force_at_end) const;
   /// Whether the multipliers are updated within Newton's method.
-  bool semismooth() const { return settings_.enforce == Enforcement::semismooth && !fallen_back_; }
+  bool semismooth() const {
+    return settings_.enforce == Enforcement::semismooth && !fallen_back_ && !by_penalty_;
+  }
+  /// Whether the next solve brings bodies together that nothing held so far: on penalties in place of the
+  /// semismooth method. Where points are far more than the surfaces' nodes, which pressures are left is a
+  /// choice among many; there augmentations follow.
+  void meet(bool first_touch) {
+    by_penalty_ = first_touch;
+    fallen_back_ = fallen_back_ || (first_touch && form_->overdetermined());
+  }
+  /// Whether they are updated between its solves.
+  bool augments() const { return settings_.enforce != Enforcement::penalty && !semismooth(); }
   /// For the rest of the attempt an augmented Lagrangian takes the place of the semismooth method, whose
   /// active set did not come to rest.
   void fall_back() { fallen_back_ = true; }
@@ -211,10 +223,17 @@ public:
   /// Multipliers of the linearised system after a full step from u to u + du: lambda - gamma (g + dg.du)
   /// where active at u, else 0. True on all ranks when the active set at u + du is another one. Collective.
   bool take_newton_step(Vec u, Vec du, Vec next);
-  /// Whether the active gaps vanish at u: to 1e-11 of a facet, and so that closing the rest takes no more
-  /// than `force` against the penalty at any constraint, or to rounding of the coordinates. True for other
-  /// enforcements. Collective.
-  bool gaps_closed(Vec u, double force = std::numeric_limits<double>::infinity()) const;
+  /// Active gaps, and slips that must vanish, at u. Collective.
+  struct GapsLeft {
+    /// To 1e-11 of a facet, and so that closing the rest takes no more than `force` against the penalty at
+    /// any constraint, or to rounding of the coordinates. True for other enforcements.
+    bool closed = true;
+    double open = 0; ///< the largest, over the mean facet
+  };
+  GapsLeft gaps_left(Vec u, double force = std::numeric_limits<double>::infinity()) const;
+  /// What no pressure closes, because there are more constraints than the surfaces can meet, is let off below
+  /// this part of a facet.
+  static constexpr double most_open = 1e-6;
 
   /// Whether contact takes part in the energy-conserving update.
   bool conserving() const { return gap_ != nullptr; }
@@ -325,6 +344,7 @@ private:
   void declare_state(StateTable& state);
   void use_new_nodes(); // of the form
   void fetch_fixed();
+  void hold_slip(const std::vector<double>& u, Constraint& c, std::vector<double>& gradient) const;
   void fetch_bodies();
   ContactStatus add_reduced_tangent(Vec u, double scale, Mat K) const;
   void share(std::vector<double>& values, int components) const;
@@ -334,6 +354,8 @@ private:
   ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
+  // Largest component of sums at the nodes, [node][dim] of the form's nodes. Collective.
+  double largest_of(const std::vector<double>& nodal) const;
 
   const Mesh* mesh_;
   const FieldLayout* layout_;
@@ -343,8 +365,10 @@ private:
   std::vector<std::string> warnings_;
   std::unique_ptr<ContactForm> form_;
   int dim_;
-  std::vector<char> fixed_here_; // [node][dim] of the form's nodes
-  Handle<Vec> fixed_;            // 1 at fixed dofs; absent: none
+  std::vector<char> fixed_here_;                                 // [node][dim] of the form's nodes
+  double last_change_ = std::numeric_limits<double>::infinity(); // of the multipliers, in an augmentation
+  bool supported_ = false; // some secondary node of a form with a constraint per node is
+  Handle<Vec> fixed_;      // 1 at fixed dofs; absent: none
   const RigidReduction* reduction_ = nullptr;
   Handle<Vec> body_;           // 1 + rigid body of a node, in its first component; absent: none
   std::vector<int> body_here_; // [node] of the form's nodes, -1: none; empty without rigid bodies
@@ -363,7 +387,8 @@ private:
   double mean_length_ = 0;          // of the secondary facets
   double time_ = 0;                 // of the attempt's end
   long searches_ = 0;
-  bool fallen_back_ = false, friction_suspended_ = false, symmetric_ = false;
+  bool at_rest_ = true, fallen_back_ = false, by_penalty_ = false, friction_suspended_ = false,
+       symmetric_ = false;
 };
 
 } // namespace impact

@@ -162,6 +162,7 @@ private:
   bool take_first_step(Vec u, Vec ahead, double part);
   void add_gaps(Vec u, Vec f);
   bool gives_up(PetscReal norm);
+  bool gaps_settle(Vec u);
   bool balanced(Vec u);
   bool refresh_contact(Vec u);
   void read_contact_scale();
@@ -190,6 +191,9 @@ private:
   std::vector<double> phi_frozen_, theta_frozen_, u_local_, u_before_;
   std::vector<double> dissipation_;
   PetscReal utilisation_ = 0;
+  bool first_touch_ = false; // bodies that pressed nothing are being brought together
+  bool rough_ = false;       // the next pass of augmentations is solved to a rough tolerance
+  double open_ = 0;          // largest gap that the last iterate near the solution left, over a facet
   TangentReuse reuse_{0};
   PassShell coupling_shell_, uzawa_shell_;
   Handle<SNES> uzawa_snes_, motion_snes_;

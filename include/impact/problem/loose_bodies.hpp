@@ -34,6 +34,8 @@ public:
   void add_to(Mat K) const;
   /// Whether a body faces nothing yet at u, but has something near that the search sees. Collective.
   bool sees_only(Vec u) const;
+  /// Whether each of them presses something at u. Collective.
+  bool rest(Vec u) const;
   /// Largest part of the step du, at most 1, that moves no node on the surfaces of these bodies by more than
   /// twice what they may approach by; doubled after each shortened step that lowered the residual (H3).
   /// Collective.
