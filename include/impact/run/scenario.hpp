@@ -112,7 +112,7 @@ struct Scenario {
   int dim = 0; ///< 0: from the mesh
   PlaneMode plane = PlaneMode::strain;
   double thickness = 1;
-  bool dry_run = false, strict = false;
+  bool overwrite = false, dry_run = false, strict = false;
   MeshScenario mesh;
   std::vector<MaterialScenario> materials;
   std::vector<BoundaryCondition> bcs;
