@@ -63,7 +63,7 @@ std::vector<Entry> entries(const std::vector<OptionRow<Struct>>& rows, const std
 template <class Struct> Section section(const std::string& title, const OptionClass<Struct>& table) {
   Section result{title, table.about, {}};
   result.entries.push_back(
-      {"-" + table.registry, "comma list of ids", {"declares the ids below", "", "", "", ""}});
+      {"-" + table.registry, "comma list of ids, or none", {"declares the ids below", "", "", "", ""}});
   for (Entry& entry : entries(table.rows, "-" + table.word + "_<id>_"))
     result.entries.push_back(std::move(entry));
   return result;
