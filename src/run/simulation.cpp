@@ -327,6 +327,7 @@ void Simulation::check_prescribed_data(const Attempt& attempt) const {
   const std::vector<double>& v_n = state.row("prescribed_velocity").committed;
   std::vector<double> unused = state.row("u").committed;
   agree_on_errors(comm_, [&] {
+    setup_.rigid.require_agreement(attempt.t_n, attempt.t);
     boundary.require_agreement(attempt.t_n, attempt.t, state.row("u").committed, v_n);
     boundary.set_displacement(attempt.t_n, attempt.t, state.row("u").committed, v_n, unused);
     boundary.set_exact_velocity(attempt.t_n, attempt.t, v_n, unused);
