@@ -19,7 +19,7 @@ std::vector<std::string> read_ids(const std::string& registry) {
   const auto option = given_option(registry);
   if (!option) return {};
   const std::vector<std::string> ids = split_list(option->text);
-  if (ids.empty()) refuse_option(*option, "a value is missing; allowed: a comma list of ids, or none");
+  if (ids.empty()) refuse_option(*option, "a value is missing; allowed: a comma list of ids or none");
   if (ids == std::vector<std::string>{"none"}) return {};
   std::set<std::string> seen;
   for (const std::string& id : ids) {

@@ -13,7 +13,7 @@ struct MaterialInput {
   double E = absent, nu = absent, K = absent, G = absent;
   double c_mass = absent; ///< heat capacity per mass
   std::vector<std::string> hardening;
-  double jc_a = absent, rate_0 = absent, theta_ref = absent;
+  double linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
   enum class Softening { automatic, none, linear, johnson_cook } softening = Softening::automatic;
   enum class Locking { automatic, none, mean, fbar } locking = Locking::automatic;
 };

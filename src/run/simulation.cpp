@@ -4,6 +4,7 @@
 #include <impact/input/option_text.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
@@ -118,6 +119,8 @@ public:
   ExitCode run();
 
 private:
+  void start_state(const std::optional<Checkpoint>& resume);
+  void report_start(const SolverDefaults& solver);
   void start(const std::optional<Checkpoint>& resume);
   StepHooks hooks();
   void accept(const Attempt& attempt);
@@ -231,6 +234,9 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   history_.emplace(s, motion_, *ledger_, setup_.state, source_);
   for (const OutputScenario& output : s.outputs)
     if (output.type == OutputScenario::Type::xdmf) fields_.emplace_back(output, s, d_, source_);
+  start_state(resume);
+  report_start(solver);
+  if (s.dry_run) return;
   // Nothing is refused any more: what is in the folder may go.
   set_earlier_run_aside(comm, s, resume ? std::optional(resume->file) : std::nullopt);
   retire_older_runs(comm, s, resume);
@@ -252,7 +258,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   set_step_hooks(ts_, hooks());
 }
 
-void Simulation::start(const std::optional<Checkpoint>& resume) {
+void Simulation::start_state(const std::optional<Checkpoint>& resume) {
   StateTable& state = setup_.state;
   if (resume) {
     read_checkpoint(*resume, {d_.mesh, d_.groups, state});
@@ -273,6 +279,35 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   motion_.update_contact(u_);
   coupling_.refresh_matrix();
   coupling_.begin_at_rest_of_step(snapshot_.time, u_, v_);
+}
+
+// What really solves, and where contact begins.
+void Simulation::report_start(const SolverDefaults& solver) {
+  for (ContactInterface& contact : setup_.contacts) {
+    const ContactMeasures at = contact.measures(u_);
+    check(PetscPrintf(comm_,
+                      std::isnan(at.gap_min)
+                          ? "contact %s: no point faces the other side at the start\n"
+                          : "contact %s: smallest gap at the start %.4g, %d points press\n",
+                      contact.id().c_str(), at.gap_min, at.active));
+  }
+  std::vector<std::string> lines;
+  if (s_.has_motion())
+    lines.push_back("motion solver: " + linear_solver_text(coupling_.motion_snes()) + " (" + solver.reason +
+                    "); tangent " + (solver.symmetric ? "symmetric" : "consistent"));
+  if (damage_) lines.push_back("damage solver: " + linear_solver_text(damage_->snes()));
+  if (heat_) lines.push_back("heat solver: " + linear_solver_text(heat_->snes()));
+  PetscBool factors = PETSC_FALSE;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(SNESGetKSP(coupling_.motion_snes(), &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
+  report_solvers(d_, lines, s_.has_motion() && factors);
+}
+
+void Simulation::start(const std::optional<Checkpoint>& resume) {
+  StateTable& state = setup_.state;
   if (resume) {
     if (inertia_) newmark_set_acceleration(ts_, a_);
     const std::vector<double>& c = control_->committed;
@@ -625,14 +660,14 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   demands.rigid = !setup->rigid.empty();
   const SolverDefaults solver =
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
-  report_setup(s, setup->discretisation, solver);
-  if (s.dry_run) {
-    set_initial_state(s, *setup);
-    check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s).c_str()));
-    return ExitCode::ok;
-  }
-  if (s.time.type == "alpha2") return simulate_alpha2(comm, s, *setup, solver);
-  return Simulation(comm, s, *setup, solver, resume, probe).run();
+  report_setup(s, setup->discretisation);
+  const bool alpha2 = s.time.type == "alpha2";
+  if (alpha2 && !s.dry_run) return simulate_alpha2(comm, s, *setup, solver);
+  std::optional<Simulation> run;
+  if (!alpha2) run.emplace(comm, s, *setup, solver, resume, probe);
+  if (!s.dry_run) return run->run();
+  check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s, true).c_str()));
+  return ExitCode::ok;
 }
 
 } // namespace impact
