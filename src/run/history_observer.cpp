@@ -294,9 +294,12 @@ void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snaps
       const Located& probe = probes_[i];
       for (int k = 0; k < components; ++k) {
         double sum = 0;
+        // Contact fields have no value off their surface.
         if (nodal)
           for (int a = 0; a < probe.count; ++a)
-            sum += probe.N[a] * values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
+            sum += std::abs(probe.N[a]) < 1e-9
+                       ? 0
+                       : probe.N[a] * values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
         else if (probe.count > 0)
           sum = values[(probe.batch * static_cast<std::size_t>(components) + static_cast<std::size_t>(k)) *
                            lanes +
@@ -320,6 +323,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
         for (int node : nodes) {
           if (!d.mesh.owned(node)) continue;
           const double value = values[static_cast<std::size_t>(node * components + k)];
+          if (std::isnan(value)) continue; // a gap to nothing
           low = std::min(low, value);
           high = std::max(high, value);
           sums[0] += value;

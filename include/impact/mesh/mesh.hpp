@@ -79,6 +79,9 @@ public:
   /// Sorted local nodes of a boundary, region or point group, complete on every rank (also where a rank holds
   /// only the node and no facet or cell of the group). Collective.
   std::vector<int> nodes(const std::string& name) const;
+  /// Shares of the nodes in a group of points (1 each) or curves (half of each edge that meets there) in the
+  /// reference configuration: [local node], to be summed over the ranks that hold a node.
+  std::vector<double> node_shares(const std::string& name) const;
   /// Shortest cell edge over all ranks, computed at construction.
   double smallest_edge() const { return smallest_edge_; }
   /// Names of the regions that hold a cell point, separated by commas; for messages.
