@@ -21,8 +21,10 @@ std::string all_options() {
   return text;
 }
 
-/// The files from the command line down to the one that is looked into.
-void follow_option_file(const std::string& file, std::vector<std::string> above) {
+/// Calls visit(name, rest of the line) for what looks like an option, also in YAML, in a file and in those
+/// that it names. `above`: the files from the command line down to this one.
+template <class Visit>
+void follow_option_file(const std::string& file, std::vector<std::string> above, const Visit& visit) {
   const auto refuse = [&](const std::string& reason) { refuse_option({"-options_file", file}, reason); };
   const bool again = std::find(above.begin(), above.end(), file) != above.end();
   above.push_back(file);
@@ -32,10 +34,21 @@ void follow_option_file(const std::string& file, std::vector<std::string> above)
   for (int number = 1; std::getline(lines, line); ++number) {
     if (number == 1 && line.starts_with(byte_order_mark))
       refuse("begins with a byte-order mark; save it as plain UTF-8");
-    std::istringstream words(line);
-    std::string name, value;
-    if (words >> name >> value && lower_case(name) == "-options_file") follow_option_file(value, above);
+    const std::size_t from = line.find_first_not_of(" \t-"), to = line.find_first_of(": \t", from);
+    if (to == std::string::npos) continue;
+    const std::string name = lower_case(line.substr(from, to - from));
+    std::istringstream words(line.substr(to + 1));
+    std::string value, part;
+    while (words >> part && part[0] != '#') value += part;
+    std::erase(value, '"');
+    visit(name, value);
+    if (name == "options_file") follow_option_file(value, above, visit);
   }
+}
+
+template <class Visit> void follow_option_files(int argc, const char* const* argv, const Visit& visit) {
+  for (int i = 1; i + 1 < argc; ++i)
+    if (lower_case(argv[i]).starts_with("-options_file")) follow_option_file(argv[i + 1], {}, visit);
 }
 
 /// Read by PETSc in PetscInitialize or only in PetscFinalize, so that "unused" says nothing.
@@ -55,8 +68,26 @@ void refuse_option(const GivenOption& option, const std::string& reason) {
 }
 
 void check_option_files(int argc, const char* const* argv) {
-  for (int i = 1; i + 1 < argc; ++i)
-    if (lower_case(argv[i]) == "-options_file") follow_option_file(argv[i + 1], {});
+  follow_option_files(argc, argv, [](const std::string&, const std::string&) {});
+}
+
+bool on_command_line(const std::string& name) {
+  int count = 0;
+  char** arguments = nullptr;
+  check(PetscGetArgs(&count, &arguments));
+  return std::any_of(arguments + std::min(count, 1), arguments + count,
+                     [&](const char* word) { return lower_case(word) == "-" + lower_case(name); });
+}
+
+std::vector<std::string> texts_in_files(const std::string& name) {
+  int count = 0;
+  char** arguments = nullptr;
+  check(PetscGetArgs(&count, &arguments));
+  std::vector<std::string> texts;
+  follow_option_files(count, arguments, [&](const std::string& option, const std::string& value) {
+    if (option == lower_case(name)) texts.push_back(value);
+  });
+  return texts;
 }
 
 std::vector<std::string> option_names() {

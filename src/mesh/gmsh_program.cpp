@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <impact/mesh/gmsh.hpp>
+#include <poll.h>
 #include <spawn.h>
 #include <sstream>
 #include <string_view>
@@ -137,10 +139,11 @@ std::vector<char*> environment() {
 
 struct Ended {
   int status = 0;
-  std::string said;
+  std::string said, stopped_by;
 };
 
-Ended run(std::vector<std::string> words) {
+// Kills the child at the first reason to stop, asked for five times a second.
+Ended run(std::vector<std::string> words, const std::function<std::string()>& reason_to_stop) {
   int channel[2];
   if (pipe2(channel, O_CLOEXEC) != 0) throw UserError(ExitCode::io, "gmsh: no pipe to it");
   posix_spawn_file_actions_t actions;
@@ -163,8 +166,16 @@ Ended run(std::vector<std::string> words) {
   }
   Ended end;
   char piece[4096];
-  for (ssize_t n = 0; (n = read(channel[0], piece, sizeof piece)) > 0 || (n < 0 && errno == EINTR);)
-    if (n > 0) end.said.append(piece, static_cast<std::size_t>(n));
+  for (bool open = true; open && end.stopped_by.empty();) {
+    pollfd at{channel[0], POLLIN, 0};
+    if (poll(&at, 1, 200) > 0) {
+      const ssize_t n = read(channel[0], piece, sizeof piece);
+      if (n > 0) end.said.append(piece, static_cast<std::size_t>(n));
+      open = n > 0 || (n < 0 && errno == EINTR);
+    }
+    if (reason_to_stop) end.stopped_by = reason_to_stop();
+  }
+  if (!end.stopped_by.empty()) kill(child, SIGKILL);
   close(channel[0]);
   while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
   }
@@ -181,7 +192,7 @@ std::string first_error(const std::string& said) {
 } // namespace
 
 std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
-                     const std::string& work_dir) {
+                     const std::string& work_dir, const std::function<std::string()>& reason_to_stop) {
   namespace fs = std::filesystem;
   check_parameters(geo, parameters);
   std::error_code ignored;
@@ -189,7 +200,10 @@ std::string run_gmsh(const std::string& geo, const std::map<std::string, std::st
   const std::string out = (fs::path(work_dir) / fs::path(geo).stem()).string() + ".msh";
   fs::remove(out, ignored); // a stale file must not pass for the new mesh
   // -3 also serves plane geometries, whose surfaces it meshes on the way.
-  const Ended end = run(command(geo, parameters, out));
+  const Ended end = run(command(geo, parameters, out), reason_to_stop);
+  if (!end.stopped_by.empty())
+    throw UserError(ExitCode::io, geo + ": gmsh was ended by " + end.stopped_by +
+                                      "; nothing is computed yet, and there is nothing to go on from");
   const std::string error = first_error(end.said);
   if (!error.empty()) throw UserError(ExitCode::io, geo + ": gmsh says: " + error);
   if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || !fs::exists(out))

@@ -424,4 +424,31 @@ std::vector<int> Mesh::nodes(const std::string& name) const {
   return result;
 }
 
+std::vector<double> Mesh::node_shares(const std::string& name) const {
+  const int group_dim = group(name).dim;
+  PetscSF sf = nullptr;
+  PetscInt leaves = 0, chart_end = 0;
+  const PetscInt* leaf = nullptr;
+  check(DMPlexGetChart(dm_, nullptr, &chart_end));
+  check(DMGetPointSF(dm_, &sf));
+  check(PetscSFGetGraph(sf, nullptr, &leaves, &leaf, nullptr));
+  std::vector<char> elsewhere(static_cast<std::size_t>(chart_end), 0);
+  for (PetscInt i = 0; i < leaves; ++i) elsewhere[static_cast<std::size_t>(leaf ? leaf[i] : i)] = 1;
+  std::vector<double> shares(static_cast<std::size_t>(node_count_), 0.0);
+  std::vector<int> ends;
+  for (const PetscInt point : labelled_points(name)) {
+    if (elsewhere[static_cast<std::size_t>(point)] != 0) continue;
+    closure_nodes(dm_, point, vertex_start_, vertex_start_ + node_count_, ends);
+    double size = 0;
+    for (int k = 0; group_dim == 1 && k < dim_; ++k) {
+      const double step = coordinates_[static_cast<std::size_t>(ends.at(1) * dim_ + k)] -
+                          coordinates_[static_cast<std::size_t>(ends.at(0) * dim_ + k)];
+      size += step * step;
+    }
+    for (const int node : ends)
+      shares[static_cast<std::size_t>(node)] += group_dim == 0 ? 1 : std::sqrt(size) / 2;
+  }
+  return shares;
+}
+
 } // namespace impact

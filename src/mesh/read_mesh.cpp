@@ -21,7 +21,8 @@ GmshFile read_file(const MeshRequest& request) {
   if (!std::filesystem::exists(request.file)) throw UserError(ExitCode::io, request.file + ": no such file");
   if (!(request.scale > 0) || !std::isfinite(request.scale))
     throw UserError(ExitCode::usage, "mesh scale must be positive and finite");
-  if (ending == ".geo") return read_gmsh(run_gmsh(request.file, request.parameters, request.work_dir));
+  if (ending == ".geo")
+    return read_gmsh(run_gmsh(request.file, request.parameters, request.work_dir, request.reason_to_stop));
   if (!request.parameters.empty())
     throw UserError(ExitCode::usage,
                     request.file + ": -mesh_set_" + request.parameters.begin()->first + " needs a .geo file");

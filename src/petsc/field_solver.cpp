@@ -46,4 +46,19 @@ SNESConvergedReason reason_by_residual(SNES snes) {
   return reason;
 }
 
+std::string linear_solver_text(SNES snes) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  KSPType krylov = nullptr;
+  PCType type = nullptr;
+  MatSolverType package = nullptr;
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(KSPGetType(ksp, &krylov));
+  check(PCGetType(pc, &type));
+  check(PCFactorGetMatSolverType(pc, &package)); // none of a type that has no factors
+  return std::string(krylov ? krylov : "gmres") + " + " + (type ? type : "PETSc's choice") +
+         (package ? std::string(" by ") + package : "");
+}
+
 } // namespace impact

@@ -208,6 +208,19 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
       continue;
     for (const std::string& name : bc.on) {
       const Group& group = require_group(mesh, bc, name);
+      if (bc.type == BcType::force && group.dim < dim_ - 1) {
+        if (require_group(mesh, bc, bc.on.front()).dim != group.dim)
+          throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + bc.on.front() + "," + name +
+                                              "\": points, lines and boundaries share no force; "
+                                              "give each a condition of its own");
+        const std::vector<double> shares = mesh.node_shares(name);
+        for (int node = 0; node < node_count_; ++node)
+          if (const double share = shares[static_cast<std::size_t>(node)]; share > 0) {
+            nodal_forces_.push_back({node, c, share});
+            force_area_[static_cast<std::size_t>(c)] += share;
+          }
+        continue;
+      }
       if (group.dim != dim_ - 1)
         throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + name + "\": a load acts on a boundary (" +
                                             std::to_string(dim_ - 1) + "D), this group is " +
@@ -342,6 +355,16 @@ bool BoundaryData::body_force(double t, std::vector<double>& f) const {
         f[static_cast<std::size_t>(node * dim_ + k)] +=
             (*data)(&x_[static_cast<std::size_t>(node * dim_)], dim_, t);
   return true;
+}
+
+void BoundaryData::add_nodal_forces(double t, std::vector<double>& f) const {
+  for (const NodalForce& load : nodal_forces_) {
+    const auto c = static_cast<std::size_t>(load.condition);
+    for (int k = 0; k < dim_; ++k)
+      if (const auto& data = conditions_[c].component[k])
+        f[static_cast<std::size_t>(load.node * dim_ + k)] +=
+            load.share / force_area_[c] * (*data)(&x_[static_cast<std::size_t>(load.node * dim_)], dim_, t);
+  }
 }
 
 void BoundaryData::traction(const LoadedFacets& load, const double* x, double t, double* value) const {

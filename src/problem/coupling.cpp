@@ -79,7 +79,6 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
                              ContactDemands contact, MatrixFormat matrix) {
   SolverDefaults choice;
   choice.matrix = matrix;
-  const bool half = matrix == MatrixFormat::sbaij;
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
   for (const MaterialAssignment& m : d.materials)
@@ -92,17 +91,13 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
       !(contact.closes_gaps && small)) {
     choice.direct = false;
     choice.symmetric = true;
-    std::snprintf(text, sizeof(text), "cg + jacobi (dt is %.3g times h/c_p)", choice.cfl);
+    std::snprintf(text, sizeof(text), "dt is %.3g times h/c_p", choice.cfl);
   } else if (small) {
-    const std::string package = option_text("-motion_pc_factor_mat_solver_type");
-    std::snprintf(text, sizeof(text), "preonly + %s by %.40s (%lld dofs)", half ? "cholesky" : "lu",
-                  package.empty() ? "mumps" : package.c_str(), static_cast<long long>(dofs));
+    std::snprintf(text, sizeof(text), "%lld dofs", static_cast<long long>(dofs));
   } else {
     choice.direct = false;
     choice.multigrid = true;
-    std::snprintf(text, sizeof(text), "%s (%lld dofs)",
-                  half ? "gmres + incomplete cholesky" : "gmres + gamg with rigid body modes",
-                  static_cast<long long>(dofs));
+    std::snprintf(text, sizeof(text), "%lld dofs", static_cast<long long>(dofs));
   }
   choice.reason = text;
   const std::string ksp = option_text("-motion_ksp_type"), pc = option_text("-motion_pc_type");
@@ -110,7 +105,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   const bool exact = pc.empty() || pc == "lu" || pc == "cholesky";
   if (ksp.empty() && !exact && choice.direct) choice.direct = false, choice.multigrid = true;
   if (!ksp.empty()) choice.symmetric = ksp == "cg" || ksp == "minres";
-  if (!ksp.empty() || !pc.empty()) choice.reason = "as the options say";
+  if (!ksp.empty() || !pc.empty()) choice.reason = "chosen by options";
   if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
   return choice;
 }

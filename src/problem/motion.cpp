@@ -135,6 +135,7 @@ void MotionProblem::begin(const MotionStep& step) {
       add_dead_traction(
           load.facets, d_.frame, X_,
           [&](const double* x, double* value) { boundary_.traction(load, x, step_.t, value); }, dead_load_);
+    boundary_.add_nodal_forces(step_.t, dead_load_);
     has_body_force_ = boundary_.body_force(step_.t, body_);
     // Follower pressures are evaluated with every residual, where a rank must not fail alone: tried out here.
     std::vector<double> unused(dead_load_.size());

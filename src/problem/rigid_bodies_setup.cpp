@@ -256,7 +256,6 @@ void RigidBodies::choose_slots(const Discretisation& d) {
 void RigidBodies::resolve(const Discretisation& d, double t_end) {
   if (frame_ == Frame::axisymmetric)
     for (RigidBody& body : bodies_) body.held[0] = body.held[5] = RigidBody::not_possible;
-  static constexpr const char* names[6] = {"ux", "uy", "uz", "rx", "ry", "rz"};
   for (std::size_t c = 0; c < conditions_.size(); ++c) {
     const BoundaryCondition& bc = conditions_[c];
     if (!moves_bodies(bc.type)) continue;
@@ -289,25 +288,10 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
             holds = k < 3 ? bc.component[k].has_value() : bc.rotation[k - 3].has_value();
           int& held = bodies_[b].held[k];
           if (!holds || held == RigidBody::not_possible) continue;
-          if (held >= 0) {
-            const auto value = [&](const BoundaryCondition& from, double t) {
-              const auto& data = k < 3 ? from.component[k] : from.rotation[k - 3];
-              return data ? (*data)(bodies_[b].centre.data(), dim_, t) : 0.0;
-            };
-            const BoundaryCondition& first = conditions_[at(held)];
-            // Both ends, and places between that no cycle of a load hits all of.
-            for (double part : {0.0, 0.137, 0.293, 0.5, 0.711, 0.877, 1.0}) {
-              const double t = part * t_end, one = value(first, t), other = value(bc, t);
-              if (std::abs(one - other) > 1e-9 * std::max(std::abs(one), std::abs(other)))
-                throw UserError(ExitCode::data,
-                                "-bc_" + first.id + " and -bc_" + bc.id + " prescribe different " + names[k] +
-                                    " (" + number_text(one) + ", " + number_text(other) +
-                                    " at t=" + number_text(t) + ") of the rigid body " + bodies_[b].name +
-                                    "; leave the component out of one of them");
-            }
-            continue;
-          }
-          held = static_cast<int>(c);
+          if (held >= 0)
+            shared_.push_back({b, k, held, static_cast<int>(c)});
+          else
+            held = static_cast<int>(c);
         }
       }
     }
@@ -319,9 +303,38 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
                                           " belongs to one; give a material "
                                           "-material_<id>_model rigid, or prescribe displacements");
   }
+  for (const double t : {0.0, t_end}) require_agreement(t, t);
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     for (std::size_t k = 0; k < 6; ++k)
       reduction_.bodies()[b].held[k] = bodies_[b].held[k] != RigidBody::free_motion;
+}
+
+void RigidBodies::require_agreement(double t_n, double t) const {
+  static constexpr const char* names[6] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+  for (const Shared& at_both : shared_) {
+    const RigidBody& body = bodies_[at_both.body];
+    const std::size_t k = at_both.component;
+    const BoundaryCondition &first = conditions_[at(at_both.first)], &other = conditions_[at(at_both.other)];
+    const auto data = [&](const BoundaryCondition& of) -> const std::optional<Expression>& {
+      return k < 3 ? of.component[k] : of.rotation[k - 3];
+    };
+    const auto rate = [](const BoundaryCondition& of) { return of.type == BcType::velocity; };
+    // Of two velocities the values, of a velocity and a place what they change in the step.
+    const bool changes = rate(first) != rate(other);
+    const auto value = [&](const BoundaryCondition& of) {
+      if (!data(of)) return 0.0;
+      const double* x = body.centre.data();
+      if (changes && rate(of)) return integral(*data(of), x, dim_, t_n, t);
+      return (*data(of))(x, dim_, t) - (changes ? (*data(of))(x, dim_, t_n) : 0.0);
+    };
+    const double one = value(first), two = value(other);
+    const double rounding = changes ? 1e-12 * body.length : 0;
+    if (std::abs(one - two) > 1e-9 * std::max(std::abs(one), std::abs(two)) + rounding)
+      throw UserError(ExitCode::data, "-bc_" + first.id + " and -bc_" + other.id + " prescribe different " +
+                                          names[k] + " (" + number_text(one) + ", " + number_text(two) +
+                                          " at t=" + number_text(t) + ") of the rigid body " + body.name +
+                                          "; leave the component out of one of them");
+  }
 }
 
 void RigidBodies::declare_state(StateTable& table) {

@@ -2,6 +2,7 @@
 #include <impact/petsc/field_solver.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/observers.hpp>
+#include <impact/run/output_folder.hpp>
 #include <impact/run/progress.hpp>
 #include <impact/run/stop_requests.hpp>
 
@@ -114,8 +115,9 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   check(TS2SetSolution(ts, u, v));
   const FieldSource source(motion, setup.state);
   Ledger ledger(motion, nullptr, setup.state, true);
-  HistoryObserver history(comm, s.output_dir + "/" + history_file_name(s), s, motion, ledger, setup.state,
-                          source, std::nullopt);
+  HistoryObserver history(s, motion, ledger, setup.state, source);
+  set_earlier_run_aside(comm, s, std::nullopt);
+  history.open(std::nullopt);
   Progress progress(comm, s.time.max_time);
   Snapshot snapshot;
   snapshot.u = u;

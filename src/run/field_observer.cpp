@@ -13,10 +13,6 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string path_of(const OutputScenario& output, const Scenario& scenario) {
-  return scenario.output_dir + "/" + (output.file.empty() ? output.id + ".xdmf" : output.file);
-}
-
 // The output's fields, checked; those that are usual and at hand when none were named.
 OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
   const std::vector<std::string> offered = source.names();
@@ -32,15 +28,20 @@ OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
 
 } // namespace
 
-// Fields are checked before the file is opened, which removes what an earlier run left there.
+std::string field_file_name(const OutputScenario& output) {
+  return output.file.empty() ? output.id + ".xdmf" : output.file;
+}
+
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
-                             const Discretisation& discretisation, const FieldSource& source,
-                             std::optional<double> resume_after)
-    : settings_(with_fields(output, source)), period_(scenario.time.period), d_(discretisation),
-      source_(source), file_(discretisation.mesh, FieldFile{path_of(output, scenario), scenario.title,
-                                                            scenario.units.name, resume_after}) {
-  if (!file_.warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_.warning().c_str()));
+                             const Discretisation& discretisation, const FieldSource& source)
+    : scenario_(scenario), settings_(with_fields(output, source)), d_(discretisation), source_(source) {
   std::sort(settings_.times.begin(), settings_.times.end());
+}
+
+void FieldObserver::open(std::optional<double> resume_after) {
+  file_.emplace(d_.mesh, FieldFile{scenario_.output_dir + "/" + field_file_name(settings_), scenario_.title,
+                                   scenario_.units.name, resume_after});
+  if (!file_->warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_->warning().c_str()));
   if (resume_after && settings_.dt > 0)
     next_time_ = (std::floor(*resume_after / settings_.dt * (1 + 1e-12)) + 1) * settings_.dt;
 }
@@ -48,11 +49,11 @@ FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scena
 // The last time that is written is asked of the files: a kill after the last checkpoint may have taken the
 // output at the end, which the resumed run, though it has no step to take, then makes up for.
 void FieldObserver::watch(const Snapshot& snapshot, bool last) {
-  const double written = file_.last_time();
+  const double written = file_->last_time();
   const double t = snapshot.time, tolerance = 1e-9 * std::max(std::abs(t), snapshot.dt);
   bool due = last || (snapshot.step == 0 && written < t);
   if (settings_.every > 0 && snapshot.step % settings_.every == 0) due = true;
-  if (settings_.cycles > 0 && marks_cycle(t, period_, settings_.cycles)) due = true;
+  if (settings_.cycles > 0 && marks_cycle(t, scenario_.time.period, settings_.cycles)) due = true;
   for (double time : settings_.times)
     due = due || (time > written + tolerance && time <= t + tolerance && t - time <= snapshot.dt + tolerance);
   if (settings_.dt > 0 && t >= next_time_ - tolerance) {
@@ -75,7 +76,7 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
       cells.push_back({name, components, keep.back()});
     }
   }
-  file_.write(t, nodes, cells);
+  file_->write(t, nodes, cells);
 }
 
 } // namespace impact

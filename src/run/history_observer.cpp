@@ -90,11 +90,9 @@ std::string history_file_name(const Scenario& scenario) {
   return "history.csv";
 }
 
-HistoryObserver::HistoryObserver(MPI_Comm comm, const std::string& file, const Scenario& scenario,
-                                 MotionProblem& motion, const Ledger& ledger, StateTable& state,
-                                 const FieldSource& source, std::optional<long> resume_after)
-    : scenario_(scenario), motion_(motion), ledger_(ledger), state_(state), source_(source),
-      file_(comm, file, resume_after) {
+HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger,
+                                 StateTable& state, const FieldSource& source)
+    : scenario_(scenario), motion_(motion), ledger_(ledger), state_(state), source_(source) {
   for (const OutputScenario& output : scenario_.outputs)
     if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
   for (const MaterialAssignment& m : motion_.discretisation().materials)
@@ -102,6 +100,11 @@ HistoryObserver::HistoryObserver(MPI_Comm comm, const std::string& file, const S
       state_.add(StateRow{"crack_" + m.law.parameters.id, Support::global, 4}, 4);
   check_fields();
   locate_probes();
+}
+
+void HistoryObserver::open(std::optional<long> resume_after) {
+  file_.emplace(motion_.discretisation().mesh.comm(),
+                scenario_.output_dir + "/" + history_file_name(scenario_), resume_after);
 }
 
 void HistoryObserver::check_fields() const {
@@ -291,9 +294,12 @@ void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snaps
       const Located& probe = probes_[i];
       for (int k = 0; k < components; ++k) {
         double sum = 0;
+        // Contact fields have no value off their surface.
         if (nodal)
           for (int a = 0; a < probe.count; ++a)
-            sum += probe.N[a] * values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
+            sum += std::abs(probe.N[a]) < 1e-9
+                       ? 0
+                       : probe.N[a] * values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
         else if (probe.count > 0)
           sum = values[(probe.batch * static_cast<std::size_t>(components) + static_cast<std::size_t>(k)) *
                            lanes +
@@ -317,6 +323,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
         for (int node : nodes) {
           if (!d.mesh.owned(node)) continue;
           const double value = values[static_cast<std::size_t>(node * components + k)];
+          if (std::isnan(value)) continue; // a gap to nothing
           low = std::min(low, value);
           high = std::max(high, value);
           sums[0] += value;
@@ -363,7 +370,7 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
 
 HistoryFile::Row HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) {
   HistoryFile::Row now = row(snapshot, counts);
-  if (every_step() || marks_cycle(snapshot.time, scenario_.time.period, cycles_)) file_.write(now);
+  if (every_step() || marks_cycle(snapshot.time, scenario_.time.period, cycles_)) file_->write(now);
   return now;
 }
 

@@ -19,7 +19,8 @@ std::vector<std::string> read_ids(const std::string& registry) {
   const auto option = given_option(registry);
   if (!option) return {};
   const std::vector<std::string> ids = split_list(option->text);
-  if (ids.empty()) refuse_option(*option, "a value is missing; allowed: a comma list of ids");
+  if (ids.empty()) refuse_option(*option, "a value is missing; allowed: a comma list of ids or none");
+  if (ids == std::vector<std::string>{"none"}) return {};
   std::set<std::string> seen;
   for (const std::string& id : ids) {
     const bool legal = !id.empty() && std::all_of(id.begin(), id.end(), [](char c) {
@@ -206,10 +207,12 @@ bool Scenario::has_damage() const {
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
   check_repeated_options(comm);
-  check_option_names({class_keys(parameter_class()), class_keys(function_class()),
-                      class_keys(material_class()), class_keys(boundary_class()), class_keys(initial_class()),
-                      class_keys(contact_class()), class_keys(output_class()), class_keys(probe_class()),
-                      class_keys(measure_class()), class_keys(stop_class())});
+  for (const std::string& note : check_option_names(
+           {class_keys(parameter_class()), class_keys(function_class()), class_keys(material_class()),
+            class_keys(boundary_class()), class_keys(initial_class()), class_keys(contact_class()),
+            class_keys(output_class()), class_keys(probe_class()), class_keys(measure_class()),
+            class_keys(stop_class())}))
+    check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
   Scenario scenario;
   scenario.coupling.max_it = 0;  // not given
   scenario.checkpoint.wall = -1; // not given

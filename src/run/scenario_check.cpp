@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/run/output_folder.hpp>
 #include <map>
 
 /// What no single option can tell: defaults that hang on others, missing and contradicting options, names of
@@ -495,8 +496,7 @@ void complete(Scenario& scenario) {
   scenario.coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
   if (scenario.checkpoint.wall < 0)
     scenario.checkpoint.wall = scenario.time.type == "alpha2" ? 0 : CheckpointScenario().wall;
-  if (scenario.checkpoint.dir.empty())
-    scenario.checkpoint.dir = (std::filesystem::path(scenario.output_dir) / "checkpoints").string();
+  if (scenario.checkpoint.dir.empty()) scenario.checkpoint.dir = default_checkpoint_dir(scenario);
   for (OutputScenario& output : scenario.outputs) complete_output(output, scenario);
   for (ProbeScenario& probe : scenario.probes)
     if (probe.fields.empty()) probe.fields = {"u"};

@@ -256,7 +256,8 @@ OptionClass<BoundaryCondition> boundary_class() {
       choice_row<Bc, BcType>(
           "type", &Bc::type,
           {"what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
-           "positive inwards; force is a total, spread over the reference area; body_force is per mass; "
+           "positive inwards; force is a total, spread over the reference area, the length of lines or "
+           "evenly over points; body_force is per mass; "
            "heat_flux is inwards, per reference area, heat_source per reference volume; convection is a flux "
            "h (value - theta)",
            "displacement"},
@@ -370,7 +371,10 @@ OptionClass<ProbeScenario> probe_class() {
           point_row<Probe>("at", [](auto& p) -> auto& { return p.at; },
                            {"reference coordinates", "required", "m"}),
           text_row<Probe>("on", &Probe::region, {"region, where two bodies meet", "any"}, "name of a region"),
-          list_row<Probe>("fields", &Probe::fields, {"what is written", "u"}, mesh_fields()),
+          list_row<Probe>(
+              "fields", &Probe::fields,
+              {"what is written; contact fields are of its surface, the gap nan beyond its reach", "u"},
+              all_fields()),
       }};
 }
 
@@ -381,7 +385,10 @@ OptionClass<MeasureScenario> measure_class() {
           "Values over a group, as columns `measure_<id>_<field>` of the history.",
           {
               text_row<Measure>("on", &Measure::on, {"group of the mesh", "required"}, "name of a group"),
-              list_row<Measure>("fields", &Measure::fields, {"what is written", "u"}, mesh_fields()),
+              list_row<Measure>(
+                  "fields", &Measure::fields,
+                  {"what is written; contact fields are of its surface, the gap nan beyond its reach", "u"},
+                  all_fields()),
               choice_row<Measure, Measure::Of>("of", &Measure::of, {"what is taken of the values", "mean"},
                                                {{"mean", Measure::Of::mean},
                                                 {"min", Measure::Of::min},

@@ -124,7 +124,7 @@ std::vector<OptionRow<Material>> hardening_rows() {
                            {"saturation of the hardening", "0", "Pa", "r_p", "(55)"}, not_negative),
       number_row<Material>("voce_s", law(&Law::voce_s), {"rate of the saturation", "0", "1", "s_p", "(55)"},
                            not_negative),
-      number_row<Material>("linear_h", law(&Law::linear_h), {"linear hardening modulus", "0", "Pa", "H"},
+      number_row<Material>("linear_h", &Material::linear_h, {"linear hardening modulus", "0", "Pa", "H"},
                            not_negative),
       hardening_table_row(),
       number_row<Material>("jc_a", &Material::jc_a,
@@ -297,6 +297,7 @@ void set_moduli(MaterialInput& input) {
     if (std::isnan(input.nu)) missing(result.id, "nu", remedy);
     result.K = input.E / (3 * (1 - 2 * input.nu));
     result.G = input.E / (2 * (1 + input.nu));
+    input.scenario.young = {input.E, input.nu};
     return;
   }
   if (std::isnan(input.K)) missing(result.id, "K", remedy);
@@ -375,7 +376,7 @@ void set_plasticity(MaterialInput& input) {
     const std::string needed = " is needed by -material_" + result.id + "_hardening " + part;
     if (part == "voce" && result.voce_r == 0) missing(result.id, "voce_r", "a positive value" + needed);
     if (part == "voce" && result.voce_s == 0) missing(result.id, "voce_s", "a positive value" + needed);
-    if (part == "linear" && result.linear_h == 0) missing(result.id, "linear_h", "a positive value" + needed);
+    if (part == "linear" && std::isnan(input.linear_h)) missing(result.id, "linear_h", "a value" + needed);
   }
 }
 
@@ -423,6 +424,7 @@ Locking automatic_locking(const MaterialParameters& law, PlaneMode plane) {
 MaterialScenario resolve_material(const MaterialInput& given, const Scenario& scenario) {
   MaterialInput input = given;
   const bool moves = scenario.has_motion(), deforms = moves || scenario.solves("damage");
+  if (!std::isnan(input.linear_h)) input.scenario.law.linear_h = input.linear_h;
   if (deforms || !std::isnan(input.E) || !std::isnan(input.K)) set_moduli(input);
   if (moves) set_plasticity(input);
   if (deforms) check_damage(input.scenario.law);
@@ -450,6 +452,7 @@ MaterialScenario resolve_material(const MaterialInput& given, const Scenario& sc
 MaterialInput material_input(const MaterialScenario& material) {
   MaterialInput input;
   input.scenario = material;
+  input.linear_h = material.law.linear_h;
   if (material.law.model != Model::rigid && material.law.K != 0) {
     input.K = material.law.K;
     input.G = material.law.G;

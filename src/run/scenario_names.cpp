@@ -141,6 +141,22 @@ void check_name(const std::string& typed, const Legal& legal) {
       unknown(typed, nearest_name(name, legal.globals, 5), "");
 }
 
+/// The class of an option of an options file whose id that file declared, and a later word left out.
+const ClassKeys* left_out_of(const std::string& name, const Legal& legal) {
+  if (legal.names.count(lower_case(name)) || on_command_line(name)) return nullptr;
+  for (const ClassKeys& keys : *legal.classes) {
+    const std::string beginning = keys.word + "_";
+    if (!lower_case(name).starts_with(beginning)) continue;
+    const std::string rest = lower_case(name).substr(beginning.size()), id = rest.substr(0, rest.find('_'));
+    if (std::find(keys.ids.begin(), keys.ids.end(), id) != keys.ids.end()) continue;
+    for (const std::string& text : texts_in_files(keys.registry)) {
+      const std::vector<std::string> ids = split_list(text);
+      if (std::find(ids.begin(), ids.end(), id) != ids.end()) return &keys;
+    }
+  }
+  return nullptr;
+}
+
 /// The lines of a file on which each option stands, in the order of the names.
 std::map<std::string, std::vector<int>> option_places(const std::string& text) {
   std::map<std::string, std::vector<int>> places;
@@ -177,9 +193,20 @@ void check_repeated_options(MPI_Comm comm) {
   }
 }
 
-void check_option_names(const std::vector<ClassKeys>& classes) {
+std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes) {
   const Legal legal = legal_names(classes);
-  for (const std::string& name : option_names()) check_name(name, legal);
+  std::map<std::string, std::string> without_effect; // of each registry
+  for (const std::string& name : option_names()) {
+    const ClassKeys* const keys = left_out_of(name, legal);
+    if (keys != nullptr && option_text(name)) // read, so that it counts as used
+      without_effect[keys->registry] += " -" + name;
+    else
+      check_name(name, legal);
+  }
+  std::vector<std::string> notes;
+  for (const auto& [registry, names] : without_effect)
+    notes.push_back("without effect, because -" + registry + " leaves their id out:" + names);
+  return notes;
 }
 
 } // namespace impact

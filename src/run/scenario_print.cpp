@@ -16,12 +16,19 @@ std::string class_text(const OptionClass<Struct>& table, const std::vector<Struc
   return option_line(table.registry, ids) + lines;
 }
 
-std::string materials_text(const std::vector<MaterialScenario>& materials) {
+std::string materials_text(const std::vector<MaterialScenario>& materials, bool as_typed) {
   const auto rows = material_class().rows;
   std::string ids, lines;
   for (const MaterialScenario& material : materials) {
     ids += (ids.empty() ? "" : ",") + material.law.id;
-    lines += rows_text(rows, material_input(material), "material_" + material.law.id + "_");
+    MaterialInput input = material_input(material);
+    if (as_typed && material.young) {
+      std::swap(input.E, input.K); // what is not given is nan
+      std::swap(input.nu, input.G);
+      input.E = (*material.young)[0];
+      input.nu = (*material.young)[1];
+    }
+    lines += rows_text(rows, input, "material_" + material.law.id + "_");
   }
   return option_line("materials", ids) + lines;
 }
@@ -63,7 +70,7 @@ std::vector<Entry> entries(const std::vector<OptionRow<Struct>>& rows, const std
 template <class Struct> Section section(const std::string& title, const OptionClass<Struct>& table) {
   Section result{title, table.about, {}};
   result.entries.push_back(
-      {"-" + table.registry, "comma list of ids", {"declares the ids below", "", "", "", ""}});
+      {"-" + table.registry, "comma list of ids or none", {"declares the ids below", "", "", "", ""}});
   for (Entry& entry : entries(table.rows, "-" + table.word + "_<id>_"))
     result.entries.push_back(std::move(entry));
   return result;
@@ -114,11 +121,11 @@ std::string code(const std::string& text) { return text.empty() ? "" : "`" + tex
 
 } // namespace
 
-std::string print_scenario(const Scenario& scenario) {
+std::string print_scenario(const Scenario& scenario, bool as_typed) {
   std::string lines = rows_text(global_rows(), scenario, "");
   for (const auto& [name, value] : scenario.mesh.set) lines += option_line("mesh_set_" + name, value);
   return lines + params_text(scenario.params) + class_text(function_class(), scenario.functions) +
-         materials_text(scenario.materials) + class_text(boundary_class(), scenario.bcs) +
+         materials_text(scenario.materials, as_typed) + class_text(boundary_class(), scenario.bcs) +
          class_text(initial_class(), scenario.ics) + class_text(contact_class(), scenario.contacts) +
          class_text(output_class(), scenario.outputs) + class_text(probe_class(), scenario.probes) +
          class_text(measure_class(), scenario.measures) + class_text(stop_class(), scenario.stops);

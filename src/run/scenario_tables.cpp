@@ -18,6 +18,10 @@ OptionGroup general_group() {
                            "text"),
           text_row<Global>("output_dir", &Scenario::output_dir,
                            {"everything that a run writes goes below it; made if missing", "."}, "path"),
+          flag_row<Global>("output_overwrite", &Scenario::overwrite,
+                           {"a run that starts anew replaces what an earlier one left in its folder, instead "
+                            "of moving it to earlier_1, earlier_2, ..",
+                            "off"}),
           choice_row<Global, UnitSystem>("units", &Scenario::units,
                                          {"system of bare numbers and of everything that is written", "SI"},
                                          {{"SI", *unit_system("SI")},
@@ -300,14 +304,12 @@ OptionRow<Scenario> walltime_row() {
 OptionGroup checkpoint_group() {
   return {
       "Checkpoints",
-      "SIGUSR1 asks for a checkpoint, SIGUSR2 and SIGTERM for a checkpoint and the end of the run (exit "
-      "status 0), each "
-      "at the end of the step; one rank is enough. On restart mesh, dimension and units cannot change; "
-      "parameters, "
-      "materials, conditions, contacts, the damage equation and the time scheme only with `-restart_allow`; "
-      "solvers, "
-      "output, end time and time step at will. A run that starts anew takes the checkpoints in its folder "
-      "out of use.",
+      "SIGUSR1 asks for a checkpoint; SIGUSR2, SIGTERM, SIGXCPU, SIGINT (Ctrl-C) and SIGHUP for a checkpoint "
+      "and the end of the run (exit status 0), each at the end of the step; one rank is enough, and a second "
+      "SIGINT ends it at once. However a run ends, its last state is in a checkpoint, so that a later end "
+      "computes nothing twice. On restart mesh, dimension and units cannot change; parameters, materials, "
+      "conditions, contacts, the damage equation and the time scheme only with `-restart_allow`; solvers, "
+      "output, end time and time step at will.",
       {
           text_row<Global>(
               "checkpoint_dir", [](auto& s) -> auto& { return s.checkpoint.dir; },

@@ -13,7 +13,7 @@ struct MaterialInput {
   double E = absent, nu = absent, K = absent, G = absent;
   double c_mass = absent; ///< heat capacity per mass
   std::vector<std::string> hardening;
-  double jc_a = absent, rate_0 = absent, theta_ref = absent;
+  double linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
   enum class Softening { automatic, none, linear, johnson_cook } softening = Softening::automatic;
   enum class Locking { automatic, none, mean, fbar } locking = Locking::automatic;
 };
@@ -57,8 +57,9 @@ struct ClassKeys {
   std::vector<std::string> ids;
 };
 
-/// Throws UserError(usage) for the first option in the database that looks like ours and is none.
-void check_option_names(const std::vector<ClassKeys>& classes);
+/// Throws UserError(usage) for the first option in the database that looks like ours and is none. Returns
+/// what to say of options in files whose ids a later word on the registry left out.
+std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes);
 
 /// Throws UserError(usage) for an option that one options file gives twice: PETSc takes the last one in
 /// silence. Later files and the command line may override it. Collective.

@@ -7,6 +7,7 @@
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>
+#include <impact/run/stop_requests.hpp>
 
 namespace impact {
 
@@ -43,6 +44,7 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obst
   request.scale = s.mesh.scale;
   request.refine = s.mesh.refine;
   request.work_dir = s.output_dir;
+  request.reason_to_stop = [&] { return reason_to_stop({s.checkpoint.walltime, s.checkpoint.margin()}); };
   // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
   for (const ContactSettings& contact : s.contacts)
     for (const std::string& side : {contact.secondary, contact.primary})

@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <impact/input/option_text.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
+#include <impact/run/output_folder.hpp>
 #include <impact/run/progress.hpp>
 #include <impact/run/restart_keys.hpp>
 #include <impact/run/setup.hpp>
@@ -47,6 +50,16 @@ std::optional<Checkpoint> find_checkpoint(MPI_Comm comm, const Scenario& s) {
   for (const std::string& note :
        check_restart_options(options->second, now, s.checkpoint.restart_allow, resume->file))
     check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
+  const CheckpointValues& at = resume->values;
+  const bool steps = s.time.max_steps > 0 && at.step > s.time.max_steps;
+  if (steps || (s.time.max_time > 0 && at.time > s.time.max_time * (1 + 1e-12)))
+    throw UserError(
+        ExitCode::usage,
+        (steps ? "-ts_max_steps " + std::to_string(s.time.max_steps)
+               : "-ts_max_time " + number_text(s.time.max_time)) +
+            ": checkpoint " + resume->file + " is at t = " + number_text(at.time) + ", step " +
+            std::to_string(at.step) +
+            "; give an end behind it, name an earlier checkpoint, or start anew without -restart");
   return resume;
 }
 
@@ -106,6 +119,8 @@ public:
   ExitCode run();
 
 private:
+  void start_state(const std::optional<Checkpoint>& resume);
+  void report_start(const SolverDefaults& solver);
   void start(const std::optional<Checkpoint>& resume);
   StepHooks hooks();
   void accept(const Attempt& attempt);
@@ -120,7 +135,7 @@ private:
   void write_fields(bool last);
   void obey(const StopRequest& request);
   void write_state(const StepControlState& c);
-  void save_after_failure();
+  void save_end(const StepControlState& control);
   bool checkpoint_is_due() const;
   int active_points();
 
@@ -142,7 +157,8 @@ private:
   Handle<Vec> u_, v_, a_;
   Progress progress_;
   Snapshot snapshot_;
-  double last_checkpoint_ = 0;
+  double last_checkpoint_ = 0;                          // on the clock
+  long saved_step_ = -1;                                // of checkpoint_file_
   std::string checkpoint_file_, stopped_by_, ended_by_; // from outside, by a criterion of the run
   std::string last_cause_;                              // why the last try was refused
   std::string energy_warning_;                          // the first one
@@ -215,18 +231,25 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
     resume_time = resume->values.time;
     resume_step = resume->values.step;
   }
-  history_.emplace(comm, s.output_dir + "/" + history_file_name(s), s, motion_, *ledger_, setup_.state,
-                   source_, resume_step);
+  history_.emplace(s, motion_, *ledger_, setup_.state, source_);
+  for (const OutputScenario& output : s.outputs)
+    if (output.type == OutputScenario::Type::xdmf) fields_.emplace_back(output, s, d_, source_);
+  start_state(resume);
+  report_start(solver);
+  if (s.dry_run) return;
+  // Nothing is refused any more: what is in the folder may go.
+  set_earlier_run_aside(comm, s, resume ? std::optional(resume->file) : std::nullopt);
+  retire_older_runs(comm, s, resume);
+  history_->open(resume_step);
   if (resume && history_->every_step() && history_->last_step() < resume->values.step)
     check(PetscPrintf(
         comm, "impact: %s has no rows up to the checkpoint's step %ld: the rows between are missing\n",
         history_file_name(s).c_str(), resume->values.step));
+  for (FieldObserver& field : fields_) field.open(resume_time);
   std::vector<double> exact_times;
-  for (const OutputScenario& output : s.outputs) {
-    if (output.type != OutputScenario::Type::xdmf) continue;
-    fields_.emplace_back(output, s, d_, source_, resume_time);
-    exact_times.insert(exact_times.end(), output.times.begin(), output.times.end());
-  }
+  for (const OutputScenario& output : s.outputs)
+    if (output.type == OutputScenario::Type::xdmf)
+      exact_times.insert(exact_times.end(), output.times.begin(), output.times.end());
   start(resume);
   set_exact_times(ts_, std::move(exact_times));
   if (s.time.period > 0) set_step_period(ts_, s.time.period);
@@ -235,7 +258,7 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   set_step_hooks(ts_, hooks());
 }
 
-void Simulation::start(const std::optional<Checkpoint>& resume) {
+void Simulation::start_state(const std::optional<Checkpoint>& resume) {
   StateTable& state = setup_.state;
   if (resume) {
     read_checkpoint(*resume, {d_.mesh, d_.groups, state});
@@ -243,6 +266,8 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
     check(TSSetStepNumber(ts_, static_cast<PetscInt>(resume->values.step)));
     snapshot_.time = resume->values.time;
     snapshot_.step = resume->values.step;
+    if (s_.checkpoint.restart == "auto") saved_step_ = snapshot_.step;
+    checkpoint_file_ = resume->file;
   } else {
     set_initial_state(s_, setup_);
   }
@@ -254,6 +279,35 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   motion_.update_contact(u_);
   coupling_.refresh_matrix();
   coupling_.begin_at_rest_of_step(snapshot_.time, u_, v_);
+}
+
+// What really solves, and where contact begins.
+void Simulation::report_start(const SolverDefaults& solver) {
+  for (ContactInterface& contact : setup_.contacts) {
+    const ContactMeasures at = contact.measures(u_);
+    check(PetscPrintf(comm_,
+                      std::isnan(at.gap_min)
+                          ? "contact %s: no point faces the other side at the start\n"
+                          : "contact %s: smallest gap at the start %.4g, %d points press\n",
+                      contact.id().c_str(), at.gap_min, at.active));
+  }
+  std::vector<std::string> lines;
+  if (s_.has_motion())
+    lines.push_back("motion solver: " + linear_solver_text(coupling_.motion_snes()) + " (" + solver.reason +
+                    "); tangent " + (solver.symmetric ? "symmetric" : "consistent"));
+  if (damage_) lines.push_back("damage solver: " + linear_solver_text(damage_->snes()));
+  if (heat_) lines.push_back("heat solver: " + linear_solver_text(heat_->snes()));
+  PetscBool factors = PETSC_FALSE;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(SNESGetKSP(coupling_.motion_snes(), &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
+  report_solvers(d_, lines, s_.has_motion() && factors);
+}
+
+void Simulation::start(const std::optional<Checkpoint>& resume) {
+  StateTable& state = setup_.state;
   if (resume) {
     if (inertia_) newmark_set_acceleration(ts_, a_);
     const std::vector<double>& c = control_->committed;
@@ -308,6 +362,7 @@ void Simulation::check_prescribed_data(const Attempt& attempt) const {
   const std::vector<double>& v_n = state.row("prescribed_velocity").committed;
   std::vector<double> unused = state.row("u").committed;
   agree_on_errors(comm_, [&] {
+    setup_.rigid.require_agreement(attempt.t_n, attempt.t);
     boundary.require_agreement(attempt.t_n, attempt.t, state.row("u").committed, v_n);
     boundary.set_displacement(attempt.t_n, attempt.t, state.row("u").committed, v_n, unused);
     boundary.set_exact_velocity(attempt.t_n, attempt.t, v_n, unused);
@@ -513,6 +568,7 @@ void Simulation::write_state(const StepControlState& c) {
   // round-off.
   for (ContactInterface& contact : setup_.contacts) contact.forget_search();
   coupling_.forget_factors();
+  saved_step_ = snapshot_.step;
   last_checkpoint_ = progress_.wall();
   requests_.note_checkpoint(last_checkpoint_ - start);
   std::error_code unknown;
@@ -521,13 +577,14 @@ void Simulation::write_state(const StepControlState& c) {
                     static_cast<long long>(bytes), last_checkpoint_ - start));
 }
 
-// The state before the step that failed is good, and worth keeping: without the cuts of dt, which belong to
-// the failed tries.
-void Simulation::save_after_failure() {
+// However a run ends, another one can go on from there. After a failure that is the state before the step,
+// without the cuts of dt, which belong to the failed tries.
+void Simulation::save_end(const StepControlState& control) {
   try {
-    write_state(control_at_start_);
-    check(PetscPrintf(comm_, "impact: the state at t = %.10g, step %ld, is in %s\n", snapshot_.time,
-                      snapshot_.step, checkpoint_file_.c_str()));
+    if (saved_step_ != snapshot_.step) write_state(control);
+    if (stopped_by_.empty() && ended_by_.empty())
+      check(PetscPrintf(comm_, "the state at t = %.10g, step %ld, is in %s\n", snapshot_.time, snapshot_.step,
+                        checkpoint_file_.c_str()));
   } catch (const UnfinishedFile&) {
     throw;
   } catch (const UserError& error) {
@@ -537,16 +594,24 @@ void Simulation::save_after_failure() {
 
 ExitCode Simulation::run() {
   progress_.header();
+  const StopRequest early = requests_.ask(comm_, false); // since the program began
+  stopped_by_ = early.stop;
+  TSConvergedReason reason = TS_CONVERGED_USER;
+  control_at_start_ = step_control_state(ts_);
   try {
-    solve_in_time(ts_);
+    if (stopped_by_.empty()) {
+      solve_in_time(ts_);
+      check(TSGetConvergedReason(ts_, &reason));
+    }
   } catch (const UserError& error) {
-    if (error.code() == ExitCode::solver || error.code() == ExitCode::data) save_after_failure();
+    if (error.code() == ExitCode::solver || error.code() == ExitCode::data) save_end(control_at_start_);
     throw;
   }
+  if (reason == TS_CONVERGED_ITS && !(s_.time.max_time > 0 && snapshot_.time >= s_.time.max_time))
+    ended_by_ = "-ts_max_steps " + std::to_string(s_.time.max_steps);
   // The last state of a run that goes on later is no output of its own.
   if (stopped_by_.empty()) write_fields(true);
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  check(TSGetConvergedReason(ts_, &reason));
+  save_end(reason > 0 ? step_control_state(ts_) : control_at_start_);
   check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
                     !stopped_by_.empty() ? "stopped by request"
                     : !ended_by_.empty() ? "stopped"
@@ -569,7 +634,6 @@ ExitCode Simulation::run() {
   if (reason > 0) return ExitCode::ok;
   check(PetscPrintf(comm_, "impact: the step could not be solved (%s): %s\n", TSConvergedReasons[reason],
                     last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
-  save_after_failure();
   return ExitCode::solver;
 }
 
@@ -577,6 +641,12 @@ ExitCode Simulation::run() {
 
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   register_time_types();
+  std::optional<FolderLock> output, checkpoints;
+  if (!s.dry_run) {
+    output.emplace(comm, "output_dir", s.output_dir);
+    if (s.checkpoint.dir != default_checkpoint_dir(s) && s.checkpoint.dir != s.output_dir)
+      checkpoints.emplace(comm, "checkpoint_dir", s.checkpoint.dir);
+  }
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
   std::optional<GmshFile> kept; // a changed or missing file, or another gmsh, changes nothing on a restart
   if (resume) kept = read_checkpoint_mesh_file(comm, *resume);
@@ -590,15 +660,14 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   demands.rigid = !setup->rigid.empty();
   const SolverDefaults solver =
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
-  report_setup(s, setup->discretisation, solver);
-  if (s.dry_run) {
-    set_initial_state(s, *setup);
-    check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s).c_str()));
-    return ExitCode::ok;
-  }
-  if (s.time.type == "alpha2") return simulate_alpha2(comm, s, *setup, solver);
-  retire_older_runs(comm, s, resume);
-  return Simulation(comm, s, *setup, solver, resume, probe).run();
+  report_setup(s, setup->discretisation);
+  const bool alpha2 = s.time.type == "alpha2";
+  if (alpha2 && !s.dry_run) return simulate_alpha2(comm, s, *setup, solver);
+  std::optional<Simulation> run;
+  if (!alpha2) run.emplace(comm, s, *setup, solver, resume, probe);
+  if (!s.dry_run) return run->run();
+  check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s, true).c_str()));
+  return ExitCode::ok;
 }
 
 } // namespace impact

@@ -61,15 +61,15 @@ require(f"back to {first}: no time doubled or missing, {len(times)} rows",
         len(times) == 18 and abs(times - history("whole")["time"][:18]).max() == 0)
 require("back: later checkpoints no longer count, with a word", any("no longer count" in line for line in said))
 attempt("run", {"restart": "auto"}, 0)
-require("back, then auto: from the checkpoint that was named", f"resumed from run/checkpoints/{first}" in log_of("run"))
+require("back, then auto: from the end of the run that went back", ", step 17\n" in log_of("run"))
 check("back, then auto: difference from the uninterrupted run", largest_difference("run", "whole")[0], 0, 1e-12,
       relative=False)
 
-# A new run in the same folder, stopped before its first checkpoint: auto does not take up the old run.
-said = attempt("run", {"ts_max_steps": 3}, 0)
+# A new run in the same folder: auto does not take up the old one.
+said = attempt("run", {"ts_max_steps": 3, "output_overwrite": "on"}, 0)
 require("anew: older checkpoints no longer count, with a word", any("no longer count" in line for line in said))
 said = attempt("run", {"restart": "auto"}, 0)
-require("anew, then auto: from the start, with a word", any("the run starts at t = 0" in line for line in said))
+require("anew, then auto: from the end of the new run", ", step 3\n" in log_of("run"))
 
 # Guarded, allowed: goes on, and says what changed.
 attempt("changed", {"ts_max_steps": 12}, 0)

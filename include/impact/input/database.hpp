@@ -41,6 +41,13 @@ inline constexpr const char* byte_order_mark = "\xEF\xBB\xBF";
 /// it and for one that begins with a byte-order mark. Each rank reads by itself: MPI has not started.
 void check_option_files(int argc, const char* const* argv);
 
+/// Whether the option `name` (no dash, any case) stands on the command line itself.
+bool on_command_line(const std::string& name);
+
+/// What the options files of the command line, and those that they name, say of an option, whether or not
+/// another word came later.
+std::vector<std::string> texts_in_files(const std::string& name);
+
 /// Whole text of a file without its byte-order mark, read on rank 0. Collective. Throws UserError(io).
 std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std::string& path);
 

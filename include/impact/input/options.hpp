@@ -132,6 +132,13 @@ OptionRow<Struct> choice_row(const std::string& name, Place place, const OptionN
           }};
 }
 
+/// Whether the text of a list takes back what an earlier file had put into it.
+inline bool empties(const GivenOption& option, const OptionNote& note = {},
+                    const std::vector<std::string>& choices = {}) {
+  return option.text == "none" && note.fallback != "required" &&
+         std::find(choices.begin(), choices.end(), option.text) == choices.end();
+}
+
 /// A comma list of names; of `choices`, where there are some.
 template <class Struct, class Place>
 OptionRow<Struct> list_row(const std::string& name, Place place, const OptionNote& note,
@@ -141,7 +148,8 @@ OptionRow<Struct> list_row(const std::string& name, Place place, const OptionNot
           {},
           choices.empty() ? "comma list of names" : "comma list of " + join(choices),
           [=](Struct& target, const GivenOption& option, const OptionContext&) {
-            std::invoke(place, target) = read_list(option, choices);
+            std::invoke(place, target) =
+                empties(option, note, choices) ? std::vector<std::string>() : read_list(option, choices);
           },
           [=](const Struct& target) {
             std::string list;
@@ -160,7 +168,9 @@ OptionRow<Struct> numbers_row(const std::string& name, Place place, const Option
           range,
           "comma list",
           [=](Struct& target, const GivenOption& option, const OptionContext& context) {
-            std::invoke(place, target) = read_numbers(option, note.unit, range, context.units);
+            std::invoke(place, target) = empties(option)
+                                             ? std::vector<double>()
+                                             : read_numbers(option, note.unit, range, context.units);
           },
           [=](const Struct& target) { return numbers_text(std::invoke(place, target)); }};
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <impact/petsc/error.hpp>
 #include <map>
 #include <string>
@@ -42,8 +43,9 @@ void check_gmsh(GmshFile& file, bool version4);
 
 /// Runs `gmsh` (found on PATH, no shell) on a .geo with `-setnumber`/`-setstring` for each parameter and
 /// writes `work_dir`/<stem>.msh in version 4.1; returns its path. Throws UserError(io) quoting gmsh's first
-/// error line, and UserError(usage) for a parameter whose name does not occur in the .geo.
+/// error line, and UserError(usage) for a parameter whose name does not occur in the .geo. What
+/// `reason_to_stop` gives while gmsh works ends it, and becomes a UserError(io).
 std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
-                     const std::string& work_dir);
+                     const std::string& work_dir, const std::function<std::string()>& reason_to_stop = {});
 
 } // namespace impact

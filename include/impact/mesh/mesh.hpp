@@ -79,6 +79,9 @@ public:
   /// Sorted local nodes of a boundary, region or point group, complete on every rank (also where a rank holds
   /// only the node and no facet or cell of the group). Collective.
   std::vector<int> nodes(const std::string& name) const;
+  /// Shares of the nodes in a group of points (1 each) or curves (half of each edge that meets there) in the
+  /// reference configuration: [local node], to be summed over the ranks that hold a node.
+  std::vector<double> node_shares(const std::string& name) const;
   /// Shortest cell edge over all ranks, computed at construction.
   double smallest_edge() const { return smallest_edge_; }
   /// Names of the regions that hold a cell point, separated by commas; for messages.
@@ -128,10 +131,11 @@ struct GmshFile;
 struct MeshRequest {
   std::string file; ///< .msh 4.1 (or 2.2 without overlapping groups) or .geo
   std::map<std::string, std::string>
-      parameters;             ///< -mesh_set_<name>: values of DefineConstant names in a .geo
-  double scale = 1;           ///< every coordinate is multiplied by it
-  int refine = 0;             ///< uniform refinements
-  std::string work_dir = "."; ///< where a .geo's mesh is written
+      parameters;                              ///< -mesh_set_<name>: values of DefineConstant names in a .geo
+  double scale = 1;                            ///< every coordinate is multiplied by it
+  int refine = 0;                              ///< uniform refinements
+  std::string work_dir = ".";                  ///< where a .geo's mesh is written
+  std::function<std::string()> reason_to_stop; ///< asked for on rank 0 while gmsh works; "": none
   /// Cells beside those of the file, asked for once its dimension and the box around its nodes (smallest x,
   /// y, z, then largest) are known; alike on all ranks. Empty: none.
   std::function<std::vector<AddedCell>(int dim, const std::array<double, 6>& box)> add;

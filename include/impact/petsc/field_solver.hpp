@@ -1,6 +1,7 @@
 #pragma once
 #include <initializer_list>
 #include <petscsnes.h>
+#include <string>
 
 /// What the nonlinear solvers of all fields have in common: only a residual within its tolerance is a
 /// solution.
@@ -17,5 +18,8 @@ void allow_rounding(SNES snes, Vec sizes);
 /// Why the solve ended: SNES_DIVERGED_LINE_SEARCH in place of a convergence that says nothing about the
 /// residual, SNES_CONVERGED_FNORM_ABS where a line search found no smaller one than rounding allows.
 SNESConvergedReason reason_by_residual(SNES snes);
+
+/// The linear solver that `snes` has: "preonly + lu by mumps".
+std::string linear_solver_text(SNES snes);
 
 } // namespace impact

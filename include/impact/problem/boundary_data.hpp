@@ -75,6 +75,8 @@ public:
 
   /// Acceleration-like body force per mass at the nodes, [node][dim]; false when none acts.
   bool body_force(double t, std::vector<double>& f) const;
+  /// Adds the forces on points and lines at time t to [node][dim], to be summed over ranks.
+  void add_nodal_forces(double t, std::vector<double>& f) const;
   const std::vector<LoadedFacets>& tractions() const { return tractions_; } ///< dead, per reference area
   const std::vector<LoadedFacets>& pressures() const { return pressures_; } ///< follower, per current area
   /// Value of a traction or force condition at a reference point, per reference area. t [dim].
@@ -102,7 +104,12 @@ private:
   };
   std::vector<std::pair<FixedDof, FixedDof>> shared_dofs_; ///< held by two conditions, which must agree
   std::vector<SharedValue> shared_values_;                 ///< of phi and temperature
-  std::vector<double> force_area_; ///< per condition: reference area of a `force` group
+  struct NodalForce {
+    int node, condition;
+    double share;
+  };
+  std::vector<NodalForce> nodal_forces_;
+  std::vector<double> force_area_; ///< per condition: reference area of a `force` group, length or count
 };
 
 } // namespace impact

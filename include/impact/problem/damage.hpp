@@ -46,6 +46,8 @@ public:
   void start(const std::vector<double>& u);
 
   Mat matrix() const { return assembly_->matrix(); }
+  /// The solver of the bounded equation, where there is one, else that of the unbounded one.
+  SNES snes() const { return bounded_ ? bounded_ : unconstrained_; }
   /// Drops what its linear solvers keep. Collective.
   void forget_factors();
 

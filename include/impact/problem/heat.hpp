@@ -41,6 +41,8 @@ public:
               const HeatScenario& settings, bool moves,
               const std::vector<ContactInterface>* contacts = nullptr);
 
+  SNES snes() const { return snes_; }
+
   /// Evaluates sources, fluxes and convection at both ends of the step. Collective. Throws UserError(data).
   void begin(double t_n, double t);
 

@@ -51,12 +51,17 @@ public:
   RigidBodies() : reduction_(2) {}
   /// Finds the bodies of all rigid materials and what the conditions prescribe of them. Throws
   /// UserError(data): a rigid region shares nodes with a deformable one, a body without extent, a condition
-  /// that says different things of one component (at t = 0 or t_end), rotations of deformable groups.
+  /// that says different things of one component (at t = 0 or t_end; require_agreement looks between),
+  /// rotations of deformable groups.
   /// Collective.
   RigidBodies(const Discretisation& discretisation, const std::vector<BoundaryCondition>& conditions,
               double t_end);
   /// Adds the row "rigid": of each body the angle (plane) and the reactions of prescribed motion.
   void declare_state(StateTable& table);
+
+  /// Throws UserError(data) when two conditions move a component of a body differently in a step from t_n to
+  /// t. Alike on all ranks.
+  void require_agreement(double t_n, double t) const;
 
   bool empty() const { return bodies_.empty(); }
   const std::vector<RigidBody>& bodies() const { return bodies_; }
@@ -142,6 +147,11 @@ private:
   std::vector<BoundaryCondition> conditions_;
   std::vector<RigidBody> bodies_;
   std::vector<int> body_of_node_;
+  struct Shared {
+    std::size_t body, component;
+    int first, other; // conditions
+  };
+  std::vector<Shared> shared_; // components that two conditions prescribe
   RigidReduction reduction_;
   // Nodes of bodies on this rank, ghosts last: local node, body, first entry in an owned vector.
   std::vector<int> node_, body_, row_;

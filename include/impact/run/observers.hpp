@@ -40,32 +40,38 @@ private:
 
 class FieldObserver {
 public:
-  /// Throws UserError(usage) when a field is not offered by this run. Collective.
+  /// Throws UserError(usage) when a field is not offered by this run.
   FieldObserver(const OutputScenario& output, const Scenario& scenario, const Discretisation& discretisation,
-                const FieldSource& source, std::optional<double> resume_after);
+                const FieldSource& source);
+  /// Starts the files, removing older ones, or continues them after a time. Collective, once.
+  void open(std::optional<double> resume_after);
   /// Writes when the output's times, interval or count of steps say so, and at the end. Collective.
   void watch(const Snapshot& snapshot, bool last);
 
 private:
+  const Scenario& scenario_;
   OutputScenario settings_;
-  double period_;
   const Discretisation& d_;
   const FieldSource& source_;
-  FieldOutput file_;
+  std::optional<FieldOutput> file_;
   double next_time_ = 0;
 };
 
 /// Whether `time` is the start, or the middle or the end of a period number n, 2 n, ..
 bool marks_cycle(double time, double period, int every);
 
-/// Name of the history file: that of the first csv output, else history.csv.
+/// Name of the history file below -output_dir: that of the first csv output, else history.csv.
 std::string history_file_name(const Scenario& scenario);
+/// Name of the .xdmf of an output below -output_dir.
+std::string field_file_name(const OutputScenario& output);
 
 class HistoryObserver {
 public:
-  HistoryObserver(MPI_Comm comm, const std::string& file, const Scenario& scenario, MotionProblem& motion,
-                  const Ledger& ledger, StateTable& state, const FieldSource& source,
-                  std::optional<long> resume_after);
+  /// Throws UserError for fields that the run does not offer and probes outside of its bodies. Collective.
+  HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger, StateTable& state,
+                  const FieldSource& source);
+  /// Starts the file, or continues it after a step. Collective, once.
+  void open(std::optional<long> resume_after);
   /// The row of a state, written or not. Collective.
   HistoryFile::Row row(const Snapshot& snapshot, const StepCounts& counts);
   /// Writes the row, in the cycles that the history is kept of, and returns it. Collective.
@@ -73,7 +79,7 @@ public:
   /// False when rows stand for chosen cycles only.
   bool every_step() const { return cycles_ == 0; }
   /// Step of the last row that a resumed file kept, -1 without one. On all ranks.
-  long last_step() const { return file_.last_step(); }
+  long last_step() const { return file_->last_step(); }
 
 private:
   void append_contacts(HistoryFile::Row& row, const Snapshot& snapshot) const;
@@ -96,7 +102,7 @@ private:
   const Ledger& ledger_;
   StateTable& state_;
   const FieldSource& source_;
-  HistoryFile file_;
+  std::optional<HistoryFile> file_;
   int cycles_ = 0; ///< of -ts_period between rows; 0: a row for each step
   std::vector<Located> probes_;
 };

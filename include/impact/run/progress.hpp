@@ -8,9 +8,13 @@
 /// summary.
 namespace impact {
 
-/// Mesh, materials, solver. Collective.
-void report_setup(const Scenario& scenario, const Discretisation& discretisation,
-                  const SolverDefaults& solver);
+/// Mesh, groups, materials. Collective.
+void report_setup(const Scenario& scenario, const Discretisation& discretisation);
+
+/// A line for each solver, and the memory; `factors`: the motion is solved by factors, whose size is
+/// estimated. Collective.
+void report_solvers(const Discretisation& discretisation, const std::vector<std::string>& solvers,
+                    bool factors);
 
 /// Options that nobody read are most often typing errors (ours are refused before the mesh is read).
 /// Collective. Throws UserError(usage) with -options_strict.

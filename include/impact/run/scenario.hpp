@@ -40,9 +40,10 @@ struct MeshScenario {
 
 struct MaterialScenario {
   MaterialParameters law;
-  std::vector<std::string> regions; ///< physical names; default: the id
-  std::string hardening_table;      ///< resolved path of law.table
-  bool locking_automatic = true;    ///< mean for j2 on quads and hexes, else none
+  std::vector<std::string> regions;           ///< physical names; default: the id
+  std::string hardening_table;                ///< resolved path of law.table
+  bool locking_automatic = true;              ///< mean for j2 on quads and hexes, else none
+  std::optional<std::array<double, 2>> young; ///< E and nu, where these were given in place of K and G
 };
 
 struct OutputScenario {
@@ -112,7 +113,7 @@ struct Scenario {
   int dim = 0; ///< 0: from the mesh
   PlaneMode plane = PlaneMode::strain;
   double thickness = 1;
-  bool dry_run = false, strict = false;
+  bool overwrite = false, dry_run = false, strict = false;
   MeshScenario mesh;
   std::vector<MaterialScenario> materials;
   std::vector<BoundaryCondition> bcs;
@@ -155,8 +156,9 @@ Locking automatic_locking(const MaterialParameters& law, PlaneMode plane);
 /// numbers in the database, because PETSc's TS reads them too.
 Scenario read_scenario(MPI_Comm comm);
 
-/// The resolved input as the user would type it, one key per line (header of the log, checkpoints, -dry_run).
-std::string print_scenario(const Scenario& scenario);
+/// The resolved input as the user would type it, one key per line (checkpoints, -dry_run). `as_typed`: with E
+/// and nu where they were given; checkpoints have K and G.
+std::string print_scenario(const Scenario& scenario, bool as_typed = false);
 
 /// Throws UserError(data) for the first option that names a group which the mesh does not have, or one of the
 /// wrong dimension, and for `-dim` and components that do not fit the mesh. No communication; alike on all

@@ -1,15 +1,17 @@
 #pragma once
 #include <petscsys.h>
 #include <string>
+#include <vector>
 
-/// What the outside asks of a run between two steps: signals and the wall clock. A handler only counts; the
-/// ranks agree at the end of a step, so a signal to one rank is enough.
+/// What the outside asks of a run between two steps: signals and the wall clock. A handler counts and rank 0
+/// says that the end is near; the ranks agree at the end of a step, so a signal to one rank is enough.
 namespace impact {
 
-/// SIGUSR1: checkpoint; SIGUSR2 and SIGTERM: checkpoint and stop. SIGPIPE and SIGXFSZ are ignored: a closed
-/// pipe behind the progress lines and a file above its quota become error codes of the write. Once before
-/// PetscInitialize, and once after it, because PETSc sets handlers of its own. Also starts the clock of
-/// seconds_since_start at the first call.
+/// SIGUSR1: checkpoint; SIGUSR2, SIGTERM, SIGXCPU, SIGINT and SIGHUP: checkpoint and stop; a second SIGINT
+/// ends the program at once. SIGINT and SIGHUP stay ignored where the program was started so (nohup, a
+/// script's background). SIGPIPE and SIGXFSZ are ignored: a closed pipe behind the progress lines and a file
+/// above its quota become error codes of the write. Once before PetscInitialize, and once after it, because
+/// PETSc sets handlers of its own. Also starts the clock of seconds_since_start at the first call.
 void install_signal_handlers();
 
 /// Seconds on the clock since the program started.
@@ -26,6 +28,10 @@ struct WallLimits {
   double margin = 0;   ///< what must be left when the run stops
 };
 
+/// The signal to this rank that wants the end of the run, or "-walltime" where no more than its margin is
+/// left; empty: neither. For long work of one rank.
+std::string reason_to_stop(const WallLimits& limits);
+
 class StopRequests {
 public:
   explicit StopRequests(WallLimits limits) : limits_(limits) {}
@@ -40,7 +46,7 @@ public:
 private:
   WallLimits limits_;
   double last_asked_ = -1, longest_step_ = 0, longest_checkpoint_ = 0;
-  int seen_[3] = {0, 0, 0};
+  std::vector<int> seen_; // of each signal
 };
 
 } // namespace impact

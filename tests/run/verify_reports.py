@@ -1,0 +1,85 @@
+"""What a run says of itself, and lists that can be shortened: each row is a command, its exit status and words that are in
+what it prints or are not. An option of ours that a file gives was an error when the command line left its id out; the
+head of the log had no groups, masses, gaps, and "as the options say" for the solver."""
+# labels: run
+# timeout: 120
+# processors: 2
+import subprocess
+
+from _runs import ENVIRONMENT, PROGRAM, check, finish, mesh, require, run
+
+BLOCKS = {
+    "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 2, "mesh_set_n_upper": 2, "mesh_set_gap": 0.01, "materials": "lower,upper",
+    "material_lower_E": '"2 MPa"', "material_lower_nu": 0.3, "material_lower_rho": 1000, "material_lower_damage": "at2",
+    "material_lower_Gc": 50, "material_lower_gamma": 1, "material_upper_like": "lower", "material_upper_K": 1e6, "material_upper_G": 1e5,
+    "bcs": "hold,push", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix", "bc_push_on": "upper_top", "bc_push_ux": 0,
+    "bc_push_uy": '" -0.1*t"', "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+    "outputs": "vis,more", "output_vis_every": 2, "output_more_times": "0.1,0.2", "probes": "a", "probe_a_at": "0.5,0.5",
+    "ts_dt": 0.01, "ts_max_time": 0.02,
+}
+with open("blocks.opts", "w") as file:
+    file.writelines(f"-{key} {value}\n" for key, value in BLOCKS.items())
+FILE, DRY = ["-options_file", "blocks.opts"], ["-dry_run"]
+
+# claim, words of the command, exit status, what is printed, what is not
+ROWS = [
+    ("groups", FILE + DRY, 0, ["lower 4 (", "upper_bottom 2 ("], []),
+    ("materials as typed", FILE + DRY, 0, ["material lower: elastic with at2 damage, E 2e+06, nu 0.3, rho 1000, mass 1000; cells 0.5 to 0.5",
+     "material upper: elastic with at2 damage, K 1e+06, G 100000", "-material_lower_E 2e+06\n-material_lower_nu 0.3\n", "-material_upper_K 1e+06\n"],
+     ["-material_lower_K"]),
+    ("gamma over the cells", FILE + DRY, 0, ["material lower: gamma is 2 to 2 cells wide"], []),
+    ("waves", FILE + DRY, 0, ["material lower: h/c_p from 0.00964", "c_p 51.88"], []),
+    ("the gap of a contact", FILE + DRY, 0, ["contact face: smallest gap at the start 0.01, 0 points press", "candidate pairs"], []),
+    ("the solvers", FILE + DRY, 0, ["motion solver: preonly + lu by ", "damage solver: cg + icc", "memory: ", "the factors of the motion take about"], []),
+    ("the solvers that options chose", FILE + DRY + ["-motion_ksp_type", "gmres", "-motion_pc_type", "jacobi", "-damage_pc_type", "jacobi"], 0,
+     ["motion solver: gmres + jacobi (chosen by options)", "damage solver: cg + jacobi"], ["as the options say", "factors"]),
+    ("a dry run looks at probes too", FILE + DRY + ["-probe_a_at", "9,9"], 3, ["-probe_a_at: the point is in no cell"], []),
+    ("the same words before a run", FILE + ["-ts_max_steps", "1"], 0, ["motion solver: preonly + lu by ", "material lower: gamma is 2"], []),
+    ("no outputs", FILE + DRY + ["-outputs", "none"], 0,
+     ["without effect, because -outputs leaves their id out: -output_more_times -output_vis_every"], ["\n-outputs"]),
+    ("one output less", FILE + DRY + ["-outputs", "vis"], 0, ["without effect", "-output_more_times", "\n-outputs vis\n"], ["-output_more_"[1:] + "every"]),
+    ("no times", FILE + DRY + ["-output_more_times", "none"], 0, ["\n-output_more_every 1\n"], ["\n-output_more_times"]),
+    ("a typing error beside a list that is shorter", FILE + DRY + ["-outputs", "vis", "-output_more_every", "3"], 2,
+     ["unknown option -output_more_every   ('more' is not declared; outputs: vis)"], []),
+    ("an id that no list ever had", FILE + DRY + ["-probe_b_at", "0,0"], 2, ["unknown option -probe_b_at; did you mean -probe_a_at?"], []),
+]
+# Contact in static pressure of 1000 per length: what probes and measures say on its surface.
+PRESS = {**{key: value for key, value in BLOCKS.items() if not key.startswith(("output", "probe", "ts_", "bc_push", "material_lower_d",
+         "material_lower_G", "material_lower_ga", "material_upper_"))}, "mesh_set_gap": 0, "material_lower_E": "2 MPa", "material_upper_like": "lower",
+         "material_lower_nu": 0, "bcs": "hold,push", "bc_push_on": "upper_top", "bc_push_type": "pressure", "bc_push_value": "1000*t",
+         "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "probes": "a", "probe_a_at": "0.4,1", "probe_a_on": "upper",
+         "probe_a_fields": "contact_pressure,contact_gap,contact_traction,contact_slip", "measures": "m,g", "measure_m_on": "upper_bottom",
+         "measure_m_fields": "contact_pressure,contact_slip", "measure_m_of": "max", "measure_g_on": "upper", "measure_g_fields": "contact_gap"}
+r = run("press", PRESS)
+for column in ("probe_a_contact_pressure", "measure_m_contact_pressure"):
+    check(column, r[column][-1], 1000, 2e-3)
+check("the gap, by the height of the blocks", max(abs(r["probe_a_contact_gap"][-1]), abs(r["measure_g_contact_gap"][-1])), 0, 1e-6, relative=False)
+require("traction and slip have components", "probe_a_contact_tractionx" in r.history and "measure_m_contact_slipy" in r.history)
+
+# A force on points, and on an edge in space: the reaction is its opposite, on one rank and two.
+SQUARE = "Point(1) = {0, 0, 0}; Extrude{1, 0, 0}{ Point{1}; Layers{3}; } Extrude{0, 1, 0}{ Line{1}; Layers{3}; Recombine; }\n"
+with open("points.geo", "w") as file:
+    file.write(SQUARE + 'Physical Surface("solid") = {5}; Physical Curve("bottom") = {1}; Physical Point("on") = {3, 4};\n')
+with open("edge.geo", "w") as file:
+    file.write(SQUARE + "o[] = Extrude{0, 0, 1}{ Surface{5}; Layers{3}; Recombine; };\n"
+               'Physical Volume("solid") = {1}; Physical Surface("bottom") = {5}; Physical Curve("on") = {7};\n')
+FORCE = {"materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "bcs": "hold,load", "bc_hold_on": "bottom", "bc_hold_type": "fix",
+         "bc_load_on": "on", "bc_load_type": "force", "bc_load_uy": "-1000*t", "bc_load_ux": "300*t", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+for name, ranks in (("points", 1), ("points", 2), ("edge", 1), ("edge", 2)):
+    r = run(f"{name}_{ranks}", {**FORCE, "mesh": f"{name}.geo"}, ranks=ranks)
+    check(f"force on {name}, {ranks} ranks: reaction along y", r["reaction_hold_y"][-1], 1000, 1e-8)
+    check(f"force on {name}, {ranks} ranks: reaction along x", r["reaction_hold_x"][-1], -300, 1e-8)
+
+# A hardening modulus of 0 that is given is perfect plasticity.
+PERFECT = {**{key: value for key, value in FORCE.items() if not key.startswith(("bc_load", "bcs"))}, "mesh": "points.geo", "bcs": "hold",
+           "material_solid_model": "j2", "material_solid_sigma_y": 1e3, "material_solid_hardening": "linear", "material_solid_linear_h": 0}
+require("hardening linear with 0 given", run("perfect", {**PERFECT, "dry_run": "on"}).code == 0)
+del PERFECT["material_solid_linear_h"]
+require("and without it is refused", "-material_solid_linear_h: missing" in run("missing", {**PERFECT, "dry_run": "on"}, code=2).log)
+
+for claim, words, status, there, absent in ROWS:
+    done = subprocess.run([PROGRAM] + words + ["-output_dir", "said"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                          env=ENVIRONMENT)
+    missing = [word for word in there if word not in done.stdout] + [word for word in absent if word in done.stdout]
+    require(f"{claim}: status {done.returncode}, {missing or 'all words'}", done.returncode == status and not missing)
+finish()
