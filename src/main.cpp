@@ -3,6 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <impact/input/database.hpp>
+#include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/file_access.hpp>
 #include <impact/petsc/shared_cores.hpp>
@@ -89,6 +90,12 @@ int main(int argc, char** argv) {
     end_without_libraries(report(error.what(), error.code(), true));
   } catch (const impact::UserError& error) {
     code = report(error.what(), error.code(), true);
+  } catch (const impact::PetscError& error) {
+    // An option of a solver inside a solver, which is read when that is made.
+    const std::string option = impact::refused_option(error.said());
+    const bool refused = !option.empty();
+    code = report(refused ? option.c_str() : error.what(),
+                  refused ? impact::ExitCode::usage : impact::ExitCode::internal, false);
   } catch (const std::exception& error) {
     code = report(error.what(), impact::ExitCode::internal, false);
   }

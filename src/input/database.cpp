@@ -38,16 +38,6 @@ void follow_option_file(const std::string& file, std::vector<std::string> above)
   }
 }
 
-/// Read by PETSc in PetscInitialize or only in PetscFinalize, so that "unused" says nothing.
-bool read_at_the_ends(const std::string& name) {
-  for (const char* exact :
-       {"help", "version", "info", "citations", "saws_options", "options_file", "skip_petscrc"})
-    if (name == exact) return true;
-  for (const char* prefix : {"log_", "options_", "malloc", "memory_", "on_error", "mpi_", "petsc_"})
-    if (name.starts_with(prefix)) return true;
-  return false;
-}
-
 } // namespace
 
 void refuse_option(const GivenOption& option, const std::string& reason) {
@@ -135,14 +125,24 @@ std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std:
   return broadcast(comm, text);
 }
 
-std::vector<std::string> unconsumed_options() {
+bool read_at_the_ends(const std::string& name) {
+  for (const char* exact :
+       {"help", "version", "info", "citations", "saws_options", "options_file", "skip_petscrc"})
+    if (name == exact) return true;
+  for (const char* prefix :
+       {"log_", "options_", "malloc", "memory_", "on_error", "mpi_", "petsc_", "ts_view"})
+    if (name.starts_with(prefix)) return true;
+  return false;
+}
+
+std::vector<GivenOption> unread_options() {
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
   check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  std::vector<std::string> left;
+  std::vector<GivenOption> left;
   for (PetscInt i = 0; i < count; ++i)
     if (!read_at_the_ends(lower_case(names[i])))
-      left.push_back(std::string("-") + names[i] + (values[i] ? std::string(" ") + values[i] : ""));
+      left.push_back({std::string("-") + names[i], values[i] ? values[i] : ""});
   check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   return left;
 }

@@ -80,15 +80,6 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
     check(PetscPrintf(comm, "no motion: bodies stay where they are\n"));
 }
 
-void report_unused_options(MPI_Comm comm, bool strict) {
-  std::string text;
-  for (const std::string& option : unconsumed_options()) text += (text.empty() ? "" : ", ") + option;
-  text = broadcast(comm, text);
-  if (text.empty()) return;
-  if (strict) throw UserError(ExitCode::usage, "options that nothing used: " + text + " (-options_strict)");
-  check(PetscPrintf(comm, "impact: options that nothing used: %s\n", text.c_str()));
-}
-
 Progress::Progress(MPI_Comm comm, double t_end)
     : comm_(comm), t_end_(t_end), start_(std::chrono::steady_clock::now()) {}
 

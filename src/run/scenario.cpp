@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <impact/input/condition.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/run/petsc_options.hpp>
+#include <impact/time/types.hpp>
 #include <set>
 #include <sstream>
 
@@ -169,9 +171,10 @@ void read_mesh_settings(Scenario& scenario) {
 
 /// PETSc's TS reads these itself, as plain numbers.
 void hand_over_times(const Scenario& scenario) {
-  const std::pair<const char*, double> handed[] = {{"ts_dt", scenario.time.dt},
-                                                   {"ts_max_time", scenario.time.max_time},
-                                                   {"damage_ts_dt", scenario.damage.substep}};
+  std::map<std::string, double> handed = scenario.time.of_petsc;
+  handed["ts_dt"] = scenario.time.dt;
+  handed["ts_max_time"] = scenario.time.max_time;
+  handed["damage_ts_dt"] = scenario.damage.substep;
   for (const auto& [name, value] : handed)
     if (const auto text = option_text(name); text && !parse_number(*text))
       replace_option(name, number_text(value));
@@ -205,6 +208,7 @@ bool Scenario::has_damage() const {
 
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
+  register_time_types();
   check_repeated_options(comm);
   check_option_names({class_keys(parameter_class()), class_keys(function_class()),
                       class_keys(material_class()), class_keys(boundary_class()), class_keys(initial_class()),
@@ -237,6 +241,7 @@ Scenario read_scenario(MPI_Comm comm) {
   complete(scenario);
   check_scenario(scenario);
   hand_over_times(scenario);
+  try_petsc_options(comm, scenario);
   return scenario;
 }
 

@@ -99,6 +99,30 @@ ROWS = [
      ["-bc_hot and -bc_warm prescribe different temperatures (400, 400.0", "on a common node at (1, 1)"]),
     ("two phi on a node", more(CRACK, bcs="hold,push,a,b", bc_a_on="left", bc_a_type="damage", bc_a_value="0.5", bc_b_on="top",
                                bc_b_type="damage", bc_b_value="0.6"), 3, ["-bc_a and -bc_b prescribe different phi (0.5, 0.6"]),
+    *[(f"unknown: {name}", more(PULL, **{name: value}), 2, [f"unknown option -{name}; did you mean -{near}"])
+      for name, value, near in (
+          ("motion_ksp_typ", "gmres", "motion_ksp_type?"), ("motion_pc_typ", "lu", "motion_pc_type?"), ("ksp_type", "gmres", "motion_ksp_type?"),
+          ("snes_max_it", 3, "motion_snes_max_it?"), ("ts_newmark_rh", 1, "ts_newmark_rho?"), ("ts_max", 3, "ts_max_reject, -ts_max_steps"),
+          ("motion_mg_levels_ksp_typ", "cg", "motion_mg_levels_ksp_type?"), ("motion_ksp_monitor_true", "", "motion_ksp_monitor_true_residual?"),
+          ("coupling_snes_rtol", 1e-3, "coupling_snes_atol?"), ("damage_ksp_typ", "cg", "damage_ksp_type?"))],
+    ("an option of nobody", more(PULL, foo="1"), 2, ["unknown option -foo   (`impact -reference`"]),
+    ("a misspelt solver before a dry run", more(PULL, motion_ksp_typ="cg", dry_run="on"), 2, ["unknown option -motion_ksp_typ"]),
+    *[(f"without effect: {name}", more(PULL, **{name: value}), 2, [f"-{name}", words]) for name, value, words in (
+        ("motion_snes_ksp_ew", "", "not available"), ("motion_snes_fd", "", "not available"), ("motion_snes_fd_color", "", "not available"),
+        ("motion_snes_mf_operator", "", "not available"), ("motion_snes_convergence_test", "skip", "not available"),
+        ("ts_rtol", 1e-3, "not available"), ("motion_pc_gamg_threshold", 0.1, "nothing in this run reads"),
+        ("motion_mg_levels_ksp_type", "cg", "nothing in this run reads"), ("vec_tpye", "mpi", "nothing in this run reads"))],
+    *[(f"refused by PETSc: {name} {value}", more(PULL, motion_ksp_type="gmres", **{name: value}), 2, [f'-{name} "{value}": PETSc refuses it', words])
+      for name, value, words in (
+          ("motion_ksp_rtol", "abc", "allowed: a number"), ("motion_pc_type", "hypr", "did you mean hypre?; allowed: none, jacobi"),
+          ("motion_snes_linesearch_type", "btt", "did you mean bt?"), ("motion_pc_factor_mat_solver_type", "mumpss", "allowed:"),
+          ("motion_mat_mumps_icntl_14", "abc", "allowed: a number"))],
+    ("a nonlinear solver that cannot", more(PULL, motion_snes_type="nasm"), 2, ['-motion_snes_type "nasm": cannot solve', "allowed: newtonls"]),
+    ("a value of a solver inside a solver", more(PULL, motion_ksp_type="gmres", motion_pc_type="bjacobi", motion_sub_pc_type="luu"), 2,
+     ['-motion_sub_pc_type "luu": PETSc refuses it', "did you mean lu?"]),
+    ("a preconditioner that wants another matrix", more(PULL, motion_ksp_type="gmres", motion_pc_type="bddc"), 2,
+     ["PETSc cannot solve with -motion_ksp_type gmres -motion_pc_type bddc"]),
+    ("beta beside rho", more(PULL, ts_type="newmark", ts_newmark_rho=0.5, ts_newmark_beta=0.3), 2, ["not together with -ts_newmark_beta"]),
     ("an options file that leads back to itself", ["-options_file", "loop.opts"], 2,
      ["leads back to itself: loop.opts, other.opts, loop.opts"]),
     ("an options file with a byte-order mark", ["-options_file", "marked.opts"], 2, ["begins with a byte-order mark"]),

@@ -44,8 +44,10 @@ void check_option_files(int argc, const char* const* argv);
 /// Whole text of a file without its byte-order mark, read on rank 0. Collective. Throws UserError(io).
 std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std::string& path);
 
-/// Options that nobody has read so far, each as "-name value", without those that PETSc reads at its end
-/// (-options_left, -log_view, ...). For the report after the first accepted step.
-std::vector<std::string> unconsumed_options();
+/// Read by PETSc in PetscInitialize or only in PetscFinalize (-log_view, ...), so that "unread" says nothing.
+bool read_at_the_ends(const std::string& name);
+
+/// Options that nobody has read so far, without those that are read at the ends.
+std::vector<GivenOption> unread_options();
 
 } // namespace impact

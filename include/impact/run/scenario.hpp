@@ -79,6 +79,7 @@ struct TimeScenario {
   int max_steps = 0;                          ///< 0: no limit
   double period = 0;                          ///< of a cyclic load; 0: none
   std::vector<double> table_times, table_dts; ///< -ts_times, -ts_dts
+  std::map<std::string, double> of_petsc;     ///< given options that the integrator reads itself
 };
 
 struct CheckpointScenario {
@@ -106,6 +107,7 @@ struct ContactScenario : ContactSettings {
 
 struct Scenario {
   std::string title, output_dir = ".";
+  bool restep = false; ///< every step is tried, refused and tried again with the same dt
   UnitSystem units;
   std::vector<ParameterScenario> params;
   std::vector<FunctionScenario> functions;
