@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {
     const std::string why = impact::last_petsc_message();
-    std::fprintf(stderr, "impact: the options cannot be read: %s; check -options_file\n", why.c_str());
+    std::fprintf(stderr, "impact: %s\n", impact::explain_unread_files(argc, argv, why).c_str());
     return static_cast<int>(impact::ExitCode::usage);
   }
   impact::install_signal_handlers(); // PETSc put handlers of its own in place

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -45,8 +46,39 @@ void refuse_option(const GivenOption& option, const std::string& reason) {
 }
 
 void check_option_files(int argc, const char* const* argv) {
-  for (int i = 1; i + 1 < argc; ++i)
-    if (lower_case(argv[i]) == "-options_file") follow_option_file(argv[i + 1], {});
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (const char* more = std::getenv("PETSC_OPTIONS")) {
+    std::istringstream text(more);
+    for (std::string word; text >> word;) words.push_back(word);
+  }
+  for (std::size_t i = 0; i + 1 < words.size(); ++i)
+    if (lower_case(words[i]) == "-options_file" && !is_yaml(words[i + 1]))
+      follow_option_file(words[i + 1], {});
+}
+
+bool is_yaml(const std::string& file) { return file.ends_with(".yml") || file.ends_with(".yaml"); }
+
+std::string explain_unread_files(int argc, const char* const* argv, const std::string& petsc_message) {
+  if (petsc_message.find("max number of options") != std::string::npos)
+    return "PETSc keeps no more than 512 options, and there are more here; say once what is the same "
+           "(-material_<id>_like, comma lists of groups in -bc_<id>_on), leave out what has its default";
+  for (int i = 1; i + 1 < argc; ++i) {
+    std::ifstream lines(argv[i + 1]);
+    std::string line;
+    for (int number = 1; is_yaml(argv[i + 1]) && std::getline(lines, line); ++number) {
+      const std::size_t first = line.find_first_not_of(' ');
+      if (first == std::string::npos || line[first] == '#' || line.starts_with("---")) continue;
+      const auto count = [&](char c) { return std::count(line.begin(), line.end(), c); };
+      const char* why = line[first] == '\t' ? "a tab in front; indent with blanks"
+                        : line.find(':') == std::string::npos && line[first] != '-' ? "no \"name: value\""
+                        : count('[') != count(']') || count('{') != count('}')      ? "a bracket is missing"
+                        : count('"') % 2 == 1                                       ? "a quote is missing"
+                                                                                    : nullptr;
+      if (why != nullptr)
+        return std::string(argv[i + 1]) + ", line " + std::to_string(number) + ": " + why + ": " + line;
+    }
+  }
+  return "the options cannot be read: " + petsc_message + "; check -options_file";
 }
 
 std::vector<std::string> option_names() {

@@ -1,14 +1,18 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
+#include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
 #include <impact/mesh/gmsh.hpp>
+#include <poll.h>
 #include <spawn.h>
 #include <sstream>
 #include <string_view>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -137,10 +141,19 @@ std::vector<char*> environment() {
 
 struct Ended {
   int status = 0;
+  bool late = false;
   std::string said;
 };
 
-Ended run(std::vector<std::string> words) {
+// A child that asks for all memory must fail by itself, not bring others down.
+void limit_memory(pid_t child) {
+  const auto bytes =
+      static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlimit limit{bytes, bytes};
+  prlimit(child, RLIMIT_AS, &limit, nullptr);
+}
+
+Ended run(std::vector<std::string> words, double patience) {
   int channel[2];
   if (pipe2(channel, O_CLOEXEC) != 0) throw UserError(ExitCode::io, "gmsh: no pipe to it");
   posix_spawn_file_actions_t actions;
@@ -161,10 +174,20 @@ Ended run(std::vector<std::string> words) {
     throw UserError(ExitCode::io, std::string("gmsh: cannot be started (") + std::strerror(failed) +
                                       "); install gmsh or give a .msh file");
   }
+  limit_memory(child);
   Ended end;
   char piece[4096];
-  for (ssize_t n = 0; (n = read(channel[0], piece, sizeof piece)) > 0 || (n < 0 && errno == EINTR);)
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  for (ssize_t n = 1; n > 0 || (n < 0 && errno == EINTR);) {
+    pollfd output{channel[0], POLLIN, 0};
+    const int ready = poll(&output, 1, 200);
+    if (!end.late && patience > 0 && Clock::now() - start > std::chrono::duration<double>(patience))
+      end.late = kill(child, SIGKILL) == 0;
+    if (ready <= 0) continue;
+    n = read(channel[0], piece, sizeof piece);
     if (n > 0) end.said.append(piece, static_cast<std::size_t>(n));
+  }
   close(channel[0]);
   while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
   }
@@ -180,17 +203,24 @@ std::string first_error(const std::string& said) {
 
 } // namespace
 
-std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
-                     const std::string& work_dir) {
+std::string run_gmsh(const MeshRequest& request) {
   namespace fs = std::filesystem;
-  check_parameters(geo, parameters);
+  const std::string& geo = request.file;
+  check_parameters(geo, request.parameters);
   std::error_code ignored;
-  fs::create_directories(work_dir, ignored);
-  const std::string out = (fs::path(work_dir) / fs::path(geo).stem()).string() + ".msh";
+  fs::create_directories(request.work_dir, ignored);
+  const std::string out = (fs::path(request.work_dir) / fs::path(geo).stem()).string() + ".msh";
   fs::remove(out, ignored); // a stale file must not pass for the new mesh
   // -3 also serves plane geometries, whose surfaces it meshes on the way.
-  const Ended end = run(command(geo, parameters, out));
+  const Ended end = run(command(geo, request.parameters, out), request.patience);
   const std::string error = first_error(end.said);
+  if (end.late)
+    throw UserError(ExitCode::data, geo + ": gmsh has worked for " +
+                                        std::to_string(static_cast<long>(request.patience)) +
+                                        " s and is stopped; a loop without end, or too many cells; or allow "
+                                        "more by -mesh_wall");
+  if (end.said.find("bad_alloc") != std::string::npos)
+    throw UserError(ExitCode::data, geo + ": gmsh wants more memory than there is; ask for fewer cells");
   if (!error.empty()) throw UserError(ExitCode::io, geo + ": gmsh says: " + error);
   if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || !fs::exists(out))
     throw UserError(ExitCode::io, geo + ": gmsh wrote no mesh to " + out + "; is the folder writable?");

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <impact/input/database.hpp>
@@ -41,6 +42,79 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   }
 }
 
+// Of all cells of a material on all ranks.
+struct Extent {
+  double edge = HUGE_VAL; // the shortest
+  double size = 0;        // the longest side of the box around them
+};
+
+Extent extent_of(const Discretisation& d, int material) {
+  const int dim = d.dim();
+  double low[4] = {HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+  const auto x = [&](int node, int i) {
+    return d.mesh.coordinates()[static_cast<std::size_t>(node * dim + i)];
+  };
+  for (const CellGroup& group : d.groups) {
+    if (group.material != material || group.batch_count == 0) continue;
+    const std::size_t per_batch = group.node.size() / static_cast<std::size_t>(group.batch_count);
+    for (std::size_t k = 0; k < group.node.size(); ++k) {
+      for (int i = 0; i < dim; ++i) {
+        low[i] = std::min(low[i], x(group.node[k], i));
+        high[i] = std::max(high[i], x(group.node[k], i));
+      }
+      // The other nodes of the same cell: in the same lane further on in the batch.
+      for (std::size_t other = k + lanes; other / per_batch == k / per_batch; other += lanes) {
+        double square = 0;
+        for (int i = 0; i < dim; ++i) square += std::pow(x(group.node[other], i) - x(group.node[k], i), 2);
+        low[3] = std::min(low[3], std::sqrt(square));
+      }
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, low, 4, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, high, 3, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  Extent extent{low[3], 0};
+  for (int i = 0; i < dim; ++i) extent.size = std::max(extent.size, high[i] - low[i]);
+  return extent;
+}
+
+// A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
+void report_crack_widths(const Discretisation& d) {
+  for (std::size_t k = 0; k < d.materials.size(); ++k) {
+    const MaterialParameters& p = d.materials[k].law.parameters;
+    if (p.damage == Damage::none) continue;
+    const Extent extent = extent_of(d, static_cast<int>(k));
+    const char* const id = p.id.c_str();
+    if (p.gamma < 2 * extent.edge)
+      check(PetscPrintf(
+          d.mesh.comm(),
+          "impact: WARNING: -material_%s_gamma %.4g is %.3g times its shortest edge %.4g: a crack "
+          "wants at least 2, or it takes more than Gc; refine where it will run\n",
+          id, p.gamma, p.gamma / extent.edge, extent.edge));
+    if (p.gamma > extent.size)
+      check(
+          PetscPrintf(d.mesh.comm(),
+                      "impact: WARNING: -material_%s_gamma %.4g is %.3g times the size %.4g of its body: no "
+                      "crack has room in it; is the unit right?\n",
+                      id, p.gamma, p.gamma / extent.size, extent.size));
+  }
+}
+
+// What is asked for behind the end never comes.
+void report_late_outputs(MPI_Comm comm, const Scenario& s) {
+  const double end = s.time.max_time;
+  const double steps = s.time.max_steps > 0 ? s.time.max_steps : s.time.dt > 0 ? end / s.time.dt : HUGE_VAL;
+  for (const OutputScenario& output : s.outputs) {
+    const std::string key = "-output_" + output.id;
+    std::string late;
+    for (double time : output.times)
+      if (end > 0 && time > end * (1 + 1e-9)) late = key + "_times " + number_text(time);
+    if (late.empty() && output.every <= steps) continue;
+    if (late.empty()) late = key + "_every " + std::to_string(output.every);
+    check(PetscPrintf(comm, "impact: WARNING: %s lies behind the end, -ts_max_time %.10g, about %.0f steps\n",
+                      late.c_str(), end, steps));
+  }
+}
+
 } // namespace
 
 void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaults& solver) {
@@ -73,6 +147,8 @@ void report_setup(const Scenario& s, const Discretisation& d, const SolverDefaul
                         m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
                         m.law.parameters.alpha_t, m.law.parameters.theta0));
   report_locking(s, d);
+  report_crack_widths(d);
+  report_late_outputs(comm, s);
   if (s.has_motion())
     check(PetscPrintf(comm, "motion solver: %s; tangent %s\n", solver.reason.c_str(),
                       solver.symmetric ? "symmetric" : "consistent"));

@@ -1,5 +1,7 @@
 #include "scenario_tables.hpp"
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <impact/input/condition.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/petsc_options.hpp>
@@ -164,7 +166,12 @@ void read_mesh_settings(Scenario& scenario) {
     if (!lower_case(name).starts_with(prefix) || name.size() == prefix.size()) continue;
     const auto option = given_option(name);
     if (!option) continue;
-    if (option->text.empty()) refuse_option(*option, "a value is missing; allowed: a number or a word");
+    const auto of_word = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.-", c);
+    };
+    if (option->text.empty() ||
+        (!parse_number(option->text) && !std::all_of(option->text.begin(), option->text.end(), of_word)))
+      refuse_option(*option, "allowed: a number or one word of letters, digits, _ . and -");
     scenario.mesh.set[name.substr(prefix.size())] = option->text;
   }
 }

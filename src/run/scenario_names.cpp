@@ -177,6 +177,9 @@ void check_global_name(const std::string& typed, const Legal& legal) {
 void check_name(const std::string& typed, const Legal& legal) {
   const std::string name = lower_case(typed);
   if (legal.names.count(name) || (name.starts_with("mesh_set_") && name.size() > 9)) return;
+  if (const std::size_t sign = typed.find('='); sign != std::string::npos)
+    unknown(typed, "",
+            "a blank parts name and value: -" + typed.substr(0, sign) + " " + typed.substr(sign + 1));
   for (const char* later : not_available)
     if (name == later)
       if (const auto text = option_text(typed))
@@ -192,8 +195,10 @@ void check_name(const std::string& typed, const Legal& legal) {
 }
 
 /// The lines of a file on which each option stands, in the order of the names.
-std::map<std::string, std::vector<int>> option_places(const std::string& text) {
-  std::map<std::string, std::vector<int>> places;
+using Places = std::map<std::string, std::vector<int>>;
+
+Places option_places(const std::string& text) {
+  Places places;
   std::istringstream lines(text);
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
@@ -208,6 +213,27 @@ std::map<std::string, std::vector<int>> option_places(const std::string& text) {
   return places;
 }
 
+/// Of a YAML file: a key of a deeper line goes behind those of the lines that it is indented below.
+Places yaml_places(const std::string& text) {
+  Places places;
+  std::vector<std::pair<std::size_t, std::string>> above; // indentation, key
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::size_t begin = line.find_first_not_of(' '), colon = line.find(':');
+    if (begin == std::string::npos || colon == std::string::npos || line[begin] == '#') continue;
+    while (!above.empty() && above.back().first >= begin) above.pop_back();
+    std::string name;
+    for (const auto& [indentation, key] : above) name += key + "_";
+    above.emplace_back(begin, lower_case(line.substr(begin, colon - begin)));
+    const std::size_t value = line.find_first_not_of(" \t\r", colon + 1);
+    if (value != std::string::npos && line[value] != '#')
+      places[name + above.back().second].push_back(number);
+  }
+  return places;
+}
+
 } // namespace
 
 void check_repeated_options(MPI_Comm comm) {
@@ -215,10 +241,11 @@ void check_repeated_options(MPI_Comm comm) {
   char** arguments = nullptr;
   check(PetscGetArgs(&count, &arguments));
   for (int i = 1; i + 1 < count; ++i) {
-    if (lower_case(arguments[i]) != "-options_file") continue;
-    const std::string file = arguments[i + 1];
-    if (file.ends_with(".yml") || file.ends_with(".yaml")) continue;
-    const auto places = option_places(read_input_file(comm, {"-options_file", file}, file));
+    const std::string option = lower_case(arguments[i]), file = arguments[i + 1];
+    if (option != "-options_file" && option != "-options_file_yaml") continue;
+    const std::string text = read_input_file(comm, {option, file}, file);
+    const Places places =
+        is_yaml(file) || option != "-options_file" ? yaml_places(text) : option_places(text);
     for (const auto& [name, lines] : places)
       if (lines.size() > 1)
         throw UserError(ExitCode::usage, "-" + name + ": given twice in " + file + ", lines " +

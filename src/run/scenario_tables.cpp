@@ -69,17 +69,27 @@ OptionRow<Global> mesh_row() {
 }
 
 OptionGroup mesh_group() {
-  return {"Mesh",
-          "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file.",
-          {
-              mesh_row(),
-              number_row<Global>(
-                  "mesh_scale", [](auto& s) -> auto& { return s.mesh.scale; },
-                  {"factor of all coordinates of the file", "1", "1"}, positive),
-              count_row<Global>(
-                  "dm_refine", [](auto& s) -> auto& { return s.mesh.refine; },
-                  {"uniform refinements after reading", "0"}, 0, 10),
-          }};
+  return {
+      "Mesh",
+      "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file to a number or one word. A .geo "
+      "file is a "
+      "program: gmsh runs shell commands that stand in it (`SystemCall`), so take none from people you do "
+      "not trust.",
+      {
+          mesh_row(),
+          number_row<Global>(
+              "mesh_scale", [](auto& s) -> auto& { return s.mesh.scale; },
+              {"factor of all coordinates of the file", "1", "1"}, positive),
+          count_row<Global>(
+              "dm_refine", [](auto& s) -> auto& { return s.mesh.refine; },
+              {"uniform refinements after reading", "0"}, 0, 10),
+          number_row<Global>(
+              "mesh_cells", [](auto& s) -> auto& { return s.mesh.most_cells; },
+              {"most cells that -dm_refine may make", "2e6", "1"}, positive),
+          number_row<Global>(
+              "mesh_wall", [](auto& s) -> auto& { return s.mesh.patience; },
+              {"seconds on the clock after which gmsh is stopped; 0: never", "600", "1"}, not_negative),
+      }};
 }
 
 OptionGroup coupling_group() {

@@ -42,6 +42,8 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obst
   request.parameters = s.mesh.set;
   request.scale = s.mesh.scale;
   request.refine = s.mesh.refine;
+  request.most_cells = s.mesh.most_cells;
+  request.patience = s.mesh.patience;
   request.work_dir = s.output_dir;
   // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
   for (const ContactSettings& contact : s.contacts)

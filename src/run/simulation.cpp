@@ -5,6 +5,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
+#include <impact/run/durable_file.hpp>
 #include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/petsc_options.hpp>
@@ -577,7 +578,14 @@ ExitCode Simulation::run() {
 } // namespace
 
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
-  register_time_types();
+  on_rank_zero(comm, [&] {
+    try {
+      make_directories(s.output_dir);
+    } catch (const UserError& error) {
+      throw UserError(ExitCode::io, "-output_dir \"" + s.output_dir + "\": " + error.what() +
+                                        "; allowed: a folder, or a path where one can be made");
+    }
+  });
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
   std::optional<GmshFile> kept; // a changed or missing file, or another gmsh, changes nothing on a restart
   if (resume) kept = read_checkpoint_mesh_file(comm, *resume);

@@ -131,6 +131,8 @@ struct MeshRequest {
       parameters;             ///< -mesh_set_<name>: values of DefineConstant names in a .geo
   double scale = 1;           ///< every coordinate is multiplied by it
   int refine = 0;             ///< uniform refinements
+  double most_cells = 2e6;    ///< refinement to more is refused before it is made
+  double patience = 600;      ///< seconds after which gmsh is stopped; 0: never
   std::string work_dir = "."; ///< where a .geo's mesh is written
   /// Cells beside those of the file, asked for once its dimension and the box around its nodes (smallest x,
   /// y, z, then largest) are known; alike on all ranks. Empty: none.

@@ -35,7 +35,8 @@ struct MeshScenario {
   std::string file; ///< resolved path
   double scale = 1;
   int refine = 0;
-  std::map<std::string, std::string> set; ///< .geo parameters
+  double most_cells = 2e6, patience = 600; ///< -mesh_cells, -mesh_wall
+  std::map<std::string, std::string> set;  ///< .geo parameters
 };
 
 struct MaterialScenario {
