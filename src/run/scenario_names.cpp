@@ -3,6 +3,7 @@
 #include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
+#include <petscksp.h>
 #include <set>
 #include <sstream>
 
@@ -127,6 +128,11 @@ void check_solver_name(const std::string& typed, const std::string& prefix, cons
       if (rest.starts_with(one.beginning) && nearest_name(typed, legal.globals, 2).empty())
         if (const auto text = option_text(typed))
           refuse_option({"-" + typed, *text}, std::string("not available: ") + one.why + "; remove it");
+  if (rest == "ksp_type")
+    for (const GivenOption& option : unread_options())
+      if (option.key == "-" + typed && lower_case(option.text) == KSPQCG)
+        refuse_option(option,
+                      "is a search in a trust region and crashes beside most preconditioners; take cg");
   if (passes ? begins_with(rest, of_passes) && KnownOptions::get().of_solver(rest)
              : KnownOptions::get().of_solver(rest))
     return;
