@@ -85,7 +85,7 @@ std::vector<Section> sections() {
       "`-uzawa_snes_max_it`, `-coupling_snes_monitor`. The prefixes are `motion_`, "
       "`damage_`, `heat_`, and `coupling_`, `uzawa_` for the passes. A name that PETSc does not know is "
       "refused before the run starts, one that no solver of the run has read after the first step (told, "
-      "when it stands in an options file). Fragments to "
+      "when it is an option of a field's own solver or stands in an options file). Fragments to "
       "add on the command line are in `options/solver`. `-motion_snes_atol` (1e-12 E h^(d-1) of the softest "
       "material) and `-motion_snes_rtol` (1e-10 of the first residual) hold for each body on its own; no "
       "length of a step ends a solve (`_snes_stol` is 0).",

@@ -41,8 +41,10 @@ OptionGroup general_group() {
                              {"of a plane problem; forces and energies are for it", "1", "m"}, positive),
           flag_row<Global>("dry_run", &Scenario::dry_run,
                            {"check everything, print the resolved input and the reports, stop", "off"}),
-          flag_row<Global>("options_strict", &Scenario::strict,
-                           {"options of PETSc's in options files that nothing reads are refused too", "off"}),
+          flag_row<Global>(
+              "options_strict", &Scenario::strict,
+              {"options of PETSc's that the solvers of this run do not read are refused, not only told",
+               "off"}),
           flag_row<Global>("test_restep", &Scenario::restep,
                            {"every step is solved, refused and solved again: a test of the program", "off"}),
       }};

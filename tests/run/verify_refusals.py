@@ -144,7 +144,7 @@ ROWS = [
     *[(f"without effect: {name}", more(PULL, **{name: value}), 2, [f"-{name}", words]) for name, value, words in (
         ("motion_snes_ksp_ew", "", "not available"), ("motion_snes_fd", "", "not available"), ("motion_snes_fd_color", "", "not available"),
         ("motion_snes_mf_operator", "", "not available"), ("motion_snes_convergence_test", "skip", "not available"),
-        ("ts_rtol", 1e-3, "not available"), ("motion_pc_gamg_threshold", 0.1, "nothing in this run reads"),
+        ("ts_rtol", 1e-3, "not available"), ("motion_ksp_type", "qcg", "take cg"),
         ("motion_mg_levels_ksp_type", "cg", "nothing in this run reads"), ("vec_tpye", "mpi", "nothing in this run reads"))],
     *[(f"refused by PETSc: {name} {value}", more(PULL, motion_ksp_type="gmres", **{name: value}), 2, [f'-{name} "{value}": PETSc refuses it', words])
       for name, value, words in (
@@ -181,7 +181,13 @@ for claim, options, status, words in [row for row in ROWS if row[0] in (
     code, lines = start(options, 2)
     require(f"{claim}, two ranks: status {code}", code == status and any(all(w in line for w in words) for line in lines))
 
-# What may be meant is told.
+# What may be meant is told; with -options_strict it is refused.
+USELESS = more(PULL, motion_pc_gamg_threshold=0.1)
+code, lines = start(USELESS, 1)
+require("what the solver does not read", code == 0 and any("nothing in this run reads -motion_pc_gamg_threshold" in line for line in lines))
+require("the same, strictly", start(more(USELESS, options_strict="on"), 1)[0] == 2)
+code, lines = start(more(PULL, damage_ksp_type="cg"), 1)
+require("of a field that is not solved", code == 0 and any("does not solve these fields: -damage_ksp_type" in line for line in lines))
 for claim, options, words in [
         ("a crack narrower than two cells", more(CRACK, material_solid_gamma=0.1), "-material_solid_gamma 0.1 is 0.2 times its shortest edge 0.5"),
         ("a crack wider than its body", more(CRACK, material_solid_gamma=50), "-material_solid_gamma 50 is 50 times the size 1 of its body"),

@@ -19,8 +19,9 @@ public:
   UnreadOptions(MPI_Comm comm, const Scenario& scenario);
 
   /// To be called after each step with the fields ("motion", ...) whose linear solver has worked in it.
-  /// Throws UserError(usage) for what those did not read and the command line says; what an options file
-  /// says, and another option made useless, is told, and refused with -options_strict. Collective.
+  /// Throws UserError(usage) for what those did not read and the command line says, but for an option of a
+  /// field's own solver: that, and what an options file says, is told, and refused with -options_strict.
+  /// Collective.
   void judge(const std::vector<std::string>& solved);
 
 private:
