@@ -3,6 +3,7 @@
 #include <cstring>
 #include <exception>
 #include <impact/input/database.hpp>
+#include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/file_access.hpp>
 #include <impact/petsc/shared_cores.hpp>
@@ -77,7 +78,7 @@ int main(int argc, char** argv) {
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) {
     const std::string why = impact::last_petsc_message();
-    std::fprintf(stderr, "impact: the options cannot be read: %s; check -options_file\n", why.c_str());
+    std::fprintf(stderr, "impact: %s\n", impact::explain_unread_files(argc, argv, why).c_str());
     return static_cast<int>(impact::ExitCode::usage);
   }
   impact::install_signal_handlers(); // PETSc put handlers of its own in place
@@ -89,6 +90,12 @@ int main(int argc, char** argv) {
     end_without_libraries(report(error.what(), error.code(), true));
   } catch (const impact::UserError& error) {
     code = report(error.what(), error.code(), true);
+  } catch (const impact::PetscError& error) {
+    // An option of a solver inside a solver, which is read when that is made.
+    const std::string option = impact::refused_option(error.said());
+    const bool refused = !option.empty();
+    code = report(refused ? option.c_str() : error.what(),
+                  refused ? impact::ExitCode::usage : impact::ExitCode::internal, false);
   } catch (const std::exception& error) {
     code = report(error.what(), impact::ExitCode::internal, false);
   }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -46,19 +47,17 @@ void follow_option_file(const std::string& file, std::vector<std::string> above,
   }
 }
 
+/// Of a command line and of PETSC_OPTIONS.
 template <class Visit> void follow_option_files(int argc, const char* const* argv, const Visit& visit) {
-  for (int i = 1; i + 1 < argc; ++i)
-    if (lower_case(argv[i]).starts_with("-options_file")) follow_option_file(argv[i + 1], {}, visit);
-}
-
-/// Read by PETSc in PetscInitialize or only in PetscFinalize, so that "unused" says nothing.
-bool read_at_the_ends(const std::string& name) {
-  for (const char* exact :
-       {"help", "version", "info", "citations", "saws_options", "options_file", "skip_petscrc"})
-    if (name == exact) return true;
-  for (const char* prefix : {"log_", "options_", "malloc", "memory_", "on_error", "mpi_", "petsc_"})
-    if (name.starts_with(prefix)) return true;
-  return false;
+  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (const char* more = std::getenv("PETSC_OPTIONS")) {
+    std::istringstream text(more);
+    for (std::string word; text >> word;) words.push_back(word);
+  }
+  for (std::size_t i = 0; i + 1 < words.size(); ++i)
+    if (const std::string name = lower_case(words[i]);
+        name == "-options_file" || name == "-options_file_yaml")
+      follow_option_file(words[i + 1], {}, visit);
 }
 
 } // namespace
@@ -69,6 +68,31 @@ void refuse_option(const GivenOption& option, const std::string& reason) {
 
 void check_option_files(int argc, const char* const* argv) {
   follow_option_files(argc, argv, [](const std::string&, const std::string&) {});
+}
+
+bool is_yaml(const std::string& file) { return file.ends_with(".yml") || file.ends_with(".yaml"); }
+
+std::string explain_unread_files(int argc, const char* const* argv, const std::string& petsc_message) {
+  if (petsc_message.find("max number of options") != std::string::npos)
+    return "PETSc keeps no more than 512 options, and there are more here; say once what is the same "
+           "(-material_<id>_like, comma lists of groups in -bc_<id>_on), leave out what has its default";
+  for (int i = 1; i + 1 < argc; ++i) {
+    std::ifstream lines(argv[i + 1]);
+    std::string line;
+    for (int number = 1; is_yaml(argv[i + 1]) && std::getline(lines, line); ++number) {
+      const std::size_t first = line.find_first_not_of(' ');
+      if (first == std::string::npos || line[first] == '#' || line.starts_with("---")) continue;
+      const auto count = [&](char c) { return std::count(line.begin(), line.end(), c); };
+      const char* why = line[first] == '\t' ? "a tab in front; indent with blanks"
+                        : line.find(':') == std::string::npos && line[first] != '-' ? "no \"name: value\""
+                        : count('[') != count(']') || count('{') != count('}')      ? "a bracket is missing"
+                        : count('"') % 2 == 1                                       ? "a quote is missing"
+                                                                                    : nullptr;
+      if (why != nullptr)
+        return std::string(argv[i + 1]) + ", line " + std::to_string(number) + ": " + why + ": " + line;
+    }
+  }
+  return "the options cannot be read: " + petsc_message + "; check -options_file";
 }
 
 bool on_command_line(const std::string& name) {
@@ -166,14 +190,24 @@ std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std:
   return broadcast(comm, text);
 }
 
-std::vector<std::string> unconsumed_options() {
+bool read_at_the_ends(const std::string& name) {
+  for (const char* exact :
+       {"help", "version", "info", "citations", "saws_options", "options_file", "skip_petscrc"})
+    if (name == exact) return true;
+  for (const char* prefix :
+       {"log_", "options_", "malloc", "memory_", "on_error", "mpi_", "petsc_", "ts_view"})
+    if (name.starts_with(prefix)) return true;
+  return false;
+}
+
+std::vector<GivenOption> unread_options() {
   PetscInt count = 0;
   char **names = nullptr, **values = nullptr;
   check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
-  std::vector<std::string> left;
+  std::vector<GivenOption> left;
   for (PetscInt i = 0; i < count; ++i)
     if (!read_at_the_ends(lower_case(names[i])))
-      left.push_back(std::string("-") + names[i] + (values[i] ? std::string(" ") + values[i] : ""));
+      left.push_back({std::string("-") + names[i], values[i] ? values[i] : ""});
   check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
   return left;
 }

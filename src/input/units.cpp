@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <impact/input/units.hpp>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace impact {
@@ -56,6 +58,24 @@ std::optional<Unit> find_unit(std::string_view name) {
     }
   }
   return {};
+}
+
+/// Units that differ from the name in capitals alone: "Gpa".
+std::string other_capitals(std::string_view name) {
+  const auto same = [&](const std::string& unit) {
+    return std::equal(unit.begin(), unit.end(), name.begin(), name.end(),
+                      [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
+  };
+  std::string found;
+  const auto add = [&](const std::string& unit) {
+    if (same(unit)) found += (found.empty() ? "; did you mean " : " or ") + unit;
+  };
+  for (const NamedUnit& candidate : units) {
+    add(std::string(candidate.name));
+    for (const auto& [letter, decade] : prefixes)
+      if (candidate.prefixed) add(letter + std::string(candidate.name));
+  }
+  return found.empty() ? found : found + "?";
 }
 
 /// `first` times `second` to the power `exponent`.
@@ -130,7 +150,7 @@ private:
     const std::string_view name = text_.substr(begin, at_ - begin);
     if (name.empty()) fail("a unit is missing");
     if (const auto unit = find_unit(name)) return *unit;
-    fail("unknown unit '" + std::string(name) + "'");
+    fail("unknown unit '" + std::string(name) + "'" + other_capitals(name));
   }
 
   bool skip_blanks() {

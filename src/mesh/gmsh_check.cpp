@@ -118,6 +118,91 @@ FacetKey facet_key(const int* node, const int* local, int n) {
   return key;
 }
 
+double length_of(const GmshFile& file, int a, int b) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const double d =
+        file.x[static_cast<std::size_t>(3 * a + i)] - file.x[static_cast<std::size_t>(3 * b + i)];
+    sum += d * d;
+  }
+  return std::sqrt(sum);
+}
+
+// The edges of a cell that leave each of its corners, in the order of a right-handed frame.
+const std::vector<std::vector<int>>& corner_edges(int dim, int n) {
+  static const std::vector<std::vector<int>> tri = {{1, 2}, {2, 0}, {0, 1}},
+                                             quad = {{1, 3}, {2, 0}, {3, 1}, {0, 2}},
+                                             tet = {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}},
+                                             hex = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                                    {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+  return dim == 2 ? (n == 3 ? tri : quad) : (n == 4 ? tet : hex);
+}
+
+// Two nodes of a cell in one place, and corners turned inside out: the sides of a bow-tie cross, an arrow
+// points inwards. The map of such a cell folds, though its points of integration may not see it.
+void check_corners(GmshFile& file) {
+  for_each_cell(file, [&](const int* node, int n) {
+    const auto& edges = corner_edges(file.dim, n);
+    double longest = 0;
+    for (std::size_t a = 0; a < edges.size(); ++a)
+      for (int b : edges[a]) longest = std::max(longest, length_of(file, node[a], node[b]));
+    for (std::size_t a = 0; a < edges.size(); ++a) {
+      double e[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}};
+      for (std::size_t k = 0; k < edges[a].size(); ++k) {
+        const int b = node[edges[a][k]];
+        if (length_of(file, node[a], b) <= 1e-9 * longest)
+          unusable("collapsed cell: two of its nodes stand at " + place(file, b) +
+                   "; make them one, or the cell one of fewer corners");
+        for (int i = 0; i < file.dim; ++i)
+          e[k][i] = (file.x[static_cast<std::size_t>(3 * b + i)] -
+                     file.x[static_cast<std::size_t>(3 * node[a] + i)]) /
+                    longest;
+      }
+      const double J = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+                       e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+                       e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+      if (J < -1e-9)
+        unusable("folded cell: its sides cross, or its corner at " + place(file, node[a]) +
+                 " points inwards; mend the mesh there");
+    }
+  });
+}
+
+// Where cells of different size meet without sharing their nodes, an edge on the boundary lies on part of
+// another that leaves the same node in the same direction. The sides of a slit do so too, with edges of the
+// same length.
+void check_hanging_nodes(GmshFile& file, std::vector<FacetKey> facets) {
+  for (FacetKey& facet : facets) std::sort(facet.begin(), facet.end());
+  std::sort(facets.begin(), facets.end());
+  std::vector<std::pair<int, int>> edges;
+  for (auto at = facets.begin(); at != facets.end();) {
+    const auto next = std::upper_bound(at, facets.end(), *at);
+    if (next - at == 1)
+      for (int a : *at)
+        for (int b : *at)
+          if (a >= 0 && b >= 0 && a != b) edges.emplace_back(a, b);
+    at = next;
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const auto X = [&](int node, int i) { return file.x[static_cast<std::size_t>(3 * node + i)]; };
+  for (std::size_t first = 0, end = 0; first < edges.size(); first = end) {
+    const int a = edges[first].first;
+    while (end < edges.size() && edges[end].first == a) ++end;
+    for (std::size_t p = first; p < end; ++p)
+      for (std::size_t q = first; q < p; ++q) {
+        const int b = edges[p].second, c = edges[q].second;
+        const double lb = length_of(file, a, b), lc = length_of(file, a, c);
+        double along = 0;
+        for (int i = 0; i < 3; ++i) along += (X(b, i) - X(a, i)) * (X(c, i) - X(a, i));
+        if (std::abs(lb - lc) <= 1e-6 * std::max(lb, lc) || along < (1 - 1e-12) * lb * lc) continue;
+        unusable("hanging node at " + place(file, lb < lc ? b : c) + ": it lies on the edge from " +
+                 place(file, a) + " to " + place(file, lb < lc ? c : b) +
+                 ", whose cell does not have it; cells must share all nodes of their common sides");
+      }
+  }
+}
+
 void check_folds(GmshFile& file) {
   static constexpr int tet[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   static constexpr int hex[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
@@ -137,6 +222,7 @@ void check_folds(GmshFile& file) {
   if (fold != facets.end())
     unusable("inverted or overlapping cells: two cells lie on the same side of their common facet near " +
              place(file, (*fold)[0]) + "; mend the mesh there");
+  check_hanging_nodes(file, std::move(facets));
 }
 
 } // namespace
@@ -156,6 +242,7 @@ void check_gmsh(GmshFile& file, bool version4) {
     turn(node, file.dim, n);
     ++file.turned_cells;
   });
+  check_corners(file);
   check_folds(file);
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
@@ -11,6 +12,7 @@
 #include <spawn.h>
 #include <sstream>
 #include <string_view>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -139,11 +141,21 @@ std::vector<char*> environment() {
 
 struct Ended {
   int status = 0;
+  bool late = false;
   std::string said, stopped_by;
 };
 
-// Kills the child at the first reason to stop, asked for five times a second.
-Ended run(std::vector<std::string> words, const std::function<std::string()>& reason_to_stop) {
+// A child that asks for all memory must fail by itself, not bring others down.
+void limit_memory(pid_t child) {
+  const auto bytes =
+      static_cast<rlim_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<rlim_t>(sysconf(_SC_PAGESIZE));
+  const rlimit limit{bytes, bytes};
+  prlimit(child, RLIMIT_AS, &limit, nullptr);
+}
+
+// Five times a second the child is looked at: after the request's patience, or at its first reason to stop,
+// it is killed.
+Ended run(std::vector<std::string> words, const MeshRequest& request) {
   int channel[2];
   if (pipe2(channel, O_CLOEXEC) != 0) throw UserError(ExitCode::io, "gmsh: no pipe to it");
   posix_spawn_file_actions_t actions;
@@ -164,18 +176,23 @@ Ended run(std::vector<std::string> words, const std::function<std::string()>& re
     throw UserError(ExitCode::io, std::string("gmsh: cannot be started (") + std::strerror(failed) +
                                       "); install gmsh or give a .msh file");
   }
+  limit_memory(child);
   Ended end;
   char piece[4096];
-  for (bool open = true; open && end.stopped_by.empty();) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  for (bool open = true; open && !end.late && end.stopped_by.empty();) {
     pollfd at{channel[0], POLLIN, 0};
     if (poll(&at, 1, 200) > 0) {
       const ssize_t n = read(channel[0], piece, sizeof piece);
       if (n > 0) end.said.append(piece, static_cast<std::size_t>(n));
       open = n > 0 || (n < 0 && errno == EINTR);
     }
-    if (reason_to_stop) end.stopped_by = reason_to_stop();
+    if (request.reason_to_stop) end.stopped_by = request.reason_to_stop();
+    end.late = open && request.patience > 0 &&
+               Clock::now() - start > std::chrono::duration<double>(request.patience);
   }
-  if (!end.stopped_by.empty()) kill(child, SIGKILL);
+  if (end.late || !end.stopped_by.empty()) kill(child, SIGKILL);
   close(channel[0]);
   while (waitpid(child, &end.status, 0) < 0 && errno == EINTR) {
   }
@@ -191,20 +208,27 @@ std::string first_error(const std::string& said) {
 
 } // namespace
 
-std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
-                     const std::string& work_dir, const std::function<std::string()>& reason_to_stop) {
+std::string run_gmsh(const MeshRequest& request) {
   namespace fs = std::filesystem;
-  check_parameters(geo, parameters);
+  const std::string& geo = request.file;
+  check_parameters(geo, request.parameters);
   std::error_code ignored;
-  fs::create_directories(work_dir, ignored);
-  const std::string out = (fs::path(work_dir) / fs::path(geo).stem()).string() + ".msh";
+  fs::create_directories(request.work_dir, ignored);
+  const std::string out = (fs::path(request.work_dir) / fs::path(geo).stem()).string() + ".msh";
   fs::remove(out, ignored); // a stale file must not pass for the new mesh
   // -3 also serves plane geometries, whose surfaces it meshes on the way.
-  const Ended end = run(command(geo, parameters, out), reason_to_stop);
+  const Ended end = run(command(geo, request.parameters, out), request);
   if (!end.stopped_by.empty())
     throw UserError(ExitCode::io, geo + ": gmsh was ended by " + end.stopped_by +
                                       "; nothing is computed yet, and there is nothing to go on from");
   const std::string error = first_error(end.said);
+  if (end.late)
+    throw UserError(ExitCode::data, geo + ": gmsh has worked for " +
+                                        std::to_string(static_cast<long>(request.patience)) +
+                                        " s and is stopped; a loop without end, or too many cells; or allow "
+                                        "more by -mesh_wall");
+  if (end.said.find("bad_alloc") != std::string::npos)
+    throw UserError(ExitCode::data, geo + ": gmsh wants more memory than there is; ask for fewer cells");
   if (!error.empty()) throw UserError(ExitCode::io, geo + ": gmsh says: " + error);
   if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || !fs::exists(out))
     throw UserError(ExitCode::io, geo + ": gmsh wrote no mesh to " + out + "; is the folder writable?");

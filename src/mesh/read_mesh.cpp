@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/gmsh.hpp>
@@ -21,8 +22,7 @@ GmshFile read_file(const MeshRequest& request) {
   if (!std::filesystem::exists(request.file)) throw UserError(ExitCode::io, request.file + ": no such file");
   if (!(request.scale > 0) || !std::isfinite(request.scale))
     throw UserError(ExitCode::usage, "mesh scale must be positive and finite");
-  if (ending == ".geo")
-    return read_gmsh(run_gmsh(request.file, request.parameters, request.work_dir, request.reason_to_stop));
+  if (ending == ".geo") return read_gmsh(run_gmsh(request));
   if (!request.parameters.empty())
     throw UserError(ExitCode::usage,
                     request.file + ": -mesh_set_" + request.parameters.begin()->first + " needs a .geo file");
@@ -191,6 +191,24 @@ void refine(Handle<DM>& dm, int times) {
   }
 }
 
+// A refinement too many asks for all memory there is.
+void check_size(MPI_Comm comm, DM dm, int dim, const MeshRequest& request) {
+  if (request.refine == 0) return;
+  PetscInt first = 0, end = 0;
+  check(DMPlexGetHeightStratum(dm, 0, &first, &end));
+  double cells = end - first;
+  MPI_Allreduce(MPI_IN_PLACE, &cells, 1, MPI_DOUBLE, MPI_SUM, comm);
+  const double refined = cells * std::pow(2.0, dim * request.refine);
+  char text[200];
+  std::snprintf(text, sizeof(text), "mesh of %.0f cells, %.4g after %d refinements", cells, refined,
+                request.refine);
+  if (refined > request.most_cells)
+    throw UserError(ExitCode::data, std::string(text) + ": more than -mesh_cells " +
+                                        std::to_string(static_cast<long long>(request.most_cells)) +
+                                        "; refine less (-dm_refine), or allow as many by -mesh_cells");
+  check(PetscPrintf(comm, "%s\n", text));
+}
+
 // DMPlexPermute of PETSc 3.18 leaves the new mesh without the knowledge of which points other ranks share.
 void renumber_shared_points(DM before, IS new_number, DM after) {
   PetscSF old_sf = nullptr, sf = nullptr;
@@ -312,6 +330,9 @@ void append(GmshFile& file, const AddedCell& cell, double scale) {
 
 GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request) {
   GmshFile file;
+  if (request.file.ends_with(".geo"))
+    check(PetscPrintf(comm, "gmsh meshes %s, for %.0f s at most (-mesh_wall)\n", request.file.c_str(),
+                      request.patience));
   on_rank_zero(comm, [&] { file = read_file(request); });
   return file;
 }
@@ -335,6 +356,7 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
   set_coordinates(dm, file, request.scale);
   for (const Group& g : groups) check(DMCreateLabel(dm, g.name.c_str()));
   on_rank_zero(comm, [&] { label_elements(dm, file); });
+  check_size(comm, dm, file.dim, request);
   file = GmshFile();
   distribute(dm, request.weights);
   refine(dm, request.refine);

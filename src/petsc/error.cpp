@@ -6,16 +6,19 @@ namespace impact {
 namespace {
 
 // PETSc's error handler is a process-wide hook, so its record has to be process-wide too.
-std::string& record() {
-  static std::string message;
+struct Record {
+  std::string said, place;
+};
+Record& record() {
+  static Record message;
   return message;
 }
 
 PetscErrorCode quiet_handler(MPI_Comm, int line, const char* function, const char* file, PetscErrorCode code,
                              PetscErrorType type, const char* message, void*) {
-  if (type == PETSC_ERROR_INITIAL || record().empty())
-    record() = std::string(function ? function : "") + ": " + (message ? message : "") + " (" +
-               (file ? file : "") + ":" + std::to_string(line) + ")";
+  if (type == PETSC_ERROR_INITIAL || record().said.empty())
+    record() = {message ? message : "", std::string(function ? function : "") + ", " + (file ? file : "") +
+                                            ":" + std::to_string(line)};
   return code;
 }
 
@@ -23,15 +26,14 @@ std::string describe(PetscErrorCode code, const std::source_location& where) {
   const char* text = nullptr;
   PetscErrorMessage(code, &text, nullptr);
   std::string message = text ? text : "PETSc error " + std::to_string(code);
-  const std::string inner = last_petsc_message();
-  if (!inner.empty()) message += "; " + inner;
+  if (!record().said.empty()) message += "; " + record().said + " (" + record().place + ")";
   return message + " [" + where.file_name() + ":" + std::to_string(where.line()) + "]";
 }
 
 } // namespace
 
 PetscError::PetscError(PetscErrorCode code, const std::source_location& where)
-    : std::runtime_error(describe(code, where)), code_(code) {}
+    : std::runtime_error(describe(code, where)), code_(code), said_(last_petsc_message()) {}
 
 void Mailbox::deliver(PetscErrorCode code, const std::source_location& where) {
   if (first_) {
@@ -49,7 +51,7 @@ bool all_ranks_agree(MPI_Comm comm, bool mine) {
 
 void install_quiet_error_handler() { PetscPushErrorHandler(quiet_handler, nullptr); }
 
-std::string last_petsc_message() { return std::exchange(record(), std::string()); }
+std::string last_petsc_message() { return std::exchange(record(), Record()).said; }
 
 std::string broadcast(MPI_Comm comm, std::string text) {
   int length = static_cast<int>(text.size());

@@ -520,6 +520,13 @@ void MotionProblem::mass_solve(Vec b, Vec x) {
   check(MatMult(mass_, held, rhs));
   check(VecAYPX(rhs, -1, b));
   set(rhs);
+  PetscReal size = 0;
+  check(VecNorm(rhs, NORM_INFINITY, &size));
+  if (!std::isfinite(size))
+    throw UserError(ExitCode::data,
+                    "the forces of which an acceleration is asked are not finite: a cell is inverted, or an "
+                    "expression of a condition has no value there (1/(t-0.5), say, has none in its "
+                    "derivatives); mend the initial state or the condition");
   check(KSPSolve(mass_solver_, rhs, x));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(mass_solver_, &reason));

@@ -3,6 +3,7 @@
 #include <impact/run/alpha2.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
+#include <impact/run/petsc_options.hpp>
 #include <impact/run/progress.hpp>
 #include <impact/run/stop_requests.hpp>
 
@@ -122,6 +123,7 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   Snapshot snapshot;
   snapshot.u = u;
   StopRequests requests({});
+  UnreadOptions unread(comm, s);
   std::string stopped_by;
   const auto observe = [&](double t, double dt) {
     d.displacement.to_local(u, setup.state.row("u").committed);
@@ -135,6 +137,7 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   observe(0, 0);
   progress.header();
   const auto obey = [&] {
+    unread.judge({"motion"});
     const StopRequest request = requests.ask(comm, false);
     if (request.checkpoint && request.stop.empty())
       check(PetscPrintf(comm, "impact: no checkpoint: -ts_type alpha2 writes none; the run goes on\n"));

@@ -136,8 +136,11 @@ std::string HistoryFile::line(const Row& row) const {
   for (const auto& [name, value] : row) {
     const auto found = std::find(columns_.begin(), columns_.end(), name);
     if (found == columns_.end() && resumed_)
-      throw UserError(ExitCode::io, "cannot continue " + file_ + ": it has no column " + name +
-                                        "; ask for the same columns as before or name another file");
+      throw UserError(
+          ExitCode::io,
+          "cannot continue " + file_ + ": it has no column " + name +
+              ": a probe, measure, condition or contact that the run did not have before; leave it out, or "
+              "begin another file with -output_<id>_type csv, -output_<id>_file");
     if (found == columns_.end())
       throw std::logic_error("history: column " + name + " was not in the first row");
     values[static_cast<std::size_t>(found - columns_.begin())] = value;

@@ -78,7 +78,12 @@ std::vector<fs::path> own_files(const Scenario& s) {
 FolderLock::FolderLock(MPI_Comm comm, const std::string& option, const std::string& folder)
     : file_(folder + "/.impact.lock") {
   on_rank_zero(comm, [&] {
-    make_directories(folder);
+    try {
+      make_directories(folder);
+    } catch (const UserError& error) {
+      throw UserError(ExitCode::io, "-" + option + " \"" + folder + "\": " + error.what() +
+                                        "; allowed: a folder, or a path where one can be made");
+    }
     descriptor_ = lock(option, folder, file_);
     const std::string name = own_name();
     if (::ftruncate(descriptor_, 0) != 0 || ::pwrite(descriptor_, name.data(), name.size(), 0) < 0)

@@ -46,24 +46,41 @@ void report_locking(const Scenario& s, const Discretisation& d) {
 // thickness, of an axisymmetric one as rings.
 struct Extent {
   double count = 0, size = 0, narrowest = HUGE_VAL, widest = 0; // width: edge of a cell of this size
+  double length = 0;                                            // longest side of the box around them
 };
 
 Extent extent_of(const Discretisation& d, const std::vector<PetscInt>& points, double corners = 1) {
-  Extent all;
+  const DM dm = d.mesh.dm();
+  PetscSection layout = nullptr;
+  Vec coordinates = nullptr;
+  check(DMGetCoordinateSection(dm, &layout));
+  check(DMGetCoordinatesLocal(dm, &coordinates));
+  double sums[2] = {0, 0};
+  double most[8]; // -narrowest, widest, -x and x of the corners
+  std::fill(std::begin(most), std::end(most), -HUGE_VAL);
   for (const PetscInt point : points) {
     PetscReal size = 0, centre[3] = {0, 0, 0};
-    check(DMPlexComputeCellGeometryFVM(d.mesh.dm(), point, &size, centre, nullptr));
+    check(DMPlexComputeCellGeometryFVM(dm, point, &size, centre, nullptr));
     const double width = std::pow(corners * size, 1.0 / d.dim());
     constexpr double pi = 3.14159265358979323846;
-    all.count += 1;
-    all.size += size * (d.frame == Frame::axisymmetric ? 2 * pi * centre[0] : d.thickness);
-    all.narrowest = std::min(all.narrowest, width);
-    all.widest = std::max(all.widest, width);
+    sums[0] += 1;
+    sums[1] += size * (d.frame == Frame::axisymmetric ? 2 * pi * centre[0] : d.thickness);
+    most[0] = std::max(most[0], -width);
+    most[1] = std::max(most[1], width);
+    PetscInt n = 0;
+    PetscScalar* x = nullptr;
+    check(DMPlexVecGetClosure(dm, layout, coordinates, point, &n, &x));
+    for (PetscInt i = 0; i < n; ++i) {
+      double* const side = most + 2 + i % d.dim();
+      side[0] = std::max(side[0], -x[i]);
+      side[3] = std::max(side[3], x[i]);
+    }
+    check(DMPlexVecRestoreClosure(dm, layout, coordinates, point, &n, &x));
   }
-  double sums[2] = {all.count, all.size}, most[2] = {-all.narrowest, all.widest};
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
-  return {sums[0], sums[1], -most[0], most[1]};
+  MPI_Allreduce(MPI_IN_PLACE, most, 8, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  return {sums[0], sums[1], -most[0], most[1],
+          std::max({most[2] + most[5], most[3] + most[6], most[4] + most[7]})};
 }
 
 void report_groups(const Discretisation& d) {
@@ -121,13 +138,42 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                     damage.c_str(), m.law.fatigues() ? " and fatigue" : "",
                     m.law.rigid() ? "" : (", " + moduli_text(s, p)).c_str(), p.rho, p.rho * extent.size,
                     extent.narrowest, extent.widest));
-  if (p.damage != Damage::none)
+  if (p.damage != Damage::none) {
     check(PetscPrintf(comm, "material %s: gamma is %.3g to %.3g cells wide\n", p.id.c_str(),
                       p.gamma / extent.widest, p.gamma / extent.narrowest));
+    // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
+    if (p.gamma < 2 * (1 - 1e-6) * extent.narrowest)
+      check(PetscPrintf(comm,
+                        "impact: WARNING: -material_%s_gamma %.4g is %.3g times its narrowest cell %.4g: a "
+                        "crack wants at least 2, or it takes more than Gc; refine where it will run\n",
+                        p.id.c_str(), p.gamma, p.gamma / extent.narrowest, extent.narrowest));
+    if (p.gamma > extent.length)
+      check(
+          PetscPrintf(comm,
+                      "impact: WARNING: -material_%s_gamma %.4g is %.3g times the size %.4g of its body: no "
+                      "crack has room in it; is the unit right?\n",
+                      p.id.c_str(), p.gamma, p.gamma / extent.length, extent.length));
+  }
   if (s.has_inertia() && !m.law.rigid() && p.rho > 0) {
     const double speed = std::sqrt((p.K + 4 * p.G / 3) / p.rho);
     check(PetscPrintf(comm, "material %s: h/c_p from %.3g, c_p %.6g\n", p.id.c_str(),
                       extent.narrowest / speed, speed));
+  }
+}
+
+// What is asked for behind the end never comes.
+void report_late_outputs(MPI_Comm comm, const Scenario& s) {
+  const double end = s.time.max_time;
+  const double steps = s.time.max_steps > 0 ? s.time.max_steps : s.time.dt > 0 ? end / s.time.dt : HUGE_VAL;
+  for (const OutputScenario& output : s.outputs) {
+    const std::string key = "-output_" + output.id;
+    std::string late;
+    for (double time : output.times)
+      if (end > 0 && time > end * (1 + 1e-9)) late = key + "_times " + number_text(time);
+    if (late.empty() && output.every <= steps) continue;
+    if (late.empty()) late = key + "_every " + std::to_string(output.every);
+    check(PetscPrintf(comm, "impact: WARNING: %s lies behind the end, -ts_max_time %.10g, about %.0f steps\n",
+                      late.c_str(), end, steps));
   }
 }
 
@@ -152,6 +198,7 @@ void report_setup(const Scenario& s, const Discretisation& d) {
                         m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
                         m.law.parameters.alpha_t, m.law.parameters.theta0));
   report_locking(s, d);
+  report_late_outputs(comm, s);
   if (!s.has_motion()) check(PetscPrintf(comm, "no motion: bodies stay where they are\n"));
 }
 
@@ -171,15 +218,6 @@ void report_solvers(const Discretisation& d, const std::vector<std::string>& sol
   }
   check(
       PetscPrintf(comm, "memory: %.3g MB on the fullest rank before the first step%s\n", 1e-6 * bytes, text));
-}
-
-void report_unused_options(MPI_Comm comm, bool strict) {
-  std::string text;
-  for (const std::string& option : unconsumed_options()) text += (text.empty() ? "" : ", ") + option;
-  text = broadcast(comm, text);
-  if (text.empty()) return;
-  if (strict) throw UserError(ExitCode::usage, "options that nothing used: " + text + " (-options_strict)");
-  check(PetscPrintf(comm, "impact: options that nothing used: %s\n", text.c_str()));
 }
 
 Progress::Progress(MPI_Comm comm, double t_end)

@@ -1,7 +1,11 @@
 #include "scenario_tables.hpp"
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <impact/input/condition.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/run/petsc_options.hpp>
+#include <impact/time/types.hpp>
 #include <set>
 #include <sstream>
 
@@ -163,16 +167,22 @@ void read_mesh_settings(Scenario& scenario) {
     if (!lower_case(name).starts_with(prefix) || name.size() == prefix.size()) continue;
     const auto option = given_option(name);
     if (!option) continue;
-    if (option->text.empty()) refuse_option(*option, "a value is missing; allowed: a number or a word");
+    const auto of_word = [](char c) {
+      return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.-", c);
+    };
+    if (option->text.empty() ||
+        (!parse_number(option->text) && !std::all_of(option->text.begin(), option->text.end(), of_word)))
+      refuse_option(*option, "allowed: a number or one word of letters, digits, _ . and -");
     scenario.mesh.set[name.substr(prefix.size())] = option->text;
   }
 }
 
 /// PETSc's TS reads these itself, as plain numbers.
 void hand_over_times(const Scenario& scenario) {
-  const std::pair<const char*, double> handed[] = {{"ts_dt", scenario.time.dt},
-                                                   {"ts_max_time", scenario.time.max_time},
-                                                   {"damage_ts_dt", scenario.damage.substep}};
+  std::map<std::string, double> handed = scenario.time.of_petsc;
+  handed["ts_dt"] = scenario.time.dt;
+  handed["ts_max_time"] = scenario.time.max_time;
+  handed["damage_ts_dt"] = scenario.damage.substep;
   for (const auto& [name, value] : handed)
     if (const auto text = option_text(name); text && !parse_number(*text))
       replace_option(name, number_text(value));
@@ -206,6 +216,7 @@ bool Scenario::has_damage() const {
 
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
+  register_time_types();
   check_repeated_options(comm);
   for (const std::string& note : check_option_names(
            {class_keys(parameter_class()), class_keys(function_class()), class_keys(material_class()),
@@ -240,6 +251,7 @@ Scenario read_scenario(MPI_Comm comm) {
   complete(scenario);
   check_scenario(scenario);
   hand_over_times(scenario);
+  try_petsc_options(comm, scenario);
   return scenario;
 }
 

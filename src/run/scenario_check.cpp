@@ -1,5 +1,6 @@
 #include "scenario_tables.hpp"
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
@@ -124,6 +125,15 @@ void check_condition(const BoundaryCondition& bc) {
   if (!scalar && !bare && !components)
     fail(prefix + "ux: missing; allowed: at least one of " + prefix + "ux, " + prefix + "uy, " + prefix +
          "uz");
+}
+
+/// A wrong power of ten makes a step that does not end.
+void check_substeps(const Scenario& s, const char* option, double substep) {
+  constexpr double most = 1e5;
+  const double step = s.time.dt > 0 ? s.time.dt : 0;
+  if (substep > 0 && step / substep > most)
+    fail(std::string("-") + option + ": makes " + number_text(std::round(step / substep)) +
+         " sub-steps in each step of -ts_dt; allowed: at most 100000; take longer ones, or a shorter -ts_dt");
 }
 
 void check_heat(const Scenario& scenario) {
@@ -513,6 +523,8 @@ void check_scenario(const Scenario& scenario) {
   check_plane_stress(scenario);
   for (const BoundaryCondition& bc : scenario.bcs) check_condition(bc);
   check_heat(scenario);
+  check_substeps(scenario, "damage_ts_dt", scenario.damage.substep);
+  check_substeps(scenario, "heat_ts_dt", scenario.heat.substep);
   for (const ContactScenario& contact : scenario.contacts) {
     check_contact(contact);
     check_obstacle(contact, scenario);

@@ -1,22 +1,45 @@
 #include "scenario_tables.hpp"
 #include <cctype>
+#include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
+#include <petscksp.h>
+#include <set>
 #include <sstream>
 
-/// The check of option names: the set of legal names of ours is closed, PETSc's names are left to PETSc.
+/// The check of option names: the set of legal names of ours is closed, PETSc is asked for its own.
 namespace impact {
 
 namespace {
 
 const char* const solver_prefixes[] = {"motion_", "damage_", "heat_", "coupling_", "uzawa_"};
-const char* const petsc_beginnings[] = {"snes_", "ksp_",        "pc_",  "mat_", "vec_",
-                                        "ts_",   "fieldsplit_", "sub_", "mg_"};
 /// Beginnings under which no other name than ours exists.
 const char* const own_prefixes[] = {"mesh_",   "checkpoint_", "restart_", "walltime_",
                                     "energy_", "crack_",      "history_"};
 /// Refused by name, so that nobody believes that they had an effect.
 const char* const not_available[] = {"order", "ts_static_start", "ts_dt_cfl"};
+/// PETSc's, behind the prefix of a solver whose name they end or begin: they would be displaced, or displace
+/// what the solver lives on.
+struct Displaced {
+  const char *prefix, *beginning, *why;
+};
+const Displaced displaced[] = {
+    {"", "snes_fd", "the tangent is the exact derivative already"},
+    {"", "snes_mf", "the tangent is the exact derivative already"},
+    {"", "snes_convergence_test", "a solve ends when its residual is small; see _snes_rtol and _snes_atol"},
+    {"", "snes_npc_", "the nonlinear solvers take no preconditioner"},
+    {"motion_", "snes_ksp_ew", "the linear solver keeps its tolerance; see -motion_ksp_rtol"},
+    {"motion_", "snes_lag_", "the program says when the tangent serves on; see -motion_reuse_tangent"},
+    {"motion_", "ts_", "the integrator has no prefix; give -ts_..."},
+    {"heat_", "ts_", "the heat's sub-steps take -heat_ts_dt alone"},
+};
+/// What a loop over passes reads, which is no solver in itself.
+const char* const of_passes[] = {"snes_type",    "snes_max_it",           "snes_atol", "snes_stol",
+                                 "snes_monitor", "snes_converged_reason", "snes_view"};
+/// What the integrator reads beside our own options; PETSc's others are for integrators with an error
+/// estimate.
+const char* const of_time[] = {"ts_adapt_monitor", "ts_adapt_view", "ts_monitor",
+                               "ts_view",          "ts_alpha_",     "ts_max_snes_failures"};
 
 struct Legal {
   std::map<std::string, std::string> names; ///< lower case to the way we write it
@@ -29,8 +52,7 @@ std::string full_name(const ClassKeys& keys, const std::string& id, const std::s
 }
 
 Legal legal_names(const std::vector<ClassKeys>& classes) {
-  Legal legal;
-  legal.classes = &classes;
+  Legal legal{{}, {}, &classes};
   legal.globals = other_global_names();
   for (const auto& row : global_rows()) legal.globals.push_back(row.name);
   for (const std::string& name : legal.globals) legal.names[lower_case(name)] = name;
@@ -69,76 +91,113 @@ Legal legal_names(const std::vector<ClassKeys>& classes) {
   unknown(name, "", declared + "; allowed after -" + keys.word + "_<id>_: " + join(attributes));
 }
 
-[[noreturn]] void unknown_in_solver(const std::string& name, const std::string& prefix, const Legal& legal) {
-  std::string own, beginnings;
-  std::vector<std::string> candidates;
-  for (const std::string& global : legal.globals)
-    if (global.starts_with(prefix)) {
-      own += (own.empty() ? "" : ", ") + global.substr(prefix.size());
-      candidates.push_back(global);
-    }
+template <class List> bool begins_with(const std::string& name, const List& beginnings) {
+  return std::any_of(std::begin(beginnings), std::end(beginnings),
+                     [&](const char* beginning) { return name.starts_with(beginning); });
+}
+
+/// The nearest of the candidates, or else those that go on where the name ends.
+std::string nearest_or_longer(const std::string& name, const std::vector<std::string>& candidates) {
+  const std::string near = nearest_name(name, candidates, name.size() > 5 ? 2 : 1);
+  if (!near.empty() || name.size() < 5) return near;
+  std::string longer;
+  for (const std::string& candidate : candidates)
+    if (lower_case(candidate).starts_with(name + "_")) longer += (longer.empty() ? "" : ", -") + candidate;
+  return longer;
+}
+
+/// `-motion_mg_levels_ksp_typ` is an option of a solver inside that of the prefix.
+std::string nearest_of_solver(const std::string& name, const std::string& prefix, const Legal& legal) {
   const std::string rest = name.substr(prefix.size());
-  const std::size_t word_end = std::min(rest.find('_') + 1, rest.size());
-  const std::string word = rest.substr(0, word_end == 0 ? rest.size() : word_end);
-  std::vector<std::string> words;
-  for (const char* beginning : petsc_beginnings) {
-    words.push_back(beginning);
-    beginnings += std::string(beginnings.empty() ? "" : " ") + beginning;
-  }
-  std::string suggestion = nearest_name(name, candidates, 2);
-  if (suggestion.empty())
-    if (const std::string near = nearest_name(word, words, 2); !near.empty())
-      suggestion = prefix + near + rest.substr(word.size());
-  unknown(name, suggestion,
-          "after -" + prefix + ": " + (own.empty() ? "" : own + ", and ") + "names that start with " +
-              beginnings);
-}
-
-/// A misspelled global name: close to one of ours, and not in a family of PETSc's names.
-std::string global_misspelling(const std::string& name, const Legal& legal) {
-  static const std::vector<std::string> petsc_families = {
-      "snes", "ksp", "pc",  "mat", "vec", "dm",  "ts",      "sf",     "is",  "ao",  "pf",
-      "log",  "mg",  "tao", "st",  "eps", "svd", "options", "malloc", "sub", "help"};
-  const std::string family = name.substr(0, name.find('_'));
-  const bool of_petsc =
-      std::find(petsc_families.begin(), petsc_families.end(), family) != petsc_families.end();
+  std::size_t at = 0;
+  for (const char* word : {"snes_", "ksp_", "pc_", "mat_"})
+    if (const std::size_t found = rest.rfind(word); found != std::string::npos) at = std::max(at, found);
   std::vector<std::string> candidates;
-  for (const auto& [lower, written] : legal.names)
-    if (!of_petsc || lower.starts_with(family + "_")) candidates.push_back(written);
-  return nearest_name(name, candidates, name.size() > 5 ? 2 : 1);
+  for (const auto& [known, text] : KnownOptions::get().solver())
+    if (!known.starts_with("ts_")) candidates.push_back(prefix + rest.substr(0, at) + known);
+  for (const std::string& global : legal.globals)
+    if (global.starts_with(prefix)) candidates.push_back(global);
+  return nearest_or_longer(name, candidates);
 }
 
-bool petsc_name(const std::string& name, const std::string& prefix) {
-  return std::any_of(std::begin(petsc_beginnings), std::end(petsc_beginnings), [&](const char* beginning) {
-    return name.substr(prefix.size()).starts_with(beginning);
-  });
+void check_solver_name(const std::string& typed, const std::string& prefix, const Legal& legal) {
+  const std::string rest = lower_case(typed).substr(prefix.size());
+  const bool passes = prefix == "coupling_" || prefix == "uzawa_";
+  for (const Displaced& one : displaced)
+    if (std::string(one.prefix).empty() || prefix == one.prefix)
+      if (rest.starts_with(one.beginning) && nearest_name(typed, legal.globals, 2).empty())
+        if (const auto text = option_text(typed))
+          refuse_option({"-" + typed, *text}, std::string("not available: ") + one.why + "; remove it");
+  if (rest == "ksp_type")
+    for (const GivenOption& option : unread_options())
+      if (option.key == "-" + typed && lower_case(option.text) == KSPQCG)
+        refuse_option(option,
+                      "is a search in a trust region and crashes beside most preconditioners; take cg");
+  if (passes ? begins_with(rest, of_passes) && KnownOptions::get().of_solver(rest)
+             : KnownOptions::get().of_solver(rest))
+    return;
+  if (!option_text(typed)) return;
+  std::set<std::string> own;
+  for (const std::string& global : legal.globals)
+    if (global.starts_with(prefix)) own.insert(global.substr(prefix.size()));
+  if (passes) own.insert(std::begin(of_passes), std::end(of_passes));
+  const std::vector<std::string> names(own.begin(), own.end());
+  const std::string near = passes ? nearest_or_longer(rest, names) : "";
+  unknown(typed,
+          !passes        ? nearest_of_solver(lower_case(typed), prefix, legal)
+          : near.empty() ? ""
+                         : prefix + near,
+          "after -" + prefix + ": " + join(names) +
+              (passes ? "" : (own.empty() ? "" : ", and ") + std::string("PETSc's options of solvers")));
 }
 
-/// -coupling_snes_max_it and -coupling_snes_atol are ours and look like PETSc's.
-bool misspells_ours(const std::string& name, const Legal& legal) {
-  if (name.ends_with("_rtol") || name.ends_with("_stol")) return false;
-  return !nearest_name(name, legal.globals, 1).empty();
+/// Without prefix: PETSc's own, or the nearest name to it.
+void check_global_name(const std::string& typed, const Legal& legal) {
+  const std::string name = lower_case(typed);
+  const auto& of_petsc = KnownOptions::get().global();
+  const bool time = name.starts_with("ts_"),
+             solver = begins_with(name, std::initializer_list{"snes_", "ksp_", "pc_"});
+  if (time ? begins_with(name, of_time) && of_petsc.count(name) : !solver && of_petsc.count(name)) return;
+  // Read by objects that a survey of solvers does not make: left to the look at what was used.
+  const bool by_others = begins_with(
+      name, std::initializer_list{"vec_", "mat_", "matptap_", "matmatmult_", "matstash_", "dm_", "sf_", "is_",
+                                  "petscpartitioner_", "use_gpu", "device_", "viewer_"});
+  if ((by_others || read_at_the_ends(name)) && nearest_name(name, legal.globals, 2).empty()) return;
+  if (!option_text(typed)) return;
+  if (solver)
+    unknown(typed, nearest_of_solver("motion_" + name, "motion_", legal),
+            "each solver has a prefix: motion_, damage_, heat_; coupling_, uzawa_ for passes");
+  if (time && of_petsc.count(name))
+    refuse_option({"-" + typed, *option_text(typed)},
+                  "not available: the integrators have no estimate of their error, and hit their times by "
+                  "themselves; see -ts_adapt_dphi, -ts_times; remove it");
+  std::vector<std::string> candidates;
+  for (const auto& [lower, written] : legal.names) candidates.push_back(written);
+  for (const auto& [known, text] : of_petsc)
+    if (!known.starts_with("ts_") || begins_with(known, of_time)) candidates.push_back(known);
+  const std::string near = nearest_or_longer(name, candidates);
+  unknown(typed, near,
+          near.empty() ? "`impact -reference` lists all options, `-help` those of PETSc too" : "");
 }
 
 void check_name(const std::string& typed, const Legal& legal) {
   const std::string name = lower_case(typed);
   if (legal.names.count(name) || (name.starts_with("mesh_set_") && name.size() > 9)) return;
+  if (const std::size_t sign = typed.find('='); sign != std::string::npos)
+    unknown(typed, "",
+            "a blank parts name and value: -" + typed.substr(0, sign) + " " + typed.substr(sign + 1));
   for (const char* later : not_available)
     if (name == later)
       if (const auto text = option_text(typed))
         refuse_option({"-" + typed, *text}, "not available; remove it");
-  for (const std::string prefix : solver_prefixes) {
-    if (!name.starts_with(prefix)) continue;
-    if (petsc_name(name, prefix) && !misspells_ours(name, legal)) return;
-    if (option_text(typed)) unknown_in_solver(typed, prefix, legal);
-  }
+  for (const std::string prefix : solver_prefixes)
+    if (name.starts_with(prefix)) return check_solver_name(typed, prefix, legal);
   for (const ClassKeys& keys : *legal.classes)
     if (name.starts_with(keys.word + "_") && option_text(typed)) unknown_in_class(typed, keys, legal);
-  const std::string near = global_misspelling(name, legal);
-  if (!near.empty() && option_text(typed)) unknown(typed, near, "");
   for (const std::string prefix : own_prefixes)
     if (name.starts_with(prefix) && option_text(typed))
       unknown(typed, nearest_name(name, legal.globals, 5), "");
+  check_global_name(typed, legal);
 }
 
 /// The class of an option of an options file whose id that file declared, and a later word left out.
@@ -158,8 +217,10 @@ const ClassKeys* left_out_of(const std::string& name, const Legal& legal) {
 }
 
 /// The lines of a file on which each option stands, in the order of the names.
-std::map<std::string, std::vector<int>> option_places(const std::string& text) {
-  std::map<std::string, std::vector<int>> places;
+using Places = std::map<std::string, std::vector<int>>;
+
+Places option_places(const std::string& text) {
+  Places places;
   std::istringstream lines(text);
   int number = 0;
   for (std::string line; std::getline(lines, line);) {
@@ -174,6 +235,27 @@ std::map<std::string, std::vector<int>> option_places(const std::string& text) {
   return places;
 }
 
+/// Of a YAML file: a key of a deeper line goes behind those of the lines that it is indented below.
+Places yaml_places(const std::string& text) {
+  Places places;
+  std::vector<std::pair<std::size_t, std::string>> above; // indentation, key
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::size_t begin = line.find_first_not_of(' '), colon = line.find(':');
+    if (begin == std::string::npos || colon == std::string::npos || line[begin] == '#') continue;
+    while (!above.empty() && above.back().first >= begin) above.pop_back();
+    std::string name;
+    for (const auto& [indentation, key] : above) name += key + "_";
+    above.emplace_back(begin, lower_case(line.substr(begin, colon - begin)));
+    const std::size_t value = line.find_first_not_of(" \t\r", colon + 1);
+    if (value != std::string::npos && line[value] != '#')
+      places[name + above.back().second].push_back(number);
+  }
+  return places;
+}
+
 } // namespace
 
 void check_repeated_options(MPI_Comm comm) {
@@ -181,10 +263,11 @@ void check_repeated_options(MPI_Comm comm) {
   char** arguments = nullptr;
   check(PetscGetArgs(&count, &arguments));
   for (int i = 1; i + 1 < count; ++i) {
-    if (lower_case(arguments[i]) != "-options_file") continue;
-    const std::string file = arguments[i + 1];
-    if (file.ends_with(".yml") || file.ends_with(".yaml")) continue;
-    const auto places = option_places(read_input_file(comm, {"-options_file", file}, file));
+    const std::string option = lower_case(arguments[i]), file = arguments[i + 1];
+    if (option != "-options_file" && option != "-options_file_yaml") continue;
+    const std::string text = read_input_file(comm, {option, file}, file);
+    const Places places =
+        is_yaml(file) || option != "-options_file" ? yaml_places(text) : option_places(text);
     for (const auto& [name, lines] : places)
       if (lines.size() > 1)
         throw UserError(ExitCode::usage, "-" + name + ": given twice in " + file + ", lines " +

@@ -89,9 +89,10 @@ std::vector<Section> sections() {
   Section solvers{
       "Solvers",
       "Every solver of PETSc is reached by its prefix: `-motion_ksp_type`, `-damage_pc_type`, "
-      "`-uzawa_snes_max_it`, `-coupling_snes_monitor`. Under `motion_ damage_ heat_ coupling_ uzawa_` names "
-      "begin with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_, beside those in the tables. Fragments "
-      "to "
+      "`-uzawa_snes_max_it`, `-coupling_snes_monitor`. The prefixes are `motion_`, "
+      "`damage_`, `heat_`, and `coupling_`, `uzawa_` for the passes. A name that PETSc does not know is "
+      "refused before the run starts, one that no solver of the run has read after the first step (told, "
+      "when it is an option of a field's own solver or stands in an options file). Fragments to "
       "add on the command line are in `options/solver`. `-motion_snes_atol` (1e-12 E h^(d-1) of the softest "
       "material) and `-motion_snes_rtol` (1e-10 of the first residual) hold for each body on its own; no "
       "length of a step ends a solve (`_snes_stol` is 0).",

@@ -45,8 +45,12 @@ OptionGroup general_group() {
                              {"of a plane problem; forces and energies are for it", "1", "m"}, positive),
           flag_row<Global>("dry_run", &Scenario::dry_run,
                            {"check everything, print the resolved input and the reports, stop", "off"}),
-          flag_row<Global>("options_strict", &Scenario::strict,
-                           {"PETSc options that nobody used are an error after the first step", "off"}),
+          flag_row<Global>(
+              "options_strict", &Scenario::strict,
+              {"options of PETSc's that the solvers of this run do not read are refused, not only told",
+               "off"}),
+          flag_row<Global>("test_restep", &Scenario::restep,
+                           {"every step is solved, refused and solved again: a test of the program", "off"}),
       }};
 }
 
@@ -71,17 +75,27 @@ OptionRow<Global> mesh_row() {
 }
 
 OptionGroup mesh_group() {
-  return {"Mesh",
-          "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file.",
-          {
-              mesh_row(),
-              number_row<Global>(
-                  "mesh_scale", [](auto& s) -> auto& { return s.mesh.scale; },
-                  {"factor of all coordinates of the file", "1", "1"}, positive),
-              count_row<Global>(
-                  "dm_refine", [](auto& s) -> auto& { return s.mesh.refine; },
-                  {"uniform refinements after reading", "0"}, 0, 10),
-          }};
+  return {
+      "Mesh",
+      "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file to a number or one word. A .geo "
+      "file is a "
+      "program: gmsh runs shell commands that stand in it (`SystemCall`), so take none from people you do "
+      "not trust.",
+      {
+          mesh_row(),
+          number_row<Global>(
+              "mesh_scale", [](auto& s) -> auto& { return s.mesh.scale; },
+              {"factor of all coordinates of the file", "1", "1"}, positive),
+          count_row<Global>(
+              "dm_refine", [](auto& s) -> auto& { return s.mesh.refine; },
+              {"uniform refinements after reading", "0"}, 0, 10),
+          number_row<Global>(
+              "mesh_cells", [](auto& s) -> auto& { return s.mesh.most_cells; },
+              {"most cells that -dm_refine may make", "2e6", "1"}, positive),
+          number_row<Global>(
+              "mesh_wall", [](auto& s) -> auto& { return s.mesh.patience; },
+              {"seconds on the clock after which gmsh is stopped; 0: never", "600", "1"}, not_negative),
+      }};
 }
 
 OptionGroup coupling_group() {
@@ -189,6 +203,24 @@ OptionGroup heat_group() {
           }};
 }
 
+// What PETSc's integrator reads itself: checked and listed here, handed over as a plain number.
+OptionRow<Global> time_row(const std::string& name, const OptionNote& note, const Interval& range,
+                           bool whole = false) {
+  const int least = whole ? static_cast<int>(range.low) : 0;
+  return {name,
+          note,
+          whole ? any_number : range,
+          whole ? "whole number >= " + std::to_string(least) : "",
+          [=](Global& s, const GivenOption& option, const OptionContext& context) {
+            s.time.of_petsc[name] = whole ? read_count(option, least, std::numeric_limits<int>::max())
+                                          : read_number(option, note.unit, range, {}, context.units);
+          },
+          [=](const Global& s) {
+            const auto found = s.time.of_petsc.find(name);
+            return found == s.time.of_petsc.end() ? std::string() : number_text(found->second);
+          }};
+}
+
 OptionGroup time_group() {
   return {
       "Time",
@@ -237,6 +269,23 @@ OptionGroup time_group() {
           numbers_row<Global>(
               "ts_dts", [](auto& s) -> auto& { return s.time.table_dts; },
               {"time steps between the times of -ts_times", "", "s"}, positive),
+          time_row("ts_newmark_rho",
+                   {"spectral radius at infinite frequency: 1 damps nothing, 0 most; sets beta and gamma",
+                    "1; 0.9 beside the contact-stabilised update", "1", "rho", "(97)-(98)"},
+                   {0, 1, false, false}),
+          time_row("ts_newmark_beta", {"Newmark's beta, without -ts_newmark_rho", "1/4", "1", "beta"},
+                   {0, 1, true, false}),
+          time_row("ts_newmark_gamma", {"Newmark's gamma, without -ts_newmark_rho", "1/2", "1", "gamma"},
+                   {0.5, 2, false, false}),
+          time_row("ts_adapt_grow", {"factor of the step after enough easy ones", "1.5", "1"}, {1}),
+          time_row("ts_adapt_easy_steps", {"easy steps in a row before the step grows", "4"}, {1}, true),
+          time_row("ts_adapt_easy_its", {"most iterations of an easy step", "10"}, {0}, true),
+          time_row("ts_adapt_scale_solve_failed", {"factor of the step after a failed try", "0.5", "1"},
+                   {0, 1}),
+          time_row("ts_adapt_dt_min", {"shortest step", "1e-10 of -ts_dt", "s"}, positive),
+          time_row("ts_adapt_dt_max", {"longest step", "-ts_dt", "s"}, positive),
+          time_row("ts_max_reject", {"refused tries of a step after which the run gives up", "10"}, {0},
+                   true),
       }};
 }
 

@@ -57,8 +57,9 @@ struct ClassKeys {
   std::vector<std::string> ids;
 };
 
-/// Throws UserError(usage) for the first option in the database that looks like ours and is none. Returns
-/// what to say of options in files whose ids a later word on the registry left out.
+/// Throws UserError(usage) for the first option in the database that is neither ours nor PETSc's, or that
+/// this program does not let PETSc read. Returns what to say of options in files whose ids a later word on
+/// the registry left out.
 std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes);
 
 /// Throws UserError(usage) for an option that one options file gives twice: PETSc takes the last one in

@@ -43,6 +43,8 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obst
   request.parameters = s.mesh.set;
   request.scale = s.mesh.scale;
   request.refine = s.mesh.refine;
+  request.most_cells = s.mesh.most_cells;
+  request.patience = s.mesh.patience;
   request.work_dir = s.output_dir;
   request.reason_to_stop = [&] { return reason_to_stop({s.checkpoint.walltime, s.checkpoint.margin()}); };
   // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.

@@ -10,6 +10,7 @@
 #include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
+#include <impact/run/petsc_options.hpp>
 #include <impact/run/progress.hpp>
 #include <impact/run/restart_keys.hpp>
 #include <impact/run/setup.hpp>
@@ -163,7 +164,7 @@ private:
   std::string last_cause_;                              // why the last try was refused
   std::string energy_warning_;                          // the first one
   double least_energy_ = 0; // of bodies strained by 1e-7: below it the first law is one of rounding errors
-  bool checked_options_ = false;
+  UnreadOptions unread_;
   StopRequests requests_;
   StopCriteria stops_;
   StepProbe probe_;
@@ -187,13 +188,11 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
       coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, setup.state,
                 s.coupling, solver, inertia_, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
-      a_(d_.displacement.make_global()), progress_(comm, s.time.max_time),
-      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe) {
+      a_(d_.displacement.make_global()), progress_(comm, s.time.max_time), unread_(comm, s),
+      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe),
+      restep_(s.restep) {
   least_energy_ = 1e-2 * motion_.reference_force() * d_.mesh.smallest_edge() * d_.thickness *
                   static_cast<double>(d_.mesh.global_cell_count());
-  PetscBool restep = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, "-test_restep", &restep));
-  restep_ = restep == PETSC_TRUE;
   for (const ContactInterface& contact : setup.contacts)
     if (coupling_.stabilised() && between_rigid_sides(setup, contact.settings()))
       throw UserError(ExitCode::usage,
@@ -204,11 +203,9 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   if (coupling_.stabilised()) {
     // Beside the stabilised update a little damping keeps the energy from rising with the contact's
     // tolerances (equal bars: 1.0005 of the start undamped, 1 with it); -ts_newmark_* override.
-    PetscBool rho = PETSC_FALSE, beta = PETSC_FALSE, gamma = PETSC_FALSE;
-    check(PetscOptionsHasName(nullptr, nullptr, "-ts_newmark_rho", &rho));
-    check(PetscOptionsHasName(nullptr, nullptr, "-ts_newmark_beta", &beta));
-    check(PetscOptionsHasName(nullptr, nullptr, "-ts_newmark_gamma", &gamma));
-    if (!rho && !beta && !gamma) {
+    const auto& given = s.time.of_petsc;
+    if (!given.count("ts_newmark_rho") && !given.count("ts_newmark_beta") &&
+        !given.count("ts_newmark_gamma")) {
       set_newmark_parameters(ts_, newmark_with_radius(0.9));
       check(
           PetscPrintf(comm, "Newmark with -ts_newmark_rho 0.9, as nothing else was asked beside contact\n"));
@@ -510,8 +507,12 @@ void Simulation::accept(const Attempt& attempt) {
   const HistoryFile::Row columns = history_->watch(snapshot_, coupling_.counts());
   write_fields(false);
   progress_.line(snapshot_, coupling_.counts(), *ledger_, active_points());
-  if (!checked_options_) report_unused_options(comm_, s_.strict);
-  checked_options_ = true;
+  const StepCounts counts = coupling_.counts();
+  std::vector<std::string> solved;
+  if (counts.linear > 0) solved.emplace_back("motion");
+  if (counts.damage_linear > 0) solved.emplace_back("damage");
+  if (counts.heat_linear > 0) solved.emplace_back("heat");
+  unread_.judge(solved);
   StopRequest request = requests_.ask(comm_, checkpoint_is_due());
   ended_by_ = stops_.ask(columns);
   request.checkpoint = request.checkpoint || !ended_by_.empty();
@@ -640,7 +641,6 @@ ExitCode Simulation::run() {
 } // namespace
 
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
-  register_time_types();
   std::optional<FolderLock> output, checkpoints;
   if (!s.dry_run) {
     output.emplace(comm, "output_dir", s.output_dir);

@@ -115,7 +115,7 @@ TEST(GmshFile, RefusesWhatItCannotUse) {
       {replaced(good, "4 2 3 6 5", "4 2 3 3 5"), "twice in it", ExitCode::data},
       {replaced(replaced(good, "$Elements\n3 4", "$Elements\n3 5"), "2 2 3 1\n", "2 2 3 2\n5 1 2 5 4\n"),
        "same nodes", ExitCode::data},
-      {replaced(good, "4 2 3 6 5", "4 2 6 3 5"), "foot", ExitCode::data}, // crosses itself
+      {replaced(good, "4 2 3 6 5", "4 2 6 3 5"), "folded cell", ExitCode::data}, // crosses itself
       {replaced(replaced(good, "2 0 0\n0 1", "0.1 0 0\n0 1"), "2 1 0\n$EndNodes", "0.1 1 0\n$EndNodes"),
        "overlapping", ExitCode::data}, // folded back over its neighbour
       {replaced(good, "2 1 0\n$EndNodes", "1 0.5 0\n$EndNodes"), "cell", ExitCode::data},

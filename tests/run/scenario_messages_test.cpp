@@ -47,25 +47,20 @@ const std::vector<Row>& rows() {
        "unknown option -material_rod_E   ('rod' is not declared; materials: beam, wedge)"},
       {{{"-motion_kps_type", "cg"}},
        ExitCode::usage,
-       "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: tangent, "
-       "mat_type, reuse_tangent, and "
-       "names that start "
-       "with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
+       "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: "
+       "mat_type, reuse_tangent, tangent, and PETSc's options of solvers)"},
       {{{"-heat_foo", "1"}},
        ExitCode::usage,
-       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, theta, ts_dt, and names "
-       "that "
-       "start with snes_ ksp_ pc_ mat_ vec_ ts_ "
-       "fieldsplit_ sub_ mg_)"},
+       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, theta, ts_dt, and "
+       "PETSc's options of solvers)"},
       {{{"-heat_ts_dt", "abc"}},
        ExitCode::usage,
        "-heat_ts_dt \"abc\": not a number; allowed: a number in s, or one with a unit of that kind"},
       {{{"-damage_ts_dt", "0"}}, ExitCode::usage, "-damage_ts_dt \"0\": out of range; allowed: > 0 s"},
       {{{"-damage_bound", "vi"}},
        ExitCode::usage,
-       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: form, theta, ts_dt, "
-       "bounds, and names that "
-       "start with snes_ ksp_ pc_ mat_ vec_ ts_ fieldsplit_ sub_ mg_)"},
+       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: bounds, form, theta, "
+       "ts_dt, and PETSc's options of solvers)"},
       {{{"-stops", "broken"}, {"-stop_end_when", "-"}},
        ExitCode::usage,
        "-stop_broken_when: missing; allowed: condition on columns by name; it is what ends the run, as in "

@@ -7,6 +7,7 @@
 #include <impact/input/spelling.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/run/scenario.hpp>
+#include <set>
 #include <sstream>
 
 namespace {
@@ -24,20 +25,17 @@ TEST(Scenario, PetscsOwnOptionsAreLeftToPetsc) {
                                 {"-damage_snes_monitor", ""},
                                 {"-coupling_snes_monitor", ""},
                                 {"-uzawa_snes_max_it", "5"},
-                                {"-ts_adapt_type", "none"},
-                                {"-ts_rtol", "1e-3"},
-                                {"-ksp_type", "cg"},
-                                {"-mat_type", "aij"},
+                                {"-ts_adapt_monitor", ""},
+                                {"-mat_no_inode", ""},
                                 {"-petscpartitioner_type", "simple"}});
   OptionsScope scope(OptionsScope::Options(options.begin(), options.end()));
   read_scenario(PETSC_COMM_SELF);
-  std::vector<std::string> left = impact::unconsumed_options();
-  std::sort(left.begin(), left.end());
-  EXPECT_EQ(left,
-            (std::vector<std::string>{"-coupling_snes_monitor", "-damage_snes_monitor", "-ksp_type cg",
-                                      "-mat_type aij", "-motion_ksp_type cg",
-                                      "-motion_pc_hypre_type boomeramg", "-petscpartitioner_type simple",
-                                      "-ts_adapt_type none", "-ts_rtol 1e-3", "-uzawa_snes_max_it 5"}));
+  std::set<std::string> left;
+  for (const auto& option : impact::unread_options()) left.insert(option.key + " " + option.text);
+  EXPECT_EQ(left, (std::set<std::string>{"-coupling_snes_monitor ", "-damage_snes_monitor ", "-mat_no_inode ",
+                                         "-motion_ksp_type cg", "-motion_pc_hypre_type boomeramg",
+                                         "-petscpartitioner_type simple", "-ts_adapt_monitor ",
+                                         "-uzawa_snes_max_it 5"}));
 }
 
 TEST(Scenario, PetscSeesPlainNumbersWhereTheUserGaveUnits) {

@@ -30,6 +30,17 @@ def write_mesh(name, left=0.0, inner=False):
     return name
 
 
+def write_cells(name, nodes, cells):
+    """Cells of 3 or 4 corners, numbers from 1, in the group `solid`; the first line of nodes is `bottom`."""
+    with open(name, "w") as file:
+        file.write('$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 "solid"\n1 2 "bottom"\n$EndPhysicalNames\n')
+        file.write(f"$Nodes\n{len(nodes)}\n" + "".join(f"{k} {x} {y} 0\n" for k, (x, y) in enumerate(nodes, 1)) + "$EndNodes\n")
+        file.write(f"$Elements\n{len(cells) + 1}\n1 1 2 2 1 1 2\n")
+        file.writelines(f"{k} {len(c) - 1} 2 1 1 {' '.join(map(str, c))}\n" for k, c in enumerate(cells, 2))
+        file.write("$EndElements\n")
+    return name
+
+
 def write(name, text, encoding="utf-8"):
     with open(name, "w", encoding=encoding) as file:
         file.write(text)
@@ -61,6 +72,10 @@ INNER = {**PULL, "mesh": write_mesh("inner.msh", inner=True)}
 CRACK = {**PULL, "material_solid_damage": "at2", "material_solid_Gc": 200, "material_solid_gamma": 0.5}
 HEAT = {**without(PULL, "bc_"), "material_solid_c_v": 1000, "material_solid_conductivity": 10, "physics": "heat", "bcs": "air",
         "bc_air_on": "left", "bc_air_type": "convection", "bc_air_value": 300, "bc_air_h": 10}
+
+
+def start_words(options):
+    return [word for key, value in options.items() for word in ("-" + key, str(value))]
 
 
 # claim, options, exit status, words of the message
@@ -103,6 +118,49 @@ ROWS = [
      ["-bc_hot and -bc_warm prescribe different temperatures (400, 400.0", "on a common node at (1, 1)"]),
     ("two phi on a node", more(CRACK, bcs="hold,push,a,b", bc_a_on="left", bc_a_type="damage", bc_a_value="0.5", bc_b_on="top",
                                bc_b_type="damage", bc_b_value="0.6"), 3, ["-bc_a and -bc_b prescribe different phi (0.5, 0.6"]),
+    *[(f"unknown: {name}", more(PULL, **{name: value}), 2, [f"unknown option -{name}; did you mean -{near}"])
+      for name, value, near in (
+          ("motion_ksp_typ", "gmres", "motion_ksp_type?"), ("motion_pc_typ", "lu", "motion_pc_type?"), ("ksp_type", "gmres", "motion_ksp_type?"),
+          ("snes_max_it", 3, "motion_snes_max_it?"), ("ts_newmark_rh", 1, "ts_newmark_rho?"), ("ts_max", 3, "ts_max_reject, -ts_max_steps"),
+          ("motion_mg_levels_ksp_typ", "cg", "motion_mg_levels_ksp_type?"), ("motion_ksp_monitor_true", "", "motion_ksp_monitor_true_residual?"),
+          ("coupling_snes_rtol", 1e-3, "coupling_snes_atol?"), ("damage_ksp_typ", "cg", "damage_ksp_type?"))],
+    *[(claim, {**without(PULL, "bc_push"), "bcs": "hold", "mesh": write_cells(f"cells{k}.msh", nodes, cells), "ts_type": "static"}, 3, [words])
+      for k, (claim, nodes, cells, words) in enumerate((
+          ("a bow-tie", [(0, 0), (1, 0), (0.2, 1), (1.2, 1)], [(1, 2, 3, 4)], "folded cell"),
+          ("an arrow", [(0, 0), (1, 0), (0.35, 0.35), (0, 1)], [(1, 2, 3, 4)], "points inwards"),
+          ("a collapsed quadrilateral", [(0, 0), (1, 0), (1, 0), (0, 1)], [(1, 2, 3, 4)], "collapsed cell: two of its nodes stand at (1, 0, 0)"),
+          ("a hanging node", [(0, 0), (2, 0), (2, 1), (0, 1), (1, 1), (1, 2), (0, 2), (2, 2)], [(1, 2, 3, 4), (4, 5, 6, 7), (5, 3, 8, 6)],
+           "hanging node at (1, 1, 0): it lies on the edge from (")))],
+    ("a refinement too many", more(PULL, dm_refine=10, mesh_cells=1e6), 3, ["mesh of 8 cells, 8.389e+06 after 10 refinements", "-mesh_cells"]),
+    ("a .geo without end", more(PULL, mesh=write("endless.geo", "For i In {0:1000000000}\n a = i;\nEndFor\n"), mesh_wall=1), 3,
+     ["gmsh has worked for 1 s and is stopped", "-mesh_wall"]),
+    ("a command in a word for the mesh", more(PULL, mesh=GEO, mesh_set_kind='x";SystemCall "ls'), 2, ["allowed: a number or one word"]),
+    ("sub-steps without number", more(CRACK, damage_ts_dt=1e-10), 2, ["-damage_ts_dt: makes 1e+09 sub-steps in each step"]),
+    ("other capitals of a unit", more(PULL, material_solid_E="200 Gpa"), 2, ["unknown unit 'Gpa'; did you mean GPa?"]),
+    ("a sign for a blank", [*start_words(PULL), "-ts_dt=0.5"], 2, ["a blank parts name and value: -ts_dt 0.5"]),
+    ("forces that are not finite", more(PULL, ts_type="newmark", bc_push_uy="1/(t-0.5)"), 3, ["the forces of which an acceleration is asked are not finite"]),
+    *[(f"YAML: {words}", [*start_words(PULL), "-options_file", write(f"bad{k}.yml", text)], 2, [f"bad{k}.yml", words]) for k, (text, words) in enumerate((
+        ("materials: solid\nts:\n  dt: [1, 2\n", "line 3: a bracket is missing"), ("title: x\n\tts_dt: 2\n", "line 2: a tab in front"),
+        ("title: x\nts_dt 0.1\n", "line 2: no \"name: value\""), ("ts:\n  dt: 1\ntitle: x\nts_dt: 2\n", "-ts_dt: given twice in"),))],
+    ("more options than PETSc keeps", ["-options_file", write("many.opts", "".join(f"-param_a{k} 1\n" for k in range(600)))], 2, ["no more than 512 options"]),
+    ("an option of nobody", more(PULL, foo="1"), 2, ["unknown option -foo   (`impact -reference`"]),
+    ("a misspelt solver before a dry run", more(PULL, motion_ksp_typ="cg", dry_run="on"), 2, ["unknown option -motion_ksp_typ"]),
+    *[(f"without effect: {name}", more(PULL, **{name: value}), 2, [f"-{name}", words]) for name, value, words in (
+        ("motion_snes_ksp_ew", "", "not available"), ("motion_snes_fd", "", "not available"), ("motion_snes_fd_color", "", "not available"),
+        ("motion_snes_mf_operator", "", "not available"), ("motion_snes_convergence_test", "skip", "not available"),
+        ("ts_rtol", 1e-3, "not available"), ("motion_ksp_type", "qcg", "take cg"),
+        ("motion_mg_levels_ksp_type", "cg", "nothing in this run reads"), ("vec_tpye", "mpi", "nothing in this run reads"))],
+    *[(f"refused by PETSc: {name} {value}", more(PULL, motion_ksp_type="gmres", **{name: value}), 2, [f'-{name} "{value}": PETSc refuses it', words])
+      for name, value, words in (
+          ("motion_ksp_rtol", "abc", "allowed: a number"), ("motion_pc_type", "hypr", "did you mean hypre?; allowed: none, jacobi"),
+          ("motion_snes_linesearch_type", "btt", "did you mean bt?"), ("motion_pc_factor_mat_solver_type", "mumpss", "allowed:"),
+          ("motion_mat_mumps_icntl_14", "abc", "allowed: a number"))],
+    ("a nonlinear solver that cannot", more(PULL, motion_snes_type="nasm"), 2, ['-motion_snes_type "nasm": cannot solve', "allowed: newtonls"]),
+    ("a value of a solver inside a solver", more(PULL, motion_ksp_type="gmres", motion_pc_type="bjacobi", motion_sub_pc_type="luu"), 2,
+     ['-motion_sub_pc_type "luu": PETSc refuses it', "did you mean lu?"]),
+    ("a preconditioner that wants another matrix", more(PULL, motion_ksp_type="gmres", motion_pc_type="bddc"), 2,
+     ["PETSc cannot solve with -motion_ksp_type gmres -motion_pc_type bddc"]),
+    ("beta beside rho", more(PULL, ts_type="newmark", ts_newmark_rho=0.5, ts_newmark_beta=0.3), 2, ["not together with -ts_newmark_beta"]),
     ("an options file that leads back to itself", ["-options_file", "loop.opts"], 2,
      ["leads back to itself: loop.opts, other.opts, loop.opts"]),
     ("an options file with a byte-order mark", ["-options_file", "marked.opts"], 2, ["begins with a byte-order mark"]),
@@ -110,7 +168,7 @@ ROWS = [
 
 
 def start(options, ranks):
-    words = options if isinstance(options, list) else [word for key, value in options.items() for word in ("-" + key, str(value))]
+    words = options if isinstance(options, list) else start_words(options)
     command = (["mpirun", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + words + ["-output_dir", "out"]
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
     return done.returncode, [line for line in done.stdout.splitlines() if line.startswith("impact: ")]
@@ -126,6 +184,28 @@ for claim, options, status, words in [row for row in ROWS if row[0] in (
         "two displacements that agree at the ends alone")]:
     code, lines = start(options, 2)
     require(f"{claim}, two ranks: status {code}", code == status and any(all(w in line for w in words) for line in lines))
+
+# What may be meant is told; with -options_strict it is refused.
+USELESS = more(PULL, motion_pc_gamg_threshold=0.1)
+code, lines = start(USELESS, 1)
+require("what the solver does not read", code == 0 and any("nothing in this run reads -motion_pc_gamg_threshold" in line for line in lines))
+require("the same, strictly", start(more(USELESS, options_strict="on"), 1)[0] == 2)
+code, lines = start(more(PULL, damage_ksp_type="cg"), 1)
+require("of a field that is not solved", code == 0 and any("does not solve these fields: -damage_ksp_type" in line for line in lines))
+for claim, options, words in [
+        ("a crack narrower than two cells", more(CRACK, material_solid_gamma=0.1), "-material_solid_gamma 0.1 is 0.2 times its narrowest cell 0.5"),
+        ("a crack wider than its body", more(CRACK, material_solid_gamma=50), "-material_solid_gamma 50 is 50 times the size 1 of its body"),
+        ("a time behind the end", more(PULL, outputs="v", output_v_times="0.1,5"), "-output_v_times 5 lies behind the end, -ts_max_time 1"),
+        ("more steps than there are", more(PULL, outputs="v", output_v_every=1000), "-output_v_every 1000 lies behind the end")]:
+    code, lines = start(more(options, dry_run="on"), 1)
+    require(claim, code == 0 and any("WARNING: " + words in line for line in lines))
+ring = subprocess.run([PROGRAM, *start_words(PULL)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                      env={**ENVIRONMENT, "PETSC_OPTIONS": "-options_file loop.opts"})
+require("a ring of options files in PETSC_OPTIONS", ring.returncode == 2 and "leads back to itself" in ring.stdout)
+write("plain_file", "")
+folder = subprocess.run([PROGRAM, *start_words(PULL), "-output_dir", "plain_file/x"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                        env=ENVIRONMENT)
+require("an output folder that cannot be made", folder.returncode == 4 and '-output_dir "plain_file/x": cannot make' in folder.stdout)
 
 # A byte-order mark before a table is none of its numbers.
 pulled = [run(name, more(PULL, functions="f", function_f_table=write(name + ".csv", "0 0\n1 1\n", encoding), bc_push_uy="0.1*f(t)"))

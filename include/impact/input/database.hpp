@@ -36,10 +36,14 @@ std::string find_input_file(MPI_Comm comm, const GivenOption& option);
 /// Some editors put it before a text; no reader of ours or of PETSc's takes it for a blank.
 inline constexpr const char* byte_order_mark = "\xEF\xBB\xBF";
 
-/// Follows the options files of a command line and those that they name, before PETSc reads them: one that
-/// leads back to itself has no end, and PETSc runs out of memory for its calls. Throws UserError(usage) for
-/// it and for one that begins with a byte-order mark. Each rank reads by itself: MPI has not started.
+/// Follows the options files of a command line (and of PETSC_OPTIONS) and those that they name, before PETSc
+/// reads them: one that leads back to itself has no end, and PETSc runs out of memory for its calls. Throws
+/// UserError(usage) for it and for one that begins with a byte-order mark. Each rank reads by itself: MPI has
+/// not started.
 void check_option_files(int argc, const char* const* argv);
+bool is_yaml(const std::string& file);
+/// Why PETSc could not read the options of a command line, with the line of a YAML file.
+std::string explain_unread_files(int argc, const char* const* argv, const std::string& petsc_message);
 
 /// Whether the option `name` (no dash, any case) stands on the command line itself.
 bool on_command_line(const std::string& name);
@@ -51,8 +55,10 @@ std::vector<std::string> texts_in_files(const std::string& name);
 /// Whole text of a file without its byte-order mark, read on rank 0. Collective. Throws UserError(io).
 std::string read_input_file(MPI_Comm comm, const GivenOption& option, const std::string& path);
 
-/// Options that nobody has read so far, each as "-name value", without those that PETSc reads at its end
-/// (-options_left, -log_view, ...). For the report after the first accepted step.
-std::vector<std::string> unconsumed_options();
+/// Read by PETSc in PetscInitialize or only in PetscFinalize (-log_view, ...), so that "unread" says nothing.
+bool read_at_the_ends(const std::string& name);
+
+/// Options that nobody has read so far, without those that are read at the ends.
+std::vector<GivenOption> unread_options();
 
 } // namespace impact

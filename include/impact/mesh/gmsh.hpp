@@ -1,5 +1,5 @@
 #pragma once
-#include <functional>
+#include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
 #include <string>
@@ -43,9 +43,8 @@ void check_gmsh(GmshFile& file, bool version4);
 
 /// Runs `gmsh` (found on PATH, no shell) on a .geo with `-setnumber`/`-setstring` for each parameter and
 /// writes `work_dir`/<stem>.msh in version 4.1; returns its path. Throws UserError(io) quoting gmsh's first
-/// error line, and UserError(usage) for a parameter whose name does not occur in the .geo. What
-/// `reason_to_stop` gives while gmsh works ends it, and becomes a UserError(io).
-std::string run_gmsh(const std::string& geo, const std::map<std::string, std::string>& parameters,
-                     const std::string& work_dir, const std::function<std::string()>& reason_to_stop = {});
+/// error line or saying why it was ended (request.reason_to_stop), UserError(data) after request.patience,
+/// and UserError(usage) for a parameter whose name does not occur in the .geo.
+std::string run_gmsh(const MeshRequest& request);
 
 } // namespace impact

@@ -134,6 +134,8 @@ struct MeshRequest {
       parameters;                              ///< -mesh_set_<name>: values of DefineConstant names in a .geo
   double scale = 1;                            ///< every coordinate is multiplied by it
   int refine = 0;                              ///< uniform refinements
+  double most_cells = 2e6;                     ///< refinement to more is refused before it is made
+  double patience = 600;                       ///< seconds after which gmsh is stopped; 0: never
   std::string work_dir = ".";                  ///< where a .geo's mesh is written
   std::function<std::string()> reason_to_stop; ///< asked for on rank 0 while gmsh works; "": none
   /// Cells beside those of the file, asked for once its dimension and the box around its nodes (smallest x,

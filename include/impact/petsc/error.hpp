@@ -27,9 +27,12 @@ class PetscError : public std::runtime_error {
 public:
   PetscError(PetscErrorCode code, const std::source_location& where);
   PetscErrorCode code() const { return code_; }
+  /// PETSc's innermost message without the place in its source.
+  const std::string& said() const { return said_; }
 
 private:
   PetscErrorCode code_;
+  std::string said_;
 };
 
 /// Throws PetscError when `code` is not zero.
@@ -68,7 +71,7 @@ template <class Body> void on_rank_zero(MPI_Comm comm, Body&& body);
 /// PETSc error handler of the program: records the innermost message, prints nothing, so that one clear line
 /// is printed by main instead of a traceback on each rank. Installed once, after PetscInitialize.
 void install_quiet_error_handler();
-/// The innermost PETSc message recorded since the last call.
+/// The innermost PETSc message recorded since the last call, without the place in its source.
 std::string last_petsc_message();
 
 /// Rank 0's text on all ranks. Collective.

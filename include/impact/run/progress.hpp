@@ -16,10 +16,6 @@ void report_setup(const Scenario& scenario, const Discretisation& discretisation
 void report_solvers(const Discretisation& discretisation, const std::vector<std::string>& solvers,
                     bool factors);
 
-/// Options that nobody read are most often typing errors (ours are refused before the mesh is read).
-/// Collective. Throws UserError(usage) with -options_strict.
-void report_unused_options(MPI_Comm comm, bool strict);
-
 class Progress {
 public:
   Progress(MPI_Comm comm, double t_end);

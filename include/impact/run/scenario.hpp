@@ -35,7 +35,8 @@ struct MeshScenario {
   std::string file; ///< resolved path
   double scale = 1;
   int refine = 0;
-  std::map<std::string, std::string> set; ///< .geo parameters
+  double most_cells = 2e6, patience = 600; ///< -mesh_cells, -mesh_wall
+  std::map<std::string, std::string> set;  ///< .geo parameters
 };
 
 struct MaterialScenario {
@@ -80,6 +81,7 @@ struct TimeScenario {
   int max_steps = 0;                          ///< 0: no limit
   double period = 0;                          ///< of a cyclic load; 0: none
   std::vector<double> table_times, table_dts; ///< -ts_times, -ts_dts
+  std::map<std::string, double> of_petsc;     ///< given options that the integrator reads itself
 };
 
 struct CheckpointScenario {
@@ -107,6 +109,7 @@ struct ContactScenario : ContactSettings {
 
 struct Scenario {
   std::string title, output_dir = ".";
+  bool restep = false; ///< every step is tried, refused and tried again with the same dt
   UnitSystem units;
   std::vector<ParameterScenario> params;
   std::vector<FunctionScenario> functions;

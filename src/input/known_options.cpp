@@ -1,0 +1,294 @@
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdarg>
+#include <impact/input/database.hpp>
+#include <impact/input/known_options.hpp>
+#include <impact/input/spelling.hpp>
+#include <impact/petsc/error.hpp>
+#include <sstream>
+
+namespace impact {
+
+namespace {
+
+// PETSc prints by a process-wide hook, so what takes its place is process-wide too.
+std::string& printed() {
+  static std::string text;
+  return text;
+}
+
+PetscErrorCode collect(FILE*, const char format[], va_list values) {
+  std::string line(1 << 15, '\0');
+  std::size_t length = 0;
+  if (const PetscErrorCode code = PetscVSNPrintf(line.data(), line.size(), format, &length, values))
+    return code;
+  printed() += line.c_str();
+  return 0;
+}
+
+// PETSc prints to collect() while it lives.
+class Listening {
+public:
+  Listening() : print_(std::exchange(PetscVFPrintf, collect)) { printed().clear(); }
+  ~Listening() { PetscVFPrintf = print_; }
+  Listening(const Listening&) = delete;
+  Listening& operator=(const Listening&) = delete;
+
+private:
+  PetscErrorCode (*print_)(FILE*, const char[], va_list);
+};
+
+// PETSc's database while it lives: nothing that is read there counts as used in the real one.
+class OptionsOfTrial {
+public:
+  OptionsOfTrial() {
+    check(PetscOptionsCreate(&options_));
+    check(PetscOptionsPush(options_));
+  }
+  ~OptionsOfTrial() {
+    PetscOptionsPop();
+    PetscOptionsDestroy(&options_);
+  }
+  OptionsOfTrial(const OptionsOfTrial&) = delete;
+  OptionsOfTrial& operator=(const OptionsOfTrial&) = delete;
+  void set(const std::string& name, const std::string& text) {
+    check(PetscOptionsSetValue(options_, ("-" + name).c_str(), text.empty() ? nullptr : text.c_str()));
+  }
+
+private:
+  PetscOptions options_ = nullptr;
+};
+
+std::vector<std::string> registered(PetscFunctionList list) {
+  const char** names = nullptr;
+  int count = 0;
+  check(PetscFunctionListGet(list, &names, &count));
+  std::vector<std::string> all;
+  for (int i = 0; i < count; ++i)
+    if (names[i] != nullptr) all.emplace_back(names[i]);
+  check(PetscFree(names));
+  return all;
+}
+
+// Makes one solver of each kind; each needs a prefix of its own, since PETSc prints a help only once.
+class Survey {
+public:
+  explicit Survey(MPI_Comm comm) : comm_(comm), matrix_(small_matrix(comm)) {}
+
+  void run() {
+    for (const char* type : {SNESNEWTONLS, SNESVINEWTONRSLS, SNESVINEWTONSSLS, SNESSHELL})
+      solver([&](SNES snes, KSP, PC) { return SNESSetType(snes, type); });
+    for (const std::string& type : registered(SNESLineSearchList))
+      solver([&](SNES snes, KSP, PC) {
+        SNESLineSearch search = nullptr;
+        check(SNESGetLineSearch(snes, &search));
+        return SNESLineSearchSetType(search, type.c_str());
+      });
+    for (const std::string& type : registered(KSPList))
+      solver([&](SNES, KSP ksp, PC) { return KSPSetType(ksp, type.c_str()); });
+    for (const std::string& type : registered(PCList))
+      solver([&](SNES, KSP, PC pc) { return PCSetType(pc, type.c_str()); });
+    for (const char* type : {"euclid", "pilut", "parasails", "boomeramg", "ams", "ads"})
+      solver([&](SNES, KSP, PC pc) {
+        check(PCSetType(pc, PCHYPRE));
+        return PCHYPRESetType(pc, type);
+      });
+    // What a factorisation takes shows when it is made, what is printed of a solve when it has ended.
+    for (const char* type : {PCLU, PCCHOLESKY})
+      for (const char* package : {MATSOLVERPETSC, MATSOLVERMUMPS, MATSOLVERSUPERLU_DIST})
+        solver(
+            [&](SNES, KSP ksp, PC pc) {
+              check(KSPSetType(ksp, KSPGMRES));
+              check(PCSetType(pc, type));
+              return PCFactorSetMatSolverType(pc, package);
+            },
+            true);
+    for (const char* type : {"newmark", "static", TSBEULER, TSTHETA, TSALPHA2}) integrator(type, nullptr);
+    for (const char* type : {TSADAPTNONE, TSADAPTBASIC}) integrator(TSBEULER, type);
+  }
+
+private:
+  template <class Choose> void solver(const Choose& choose, bool solve = false) {
+    Handle<SNES> snes;
+    KSP ksp = nullptr;
+    PC pc = nullptr;
+    check(SNESCreate(comm_, snes.out()));
+    check(SNESSetOptionsPrefix(snes, prefix().c_str()));
+    check(SNESGetKSP(snes, &ksp));
+    check(KSPGetPC(ksp, &pc));
+    check(KSPSetOperators(ksp, matrix_, matrix_));
+    check(KSPSetType(ksp, KSPPREONLY));
+    check(PCSetType(pc, PCNONE));
+    // A kind that this PETSc does not have, or has only with more than a matrix, has no help to read.
+    if (choose(snes, ksp, pc) != 0 || SNESSetFromOptions(snes) != 0 || !solve) return;
+    const Handle<Vec> x = vector();
+    KSPSolve(ksp, x, x);
+    if (SNESSetFunction(snes, x, identity, nullptr) == 0 &&
+        SNESSetJacobian(snes, matrix_, matrix_, constant, nullptr) == 0)
+      SNESSolve(snes, nullptr, vector());
+  }
+
+  void integrator(const char* type, const char* adapt) {
+    Handle<TS> ts;
+    TSAdapt control = nullptr;
+    check(TSCreate(comm_, ts.out()));
+    check(TSSetOptionsPrefix(ts, prefix().c_str()));
+    if (TSSetType(ts, type) != 0) return;
+    check(TSGetAdapt(ts, &control));
+    if (adapt == nullptr || TSAdaptSetType(control, adapt) == 0) TSSetFromOptions(ts);
+  }
+
+  Handle<Vec> vector() const {
+    Vec x = nullptr;
+    check(MatCreateVecs(matrix_, &x, nullptr));
+    check(VecSet(x, 1));
+    return Handle<Vec>(x);
+  }
+  static PetscErrorCode identity(SNES, Vec x, Vec f, void*) { return VecCopy(x, f); }
+  static PetscErrorCode constant(SNES, Vec, Mat, Mat, void*) { return 0; }
+  std::string prefix() { return "known" + std::to_string(count_++) + "_"; }
+
+  MPI_Comm comm_;
+  Handle<Mat> matrix_;
+  int count_ = 0;
+};
+
+// Whether the value is a word of the message, or a number of it.
+bool names_value(const std::string& message, const std::string& value) {
+  if (value.empty()) return false;
+  const std::string in = lower_case(message), word = lower_case(value);
+  const auto part_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  for (std::size_t at = in.find(word); at != std::string::npos; at = in.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !part_of_word(in[at - 1])) && (end == in.size() || !part_of_word(in[end]))) return true;
+  }
+  char* rest = nullptr;
+  const double number = std::strtod(word.c_str(), &rest);
+  if (*rest != '\0') return false;
+  for (const char* c = in.c_str(); *c != '\0'; ++c) {
+    if (!std::isdigit(static_cast<unsigned char>(*c)) && *c != '-') continue;
+    const double said = std::strtod(c, &rest);
+    if (rest == c) continue;
+    if (std::abs(said - number) <= 1e-4 * std::abs(number)) return true;
+    c = rest - 1;
+  }
+  return false;
+}
+
+std::string explain(const std::string& message, const std::string& prefix,
+                    const std::vector<GivenOption>& options) {
+  for (const GivenOption& option : options) {
+    if (!option.key.starts_with("-" + prefix) || !names_value(message, option.text)) continue;
+    const std::string allowed = KnownOptions::get().allowed(option.key.substr(1));
+    const bool number = message.find("numeric value") != std::string::npos ||
+                        message.find("integer value") != std::string::npos;
+    std::vector<std::string> choices = split_list(allowed);
+    const bool listed = std::find(choices.begin(), choices.end(), option.text) != choices.end();
+    const std::string near = listed ? "" : nearest_name(option.text, choices, 2);
+    return option.key + " \"" + option.text + "\": PETSc refuses it (" + message + ")" +
+           (near.empty() ? "" : "; did you mean " + near + "?") + "; allowed: " +
+           (!allowed.empty() ? allowed
+            : number         ? "a number"
+                             : "what PETSc's manual says of this option");
+  }
+  std::string types;
+  for (const GivenOption& option : options)
+    if (option.key.ends_with("_type") && !option.key.starts_with("-ts_") &&
+        KnownOptions::get().of_solver(option.key.substr(1)))
+      types += (types.empty() ? "" : " ") + option.key + " " + option.text;
+  return types.empty() ? ""
+                       : "PETSc cannot solve with " + types + " (" + message + "); leave one of them out";
+}
+
+} // namespace
+
+Handle<Mat> small_matrix(MPI_Comm comm) {
+  Handle<Mat> matrix;
+  PetscInt first = 0, end = 0;
+  check(MatCreateAIJ(comm, 2, 2, PETSC_DETERMINE, PETSC_DETERMINE, 1, nullptr, 0, nullptr, matrix.out()));
+  check(MatGetOwnershipRange(matrix, &first, &end));
+  for (PetscInt i = first; i < end; ++i) check(MatSetValue(matrix, i, i, 1, INSERT_VALUES));
+  check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  return matrix;
+}
+
+KnownOptions::KnownOptions() {
+  {
+    OptionsOfTrial trial;
+    trial.set("help", "");
+    const Listening listening;
+    Survey(PETSC_COMM_SELF).run();
+    last_petsc_message();
+  }
+  // Lines "  -known7_ksp_rtol <now 1e-05 : formerly 1e-05>: ...".
+  std::istringstream lines(std::exchange(printed(), std::string()));
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t dash = line.find_first_not_of(" \t");
+    if (dash == std::string::npos || dash == 0 || line[dash] != '-') continue;
+    const std::size_t end = std::min(line.find_first_of(" :<\t,", dash), line.size());
+    std::string name = lower_case(line.substr(dash + 1, end - dash - 1));
+    if (name.empty() || !std::isalpha(static_cast<unsigned char>(name[0]))) continue;
+    const bool solver = name.starts_with("known") && name.find('_') != std::string::npos;
+    if (solver) name.erase(0, name.find('_') + 1);
+    if (solver) solver_.emplace(name, line.substr(end));
+    if (!solver || name.starts_with("ts_")) global_.emplace(name, line.substr(end));
+  }
+}
+
+const KnownOptions& KnownOptions::get() {
+  static const KnownOptions known; // PETSc prints its helps only once in a process
+  return known;
+}
+
+bool KnownOptions::of_solver(const std::string& name) const {
+  for (std::size_t at = 0; at != std::string::npos; at = name.find('_', at + 1))
+    if (solver_.count(lower_case(name.substr(at == 0 ? 0 : at + 1)))) return true;
+  return false;
+}
+
+std::string KnownOptions::allowed(const std::string& name) const {
+  for (std::size_t at = 0; at != std::string::npos; at = name.find('_', at + 1)) {
+    const auto found = solver_.find(lower_case(name.substr(at == 0 ? 0 : at + 1)));
+    if (found == solver_.end()) continue;
+    const std::string one_of = "(one of)", &text = found->second;
+    const std::size_t begin = text.find(one_of);
+    if (begin == std::string::npos) return "";
+    std::istringstream words(text.substr(begin + one_of.size()));
+    std::vector<std::string> choices;
+    for (std::string word; words >> word && word[0] != '(';) choices.push_back(word);
+    return join(choices);
+  }
+  return "";
+}
+
+void try_options(const std::string& prefix, const std::function<void()>& set_up) {
+  const std::vector<GivenOption> options = unread_options();
+  std::string message;
+  {
+    OptionsOfTrial trial;
+    for (const GivenOption& option : options)
+      if (option.key.starts_with("-" + prefix)) trial.set(option.key.substr(1), option.text);
+    try {
+      set_up();
+    } catch (const PetscError& error) {
+      message = error.said();
+    }
+  }
+  if (message.empty()) return;
+  last_petsc_message();
+  const std::string text = explain(message, prefix, options);
+  throw UserError(ExitCode::usage,
+                  text.empty() ? "the options -" + prefix + "...: PETSc refuses one of them (" + message + ")"
+                               : text);
+}
+
+std::string refused_option(const std::string& petsc_message) {
+  std::vector<GivenOption> options;
+  for (const std::string& name : option_names())
+    if (const auto text = option_text(name)) options.push_back({"-" + name, *text});
+  return explain(petsc_message, "", options);
+}
+
+} // namespace impact
