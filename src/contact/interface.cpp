@@ -189,6 +189,8 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
 bool ContactInterface::update_search(Vec u) {
   const PairSearch::Outcome outcome = form_->update(u, law());
   if (outcome != PairSearch::Outcome::kept) use_new_nodes();
+  // Whether pressures stagnate is seen on the same constraints only.
+  if (outcome == PairSearch::Outcome::other_pairs) last_change_ = HUGE_VAL;
   if (step_.rule != StepRule::none) find_start_gaps();
   return outcome == PairSearch::Outcome::other_pairs;
 }
