@@ -17,7 +17,8 @@ void NewtonWatch::start(bool full_steps) {
 }
 
 void NewtonWatch::note(double norm) {
-  unchanged_ = !norms_.empty() && alike(norm, norms_.back(), 0.1) ? unchanged_ + 1 : 0;
+  const bool creeps = !norms_.empty() && norm > norms_.back() / 1.5 && norm < 1.1 * norms_.back();
+  unchanged_ = creeps ? unchanged_ + 1 : 0;
   norms_.push_back(norm);
 }
 
