@@ -295,12 +295,12 @@ void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snaps
       for (int k = 0; k < components; ++k) {
         double sum = 0;
         // Contact fields have no value off their surface.
-        if (nodal)
+        if (nodal) {
           for (int a = 0; a < probe.count; ++a)
-            sum += std::abs(probe.N[a]) < 1e-9
-                       ? 0
-                       : probe.N[a] * values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
-        else if (probe.count > 0)
+            if (const double value = values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
+                std::isfinite(value) || std::abs(probe.N[a]) > 1e-9)
+              sum += probe.N[a] * value;
+        } else if (probe.count > 0)
           sum = values[(probe.batch * static_cast<std::size_t>(components) + static_cast<std::size_t>(k)) *
                            lanes +
                        probe.lane];
