@@ -17,8 +17,10 @@ void NewtonWatch::start(bool full_steps) {
 }
 
 void NewtonWatch::note(double norm) {
-  const bool creeps = !norms_.empty() && norm > norms_.back() / 1.5 && norm < 1.1 * norms_.back();
-  unchanged_ = creeps ? unchanged_ + 1 : 0;
+  // Far from the solution an active set that grows by a node at a time looks the same.
+  const bool near = !norms_.empty() && norm < 1e-3 * norms_.front();
+  const double last = norms_.empty() ? 0 : norms_.back();
+  unchanged_ = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9) ? unchanged_ + 1 : 0;
   norms_.push_back(norm);
 }
 

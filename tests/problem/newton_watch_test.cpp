@@ -54,6 +54,13 @@ TEST(NewtonWatch, SaysNothingOfWhatConverges) {
   EXPECT_EQ(watch(fades).at, 0);
 }
 
+TEST(NewtonWatch, WhatCreepsStalls) { // a ball on a plate that breaks, 0.01 after 25 iterations
+  const Seen seen = watch({1.3e4,  2266,   226,    81,     76,     46.8,   20.3,   7.43,   3.00,   1.39,
+                           0.7324, 0.4263, 0.2670, 0.1780, 0.1245, 0.0905, 0.0679, 0.0523, 0.0411, 0.0330});
+  EXPECT_TRUE(seen.stalls);
+  EXPECT_LE(seen.at, 18);
+}
+
 TEST(NewtonWatch, StallsOnlyWhereStepsAreTakenInFull) {
   const std::vector<double> norms = {3e5, 0.1, 2e-6, 1.9e-6, 1.85e-6, 1.8e-6, 1.7e-6, 1.65e-6, 1.6e-6};
   const Seen seen = watch(norms);

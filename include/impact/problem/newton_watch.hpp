@@ -16,8 +16,8 @@ public:
   /// before to 4 %, of a cycle of two or three those of the last four iterates; the norms within it differ by
   /// more than a tenth. A cycle of n iterates is seen after 2 n of them, or n + 4 if that is more.
   int cycle() const;
-  /// Whether each of the last five full steps lowered the norm by less than a third, or raised it by less than
-  /// a tenth.
+  /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
+  /// than a third where it is a thousandth of the first one already.
   bool stalls() const { return full_steps_ && unchanged_ >= 5; }
 
 private:
