@@ -715,6 +715,15 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
                        [&](const auto& c) { return c.review(u).converged; });
   };
   result.inner = solve_to(rough_ ? std::max(rtol, 0.1) : rtol);
+  if (first_touch_ && result.inner < 0) { // the other way round then
+    first_touch_ = rough_ = cell_broke_ = false;
+    check(VecCopy(newton_start_, u));
+    for (ContactInterface& contact : motion_.contacts()) {
+      contact.meet(false);
+      contact.start_newton(u);
+    }
+    result.inner = solve_to(rtol);
+  }
   if (rough_ && result.inner >= 0 && !first_touch_ && settled()) {
     rough_ = false;
     result.inner = solve_to(rtol);
@@ -758,7 +767,8 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
     contact.augment(u);
     contact.meet(false);
   }
-  rough_ = std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
+  rough_ =
+      !inertia_ && std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
   return result;
 }
 

@@ -25,7 +25,8 @@ BALL = {
 
 
 def blow(name, options, dt, least_crack):
-    r = runs.run(f"{name}_{dt}".replace(" ", "_"), {**options, "ts_dt": dt})
+    # The semismooth method creeps in a step of the ball, and augmentations take its place.
+    r = runs.run(f"{name}_{dt}".replace(" ", "_"), {**options, "ts_dt": dt}, refused=1 if name == "ball" else 0)
     runs.check_between(f"{name}, {dt}: largest residual of the first law", abs(r["balance_first_law"]).max(), 0, 0.02)
     runs.check_between(f"{name}, {dt}: balance", abs(r["balance"]).max(), 0, 1e-10)
     runs.check_between(f"{name}, {dt}: loss by closing cracks is none that gains", r["dissipated_closing"].min() / r["energy_kinetic"].max(), -1e-9, 1)
