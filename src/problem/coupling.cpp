@@ -221,10 +221,10 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
   // An iteration with MUMPS costs a third of one that factorises before (2D, 5e3 dofs). Gaps that the linear
   // solves close need directions of the iterate, though: 4 iterations with full Newton, 15 without (patch
-  // test).
+  // test); and what contact alone holds has another mass in each matrix (H2).
   if (settings_.reuse >= 0)
     reuse_ = TangentReuse(settings_.reuse);
-  else if (factorises && !semismooth())
+  else if (factorises && !semismooth() && loose_.empty())
     reuse_ = TangentReuse(0.1);
   PetscBool preonly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &preonly));
@@ -357,6 +357,11 @@ bool Coupling::reverses() const {
 bool Coupling::semismooth() const {
   const auto& contacts = motion_.contacts();
   return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.semismooth(); });
+}
+
+bool Coupling::augments() const {
+  const auto& contacts = motion_.contacts();
+  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
 }
 
 // Multipliers of the semismooth method follow every iterate, before the residual is evaluated there; the
@@ -587,7 +592,7 @@ SNESConvergedReason Coupling::solve_motion(Vec u) {
   }
   const bool lost =
       reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
-  if (lost && has_second_way()) {
+  if (lost && has_second_way() && !first_touch_) {
     // With contact both ways together take no more than one may; what has nothing left for the second one
     // begins the next try of the step with it.
     PetscInt most = 0;
@@ -693,20 +698,22 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   PassResult result;
   refresh_contact(u);
   if (!loose_.empty()) approach(u);
-  // What presses nothing yet is brought to rest on penalties, whose forces grow with the way: the semismooth
-  // method, whose gaps close at once, begins from the pressures that they find.
-  if (pass == 1) first_touch_ = semismooth() && !loose_.empty() && !loose_.rest(u);
+  // What presses nothing yet is brought to rest on penalties, roughly: their forces grow with the way, and
+  // the semismooth method, whose gaps close at once, begins from the pressures that they find.
+  if (pass == 1) first_touch_ = (semismooth() || augments()) && !loose_.empty() && !loose_.rest(u);
   for (ContactInterface& contact : motion_.contacts()) {
-    contact.meet(first_touch_);
+    contact.meet(!loose_.empty(), first_touch_);
     contact.start_newton(u);
   }
   // Before the last augmentation a residual that falls to a tenth is exact enough.
   rough_ = first_touch_ || (pass > 1 && rough_);
+  constexpr PetscInt enough = 10; // for a first touch, or it has the wrong way
   PetscReal rtol = 0;
-  check(SNESGetTolerances(motion_snes_, nullptr, &rtol, nullptr, nullptr, nullptr));
+  PetscInt most = 0;
+  check(SNESGetTolerances(motion_snes_, nullptr, &rtol, nullptr, &most, nullptr));
   const auto solve_to = [&](PetscReal relative) {
-    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, relative, PETSC_DEFAULT, PETSC_DEFAULT,
-                            PETSC_DEFAULT));
+    check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, relative, PETSC_DEFAULT,
+                            first_touch_ ? std::min(most, enough) : most, PETSC_DEFAULT));
     return solve_motion(u);
   };
   const auto settled = [&] {
@@ -715,11 +722,12 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
                        [&](const auto& c) { return c.review(u).converged; });
   };
   result.inner = solve_to(rough_ ? std::max(rtol, 0.1) : rtol);
-  if (first_touch_ && result.inner < 0) { // the other way round then
+  if (first_touch_ && result.inner < 0) {
     first_touch_ = rough_ = cell_broke_ = false;
+    loose_.start_attempt();
     check(VecCopy(newton_start_, u));
     for (ContactInterface& contact : motion_.contacts()) {
-      contact.meet(false);
+      contact.meet(!loose_.empty(), false);
       contact.start_newton(u);
     }
     result.inner = solve_to(rtol);
@@ -728,7 +736,7 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
     rough_ = false;
     result.inner = solve_to(rtol);
   }
-  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, rtol, PETSC_DEFAULT, most, PETSC_DEFAULT));
   counts_.uzawa += 1;
   if (result.inner < 0) {
     failure_ = std::string("motion: ") + SNESConvergedReasons[result.inner];
@@ -765,10 +773,9 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   }
   for (ContactInterface& contact : contacts) {
     contact.augment(u);
-    contact.meet(false);
+    contact.meet(!loose_.empty(), false);
   }
-  rough_ =
-      !inertia_ && std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
+  rough_ = !inertia_ && augments();
   return result;
 }
 

@@ -2,10 +2,12 @@
 # timeout: 120
 # processors: 2
 """Static bodies that contact alone holds (src/theory.md (H1) to (H3)): a round body that touches a block in one point,
-pressed by a dead traction in one step, against Hertz; a stack under gravity with friction; a body above a small gap; a body
+pressed by a dead traction in one step, against Hertz; a stack under gravity with friction; a body above a small gap; a disc that may roll; a body
 that nothing holds is named. The hold stands in the matrix alone: forces balance to rounding, no work is missing."""
-from _held import METHODS, cylinder, hertz_error, stack
-from _runs import check, check_between, finish, require
+import math
+
+from _held import CYLINDER, METHODS, cylinder, hertz_error, stack
+from _runs import check, check_between, finish, mesh, require, run
 
 for method, enforce in METHODS:
     for friction in (0, 0.3):
@@ -25,6 +27,14 @@ for friction in (0, 0.3):
     check_between(f"stack, friction {friction}: Newton iterations of the step", r["newton"][1], 1, 25)
 r = cylinder("gap", "auto", "auto", extra={"mesh_set_gap": 0.03})
 check("above a gap: force", r["contact_touch_force_y"][-1], 500, 1e-9)
+r = run("lies", {
+    **{key: value for key, value in CYLINDER.items() if not key.startswith("bc")}, "mesh": mesh("disc_on_plate.geo"),
+    "material_block_region": "plate", "bcs": "ground,load", "bc_ground_on": "ground",
+    "bc_ground_type": "fix", "bc_load_on": "load", "bc_load_type": "traction", "bc_load_uy": "(-300*t)",
+    "contact_touch_primary": "plate_top", "ts_dt": 0.1})
+check("a disc that may roll: force over the load", r["contact_touch_force_y"][-1] / (1000 * math.pi), 1, 5e-3)  # on chords
+check("it is what the ground carries", r["reaction_ground_y"][-1], r["contact_touch_force_y"][-1], 1e-9)
+check_between("Newton iterations of its first step", r["newton"][1], 1, 25)
 r = cylinder("away", "auto", "auto", extra={"bc_load_uy": "50*t"}, code=5)
 require("a body that flies away is named", "the body of region disc" in r.log and "meets nothing that holds it" in r.log)
 finish()

@@ -193,12 +193,12 @@ public:
   bool semismooth() const {
     return settings_.enforce == Enforcement::semismooth && !fallen_back_ && !by_penalty_;
   }
-  /// Whether the next solve brings bodies together that nothing held so far: on penalties in place of the
-  /// semismooth method. Where points are far more than the surfaces' nodes, which pressures are left is a
-  /// choice among many; there augmentations follow.
-  void meet(bool first_touch) {
+  /// Before the next solve, where bodies are `loose`: held by contact alone. `first_touch`: some press
+  /// nothing so far, and penalties take the place of the semismooth method. Where points are far more than
+  /// the surfaces' nodes, which pressures are left is a choice among many; there augmentations do.
+  void meet(bool loose, bool first_touch) {
     by_penalty_ = first_touch;
-    fallen_back_ = fallen_back_ || (first_touch && form_->overdetermined());
+    fallen_back_ = fallen_back_ || (loose && form_->overdetermined());
   }
   /// Whether they are updated between its solves.
   bool augments() const { return settings_.enforce != Enforcement::penalty && !semismooth(); }

@@ -169,6 +169,7 @@ private:
   void project_predictor(double t_n, double dt, Vec u_tilde, Vec v);
   KSP projection_solver();
   bool semismooth() const;
+  bool augments() const;
   bool frictional() const;
   bool reverses() const;
   bool closes_gaps() const { return semismooth() || reverses(); }
