@@ -140,8 +140,9 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   std::vector<double> change(values.size(), 0.0), force(values.size(), 0.0);
   const auto m = at(dim_);
   double widest = 0;
+  const bool by_force = at_rest_ && augments();
   const ContactStatus status =
-      visit(values, augments() ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
+      visit(values, by_force ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
         const double p = std::max(0.0, c.pressure), before = multiplier_->trial[at(c.index)];
         lambda[at(c.index)] = p;
         const std::size_t n = c.gradient.size();
@@ -193,8 +194,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   // Constraints that are more than the surfaces can meet share a force in many ways, and go on changing. With
   // inertia every change left is energy.
   double of_force = report.change;
-  if (at_rest_ && augments() && report.change > last_change_ / 2 &&
-      report.penetration < settings_.gap_tol / 10)
+  if (by_force && report.change > last_change_ / 2 && report.penetration < settings_.gap_tol / 10)
     of_force = relative(largest_of(change), std::max(largest_of(force), negligible * largest[3]));
   report.penalty = penalty();
   switch (settings_.enforce) {
