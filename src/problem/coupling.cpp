@@ -76,9 +76,8 @@ void set_solver_defaults(KSP ksp, const SolverDefaults& defaults) {
 } // namespace
 
 SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, bool inertia, double dt,
-                             ContactDemands contact, MatrixFormat matrix) {
+                             SolverDemands demands, std::optional<MatrixFormat> matrix) {
   SolverDefaults choice;
-  choice.matrix = matrix;
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
   for (const MaterialAssignment& m : d.materials)
@@ -87,8 +86,8 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
   char text[160];
   const bool small = dofs <= (d.dim() == 2 ? 100000 : 20000);
-  if (choice.resolves_waves() && !d.has_viscosity() && !contact.frictional && !contact.rigid &&
-      !(contact.closes_gaps && small)) {
+  if (choice.resolves_waves() && !d.has_viscosity() && !demands.frictional && !demands.rigid &&
+      !(demands.closes_gaps && small)) {
     choice.direct = false;
     choice.symmetric = true;
     std::snprintf(text, sizeof(text), "dt is %.3g times h/c_p", choice.cfl);
@@ -107,6 +106,10 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   if (!ksp.empty()) choice.symmetric = ksp == "cg" || ksp == "minres";
   if (!ksp.empty() || !pc.empty()) choice.reason = "chosen by options";
   if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
+  // Products and assembly of the half take less than half the time of a run with conjugate gradients.
+  const bool own = ksp.empty() && pc.empty() && !choice.direct && !choice.multigrid;
+  choice.matrix = matrix.value_or(own && choice.symmetric && !demands.unsymmetric ? MatrixFormat::sbaij
+                                                                                  : MatrixFormat::aij);
   return choice;
 }
 

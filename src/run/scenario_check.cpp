@@ -11,6 +11,20 @@
 /// groups.
 namespace impact {
 
+std::pair<std::string, std::string> unsymmetric_force(const Scenario& scenario) {
+  for (const MaterialScenario& material : scenario.materials)
+    if (material.law.model == Model::rigid)
+      return {"-material_" + material.law.id + "_model rigid", "other models"};
+  for (const BoundaryCondition& bc : scenario.bcs)
+    if (bc.type == BcType::pressure) return {"-bc_" + bc.id + "_type pressure", "dead loads"};
+  for (const ContactScenario& contact : scenario.contacts) {
+    if (contact.rigid_mass > 0)
+      return {"-contact_" + contact.id + "_rigid_mass", "rigid bodies that move as told"};
+    if (contact.friction > 0) return {"-contact_" + contact.id + "_friction", "no friction"};
+  }
+  return {};
+}
+
 namespace {
 
 [[noreturn]] void fail(const std::string& message) { throw UserError(ExitCode::usage, message); }
@@ -340,27 +354,18 @@ void check_checkpoints(const Scenario& scenario) {
 // Half of an unsymmetric matrix would be taken for all of it without a word.
 void check_matrix(const Scenario& scenario) {
   if (scenario.matrix != MatrixFormat::sbaij) return;
-  const std::string key = "-motion_mat_type \"sbaij\": needs a symmetric tangent, ",
-                    remedy = "choose -motion_mat_type aij";
+  const auto refuse = [](const std::string& what, const std::string& allowed) {
+    fail("-motion_mat_type \"sbaij\": needs a symmetric tangent, that of " + what +
+         " is not; allowed: " + allowed + "choose -motion_mat_type aij");
+  };
+  if (const auto [what, allowed] = unsymmetric_force(scenario); !what.empty()) refuse(what, allowed + "; ");
+  if (scenario.tangent == TangentChoice::symmetric) return;
   for (const MaterialScenario& material : scenario.materials) {
-    if (material.law.model == Model::rigid)
-      fail(key + "that of -material_" + material.law.id + "_model rigid is not; allowed: other models; " +
-           remedy);
     const bool flows = material.law.model == Model::j2, fbar = material.law.locking == Locking::fbar;
-    if (scenario.tangent != TangentChoice::symmetric && (flows || fbar))
-      fail(key + "that of -material_" + material.law.id + (flows ? "_model j2" : "_locking fbar") +
-           " is not; allowed: elastic materials without F-bar; add -motion_tangent symmetric, or " + remedy);
+    if (flows || fbar)
+      refuse("-material_" + material.law.id + (flows ? "_model j2" : "_locking fbar"),
+             "elastic materials without F-bar; add -motion_tangent symmetric, or ");
   }
-  for (const BoundaryCondition& bc : scenario.bcs)
-    if (bc.type == BcType::pressure)
-      fail(key + "that of -bc_" + bc.id + "_type pressure is not; allowed: dead loads; " + remedy);
-  for (const ContactScenario& contact : scenario.contacts)
-    if (contact.rigid_mass > 0)
-      fail(key + "that of -contact_" + contact.id +
-           "_rigid_mass is not; allowed: rigid bodies that move as told; " + remedy);
-  for (const ContactSettings& contact : scenario.contacts)
-    if (contact.friction > 0)
-      fail(key + "that of -contact_" + contact.id + "_friction is not; allowed: no friction; " + remedy);
 }
 
 // Fatigue drives phi beyond 1, where its energy has a kink.

@@ -162,12 +162,13 @@ OptionGroup coupling_group() {
               {{"auto", TangentChoice::automatic},
                {"consistent", TangentChoice::consistent},
                {"symmetric", TangentChoice::symmetric}}),
-          choice_row<Global, MatrixFormat>(
+          choice_row<Global, std::optional<MatrixFormat>>(
               "motion_mat_type", &Scenario::matrix,
               {"matrix of motion: all entries, or the blocks on and above the diagonal, which need a "
-               "symmetric tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi and none",
-               "aij"},
-              {{"aij", MatrixFormat::aij}, {"sbaij", MatrixFormat::sbaij}}),
+               "symmetric tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi and none "
+               "(auto: the blocks where the program chooses conjugate gradients and nothing hinders)",
+               "auto"},
+              {{"auto", std::nullopt}, {"aij", MatrixFormat::aij}, {"sbaij", MatrixFormat::sbaij}}),
           number_row<Global>(
               "motion_reuse_tangent", [](auto& s) -> auto& { return s.coupling.reuse; },
               {"the tangent serves on while an iteration with it leaves at most this part of the "

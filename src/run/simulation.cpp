@@ -291,7 +291,8 @@ void Simulation::report_start(const SolverDefaults& solver) {
   std::vector<std::string> lines;
   if (s_.has_motion())
     lines.push_back("motion solver: " + linear_solver_text(coupling_.motion_snes()) + " (" + solver.reason +
-                    "); tangent " + (solver.symmetric ? "symmetric" : "consistent"));
+                    "); tangent " + (solver.symmetric ? "symmetric" : "consistent") +
+                    (solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
   if (damage_) lines.push_back("damage solver: " + linear_solver_text(damage_->snes()));
   if (heat_) lines.push_back("heat solver: " + linear_solver_text(heat_->snes()));
   PetscBool factors = PETSC_FALSE;
@@ -652,12 +653,13 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   if (resume) kept = read_checkpoint_mesh_file(comm, *resume);
   const std::unique_ptr<Setup> setup = build_setup(comm, s, kept ? &*kept : nullptr);
   kept.reset();
-  ContactDemands demands;
+  SolverDemands demands;
   for (const ContactInterface& contact : setup->contacts) {
     demands.closes_gaps = demands.closes_gaps || contact.semismooth();
     demands.frictional = demands.frictional || contact.frictional();
   }
   demands.rigid = !setup->rigid.empty();
+  demands.unsymmetric = !unsymmetric_force(s).first.empty();
   const SolverDefaults solver =
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup->discretisation);

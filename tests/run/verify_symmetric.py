@@ -50,6 +50,14 @@ for name, base in {"plane": PLANE, "space": SPACE}.items():
                   differences[where], 0, 1e-8, relative=False)
     require(f"{name}: something happens", full["energy_elastic"].max() > 0)
 
+print("the program takes the half of its own accord where it chooses conjugate gradients and forces are symmetric")
+WAVES = {**SPACE, "ts_dt": 5e-4, "ts_max_time": 2e-3}
+PUSHED = {"bcs": "hold,twist,press", "bc_press_on": "top", "bc_press_type": "pressure", "bc_press_value": 1}
+for name, options, half in (("waves", {}, True), ("aij asked for", {"motion_mat_type": "aij"}, False),
+                            ("a preconditioner is given", {"motion_pc_type": "jacobi", "motion_ksp_type": "cg"}, False),
+                            ("a follower pressure", PUSHED, False), ("long steps", {"ts_dt": 0.3, "ts_max_time": 0.3}, False)):
+    r = run(folder("auto", name), {**WAVES, **options})
+    require(f"{name}: {'the half' if half else 'all of the matrix'}", ("its upper half" in r.log) == half)
 print("what cannot work is refused with a message, exit status 2")
 PLASTIC = {"material_lower_model": "j2", "material_lower_sigma_y": 3e3, "material_lower_hardening": "linear",
            "material_lower_linear_h": 1e5}

@@ -36,15 +36,17 @@ struct SolverDefaults {
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
   std::string reason;
 };
-/// What contacts ask of the linear solver.
-struct ContactDemands {
-  bool closes_gaps = false; ///< by weights that spoil the condition for an iterative method
+/// What forces other than those of the cells ask of the linear solver.
+struct SolverDemands {
+  bool closes_gaps = false; ///< contacts, by weights that spoil the condition for an iterative method
   bool frictional = false;  ///< the tangent of sliding is not symmetric
   bool rigid = false;       ///< nor is that of rigid bodies that turn
+  bool unsymmetric = false; ///< any of these, or a follower pressure
 };
 /// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
-                             double dt, ContactDemands contact = {}, MatrixFormat matrix = MatrixFormat::aij);
+                             double dt, SolverDemands demands = {},
+                             std::optional<MatrixFormat> matrix = std::nullopt);
 /// Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
 void check_preconditioner(KSP ksp, MatrixFormat matrix);
 

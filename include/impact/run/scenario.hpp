@@ -128,7 +128,7 @@ struct Scenario {
   std::vector<std::string> physics; ///< of motion, damage, heat; empty: motion, and the others that have data
   CouplingScenario coupling;
   TangentChoice tangent = TangentChoice::automatic;
-  MatrixFormat matrix = MatrixFormat::aij; ///< of motion
+  std::optional<MatrixFormat> matrix; ///< of motion; empty: as the linear solver wants it
   ContactOperator contact_operator = ContactOperator::assembled;
   std::vector<OutputScenario> outputs;
   std::vector<ProbeScenario> probes;
@@ -162,6 +162,9 @@ Scenario read_scenario(MPI_Comm comm);
 /// The resolved input as the user would type it, one key per line (checkpoints, -dry_run). `as_typed`: with E
 /// and nu where they were given; checkpoints have K and G.
 std::string print_scenario(const Scenario& scenario, bool as_typed = false);
+/// The first option whose force has no symmetric derivative, whatever the tangent of the cells is, and what
+/// would have one; empty: none.
+std::pair<std::string, std::string> unsymmetric_force(const Scenario& scenario);
 
 /// Throws UserError(data) for the first option that names a group which the mesh does not have, or one of the
 /// wrong dimension, and for `-dim` and components that do not fit the mesh. No communication; alike on all
