@@ -206,7 +206,7 @@ void Ledger::start(Vec u, Vec v, Vec a) {
   sum(contact_store) = energy_contact_;
   sum(start_energy) = stored();
   if (heat_) heat_->trial.back() = total_.entropy;
-  sum(scale) = std::abs(stored());
+  sum(scale) = std::abs(sum(start_energy));
   // Forces of the start: the half of the first step's work that belongs to t = 0.
   ForceParts parts;
   motion_.parts(u, parts);
@@ -459,8 +459,8 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     }
     heat_->trial[heat_->trial.size() - 2] += w * coupling_->entropy_supplied();
   }
-  sum(scale) =
-      std::max({sum(scale), std::abs(stored()), std::abs(sum(external)), std::abs(sum(start_energy))});
+  sum(scale) = std::max({sum(scale), std::abs(stored() - sum(kept)), std::abs(sum(external)),
+                         std::abs(sum(start_energy) - sum(kept_at_start))});
   if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
   find_reactions(u_local);
 }

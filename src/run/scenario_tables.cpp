@@ -272,7 +272,7 @@ OptionGroup time_group() {
               {"time steps between the times of -ts_times", "", "s"}, positive),
           time_row("ts_newmark_rho",
                    {"spectral radius at infinite frequency: 1 damps nothing, 0 most; sets beta and gamma",
-                    "1; 0.9 beside the contact-stabilised update", "1", "rho", "(97)-(98)"},
+                    "1", "1", "rho", "(97)-(98)"},
                    {0, 1, false, false}),
           time_row("ts_newmark_beta", {"Newmark's beta, without -ts_newmark_rho", "1/4", "1", "beta"},
                    {0, 1, true, false}),
@@ -295,10 +295,12 @@ OptionGroup history_group() {
       "Energy balance and cracks",
       "",
       {
-          number_row<Global>(
-              "energy_tol", &Scenario::energy_tol,
-              {"bound of the first law's residual over the largest energy; 0: none", "0.02", "1"},
-              not_negative),
+          number_row<Global>("energy_tol", &Scenario::energy_tol,
+                             {"bound of the first law's residual, with what is gained, over the largest "
+                              "energy: a warning in "
+                              "the fifth step in a row beyond it, and at the end of a run beyond it; 0: none",
+                              "0.02", "1"},
+                             not_negative),
           number_row<Global>("energy_stop", &Scenario::energy_stop,
                              {"residual that ends the run, but for losses in statics; 0: none", "0.2", "1"},
                              not_negative),

@@ -133,7 +133,7 @@ SLIDE = {
     "contact_face_friction": MU, "ts_dt": 5e-3, "ts_max_time": 0.15, "heat_form": "energy", "heat_snes_rtol": 1e-13,
     "motion_snes_rtol": 1e-12,
     "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u"}
-for name, part, more in (("gpts", 0.5, {"contact_face_method": "gpts"}),
+for name, part, more in (("gpts", 0.5, {"contact_face_method": "gpts", "ts_newmark_rho": 0.9}),
                          ("mortar", 0.8, {"contact_face_method": "mortar", "contact_face_friction_heat_split": 0.8}),
                          ("penalty", 0.0, {"contact_face_enforce": "penalty", "contact_face_friction_heat_split": 0}),
                          ("conserving", 0.5, {"contact_face_impact": "conserving"}),

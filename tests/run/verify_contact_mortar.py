@@ -95,7 +95,7 @@ DROP = {
     "bcs": "hold,weight", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
     "bc_weight_on": "lower,upper", "bc_weight_type": "body_force", "bc_weight_uy": -10,
     "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    "ts_dt": 0.007, "ts_max_time": 0.42, **MORTAR,
+    "ts_dt": 0.007, "ts_newmark_rho": 0.9, "ts_max_time": 0.42, **MORTAR,
 }
 runs = {ranks: run(f"drop_{ranks}", DROP, ranks=ranks) for ranks in (1, 2, 3)}
 r = runs[1]

@@ -79,4 +79,22 @@ last = len(ended["time"])  # rows begin with t = 0: the step that would be the n
 runs.require("the history ends before the fifth step in a row beyond the bound", numpy.array_equal(
     ended["time"], on["time"][:last]) and (gain[last - 4:last + 1] > 0.2).all() and not (gain[last - 5:last] > 0.2).all())
 runs.require("and its state is in a checkpoint", glob.glob("ended/checkpoints/*.h5") and "the state at t" in ended.log)
+
+# Steps of a seventh of the contact time: the damped family trades energy with contact, the trapezoidal rule does not.
+LONG = {"ts_dt": 8e-6, "ts_max_time": 1.5e-4, "outputs": "none", "probes": "none", "measures": "none"}
+sphere = [runs.option_file("sphere_impact.opts")]
+plain = runs.run("sphere", LONG, files=sphere)
+energy = plain["energy_kinetic"] + plain["energy_elastic"]
+runs.check_between("a sphere in long steps, by default: largest energy over that of the start", energy.max() / energy[0], 0, 1 + 1e-12)
+runs.check_between("a sphere in long steps, by default: what is gained", plain["gain"].max() / energy[0], 0, 1e-12)
+traded = runs.run("sphere_damped", {**LONG, "ts_newmark_rho": 0.9}, files=sphere)
+energy = traded["energy_kinetic"] + traded["energy_elastic"]
+runs.check_between("with -ts_newmark_rho 0.9: largest energy over that of the start", energy.max() / energy[0], 1.2, 1.5)
+runs.require("with -ts_newmark_rho 0.9: the warning says so and what to do", re.search(
+    r"WARNING: .*energy gained.* -ts_newmark_rho 1", traded.log))
+
+# A run that ends before the fifth step beyond the bound says so at its end.
+short = runs.run("short", {**BAR, "ts_max_time": float(off["time"][residual > TOL][0])})
+runs.require("beyond the bound at the end of a run, once: one warning", len(told(short)) == 1 and "WARNING" in short.log)
+
 runs.finish()

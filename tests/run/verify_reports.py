@@ -34,6 +34,7 @@ ROWS = [
     ("the solvers that options chose", FILE + DRY + ["-motion_ksp_type", "gmres", "-motion_pc_type", "jacobi", "-damage_pc_type", "jacobi"], 0,
      ["motion solver: gmres + jacobi (chosen by options)", "damage solver: cg + jacobi"], ["as the options say", "factors"]),
     ("a dry run looks at probes too", FILE + DRY + ["-probe_a_at", "9,9"], 3, ["-probe_a_at: the point is in no cell"], []),
+    ("and at criteria", FILE + DRY + ["-stops", "s", "-stop_s_when", "contact_face_forc_y > 3"], 2, ["has no column 'contact_face_forc_y'; did you mean contact_face_force_y?"], []),
     ("the same words before a run", FILE + ["-ts_max_steps", "1"], 0, ["motion solver: preonly + lu by ", "material lower: gamma is 2"], []),
     ("no outputs", FILE + DRY + ["-outputs", "none"], 0,
      ["without effect, because -outputs leaves their id out: -output_more_times -output_vis_every"], ["\n-outputs"]),

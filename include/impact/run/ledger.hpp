@@ -63,6 +63,7 @@ public:
   double phi_max() const { return phi_max_; }
   double alpha_max() const { return alpha_max_; }
   double theta_max() const { return theta_max_; }
+  /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
   const MaterialEnergies& total() const { return total_; }
 
