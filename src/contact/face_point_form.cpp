@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/face_point_form.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
@@ -24,8 +25,6 @@ constexpr int largest_rule = 16;
 Point3 point3(const std::vector<double>& x, int node) {
   return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
 }
-
-double dot(const Point3& a, const Point3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 double least_part(const RayFoot& foot) { return *std::min_element(foot.part.begin(), foot.part.end()); }
 

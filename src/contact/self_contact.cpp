@@ -1,24 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/self_contact.hpp>
+#include <impact/math/vector3.hpp>
 #include <limits>
 
 namespace impact {
 
 namespace {
-
-using Vector = std::array<double, 3>;
-
-double dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-Vector minus(const Vector& a, const Vector& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double length(const Vector& a) { return std::sqrt(dot(a, a)); }
-Vector along(const Vector& a) {
-  const double l = length(a);
-  return {a[0] / l, a[1] / l, a[2] / l};
-}
 
 // Neighbours along a surface, in units of both sizes: an edge and the next but one are nearer.
 constexpr double neighbourhood = 1.1;
@@ -41,10 +29,10 @@ bool behind_each_other(const FacetShape& a, const FacetShape& b) {
 
 // Of the places that are as far from `centre`, across `axis`, as any, the first by coordinates: a choice that
 // rounding does not make.
-Vector farthest(MPI_Comm comm, const std::vector<FacetShape>& shapes, const Vector& centre,
-                const Vector& axis) {
+Vector3 farthest(MPI_Comm comm, const std::vector<FacetShape>& shapes, const Vector3& centre,
+                 const Vector3& axis) {
   const auto offset = [&](const FacetShape& shape) {
-    Vector d = minus(shape.centre, centre);
+    Vector3 d = minus(shape.centre, centre);
     const double part = dot(d, axis);
     for (std::size_t k = 0; k < 3; ++k) d[k] -= part * axis[k];
     return d;
@@ -54,7 +42,7 @@ Vector farthest(MPI_Comm comm, const std::vector<FacetShape>& shapes, const Vect
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   // Coordinate by coordinate, so that a reduction finds it.
-  Vector first = {infinity, infinity, infinity}, result{};
+  Vector3 first = {infinity, infinity, infinity}, result{};
   for (std::size_t k = 0; k < 3; ++k) {
     for (const FacetShape& shape : shapes) {
       bool tied = length(offset(shape)) >= (1 - 1e-6) * most;
@@ -69,7 +57,7 @@ Vector farthest(MPI_Comm comm, const std::vector<FacetShape>& shapes, const Vect
   return result;
 }
 
-void turn(Vector& a, Vector& b, double angle) {
+void turn(Vector3& a, Vector3& b, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   for (std::size_t k = 0; k < 3; ++k) {
     const double x = a[k], y = b[k];
@@ -81,7 +69,7 @@ void turn(Vector& a, Vector& b, double angle) {
 } // namespace
 
 FacetShape facet_shape(int dim, const std::array<double, 12>& x, int body) {
-  std::array<Vector, 4> corner;
+  std::array<Vector3, 4> corner;
   for (std::size_t a = 0; a < 4; ++a) std::copy_n(&x[3 * a], 3, corner[a].begin());
   const std::size_t corners = dim == 2 ? 2 : corner[3] == corner[2] ? 3 : 4;
   FacetShape shape;
@@ -90,10 +78,10 @@ FacetShape facet_shape(int dim, const std::array<double, 12>& x, int body) {
     for (std::size_t k = 0; k < 3; ++k) shape.centre[k] += corner[a][k] / static_cast<double>(corners);
     shape.size = std::max(shape.size, length(minus(corner[(a + 1) % corners], corner[a])));
   }
-  const Vector t = minus(corner[1], corner[0]);
-  shape.normal = along(dim == 2 ? Vector{t[1], -t[0], 0}
-                                : cross(minus(corner[2], corner[0]), minus(corner[3], corner[1])));
-  if (corners == 3) shape.normal = along(cross(t, minus(corner[2], corner[0])));
+  const Vector3 t = minus(corner[1], corner[0]);
+  shape.normal = unit(dim == 2 ? Vector3{t[1], -t[0], 0}
+                               : cross(minus(corner[2], corner[0]), minus(corner[3], corner[1])));
+  if (corners == 3) shape.normal = unit(cross(t, minus(corner[2], corner[0])));
   return shape;
 }
 
@@ -105,16 +93,16 @@ SelfContact::SelfContact(MPI_Comm comm, int dim, const std::vector<FacetShape>& 
     sum[3] += 1;
   }
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 4, MPI_DOUBLE, MPI_SUM, comm);
-  const Vector centre = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]};
+  const Vector3 centre = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]};
   auto& [d, e, f] = direction_;
-  const Vector far = farthest(comm, shapes, centre, {});
-  d = length(far) > 0 ? along(far) : Vector{1, 0, 0};
+  const Vector3 far = farthest(comm, shapes, centre, {});
+  d = length(far) > 0 ? unit(far) : Vector3{1, 0, 0};
   if (dim == 2) {
     e = {-d[1], d[0], 0};
   } else {
-    const Vector aside = farthest(comm, shapes, centre, d);
-    const Vector any = std::abs(d[0]) < 0.8 ? Vector{1, 0, 0} : Vector{0, 1, 0};
-    e = along(length(aside) > 1e-6 * length(far) ? aside : cross(d, any));
+    const Vector3 aside = farthest(comm, shapes, centre, d);
+    const Vector3 any = std::abs(d[0]) < 0.8 ? Vector3{1, 0, 0} : Vector3{0, 1, 0};
+    e = unit(length(aside) > 1e-6 * length(far) ? aside : cross(d, any));
   }
   f = cross(d, e);
   turn(d, e, 0.55);
@@ -135,13 +123,13 @@ double SelfContact::thickness(const FacetShape& facet, const FacetShape& other) 
   if (facet.body != other.body || !behind_each_other(facet, other)) return none;
   if (!(dot(facet.normal, other.normal) < -least_opposition)) return none;
   const double depth = depth_behind(facet, other);
-  const Vector d = minus(other.centre, facet.centre);
+  const Vector3 d = minus(other.centre, facet.centre);
   const double aside = std::sqrt(std::max(0.0, dot(d, d) - depth * depth));
   return aside <= (facet.size + other.size) / 2 ? depth : none;
 }
 
 bool SelfContact::is_secondary(const FacetShape& a, const FacetShape& b) const {
-  Vector w = minus(a.normal, b.normal);
+  Vector3 w = minus(a.normal, b.normal);
   if (length(w) < nearly_equal) w = minus(a.centre, b.centre);
   const double size = length(w);
   for (std::size_t k = 0; k < dim_; ++k)

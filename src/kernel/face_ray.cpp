@@ -1,19 +1,13 @@
 #include <cmath>
 #include <impact/kernel/face_ray.hpp>
 #include <impact/math/dual.hpp>
+#include <impact/math/vector3.hpp>
 
 namespace impact {
 
 namespace {
 
-template <class T> using Vector = std::array<T, 3>;
-
-template <class T> T dot(const Vector<T>& a, const Vector<T>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T> Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+template <class T> using Vector = Vector3Of<T>;
 
 // The gap is a function of five vectors, each a sum over the corners of both faces: from the point to the
 // triangle's first corner, two that span the secondary face, two sides of the triangle.

@@ -2,24 +2,13 @@
 #include <cmath>
 #include <impact/kernel/face_slip.hpp>
 #include <impact/math/dual.hpp>
+#include <impact/math/vector3.hpp>
 
 namespace impact {
 
 namespace {
 
-template <class T> using Vector = std::array<T, 3>;
-
-template <class T> T dot(const Vector<T>& a, const Vector<T>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T> Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-Point3 unit(const Point3& a) {
-  const double length = std::sqrt(dot(a, a));
-  return {a[0] / length, a[1] / length, a[2] / length};
-}
+template <class T> using Vector = Vector3Of<T>;
 
 // The rotation of (g_1 g_2) = R U. With J = |g_1 x g_2| and n across both, U is ((g_1 g_2)^T (g_1 g_2) +
 // J)/s, s^2 = |g_1|^2 + |g_2|^2 + 2 J, from which r_1 = (g_1 + g_2 x n)/s, r_2 = n x r_1.

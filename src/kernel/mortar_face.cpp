@@ -3,27 +3,18 @@
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/kernel/mortar_face.hpp>
 #include <impact/math/dual.hpp>
+#include <impact/math/vector3.hpp>
 #include <limits>
 
 namespace impact {
 
 namespace {
 
-template <class T> using Vector = std::array<T, 3>;
+template <class T> using Vector = Vector3Of<T>;
 using Triangle = std::array<Point3, 3>;
 
 double real_part(double x) { return x; }
 template <class B, int n> double real_part(const Dual<B, n>& x) { return real_part(x.v); }
-
-template <class T> Vector<T> minus(const Vector<T>& a, const Vector<T>& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-template <class T> T dot(const Vector<T>& a, const Vector<T>& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-template <class T> Vector<T> cross(const Vector<T>& a, const Vector<T>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 using Weights = std::array<std::array<double, 4>, 3>;
 

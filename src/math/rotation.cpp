@@ -63,10 +63,6 @@ Matrix3 inverse(const Matrix3& a) {
   return b;
 }
 
-Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 Matrix3 cross_matrix(const Vector3& a) { return {0, -a[2], a[1], a[2], 0, -a[0], -a[1], a[0], 0}; }
 
 Vector3 axial(const Matrix3& a) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <impact/math/vector3.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <sstream>
 
@@ -88,12 +89,10 @@ double orientation(const GmshFile& file, const int* node, int n) {
   double volume = 0;
   for (int corner = 0; corner < (n == 4 ? 1 : 8); ++corner) {
     const int* c = n == 4 ? tet[0] : hex[corner];
-    double e[3][3];
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < 3; ++i) e[k][i] = x(c[k + 1], i) - x(c[0], i);
-    volume += e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-              e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-              e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+    const auto side = [&](int k) {
+      return Vector3{x(c[k], 0) - x(c[0], 0), x(c[k], 1) - x(c[0], 1), x(c[k], 2) - x(c[0], 2)};
+    };
+    volume += determinant(side(1), side(2), side(3));
   }
   return volume;
 }
@@ -147,21 +146,18 @@ void check_corners(GmshFile& file) {
     for (std::size_t a = 0; a < edges.size(); ++a)
       for (int b : edges[a]) longest = std::max(longest, length_of(file, node[a], node[b]));
     for (std::size_t a = 0; a < edges.size(); ++a) {
-      double e[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 1}};
+      std::array<Vector3, 3> e{{{}, {}, {0, 0, 1}}};
       for (std::size_t k = 0; k < edges[a].size(); ++k) {
         const int b = node[edges[a][k]];
         if (length_of(file, node[a], b) <= 1e-9 * longest)
           unusable("collapsed cell: two of its nodes stand at " + place(file, b) +
                    "; make them one, or the cell one of fewer corners");
         for (int i = 0; i < file.dim; ++i)
-          e[k][i] = (file.x[static_cast<std::size_t>(3 * b + i)] -
-                     file.x[static_cast<std::size_t>(3 * node[a] + i)]) /
-                    longest;
+          e[k][static_cast<std::size_t>(i)] = (file.x[static_cast<std::size_t>(3 * b + i)] -
+                                               file.x[static_cast<std::size_t>(3 * node[a] + i)]) /
+                                              longest;
       }
-      const double J = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-                       e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-                       e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
-      if (J < -1e-9)
+      if (determinant(e[0], e[1], e[2]) < -1e-9)
         unusable("folded cell: its sides cross, or its corner at " + place(file, node[a]) +
                  " points inwards; mend the mesh there");
     }

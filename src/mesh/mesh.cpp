@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/math/vector3.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <limits>
@@ -86,13 +87,12 @@ template <class Cell> double smallest_relative_det(const double* coordinates, co
     for (int i = 0; i < dim; ++i)
       extent = std::max(extent, std::abs(coordinates[node[a] * dim + i] - coordinates[node[0] * dim + i]));
   for (int q = 0; q < Cell::points; ++q) {
-    double J[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, dim == 2 ? 1.0 : 0.0}};
+    std::array<Vector3, 3> J{{{}, {}, {0, 0, dim == 2 ? 1.0 : 0.0}}};
     for (int a = 0; a < Cell::nodes; ++a)
-      for (int i = 0; i < dim; ++i)
-        for (int k = 0; k < dim; ++k) J[i][k] += coordinates[node[a] * dim + i] * table.dN[q][a][k] / extent;
-    const double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
-                       J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
-                       J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+      for (std::size_t i = 0; i < std::size_t{dim}; ++i)
+        for (std::size_t k = 0; k < std::size_t{dim}; ++k)
+          J[i][k] += coordinates[static_cast<std::size_t>(node[a]) * dim + i] * table.dN[q][a][k] / extent;
+    const double det = determinant(J[0], J[1], J[2]);
     smallest = std::isfinite(det) ? std::min(smallest, det) : -1;
   }
   return smallest;

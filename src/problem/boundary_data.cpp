@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <impact/input/units.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <map>
@@ -51,12 +52,8 @@ double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
   if (dim == 2) return std::hypot(x(1, 0) - x(0, 0), x(1, 1) - x(0, 1));
   double area = 0;
   for (int t = 1; t + 1 < n; ++t) {
-    double a[3], b[3];
-    for (int k = 0; k < 3; ++k) {
-      a[k] = x(t, k) - x(0, k);
-      b[k] = x(t + 1, k) - x(0, k);
-    }
-    area += 0.5 * std::hypot(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
+    const auto side = [&](int a) { return Vector3{x(a, 0) - x(0, 0), x(a, 1) - x(0, 1), x(a, 2) - x(0, 2)}; };
+    area += 0.5 * length(cross(side(t), side(t + 1)));
   }
   return area;
 }

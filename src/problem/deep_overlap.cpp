@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <impact/contact/box_tree.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/mesh/bodies.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/petsc/error.hpp>
@@ -17,7 +18,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 // between two.
 constexpr double inwards = 1, closed = -1e-9;
 
-using Place = std::array<double, 3>;
+using Place = Vector3;
 
 struct Simplex {
   std::array<Place, 4> corner;
@@ -25,11 +26,8 @@ struct Simplex {
 };
 
 double signed_volume(int dim, const Place& a, const Place& b, const Place& c, const Place& d) {
-  const Place u = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  if (dim == 2) return u[0] * v[1] - u[1] * v[0];
-  const Place w = {d[0] - a[0], d[1] - a[1], d[2] - a[2]};
-  return u[0] * (v[1] * w[2] - v[2] * w[1]) - u[1] * (v[0] * w[2] - v[2] * w[0]) +
-         u[2] * (v[0] * w[1] - v[1] * w[0]);
+  const Place u = minus(b, a), v = minus(c, a);
+  return dim == 2 ? u[0] * v[1] - u[1] * v[0] : determinant(u, v, minus(d, a));
 }
 
 bool inside(int dim, const Simplex& cell, const Place& x) {

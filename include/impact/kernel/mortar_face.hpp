@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <impact/math/vector3.hpp>
 
 /// Mortar contact of one secondary face with one primary face in space (theory.md, contact). A triangle is
 /// taken as it is; a quadrilateral as the four triangles about the mean of its corners, on which the
@@ -15,7 +16,7 @@
 /// primary faces share the border of their parts and the gap there.
 namespace impact {
 
-using Point3 = std::array<double, 3>;
+using Point3 = Vector3;
 /// Corners in the order that gives the outward normal; a triangle repeats its third corner.
 using FaceCorners = std::array<Point3, 4>;
 

@@ -1,10 +1,9 @@
 #pragma once
-#include <array>
+#include <impact/math/vector3.hpp>
 
 /// Rotations in space as matrices and vectors. A plane rotation is one about the third axis.
 namespace impact {
 
-using Vector3 = std::array<double, 3>;
 using Matrix3 = std::array<double, 9>; ///< row by row
 
 inline constexpr Matrix3 unit_matrix = {1, 0, 0, 0, 1, 0, 0, 0, 1};
@@ -16,7 +15,6 @@ double trace(const Matrix3& a);
 double determinant(const Matrix3& a);
 /// Of a matrix with a determinant.
 Matrix3 inverse(const Matrix3& a);
-Vector3 cross(const Vector3& a, const Vector3& b);
 /// a x: the matrix W with W x = a x x.
 Matrix3 cross_matrix(const Vector3& a);
 /// w with sum_jk e_ijk A_kj: the sum of r x f where A is the sum of f r^T.
