@@ -43,7 +43,7 @@ StepTraction ContactInterface::step_traction(const Constraint& c) const {
 }
 
 double ContactInterface::contact_stiffness(const Constraint& c) const {
-  if (!exact_work()) return law().stiffness(c.scale);
+  if (!exact_work()) return law().stiffness(c.cover);
   const double start = step_.start_gap[at(c.index)];
   return -2 * secant_pressure(penalty(), start == unknown_gap ? 0 : start, c.gap).slope;
 }

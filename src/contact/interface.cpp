@@ -64,13 +64,13 @@ double ContactInterface::turn_stiffness(const Constraint& c, const Traction& t) 
   // Newton's method on |q| t = mu p q, q = t + eps s, with t = mu p q/|q| in its matrix (Hueber, Stadler and
   // Wohlmuth 2008): the new t = mu p m + k (1 - m m)(s + ds), m = q/|q|, k = eps mu p/(|q| - mu p), which at
   // the solution is mu p/|s|. Where sliding sets in it acts as if it stuck.
-  const double stick = law().stiffness(c.scale);
+  const double stick = law().stiffness(c.cover);
   return t.excess * stick > eps * limit ? eps * limit / t.excess : stick;
 }
 
 std::array<Tangential, 2> ContactInterface::slip_stiffness(const Constraint& c, const Traction& t) const {
   if (!t.slides) {
-    const double stick = law().stiffness(c.scale);
+    const double stick = law().stiffness(c.cover);
     return {{{stick, 0}, {0, stick}}};
   }
   if (dim_ == 2) return {};
@@ -359,7 +359,7 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
   visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const std::size_t n = c.gradient.size();
-    const double gap = law.stiffness(c.scale) * c.gap;
+    const double gap = law.stiffness(c.cover) * c.gap;
     const auto add = [&](std::size_t i, double value) {
       if (const std::size_t row = dof(c.node[i % n / m], i % m); !fixed_here_[row])
         f[row] += factor * c.weight * value;
@@ -493,7 +493,7 @@ bool ContactInterface::take_newton_step(Vec u, Vec du, Vec next) {
       if (c.slides)
         for (std::size_t a = 0; a < tangents(); ++a) slip[a] += c.slip_gradient[n * a + i] * change;
     }
-    lambda[at(c.index)] = c.lambda - law.stiffness(c.scale) * gap;
+    lambda[at(c.index)] = c.lambda - law.stiffness(c.cover) * gap;
     active[at(c.index)] = kind(c);
     if (!rubs(c)) return;
     const Traction t = traction(c);

@@ -548,8 +548,7 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
     gradient.resize(d * node.size(), 0.0);
     c.gap /= owner.weight;
     c.stretch = area / owner.weight;
-    const double part = std::max(std::abs(cover) / owner.weight, least_cover);
-    c.scale = 1 / (part * part);
+    c.cover = std::max(std::abs(cover) / owner.weight, least_cover);
     c.lambda = law.multiplier(c.index);
     c.active = law.active(c.index, c.gap);
     c.pressure = law.pressure(c.index, c.gap);

@@ -45,6 +45,29 @@ TEST(MortarForm, ForceAndMeasuresDoNotDependOnThePartition) {
     }
 }
 
+// Nodes whose facets face something in part alone know how far that is.
+TEST(MortarForm, TheGapOfAnOverhangIsTheDistance) {
+  for (const ContactSettings& s : mortars()) {
+    TwoBlocks b;
+    b.gap = 0;
+    Rig rig(PETSC_COMM_WORLD, b, bodies_apart, s);
+    const Handle<Vec> u = rig.at([](int body, double, double) {
+      return std::array<double, 2>{body == 1 ? 0.837 : 0, body == 1 ? 0.05 : 0};
+    });
+    rig.contact.update_search(u);
+    EXPECT_NEAR(rig.contact.measures(u).gap_min, 0.05, 1e-12);
+    const ContactFields fields = rig.contact.nodal_fields(u);
+    int near = 0;
+    for (const double gap : fields.gap)
+      if (!std::isnan(gap)) {
+        EXPECT_NEAR(gap, 0.05, 1e-12);
+        ++near;
+      }
+    MPI_Allreduce(MPI_IN_PLACE, &near, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
+    EXPECT_GE(near, 3);
+  }
+}
+
 TEST(MortarForm, ForcesAndMomentsOfBothBodiesCancel) {
   for (const auto& [name, partition] : partitions)
     for (const ContactSettings& s : mortars()) {

@@ -32,8 +32,9 @@ struct PressureLaw {
   double pressure(int index, double gap) const {
     return active(index, gap) ? multiplier(index) - (semismooth ? 0 : eps * gap) : 0;
   }
-  /// -dp/dg where active, or the weight of the gap in the linear solves.
-  double stiffness(double scale = 1) const { return semismooth ? gamma * scale : eps; }
+  /// -dp/dg where active, or the weight of the gap in the linear solves, of a constraint that is covered in
+  /// part.
+  double stiffness(double cover = 1) const { return semismooth ? gamma * (1 / (cover * cover)) : eps; }
 };
 
 /// Which derivatives a visit brings: `first`, the gradients along which the forces stand; `tangent`, also
@@ -46,9 +47,9 @@ struct Constraint {
   double weight = 0, stretch = 1; ///< reference area; current over reference area
   double gap = 0, lambda = 0, pressure = 0;
   bool active = false;
-  double scale = 1;              ///< of gamma: one over the square of the part of the weight that is covered
-  std::span<const int> node;     ///< into ContactForm::nodes(), secondary ones first
-  std::span<const double> share; ///< of the secondary nodes in the constraint, sum 1
+  double cover = 1;          ///< part of the weight that faces something; the mean gap there is gap / cover
+  std::span<const int> node; ///< into ContactForm::nodes(), secondary ones first
+  std::span<const double> share;        ///< of the secondary nodes in the constraint, sum 1
   std::span<const double> gradient;     ///< [node][dim]
   std::span<const double> end_gradient; ///< of the gap, where the force stands along another one, else empty
   std::span<const double> gap_gradient() const { return end_gradient.empty() ? gradient : end_gradient; }
