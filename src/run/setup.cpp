@@ -211,9 +211,12 @@ void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacl
       if (round > rounds)
         throw UserError(ExitCode::data,
                         "-contact_" + contact.id + "_initial adjust: " + std::to_string(overlap.nodes) +
-                            " nodes still overlap `" + contact.primary +
-                            "` after their moves, those of one contact into the bodies of another; "
-                            "part the surfaces in the mesh");
+                            " nodes of `" + contact.secondary + "` still overlap `" + contact.primary +
+                            "` after " + std::to_string(rounds) + " moves" +
+                            (adjusted.size() > 1 ? ", perhaps those of one contact into the bodies of another"
+                                                 : "; the surface of `" + contact.primary +
+                                                       "` is too coarse or too sharp there") +
+                            "; part the surfaces in the mesh");
       round_off(overlap.shift, contact.initial_tol);
       adjusted[i].add(overlap.shift);
       moved += overlap.nodes;
