@@ -122,6 +122,9 @@ std::vector<MaterialScenario> read_materials(const Scenario& scenario, const Opt
       const auto found = attributes.find(name);
       return found == attributes.end() ? std::nullopt : std::optional(found->second);
     });
+    for (const auto& row : table.rows)
+      if (const auto found = attributes.find(row.name); found != attributes.end())
+        input.scenario.typed.emplace_back(row.name, found->second.text);
     all.push_back(resolve_material(input, scenario));
   }
   return all;

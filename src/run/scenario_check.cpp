@@ -129,11 +129,12 @@ void check_condition(const BoundaryCondition& bc) {
 
 /// A wrong power of ten makes a step that does not end.
 void check_substeps(const Scenario& s, const char* option, double substep) {
-  constexpr double most = 1e5;
+  const double most = s.time.most_substeps;
   const double step = s.time.dt > 0 ? s.time.dt : 0;
   if (substep > 0 && step / substep > most)
     fail(std::string("-") + option + ": makes " + number_text(std::round(step / substep)) +
-         " sub-steps in each step of -ts_dt; allowed: at most 100000; take longer ones, or a shorter -ts_dt");
+         " sub-steps in each step of -ts_dt; allowed: at most " + number_text(most) +
+         " (-ts_substeps); take longer ones, a shorter -ts_dt, or raise -ts_substeps");
 }
 
 void check_heat(const Scenario& scenario) {

@@ -297,7 +297,6 @@ void set_moduli(MaterialInput& input) {
     if (std::isnan(input.nu)) missing(result.id, "nu", remedy);
     result.K = input.E / (3 * (1 - 2 * input.nu));
     result.G = input.E / (2 * (1 + input.nu));
-    input.scenario.young = {input.E, input.nu};
     return;
   }
   if (std::isnan(input.K)) missing(result.id, "K", remedy);

@@ -1,4 +1,5 @@
 #include "scenario_tables.hpp"
+#include <map>
 
 /// The option tables as text: the echo of a run, `-help`, and the reference page.
 namespace impact {
@@ -21,14 +22,17 @@ std::string materials_text(const std::vector<MaterialScenario>& materials, bool 
   std::string ids, lines;
   for (const MaterialScenario& material : materials) {
     ids += (ids.empty() ? "" : ",") + material.law.id;
-    MaterialInput input = material_input(material);
-    if (as_typed && material.young) {
-      std::swap(input.E, input.K); // what is not given is nan
-      std::swap(input.nu, input.G);
-      input.E = (*material.young)[0];
-      input.nu = (*material.young)[1];
+    const MaterialInput input = material_input(material);
+    std::map<std::string, std::string> text;
+    for (const auto& row : rows) text[row.name] = row.text(input);
+    for (const auto& [name, said] : material.typed) {
+      if (!as_typed) continue;
+      text[name] = said;
+      if (name == "E") text["K"] = text["G"] = "";
     }
-    lines += rows_text(rows, input, "material_" + material.law.id + "_");
+    for (const auto& row : rows)
+      if (!text[row.name].empty())
+        lines += option_line("material_" + material.law.id + "_" + row.name, text[row.name]);
   }
   return option_line("materials", ids) + lines;
 }
