@@ -220,7 +220,6 @@ bool Scenario::has_damage() const {
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
   register_time_types();
-  check_repeated_options(comm);
   for (const std::string& note : check_option_names(
            {class_keys(parameter_class()), class_keys(function_class()), class_keys(material_class()),
             class_keys(boundary_class()), class_keys(initial_class()), class_keys(contact_class()),

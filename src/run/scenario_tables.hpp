@@ -62,10 +62,6 @@ struct ClassKeys {
 /// the registry left out.
 std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes);
 
-/// Throws UserError(usage) for an option that one options file gives twice: PETSc takes the last one in
-/// silence. Later files and the command line may override it. Collective.
-void check_repeated_options(MPI_Comm comm);
-
 /// Names of the global options that are no rows: registries and switches of the program.
 std::vector<std::string> other_global_names();
 
