@@ -109,12 +109,10 @@ void report_groups(const Discretisation& d) {
 std::string values_text(const Scenario& s, const std::string& id) {
   std::string text;
   for (const MaterialScenario& material : s.materials)
-    for (const auto& [name, said] : material.typed)
-      if (const auto literal = split_literal(said); literal && material.law.id == id) {
-        text += ", " + name + " " + said;
-        const double value = parse_any_quantity(said, s.units);
-        if (value != parse_number(literal->number)) text += " (" + number_text(value) + ")";
-      }
+    for (const auto& [name, value, said] : material.options)
+      if (const auto literal = split_literal(said); literal && material.law.id == id)
+        text += ", " + name + " " + said +
+                (parse_number(literal->number) == parse_number(value) ? "" : " (" + value + ")");
   return text;
 }
 

@@ -76,11 +76,7 @@ std::vector<std::string> changed_keys(const Values& before, const Values& now) {
 }
 
 bool covers(const std::string& entry, const std::string& key) {
-  // The resolved options have the moduli K and G for E and nu.
-  const bool modulus = key.starts_with("material_") && (key.ends_with("_k") || key.ends_with("_g"));
-  const std::string material = key.substr(0, key.rfind('_'));
-  return key == entry || key.starts_with(entry + "_") ||
-         (modulus && (entry == material + "_e" || entry == material + "_nu"));
+  return key == entry || key.starts_with(entry + "_");
 }
 
 /// An entry may carry the dash of its option and any case.

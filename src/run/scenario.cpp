@@ -122,9 +122,13 @@ std::vector<MaterialScenario> read_materials(const Scenario& scenario, const Opt
       const auto found = attributes.find(name);
       return found == attributes.end() ? std::nullopt : std::optional(found->second);
     });
-    for (const auto& row : table.rows)
-      if (const auto found = attributes.find(row.name); found != attributes.end())
-        input.scenario.typed.emplace_back(row.name, found->second.text);
+    if (input.scenario.regions.empty()) input.scenario.regions = {id};
+    for (const auto& row : table.rows) {
+      const auto found = attributes.find(row.name);
+      const std::string said = found == attributes.end() ? "" : found->second.text, text = row.text(input);
+      if (!text.empty() || !said.empty())
+        input.scenario.options.push_back({row.name, text.empty() ? said : text, said});
+    }
     all.push_back(resolve_material(input, scenario));
   }
   return all;

@@ -89,39 +89,28 @@ void check_materials(const Scenario& scenario) {
 }
 
 void check_condition(const BoundaryCondition& bc) {
-  const std::string prefix = "-bc_" + bc.id + "_";
+  const std::string prefix = "-bc_" + bc.id + "_",
+                    scalars = "types pressure, damage, temperature, heat_flux, convection and heat_source";
   const bool scalar = bc.type == BcType::pressure || bc.type == BcType::damage || is_thermal(bc.type);
   const bool bare = bc.type == BcType::fix || bc.type == BcType::symmetry;
+  const bool turns = bc.type == BcType::displacement || bc.type == BcType::velocity;
+  const auto look = [](const std::optional<Expression>& given, bool allowed, const std::string& remedy) {
+    if (given && !allowed)
+      fail(given->key() + " \"" + given->text() + "\": has no meaning for this type; " + remedy);
+    return given.has_value();
+  };
   bool components = false;
-  for (int k = 0; k < 3; ++k) {
-    if (!bc.component[k]) continue;
-    components = true;
-    if (scalar || bare)
-      fail(bc.component[k]->key() + " \"" + bc.component[k]->text() +
-           "\": has no meaning for this type; remove it" +
-           (scalar ? ", " + prefix + "value is what it takes"
-                   : ", or choose " + prefix + "type displacement"));
-  }
-  for (const auto& turn : bc.rotation) {
-    if (!turn) continue;
-    components = true;
-    if (bc.type != BcType::displacement && bc.type != BcType::velocity)
-      fail(turn->key() + " \"" + turn->text() +
-           "\": has no meaning for this type; allowed with types displacement and velocity, of rigid bodies");
-  }
-  if (bc.value && !scalar)
-    fail(bc.value->key() + " \"" + bc.value->text() +
-         "\": has no meaning for this type; allowed with types pressure, damage, temperature, heat_flux, "
-         "convection and heat_source");
-  if (scalar && !bc.value)
-    fail(prefix +
-         "value: missing; allowed: an expression; the types pressure, damage, temperature, heat_flux, "
-         "convection and heat_source need it");
-  if (bc.type == BcType::convection && !bc.coefficient)
+  for (const auto& component : bc.component)
+    components |= look(component, !scalar && !bare,
+                       "remove it" + (scalar ? ", " + prefix + "value is what it takes"
+                                             : ", or choose " + prefix + "type displacement"));
+  for (const auto& turn : bc.rotation)
+    components |= look(turn, turns, "allowed with types displacement and velocity, of rigid bodies");
+  if (!look(bc.value, scalar, "allowed with " + scalars) && scalar)
+    fail(prefix + "value: missing; allowed: an expression; the " + scalars + " need it");
+  if (!look(bc.coefficient, bc.type == BcType::convection, "allowed with type convection") &&
+      bc.type == BcType::convection)
     fail(prefix + "h: missing; allowed: an expression; type convection needs it");
-  if (bc.coefficient && bc.type != BcType::convection)
-    fail(bc.coefficient->key() + " \"" + bc.coefficient->text() +
-         "\": has no meaning for this type; allowed with type convection");
   if (!scalar && !bare && !components)
     fail(prefix + "ux: missing; allowed: at least one of " + prefix + "ux, " + prefix + "uy, " + prefix +
          "uz");

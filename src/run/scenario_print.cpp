@@ -1,5 +1,4 @@
 #include "scenario_tables.hpp"
-#include <map>
 
 /// The option tables as text: the echo of a run, `-help`, and the reference page.
 namespace impact {
@@ -18,21 +17,12 @@ std::string class_text(const OptionClass<Struct>& table, const std::vector<Struc
 }
 
 std::string materials_text(const std::vector<MaterialScenario>& materials, bool as_typed) {
-  const auto rows = material_class().rows;
   std::string ids, lines;
   for (const MaterialScenario& material : materials) {
     ids += (ids.empty() ? "" : ",") + material.law.id;
-    const MaterialInput input = material_input(material);
-    std::map<std::string, std::string> text;
-    for (const auto& row : rows) text[row.name] = row.text(input);
-    for (const auto& [name, said] : material.typed) {
-      if (!as_typed) continue;
-      text[name] = said;
-      if (name == "E") text["K"] = text["G"] = "";
-    }
-    for (const auto& row : rows)
-      if (!text[row.name].empty())
-        lines += option_line("material_" + material.law.id + "_" + row.name, text[row.name]);
+    for (const auto& [name, text, said] : material.options)
+      lines +=
+          option_line("material_" + material.law.id + "_" + name, as_typed && !said.empty() ? said : text);
   }
   return option_line("materials", ids) + lines;
 }

@@ -44,8 +44,10 @@ struct MaterialScenario {
   std::vector<std::string> regions; ///< physical names; default: the id
   std::string hardening_table;      ///< resolved path of law.table
   bool locking_automatic = true;    ///< mean for j2 on quads and hexes, else none
-  std::vector<std::pair<std::string, std::string>>
-      typed; ///< attributes in the user's words, own or taken over
+  struct Option {
+    std::string name, text, said; ///< text: in the run's units; said: the user's words, empty for a default
+  };
+  std::vector<Option> options;
 };
 
 struct OutputScenario {
@@ -162,7 +164,7 @@ Locking automatic_locking(const MaterialParameters& law, PlaneMode plane);
 Scenario read_scenario(MPI_Comm comm);
 
 /// The resolved input as the user would type it, one key per line (checkpoints, -dry_run). `as_typed`:
-/// materials in the user's own words; checkpoints have numbers, and K and G for E and nu.
+/// materials in the user's own words; checkpoints have numbers.
 std::string print_scenario(const Scenario& scenario, bool as_typed = false);
 
 /// Throws UserError(data) for the first option that names a group which the mesh does not have, or one of the
