@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/shifted_mesh.hpp>
@@ -220,7 +221,17 @@ void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacl
       round_off(overlap.shift, contact.initial_tol);
       adjusted[i].add(overlap.shift);
       moved += overlap.nodes;
-      setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
+      try {
+        setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
+      } catch (const UserError& error) { // of all ranks
+        char way[32];
+        std::snprintf(way, sizeof way, "%.4g", overlap.deepest);
+        throw UserError(error.code(), "-contact_" + contact.id + "_initial adjust: moves " +
+                                          std::to_string(overlap.nodes) + " nodes of `" + contact.secondary +
+                                          "` by up to " + way + ", more than its cells have room for (" +
+                                          error.what() +
+                                          "); part the bodies in the mesh, or exchange the two sides");
+      }
     }
   }
   for (std::size_t i = 0; i < adjusted.size(); ++i)

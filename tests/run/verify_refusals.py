@@ -255,6 +255,18 @@ for ranks in (1, 2):
     require(f"a notch closes, {ranks} ranks: {r['contact_c_active'][-1]:.0f} places press", r["contact_c_active"][-1] > 5)
     check(f"a notch closes, {ranks} ranks: overlap", min(r["contact_c_gap_min"][-1], 0), 0, 1e-4, relative=False)
 
+# An overlap of one contact that its moves cannot undo is not a fault of the mesh.
+write("tool.geo", "Point(1)={0,0,0};Point(2)={1,0,0};Point(3)={1,0.1,0};Point(4)={0,0.1,0};Line(1)={1,2};Line(2)={2,3};Line(3)={3,4};Line(4)={4,1};\n"
+      "Curve Loop(1)={1:4};Plane Surface(1)={1};Point(5)={0.3,0.08,0};Point(6)={0.7,0.08,0};Point(7)={0.7,1,0};Point(8)={0.5,0.03,0};Line(5)={5,8};\n"
+      "Line(6)={8,6};Line(7)={6,7};Line(8)={7,5};Curve Loop(2)={5:8};Plane Surface(2)={2};Mesh.MeshSizeMax=0.1;Mesh.MeshSizeMin=0.1;\n"
+      'Physical Surface("plate")={1};Physical Surface("tool")={2};Physical Curve("top")={3};Physical Curve("bottom")={1};Physical Curve("foot")={5,6};\n')
+TOOL = more(without(PULL, "bc_push"), mesh="tool.geo", material_solid_region="plate,tool", bcs="hold", contacts="c", contact_c_secondary="foot",
+            contact_c_primary="top", contact_c_initial="adjust", contact_c_initial_tol=0.2)
+for ranks in (1, 2):
+    code, lines = start(TOOL, ranks)
+    require(f"moves that a mesh has no room for, {ranks} ranks: status {code}, {lines[-1]}", code == 3 and sum(
+        "-contact_c_initial adjust: moves 7 nodes of `foot` by up to 0.07215, more than" in line for line in lines) == 1)
+
 # A byte-order mark before a table is none of its numbers.
 pulled = [run(name, more(PULL, functions="f", function_f_table=write(name + ".csv", "0 0\n1 1\n", encoding), bc_push_uy="0.1*f(t)"))
           for name, encoding in (("plain", "utf-8"), ("marked", "utf-8-sig"))]
