@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <impact/input/database.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/output_folder.hpp>
@@ -225,27 +226,31 @@ void check_impact_updates(const Scenario& scenario) {
          " conserves energy with; allowed beside conserving: conserving, none");
 }
 
-void check_alpha2(const Scenario& scenario) {
-  if (scenario.time.type != "alpha2") return;
-  const std::string remedy =
-      "; allowed with -ts_type alpha2: elastic bodies without damage, heat, contact and viscosity; "
-      "remove it, or choose -ts_type newmark";
-  if (!scenario.contacts.empty())
-    fail("-contacts \"" + scenario.contacts.front().id + "\": not available" + remedy);
-  for (const MaterialScenario& material : scenario.materials) {
-    const std::string prefix = "-material_" + material.law.id + "_";
-    if (material.law.model != Model::elastic)
-      fail(prefix + "model \"" + (material.law.model == Model::j2 ? "j2" : "rigid") + "\": not available" +
-           remedy);
-    if (material.law.damage != Damage::none)
-      fail(prefix + "damage \"" + (material.law.damage == Damage::at1 ? "at1" : "at2") + "\": not available" +
-           remedy);
-    if (material.law.c_v != 0 && scenario.has_heat())
-      fail(prefix + "c_v \"" + number_text(material.law.c_v) + "\": not available" + remedy);
-    if (material.law.b_d != 0)
-      fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
+void check_alpha2(const Scenario& s) {
+  if (s.time.type != "alpha2") return;
+  std::vector<std::pair<std::string, bool>> asked = {{"contacts", !s.contacts.empty()},
+                                                     {"stops", !s.stops.empty()},
+                                                     {"plane", s.plane == PlaneMode::stress},
+                                                     {"restart", s.checkpoint.restart != "none"},
+                                                     {"checkpoint_every", s.checkpoint.every > 0},
+                                                     {"checkpoint_wall", s.checkpoint.wall > 0},
+                                                     {"walltime", s.checkpoint.walltime > 0}};
+  for (const MaterialScenario& material : s.materials) {
+    const MaterialParameters& law = material.law;
+    for (const auto& [name, is] : {std::pair("model", law.model != Model::elastic),
+                                   {"damage", law.damage != Damage::none},
+                                   {"c_v", law.c_v != 0 && s.has_heat()},
+                                   {"b_d", law.b_d != 0}})
+      asked.emplace_back("material_" + law.id + "_" + name, is);
   }
-  if (!scenario.stops.empty()) fail("-stops \"" + scenario.stops.front().id + "\": not available" + remedy);
+  for (const OutputScenario& output : s.outputs)
+    asked.emplace_back("output_" + output.id + "_type", output.type != OutputScenario::Type::csv);
+  for (const auto& [name, is] : asked)
+    if (const auto text = option_text(name); is)
+      fail("-" + name + (text ? " \"" + *text + "\"" : "") +
+           ": not available; allowed with -ts_type alpha2: elastic bodies without plane stress, damage, "
+           "heat, contact and viscosity, "
+           "type csv of outputs, no checkpoints; remove it, or choose -ts_type newmark");
 }
 
 void check_split(const Scenario& scenario, const MaterialScenario& material) {
@@ -299,10 +304,6 @@ std::string plane_name(PlaneMode plane) {
 
 void check_plane_stress(const Scenario& scenario) {
   if (scenario.plane != PlaneMode::stress) return;
-  if (scenario.time.type == "alpha2")
-    fail("-plane \"stress\": not available; -ts_type alpha2 keeps no thickness; allowed: strain, "
-         "axisymmetric; or "
-         "choose -ts_type newmark");
   for (const MaterialScenario& material : scenario.materials)
     if (!material.locking_automatic && material.law.locking != Locking::none)
       fail("-material_" + material.law.id + "_locking \"" +
@@ -316,15 +317,6 @@ void check_checkpoints(const Scenario& scenario) {
     fail("-walltime_margin \"" + number_text(checkpoint.walltime_margin) +
          "\": leaves nothing of the wall time; allowed: less than -walltime, " +
          number_text(checkpoint.walltime));
-  if (scenario.time.type != "alpha2") return;
-  const std::string remedy = "; -ts_type alpha2 writes no checkpoints; remove it, or choose -ts_type newmark";
-  if (checkpoint.restart != "none") fail("-restart \"" + checkpoint.restart + "\": not available" + remedy);
-  if (checkpoint.every > 0)
-    fail("-checkpoint_every \"" + std::to_string(checkpoint.every) + "\": not available" + remedy);
-  if (checkpoint.wall > 0)
-    fail("-checkpoint_wall \"" + number_text(checkpoint.wall) + "\": not available" + remedy);
-  if (checkpoint.walltime > 0)
-    fail("-walltime \"" + number_text(checkpoint.walltime) + "\": not available" + remedy);
 }
 
 // Half of an unsymmetric matrix would be taken for all of it without a word.
@@ -373,10 +365,6 @@ void check_outputs(const Scenario& scenario) {
       fail(prefix + "cycles \"" + std::to_string(output.cycles) +
            "\": counts the cycles of a load whose period is not given; add -ts_period, or remove it");
     const bool csv = output.type == OutputScenario::Type::csv;
-    if (!csv && scenario.time.type == "alpha2")
-      fail(prefix + "type \"xdmf\": not available; -ts_type alpha2 writes the history alone; allowed: csv; "
-                    "remove it, or "
-                    "choose -ts_type newmark");
     if (csv && !output.fields.empty())
       fail(prefix + "fields: has no meaning for type csv; the columns of the history are fixed, use -probes "
                     "and -measures");
