@@ -72,7 +72,8 @@ int main(int argc, char** argv) {
   try {
     impact::check_option_files(argc, argv);
   } catch (const impact::UserError& error) {
-    std::fprintf(stderr, "impact: %s\n", error.what());
+    const char* const rank = std::getenv("OMPI_COMM_WORLD_RANK"); // each rank sees the same files
+    if (rank == nullptr || std::strcmp(rank, "0") == 0) std::fprintf(stderr, "impact: %s\n", error.what());
     return static_cast<int>(error.code());
   }
   impact::install_quiet_error_handler(); // before the options files are read: they may be malformed

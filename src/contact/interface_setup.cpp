@@ -26,8 +26,37 @@ UserError usage(const ContactSettings& settings, const std::string& key, const s
   return UserError(ExitCode::usage, "-contact_" + settings.id + "_" + key + ": " + text);
 }
 
-void check_settings(ContactSettings& settings, int dim) {
-  if (settings.method == ContactMethod::automatic) settings.method = ContactMethod::mortar;
+// What is to be said of sides that share nodes: they meet across a notch, never around its outer corner.
+// Empty where they do not.
+std::string adjoining(const Mesh& mesh, const ContactSettings& settings) {
+  if (settings.rigid() || settings.primary == settings.secondary) return "";
+  std::vector<int> a = mesh.nodes(settings.secondary), b = mesh.nodes(settings.primary), common;
+  std::sort(a.begin(), a.end());
+  std::sort(b.begin(), b.end());
+  std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(common));
+  std::erase_if(common, [&](int node) { return !mesh.owned(node); });
+  std::array<int, 2> mine = {0, static_cast<int>(common.size())}; // rank, nodes
+  int count = 0, first = 0;
+  std::array<double, 3> x{};
+  MPI_Comm_rank(mesh.comm(), &mine[0]);
+  if (common.empty()) mine[0] = std::numeric_limits<int>::max();
+  MPI_Allreduce(&mine[0], &first, 1, MPI_INT, MPI_MIN, mesh.comm());
+  MPI_Allreduce(&mine[1], &count, 1, MPI_INT, MPI_SUM, mesh.comm());
+  if (count == 0) return "";
+  if (!common.empty()) std::copy_n(&mesh.coordinates()[at(mesh.dim() * common[0])], mesh.dim(), x.begin());
+  MPI_Bcast(x.data(), 3, MPI_DOUBLE, first, mesh.comm());
+  return "contact " + settings.id + ": `" + settings.secondary + "` and `" + settings.primary +
+         "` adjoin on one body: they share " + std::to_string(count) + (count == 1 ? " node" : " nodes") +
+         ", at (" + number(x[0]) + ", " + number(x[1]) + (mesh.dim() == 3 ? ", " + number(x[2]) : "") +
+         "); facets that share a node or have the body between them are no pairs, and -contact_" +
+         settings.id + "_method auto is gpts. Are these two bodies? Give each its own nodes there";
+}
+
+void check_settings(ContactSettings& settings, int dim, bool adjoin) {
+  // At the root of a notch a node of the mortar method sees a part of its facets alone, which comes and goes:
+  // Newton's method cycles.
+  if (settings.method == ContactMethod::automatic)
+    settings.method = adjoin ? ContactMethod::gauss_points : ContactMethod::mortar;
   const bool mortar = settings.method == ContactMethod::mortar;
   if (settings.multipliers == MultiplierSpace::automatic)
     settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
@@ -68,9 +97,10 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
                                    StateTable& state)
     : mesh_(&mesh), layout_(&displacement), state_(&state), settings_(settings), environment_(environment),
       dim_(mesh.dim()) {
-  check_settings(settings_, dim_);
   ContactSurface secondary = make_surface(mesh, settings_.id, settings_.secondary), primary;
   if (!settings_.rigid()) primary = make_surface(mesh, settings_.id, settings_.primary);
+  if (const std::string text = adjoining(mesh, settings_); !text.empty()) warnings_.push_back(text);
+  check_settings(settings_, dim_, !warnings_.empty());
   set_automatic_values(secondary, primary);
   find_pole(secondary);
   if (settings_.method == ContactMethod::mortar)

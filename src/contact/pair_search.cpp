@@ -113,7 +113,10 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   measure(secondary_X, secondary_slot_);
   measure(primary.X, primary_slot_);
   MPI_Allreduce(MPI_IN_PLACE, &smallest_, 1, MPI_DOUBLE, MPI_MIN, mesh.comm());
-  if (kind == Primary::itself) prepare_self_contact();
+  if (kind == Primary::rigid) return;
+  const SearchSecondary own = secondary_at(static_X_);
+  const std::vector<SearchFacet> other = primary_at(static_X_);
+  if (find_shapes(own, other) && kind == Primary::itself) prepare_self_contact(own, other);
 }
 
 void PairSearch::begin_attempt(Vec u_n) {
@@ -164,7 +167,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   list_.reach = local_ ? std::max(smallest_, 1.25 * motion) : std::max(radius_, motion);
   list_.candidates = search(x);
   fetch_nodes(u);
-  if (kind_ == Primary::itself) drop_neighbours(u);
+  if (body_) drop_neighbours(u);
   list_.built_at = std::move(x);
   list_.outdated = false;
   const bool changed = !all_ranks_agree(mesh_->comm(), list_.candidates.same_pairs(before.candidates));
@@ -208,24 +211,39 @@ Candidates PairSearch::search(const std::vector<double>& x) const {
   return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin_);
 }
 
-void PairSearch::prepare_self_contact() {
+bool PairSearch::find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary) {
   const Bodies bodies = find_bodies(*mesh_, *layout_);
   std::vector<double> number = layout_->make_local();
   for (std::size_t i = 0; i < bodies.of_node.size(); ++i) number[at(dim_) * i] = bodies.of_node[i];
-  body_ = layout_->make_global();
-  layout_->to_global(number, body_);
-  const std::vector<double> body = static_.gather(body_);
-  const auto body_at = [&](int slot) { return static_cast<int>(body[at(dim_ * slot)]); };
-  const SearchSecondary secondary = secondary_at(static_X_);
+  Handle<Vec> of_node = layout_->make_global();
+  layout_->to_global(number, of_node);
+  const std::vector<double> body = static_.gather(of_node);
+  std::vector<int> has(at(2 * bodies.count), 0); // [body][side]
+  const auto body_at = [&](int slot, int side) {
+    const auto b = static_cast<int>(body[at(dim_ * slot)]);
+    has[at(2 * b + side)] = 1;
+    return b;
+  };
+  for (std::size_t f = 0; f < primary.size(); ++f) body_at(primary_slot_[at(corners_) * f], 1);
   for (std::size_t f = 0; f < secondary.node.size() / 4; ++f) {
     std::array<double, 12> x;
     std::copy_n(&secondary.x[12 * f], 12, x.begin());
-    shapes_.push_back(facet_shape(dim_, x, body_at(secondary_slot_[at(corners_) * f])));
+    shapes_.push_back(facet_shape(dim_, x, body_at(secondary_slot_[at(corners_) * f], 0)));
   }
+  MPI_Allreduce(MPI_IN_PLACE, has.data(), 2 * bodies.count, MPI_INT, MPI_MAX, mesh_->comm());
+  bool both = false;
+  for (std::size_t b = 0; b < has.size(); b += 2) both = both || (has[b] != 0 && has[b + 1] != 0);
+  if (both)
+    body_ = std::move(of_node);
+  else
+    shapes_.clear();
+  return both;
+}
+
+void PairSearch::prepare_self_contact(const SearchSecondary& secondary,
+                                      const std::vector<SearchFacet>& primary) {
   std::vector<FacetShape> own;
-  const std::vector<SearchFacet> primary = primary_at(static_X_);
-  for (std::size_t f = 0; f < primary.size(); ++f)
-    own.push_back(facet_shape(dim_, primary[f].x, body_at(primary_slot_[at(corners_) * f])));
+  for (const SearchFacet& facet : primary) own.push_back(facet_shape(dim_, facet.x, 0));
   self_ = SelfContact(mesh_->comm(), dim_, own);
   // The body's other side, as far as it can matter.
   list_.candidates = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
@@ -283,7 +301,7 @@ void PairSearch::drop_neighbours(Vec u) {
           !SelfContact::may_touch(shapes_[f], other, 2 * radius_))
         continue;
       kept.facet.push_back(p);
-      list_.counts.push_back(self_.is_secondary(shapes_[f], other) ? 1 : 0);
+      if (kind_ == Primary::itself) list_.counts.push_back(self_.is_secondary(shapes_[f], other) ? 1 : 0);
     }
     kept.offset.push_back(static_cast<int>(kept.facet.size()));
   }

@@ -7,7 +7,7 @@
 #include <impact/input/database.hpp>
 #include <impact/input/spelling.hpp>
 #include <impact/petsc/error.hpp>
-#include <memory>
+#include <map>
 #include <sstream>
 
 namespace impact {
@@ -22,28 +22,60 @@ std::string all_options() {
   return text;
 }
 
-/// Calls visit(name, rest of the line) for what looks like an option, also in YAML, in a file and in those
-/// that it names. `above`: the files from the command line down to this one.
+bool is_yaml(const std::string& file) { return file.ends_with(".yml") || file.ends_with(".yaml"); }
+
+/// An option as it stands in a file: its name in lower case, its value without blanks and quotes, the line.
+struct FileOption {
+  std::string name, text;
+  int line;
+};
+
+/// The options of the text of a file; of a YAML file a key goes behind those that its line is indented below.
+std::vector<FileOption> options_in(const std::string& text, bool yaml) {
+  std::vector<FileOption> options;
+  std::vector<std::pair<std::size_t, std::string>> above; // indentation, name
+  std::istringstream lines(text);
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::size_t begin = line.find_first_not_of(yaml ? " " : " \t"),
+                      end = line.find_first_of(yaml ? ":" : " \t\r", begin);
+    if (begin == std::string::npos || line[begin] == '#' ||
+        (yaml ? end == std::string::npos : line[begin] != '-'))
+      continue;
+    while (!above.empty() && above.back().first >= begin) above.pop_back();
+    std::string name = lower_case(
+        line.substr(begin + (yaml ? 0 : 1), end == std::string::npos ? end : end - begin - (yaml ? 0 : 1)));
+    if (name.empty() || std::isalpha(static_cast<unsigned char>(name[0])) == 0) continue;
+    if (yaml && !above.empty()) name.insert(0, above.back().second + "_");
+    std::istringstream words(end == std::string::npos ? "" : line.substr(end + 1));
+    std::string value;
+    for (std::string part; words >> part && part[0] != '#';) value += part;
+    std::erase(value, '"');
+    if (yaml) above.emplace_back(begin, name);
+    if (!yaml || !value.empty()) options.push_back({name, value, number});
+  }
+  return options;
+}
+
+/// Calls visit(file, option) for all options in a file and in those that it names. `above`: the files from
+/// the command line down to this one.
 template <class Visit>
-void follow_option_file(const std::string& file, std::vector<std::string> above, const Visit& visit) {
+void follow_option_file(const std::string& file, bool yaml, std::vector<std::string> above,
+                        const Visit& visit) {
   const auto refuse = [&](const std::string& reason) { refuse_option({"-options_file", file}, reason); };
   const bool again = std::find(above.begin(), above.end(), file) != above.end();
   above.push_back(file);
   if (again) refuse("leads back to itself: " + join(above) + "; remove the line that names it again");
-  std::ifstream lines(file);
-  std::string line;
-  for (int number = 1; std::getline(lines, line); ++number) {
-    if (number == 1 && line.starts_with(byte_order_mark))
-      refuse("begins with a byte-order mark; save it as plain UTF-8");
-    const std::size_t from = line.find_first_not_of(" \t-"), to = line.find_first_of(": \t", from);
-    if (to == std::string::npos) continue;
-    const std::string name = lower_case(line.substr(from, to - from));
-    std::istringstream words(line.substr(to + 1));
-    std::string value, part;
-    while (words >> part && part[0] != '#') value += part;
-    std::erase(value, '"');
-    visit(name, value);
-    if (name == "options_file") follow_option_file(value, above, visit);
+  std::ifstream stream(file);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  if (text.str().starts_with(byte_order_mark))
+    refuse("begins with a byte-order mark; save it as plain UTF-8");
+  for (const FileOption& option : options_in(text.str(), yaml || is_yaml(file))) {
+    visit(file, option);
+    if (option.name == "options_file" || option.name == "options_file_yaml")
+      follow_option_file(option.text, option.name == "options_file_yaml", above, visit);
   }
 }
 
@@ -57,7 +89,7 @@ template <class Visit> void follow_option_files(int argc, const char* const* arg
   for (std::size_t i = 0; i + 1 < words.size(); ++i)
     if (const std::string name = lower_case(words[i]);
         name == "-options_file" || name == "-options_file_yaml")
-      follow_option_file(words[i + 1], {}, visit);
+      follow_option_file(words[i + 1], name == "-options_file_yaml", {}, visit);
 }
 
 } // namespace
@@ -67,10 +99,15 @@ void refuse_option(const GivenOption& option, const std::string& reason) {
 }
 
 void check_option_files(int argc, const char* const* argv) {
-  follow_option_files(argc, argv, [](const std::string&, const std::string&) {});
+  std::map<std::pair<std::string, std::string>, int> lines;
+  follow_option_files(argc, argv, [&](const std::string& file, const FileOption& option) {
+    const auto [at, fresh] = lines.emplace(std::pair(file, option.name), option.line);
+    if (!fresh && at->second != option.line)
+      throw UserError(ExitCode::usage, "-" + option.name + ": given twice in " + file + ", lines " +
+                                           std::to_string(at->second) + " and " +
+                                           std::to_string(option.line) + "; remove one of them");
+  });
 }
-
-bool is_yaml(const std::string& file) { return file.ends_with(".yml") || file.ends_with(".yaml"); }
 
 std::string explain_unread_files(int argc, const char* const* argv, const std::string& petsc_message) {
   if (petsc_message.find("max number of options") != std::string::npos)
@@ -108,8 +145,8 @@ std::vector<std::string> texts_in_files(const std::string& name) {
   char** arguments = nullptr;
   check(PetscGetArgs(&count, &arguments));
   std::vector<std::string> texts;
-  follow_option_files(count, arguments, [&](const std::string& option, const std::string& value) {
-    if (option == lower_case(name)) texts.push_back(value);
+  follow_option_files(count, arguments, [&](const std::string&, const FileOption& option) {
+    if (option.name == lower_case(name)) texts.push_back(option.text);
   });
   return texts;
 }

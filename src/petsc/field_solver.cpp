@@ -5,27 +5,6 @@
 
 namespace impact {
 
-void check_solver_options(const char* prefix, std::initializer_list<SNESType> types) {
-  const std::string field(prefix), option = "-" + field + "snes_type";
-  char type[128] = "";
-  PetscBool given = PETSC_FALSE;
-  PetscReal step = 0;
-  check(PetscOptionsGetString(nullptr, nullptr, option.c_str(), type, sizeof(type), &given));
-  if (given && std::none_of(types.begin(), types.end(), [&](SNESType t) { return std::string(t) == type; })) {
-    std::string allowed;
-    for (SNESType t : types) allowed += (allowed.empty() ? "" : ", ") + std::string(t);
-    throw UserError(ExitCode::usage, option + " \"" + type + "\": cannot solve this problem; allowed: " +
-                                         allowed + "; leave the option out");
-  }
-  check(PetscOptionsGetReal(nullptr, nullptr, ("-" + field + "snes_stol").c_str(), &step, &given));
-  if (given && step > 0)
-    throw UserError(
-        ExitCode::usage,
-        "-" + field +
-            "snes_stol: is positive; a short step says nothing about what is left; allowed: 0; give -" +
-            field + "snes_rtol or -" + field + "snes_atol");
-}
-
 void allow_rounding(SNES snes, Vec sizes) {
   PetscReal size = 0, atol = 0;
   check(VecNorm(sizes, NORM_2, &size));

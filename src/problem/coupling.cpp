@@ -191,7 +191,6 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
 
   check(SNESCreate(comm, motion_snes_.out()));
   check(SNESSetOptionsPrefix(motion_snes_, "motion_"));
-  check_solver_options("motion_", {SNESNEWTONLS});
   check(SNESSetFunction(motion_snes_, residual_, SNESTSFormFunction, ts_));
   refresh_matrix();
   check(SNESSetTolerances(motion_snes_, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
@@ -239,7 +238,6 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
   uzawa_shell_ = {[this](PetscInt pass, Vec u) { return uzawa_pass(pass, u); }, &time_mailbox(ts_), false};
   check(SNESCreate(comm, uzawa_snes_.out()));
   check(SNESSetOptionsPrefix(uzawa_snes_, "uzawa_"));
-  check_solver_options("uzawa_", {SNESSHELL});
   make_pass_shell(uzawa_snes_, uzawa_shell_);
   // The tolerances of gap and pressure belong to each contact: a pass changes 1 until all of them are met.
   check(SNESSetTolerances(uzawa_snes_, 0.5, 0, 0, 30, PETSC_DEFAULT));
@@ -257,7 +255,6 @@ Coupling::Coupling(TS ts, MotionProblem& motion, DamageProblem* damage, HeatProb
       }};
   check(TSGetSNES(ts_, &coupling));
   check(SNESSetOptionsPrefix(coupling, "coupling_"));
-  check_solver_options("coupling_", {SNESSHELL});
   make_pass_shell(coupling, coupling_shell_);
   check(SNESSetTolerances(coupling, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
 }

@@ -77,7 +77,6 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
   lower_ = d_.scalar.make_global();
   upper_ = d_.scalar.make_global();
 
-  check_solver_options("damage_", {SNESVINEWTONRSLS, SNESVINEWTONSSLS});
   for (Handle<SNES>* snes : {&unconstrained_, &bounded_}) {
     const bool bounded = snes == &bounded_;
     if (bounded && settings_.bounds != DamageBounds::vi) continue;

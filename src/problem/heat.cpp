@@ -62,7 +62,6 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       },
       this));
   build_matrix();
-  check_solver_options("heat_", {SNESNEWTONLS});
   check(SNESSetType(snes_, SNESNEWTONLS));
   const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
   check(SNESSetTolerances(snes_, rounding, 1e-10, 0, 50, PETSC_DEFAULT));

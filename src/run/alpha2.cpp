@@ -89,7 +89,6 @@ ExitCode simulate_alpha2(MPI_Comm comm, const Scenario& s, Setup& setup, const S
   PC pc = nullptr;
   check(TSGetSNES(ts, &snes));
   check(SNESSetOptionsPrefix(snes, "motion_"));
-  check_solver_options("motion_", {SNESNEWTONLS});
   check(SNESSetTolerances(snes, motion.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
   check(SNESSetConvergenceTest(
       snes,

@@ -105,15 +105,14 @@ void report_groups(const Discretisation& d) {
   }
 }
 
-std::string moduli_text(const Scenario& s, const MaterialParameters& p) {
-  char text[80];
-  const auto typed = std::find_if(s.materials.begin(), s.materials.end(), [&](const MaterialScenario& m) {
-    return m.law.id == p.id && m.young.has_value();
-  });
-  if (typed == s.materials.end())
-    std::snprintf(text, sizeof text, "K %.6g, G %.6g", p.K, p.G);
-  else
-    std::snprintf(text, sizeof text, "E %.6g, nu %.6g", (*typed->young)[0], (*typed->young)[1]);
+// The numbers of a material in the user's words, and in the run's units where these had others.
+std::string values_text(const Scenario& s, const std::string& id) {
+  std::string text;
+  for (const MaterialScenario& material : s.materials)
+    for (const auto& [name, value, said] : material.options)
+      if (const auto literal = split_literal(said); literal && material.law.id == id)
+        text += ", " + name + " " + said +
+                (parse_number(literal->number) == parse_number(value) ? "" : " (" + value + ")");
   return text;
 }
 
@@ -130,14 +129,12 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   const std::string damage = p.damage == Damage::at2   ? " with at2 damage"
                              : p.damage == Damage::at1 ? " with at1 damage"
                                                        : "";
-  check(PetscPrintf(comm, "material %s: %s%s%s%s, rho %.6g, mass %.6g; cells %.3g to %.3g wide\n",
-                    p.id.c_str(),
+  check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", p.id.c_str(),
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"
                                            : "elastic",
-                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "",
-                    m.law.rigid() ? "" : (", " + moduli_text(s, p)).c_str(), p.rho, p.rho * extent.size,
-                    extent.narrowest, extent.widest));
+                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, p.id).c_str(),
+                    p.rho * extent.size, extent.narrowest, extent.widest));
   if (p.damage != Damage::none) {
     check(PetscPrintf(comm, "material %s: gamma is %.3g to %.3g cells wide\n", p.id.c_str(),
                       p.gamma / extent.widest, p.gamma / extent.narrowest));
@@ -162,19 +159,30 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
 }
 
 // What is asked for behind the end never comes.
-void report_late_outputs(MPI_Comm comm, const Scenario& s) {
-  const double end = s.time.max_time;
-  const double steps = s.time.max_steps > 0 ? s.time.max_steps : s.time.dt > 0 ? end / s.time.dt : HUGE_VAL;
+void report_late(MPI_Comm comm, const Scenario& s) {
+  const double end = s.time.max_time, least = end * (1 + 1e-9);
+  double steps = s.time.max_steps > 0 ? s.time.max_steps : HUGE_VAL;
+  if (s.time.dt > 0) steps = std::min(steps, std::max(1.0, end / s.time.dt));
+  const auto tell = [&](const std::string& option, double value, double limit) {
+    if (limit > 0 && value > limit)
+      check(PetscPrintf(
+          comm, "impact: WARNING: -%s %.10g lies behind the end, -ts_max_time %.10g, about %.0f steps\n",
+          option.c_str(), value, end, steps));
+  };
+  const auto latest = [](const std::vector<double>& times) {
+    return times.empty() ? 0 : *std::max_element(times.begin(), times.end());
+  };
   for (const OutputScenario& output : s.outputs) {
-    const std::string key = "-output_" + output.id;
-    std::string late;
-    for (double time : output.times)
-      if (end > 0 && time > end * (1 + 1e-9)) late = key + "_times " + number_text(time);
-    if (late.empty() && output.every <= steps) continue;
-    if (late.empty()) late = key + "_every " + std::to_string(output.every);
-    check(PetscPrintf(comm, "impact: WARNING: %s lies behind the end, -ts_max_time %.10g, about %.0f steps\n",
-                      late.c_str(), end, steps));
+    const std::string key = "output_" + output.id;
+    tell(key + "_times", latest(output.times), least);
+    tell(key + "_dt", output.dt, least);
+    tell(key + "_every", output.every, steps);
+    tell(key + "_cycles", output.cycles, s.time.period > 0 ? end / s.time.period : 0);
   }
+  tell("ts_dt", s.time.dt, least);
+  tell("ts_period", s.time.period, least);
+  tell("ts_times", latest(s.time.table_times), least);
+  tell("checkpoint_every", s.checkpoint.every, steps);
 }
 
 } // namespace
@@ -198,7 +206,7 @@ void report_setup(const Scenario& s, const Discretisation& d) {
                         m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
                         m.law.parameters.alpha_t, m.law.parameters.theta0));
   report_locking(s, d);
-  report_late_outputs(comm, s);
+  report_late(comm, s);
   if (!s.has_motion()) check(PetscPrintf(comm, "no motion: bodies stay where they are\n"));
 }
 

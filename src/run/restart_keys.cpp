@@ -13,58 +13,14 @@ namespace {
 
 const std::set<std::string> frozen_names = {"units", "dim", "plane", "mesh", "mesh_scale", "dm_refine"};
 
-/// Global options that say how a run is solved, written and ended, not what it computes.
-const std::set<std::string> free_names = {"title",
-                                          "output_dir",
-                                          "dry_run",
-                                          "options_strict",
-                                          "motion_tangent",
-                                          "motion_mat_type",
-                                          "energy_tol",
-                                          "energy_action",
-                                          "energy_stop",
-                                          "crack_level",
-                                          "contact_operator",
-                                          "coupling_snes_max_it",
-                                          "ts_dt",
-                                          "ts_max_time",
-                                          "ts_max_steps",
-                                          "coupling_snes_atol",
-                                          "coupling_relaxation",
-                                          "ts_times",
-                                          "ts_dts",
-                                          "coupling_theta_tol",
-                                          "coupling_error",
-                                          "history_materials",
-                                          "ts_adapt_dphi",
-                                          "ts_adapt_dalpha",
-                                          "ts_adapt_dtheta",
-                                          "ts_adapt_closing",
-                                          "ts_adapt_grow",
-                                          "mesh_cells",
-                                          "mesh_wall",
-                                          "ts_adapt_easy_steps",
-                                          "ts_adapt_easy_its",
-                                          "ts_adapt_dt_min",
-                                          "ts_adapt_dt_max",
-                                          "ts_adapt_scale_solve_failed",
-                                          "ts_max_reject",
-                                          "test_restep",
-                                          "ts_period",
-                                          "stops",
-                                          "motion_reuse_tangent",
-                                          "checkpoint_dir",
-                                          "checkpoint_wall",
-                                          "checkpoint_every",
-                                          "checkpoint_keep",
-                                          "checkpoint_patience",
-                                          "walltime",
-                                          "walltime_margin",
-                                          "restart",
-                                          "restart_allow",
-                                          "outputs",
-                                          "probes",
-                                          "measures"};
+/// Global options that say how a run is solved, written and ended, not what it computes; and beginnings.
+const std::set<std::string> free_names = {
+    "title",       "dry_run",          "options_strict", "test_restep", "mesh_cells", "mesh_wall",
+    "crack_level", "contact_operator", "ts_dt",          "ts_times",    "ts_dts",     "ts_period",
+    "walltime",    "history_materials"};
+const std::initializer_list<const char*> free_beginnings = {
+    "output",  "probe",       "measure",   "stop",    "motion_",   "coupling_",  "energy_",
+    "restart", "checkpoint_", "walltime_", "ts_max_", "ts_adapt_", "ts_substeps"};
 
 bool starts_with_any(const std::string& name, std::initializer_list<const char*> beginnings) {
   return std::any_of(beginnings.begin(), beginnings.end(),
@@ -120,11 +76,7 @@ std::vector<std::string> changed_keys(const Values& before, const Values& now) {
 }
 
 bool covers(const std::string& entry, const std::string& key) {
-  // The resolved options have the moduli K and G for E and nu.
-  const bool modulus = key.starts_with("material_") && (key.ends_with("_k") || key.ends_with("_g"));
-  const std::string material = key.substr(0, key.rfind('_'));
-  return key == entry || key.starts_with(entry + "_") ||
-         (modulus && (entry == material + "_e" || entry == material + "_nu"));
+  return key == entry || key.starts_with(entry + "_");
 }
 
 /// An entry may carry the dash of its option and any case.
@@ -168,8 +120,7 @@ void check_entries(const std::vector<std::string>& allow, const Values& before, 
 
 RestartKey restart_key(const std::string& name) {
   if (frozen_names.count(name) || name.starts_with("mesh_set_")) return RestartKey::frozen;
-  if (free_names.count(name) || starts_with_any(name, {"output_", "probe_", "measure_", "stop_"}))
-    return RestartKey::free;
+  if (free_names.count(name) || starts_with_any(name, free_beginnings)) return RestartKey::free;
   return RestartKey::guarded;
 }
 

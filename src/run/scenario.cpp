@@ -122,6 +122,13 @@ std::vector<MaterialScenario> read_materials(const Scenario& scenario, const Opt
       const auto found = attributes.find(name);
       return found == attributes.end() ? std::nullopt : std::optional(found->second);
     });
+    if (input.scenario.regions.empty()) input.scenario.regions = {id};
+    for (const auto& row : table.rows) {
+      const auto found = attributes.find(row.name);
+      const std::string said = found == attributes.end() ? "" : found->second.text, text = row.text(input);
+      if (!text.empty() || !said.empty())
+        input.scenario.options.push_back({row.name, text.empty() ? said : text, said});
+    }
     all.push_back(resolve_material(input, scenario));
   }
   return all;
@@ -217,7 +224,6 @@ bool Scenario::has_damage() const {
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
   register_time_types();
-  check_repeated_options(comm);
   for (const std::string& note : check_option_names(
            {class_keys(parameter_class()), class_keys(function_class()), class_keys(material_class()),
             class_keys(boundary_class()), class_keys(initial_class()), class_keys(contact_class()),

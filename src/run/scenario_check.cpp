@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <impact/input/database.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/output_folder.hpp>
@@ -103,39 +104,28 @@ void check_materials(const Scenario& scenario) {
 }
 
 void check_condition(const BoundaryCondition& bc) {
-  const std::string prefix = "-bc_" + bc.id + "_";
+  const std::string prefix = "-bc_" + bc.id + "_",
+                    scalars = "types pressure, damage, temperature, heat_flux, convection and heat_source";
   const bool scalar = bc.type == BcType::pressure || bc.type == BcType::damage || is_thermal(bc.type);
   const bool bare = bc.type == BcType::fix || bc.type == BcType::symmetry;
+  const bool turns = bc.type == BcType::displacement || bc.type == BcType::velocity;
+  const auto look = [](const std::optional<Expression>& given, bool allowed, const std::string& remedy) {
+    if (given && !allowed)
+      fail(given->key() + " \"" + given->text() + "\": has no meaning for this type; " + remedy);
+    return given.has_value();
+  };
   bool components = false;
-  for (int k = 0; k < 3; ++k) {
-    if (!bc.component[k]) continue;
-    components = true;
-    if (scalar || bare)
-      fail(bc.component[k]->key() + " \"" + bc.component[k]->text() +
-           "\": has no meaning for this type; remove it" +
-           (scalar ? ", " + prefix + "value is what it takes"
-                   : ", or choose " + prefix + "type displacement"));
-  }
-  for (const auto& turn : bc.rotation) {
-    if (!turn) continue;
-    components = true;
-    if (bc.type != BcType::displacement && bc.type != BcType::velocity)
-      fail(turn->key() + " \"" + turn->text() +
-           "\": has no meaning for this type; allowed with types displacement and velocity, of rigid bodies");
-  }
-  if (bc.value && !scalar)
-    fail(bc.value->key() + " \"" + bc.value->text() +
-         "\": has no meaning for this type; allowed with types pressure, damage, temperature, heat_flux, "
-         "convection and heat_source");
-  if (scalar && !bc.value)
-    fail(prefix +
-         "value: missing; allowed: an expression; the types pressure, damage, temperature, heat_flux, "
-         "convection and heat_source need it");
-  if (bc.type == BcType::convection && !bc.coefficient)
+  for (const auto& component : bc.component)
+    components |= look(component, !scalar && !bare,
+                       "remove it" + (scalar ? ", " + prefix + "value is what it takes"
+                                             : ", or choose " + prefix + "type displacement"));
+  for (const auto& turn : bc.rotation)
+    components |= look(turn, turns, "allowed with types displacement and velocity, of rigid bodies");
+  if (!look(bc.value, scalar, "allowed with " + scalars) && scalar)
+    fail(prefix + "value: missing; allowed: an expression; the " + scalars + " need it");
+  if (!look(bc.coefficient, bc.type == BcType::convection, "allowed with type convection") &&
+      bc.type == BcType::convection)
     fail(prefix + "h: missing; allowed: an expression; type convection needs it");
-  if (bc.coefficient && bc.type != BcType::convection)
-    fail(bc.coefficient->key() + " \"" + bc.coefficient->text() +
-         "\": has no meaning for this type; allowed with type convection");
   if (!scalar && !bare && !components)
     fail(prefix + "ux: missing; allowed: at least one of " + prefix + "ux, " + prefix + "uy, " + prefix +
          "uz");
@@ -143,11 +133,12 @@ void check_condition(const BoundaryCondition& bc) {
 
 /// A wrong power of ten makes a step that does not end.
 void check_substeps(const Scenario& s, const char* option, double substep) {
-  constexpr double most = 1e5;
+  const double most = s.time.most_substeps;
   const double step = s.time.dt > 0 ? s.time.dt : 0;
   if (substep > 0 && step / substep > most)
     fail(std::string("-") + option + ": makes " + number_text(std::round(step / substep)) +
-         " sub-steps in each step of -ts_dt; allowed: at most 100000; take longer ones, or a shorter -ts_dt");
+         " sub-steps in each step of -ts_dt; allowed: at most " + number_text(most) +
+         " (-ts_substeps); take longer ones, a shorter -ts_dt, or raise -ts_substeps");
 }
 
 void check_heat(const Scenario& scenario) {
@@ -249,27 +240,31 @@ void check_impact_updates(const Scenario& scenario) {
          " conserves energy with; allowed beside conserving: conserving, none");
 }
 
-void check_alpha2(const Scenario& scenario) {
-  if (scenario.time.type != "alpha2") return;
-  const std::string remedy =
-      "; allowed with -ts_type alpha2: elastic bodies without damage, heat, contact and viscosity; "
-      "remove it, or choose -ts_type newmark";
-  if (!scenario.contacts.empty())
-    fail("-contacts \"" + scenario.contacts.front().id + "\": not available" + remedy);
-  for (const MaterialScenario& material : scenario.materials) {
-    const std::string prefix = "-material_" + material.law.id + "_";
-    if (material.law.model != Model::elastic)
-      fail(prefix + "model \"" + (material.law.model == Model::j2 ? "j2" : "rigid") + "\": not available" +
-           remedy);
-    if (material.law.damage != Damage::none)
-      fail(prefix + "damage \"" + (material.law.damage == Damage::at1 ? "at1" : "at2") + "\": not available" +
-           remedy);
-    if (material.law.c_v != 0 && scenario.has_heat())
-      fail(prefix + "c_v \"" + number_text(material.law.c_v) + "\": not available" + remedy);
-    if (material.law.b_d != 0)
-      fail(prefix + "b_d \"" + number_text(material.law.b_d) + "\": not available" + remedy);
+void check_alpha2(const Scenario& s) {
+  if (s.time.type != "alpha2") return;
+  std::vector<std::pair<std::string, bool>> asked = {{"contacts", !s.contacts.empty()},
+                                                     {"stops", !s.stops.empty()},
+                                                     {"plane", s.plane == PlaneMode::stress},
+                                                     {"restart", s.checkpoint.restart != "none"},
+                                                     {"checkpoint_every", s.checkpoint.every > 0},
+                                                     {"checkpoint_wall", s.checkpoint.wall > 0},
+                                                     {"walltime", s.checkpoint.walltime > 0}};
+  for (const MaterialScenario& material : s.materials) {
+    const MaterialParameters& law = material.law;
+    for (const auto& [name, is] : {std::pair("model", law.model != Model::elastic),
+                                   {"damage", law.damage != Damage::none},
+                                   {"c_v", law.c_v != 0 && s.has_heat()},
+                                   {"b_d", law.b_d != 0}})
+      asked.emplace_back("material_" + law.id + "_" + name, is);
   }
-  if (!scenario.stops.empty()) fail("-stops \"" + scenario.stops.front().id + "\": not available" + remedy);
+  for (const OutputScenario& output : s.outputs)
+    asked.emplace_back("output_" + output.id + "_type", output.type != OutputScenario::Type::csv);
+  for (const auto& [name, is] : asked)
+    if (const auto text = option_text(name); is)
+      fail("-" + name + (text ? " \"" + *text + "\"" : "") +
+           ": not available; allowed with -ts_type alpha2: elastic bodies without plane stress, damage, "
+           "heat, contact and viscosity, "
+           "type csv of outputs, no checkpoints; remove it, or choose -ts_type newmark");
 }
 
 void check_split(const Scenario& scenario, const MaterialScenario& material) {
@@ -323,10 +318,6 @@ std::string plane_name(PlaneMode plane) {
 
 void check_plane_stress(const Scenario& scenario) {
   if (scenario.plane != PlaneMode::stress) return;
-  if (scenario.time.type == "alpha2")
-    fail("-plane \"stress\": not available; -ts_type alpha2 keeps no thickness; allowed: strain, "
-         "axisymmetric; or "
-         "choose -ts_type newmark");
   for (const MaterialScenario& material : scenario.materials)
     if (!material.locking_automatic && material.law.locking != Locking::none)
       fail("-material_" + material.law.id + "_locking \"" +
@@ -340,15 +331,6 @@ void check_checkpoints(const Scenario& scenario) {
     fail("-walltime_margin \"" + number_text(checkpoint.walltime_margin) +
          "\": leaves nothing of the wall time; allowed: less than -walltime, " +
          number_text(checkpoint.walltime));
-  if (scenario.time.type != "alpha2") return;
-  const std::string remedy = "; -ts_type alpha2 writes no checkpoints; remove it, or choose -ts_type newmark";
-  if (checkpoint.restart != "none") fail("-restart \"" + checkpoint.restart + "\": not available" + remedy);
-  if (checkpoint.every > 0)
-    fail("-checkpoint_every \"" + std::to_string(checkpoint.every) + "\": not available" + remedy);
-  if (checkpoint.wall > 0)
-    fail("-checkpoint_wall \"" + number_text(checkpoint.wall) + "\": not available" + remedy);
-  if (checkpoint.walltime > 0)
-    fail("-walltime \"" + number_text(checkpoint.walltime) + "\": not available" + remedy);
 }
 
 // Half of an unsymmetric matrix would be taken for all of it without a word.
@@ -388,10 +370,6 @@ void check_outputs(const Scenario& scenario) {
       fail(prefix + "cycles \"" + std::to_string(output.cycles) +
            "\": counts the cycles of a load whose period is not given; add -ts_period, or remove it");
     const bool csv = output.type == OutputScenario::Type::csv;
-    if (!csv && scenario.time.type == "alpha2")
-      fail(prefix + "type \"xdmf\": not available; -ts_type alpha2 writes the history alone; allowed: csv; "
-                    "remove it, or "
-                    "choose -ts_type newmark");
     if (csv && !output.fields.empty())
       fail(prefix + "fields: has no meaning for type csv; the columns of the history are fixed, use -probes "
                     "and -measures");

@@ -79,12 +79,13 @@ std::vector<OptionRow<Contact>> contact_side_rows() {
 
 std::vector<OptionRow<Contact>> enforcement_rows() {
   return {
-      choice_row<Contact, ContactMethod>(
-          "method", &Contact::method,
-          {"constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: mortar", "auto"},
-          {{"auto", ContactMethod::automatic},
-           {"gpts", ContactMethod::gauss_points},
-           {"mortar", ContactMethod::mortar}}),
+      choice_row<Contact, ContactMethod>("method", &Contact::method,
+                                         {"constraints at Gauss points, or for mean gaps about the nodes "
+                                          "(mortar); auto: mortar, gpts where both sides share nodes",
+                                          "auto"},
+                                         {{"auto", ContactMethod::automatic},
+                                          {"gpts", ContactMethod::gauss_points},
+                                          {"mortar", ContactMethod::mortar}}),
       choice_row<Contact, MultiplierSpace>("multipliers", &Contact::multipliers,
                                            {"of the mortar: the shape functions, or functions biorthogonal "
                                             "to them on facets that are covered as a "

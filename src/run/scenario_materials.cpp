@@ -47,14 +47,15 @@ std::vector<OptionRow<Material>> elastic_rows() {
                            {0, 1e15, true, false}, none),
       required("rho", &Law::rho,
                {"reference density", "required with inertia or a body force", "kg/m^3", "rho_0", "(3)"}, 1e6),
-      choice_row<Material, Material::Locking>("locking", &Material::locking,
-                                              {"cure of volumetric locking in quads and hexes; auto: mean "
-                                               "for j2 and for nu from 0.45 on, else none",
-                                               "auto"},
-                                              {{"auto", Material::Locking::automatic},
-                                               {"mean", Material::Locking::mean},
-                                               {"fbar", Material::Locking::fbar},
-                                               {"none", Material::Locking::none}}),
+      choice_row<Material, std::optional<Locking>>(
+          "locking", &Material::locking,
+          {"cure of volumetric locking in quads and hexes; auto: mean "
+           "for j2 and for nu from 0.45 on, else none",
+           "auto"},
+          {{"auto", std::nullopt},
+           {"mean", Locking::mean},
+           {"fbar", Locking::fbar},
+           {"none", Locking::none}}),
   };
 }
 
@@ -125,7 +126,7 @@ std::vector<OptionRow<Material>> hardening_rows() {
       number_row<Material>("voce_s", law(&Law::voce_s), {"rate of the saturation", "0", "1", "s_p", "(55)"},
                            not_negative),
       number_row<Material>("linear_h", &Material::linear_h, {"linear hardening modulus", "0", "Pa", "H"},
-                           not_negative),
+                           not_negative, none),
       hardening_table_row(),
       number_row<Material>("jc_a", &Material::jc_a,
                            {"Johnson-Cook: k = (A + B alpha^n) (1 + C ln(rate/rate0)) (1 - T*^m)",
@@ -144,15 +145,15 @@ std::vector<OptionRow<Material>> hardening_rows() {
           "jc_rate0", &Material::rate_0,
           {"rate of alpha from which jc_c counts", "required with jc_c", "1/s", "rate0", "(55a)"}, positive,
           none),
-      choice_row<Material, Material::Softening>(
+      choice_row<Material, std::optional<Softening>>(
           "softening", &Material::softening,
           {"factor of the temperature on k; linear: 1 - w (theta - theta0); johnson_cook: 1 - T*^m; auto: "
            "johnson_cook with the hardening of that name where jc_theta_melt is given, else none",
            "auto", "", "f", "(55a)"},
-          {{"auto", Material::Softening::automatic},
-           {"none", Material::Softening::none},
-           {"linear", Material::Softening::linear},
-           {"johnson_cook", Material::Softening::johnson_cook}}),
+          {{"auto", std::nullopt},
+           {"none", Softening::none},
+           {"linear", Softening::linear},
+           {"johnson_cook", Softening::johnson_cook}}),
       number_row<Material>(
           "softening_w", law(&Law::softening_w),
           {"slope of the linear softening", "required with softening linear", "1/K", "w", "(55a)"},
@@ -270,17 +271,14 @@ std::vector<OptionRow<Material>> damage_rows() {
 void check_rigid(const MaterialInput& input) {
   const Law& law = input.scenario.law;
   const std::string prefix = "-material_" + law.id + "_";
-  const auto refuse = [&](const std::string& name) {
-    throw UserError(ExitCode::usage, prefix + name + ": has no meaning with " + prefix +
-                                         "model rigid; allowed: region, rho; remove it");
-  };
-  if (!std::isnan(input.E)) refuse("E");
-  if (!std::isnan(input.nu)) refuse("nu");
-  if (!std::isnan(input.K) && input.K != 0) refuse("K");
-  if (!std::isnan(input.G) && input.G != 0) refuse("G");
-  if (law.damage != Damage::none) refuse("damage");
-  if (law.b_d != 0) refuse("b_d");
-  if (law.sigma_y != 0) refuse("sigma_y");
+  const std::pair<const char*, bool> given[] = {
+      {"E", !std::isnan(input.E)},  {"nu", !std::isnan(input.nu)},          {"K", !std::isnan(input.K)},
+      {"G", !std::isnan(input.G)},  {"damage", law.damage != Damage::none}, {"b_d", law.b_d != 0},
+      {"sigma_y", law.sigma_y != 0}};
+  for (const auto& [name, is_given] : given)
+    if (is_given)
+      throw UserError(ExitCode::usage, prefix + name + ": has no meaning with " + prefix +
+                                           "model rigid; allowed: region, rho; remove it");
 }
 
 void set_moduli(MaterialInput& input) {
@@ -297,7 +295,6 @@ void set_moduli(MaterialInput& input) {
     if (std::isnan(input.nu)) missing(result.id, "nu", remedy);
     result.K = input.E / (3 * (1 - 2 * input.nu));
     result.G = input.E / (2 * (1 + input.nu));
-    input.scenario.young = {input.E, input.nu};
     return;
   }
   if (std::isnan(input.K)) missing(result.id, "K", remedy);
@@ -343,15 +340,10 @@ void set_hardening(MaterialInput& input) {
 }
 
 void set_softening(MaterialInput& input) {
-  using Choice = MaterialInput::Softening;
   Law& law = input.scenario.law;
   const std::string prefix = "-material_" + law.id + "_", linear = prefix + "softening linear";
   const bool by_name = law.hardening == HardeningKind::power && law.theta_melt > 0;
-  law.softening =
-      input.softening == Choice::linear ? Softening::linear
-      : input.softening == Choice::johnson_cook || (input.softening == Choice::automatic && by_name)
-          ? Softening::johnson_cook
-          : Softening::none;
+  law.softening = input.softening.value_or(by_name ? Softening::johnson_cook : Softening::none);
   law.theta_ref = std::isnan(input.theta_ref) ? law.theta0 : input.theta_ref;
   if (law.softening == Softening::linear) {
     if (law.softening_w == 0) missing(law.id, "softening_w", "a positive value is needed by " + linear);
@@ -430,58 +422,9 @@ MaterialScenario resolve_material(const MaterialInput& given, const Scenario& sc
   if (deforms) check_damage(input.scenario.law);
   set_capacity(input);
   MaterialScenario& material = input.scenario;
-  if (material.regions.empty()) material.regions = {material.law.id};
-  material.locking_automatic = input.locking == Material::Locking::automatic;
-  switch (input.locking) {
-  case Material::Locking::automatic:
-    material.law.locking = automatic_locking(material.law, scenario.plane);
-    break;
-  case Material::Locking::none:
-    material.law.locking = Locking::none;
-    break;
-  case Material::Locking::mean:
-    material.law.locking = Locking::mean;
-    break;
-  case Material::Locking::fbar:
-    material.law.locking = Locking::fbar;
-    break;
-  }
+  material.locking_automatic = !input.locking;
+  material.law.locking = input.locking.value_or(automatic_locking(material.law, scenario.plane));
   return material;
-}
-
-MaterialInput material_input(const MaterialScenario& material) {
-  MaterialInput input;
-  input.scenario = material;
-  input.linear_h = material.law.linear_h;
-  if (material.law.model != Model::rigid && material.law.K != 0) {
-    input.K = material.law.K;
-    input.G = material.law.G;
-  }
-  if (material.law.softening != Softening::none || material.law.hardening == HardeningKind::power)
-    input.softening = material.law.softening == Softening::none     ? Material::Softening::none
-                      : material.law.softening == Softening::linear ? Material::Softening::linear
-                                                                    : Material::Softening::johnson_cook;
-  if (material.law.rate_c > 0) input.rate_0 = material.law.rate_0;
-  if (material.law.softening == Softening::johnson_cook) input.theta_ref = material.law.theta_ref;
-  if (material.law.hardening != HardeningKind::voce) input.scenario.law.sigma_y = 0;
-  if (material.law.hardening == HardeningKind::table) input.hardening = {"table"};
-  if (material.law.hardening == HardeningKind::power) {
-    input.hardening = {"johnson_cook"};
-    input.jc_a = material.law.sigma_y;
-  }
-  if (material.locking_automatic) return input;
-  switch (material.law.locking) {
-  case Locking::none:
-    input.locking = Material::Locking::none;
-    break;
-  case Locking::mean:
-    input.locking = Material::Locking::mean;
-    break;
-  case Locking::fbar:
-    input.locking = Material::Locking::fbar;
-    break;
-  }
-  return input;
 }
 
 } // namespace impact

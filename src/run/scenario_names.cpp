@@ -216,65 +216,7 @@ const ClassKeys* left_out_of(const std::string& name, const Legal& legal) {
   return nullptr;
 }
 
-/// The lines of a file on which each option stands, in the order of the names.
-using Places = std::map<std::string, std::vector<int>>;
-
-Places option_places(const std::string& text) {
-  Places places;
-  std::istringstream lines(text);
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    const std::size_t dash = line.find_first_not_of(" \t");
-    if (dash == std::string::npos || line[dash] != '-' || dash + 1 == line.size()) continue;
-    if (std::isalpha(static_cast<unsigned char>(line[dash + 1])) == 0) continue;
-    const std::size_t end = line.find_first_of(" \t\r", dash);
-    places[lower_case(line.substr(dash + 1, end == std::string::npos ? end : end - dash - 1))].push_back(
-        number);
-  }
-  return places;
-}
-
-/// Of a YAML file: a key of a deeper line goes behind those of the lines that it is indented below.
-Places yaml_places(const std::string& text) {
-  Places places;
-  std::vector<std::pair<std::size_t, std::string>> above; // indentation, key
-  std::istringstream lines(text);
-  int number = 0;
-  for (std::string line; std::getline(lines, line);) {
-    ++number;
-    const std::size_t begin = line.find_first_not_of(' '), colon = line.find(':');
-    if (begin == std::string::npos || colon == std::string::npos || line[begin] == '#') continue;
-    while (!above.empty() && above.back().first >= begin) above.pop_back();
-    std::string name;
-    for (const auto& [indentation, key] : above) name += key + "_";
-    above.emplace_back(begin, lower_case(line.substr(begin, colon - begin)));
-    const std::size_t value = line.find_first_not_of(" \t\r", colon + 1);
-    if (value != std::string::npos && line[value] != '#')
-      places[name + above.back().second].push_back(number);
-  }
-  return places;
-}
-
 } // namespace
-
-void check_repeated_options(MPI_Comm comm) {
-  int count = 0;
-  char** arguments = nullptr;
-  check(PetscGetArgs(&count, &arguments));
-  for (int i = 1; i + 1 < count; ++i) {
-    const std::string option = lower_case(arguments[i]), file = arguments[i + 1];
-    if (option != "-options_file" && option != "-options_file_yaml") continue;
-    const std::string text = read_input_file(comm, {option, file}, file);
-    const Places places =
-        is_yaml(file) || option != "-options_file" ? yaml_places(text) : option_places(text);
-    for (const auto& [name, lines] : places)
-      if (lines.size() > 1)
-        throw UserError(ExitCode::usage, "-" + name + ": given twice in " + file + ", lines " +
-                                             std::to_string(lines[0]) + " and " + std::to_string(lines[1]) +
-                                             "; remove one of them");
-  }
-}
 
 std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes) {
   const Legal legal = legal_names(classes);

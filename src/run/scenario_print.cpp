@@ -17,18 +17,12 @@ std::string class_text(const OptionClass<Struct>& table, const std::vector<Struc
 }
 
 std::string materials_text(const std::vector<MaterialScenario>& materials, bool as_typed) {
-  const auto rows = material_class().rows;
   std::string ids, lines;
   for (const MaterialScenario& material : materials) {
     ids += (ids.empty() ? "" : ",") + material.law.id;
-    MaterialInput input = material_input(material);
-    if (as_typed && material.young) {
-      std::swap(input.E, input.K); // what is not given is nan
-      std::swap(input.nu, input.G);
-      input.E = (*material.young)[0];
-      input.nu = (*material.young)[1];
-    }
-    lines += rows_text(rows, input, "material_" + material.law.id + "_");
+    for (const auto& [name, text, said] : material.options)
+      lines +=
+          option_line("material_" + material.law.id + "_" + name, as_typed && !said.empty() ? said : text);
   }
   return option_line("materials", ids) + lines;
 }

@@ -264,6 +264,9 @@ OptionGroup time_group() {
           count_row<Global>(
               "ts_max_steps", [](auto& s) -> auto& { return s.time.max_steps; },
               {"largest number of steps", "no limit"}, 1),
+          number_row<Global>(
+              "ts_substeps", [](auto& s) -> auto& { return s.time.most_substeps; },
+              {"most sub-steps in a step that -damage_ts_dt and -heat_ts_dt may make", "1e5", "1"}, {1}),
           numbers_row<Global>(
               "ts_times", [](auto& s) -> auto& { return s.time.table_times; },
               {"times between which the steps of -ts_dts hold, one more than these", "", "s"}, not_negative),

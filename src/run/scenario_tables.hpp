@@ -14,8 +14,8 @@ struct MaterialInput {
   double c_mass = absent; ///< heat capacity per mass
   std::vector<std::string> hardening;
   double linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
-  enum class Softening { automatic, none, linear, johnson_cook } softening = Softening::automatic;
-  enum class Locking { automatic, none, mean, fbar } locking = Locking::automatic;
+  std::optional<Softening> softening; ///< empty: automatic, and so below
+  std::optional<Locking> locking;
 };
 
 /// Options `-<word>_<id>_<name>`, with the ids declared in the list `-<registry>`.
@@ -62,10 +62,6 @@ struct ClassKeys {
 /// the registry left out.
 std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes);
 
-/// Throws UserError(usage) for an option that one options file gives twice: PETSc takes the last one in
-/// silence. Later files and the command line may override it. Collective.
-void check_repeated_options(MPI_Comm comm);
-
 /// Names of the global options that are no rows: registries and switches of the program.
 std::vector<std::string> other_global_names();
 
@@ -76,7 +72,5 @@ void check_scenario(const Scenario& scenario);
 /// The law of a material from what the user said; what is required hangs on the physics of the scenario, of
 /// which `physics` has been read. Throws UserError(usage).
 MaterialScenario resolve_material(const MaterialInput& input, const Scenario& scenario);
-/// What the user would have to say for this material.
-MaterialInput material_input(const MaterialScenario& material);
 
 } // namespace impact

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/shifted_mesh.hpp>
@@ -211,13 +212,26 @@ void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacl
       if (round > rounds)
         throw UserError(ExitCode::data,
                         "-contact_" + contact.id + "_initial adjust: " + std::to_string(overlap.nodes) +
-                            " nodes still overlap `" + contact.primary +
-                            "` after their moves, those of one contact into the bodies of another; "
-                            "part the surfaces in the mesh");
+                            " nodes of `" + contact.secondary + "` still overlap `" + contact.primary +
+                            "` after " + std::to_string(rounds) + " moves" +
+                            (adjusted.size() > 1 ? ", perhaps those of one contact into the bodies of another"
+                                                 : "; the surface of `" + contact.primary +
+                                                       "` is too coarse or too sharp there") +
+                            "; part the surfaces in the mesh");
       round_off(overlap.shift, contact.initial_tol);
       adjusted[i].add(overlap.shift);
       moved += overlap.nodes;
-      setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
+      try {
+        setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
+      } catch (const UserError& error) { // of all ranks
+        char way[32];
+        std::snprintf(way, sizeof way, "%.4g", overlap.deepest);
+        throw UserError(error.code(), "-contact_" + contact.id + "_initial adjust: moves " +
+                                          std::to_string(overlap.nodes) + " nodes of `" + contact.secondary +
+                                          "` by up to " + way + ", more than its cells have room for (" +
+                                          error.what() +
+                                          "); part the bodies in the mesh, or exchange the two sides");
+      }
     }
   }
   for (std::size_t i = 0; i < adjusted.size(); ++i)

@@ -42,5 +42,20 @@ with open(os.path.join(SOURCE, "README.md"), encoding="utf-8") as readme:
         if done.returncode:
             print(done.stdout[-2000:])
         require(f"exit status {done.returncode}: {command}", done.returncode == 0)
+# The first run as a user has it, without what the tests set: Open MPI refuses root and too many ranks in its own words, and
+# the line that the README names beside them is all that it wants.
+bare = {name: value for name, value in os.environ.items() if not name.startswith(("OMPI_", "PMIX_", "PRTE_", "HWLOC_", "OMP_", "OPENBLAS_"))}
+with open(os.path.join(SOURCE, "README.md"), encoding="utf-8") as readme:
+    text = readme.read()
+helped = {**bare, **dict(word.split("=", 1) for word in re.search(r"^export (.*)$", text, re.M).group(1).split())}
+FIRST = next(line for line in commands(text) if line.startswith("mpirun -n 2")).split() + ["-dry_run", "-output_dir", "first"]
+MORE = ["mpirun", "-n", str(2 * os.cpu_count())] + FIRST[3:]
+for claim, words, env, said in [("as root" if os.geteuid() == 0 else "as a user", FIRST, bare, "detected an attempt to run as root" if os.geteuid() == 0 else ""),
+                                ("more ranks than cores", MORE, {**bare, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}, "not enough slots"),
+                                ("one rank without mpirun", FIRST[3:], bare, ""), ("with the README's line", FIRST, helped, ""),
+                                ("with it, more ranks than cores", MORE, helped, ""), ("not bound", ["mpirun", "--bind-to", "none"] + FIRST[1:], helped, "")]:
+    done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=env)
+    require(f"{claim}: exit status {done.returncode}", (done.returncode != 0) == bool(said) and said in done.stdout)
+    require(f"{claim}: the README has Open MPI's words", said in text)
 require(f"README.md has commands: {count}", count >= 10)
 finish()

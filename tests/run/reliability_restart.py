@@ -32,7 +32,7 @@ attempt("run", {"ts_max_steps": 12}, 0)  # checkpoints of steps 5 and 10
 
 refused({"mesh_scale": 2}, "-mesh_scale", '"2"', '"1"', "cannot change")
 refused({"plane": "axisymmetric"}, "-plane", '"axisymmetric"', '"strain"', "cannot change")
-refused({"material_lower_E": 2e6}, "-material_lower_K", "1666666.", "833333.", "-restart_allow material_lower_G")
+refused({"material_lower_E": 2e6}, "-material_lower_E", "2e+06", "1e+06", "-restart_allow material_lower_E")
 refused({"contact_face_penalty": 1e7}, "-contact_face_penalty", '"1e+07"', '"auto"', "-restart_allow")
 refused({"bc_hold_type": "displacement", "bc_hold_ux": 0}, "-bc_hold_type", "-bc_hold_ux", "(not given)", "-restart_allow")
 refused({"ts_newmark_rho": 0.8}, "-ts_newmark_rho", '"0.8"', '"0.9"', "-restart_allow ts_newmark_rho")

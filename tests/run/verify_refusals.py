@@ -41,6 +41,27 @@ def write_cells(name, nodes, cells):
     return name
 
 
+def write_wedge(name, n=6, notch=False, space=False):
+    """A triangle with a sharp tip, or, upside down, a notch in a block; `left` and `right` share the tip. `space`: a layer of it."""
+    tip = "1, 0.5, 0" if notch else "1, 1, 0"
+    corners = ["0, 0, 0", "2, 0, 0"] + (["2, 1, 0", "1.05, 1, 0", tip, "0.95, 1, 0", "0, 1, 0"] if notch else [tip])
+    count, right = len(corners), 4 if notch else 2
+    text = "".join(f"Point({k}) = {{{x}, {1 / n}}};\n" for k, x in enumerate(corners, 1))
+    text += "".join(f"Line({k}) = {{{k}, {k % count + 1}}};\n" for k in range(1, count + 1))
+    text += f"Curve Loop(1) = {{1:{count}}}; Plane Surface(1) = {{1}};\n"
+    if space:
+        text += "o[] = Extrude{0, 0, 0.3}{ Surface{1}; Layers{1}; };\n"
+        names = {"solid": "Volume", **dict.fromkeys(("bottom", "right", "left", "rs", "ls"), "Surface")}
+    else:
+        names = {"solid": "Surface", **dict.fromkeys(("bottom", "right", "left", "rs", "ls"), "Curve")}
+    number = {"solid": 1, "bottom": 1, "right": right, "left": right + 1, "rs": 2, "ls": 7}
+    for group, kind in names.items():
+        if notch or group not in ("rs", "ls"):
+            place = f"o[{number[group] + 1}]" if space and group != "solid" else number[group]
+            text += f'Physical {kind}("{group}") = {{{place}}};\n'
+    return write(name.replace(".msh", ".geo"), text)
+
+
 def write(name, text, encoding="utf-8"):
     with open(name, "w", encoding=encoding) as file:
         file.write(text)
@@ -135,7 +156,11 @@ ROWS = [
     ("a .geo without end", more(PULL, mesh=write("endless.geo", "For i In {0:1000000000}\n a = i;\nEndFor\n"), mesh_wall=1), 3,
      ["gmsh has worked for 1 s and is stopped", "-mesh_wall"]),
     ("a command in a word for the mesh", more(PULL, mesh=GEO, mesh_set_kind='x";SystemCall "ls'), 2, ["allowed: a number or one word"]),
-    ("sub-steps without number", more(CRACK, damage_ts_dt=1e-10), 2, ["-damage_ts_dt: makes 1e+09 sub-steps in each step"]),
+    ("sub-steps without number", more(CRACK, damage_ts_dt=1e-10), 2, ["-damage_ts_dt: makes 1e+09 sub-steps in each step of -ts_dt; allowed: at most 1e+05 (-ts_substeps)"]),
+    ("sub-steps beyond a bound of one's own", more(CRACK, damage_ts_dt=1e-3, ts_substeps=99), 2, ["makes 100 sub-steps", "at most 99"]),
+    ("no steps", more(PULL, ts_max_steps=0), 2, ['-ts_max_steps "0": out of range; allowed: a whole number >= 1']),
+    ("an overlap that one contact alone has", more(without(PULL, "bc_push"), mesh=write_wedge("wedge.msh"), bcs="hold", contacts="c", contact_c_secondary="left",
+     contact_c_primary="plane", contact_c_plane_point="0,0.9", contact_c_plane_normal="0,-1", contact_c_initial="error"), 3, ["contact c: `left` overlaps `plane` by 0.1"]),
     ("other capitals of a unit", more(PULL, material_solid_E="200 Gpa"), 2, ["unknown unit 'Gpa'; did you mean GPa?"]),
     ("a sign for a blank", [*start_words(PULL), "-ts_dt=0.5"], 2, ["a blank parts name and value: -ts_dt 0.5"]),
     ("forces that are not finite", more(PULL, ts_type="newmark", bc_push_uy="1/(t-0.5)"), 3, ["the forces of which an acceleration is asked are not finite"]),
@@ -150,14 +175,18 @@ ROWS = [
         ("motion_snes_mf_operator", "", "not available"), ("motion_snes_convergence_test", "skip", "not available"),
         ("ts_rtol", 1e-3, "not available"), ("motion_ksp_type", "qcg", "take cg"),
         ("motion_mg_levels_ksp_type", "cg", "nothing in this run reads"), ("vec_tpye", "mpi", "nothing in this run reads"))],
-    *[(f"refused by PETSc: {name} {value}", more(PULL, motion_ksp_type="gmres", **{name: value}), 2, [f'-{name} "{value}": PETSc refuses it', words])
-      for name, value, words in (
-          ("motion_ksp_rtol", "abc", "allowed: a number"), ("motion_pc_type", "hypr", "did you mean hypre?; allowed: none, jacobi"),
-          ("motion_snes_linesearch_type", "btt", "did you mean bt?"), ("motion_pc_factor_mat_solver_type", "mumpss", "allowed:"),
-          ("motion_mat_mumps_icntl_14", "abc", "allowed: a number"))],
-    ("a nonlinear solver that cannot", more(PULL, motion_snes_type="nasm"), 2, ['-motion_snes_type "nasm": cannot solve', "allowed: newtonls"]),
-    ("a value of a solver inside a solver", more(PULL, motion_ksp_type="gmres", motion_pc_type="bjacobi", motion_sub_pc_type="luu"), 2,
-     ['-motion_sub_pc_type "luu": PETSc refuses it', "did you mean lu?"]),
+    # Before a mesh is asked for: there is none.
+    *[(f"no value of PETSc's: {name} {value}", more(PULL, motion_ksp_type="gmres", mesh=write("never.geo", 'Error("read"); Exit;\n'), **{name: value}), 2,
+       [f'-{name} "{value}": {words}']) for name, value, words in (
+          ("motion_ksp_rtol", "abc", "not a number; allowed: a number"), ("motion_ksp_rtol", "2", "out of range; allowed: 0 <= value < 1"),
+          ("motion_ksp_rtol", "-1", "out of range"), ("motion_ksp_max_it", "-3", "out of range; allowed: a whole number >= 1"),
+          ("motion_snes_max_it", "-3", "out of range; allowed: a whole number >= 1"), ("motion_snes_atol", "-1", "out of range; allowed: >= 0"),
+          ("damage_snes_max_it", "0", "out of range"), ("damage_ksp_rtol", "1", "out of range"), ("heat_ksp_max_it", "-1", "out of range"),
+          ("uzawa_snes_max_it", "-3", "out of range"), ("motion_snes_linesearch_damping", "0", "out of range; allowed: 0 < value <= 1"),
+          ("motion_sub_ksp_rtol", "-1", "out of range"), ("motion_sub_pc_type", "luu", "not available; allowed: none, "), ("motion_snes_stol", "1e-3", "out of range"),
+          ("motion_pc_type", "hypr", "not available; allowed: none, jacobi"), ("motion_snes_linesearch_type", "btt", "not available; allowed:"),
+          ("motion_snes_type", "nasm", "cannot solve this problem; allowed: newtonls"), ("damage_snes_type", "newtonls", "cannot solve this problem; allowed: vi"),
+          ("motion_pc_factor_mat_solver_type", "mumpss", "PETSc refuses it"), ("motion_mat_mumps_icntl_14", "abc", "PETSc refuses it"))],
     ("a preconditioner that wants another matrix", more(PULL, motion_ksp_type="gmres", motion_pc_type="bddc"), 2,
      ["PETSc cannot solve with -motion_ksp_type gmres -motion_pc_type bddc"]),
     ("beta beside rho", more(PULL, ts_type="newmark", ts_newmark_rho=0.5, ts_newmark_beta=0.3), 2, ["not together with -ts_newmark_beta"]),
@@ -192,10 +221,14 @@ require("what the solver does not read", code == 0 and any("nothing in this run 
 require("the same, strictly", start(more(USELESS, options_strict="on"), 1)[0] == 2)
 code, lines = start(more(PULL, damage_ksp_type="cg"), 1)
 require("of a field that is not solved", code == 0 and any("does not solve these fields: -damage_ksp_type" in line for line in lines))
+require("more sub-steps, where these are meant", start(more(CRACK, damage_ts_dt=1e-7, ts_substeps=2e6, dry_run="on"), 1)[0] == 0)
 for claim, options, words in [
         ("a crack narrower than two cells", more(CRACK, material_solid_gamma=0.1), "-material_solid_gamma 0.1 is 0.2 times its narrowest cell 0.5"),
         ("a crack wider than its body", more(CRACK, material_solid_gamma=50), "-material_solid_gamma 50 is 50 times the size 1 of its body"),
         ("a time behind the end", more(PULL, outputs="v", output_v_times="0.1,5"), "-output_v_times 5 lies behind the end, -ts_max_time 1"),
+        *[(f"behind the end: {key}", more(PULL, **{"outputs": "v", key: value, **extra}), f"-{key} {value} lies behind the end, -ts_max_time 1, about {steps} steps")
+          for key, value, steps, extra in (("output_v_dt", 5, 10, {}), ("ts_dt", 3, 1, {}), ("ts_period", 8, 10, {}), ("checkpoint_every", 11, 10, {}),
+                                           ("output_v_cycles", 3, 10, {"ts_period": 0.5}), ("output_v_every", 5, 4, {"ts_max_steps": 4}))],
         ("more steps than there are", more(PULL, outputs="v", output_v_every=1000), "-output_v_every 1000 lies behind the end")]:
     code, lines = start(more(options, dry_run="on"), 1)
     require(claim, code == 0 and any("WARNING: " + words in line for line in lines))
@@ -206,6 +239,33 @@ write("plain_file", "")
 folder = subprocess.run([PROGRAM, *start_words(PULL), "-output_dir", "plain_file/x"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                         env=ENVIRONMENT)
 require("an output folder that cannot be made", folder.returncode == 4 and '-output_dir "plain_file/x": cannot make' in folder.stdout)
+
+# Sides that share nodes: around a sharp tip nothing strikes (it "overlapped" there), across a notch they meet.
+for dim, space in ((2, False), (3, True)):
+    CORNER = more(without(PULL, "bc_push"), contacts="c", contact_c_secondary="left", contact_c_primary="right", material_solid_nu=0, outputs="none")
+    for method in ("auto", "gpts", "mortar"):
+        r = run(f"tip{dim}{method}", more(CORNER, mesh=write_wedge("tip.geo", space=space), bcs="hold", contact_c_method=method, ts_dt=1))
+        said = [line for line in r.log.splitlines() if "adjoin" in line]
+        require(f"around a tip, {dim}D, {method}: told once with nodes and remedy",
+                len(said) == 1 and f"share {2 if space else 1} node" in said[0] and "(1, 1" in said[0] and "Give each its own nodes" in said[0])
+        check(f"around a tip, {dim}D, {method}: force", abs(r["contact_c_force_x"][-1]), 0, 0, relative=False)
+NOTCH = more(CORNER, mesh=write_wedge("notch.geo", n=12, notch=True), bcs="hold,push", bc_push_on="ls,rs", bc_push_ux="0.2*t*(1-x)*y", ts_dt=0.2)
+for ranks in (1, 2):
+    r = run(f"notch{ranks}", NOTCH, ranks=ranks)
+    require(f"a notch closes, {ranks} ranks: {r['contact_c_active'][-1]:.0f} places press", r["contact_c_active"][-1] > 5)
+    check(f"a notch closes, {ranks} ranks: overlap", min(r["contact_c_gap_min"][-1], 0), 0, 1e-4, relative=False)
+
+# An overlap of one contact that its moves cannot undo is not a fault of the mesh.
+write("tool.geo", "Point(1)={0,0,0};Point(2)={1,0,0};Point(3)={1,0.1,0};Point(4)={0,0.1,0};Line(1)={1,2};Line(2)={2,3};Line(3)={3,4};Line(4)={4,1};\n"
+      "Curve Loop(1)={1:4};Plane Surface(1)={1};Point(5)={0.3,0.08,0};Point(6)={0.7,0.08,0};Point(7)={0.7,1,0};Point(8)={0.5,0.03,0};Line(5)={5,8};\n"
+      "Line(6)={8,6};Line(7)={6,7};Line(8)={7,5};Curve Loop(2)={5:8};Plane Surface(2)={2};Mesh.MeshSizeMax=0.1;Mesh.MeshSizeMin=0.1;\n"
+      'Physical Surface("plate")={1};Physical Surface("tool")={2};Physical Curve("top")={3};Physical Curve("bottom")={1};Physical Curve("foot")={5,6};\n')
+TOOL = more(without(PULL, "bc_push"), mesh="tool.geo", material_solid_region="plate,tool", bcs="hold", contacts="c", contact_c_secondary="foot",
+            contact_c_primary="top", contact_c_initial="adjust", contact_c_initial_tol=0.2)
+for ranks in (1, 2):
+    code, lines = start(TOOL, ranks)
+    require(f"moves that a mesh has no room for, {ranks} ranks: status {code}, {lines[-1]}", code == 3 and sum(
+        "-contact_c_initial adjust: moves 7 nodes of `foot` by up to 0.07215, more than" in line for line in lines) == 1)
 
 # A byte-order mark before a table is none of its numbers.
 pulled = [run(name, more(PULL, functions="f", function_f_table=write(name + ".csv", "0 0\n1 1\n", encoding), bc_push_uy="0.1*f(t)"))

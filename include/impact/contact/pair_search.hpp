@@ -70,8 +70,8 @@ public:
   PairSearch() = default;
   /// `secondary`: global nodes [facet][corner] of the facets that this rank evaluates, whoever owns their
   /// cells, and `secondary_X` [facet][corner][dim]; `primary`: the facets of this rank's cells, empty where
-  /// the primary is no surface of the mesh. A surface that may meet itself keeps of its pairs those that
-  /// SelfContact lets touch. Mesh and layout must outlive the search. Collective.
+  /// the primary is no surface of the mesh. Sides of one body, or one that may meet itself, keep of their
+  /// pairs those that SelfContact lets touch. Mesh and layout must outlive the search. Collective.
   PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
              const std::vector<double>& secondary_X, const ContactSurface& primary, SearchRange range,
              Primary kind);
@@ -144,7 +144,9 @@ private:
   std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
   Candidates search(const std::vector<double>& x) const;
   void measure_slack();
-  void prepare_self_contact();
+  // Whether a body has facets of both sides; then their shapes and bodies. Collective.
+  bool find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
+  void prepare_self_contact(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   // Leaves of the candidates those that may touch; needs nodes_ of them all.
   void drop_neighbours(Vec u);
   FacetShape candidate_shape(int primary, const std::vector<double>& x) const;
@@ -169,10 +171,10 @@ private:
   std::optional<List> found_;        // by the attempt, where it has searched since
   Handle<Vec> attempt_from_;         // where it started; absent: none yet
   Outcome restored_ = Outcome::kept; // what the next update owes to the return of an earlier list
-  SelfContact self_;                 // below: of a surface that may meet itself, else empty
-  Handle<Vec> body_;                 // of a node, in its first component
-  std::vector<FacetShape> shapes_;   // [secondary facet] reference
-  std::vector<double> depth_;        // [secondary facet]
+  SelfContact self_;                 // of a surface that may meet itself, else empty
+  Handle<Vec> body_;                 // of a node, in its first component; absent: no body has both sides
+  std::vector<FacetShape> shapes_;   // [secondary facet] reference, with body_
+  std::vector<double> depth_;        // [secondary facet] of a surface that may meet itself, else empty
 };
 
 } // namespace impact

@@ -41,10 +41,13 @@ struct MeshScenario {
 
 struct MaterialScenario {
   MaterialParameters law;
-  std::vector<std::string> regions;           ///< physical names; default: the id
-  std::string hardening_table;                ///< resolved path of law.table
-  bool locking_automatic = true;              ///< mean for j2 on quads and hexes, else none
-  std::optional<std::array<double, 2>> young; ///< E and nu, where these were given in place of K and G
+  std::vector<std::string> regions; ///< physical names; default: the id
+  std::string hardening_table;      ///< resolved path of law.table
+  bool locking_automatic = true;    ///< mean for j2 on quads and hexes, else none
+  struct Option {
+    std::string name, text, said; ///< text: in the run's units; said: the user's words, empty for a default
+  };
+  std::vector<Option> options;
 };
 
 struct OutputScenario {
@@ -78,6 +81,7 @@ struct StopScenario {
 struct TimeScenario {
   std::string type = "newmark"; ///< newmark | static | alpha2
   double dt = 0, max_time = 0;
+  double most_substeps = 1e5;                 ///< of damage or heat in a step
   int max_steps = 0;                          ///< 0: no limit
   double period = 0;                          ///< of a cyclic load; 0: none
   std::vector<double> table_times, table_dts; ///< -ts_times, -ts_dts
@@ -159,8 +163,8 @@ Locking automatic_locking(const MaterialParameters& law, PlaneMode plane);
 /// numbers in the database, because PETSc's TS reads them too.
 Scenario read_scenario(MPI_Comm comm);
 
-/// The resolved input as the user would type it, one key per line (checkpoints, -dry_run). `as_typed`: with E
-/// and nu where they were given; checkpoints have K and G.
+/// The resolved input as the user would type it, one key per line (checkpoints, -dry_run). `as_typed`:
+/// materials in the user's own words; checkpoints have numbers.
 std::string print_scenario(const Scenario& scenario, bool as_typed = false);
 /// The first option whose force has no symmetric derivative, whatever the tangent of the cells is, and what
 /// would have one; empty: none.
