@@ -5,6 +5,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
@@ -552,6 +553,8 @@ bool Simulation::checkpoint_is_due() const {
 }
 
 void Simulation::write_state(const StepControlState& c) {
+  const InStage stage(Stage::output);
+  const Timed timed(Event::checkpoint_write);
   const double start = progress_.wall();
   control_->committed = control_->trial = {c.dt, c.at_limit ? 1.0 : 0.0, static_cast<double>(c.easy_steps),
                                            static_cast<double>(c.rejections)};
@@ -601,6 +604,7 @@ ExitCode Simulation::run() {
   control_at_start_ = step_control_state(ts_);
   try {
     if (stopped_by_.empty()) {
+      const InStage stage(Stage::steps);
       solve_in_time(ts_);
       check(TSGetConvergedReason(ts_, &reason));
     }
@@ -641,6 +645,7 @@ ExitCode Simulation::run() {
 } // namespace
 
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
+  std::optional<InStage> starts(Stage::setup);
   std::optional<FolderLock> output, checkpoints;
   if (!s.dry_run) {
     output.emplace(comm, "output_dir", s.output_dir);
@@ -665,6 +670,7 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   if (alpha2 && !s.dry_run) return simulate_alpha2(comm, s, *setup, solver);
   std::optional<Simulation> run;
   if (!alpha2) run.emplace(comm, s, *setup, solver, resume, probe);
+  starts.reset();
   if (!s.dry_run) return run->run();
   check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s, true).c_str()));
   return ExitCode::ok;
