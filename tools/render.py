@@ -224,18 +224,21 @@ def draw(axis, picture, norm, limits, options, title=""):
         label(name + length if name else "", fontsize=8)
     axis.set_title(title, fontsize=9)
     if picture.axes:
-        draw_triad(axis, picture.axes)
+        draw_triad(axis, picture, limits)
 
 
-def draw_triad(axis, axes):
-    """The directions of x, y and z beside a solid, at the lower left."""
-    tips = np.array([[axes[0][k], axes[1][k]] for k in range(3)])
-    axis.plot(0.09, 0.12, "o", markersize=46, color="white", alpha=0.8, markeredgewidth=0, transform=axis.transAxes, clip_on=False)
-    for name, tip in zip("xyz", tips):
-        axis.annotate("", xycoords="axes fraction", textcoords="offset points", xy=(0.09, 0.12), xytext=16 * tip,
-                      arrowprops={"arrowstyle": "<-", "lw": 0.7, "color": "0.3", "shrinkA": 0, "shrinkB": 0})
-        axis.annotate(name, xycoords="axes fraction", textcoords="offset points", xy=(0.09, 0.12), xytext=22 * tip, fontsize=7,
-                      color="0.3", ha="center", va="center", annotation_clip=False)
+def draw_triad(axis, picture, limits):
+    """The directions of x, y and z beside a solid, in the corner that is farthest from it."""
+    from matplotlib.transforms import ScaledTranslation
+    corners = np.array([[x, y] for x in (0, 1) for y in (0, 1)])
+    places = (picture.x - limits[0]) / (limits[1] - limits[0])
+    corner = max(corners, key=lambda c: np.linalg.norm(places - (0.1 + 0.8 * c), axis=1).min())
+    inwards = ScaledTranslation(*(30 / 72 * (1 - 2 * corner)), axis.figure.dpi_scale_trans)
+    where = {"xy": corner, "xycoords": axis.transAxes + inwards, "textcoords": "offset points", "color": "0.3"}
+    for k, name in enumerate("xyz"):
+        tip = np.array([picture.axes[0][k], picture.axes[1][k]])
+        axis.annotate("", **where, xytext=16 * tip, arrowprops={"arrowstyle": "<-", "lw": 0.7, "color": "0.3", "shrinkA": 0, "shrinkB": 0})
+        axis.annotate(name, **where, xytext=22 * tip, fontsize=7, ha="center", va="center")
 
 
 def save(figure, path):
@@ -280,6 +283,8 @@ class Sheet:
         bar = figure.colorbar(self.colours, ax=axes, pad=0.02, aspect=20, fraction=0.05)
         bar.set_label(self.label, fontsize=8)
         bar.ax.tick_params(labelsize=7)
+        bar.formatter.set_useMathText(True)
+        bar.ax.yaxis.offsetText.set_fontsize(7)
         return figure, axes
 
     def draw(self, axis, picture, title=""):

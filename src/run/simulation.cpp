@@ -667,7 +667,11 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup->discretisation);
   const bool alpha2 = s.time.type == "alpha2";
-  if (alpha2 && !s.dry_run) return simulate_alpha2(comm, s, *setup, solver);
+  if (alpha2 && !s.dry_run) {
+    starts.reset();
+    const InStage steps(Stage::steps);
+    return simulate_alpha2(comm, s, *setup, solver);
+  }
   std::optional<Simulation> run;
   if (!alpha2) run.emplace(comm, s, *setup, solver, resume, probe);
   starts.reset();
