@@ -30,7 +30,7 @@ def field_values(folder, name, by_place):
     fields = Fields(os.path.join(folder, name + ".xdmf"))
     values = {}
     for time, grid in zip(fields.times, fields.grids):
-        X = fields.array(grid.find("Geometry").find("DataItem"))
+        X = fields.places(grid)
         size = abs(X).max() or 1
         order, corners = [], []
         for _, nodes, index in fields.cells(grid):
