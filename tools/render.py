@@ -392,6 +392,7 @@ def main():
     options.cmap = options.cmap or ("magma_r" if options.field == "phi" else "viridis")
     if options.cmap not in matplotlib.colormaps:
         stop(f"--cmap {options.cmap}: no such colour map")
+    options.cmap = matplotlib.colormaps[options.cmap].with_extremes(bad="0.85")  # a gap where nothing is near
     if options.animate:
         check_film(options.animate)
     names = run_names(options.xdmf, options.titles)

@@ -57,7 +57,8 @@ def draw(words):
     figures.clear()
     sys.argv = ["render.py", *shlex.split(words)]
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        for kind in (RuntimeWarning, UserWarning):
+            warnings.simplefilter("error", kind)
         try:
             render.main()
         except SystemExit as end:
