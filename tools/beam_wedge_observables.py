@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
 """Print what a run of options/beam_wedge.opts shows beside its limits; exit status 1 when one is missed.
 
-    beam_wedge_observables.py <output_dir>
+    tools/beam_wedge_observables.py demo-output/beam_wedge
 
 The limits describe the paper's figure 5: a crack that begins at the slit and runs upwards, brittle in an elasto-plastic
 beam. Lengths in mm, forces in N per mm of thickness, times in s; the sizes are the ones of meshes/beam_wedge.geo.
 """
+import argparse
 import os
 import sys
 
 import numpy as np
+from fields import Fields
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plot_history
-import render
 
 NOTCH, DEPTH, TOUCH, EDGE = 10.0, 6.0, 51.0, 1.2
 FACET = 0.2  # of the wedge's upper edge; the contact's tolerance is a thousandth of it
@@ -35,8 +35,8 @@ def distance_to_root(x):
 
 def read_fields(folder):
     """Times, node coordinates [node][2], phi [time][node], cell centres [cell][2], alpha [time][cell]."""
-    fields = render.Fields(os.path.join(folder, "vis.xdmf"))
-    x = MM * fields.array(fields.grids[0].find("Geometry").find("DataItem"))[:, :2]
+    fields = Fields(os.path.join(folder, "vis.xdmf"))
+    x = MM * fields.places(fields.grids[0])[:, :2]
     phi = np.array([fields.field(grid, "phi")[0][:, 0] for grid in fields.grids])
     alpha = np.array([fields.field(grid, "alpha")[0][:, 0] for grid in fields.grids])
     centre = np.empty((alpha.shape[1], 2))
@@ -101,11 +101,11 @@ def observables(folder):
 
 
 def main():
-    if len(sys.argv) != 2:
-        print(__doc__, file=sys.stderr)
-        sys.exit(2)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("output_dir")
+    folder = parser.parse_args().output_dir
     missed = 0
-    for what, value, low, high in observables(sys.argv[1]):
+    for what, value, low, high in observables(folder):
         good = low <= value <= high
         missed += not good
         limit = f"<= {high:g}" if low in (0, -np.inf) else f">= {low:g}" if high == np.inf else f"{low:g} to {high:g}"

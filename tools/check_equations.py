@@ -5,8 +5,9 @@ A citation is one or more tags at the end of a comment line: `// (60)`, `// push
 An equation is there if the page shows its tag: `\\tag{60}`, `(60)`, or within a range `(49)-(53)`.
 Tags that the page defines by \\tag and no code cites are listed, but are not an error.
 
-Usage: tools/check_equations.py [repository]
+    tools/check_equations.py
 """
+import argparse
 import re
 import sys
 from pathlib import Path
@@ -25,7 +26,9 @@ def tags(text):
 
 
 def main():
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[1]).resolve()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("repository", nargs="?", default=Path(__file__).parents[1], help="default: the one of this file")
+    root = Path(parser.parse_args().repository).resolve()
     page = root / "src/theory.md"
     theory = page.read_text(encoding="utf-8") if page.is_file() else ""
     defined = set(re.findall(r"\\tag\{([^}]+)\}", theory))

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Checks that includes follow the layers: arrows only downwards, and no PETSc or MPI in a dry layer.
 
-Usage: tools/check_layers.py [repository]
+    tools/check_layers.py
 """
+import argparse
 import re
 import sys
 from pathlib import Path
@@ -64,7 +65,9 @@ def complaint(root, path, kind, name):
 
 
 def main():
-    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[1]).resolve()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("repository", nargs="?", default=Path(__file__).parents[1], help="default: the one of this file")
+    root = Path(parser.parse_args().repository).resolve()
     files = [file for top in ("include", "src", "tests") for file in sorted((root / top).rglob("*.[ch]pp"))]
     strangers = sorted(
         str(file.relative_to(root)) for file in files

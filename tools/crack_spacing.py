@@ -1,30 +1,26 @@
 #!/usr/bin/env python3
 """Counts the cracks that run in from the upper side of a plane body, at several depths below it.
 
-    crack_spacing.py vis.xdmf [--depths 0.05,0.1,0.2] [--level 0.9]
+    tools/crack_spacing.py run/vis.xdmf --depths 0.05,0.1,0.2 --level 0.9
 
 A crack is a piece of the line at a depth on which phi is above the level; one at an end of the line is half a crack.
 Prints for each time the number of cracks and their mean spacing, in the lengths of the run. `count` does it for scripts.
 """
 import argparse
-import os
-import sys
 
 import numpy as np
+from fields import Fields, triangles
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import render
 
 
 class Slab:
     """Reference places and triangles of the field file of a run."""
 
     def __init__(self, path):
-        self.fields = render.Fields(path)
+        self.fields = Fields(path)
         grid = self.fields.grids[0]
-        self.x = self.fields.array(grid.find("Geometry").find("DataItem"))[:, :2]
-        self.triangles = np.concatenate([part for _, nodes, _ in self.fields.cells(grid)
-                                         for part in ([nodes] if nodes.shape[1] == 3 else [nodes[:, :3], nodes[:, [0, 2, 3]]])])
+        self.x = self.fields.places(grid)[:, :2]
+        self.triangles, _ = triangles([(nodes, index) for _, nodes, index in self.fields.cells(grid)])
         self.times = self.fields.times
         self.low, self.high = self.x.min(axis=0), self.x.max(axis=0)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Crack, its length over cycles and its rate over the range of the stress intensity, of runs of options/fatigue_ct.opts.
 
-    plot_fatigue.py figure.png <output_dir>[:load] [<output_dir>[:load] ...]
+    tools/plot_fatigue.py fatigue.png fatigue_ct fatigue_ct_200:200
 
 The crack is the farthest node with phi above -crack_level (crack_strip_tip_x). It moves from node to node, so that a
 rate is that of a straight line through `WINDOW` first times at which it has reached a node. K is that of ASTM E647 for
@@ -9,14 +9,13 @@ a compact specimen. `load` (N per mm of thickness) is the largest of a cycle, th
 The picture of the crack is phi in the strip, mirrored, at the last written time before the final break of the first run.
 Prints the life and the fit da/dN = C dK^m of each run and of all together.
 """
+import argparse
 import os
-import sys
 
 import numpy as np
+from fields import Fields
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plot_history
-import render
 
 WIDTH, HEIGHT, LOAD, RATIO, WINDOW, BREAK = 50.0, 1.0, 160.0, 0.1, 7, 1.5  # of options/fatigue_ct.opts; mm, N/mm
 
@@ -54,8 +53,8 @@ def paris(dK, rate):
 
 def draw_crack(axis, folder):
     """phi in the strip at the last time at which some of the ligament is whole."""
-    fields = render.Fields(os.path.join(folder, "vis.xdmf"))
-    x = fields.array(fields.grids[0].find("Geometry").find("DataItem"))
+    fields = Fields(os.path.join(folder, "vis.xdmf"))
+    x = fields.places(fields.grids[0])
     inside = (x[:, 0] > 15.9) & (x[:, 0] < 42.1) & (x[:, 1] < HEIGHT + 0.1)
     for grid, time in reversed(list(zip(fields.grids, fields.times))):
         phi = fields.field(grid, "phi")[0][:, 0]
@@ -68,18 +67,19 @@ def draw_crack(axis, folder):
 
 
 def main():
-    if len(sys.argv) < 3:
-        print(__doc__, file=sys.stderr)
-        sys.exit(2)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("figure")
+    parser.add_argument("run", nargs="+", metavar="output_dir[:load]")
+    options = parser.parse_args()
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure = plt.figure(figsize=(8.4, 5.2), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(1, 2))
     crack, length, speed = (figure.add_subplot(part) for part in (grid[0, :], grid[1, 0], grid[1, 1]))
-    figure.colorbar(draw_crack(crack, sys.argv[2].partition(":")[0]), ax=crack, ticks=(0, 0.5, 1))
+    figure.colorbar(draw_crack(crack, options.run[0].partition(":")[0]), ax=crack, ticks=(0, 0.5, 1))
     all_dK, all_rates = [], []
-    for k, word in enumerate(sys.argv[2:]):
+    for k, word in enumerate(options.run):
         folder, _, load = word.partition(":")
         load = float(load or LOAD)
         cycles, a, dK, rate = growth(folder, load)
@@ -101,7 +101,7 @@ def main():
     for axis in (length, speed):
         axis.legend(frameon=False, loc="lower right")
         axis.grid(True, which="both", lw=0.4, color="0.88")
-    figure.savefig(sys.argv[1], dpi=110)
+    figure.savefig(options.figure, dpi=110)
 
 
 if __name__ == "__main__":

@@ -1,19 +1,18 @@
 #!/usr/bin/env python3
 """Draw the contact pressure of runs of options/hertz.opts or hertz_sphere.opts beside Hertz's closed form.
 
-    plot_hertz.py figure.png <output_dir> [<output_dir> ...]
+    tools/plot_hertz.py hertz.png coarse fine
 
 The load of the closed form is that of each run's last time: twice that of the half cylinder, four times that of the
 quarter of the sphere.
 """
+import argparse
 import os
-import sys
 
 import numpy as np
+from fields import Fields
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import plot_history
-import render
 
 RADIUS, MODULI, NU = 50.0, (70e3, 210e3), 0.3  # of options/hertz.opts; mm, MPa
 SPHERE, STEEL = 10.0, 210e3  # of options/hertz_sphere.opts
@@ -34,9 +33,9 @@ def hertz_sphere(load):
 def read(folder):
     """Load and unit, distance from the middle and pressure of the pressed nodes at the last time; peak and width of Hertz."""
     history, _ = plot_history.read(os.path.join(folder, "history.csv"))
-    fields = render.Fields(os.path.join(folder, "vis.xdmf"))
+    fields = Fields(os.path.join(folder, "vis.xdmf"))
     grid = fields.grids[-1]
-    x = fields.array(fields.grids[0].find("Geometry").find("DataItem"))
+    x = fields.places(fields.grids[0])
     u, p = fields.field(grid, "u")[0], fields.field(grid, "contact_pressure")[0][:, 0]
     nodes = np.flatnonzero(p > 0)
     if "contact_foot_force_z" in history:
@@ -48,14 +47,15 @@ def read(folder):
 
 
 def main():
-    if len(sys.argv) < 3:
-        print(__doc__, file=sys.stderr)
-        sys.exit(2)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("figure")
+    parser.add_argument("output_dir", nargs="+")
+    options = parser.parse_args()
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
     figure, axis = plt.subplots(figsize=(6.4, 4))
-    for k, folder in enumerate(sys.argv[2:]):
+    for k, folder in enumerate(options.output_dir):
         load, x, p, (peak, width) = read(folder)
         axis.plot(x, p, "os^vD"[k % 5], ms=4, mfc="none", color=plot_history.COLOURS[k % 8],
                   label=f"{os.path.basename(os.path.normpath(folder))}, {load}")
@@ -65,7 +65,7 @@ def main():
     axis.legend(frameon=False, title="points: runs, lines: Hertz")
     axis.grid(True, lw=0.4, color="0.88")
     figure.tight_layout()
-    figure.savefig(sys.argv[1], dpi=200)
+    figure.savefig(options.figure, dpi=200)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draw force, energies, damage and hardening of a history file over time.
 
-    plot_history.py history.csv figure.png [--force reaction_push_y]
+    tools/plot_history.py run/history.csv run/history.png --force reaction
 """
 import argparse
 import csv

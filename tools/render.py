@@ -1,94 +1,21 @@
 #!/usr/bin/env python3
-"""Draw a field of an .xdmf file on the deformed mesh: one picture per time and one with all of them.
+"""Draw a field of .xdmf files on the deformed mesh: one picture per time and one with all of them, or an animation.
 
-    render.py vis.xdmf --field phi --times 0.1,0.2 --out pictures/crack [--deform 1] [--zoom auto]
+    tools/render.py run/vis.xdmf --field phi --out run/phi
+    tools/render.py run/vis.xdmf --field von_mises --times 0.1,0.2 --zoom auto --out run/stress
+    tools/render.py run/vis.xdmf --field phi --animate run/phi.gif
+    tools/render.py block/vis.xdmf --field stress --component yy --cut 0 0 0.5  0 0 1 --times 1 --out block/middle
+    tools/render.py coarse/vis.xdmf fine/vis.xdmf --field phi --times 0.2 --out both
 
-Writes pictures/crack_000.png ... and pictures/crack_panel.png. Solids show their surface seen from --view.
+Writes run/phi_000.png ... and run/phi_panel.png; of several runs only the panel, a column for each. Solids show their
+surface seen from --view, or with --cut what lies in a plane.
 """
 import argparse
 import os
-import sys
-import xml.etree.ElementTree as ElementTree
+import shutil
 
-import h5py
 import numpy as np
-
-NODES = {4: 3, 5: 4, 6: 4, 9: 8}  # by XDMF cell type
-TYPES = {"Triangle": 4, "Quadrilateral": 5, "Tetrahedron": 6, "Hexahedron": 9}
-FACES = {6: [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)],
-         9: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]}
-
-
-def stop(message):
-    print(f"render.py: {message}", file=sys.stderr)
-    sys.exit(2)
-
-
-class Fields:
-    """The grids of an .xdmf file; arrays are read from its .h5 when they are asked for."""
-
-    def __init__(self, path):
-        self.dir = os.path.dirname(os.path.abspath(path))
-        try:
-            root = ElementTree.parse(path).getroot()
-        except (OSError, ElementTree.ParseError) as error:
-            stop(f"cannot read {path}: {error}")
-        self.grids = [g for g in root.iter("Grid") if g.get("GridType") == "Uniform" and g.find("Time") is not None]
-        if not self.grids:
-            stop(f"{path} holds no times")
-        self.times = np.array([float(g.find("Time").get("Value")) for g in self.grids])
-
-    def array(self, item):
-        name, _, dataset = item.text.strip().partition(":")
-        try:
-            with h5py.File(os.path.join(self.dir, name), "r") as file:
-                return file[dataset][()]
-        except (OSError, KeyError) as error:
-            stop(f"cannot read {dataset} of {name}: {error}")
-
-    def names(self, grid):
-        return [a.get("Name") for a in grid.iter("Attribute")]
-
-    def field(self, grid, name):
-        """Values [entity][component] and whether they live on nodes; None when the grid lacks the field."""
-        for attribute in grid.iter("Attribute"):
-            if attribute.get("Name") == name:
-                values = self.array(attribute.find("DataItem"))
-                return values.reshape(len(values), -1), attribute.get("Center") == "Node"
-        return None
-
-    def cells(self, grid):
-        """Pairs (type, connectivity [cell][node], indices of these cells among all)."""
-        topology = grid.find("Topology")
-        data, kind = self.array(topology.find("DataItem")), topology.get("TopologyType")
-        if kind in TYPES:
-            return [(TYPES[kind], data.reshape(-1, NODES[TYPES[kind]]), np.arange(len(data)))]
-        if kind != "Mixed":
-            stop(f"cells of type {kind} are not supported")
-        lists, at, cell = {}, 0, 0
-        data = data.tolist()
-        while at < len(data):
-            size = NODES.get(data[at])
-            if size is None:
-                stop(f"cells of XDMF type {data[at]} are not supported")
-            lists.setdefault(data[at], ([], []))[0].append(data[at + 1:at + 1 + size])
-            lists[data[at]][1].append(cell)
-            at, cell = at + 1 + size, cell + 1
-        return [(kind, np.array(nodes), np.array(index)) for kind, (nodes, index) in lists.items()]
-
-
-def surface(cells):
-    """Faces that belong to one cell only, as (nodes, cells) by number of nodes."""
-    seen = {}
-    for kind, connectivity, index in cells:
-        for face in FACES[kind]:
-            for nodes, cell in zip(connectivity[:, face], index):
-                seen.setdefault(tuple(sorted(nodes)), []).append((nodes, cell))
-    polygons = {}
-    for faces in seen.values():
-        if len(faces) == 1:
-            polygons.setdefault(len(faces[0][0]), []).append(faces[0])
-    return [(np.array([f[0] for f in group]), np.array([f[1] for f in group])) for group in polygons.values()]
+from fields import COMPONENTS, Cut, Fields, solid, stop, surface, triangles
 
 
 def view_axes(view, upward):
@@ -101,31 +28,75 @@ def view_axes(view, upward):
     return tuple(np.roll(axis, turns) for axis in (right, np.cross(eye, right), eye))
 
 
+def plane_axes(normal, upward):
+    """Two unit vectors in the plane of a cut and their names, along the axes of space where the plane lies along them."""
+    normal = normal / np.linalg.norm(normal)
+    axes = np.eye(3)
+    if (flat := int(np.argmax(np.abs(normal)))) >= 0 and abs(normal[flat]) > 1 - 1e-9:
+        first, second = (k for k in range(3) if k != flat)
+        return axes[first], axes[second], "xyz"[first], "xyz"[second]
+    up = axes["xyz".index(upward)]
+    if abs(normal @ up) > 0.99:
+        up = axes[("xyz".index(upward) + 1) % 3]
+    up = up - (up @ normal) * normal
+    up /= np.linalg.norm(up)
+    return np.cross(up, normal), up, "across in the plane", "up in the plane"
+
+
 class Picture:
-    """What is drawn at one time: polygons in the plane, the value of each node or cell, and the time."""
+    """What is drawn of one run at one time: polygons in the plane, the value of each node or cell, and the time.
+
+    `x` [node][2]; `polygons` pairs (nodes [polygon][corner], cells [polygon]); `depth` [node] where nearer ones hide others;
+    `lines` [line][2] the sides of cells where polygons are finer than these."""
 
     def __init__(self, fields, k, options):
         grid = fields.grids[k]
-        self.time = fields.times[k]
+        self.time, self.unit = fields.times[k], fields.unit
         found = fields.field(grid, options.field)
         if found is None:
-            stop(f"no field {options.field} at time {self.time:g}; there are: {', '.join(fields.names(grid))}")
+            stop(f"no field {options.field} in {fields.path} at time {self.time:g}; there are: {', '.join(fields.names(grid))}")
         values, self.on_nodes = found
         self.values = reduced(values, options)
-        x = fields.array(grid.find("Geometry").find("DataItem"))
-        if options.deform != 0:
-            u = fields.field(grid, "u")
-            if u is None:
-                stop("no field u to deform the mesh with; write it, or ask for --deform 0")
-            x = x + options.deform * u[0][:, :3]
+        x = fields.places(grid)
+        u = fields.field(grid, "u")
+        if u is not None:
+            x = x + (1 if options.deform is None else options.deform) * u[0][:, :3]
+        elif options.deform:
+            stop(f"no field u in {fields.path} to deform the mesh with; write it, or leave --deform away")
         cells = fields.cells(grid)
-        solid = any(kind in FACES for kind, _, _ in cells)
-        self.polygons = surface(cells) if solid else [(c, index) for _, c, index in cells]
-        self.depth = None
-        if solid:
-            right, up, eye = view_axes(options.view, options.up)
-            self.depth, x = x @ eye, np.stack([x @ right, x @ up], axis=1)
-        self.x = x[:, :2]
+        self.depth = self.lines = self.axes = None
+        self.names = ("x", "y")
+        if options.cut and not solid(cells):
+            stop(f"--cut: {fields.path} is plane; leave --cut away")
+        if options.cut:
+            self.cut(x, cells, options)
+        elif solid(cells):
+            right, up, eye = self.axes = view_axes(options.view, options.up)
+            self.polygons, self.depth = surface(cells), x @ eye
+            self.x = np.stack([x @ right, x @ up], axis=1)
+            self.names = ("in the plane of the picture", "")
+        else:
+            self.polygons, self.x = [(c, index) for _, c, index in cells], x[:, :2]
+
+    def cut(self, x, cells, options):
+        point, normal = np.array(options.cut[:3]), np.array(options.cut[3:])
+        if not np.any(normal):
+            stop("--cut: the normal is zero; give a point and a direction, x y z nx ny nz")
+        across = Cut(x, cells, point, normal)
+        if not len(across.triangles):
+            low, high = x.min(axis=0), x.max(axis=0)
+            stop("--cut: the plane meets no cell; the bodies lie between "
+                 + " and ".join("(" + ", ".join(f"{v:.4g}" for v in corner) + ")" for corner in (low, high)))
+        first, second, *self.names = plane_axes(normal, options.up)
+        self.x = np.stack([across.x @ first, across.x @ second], axis=1)
+        self.polygons, self.lines = [(across.triangles, across.cell)], across.lines
+        if self.on_nodes:
+            self.values = across.at_vertices(self.values)
+
+    def shown(self):
+        """The finite values that the picture shows."""
+        values = np.concatenate([self.values[nodes if self.on_nodes else index].ravel() for nodes, index in self.polygons])
+        return values[np.isfinite(values)]
 
     def box_of(self, level):
         """Corners of the region where the value is at least `level`, or None."""
@@ -136,17 +107,31 @@ class Picture:
         return (self.x[inside].min(axis=0), self.x[inside].max(axis=0)) if inside.any() else None
 
 
+def component_index(options, count):
+    """Number of the component that is asked for by number or name."""
+    names = COMPONENTS.get(count, ())
+    text = options.component
+    if text in names:
+        return names.index(text)
+    if text.isdigit() and int(text) < count:
+        return int(text)
+    return stop(f"--component {text}: field {options.field} has {', '.join(names) or 'one component'} (0 to {count - 1})")
+
+
 def reduced(values, options):
-    """One number per entity: the asked component, the only one, or the length of a vector."""
+    """One number per entity: the asked component, the only one, or the length of a vector. Notes what it is for the label."""
+    count = values.shape[1]
     if options.component is not None:
-        if not 0 <= options.component < values.shape[1]:
-            stop(f"field {options.field} has components 0 to {values.shape[1] - 1}")
-        return values[:, options.component]
-    if values.shape[1] == 1:
+        k = component_index(options, count)
+        options.name = options.field if count == 1 else f"{options.field} {COMPONENTS.get(count, range(count))[k]}"
+        return values[:, k]
+    if count == 1:
+        options.name = options.field
         return values[:, 0]
-    if values.shape[1] == 3:
+    if count == 3:
+        options.name = f"|{options.field}|"
         return np.linalg.norm(values, axis=1)
-    return stop(f"field {options.field} has {values.shape[1]} components; choose one with --component")
+    return stop(f"field {options.field} has the components {', '.join(COMPONENTS.get(count, ()))}; choose one with --component")
 
 
 def choose_times(fields, text):
@@ -163,8 +148,8 @@ def choose_times(fields, text):
 
 def window(pictures, zoom, high):
     """Limits of the picture: all of the mesh, where the field is large, or as given."""
-    low_corner = np.min([p.x.min(axis=0) for p in pictures], axis=0)
-    high_corner = np.max([p.x.max(axis=0) for p in pictures], axis=0)
+    used = [p.x[np.unique(np.concatenate([nodes.ravel() for nodes, _ in p.polygons]))] for p in pictures]
+    low_corner, high_corner = np.min([x.min(axis=0) for x in used], axis=0), np.max([x.max(axis=0) for x in used], axis=0)
     margin = 0.03 * (high_corner - low_corner).max()
     whole = (low_corner - margin, high_corner + margin)
     if zoom is None:
@@ -183,22 +168,28 @@ def window(pictures, zoom, high):
     return np.maximum((a + b) / 2 - half, whole[0]), np.minimum((a + b) / 2 + half, whole[1])
 
 
-def draw(axis, picture, norm, cmap, limits, edges):
-    from matplotlib.collections import PolyCollection
+def draw(axis, picture, norm, limits, options, title=""):
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.collections import LineCollection, PolyCollection
     from matplotlib.tri import Triangulation
-    # Edges fade as cells get small in the picture, and vanish where they would only darken it.
-    count = sum(len(index) for _, index in picture.polygons)
-    share = np.prod(limits[1] - limits[0]) / max(np.prod(np.ptp(picture.x, axis=0)), 1e-300)
-    width = np.clip(14 / np.sqrt(max(count * min(share, 1.0), 1)), 0, 0.5) if edges else 0
-    line = {"linewidths": width if width > 0.06 else 0, "edgecolors": (0.25, 0.25, 0.25, 0.55)}
+    inches = axis.get_window_extent().width / axis.figure.dpi / (limits[1] - limits[0])[0]
+    shade = (0.25, 0.25, 0.25, 0.55)
+
+    def widths(nodes):
+        """Of the lines of each cell: they fade as it gets small in the picture, where they would only darken it."""
+        if not options.edges:
+            return 0
+        x, y = picture.x[nodes].transpose(2, 0, 1)
+        area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1)).sum(axis=1))
+        width = np.clip(6 * inches * np.sqrt(area), 0, 0.5)
+        return np.where(width > 0.15, width, 0)
+
     smooth = picture.on_nodes and picture.depth is None
     if smooth:
-        triangles = np.concatenate([c for nodes, _ in picture.polygons
-                                    for c in ([nodes] if nodes.shape[1] == 3 else [nodes[:, [0, 1, 2]], nodes[:, [0, 2, 3]]])])
         # Narrow bands interpolate the values; gouraud shading would interpolate the colours and leave the colour map.
         values = np.nan_to_num(picture.values, nan=norm.vmin)
-        axis.tricontourf(Triangulation(picture.x[:, 0], picture.x[:, 1], triangles), values,
-                         levels=np.linspace(norm.vmin, norm.vmax, 129), norm=norm, cmap=cmap, extend="both")
+        axis.tricontourf(Triangulation(*picture.x.T, triangles(picture.polygons)[0]), values,
+                         levels=np.linspace(norm.vmin, norm.vmax, 129), norm=norm, cmap=options.cmap, extend="both")
     polygons = picture.polygons
     if picture.depth is not None and len(polygons) > 1:
         # What is nearer hides what is farther, whatever its shape: triangles repeat their last corner.
@@ -206,18 +197,48 @@ def draw(axis, picture, norm, cmap, limits, edges):
                      np.concatenate([index for _, index in polygons]))]
     for nodes, index in polygons:
         if smooth:
-            if line["linewidths"]:
-                axis.add_collection(PolyCollection(picture.x[nodes], facecolors="none", **line))
+            if picture.lines is None:
+                axis.add_collection(PolyCollection(picture.x[nodes], facecolors="none", linewidths=widths(nodes), edgecolors=shade))
             continue
         values = picture.values[nodes].mean(axis=1) if picture.on_nodes else picture.values[index]
         order = np.arange(len(nodes)) if picture.depth is None else np.argsort(picture.depth[nodes].mean(axis=1))
-        faces = PolyCollection(picture.x[nodes[order]], array=values[order], norm=norm, cmap=cmap, rasterized=True,
-                               linewidths=line["linewidths"], edgecolors=line["edgecolors"] if line["linewidths"] else "face")
-        axis.add_collection(faces)
+        # Thin sides in the colour of the face hide the seams between faces.
+        colours = ScalarMappable(norm, options.cmap).to_rgba(values[order])
+        line = np.broadcast_to(widths(nodes[order]) if picture.lines is None else 0, len(order))
+        sides = np.where(line[:, None] > 0, [shade], colours)
+        axis.add_collection(PolyCollection(picture.x[nodes[order]], facecolors=colours, edgecolors=sides, rasterized=True,
+                                           linewidths=np.where(line > 0, line, 0.2)))
+    if picture.lines is not None:
+        ends = picture.x[picture.lines]
+        width = np.clip(6 * inches * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1), 0, 0.5) if options.edges else 0
+        axis.add_collection(LineCollection(ends, linewidths=np.where(width > 0.15, width, 0) if options.edges else 0, colors=[shade]))
     axis.set_xlim(limits[0][0], limits[1][0])
     axis.set_ylim(limits[0][1], limits[1][1])
     axis.set_aspect("equal")
-    axis.set_title(f"t = {picture.time:.4g}", fontsize=9)
+    axis.tick_params(labelsize=7)
+    axis.ticklabel_format(scilimits=(-3, 4), useMathText=True)
+    for offset in (axis.xaxis.offsetText, axis.yaxis.offsetText):
+        offset.set_fontsize(7)
+    length = picture.unit("length")
+    for label, name in ((axis.set_xlabel, picture.names[0]), (axis.set_ylabel, picture.names[1])):
+        label(name + length if name else "", fontsize=8)
+    axis.set_title(title, fontsize=9)
+    if picture.axes:
+        draw_triad(axis, picture, limits)
+
+
+def draw_triad(axis, picture, limits):
+    """The directions of x, y and z beside a solid, in the corner that is farthest from it."""
+    from matplotlib.transforms import ScaledTranslation
+    corners = np.array([[x, y] for x in (0, 1) for y in (0, 1)])
+    places = (picture.x - limits[0]) / (limits[1] - limits[0])
+    corner = max(corners, key=lambda c: np.linalg.norm(places - (0.1 + 0.8 * c), axis=1).min())
+    inwards = ScaledTranslation(*(30 / 72 * (1 - 2 * corner)), axis.figure.dpi_scale_trans)
+    where = {"xy": corner, "xycoords": axis.transAxes + inwards, "textcoords": "offset points", "color": "0.3"}
+    for k, name in enumerate("xyz"):
+        tip = np.array([picture.axes[0][k], picture.axes[1][k]])
+        axis.annotate("", **where, xytext=16 * tip, arrowprops={"arrowstyle": "<-", "lw": 0.7, "color": "0.3", "shrinkA": 0, "shrinkB": 0})
+        axis.annotate(name, **where, xytext=22 * tip, fontsize=7, ha="center", va="center")
 
 
 def save(figure, path):
@@ -228,72 +249,164 @@ def save(figure, path):
     print(path)
 
 
-def draw_all(pictures, options, norm, limits):
+def time_text(picture):
+    unit = picture.unit("time").strip(" ()")
+    return f"t = {picture.time:.4g}" + (f" {unit}" if unit else "")
+
+
+class Sheet:
+    """How all figures of a call look: colours, limits, names of the runs."""
+
+    def __init__(self, runs, options):
+        shown = np.concatenate([p.shown() for pictures in runs for p in pictures])
+        if shown.size == 0:
+            stop(f"field {options.field} has no finite value")
+        low, high = options.range or ((0.0, 1.0) if options.field == "phi" else (shown.min(), shown.max()))
+        if high <= low:
+            high = low + (abs(low) or 1.0) * 1e-9
+        from matplotlib.cm import ScalarMappable
+        from matplotlib.colors import Normalize
+        self.norm = Normalize(low, high)
+        self.colours = ScalarMappable(self.norm, options.cmap)
+        self.options = options
+        self.limits = window([p for pictures in runs for p in pictures], options.zoom, shown.max())
+        size = self.limits[1] - self.limits[0]
+        self.aspect = float(np.clip(size[1] / size[0], 0.15, 3))
+        self.label = options.label or options.name + runs[0][0].unit(options.field)
+
+    def figure(self, columns, rows, width):
+        """A figure and its axes [row][column], each `width` inches wide, with the colour bar beside them."""
+        import matplotlib.pyplot as plt
+        height = rows * (0.92 * width * self.aspect + 0.3) + 0.4
+        figure, axes = plt.subplots(rows, columns, figsize=(columns * width + 1.1, max(height, 1.7)), squeeze=False, layout="constrained",
+                                    sharex=True, sharey=True)
+        bar = figure.colorbar(self.colours, ax=axes, pad=0.02, aspect=20, fraction=0.05)
+        bar.set_label(self.label, fontsize=8)
+        bar.ax.tick_params(labelsize=7)
+        bar.formatter.set_useMathText(True)
+        bar.ax.yaxis.offsetText.set_fontsize(7)
+        return figure, axes
+
+    def draw(self, axis, picture, title=""):
+        draw(axis, picture, self.norm, self.limits, self.options, title)
+
+
+def draw_all(runs, names, options):
+    """The pictures of one run and the panel of all."""
     import matplotlib.pyplot as plt
-    from matplotlib.cm import ScalarMappable
-    colours = ScalarMappable(norm, options.cmap)
-    label = options.label or options.field + ("" if options.component is None else f" [{options.component}]")
-    size = limits[1] - limits[0]
-    aspect = float(np.clip(size[1] / size[0], 0.15, 3))
-    for number, picture in enumerate(pictures):
-        figure, axis = plt.subplots(figsize=(6.3, 5.2 * aspect + 0.7), layout="constrained")
-        draw(axis, picture, norm, options.cmap, limits, options.edges)
-        axis.tick_params(labelsize=8)
-        figure.colorbar(colours, ax=axis, label=label, pad=0.02, aspect=25)
-        save(figure, f"{options.out}_{number:03d}.png")
-        plt.close(figure)
-    columns = 1 if len(pictures) == 1 else 2 if len(pictures) <= 4 or aspect < 0.4 else 3
-    rows = -(-len(pictures) // columns)
-    width = 6.4 / columns
-    figure, axes = plt.subplots(rows, columns, figsize=(7.2, rows * (width * aspect + 0.3)), squeeze=False,
-                                layout="constrained")
-    for axis, picture in zip(axes.flat, pictures):
-        draw(axis, picture, norm, options.cmap, limits, options.edges)
-        axis.set_xticks([])
-        axis.set_yticks([])
-    for axis in axes.flat[len(pictures):]:
+    sheet = Sheet(runs, options)
+    if len(runs) == 1:
+        for number, picture in enumerate(runs[0]):
+            figure, axes = sheet.figure(1, 1, 5.4)
+            sheet.draw(axes[0][0], picture, time_text(picture))
+            save(figure, f"{options.out}_{number:03d}.png")
+            plt.close(figure)
+    # Times of one run fill rows; several runs have a column each, at a single time as many as fit beside each other.
+    flat = [(p, time_text(p) if len(runs) == 1 else f"{name}, {time_text(p)}")
+            for together in zip(*runs) for p, name in zip(together, names)]
+    columns = len(runs) if len(runs) > 1 and len(runs[0]) > 1 else \
+        1 if len(flat) == 1 else 2 if len(flat) <= 4 or sheet.aspect < 0.4 else 3
+    figure, axes = sheet.figure(columns, -(-len(flat) // columns), max(6.4 / columns, 2.2))
+    for axis, (picture, title) in zip(axes.flat, flat):
+        sheet.draw(axis, picture, title)
+        axis.label_outer()
+    for axis in axes.flat[len(flat):]:
         axis.set_axis_off()
-    figure.colorbar(colours, ax=axes, label=label, pad=0.02, aspect=25)
+    for axis in axes.flat[max(len(flat) - columns, 0):len(flat)]:  # the lowest of each column
+        axis.xaxis.set_tick_params(labelbottom=True)
+        axis.set_xlabel(runs[0][0].names[0] + runs[0][0].unit("length"), fontsize=8)
     save(figure, f"{options.out}_panel.png")
+
+
+def animate(runs, names, options):
+    """A frame for each time into a .gif (by Pillow), or an .mp4 by ffmpeg."""
+    from matplotlib.animation import FFMpegWriter, PillowWriter
+    film = options.animate
+    sheet = Sheet(runs, options)
+    columns = 1 if len(runs) == 1 else 2 if len(runs) <= 4 else 3
+    figure, axes = sheet.figure(columns, -(-len(runs) // columns), 5.4 if len(runs) == 1 else 3.6)
+    for axis in axes.flat[len(runs):]:
+        axis.set_axis_off()
+    # Frames of one even size, as films want them.
+    width, height = (2 * np.ceil(figure.get_size_inches() * 120 / 2)).astype(int)
+    figure.set_size_inches(width / 120, height / 120)
+    writer = (PillowWriter if film.endswith(".gif") else FFMpegWriter)(fps=options.fps)
+    try:
+        with writer.saving(figure, film, dpi=120):
+            for frame in zip(*runs):
+                for axis, picture, name in zip(axes.flat, frame, names):
+                    axis.clear()
+                    sheet.draw(axis, picture, time_text(picture) if len(runs) == 1 else f"{name}, {time_text(picture)}")
+                writer.grab_frame()
+    except OSError as error:
+        stop(f"cannot write {film}: {error}")
+    print(film)
+
+
+def check_film(path):
+    if path.endswith(".mp4"):
+        if not shutil.which("ffmpeg"):
+            stop("--animate: .mp4 needs the program ffmpeg, which is not installed (apt-get install ffmpeg); .gif needs nothing more")
+    elif not path.endswith(".gif"):
+        stop(f"--animate {path}: a name that ends in .gif or .mp4")
+
+
+def run_names(paths, titles):
+    """What tells runs apart: the titles that are given, or the part of their paths that differs."""
+    if titles:
+        names = titles.split(",")
+        if len(names) != len(paths):
+            stop(f"--titles: {len(names)} for {len(paths)} files")
+        return names
+    folders = [os.path.basename(os.path.dirname(os.path.abspath(p))) for p in paths]
+    return folders if len(set(folders)) == len(paths) else [os.path.splitext(p)[0] for p in paths]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("xdmf")
+    parser.add_argument("xdmf", nargs="+", help="several: side by side, in the same colours")
     parser.add_argument("--field", required=True)
-    parser.add_argument("--times", help="comma list (the nearest written ones are taken) or all; default: six")
-    parser.add_argument("--out", required=True, help="beginning of the file names")
-    parser.add_argument("--deform", type=float, default=1, help="factor on the displacement u (default 1)")
+    parser.add_argument("--times", help="comma list (the nearest written ones are taken) or all; default: six, all of an animation")
+    parser.add_argument("--out", help="beginning of the names of pictures")
+    parser.add_argument("--animate", metavar="FILM", help="an animation in place of pictures: .gif, or .mp4 where ffmpeg is installed")
+    parser.add_argument("--fps", type=float, default=8, help="times in a second of the animation (default %(default)g)")
+    parser.add_argument("--deform", type=float, help="factor on the displacement u (default 1 where it is written)")
+    parser.add_argument("--cut", type=float, nargs=6, metavar=("X", "Y", "Z", "NX", "NY", "NZ"),
+                        help="of solids: what lies in the plane through a point with a normal, in deformed bodies")
     parser.add_argument("--zoom", help="auto (where the field is large) or x0,x1,y0,y1")
-    parser.add_argument("--component", type=int, help="component of a vector or tensor (default: length of a vector)")
+    parser.add_argument("--component", help="of a vector or tensor: x, yy or a number (default: length of a vector)")
     parser.add_argument("--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="of the colours")
     parser.add_argument("--cmap", help="name of a matplotlib colour map")
-    parser.add_argument("--label", help="text at the colour bar (default: the field's name)")
+    parser.add_argument("--label", help="text at the colour bar (default: the field's name and unit)")
+    parser.add_argument("--titles", help="of several runs, a comma list (default: their folders)")
     parser.add_argument("--view", type=float, nargs=2, default=(-60, 25), metavar=("AZIMUTH", "ELEVATION"),
                         help="degrees, for solids (default -60 25)")
     parser.add_argument("--up", choices="xyz", default="z", help="axis that stands upright, for solids (default z)")
     parser.add_argument("--no-edges", dest="edges", action="store_false", help="leave the mesh lines out")
     options = parser.parse_args()
+    if not options.out and not options.animate:
+        parser.error("give --out for pictures or --animate for a film")
 
     import matplotlib
     matplotlib.use("Agg")
-    from matplotlib.colors import Normalize
-    fields = Fields(options.xdmf)
-    pictures = [Picture(fields, k, options) for k in choose_times(fields, options.times)]
-    finite = np.concatenate([p.values[np.isfinite(p.values)] for p in pictures])
-    if finite.size == 0:
-        stop(f"field {options.field} has no finite value")
-    low, high = options.range or ((0.0, 1.0) if options.field == "phi" else (finite.min(), finite.max()))
-    if high <= low:
-        high = low + (abs(low) or 1.0) * 1e-9
     options.cmap = options.cmap or ("magma_r" if options.field == "phi" else "viridis")
     if options.cmap not in matplotlib.colormaps:
         stop(f"--cmap {options.cmap}: no such colour map")
+    options.cmap = matplotlib.colormaps[options.cmap].with_extremes(bad="0.85")  # a gap where nothing is near
+    if options.animate:
+        check_film(options.animate)
+    names = run_names(options.xdmf, options.titles)
+    files = [Fields(path) for path in options.xdmf]
+    if len({f.system for f in files}) > 1:
+        stop("the runs are in different systems of units; their colours would not compare")
+    times = files[0].times[choose_times(files[0], "all" if options.animate and not options.times else options.times)]
+    runs = [[Picture(f, int(np.argmin(np.abs(f.times - t))), options) for t in times] for f in files]
+    target = options.animate or options.out
     try:
-        os.makedirs(os.path.dirname(options.out) or ".", exist_ok=True)
+        os.makedirs(os.path.dirname(target) or ".", exist_ok=True)
     except OSError as error:
-        stop(f"cannot make the directory of {options.out}: {error}")
-    draw_all(pictures, options, Normalize(low, high), window(pictures, options.zoom, finite.max()))
+        stop(f"cannot make the directory of {target}: {error}")
+    (animate if options.animate else draw_all)(runs, names, options)
 
 
 if __name__ == "__main__":

@@ -1,27 +1,24 @@
 #!/usr/bin/env python3
 """Where a body has warmed most: the largest rise of the temperature since the first written time, at each later one.
 
-    warmest.py vis.xdmf [--at x,y[,z]] [--within r]
+    tools/warmest.py run/vis.xdmf --at 0.01,0.006 --within 0.001
 
 Places are of the reference bodies, in the lengths of the run. With --at also the distance to that point, and the largest rise farther
 from it than `r` (1 without --within), in the length of the run.
 """
 import argparse
-import os
-import sys
 
 import numpy as np
+from fields import Fields, stop
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-import render
 
 
 def rises(path):
     """Places of the nodes, and for each written time but the first (t, rise of theta at the nodes)."""
-    fields = render.Fields(path)
-    x = fields.array(fields.grids[0].find("Geometry").find("DataItem"))
+    fields = Fields(path)
+    x = fields.places(fields.grids[0])
     if fields.field(fields.grids[0], "theta") is None:
-        render.stop(f"{path} holds no theta")
+        stop(f"{path} holds no theta")
     theta = [fields.field(grid, "theta")[0][:, 0] for grid in fields.grids]
     return x, [(t, now - theta[0]) for t, now in zip(fields.times[1:], theta[1:])]
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <impact/contact/interface.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
 
 /// Forces and tangents of a ContactInterface.
 namespace impact {
@@ -106,6 +107,7 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, TangentS
 
 ContactStatus ContactInterface::visit_tangent(const std::vector<double>& u, double scale,
                                               const BlockVisitor& visitor) const {
+  const Timed timed(Event::contact_tangent);
   TangentSpace space;
   std::vector<double> of_gap(multiplier_->trial.size(), 0.0);
   std::vector<Tangential> of_slip(traction_ != nullptr ? of_gap.size() : 0, Tangential{});
@@ -187,6 +189,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
 }
 
 bool ContactInterface::update_search(Vec u) {
+  const Timed timed(Event::contact_search);
   const PairSearch::Outcome outcome = form_->update(u, law());
   if (outcome != PairSearch::Outcome::kept) use_new_nodes();
   // Whether pressures stagnate is seen on the same constraints only.
@@ -305,6 +308,7 @@ void ContactInterface::set_fixed_dofs(const std::vector<char>& fixed) {
 
 ContactStatus ContactInterface::visit(const std::vector<double>& u, Derivatives derivatives,
                                       const ConstraintVisitor& visitor) const {
+  const Timed timed(Event::contact_forces);
   ContactStatus seen;
   seen.finite = all_finite(u);
   seen.search_holds = form_->pairs_hold(form_->nodes().current(u));

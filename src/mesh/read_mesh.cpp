@@ -6,6 +6,7 @@
 #include <impact/mesh/gmsh.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/mesh/partition.hpp>
+#include <impact/petsc/log.hpp>
 #include <limits>
 #include <sstream>
 
@@ -244,6 +245,7 @@ void renumber_shared_points(DM before, IS new_number, DM after) {
 } // namespace
 
 Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights) {
+  const Timed timed(Event::mesh_partition);
   register_metis_partitioner();
   PetscPartitioner partitioner = nullptr;
   check(DMPlexGetPartitioner(dm, &partitioner));
@@ -329,8 +331,10 @@ void append(GmshFile& file, const AddedCell& cell, double scale) {
 } // namespace
 
 GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request) {
+  const bool geometry = request.file.ends_with(".geo");
+  const Timed timed(geometry ? Event::mesh_gmsh : Event::mesh_read);
   GmshFile file;
-  if (request.file.ends_with(".geo"))
+  if (geometry)
     check(PetscPrintf(comm, "gmsh meshes %s, for %.0f s at most (-mesh_wall)\n", request.file.c_str(),
                       request.patience));
   on_rank_zero(comm, [&] { file = read_file(request); });
@@ -342,6 +346,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshRequest& request) {
 }
 
 Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
+  const Timed timed(Event::mesh_build);
   MPI_Bcast(&file.dim, 1, MPI_INT, 0, comm);
   if (request.add) {
     std::array<double, 6> box = box_of(file, request.scale);

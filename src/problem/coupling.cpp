@@ -5,6 +5,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/coupling.hpp>
 #include <impact/time/types.hpp>
@@ -780,6 +781,7 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
 }
 
 PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
+  const InStage stage(Stage::motion);
   PassResult result;
   counts_.passes = pass;
   if (pass > 1 && damage_) phi_passes_.relax(pass, state_.row("phi"), phi_frozen_);
@@ -818,6 +820,7 @@ PassResult Coupling::coupling_pass(PetscInt pass, Vec u) {
 }
 
 void Coupling::heat_pass(Vec u, PassResult& result) {
+  const InStage stage(Stage::heat);
   StateRow& theta = state_.row("theta");
   HeatStep step;
   if (settings_.moves) {
@@ -930,6 +933,7 @@ void Coupling::parts_of_next_pass(Vec u, ForceParts& parts) {
 }
 
 void Coupling::damage_pass(PassResult& result) {
+  const InStage stage(Stage::damage);
   StateRow& phi = state_.row("phi");
   DamageStep step;
   step.t = step_.t;
@@ -1015,10 +1019,12 @@ NewmarkHooks Coupling::newmark_hooks() {
   NewmarkHooks hooks;
   if (stabilise_)
     hooks.predict = [this](TS, PetscReal t_n, PetscReal dt, Vec u_tilde, Vec v) {
+      const InStage stage(Stage::motion);
       project_predictor(t_n, dt, u_tilde, v);
     };
   if (stabilise_ || unilateral_ || !motion_.rigid().empty())
     hooks.correct = [this](TS, Vec u, Vec v, Vec a) {
+      const InStage stage(Stage::motion);
       check(VecSet(contact_acceleration_, 0));
       if (stabilise_ || unilateral_) take_out_step_forces(u, v, a);
       if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);

@@ -5,6 +5,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
 #include <limits>
@@ -235,6 +236,7 @@ std::vector<SNES> DamageProblem::solvers() const {
 }
 
 bool DamageProblem::assemble_forces(Vec x, Vec f) {
+  const Timed timed(Event::damage_residual);
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
     const CellGroup& group = d_.groups[static_cast<std::size_t>(g)];
@@ -253,6 +255,7 @@ void DamageProblem::residual(Vec x, Vec f) {
 }
 
 void DamageProblem::tangent(Vec x) {
+  const Timed timed(Event::damage_tangent);
   assembly_->zero();
   evaluate(x, true, [&](int g, int b, const Batch*, const Batch* K) { assembly_->add(g, b, K); });
   assembly_->finish();
@@ -297,6 +300,7 @@ void DamageProblem::keep_held(std::vector<double>& force) const {
 
 // The rate's part of a step or sub-step.
 void DamageProblem::book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt) {
+  const Timed timed(Event::damage_points);
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
@@ -350,6 +354,7 @@ void DamageProblem::start(const std::vector<double>& u) {
 
 void DamageProblem::raise_history() {
   if (!state_.find("damage_history")) return;
+  const Timed timed(Event::damage_points);
   StateRow& history = state_.row("damage_history");
   const StateRow& drive = state_.row("drive");
   for (std::size_t g = 0; g < d_.groups.size(); ++g)

@@ -5,6 +5,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat.hpp>
 #include <map>
@@ -299,6 +300,7 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
 }
 
 bool HeatProblem::make_constant_part() {
+  const Timed timed(Event::heat_loads);
   std::fill(constant_.begin(), constant_.end(), 0.0);
   load_supplied_.assign(supplied_.size(), 0.0);
   const double dt = t_ - t_n_;
@@ -361,6 +363,7 @@ bool HeatProblem::add_residual(const std::vector<double>& theta, std::vector<dou
 }
 
 bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec solution, Vec f) {
+  const Timed timed(Event::heat_residual);
   const bool sound = add_residual(theta, r_);
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);
@@ -376,6 +379,7 @@ void HeatProblem::residual(Vec x, Vec f) {
 }
 
 void HeatProblem::tangent(Vec x) {
+  const Timed timed(Event::heat_tangent);
   d_.scalar.to_local(x, x_);
   assembly_->zero();
   for_each_batch(

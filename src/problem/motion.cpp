@@ -4,6 +4,7 @@
 #include <cmath>
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/surface_load.hpp>
 
@@ -84,6 +85,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
 }
 
 void MotionProblem::rebuild_matrix() {
+  const Timed timed(Event::motion_matrix);
   std::vector<std::pair<PetscInt, PetscInt>> extra;
   for (const ContactInterface& contact : contacts_) {
     if (operator_ == ContactOperator::shell) break; // nothing of the contact stands in the matrix
@@ -235,6 +237,7 @@ void MotionProblem::add_pressure_tangent(const std::vector<double>& u) {
 }
 
 bool MotionProblem::residual(Vec u, Vec a, Vec f) {
+  const Timed timed(Event::motion_residual);
   d_.displacement.to_local(u, u_);
   const std::vector<double>* accel = nullptr;
   if (a) d_.displacement.to_local(a, a_);
@@ -257,6 +260,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
 }
 
 bool MotionProblem::tangent(Vec u, double mass_shift) {
+  const Timed timed(Event::motion_tangent);
   broken_ = {};
   last_mass_shift_ = mass_shift;
   d_.displacement.to_local(u, u_);
@@ -320,6 +324,7 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
 void MotionProblem::zero_fixed(Vec f) const { zero_owned(f, d_.mesh, d_.dim(), owned_fixed_); }
 
 void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f) {
+  const Timed timed(Event::motion_residual);
   check(VecWAXPY(work_, -1, u_tilde, w));
   mass_multiply(work_, f);
   check(VecScale(f, shift));
@@ -330,12 +335,14 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
 }
 
 void MotionProblem::projection_tangent(Vec w, double shift) {
+  const Timed timed(Event::motion_tangent);
   assembly_->zero();
   rigid_->place(w);
   close_tangent(w, false, add_mass(*assembly_, shift, true), shift);
 }
 
 bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
+  const Timed timed(Event::motion_points);
   d_.displacement.to_local(u, u_);
   StateRow& history = state_.row("history");
   StateRow& drive = state_.row("drive");
@@ -397,6 +404,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
 }
 
 void MotionProblem::parts(Vec u, ForceParts& parts) {
+  const Timed timed(Event::motion_forces);
   for (Handle<Vec>* part : {&parts.internal, &parts.external, &parts.contact})
     if (!*part) *part = d_.displacement.make_global();
   d_.displacement.to_local(u, u_);

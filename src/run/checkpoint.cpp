@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/run/checkpoint_file.hpp>
 #include <impact/run/checkpoint_image.hpp>
 #include <impact/run/durable_file.hpp>
@@ -594,6 +595,7 @@ std::string write_checkpoint(const CheckpointState& state, const CheckpointValue
 }
 
 void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
+  const Timed timed(Event::checkpoint_read);
   const MPI_Comm comm = state.mesh.comm();
   read_on_rank_zero(checkpoint, state);
   Handle<PetscViewer> viewer;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/run/observers.hpp>
 
 namespace impact {
@@ -61,6 +62,8 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
     while (next_time_ <= t + tolerance) next_time_ += settings_.dt;
   }
   if (!due || t <= written) return;
+  const InStage stage(Stage::output);
+  const Timed timed(Event::field_output);
   std::vector<NodeField> nodes;
   std::vector<CellField> cells;
   std::vector<std::vector<double>> keep;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/observers.hpp>
 
@@ -369,6 +370,8 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
 }
 
 HistoryFile::Row HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) {
+  const InStage stage(Stage::output);
+  const Timed timed(Event::history);
   HistoryFile::Row now = row(snapshot, counts);
   if (every_step() || marks_cycle(snapshot.time, scenario_.time.period, cycles_)) file_->write(now);
   return now;

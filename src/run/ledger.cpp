@@ -4,6 +4,7 @@
 #include <functional>
 #include <impact/kernel/measure.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/ledger.hpp>
 
@@ -328,6 +329,7 @@ NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
 }
 
 void Ledger::book(double dt, Vec u, Vec v, Vec a) {
+  const Timed timed(Event::balances);
   const Discretisation& d = motion_.discretisation();
   const double w = d.thickness;
   const bool stabilised = coupling_->stabilised(), parted = stabilised || coupling_->unilateral();

@@ -5,6 +5,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
+#include <impact/petsc/log.hpp>
 #include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
@@ -543,6 +544,8 @@ bool Simulation::checkpoint_is_due() const {
 }
 
 void Simulation::write_state(const StepControlState& c) {
+  const InStage stage(Stage::output);
+  const Timed timed(Event::checkpoint_write);
   const double start = progress_.wall();
   control_->committed = control_->trial = {c.dt, c.at_limit ? 1.0 : 0.0, static_cast<double>(c.easy_steps),
                                            static_cast<double>(c.rejections)};
@@ -592,6 +595,7 @@ ExitCode Simulation::run() {
   control_at_start_ = step_control_state(ts_);
   try {
     if (stopped_by_.empty()) {
+      const InStage stage(Stage::steps);
       solve_in_time(ts_);
       check(TSGetConvergedReason(ts_, &reason));
     }
@@ -636,6 +640,7 @@ ExitCode Simulation::run() {
 } // namespace
 
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
+  std::optional<InStage> starts(Stage::setup);
   std::optional<FolderLock> output, checkpoints;
   if (!s.dry_run) {
     output.emplace(comm, "output_dir", s.output_dir);
@@ -658,9 +663,14 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup->discretisation);
   const bool alpha2 = s.time.type == "alpha2";
-  if (alpha2 && !s.dry_run) return simulate_alpha2(comm, s, *setup, solver);
+  if (alpha2 && !s.dry_run) {
+    starts.reset();
+    const InStage steps(Stage::steps);
+    return simulate_alpha2(comm, s, *setup, solver);
+  }
   std::optional<Simulation> run;
   if (!alpha2) run.emplace(comm, s, *setup, solver, resume, probe);
+  starts.reset();
   if (!s.dry_run) return run->run();
   check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s, true).c_str()));
   return ExitCode::ok;

@@ -6,14 +6,14 @@ import numpy
 from _runs import SOURCE
 
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
-from render import Fields  # noqa: E402
+from fields import Fields  # noqa: E402
 
 
 def pressed(run, k=-1):
     """Of the k-th time written to vis.xdmf: reference x, current x and contact pressure of the nodes that carry one, by x."""
     fields = Fields(os.path.join(run.dir, "vis.xdmf"))
     grid = fields.grids[k]
-    x = fields.array(grid.find("Geometry").find("DataItem"))[:, 0]
+    x = fields.places(grid)[:, 0]
     u, p = (fields.field(grid, name)[0][:, 0] for name in ("u", "contact_pressure"))
     nodes = numpy.flatnonzero(p > 0)
     nodes = nodes[numpy.argsort(x[nodes])]
@@ -26,7 +26,7 @@ class Bodies:
     def __init__(self, run, density):
         self.fields = Fields(os.path.join(run.dir, "vis.xdmf"))
         grid = self.fields.grids[0]
-        self.x = self.fields.array(grid.find("Geometry").find("DataItem"))[:, :2]
+        self.x = self.fields.places(grid)[:, :2]
         ((_, self.cells, _),) = self.fields.cells(grid)
         self.density = density
 

@@ -7,7 +7,7 @@ import numpy
 from _runs import mesh, run
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools"))
-import render  # noqa: E402
+from fields import Fields  # noqa: E402
 
 METHODS = [(method, enforce) for method in ("mortar", "gpts") for enforce in ("semismooth", "auglag", "penalty")]
 R, E, NU, LOAD = 10.0, 200e3, 0.3, 1000.0
@@ -48,8 +48,8 @@ def stack(name, method, enforce, friction, extra=None, ranks=1):
 
 def hertz_error(name, peak=PEAK, width=WIDTH):
     """Factor of Hertz's profile that fits the nodal pressures on the round side best."""
-    fields = render.Fields(os.path.join(name, "vis.xdmf"))
-    x = fields.array(fields.grids[0].find("Geometry").find("DataItem"))
+    fields = Fields(os.path.join(name, "vis.xdmf"))
+    x = fields.places(fields.grids[0])
     p = fields.field(fields.grids[-1], "contact_pressure")[0][:, 0]
     at = numpy.hypot(x[:, 0], x[:, 2]) if x.shape[1] > 2 else x[:, 0]
     on_rim = (abs(numpy.hypot(at, x[:, 1] - R) - R) < 1e-6 * R) & (at < 1.5 * width) & (x[:, 1] < R)

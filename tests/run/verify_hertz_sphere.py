@@ -11,7 +11,7 @@ import numpy
 from _runs import check, check_between, finish, option_file, run
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools"))
-import render  # noqa: E402
+from fields import Fields  # noqa: E402
 
 R, E, NU, APPROACH = 10.0, 210e3, 0.3, 2.194e-3
 STAR = E / (1 - NU**2)
@@ -28,8 +28,8 @@ def sphere(name, near, extra=None, ranks=2):
 
 def pressures(name):
     """Distance from the axis and pressure of the nodes on the sphere, by distance."""
-    fields = render.Fields(os.path.join(name, "vis.xdmf"))
-    x = fields.array(fields.grids[0].find("Geometry").find("DataItem"))
+    fields = Fields(os.path.join(name, "vis.xdmf"))
+    x = fields.places(fields.grids[0])
     p = fields.field(fields.grids[-1], "contact_pressure")[0][:, 0]
     r = numpy.hypot(x[:, 0], x[:, 2])
     order = numpy.argsort(r)
