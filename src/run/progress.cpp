@@ -4,6 +4,7 @@
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
+#include <impact/run/columns.hpp>
 #include <impact/run/progress.hpp>
 #include <vector>
 
@@ -228,9 +229,14 @@ double Progress::wall() const {
 }
 
 void Progress::header() const {
-  check(PetscPrintf(comm_, "%8s %12s %10s %3s %4s %6s %4s %3s %4s %8s %9s %10s %8s %8s\n", "step", "t", "dt",
-                    "try", "newt", "linear", "dam", "uz", "act", "max phi", "max alpha", "1st law", "wall",
-                    "left"));
+  constexpr int widths[] = {8, 12, 10, 3, 4, 6, 4, 3, 4, 8, 9, 10, 8, 8};
+  static_assert(std::size(widths) == terminal_column_count);
+  std::string text;
+  for (std::size_t k = 0; k < terminal_column_count; ++k) {
+    const std::string head = terminal_columns()[k].name;
+    text += (k > 0 ? " " : "") + std::string(static_cast<std::size_t>(widths[k]) - head.size(), ' ') + head;
+  }
+  check(PetscPrintf(comm_, "%s\n", text.c_str()));
 }
 
 void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledger, int active) {
