@@ -105,6 +105,8 @@ private:
   std::optional<HistoryFile> file_;
   int cycles_ = 0; ///< of -ts_period between rows; 0: a row for each step
   std::vector<Located> probes_;
+  std::vector<double> phi_before_;                  ///< [local node] of the row before
+  std::vector<std::vector<int>> nodes_of_material_; ///< local; empty without damage
 };
 
 } // namespace impact
