@@ -128,9 +128,13 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   const bool simplex = d.mesh.has_shape(d.dim() == 2 ? Shape::tri3 : Shape::tet4) &&
                        !d.mesh.has_shape(d.dim() == 2 ? Shape::quad4 : Shape::hex8);
   const Extent extent = extent_of(d, cells, simplex ? (d.dim() == 2 ? 2 : 6) : 1);
-  const std::string damage = p.damage == Damage::at2   ? " with at2 damage"
-                             : p.damage == Damage::at1 ? " with at1 damage"
-                                                       : "";
+  const std::string damage =
+      p.damage == Damage::none
+          ? ""
+          : std::string(p.damage == Damage::at2 ? " with at2 damage" : " with at1 damage") +
+                (p.split == Split::spectral     ? ", spectral split"
+                 : p.split == Split::volumetric ? ", volumetric split"
+                                                : ", no split");
   check(PetscPrintf(comm, "material %s: %s%s%s%s, rho %.6g, mass %.6g; cells %.3g to %.3g wide\n",
                     p.id.c_str(),
                     m.law.rigid()          ? "rigid"

@@ -10,7 +10,7 @@ from _runs import ENVIRONMENT, PROGRAM, check, finish, mesh, require, run
 
 BLOCKS = {
     "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 2, "mesh_set_n_upper": 2, "mesh_set_gap": 0.01, "materials": "lower,upper",
-    "material_lower_E": '"2 MPa"', "material_lower_nu": 0.3, "material_lower_rho": 1000, "material_lower_damage": "at2",
+    "material_lower_E": '"2 MPa"', "material_lower_nu": 0.3, "material_lower_rho": 1000, "material_lower_damage": "at2", "material_lower_split": "volumetric",
     "material_lower_Gc": 50, "material_lower_gamma": 1, "material_upper_like": "lower", "material_upper_K": 1e6, "material_upper_G": 1e5,
     "bcs": "hold,push", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix", "bc_push_on": "upper_top", "bc_push_ux": 0,
     "bc_push_uy": '" -0.1*t"', "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
