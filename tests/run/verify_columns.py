@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 120
+# timeout: 240
 """Every column that a run writes is described by one row of `impact -reference`, with its unit, and every row by a run; field
 files hold what options/README.md says, in its shapes and order."""
 import os
