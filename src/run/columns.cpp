@@ -7,11 +7,19 @@ namespace impact {
 
 namespace {
 
+struct ColumnNote {
+  const char* name;  // with words in brackets for parts that vary: reaction_<bc>_<axis>
+  const char* unit;  // SI; "" for a count or ratio, "extent": m of a plane problem, else m^2
+  const char* about; // one phrase: sign, reference, equation tag of src/theory.md
+  int width = 0;     // on the terminal
+};
+
 constexpr const char* axes[3] = {"x", "y", "z"};
 constexpr const char* pairs[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
 
 // Energies, works and losses are of all bodies, of a plane problem for the whole -thickness, of an
 // axisymmetric one of the full ring.
+// The first one that fits a name describes it.
 constexpr ColumnNote history[] = {
     {"step", "", "number of accepted steps since t = 0"},
     {"time", "s", "t; load factor with -ts_type static"},
@@ -110,20 +118,20 @@ constexpr ColumnNote history[] = {
 };
 
 constexpr ColumnNote terminal[] = {
-    {"step", "", "as in the history"},
-    {"t", "s", "time"},
-    {"dt", "s", "as in the history"},
-    {"try", "", "tries"},
-    {"newt", "", "newton"},
-    {"linear", "", "as in the history"},
-    {"dam", "", "damage_its"},
-    {"uz", "", "uzawa: augmentations of the contacts"},
-    {"act", "", "active constraints of all contacts"},
-    {"max phi", "", "phi_max"},
-    {"max alpha", "", "alpha_max"},
-    {"1st law", "", "balance_first_law"},
-    {"wall", "m:ss", "on the clock since the start of the program"},
-    {"left", "m:ss", "until -ts_max_time, at the speed so far"},
+    {"step", "", "as in the history", 8},
+    {"t", "s", "time", 12},
+    {"dt", "s", "as in the history", 10},
+    {"try", "", "tries", 3},
+    {"newt", "", "newton", 4},
+    {"linear", "", "as in the history", 6},
+    {"dam", "", "damage_its", 4},
+    {"uz", "", "uzawa: augmentations of the contacts", 3},
+    {"act", "", "active constraints of all contacts", 4},
+    {"max phi", "", "phi_max", 8},
+    {"max alpha", "", "alpha_max", 9},
+    {"1st law", "", "balance_first_law", 10},
+    {"wall", "m:ss", "on the clock since the start of the program", 8},
+    {"left", "m:ss", "until -ts_max_time, at the speed so far", 8},
 };
 
 constexpr FieldNote fields[] = {
@@ -176,8 +184,16 @@ std::string table(const char* what, std::span<const ColumnNote> notes) {
 
 } // namespace
 
-std::span<const ColumnNote> history_columns() { return history; }
-std::span<const ColumnNote, terminal_column_count> terminal_columns() { return terminal; }
+std::string terminal_heads() {
+  std::string text;
+  for (const ColumnNote& note : terminal) {
+    const std::string head = note.name;
+    text += (text.empty() ? "" : " ") + std::string(static_cast<std::size_t>(note.width) - head.size(), ' ') +
+            head;
+  }
+  return text;
+}
+
 std::span<const FieldNote> field_notes() { return fields; }
 
 std::string component_name(const std::string& field, int component, int components) {

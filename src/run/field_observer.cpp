@@ -7,22 +7,13 @@ namespace impact {
 
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 // The output's fields, checked; those that are usual and at hand when none were named.
 OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
   const std::vector<std::string> offered = source.names();
   if (output.fields.empty())
     for (const char* name : {"u", "v", "phi", "theta", "stress", "von_mises", "alpha", "contact_pressure"})
       if (std::find(offered.begin(), offered.end(), name) != offered.end()) output.fields.emplace_back(name);
-  for (const std::string& name : output.fields)
-    if (std::find(offered.begin(), offered.end(), name) == offered.end())
-      throw UserError(ExitCode::usage, "-output_" + output.id + "_fields: this run has no field '" + name +
-                                           "'; it has: " + joined(offered));
+  for (const std::string& name : output.fields) source.require("-output_" + output.id + "_fields", name);
   return output;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/measure.hpp>
+#include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/columns.hpp>
 #include <impact/run/observers.hpp>
@@ -32,6 +33,17 @@ std::vector<std::string> FieldSource::names() const {
       names.push_back(name);
   }
   return names;
+}
+
+void FieldSource::require(const std::string& key, const std::string& name, bool nodal_only) const {
+  std::string offered;
+  for (const std::string& field : names()) {
+    if (nodal_only && !is_nodal(field)) continue;
+    if (field == name) return;
+    offered += (offered.empty() ? "" : ", ") + field;
+  }
+  throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
+                                       name + "'; it has: " + offered);
 }
 
 std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& snapshot,

@@ -47,23 +47,6 @@ HistoryFile::HistoryFile(MPI_Comm comm, std::string file, std::optional<long> re
   MPI_Bcast(&last_step_, 1, MPI_LONG, 0, comm_);
 }
 
-HistoryFile::HistoryFile(HistoryFile&& other) noexcept
-    : comm_(other.comm_), file_(std::move(other.file_)), unit_(std::move(other.unit_)),
-      descriptor_(std::exchange(other.descriptor_, -1)), length_(other.length_), resumed_(other.resumed_),
-      last_step_(other.last_step_), columns_(std::move(other.columns_)) {}
-
-HistoryFile& HistoryFile::operator=(HistoryFile&& other) noexcept {
-  std::swap(comm_, other.comm_);
-  std::swap(file_, other.file_);
-  std::swap(unit_, other.unit_);
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(length_, other.length_);
-  std::swap(resumed_, other.resumed_);
-  std::swap(last_step_, other.last_step_);
-  std::swap(columns_, other.columns_);
-  return *this;
-}
-
 HistoryFile::~HistoryFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }

@@ -99,7 +99,11 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
       nodes.insert(nodes.end(), more.begin(), more.end());
     }
   }
-  check_fields();
+  for (const ProbeScenario& probe : scenario_.probes)
+    for (const std::string& field : probe.fields) source_.require("-probe_" + probe.id + "_fields", field);
+  for (const MeasureScenario& measure : scenario_.measures)
+    for (const std::string& field : measure.fields)
+      source_.require("-measure_" + measure.id + "_fields", field, true);
   locate_probes();
 }
 
@@ -109,24 +113,6 @@ void HistoryObserver::open(std::optional<long> resume_after) {
                 [units = scenario_.units, plane = motion_.discretisation().dim() == 2 &&
                                                   motion_.discretisation().frame != Frame::axisymmetric](
                     const std::string& column) { return column_unit(column, units, plane); });
-}
-
-void HistoryObserver::check_fields() const {
-  const std::vector<std::string> offered = source_.names();
-  const auto check_name = [&](const std::string& key, const std::string& field, bool nodal_only) {
-    std::string names;
-    for (const std::string& name : offered)
-      if (!nodal_only || FieldSource::is_nodal(name)) names += (names.empty() ? "" : ", ") + name;
-    if (std::find(offered.begin(), offered.end(), field) == offered.end() ||
-        (nodal_only && !FieldSource::is_nodal(field)))
-      throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
-                                           field + "'; it has: " + names);
-  };
-  for (const ProbeScenario& probe : scenario_.probes)
-    for (const std::string& field : probe.fields) check_name("-probe_" + probe.id + "_fields", field, false);
-  for (const MeasureScenario& measure : scenario_.measures)
-    for (const std::string& field : measure.fields)
-      check_name("-measure_" + measure.id + "_fields", field, true);
 }
 
 void HistoryObserver::locate_probes() {

@@ -232,16 +232,7 @@ double Progress::wall() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-void Progress::header() const {
-  constexpr int widths[] = {8, 12, 10, 3, 4, 6, 4, 3, 4, 8, 9, 10, 8, 8};
-  static_assert(std::size(widths) == terminal_column_count);
-  std::string text;
-  for (std::size_t k = 0; k < terminal_column_count; ++k) {
-    const std::string head = terminal_columns()[k].name;
-    text += (k > 0 ? " " : "") + std::string(static_cast<std::size_t>(widths[k]) - head.size(), ' ') + head;
-  }
-  check(PetscPrintf(comm_, "%s\n", text.c_str()));
-}
+void Progress::header() const { check(PetscPrintf(comm_, "%s\n", terminal_heads().c_str())); }
 
 void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledger, int active) {
 

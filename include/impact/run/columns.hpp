@@ -7,12 +7,6 @@
 /// The writers take units from here and refuse a name that is not described; the reference page prints it.
 namespace impact {
 
-struct ColumnNote {
-  const char* name;  ///< with words in brackets for parts that vary: reaction_<bc>_<axis>
-  const char* unit;  ///< SI; "" for a count or ratio, "extent": m of a plane problem, else m^2
-  const char* about; ///< one phrase: sign, reference, equation tag of src/theory.md
-};
-
 struct FieldNote {
   const char* name;
   int components; ///< 1; 3: a vector, two columns in a plane problem; 6: a tensor
@@ -21,9 +15,8 @@ struct FieldNote {
   const char* about;
 };
 
-std::span<const ColumnNote> history_columns(); ///< the first one that fits a name describes it
-constexpr std::size_t terminal_column_count = 14;
-std::span<const ColumnNote, terminal_column_count> terminal_columns();
+/// The line above the steps on the terminal.
+std::string terminal_heads();
 std::span<const FieldNote> field_notes();
 
 /// Name of a component as columns have it: u -> ux, stress -> stress_xx.

@@ -20,8 +20,8 @@ public:
   /// "". Missing directories are made. Collective. Throws UserError(io) on all ranks.
   HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after = std::nullopt,
               std::function<std::string(const std::string&)> unit = {});
-  HistoryFile(HistoryFile&& other) noexcept;
-  HistoryFile& operator=(HistoryFile&& other) noexcept;
+  HistoryFile(const HistoryFile&) = delete;
+  HistoryFile& operator=(const HistoryFile&) = delete;
   ~HistoryFile();
 
   /// Appends one row; rank 0's values are written. The first row of a file fixes the columns and must begin
