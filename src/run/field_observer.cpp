@@ -5,27 +5,14 @@
 
 namespace impact {
 
-namespace {
-
-// The output's fields, checked; those that are usual and at hand when none were named.
-OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
-  const std::vector<std::string> offered = source.names();
-  if (output.fields.empty())
-    for (const char* name : {"u", "v", "phi", "theta", "stress", "von_mises", "alpha", "contact_pressure"})
-      if (std::find(offered.begin(), offered.end(), name) != offered.end()) output.fields.emplace_back(name);
-  for (const std::string& name : output.fields) source.require("-output_" + output.id + "_fields", name);
-  return output;
-}
-
-} // namespace
-
 std::string field_file_name(const OutputScenario& output) {
   return output.file.empty() ? output.id + ".xdmf" : output.file;
 }
 
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
                              const Discretisation& discretisation, const FieldSource& source)
-    : scenario_(scenario), settings_(with_fields(output, source)), d_(discretisation), source_(source) {
+    : scenario_(scenario), settings_(output), d_(discretisation), source_(source) {
+  for (const std::string& name : output.fields) source.require("-output_" + output.id + "_fields", name);
   std::sort(settings_.times.begin(), settings_.times.end());
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/math/rotation.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/columns.hpp>
@@ -19,30 +20,23 @@ template <class Cell> bool locate(const double* X, const double* at, double* N) 
   for (int it = 0; it < 30; ++it) {
     const auto shape = Cell::N(xi);
     const auto slope = Cell::dN(xi);
-    double r[3] = {0, 0, 0}, J[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    Vector3 r{};
+    Matrix3 J = unit_matrix;
     for (int i = 0; i < dim; ++i) {
-      r[i] = at[i];
-      for (int j = 0; j < dim; ++j) J[i][j] = 0;
-      for (int a = 0; a < Cell::nodes; ++a) {
-        r[i] -= shape[static_cast<std::size_t>(a)] * X[a * dim + i];
-        for (int j = 0; j < dim; ++j)
-          J[i][j] += slope[static_cast<std::size_t>(a)][static_cast<std::size_t>(j)] * X[a * dim + i];
+      const auto row = static_cast<std::size_t>(3 * i);
+      r[row / 3] = at[i];
+      for (std::size_t j = 0; j < dim; ++j) J[row + j] = 0;
+      for (std::size_t a = 0; a < Cell::nodes; ++a) {
+        const double x = X[static_cast<int>(a) * dim + i];
+        r[row / 3] -= shape[a] * x;
+        for (std::size_t j = 0; j < dim; ++j) J[row + j] += slope[a][j] * x;
       }
     }
-    const double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
-                       J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
-                       J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    const Vector3 d = inverse(J) * r;
     double step = 0;
-    for (int i = 0; i < dim; ++i) { // Cramer
-      double A[3][3];
-      for (int p = 0; p < 3; ++p)
-        for (int q = 0; q < 3; ++q) A[p][q] = q == i ? r[p] : J[p][q];
-      const double d = (A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) -
-                        A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
-                        A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0])) /
-                       det;
-      xi[static_cast<std::size_t>(i)] += d;
-      step = std::max(step, std::abs(d));
+    for (std::size_t i = 0; i < dim; ++i) {
+      xi[i] += d[i];
+      step = std::max(step, std::abs(d[i]));
     }
     if (!(step < 1e3)) return false;
     if (step < 1e-13) break;
