@@ -103,8 +103,9 @@ runs.check("its tip is at the other side", run[TIP + "x"][-1], 1, 1e-12)
 run = cracked("there", "(abs(y-0.5)<0.01 ? 1 : 0)")
 runs.check("there at once from side to side: it ends at the other one", run[TIP + "x"][0], 1, 1e-12)
 # Two that grow towards each other and pass; both bend into one at the end.
-run = cracked("two", "(abs(y-0.25)<0.01 && x<0.31+0.4*t ? 1 : abs(y-0.75)<0.01 && x>0.79-0.4*t ? 1 : t>0.9 && abs(x-0.5)<0.01 && "
-              "y>0.24 && y<0.76 ? 1 : 0)", crack_tips=2)
+TWO = ("(abs(y-0.25)<0.01 && x<0.31+0.4*t ? 1 : abs(y-0.75)<0.01 && x>0.79-0.4*t ? 1 : t>0.9 && abs(x-0.5)<0.01 && "
+       "y>0.24 && y<0.76 ? 1 : 0)")
+run = cracked("two", TWO, crack_tips=2)
 check_header(run)
 runs.require("two cracks, then one", list(run["crack_solid_count"]) == [2, 2, 2, 2, 1])
 for k, x in enumerate((0.3, 0.4, 0.5, 0.6)):
@@ -112,6 +113,10 @@ for k, x in enumerate((0.3, 0.4, 0.5, 0.6)):
     runs.check("of the second", run[OTHER + "x"][k], 0.8 - 0.1 * k, 1e-11)
 runs.require("each on its own height", abs(run[TIP + "y"][:4] - 0.25).max() < 1e-12 and abs(run[OTHER + "y"][:4] - 0.75).max() < 1e-12)
 runs.require("after they have met the older one has the tip", numpy.isnan(run[OTHER + "x"][4]) and run[TIP + "y"][4] > 0.7)
+for end in (0.5, 1):
+    runs.run("resumed", {**CRACK, "bc_crack_value": TWO, "crack_tips": 2, "ts_max_time": end, "restart": "auto"}, ranks=2 if end == 1 else 1)
+runs.require("resumed on two ranks: the same cracks", all(numpy.array_equal(runs.read_history("resumed/history.csv")[c], run[c], equal_nan=True)
+                                                          for c in run.history if c.startswith("crack_") and "measure" not in c))
 runs.require(f"every row of the table is written by some run {[r[0] for r in COLUMNS if r[0] not in seen]}", seen == {row[0] for row in COLUMNS})
 
 def text(dataset):

@@ -10,7 +10,7 @@ from _runs import ENVIRONMENT, PROGRAM, check, finish, mesh, require, run
 
 BLOCKS = {
     "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 2, "mesh_set_n_upper": 2, "mesh_set_gap": 0.01, "materials": "lower,upper",
-    "material_lower_E": '"2 MPa"', "material_lower_nu": 0.3, "material_lower_rho": 1000, "material_lower_damage": "at2", "material_lower_split": "volumetric",
+    "material_lower_E": '"2 MPa"', "material_lower_nu": 0.3, "material_lower_rho": 1000, "material_lower_damage": "at2",
     "material_lower_Gc": 50, "material_lower_gamma": 1, "material_upper_like": "lower", "material_upper_K": 1e6, "material_upper_G": 1e5,
     "bcs": "hold,push", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix", "bc_push_on": "upper_top", "bc_push_ux": 0,
     "bc_push_uy": '" -0.1*t"', "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
@@ -24,8 +24,8 @@ FILE, DRY = ["-options_file", "blocks.opts"], ["-dry_run"]
 # claim, words of the command, exit status, what is printed, what is not
 ROWS = [
     ("groups", FILE + DRY, 0, ["lower 4 (", "upper_bottom 2 ("], []),
-    ("materials as typed", FILE + DRY, 0, ["material lower: elastic with at2 damage, E 2e+06, nu 0.3, rho 1000, mass 1000; cells 0.5 to 0.5",
-     "material upper: elastic with at2 damage, K 1e+06, G 100000", "-material_lower_E 2e+06\n-material_lower_nu 0.3\n", "-material_upper_K 1e+06\n"],
+    ("materials as typed", FILE + DRY, 0, ["material lower: elastic with at2 damage, spectral split, E 2e+06, nu 0.3, rho 1000, mass 1000; cells 0.5 to 0.5",
+     "material upper: elastic with at2 damage, volumetric split, K 1e+06, G 100000", "-material_lower_E 2e+06\n-material_lower_nu 0.3\n", "-material_upper_K 1e+06\n"],
      ["-material_lower_K"]),
     ("gamma over the cells", FILE + DRY, 0, ["material lower: gamma is 2 to 2 cells wide"], []),
     ("waves", FILE + DRY, 0, ["material lower: h/c_p from 0.00964", "c_p 51.88"], []),
