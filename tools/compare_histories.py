@@ -9,10 +9,10 @@ rounding beside what they are made of are told as such and do not count. Exit st
 differs, 2 the files cannot be compared.
 """
 import argparse
-import csv
 import fnmatch
 import sys
 
+import histories
 import numpy
 from comparison import differences
 
@@ -25,22 +25,11 @@ def stop(message):
 def read(path):
     """Columns by name, each a list of numbers."""
     try:
-        with open(path, newline="") as file:
-            rows = [row for row in csv.reader(file) if row and not row[0].startswith("#")]
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        stop(f"cannot read {path}: {error}")
-    if len(rows) < 2:
+        columns, _ = histories.read(path)
+    except (OSError, ValueError) as error:
+        stop(f"cannot read {path}: {error}" if isinstance(error, (OSError, UnicodeDecodeError)) else error)
+    if not next(iter(columns.values())):
         stop(f"{path} has no rows")
-    names, body = rows[0], rows[1:]
-    columns = {name: [] for name in names}
-    for number, row in enumerate(body, start=1):
-        if len(row) != len(names):
-            stop(f"{path}: row {number} has {len(row)} cells instead of {len(names)}")
-        for name, cell in zip(names, row):
-            try:
-                columns[name].append(float(cell))
-            except ValueError:
-                stop(f"{path}: row {number}, column {name}: {cell!r} is no number")
     return columns
 
 

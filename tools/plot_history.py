@@ -4,10 +4,10 @@
     tools/plot_history.py run/history.csv run/history.png --force reaction
 """
 import argparse
-import csv
 import os
 import sys
 
+import histories
 import numpy as np
 
 # Colours that differ for colour-blind readers too (Okabe and Ito).
@@ -24,26 +24,14 @@ def stop(message):
 
 
 def read(path):
-    """Columns by name and the lines of the note before the names."""
+    """Columns by name, as arrays, and their units."""
     try:
-        with open(path, newline="") as file:
-            lines = file.read().splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        stop(f"cannot read {path}: {error}")
-    note = [line[1:].strip() for line in lines if line.startswith("#")]
-    rows = list(csv.reader(line for line in lines if line and not line.startswith("#")))
-    if len(rows) < 2:
-        stop(f"{path} has no rows yet")
-    names, body = rows[0], rows[1:]
-    if len(body[-1]) != len(names):  # the run may be writing it
-        body = body[:-1]
-    try:
-        table = np.array(body, dtype=float)
-    except ValueError as error:
-        stop(f"{path}: {error}")
-    if table.ndim != 2 or table.shape[1] != len(names) or "time" not in names:
-        stop(f"{path} is no history file: it needs equal rows and a column `time`")
-    return {name: table[:, k] for k, name in enumerate(names)}, note
+        columns, units = histories.read(path)
+    except (OSError, ValueError) as error:
+        stop(f"cannot read {path}: {error}" if isinstance(error, (OSError, UnicodeDecodeError)) else error)
+    if not columns.get("time"):
+        stop(f"{path} has no rows yet" if "time" in columns else f"{path} is no history file: it has no column `time`")
+    return {name: np.array(values) for name, values in columns.items()}, units
 
 
 def moves(values):
@@ -89,14 +77,9 @@ def draw_lines(axis, data, names, title, ylabel):
         axis.text(0.5, 0.5, "all zero or absent", ha="center", va="center", transform=axis.transAxes, color="0.5")
 
 
-def unit_in(note, quantity):
-    """The unit of a quantity when the note has a line `units: length m, force N, ...`."""
-    for line in note:
-        for part in line.removeprefix("units:").split(","):
-            words = part.split()
-            if len(words) == 2 and words[0] == quantity:
-                return f" ({words[1]})"
-    return ""
+def unit_of(units, names):
+    """The unit that columns share, in brackets."""
+    return next((f" ({units[name]})" for name in names if units[name]), "")
 
 
 def main():
@@ -104,9 +87,9 @@ def main():
     parser.add_argument("history")
     parser.add_argument("figure", help="its ending gives the kind of file: .png, .pdf, .svg")
     parser.add_argument("--force", metavar="PREFIX", help="draw the columns that begin so (default: all forces)")
-    parser.add_argument("--title", help="default: the title in the file, if any")
+    parser.add_argument("--title")
     options = parser.parse_args()
-    data, note = read(options.history)
+    data, units = read(options.history)
 
     import matplotlib
     matplotlib.use("Agg")
@@ -115,20 +98,18 @@ def main():
                          "legend.fontsize": 7.5, "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True})
     fields = [n for n in ("phi_max", "alpha_max") if n in data and moves(data[n])]
     figure, axes = plt.subplots(3 if fields else 2, 1, figsize=(7.2, 7.0 if fields else 4.9), sharex=True)
-    draw_lines(axes[0], data, strongest(data, force_columns(data, options.force), 8), "(a) force",
-               "force" + unit_in(note, "force"))
-    draw_lines(axes[1], data, strongest(data, [n for n in ENERGIES if n in data], 12), "(b) energy",
-               "energy" + unit_in(note, "energy"))
+    forces, energies = force_columns(data, options.force), [n for n in ENERGIES if n in data]
+    draw_lines(axes[0], data, strongest(data, forces, 8), "(a) force", "force" + unit_of(units, forces))
+    draw_lines(axes[1], data, strongest(data, energies, 12), "(b) energy", "energy" + unit_of(units, energies))
     if fields:
         draw_fields(axes[2], data, fields)
-    axes[-1].set_xlabel("time" + unit_in(note, "time"))
+    axes[-1].set_xlabel("time" + unit_of(units, ["time"]))
     axes[-1].set_xlim(data["time"][0], max(data["time"][-1], np.nextafter(data["time"][0], np.inf)))
     for axis in axes:
         axis.grid(True, lw=0.4, color="0.88")
         axis.set_axisbelow(True)
-    title = options.title or (note[0] if note and not note[0].startswith("units") else None)
-    if title:
-        figure.suptitle(title, fontsize=10.5, x=0.02, ha="left")
+    if options.title:
+        figure.suptitle(options.title, fontsize=10.5, x=0.02, ha="left")
     figure.tight_layout()
     try:
         os.makedirs(os.path.dirname(options.figure) or ".", exist_ok=True)

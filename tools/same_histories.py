@@ -7,11 +7,13 @@ change, the largest difference of each column over its largest value is printed.
     tools/same_histories.py old/impact build/release/impact beam_wedge cook
 """
 import argparse
-import csv
+import math
 import pathlib
 import subprocess
 import sys
 import tempfile
+
+import histories
 
 OPTIONS = pathlib.Path(__file__).resolve().parent.parent / "options"
 
@@ -22,21 +24,18 @@ def history(program, name, steps, folder):
         command += ["-ts_max_steps", str(steps)]
     run = subprocess.run([str(word) for word in command], cwd=OPTIONS.parent, capture_output=True, text=True)
     path = folder / "history.csv"
-    rows = list(csv.DictReader(path.open())) if path.exists() else []
-    return run.returncode, rows
+    return run.returncode, histories.read(path)[0] if path.exists() else {}
 
 
 def differences(old, new):
-    """[(column, largest difference over the column's largest value)] of what is not the same text."""
-    if len(old) != len(new) or (old and list(old[0]) != list(new[0])):
+    """[(column, largest difference over the column's largest value)] of what is not the same number."""
+    if list(old) != list(new) or any(len(old[column]) != len(new[column]) for column in old):
         return [("rows or columns", float("inf"))]
     found = []
-    for column in old[0] if old else []:
-        pairs = [(row[column], other[column]) for row, other in zip(old, new)]
-        if any(a != b for a, b in pairs):
-            numbers = [(float(a), float(b)) for a, b in pairs]
-            largest = max(max(abs(a), abs(b)) for a, b in numbers) or 1
-            found.append((column, max(abs(a - b) for a, b in numbers) / largest))
+    for column in old:
+        pairs = [(a, b) for a, b in zip(old[column], new[column]) if a != b and not (math.isnan(a) and math.isnan(b))]
+        if pairs:
+            found.append((column, max(abs(a - b) for a, b in pairs) / max(map(abs, old[column] + new[column]))))
     return found
 
 
@@ -58,7 +57,7 @@ def main():
         if old[0] != new[0]:
             found.insert(0, (f"exit status {old[0]} -> {new[0]}", float("inf")))
         changed += bool(found)
-        print(f"{name}: {len(new[1])} rows, " + ("the same" if not found else "; ".join(f"{c} {d:.1e}" for c, d in found)), flush=True)
+        print(f"{name}: {len(new[1].get("time", []))} rows, " + ("the same" if not found else "; ".join(f"{c} {d:.1e}" for c, d in found)), flush=True)
     sys.exit(1 if changed else 0)
 
 

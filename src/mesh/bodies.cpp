@@ -44,15 +44,22 @@ std::vector<double> gather_all(MPI_Comm comm, const std::vector<double>& mine) {
 // Each rank joins the nodes of its cells and calls a piece by its lowest global node. A node on a border lies
 // in a piece of its owner and in one of each rank that sees it: these pairs of names, known to all ranks,
 // join the pieces.
-Bodies find_bodies(const Mesh& mesh, const FieldLayout& layout) {
+Bodies find_bodies(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& counts) {
+  const auto counting = [&](std::size_t node) { return counts.empty() || counts[node] != 0; };
   const auto components = static_cast<std::size_t>(layout.components());
   const auto nodes = static_cast<std::size_t>(mesh.node_count());
   UnionFind piece(nodes);
   for (const CellTable& table : mesh.cells()) {
     const auto n = static_cast<std::size_t>(node_count(table.shape));
-    for (std::size_t i = 0; i < table.connectivity.size(); ++i)
-      piece.join(static_cast<std::size_t>(table.connectivity[i / n * n]),
-                 static_cast<std::size_t>(table.connectivity[i]));
+    for (std::size_t cell = 0; cell < table.connectivity.size(); cell += n) {
+      std::size_t first = nodes;
+      for (std::size_t i = cell; i < cell + n; ++i) {
+        const auto node = static_cast<std::size_t>(table.connectivity[i]);
+        if (!counting(node)) continue;
+        if (first == nodes) first = node;
+        piece.join(first, node);
+      }
+    }
   }
   std::vector<double> lowest(nodes, HUGE_VAL), name(nodes);
   for (std::size_t i = 0; i < nodes; ++i) {
@@ -66,7 +73,8 @@ Bodies find_bodies(const Mesh& mesh, const FieldLayout& layout) {
   layout.to_global(owners_name, owned);
   layout.to_local(owned, owners_name);
   std::vector<std::pair<double, double>> pairs;
-  for (std::size_t i = 0; i < nodes; ++i) pairs.emplace_back(name[i], owners_name[components * i]);
+  for (std::size_t i = 0; i < nodes; ++i)
+    if (counting(i)) pairs.emplace_back(name[i], owners_name[components * i]);
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   std::vector<double> flat;
@@ -82,8 +90,9 @@ Bodies find_bodies(const Mesh& mesh, const FieldLayout& layout) {
   std::map<std::size_t, int> body; // of a root, by rising root
   for (std::size_t i = 0; i < number.size(); ++i)
     if (joined.root(i) == i) body.emplace(i, static_cast<int>(body.size()));
-  Bodies bodies{std::vector<int>(nodes), static_cast<int>(body.size())};
-  for (std::size_t i = 0; i < nodes; ++i) bodies.of_node[i] = body.at(joined.root(number.at(name[i])));
+  Bodies bodies{std::vector<int>(nodes, -1), static_cast<int>(body.size())};
+  for (std::size_t i = 0; i < nodes; ++i)
+    if (counting(i)) bodies.of_node[i] = body.at(joined.root(number.at(name[i])));
   return bodies;
 }
 

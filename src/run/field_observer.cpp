@@ -6,42 +6,33 @@
 
 namespace impact {
 
-namespace {
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
-// The output's fields, checked; those that are usual and at hand when none were named.
-OutputScenario with_fields(OutputScenario output, const FieldSource& source) {
-  const std::vector<std::string> offered = source.names();
-  if (output.fields.empty())
-    for (const char* name : {"u", "v", "phi", "theta", "stress", "von_mises", "alpha", "contact_pressure"})
-      if (std::find(offered.begin(), offered.end(), name) != offered.end()) output.fields.emplace_back(name);
-  for (const std::string& name : output.fields)
-    if (std::find(offered.begin(), offered.end(), name) == offered.end())
-      throw UserError(ExitCode::usage, "-output_" + output.id + "_fields: this run has no field '" + name +
-                                           "'; it has: " + joined(offered));
-  return output;
-}
-
-} // namespace
-
 std::string field_file_name(const OutputScenario& output) {
   return output.file.empty() ? output.id + ".xdmf" : output.file;
 }
 
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
                              const Discretisation& discretisation, const FieldSource& source)
-    : scenario_(scenario), settings_(with_fields(output, source)), d_(discretisation), source_(source) {
+    : scenario_(scenario), settings_(output), d_(discretisation), source_(source) {
+  for (const std::string& name : output.fields) source.require("-output_" + output.id + "_fields", name);
   std::sort(settings_.times.begin(), settings_.times.end());
 }
 
 void FieldObserver::open(std::optional<double> resume_after) {
-  file_.emplace(d_.mesh, FieldFile{scenario_.output_dir + "/" + field_file_name(settings_), scenario_.title,
-                                   scenario_.units.name, resume_after});
+  // Regions are numbered from 1 as the materials name them.
+  FieldFile file{scenario_.output_dir + "/" + field_file_name(settings_), scenario_.title,
+                 scenario_.units.name, resume_after};
+  std::vector<std::int64_t> by_point(static_cast<std::size_t>(d_.mesh.cell_count()), 0);
+  std::int64_t number = 0;
+  for (const MaterialAssignment& m : d_.materials)
+    for (const std::string& region : m.regions) {
+      file.regions += std::to_string(++number) + " " + region + " " + m.law.parameters.id + "\n";
+      for (const PetscInt point : d_.mesh.region_cells(region))
+        by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())] = number;
+    }
+  for (const CellTable& table : d_.mesh.cells())
+    for (const PetscInt point : table.point)
+      file.region.push_back(by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())]);
+  file_.emplace(d_.mesh, file);
   if (!file_->warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_->warning().c_str()));
   if (resume_after && settings_.dt > 0)
     next_time_ = (std::floor(*resume_after / settings_.dt * (1 + 1e-12)) + 1) * settings_.dt;

@@ -203,7 +203,7 @@ struct FieldOutput::Impl {
   void set_aside(const std::string& name, const std::exception& error, std::string& warning) const;
   void remove_all_but_named() const;
   std::unique_ptr<hdf5::File> create(const std::string& target, std::uint64_t bytes) const;
-  void write_mesh(const Mesh& mesh, const std::string& sum);
+  void write_mesh(const Mesh& mesh, const FieldFile& request, const std::string& sum);
   template <class T>
   void write_dataset(hdf5::File* file, std::string& failure, const std::string& name, hsize_t width,
                      hsize_t rows, const std::vector<T>& mine) const;
@@ -276,7 +276,7 @@ std::unique_ptr<hdf5::File> FieldOutput::Impl::create(const std::string& target,
   return std::make_unique<hdf5::File>(target, hdf5::File::Mode::in_memory);
 }
 
-void FieldOutput::Impl::write_mesh(const Mesh& mesh, const std::string& sum) {
+void FieldOutput::Impl::write_mesh(const Mesh& mesh, const FieldFile& request, const std::string& sum) {
   const std::vector<Shape> shapes = shapes_on_any_rank(mesh);
   const bool mixed = shapes.size() > 1;
   const std::vector<std::int64_t> cells = connectivity(mesh, mixed);
@@ -288,19 +288,22 @@ void FieldOutput::Impl::write_mesh(const Mesh& mesh, const std::string& sum) {
   std::unique_ptr<hdf5::File> h5;
   std::string failure;
   on_rank_zero(comm, [&] {
-    h5 =
-        create(file(name), margin + sizeof(double) * (3 * global_nodes + static_cast<std::uint64_t>(length)));
+    h5 = create(file(name), margin + sizeof(double) * (3 * global_nodes + static_cast<std::uint64_t>(length) +
+                                                       global_cells));
   });
   write_dataset(h5.get(), failure, "/geometry", 3, global_nodes,
                 owned_values(mesh.coordinates().data(), mesh.dim(), 3));
   write_dataset(h5.get(), failure, "/topology", width, static_cast<hsize_t>(length) / width, cells);
+  const bool regions = !request.regions.empty();
+  if (regions) write_dataset(h5.get(), failure, "/region", 1, global_cells, request.region);
   on_rank_zero(comm, [&] {
-    const XdmfMesh entry{relative(name), mixed ? "Mixed" : xdmf_name(shapes[0]), global_nodes, global_cells,
-                         static_cast<std::uint64_t>(length)};
+    const XdmfMesh entry{relative(name), mixed ? "Mixed" : xdmf_name(shapes[0]), global_nodes,
+                         global_cells,   static_cast<std::uint64_t>(length),     regions};
     if (failure.empty()) {
       h5->write("/cells", entry.cell_type);
       h5->write("/cell_count", std::vector<double>{static_cast<double>(global_cells)});
       h5->write("/checksum", sum);
+      if (regions) h5->write("/regions", request.regions);
     }
     publish(std::move(h5), file(name), failure);
     mesh_index = xdmf.meshes.size();
@@ -327,8 +330,12 @@ bool FieldOutput::Impl::find_mesh(const std::string& sum, std::string& warning) 
       const hdf5::File h5(file(name), hdf5::File::Mode::read);
       std::uint64_t length = 1;
       for (const hsize_t n : h5.extent("/topology")) length *= n;
-      const XdmfMesh entry{relative(name), h5.read_text("/cells"), h5.extent("/geometry").at(0),
-                           static_cast<std::uint64_t>(h5.read_numbers("/cell_count").at(0)), length};
+      const XdmfMesh entry{relative(name),
+                           h5.read_text("/cells"),
+                           h5.extent("/geometry").at(0),
+                           static_cast<std::uint64_t>(h5.read_numbers("/cell_count").at(0)),
+                           length,
+                           h5.has("/region")};
       mesh_sums.push_back(h5.read_text("/checksum"));
       xdmf.meshes.push_back(entry);
     } catch (const std::exception& error) {
@@ -401,6 +408,8 @@ FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file) : impl_(std::m
   const auto cells = connectivity(mesh, true);
   mine.add(points.data(), points.size() * sizeof(double));
   mine.add(cells.data(), cells.size() * sizeof(std::int64_t));
+  mine.add(file.region.data(), file.region.size() * sizeof(std::int64_t));
+  mine.add(file.regions.data(), file.regions.size());
   const std::uint64_t value = mine.value();
   int size = 1;
   MPI_Comm_size(self.comm, &size);
@@ -423,7 +432,7 @@ FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file) : impl_(std::m
     }
   });
   MPI_Bcast(&write_the_mesh, 1, MPI_INT, 0, self.comm);
-  if (write_the_mesh != 0) self.write_mesh(mesh, sum);
+  if (write_the_mesh != 0) self.write_mesh(mesh, file, sum);
   if (!file.resume_after) return;
   on_rank_zero(self.comm, [&] {
     self.find_frames(*file.resume_after, warning_);

@@ -1,38 +1,49 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/measure.hpp>
+#include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
+#include <impact/run/columns.hpp>
 #include <impact/run/observers.hpp>
 
 namespace impact {
 
 namespace {
 
-struct CellFieldName {
-  const char* name;
-  int components;
-};
-constexpr CellFieldName cell_fields[] = {
-    {"stress", 6}, {"von_mises", 1}, {"pressure", 1}, {"alpha", 1}, {"fatigue", 1}};
+const FieldNote* cell_field(const std::string& name) {
+  const auto notes = field_notes();
+  const auto found = std::find_if(notes.begin(), notes.end(), [&](const FieldNote& field) {
+    return !field.on_nodes && name == field.name;
+  });
+  return found == notes.end() ? nullptr : &*found;
+}
 
 } // namespace
 
-bool FieldSource::is_nodal(const std::string& name) {
-  return std::none_of(std::begin(cell_fields), std::end(cell_fields),
-                      [&](const CellFieldName& field) { return name == field.name; });
-}
+bool FieldSource::is_nodal(const std::string& name) { return cell_field(name) == nullptr; }
 
 std::vector<std::string> FieldSource::names() const {
   std::vector<std::string> names;
   for (const auto& row : state_.rows())
     if (row->output) names.push_back(row->name);
-  for (const CellFieldName& field : cell_fields)
-    if (field.name != std::string("fatigue") || state_.find("fatigue")) names.emplace_back(field.name);
-  if (!motion_.contacts().empty())
-    for (const char* name :
-         {"contact_pressure", "contact_gap", "contact_status", "contact_traction", "contact_slip"})
-      names.emplace_back(name);
+  for (const FieldNote& field : field_notes()) {
+    const std::string name = field.name;
+    if (field.on_nodes ? name.starts_with("contact_") && !motion_.contacts().empty()
+                       : name != "fatigue" || state_.find("fatigue"))
+      names.push_back(name);
+  }
   return names;
+}
+
+void FieldSource::require(const std::string& key, const std::string& name, bool nodal_only) const {
+  std::string offered;
+  for (const std::string& field : names()) {
+    if (nodal_only && !is_nodal(field)) continue;
+    if (field == name) return;
+    offered += (offered.empty() ? "" : ", ") + field;
+  }
+  throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
+                                       name + "'; it has: " + offered);
 }
 
 std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& snapshot,
@@ -80,9 +91,7 @@ std::vector<double> FieldSource::fatigue_means() const {
 
 std::vector<double> FieldSource::cellwise(const std::string& name, const Snapshot&, int& components) const {
   const Discretisation& d = motion_.discretisation();
-  components = std::find_if(std::begin(cell_fields), std::end(cell_fields), [&](const CellFieldName& field) {
-                 return name == field.name;
-               })->components;
+  components = cell_field(name)->components;
   const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
   const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
   const StateRow* phi_row = state_.find("phi");

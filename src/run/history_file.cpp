@@ -35,44 +35,20 @@ std::vector<std::string> split(const std::string& line) {
 } // namespace
 
 HistoryFile::HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after,
-                         const std::string& note)
-    : comm_(comm), file_(std::move(file)) {
+                         std::function<std::string(const std::string&)> unit)
+    : comm_(comm), file_(std::move(file)), unit_(std::move(unit)) {
   on_rank_zero(comm_, [&] {
     make_directories(std::filesystem::path(file_).parent_path().string());
     const bool keep = resume_after && std::filesystem::exists(file_);
     descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (keep ? 0 : O_TRUNC), 0666);
     if (descriptor_ < 0) throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(errno));
     if (keep) resume(*resume_after);
-    if (length_ == 0) start(note);
   });
   MPI_Bcast(&last_step_, 1, MPI_LONG, 0, comm_);
 }
 
-HistoryFile::HistoryFile(HistoryFile&& other) noexcept
-    : comm_(other.comm_), file_(std::move(other.file_)), descriptor_(std::exchange(other.descriptor_, -1)),
-      length_(other.length_), resumed_(other.resumed_), last_step_(other.last_step_),
-      columns_(std::move(other.columns_)) {}
-
-HistoryFile& HistoryFile::operator=(HistoryFile&& other) noexcept {
-  std::swap(comm_, other.comm_);
-  std::swap(file_, other.file_);
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(length_, other.length_);
-  std::swap(resumed_, other.resumed_);
-  std::swap(last_step_, other.last_step_);
-  std::swap(columns_, other.columns_);
-  return *this;
-}
-
 HistoryFile::~HistoryFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-void HistoryFile::start(const std::string& note) {
-  std::istringstream lines(note);
-  std::string text;
-  for (std::string line; std::getline(lines, line);) text += "# " + line + "\n";
-  if (!text.empty()) append(text);
 }
 
 // Keeps what comes before the first row of a later step. A row that is not whole ends the file there too: it
@@ -89,7 +65,7 @@ void HistoryFile::resume(long last_step) {
           throw UserError(ExitCode::io, "cannot continue " + file_ +
                                             ": its first line has no column `step`, so it is no "
                                             "history of this program; move it away or name another file");
-        columns_ = cells;
+        for (const std::string& cell : cells) columns_.push_back(cell.substr(0, cell.find(" [")));
       } else {
         double step = 0;
         const bool whole =
@@ -127,7 +103,7 @@ void HistoryFile::append(const std::string& text) {
 
 std::string HistoryFile::header(const Row& row) const {
   std::string text;
-  for (const auto& [name, value] : row) text += (text.empty() ? "" : ",") + name;
+  for (const auto& [name, value] : row) text += (text.empty() ? "" : ",") + name + (unit_ ? unit_(name) : "");
   return text + "\n";
 }
 

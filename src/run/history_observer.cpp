@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/math/rotation.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
+#include <impact/run/columns.hpp>
+#include <impact/run/crack_tips.hpp>
 #include <impact/run/observers.hpp>
 
 namespace impact {
@@ -11,14 +14,6 @@ namespace {
 
 constexpr const char* axis[3] = {"x", "y", "z"};
 
-// Columns of a field with several components: u -> ux, uy; stress -> stress_xx, ..
-std::string column(const std::string& field, int component, int components) {
-  static constexpr const char* tensor[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
-  if (components == 1) return field;
-  if (components == 6) return field + "_" + tensor[component];
-  return field + axis[component];
-}
-
 // Reference coordinates of a point in a cell by Newton's method; false when it lies outside.
 template <class Cell> bool locate(const double* X, const double* at, double* N) {
   constexpr int dim = Cell::dim;
@@ -26,30 +21,23 @@ template <class Cell> bool locate(const double* X, const double* at, double* N) 
   for (int it = 0; it < 30; ++it) {
     const auto shape = Cell::N(xi);
     const auto slope = Cell::dN(xi);
-    double r[3] = {0, 0, 0}, J[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    Vector3 r{};
+    Matrix3 J = unit_matrix;
     for (int i = 0; i < dim; ++i) {
-      r[i] = at[i];
-      for (int j = 0; j < dim; ++j) J[i][j] = 0;
-      for (int a = 0; a < Cell::nodes; ++a) {
-        r[i] -= shape[static_cast<std::size_t>(a)] * X[a * dim + i];
-        for (int j = 0; j < dim; ++j)
-          J[i][j] += slope[static_cast<std::size_t>(a)][static_cast<std::size_t>(j)] * X[a * dim + i];
+      const auto row = static_cast<std::size_t>(3 * i);
+      r[row / 3] = at[i];
+      for (std::size_t j = 0; j < dim; ++j) J[row + j] = 0;
+      for (std::size_t a = 0; a < Cell::nodes; ++a) {
+        const double x = X[static_cast<int>(a) * dim + i];
+        r[row / 3] -= shape[a] * x;
+        for (std::size_t j = 0; j < dim; ++j) J[row + j] += slope[a][j] * x;
       }
     }
-    const double det = J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
-                       J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
-                       J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]);
+    const Vector3 d = inverse(J) * r;
     double step = 0;
-    for (int i = 0; i < dim; ++i) { // Cramer
-      double A[3][3];
-      for (int p = 0; p < 3; ++p)
-        for (int q = 0; q < 3; ++q) A[p][q] = q == i ? r[p] : J[p][q];
-      const double d = (A[0][0] * (A[1][1] * A[2][2] - A[1][2] * A[2][1]) -
-                        A[0][1] * (A[1][0] * A[2][2] - A[1][2] * A[2][0]) +
-                        A[0][2] * (A[1][0] * A[2][1] - A[1][1] * A[2][0])) /
-                       det;
-      xi[static_cast<std::size_t>(i)] += d;
-      step = std::max(step, std::abs(d));
+    for (std::size_t i = 0; i < dim; ++i) {
+      xi[i] += d[i];
+      step = std::max(step, std::abs(d[i]));
     }
     if (!(step < 1e3)) return false;
     if (step < 1e-13) break;
@@ -96,34 +84,30 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     : scenario_(scenario), motion_(motion), ledger_(ledger), state_(state), source_(source) {
   for (const OutputScenario& output : scenario_.outputs)
     if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
-  for (const MaterialAssignment& m : motion_.discretisation().materials)
-    if (m.law.parameters.damage != Damage::none)
-      state_.add(StateRow{"crack_" + m.law.parameters.id, Support::global, 4}, 4);
-  check_fields();
+  for (const MaterialAssignment& m : motion_.discretisation().materials) {
+    std::vector<int>& nodes = nodes_of_material_.emplace_back();
+    if (m.law.parameters.damage == Damage::none) continue;
+    state_.add(StateRow{"crack_" + m.law.parameters.id, Support::global, 4 * scenario_.crack_tips},
+               static_cast<std::size_t>(4 * scenario_.crack_tips));
+    for (const std::string& region : m.regions) {
+      const std::vector<int> more = motion_.discretisation().mesh.nodes(region);
+      nodes.insert(nodes.end(), more.begin(), more.end());
+    }
+  }
+  for (const ProbeScenario& probe : scenario_.probes)
+    for (const std::string& field : probe.fields) source_.require("-probe_" + probe.id + "_fields", field);
+  for (const MeasureScenario& measure : scenario_.measures)
+    for (const std::string& field : measure.fields)
+      source_.require("-measure_" + measure.id + "_fields", field, true);
   locate_probes();
 }
 
 void HistoryObserver::open(std::optional<long> resume_after) {
   file_.emplace(motion_.discretisation().mesh.comm(),
-                scenario_.output_dir + "/" + history_file_name(scenario_), resume_after);
-}
-
-void HistoryObserver::check_fields() const {
-  const std::vector<std::string> offered = source_.names();
-  const auto check_name = [&](const std::string& key, const std::string& field, bool nodal_only) {
-    std::string names;
-    for (const std::string& name : offered)
-      if (!nodal_only || FieldSource::is_nodal(name)) names += (names.empty() ? "" : ", ") + name;
-    if (std::find(offered.begin(), offered.end(), field) == offered.end() ||
-        (nodal_only && !FieldSource::is_nodal(field)))
-      throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
-                                           field + "'; it has: " + names);
-  };
-  for (const ProbeScenario& probe : scenario_.probes)
-    for (const std::string& field : probe.fields) check_name("-probe_" + probe.id + "_fields", field, false);
-  for (const MeasureScenario& measure : scenario_.measures)
-    for (const std::string& field : measure.fields)
-      check_name("-measure_" + measure.id + "_fields", field, true);
+                scenario_.output_dir + "/" + history_file_name(scenario_), resume_after,
+                [units = scenario_.units, plane = motion_.discretisation().dim() == 2 &&
+                                                  motion_.discretisation().frame != Frame::axisymmetric](
+                    const std::string& column) { return column_unit(column, units, plane); });
 }
 
 void HistoryObserver::locate_probes() {
@@ -226,62 +210,36 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
   const Discretisation& d = motion_.discretisation();
   const StateRow* phi = state_.find("phi");
   if (!phi) return;
-  const int dim = d.dim();
-  const auto X = d.mesh.coordinates();
+  if (phi_before_.empty()) phi_before_ = phi->committed;
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
     const MaterialParameters& p = d.materials[m].law.parameters;
     if (p.damage == Damage::none) continue;
-    StateRow& origin = state_.row("crack_" + p.id); // flag, x, y, z of the first cracked node
-    std::vector<char> mine(d.node_values(1), 0);
-    for (const CellGroup& group : d.groups)
-      if (group.material == static_cast<int>(m))
-        for (int node : group.node) mine[static_cast<std::size_t>(node)] = 1;
-    const auto farthest = [&](auto&& measure) {
-      struct {
-        double value;
-        int rank;
-      } best{-1, 0};
-      int node = -1;
-      for (int i = 0; i < d.mesh.node_count(); ++i) {
-        if (!mine[static_cast<std::size_t>(i)] ||
-            phi->committed[static_cast<std::size_t>(i)] <= scenario_.crack_level)
-          continue;
-        const double value = measure(i);
-        if (value > best.value) {
-          best.value = value;
-          node = i;
-        }
-      }
-      MPI_Comm_rank(d.mesh.comm(), &best.rank);
-      MPI_Allreduce(MPI_IN_PLACE, &best, 1, MPI_DOUBLE_INT, MPI_MAXLOC, d.mesh.comm());
-      std::array<double, 4> place{best.value >= 0 ? 1.0 : 0.0, NAN, NAN, NAN};
-      if (node >= 0)
-        for (int k = 0; k < dim; ++k)
-          place[static_cast<std::size_t>(k + 1)] = X[static_cast<std::size_t>(node * dim + k)];
-      MPI_Bcast(place.data(), 4, MPI_DOUBLE, best.rank, d.mesh.comm());
-      return place;
-    };
-    if (origin.committed[0] == 0) {
-      const auto first = farthest([&](int i) { return phi->committed[static_cast<std::size_t>(i)]; });
-      if (first[0] > 0)
-        for (std::size_t k = 0; k < 4; ++k)
-          origin.committed[k] = origin.trial[k] = std::isnan(first[k]) ? 0.0 : first[k];
+    StateRow& kept = state_.row("crack_" + p.id); // of each crack a flag and its origin
+    std::vector<Crack> cracks(kept.committed.size() / 4);
+    for (std::size_t i = 0; i < cracks.size(); ++i) {
+      cracks[i].there = kept.committed[4 * i] != 0;
+      std::copy_n(&kept.committed[4 * i + 1], 3, cracks[i].origin.begin());
     }
-    std::array<double, 4> tip{0, NAN, NAN, NAN};
-    if (origin.committed[0] > 0)
-      tip = farthest([&](int i) {
-        double sum = 0;
-        for (int k = 0; k < dim; ++k) {
-          const double dx =
-              X[static_cast<std::size_t>(i * dim + k)] - origin.committed[static_cast<std::size_t>(k + 1)];
-          sum += dx * dx;
-        }
-        return sum;
-      });
-    for (int k = 0; k < dim; ++k)
-      row.emplace_back("crack_" + p.id + "_tip_" + axis[k], tip[static_cast<std::size_t>(k + 1)]);
+    std::vector<char> cracked(d.node_values(1), 0);
+    for (int node : nodes_of_material_[m])
+      cracked[static_cast<std::size_t>(node)] =
+          phi->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
+    const int count = follow_cracks(d.mesh, d.scalar, cracked, phi_before_, cracks);
+    row.emplace_back("crack_" + p.id + "_count", count);
+    for (std::size_t i = 0; i < cracks.size(); ++i) {
+      const Crack& crack = cracks[i];
+      kept.committed[4 * i] = crack.there;
+      std::copy_n(crack.origin.begin(), 3, &kept.committed[4 * i + 1]);
+      const std::string id = "crack_" + p.id + (i > 0 ? "_" + std::to_string(i + 1) : "");
+      for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
+        row.emplace_back(id + "_origin_" + axis[k], crack.there ? crack.origin[k] : NAN);
+      for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
+        row.emplace_back(id + "_tip_" + axis[k], crack.there && !crack.joined ? crack.tip[k] : NAN);
+    }
+    kept.trial = kept.committed;
     row.emplace_back("crack_" + p.id + "_measure", ledger_.fracture_energy(m) / (p.Gc * d.thickness));
   }
+  phi_before_ = phi->committed;
 }
 
 void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const {
@@ -306,7 +264,7 @@ void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snaps
                            lanes +
                        probe.lane];
         MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-        row.emplace_back("probe_" + scenario_.probes[i].id + "_" + column(field, k, components), sum);
+        row.emplace_back("probe_" + scenario_.probes[i].id + "_" + component_name(field, k, components), sum);
       }
     }
 }
@@ -337,7 +295,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
                              : measure.of == Of::max ? high
                              : measure.of == Of::sum ? sums[0]
                                                      : sums[0] / std::max(sums[1], 1.0);
-        row.emplace_back("measure_" + measure.id + "_" + column(field, k, components), value);
+        row.emplace_back("measure_" + measure.id + "_" + component_name(field, k, components), value);
       }
     }
   }

@@ -4,6 +4,7 @@
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
+#include <impact/run/columns.hpp>
 #include <impact/run/progress.hpp>
 #include <vector>
 
@@ -126,9 +127,13 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   const bool simplex = d.mesh.has_shape(d.dim() == 2 ? Shape::tri3 : Shape::tet4) &&
                        !d.mesh.has_shape(d.dim() == 2 ? Shape::quad4 : Shape::hex8);
   const Extent extent = extent_of(d, cells, simplex ? (d.dim() == 2 ? 2 : 6) : 1);
-  const std::string damage = p.damage == Damage::at2   ? " with at2 damage"
-                             : p.damage == Damage::at1 ? " with at1 damage"
-                                                       : "";
+  const std::string damage =
+      p.damage == Damage::none
+          ? ""
+          : std::string(p.damage == Damage::at2 ? " with at2 damage" : " with at1 damage") +
+                (p.split == Split::spectral     ? ", spectral split"
+                 : p.split == Split::volumetric ? ", volumetric split"
+                                                : ", no split");
   check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", p.id.c_str(),
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"
@@ -136,8 +141,11 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                     damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, p.id).c_str(),
                     p.rho * extent.size, extent.narrowest, extent.widest));
   if (p.damage != Damage::none) {
-    check(PetscPrintf(comm, "material %s: gamma is %.3g to %.3g cells wide\n", p.id.c_str(),
-                      p.gamma / extent.widest, p.gamma / extent.narrowest));
+    // A crack is a row of broken cells and what stands beside it (Bourdin, Francfort, Marigo 2008, 8.1).
+    check(PetscPrintf(
+        comm, "material %s: gamma is %.3g to %.3g cells wide; a crack along the narrowest takes %.3g Gc\n",
+        p.id.c_str(), p.gamma / extent.widest, p.gamma / extent.narrowest,
+        1 + (p.damage == Damage::at1 ? 0.375 : 0.5) * extent.narrowest / p.gamma));
     // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
     if (p.gamma < 2 * (1 - 1e-6) * extent.narrowest)
       check(PetscPrintf(comm,
@@ -235,11 +243,7 @@ double Progress::wall() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-void Progress::header() const {
-  check(PetscPrintf(comm_, "%8s %12s %10s %3s %4s %6s %4s %3s %4s %8s %9s %10s %8s %8s\n", "step", "t", "dt",
-                    "try", "newt", "linear", "dam", "uz", "act", "max phi", "max alpha", "1st law", "wall",
-                    "left"));
-}
+void Progress::header() const { check(PetscPrintf(comm_, "%s\n", terminal_heads().c_str())); }
 
 void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledger, int active) {
 

@@ -1,4 +1,5 @@
 #include "scenario_tables.hpp"
+#include <impact/run/columns.hpp>
 
 /// The tables of the options whose names hold an id: -material_<id>_..., -bc_<id>_..., and so on.
 namespace impact {
@@ -15,15 +16,10 @@ void add_components(std::vector<OptionRow<Struct>>& rows, const std::string& ste
         unit_of));
 }
 
-std::vector<std::string> mesh_fields() {
-  return {"u", "v", "a", "phi", "theta", "stress", "von_mises", "alpha", "pressure", "fatigue"};
-}
-
 std::vector<std::string> all_fields() {
-  std::vector<std::string> fields = mesh_fields();
-  fields.insert(fields.end(),
-                {"contact_pressure", "contact_gap", "contact_status", "contact_traction", "contact_slip"});
-  return fields;
+  std::vector<std::string> names;
+  for (const FieldNote& field : field_notes()) names.emplace_back(field.name);
+  return names;
 }
 
 using Contact = ContactScenario;

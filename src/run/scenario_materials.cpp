@@ -227,11 +227,16 @@ std::vector<OptionRow<Material>> damage_rows() {
                          {"damage weakens the viscous stress too", "off"}),
       choice_row<Material, Split>(
           "split", law(&Law::split),
-          {"which energy drives damage: all but volumetric compression, or all (the paper's run), so that "
-           "shear drives it in compression too; spectral: only that of principal stretches above 1 and of "
-           "dilation",
-           "volumetric", "", "g_e2", "(49)"},
-          {{"volumetric", Split::volumetric}, {"none", Split::none}, {"spectral", Split::spectral}}),
+          {"which energy drives damage: spectral, only that of principal stretches above 1 and of dilation; "
+           "volumetric, all but volumetric compression, or none, all (the paper's run), so that shear drives "
+           "it "
+           "in compression too; auto: spectral where that is possible, in elastic bodies with 0 <= nu < 0.45 "
+           "without heat, plane stress or a cure of locking, else volumetric",
+           "auto", "", "g_e2", "(49)"},
+          {{"auto", Split::automatic},
+           {"volumetric", Split::volumetric},
+           {"none", Split::none},
+           {"spectral", Split::spectral}}),
       choice_row<Material, Degradation>(
           "ge", law(&Law::ge),
           {"degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c)", "quadratic", "", "g_e1",
@@ -408,6 +413,16 @@ bool keeps_volume(const MaterialParameters& law) {
   return law.model == Model::j2 || nu >= least_nu - rounding;
 }
 
+// The split that does not break what is pressed, where check_split lets it be.
+Split automatic_split(const MaterialInput& input, const Scenario& scenario) {
+  const MaterialParameters& law = input.scenario.law;
+  const bool cured = input.locking ? input.locking != Locking::none : keeps_volume(law);
+  const bool possible = law.damage != Damage::none && law.model == Model::elastic && !cured &&
+                        scenario.plane != PlaneMode::stress && !(scenario.solves("heat") && law.c_v != 0) &&
+                        3 * law.K >= 2 * law.G;
+  return possible ? Split::spectral : Split::volumetric;
+}
+
 Locking automatic_locking(const MaterialParameters& law, PlaneMode plane) {
   const bool curable = law.damage == Damage::none || law.split != Split::spectral;
   return plane != PlaneMode::stress && keeps_volume(law) && curable ? Locking::mean : Locking::none;
@@ -422,6 +437,7 @@ MaterialScenario resolve_material(const MaterialInput& given, const Scenario& sc
   if (deforms) check_damage(input.scenario.law);
   set_capacity(input);
   MaterialScenario& material = input.scenario;
+  if (material.law.split == Split::automatic) material.law.split = automatic_split(input, scenario);
   material.locking_automatic = !input.locking;
   material.law.locking = input.locking.value_or(automatic_locking(material.law, scenario.plane));
   return material;

@@ -1,4 +1,5 @@
 #include "scenario_tables.hpp"
+#include <impact/run/columns.hpp>
 
 /// The option tables as text: the echo of a run, `-help`, and the reference page.
 namespace impact {
@@ -161,7 +162,7 @@ std::string option_reference() {
               " |\n";
     }
   }
-  return page;
+  return page + "\n" + column_reference();
 }
 
 } // namespace impact

@@ -315,6 +315,9 @@ OptionGroup history_group() {
           number_row<Global>("crack_level", &Scenario::crack_level,
                              {"phi from which a node counts as cracked in the history", "0.9", "1"},
                              {0, 1, true, false}),
+          count_row<Global>(
+              "crack_tips", &Scenario::crack_tips,
+              {"cracks of each material whose origins and tips are in the history, by age", "1"}, 1, 99),
           flag_row<Global>(
               "history_materials", &Scenario::history_materials,
               {"energies of fracture and fatigue and all dissipations of each material in the history",

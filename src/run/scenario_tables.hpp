@@ -8,6 +8,7 @@ namespace impact {
 
 /// A material as the user describes it: its law and what is turned into it when everything has been read.
 struct MaterialInput {
+  MaterialInput() { scenario.law.split = Split::automatic; }
   static constexpr double absent = std::numeric_limits<double>::quiet_NaN();
   MaterialScenario scenario;
   double E = absent, nu = absent, K = absent, G = absent;

@@ -68,6 +68,9 @@ std::string grid(const XdmfFile& file, const XdmfFrame& frame) {
                      exact(frame.time) + "\"/>\n" + topology(mesh) +
                      "        <Geometry GeometryType=\"XYZ\">" +
                      item(mesh.file, "/geometry", std::to_string(mesh.nodes) + " 3", true) + "</Geometry>\n";
+  if (mesh.regions)
+    text += "        <Attribute Name=\"region\" AttributeType=\"Scalar\" Center=\"Cell\">" +
+            item(mesh.file, "/region", std::to_string(mesh.cells), false) + "</Attribute>\n";
   for (const XdmfField& field : frame.fields) text += attribute(file, frame, field);
   return text + "      </Grid>\n";
 }

@@ -22,7 +22,7 @@ CONTACT = {key: value for key, value in BOTH.items()
 CONTACT["output_vis_fields"] = "u,contact_pressure"
 FRACTURE = {
     "ts_type": "static", "units": "mm_t_s_MPa", "mesh_set_n": 6, "materials": "solid", "material_solid_E": 210e3,
-    "material_solid_nu": 0.2, "material_solid_damage": "at2", "material_solid_Gc": 2.7, "material_solid_gamma": 0.3,
+    "material_solid_nu": 0.2, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 2.7, "material_solid_gamma": 0.3,
     "bcs": "clamp,push", "bc_clamp_on": "left", "bc_clamp_type": "fix", "bc_push_on": "right", "bc_push_ux": "0.012*t",
     "ts_dt": 0.05, "ts_max_time": 1, "checkpoint_every": 5, "outputs": "vis", "output_vis_every": 3,
     "output_vis_fields": "u,phi",

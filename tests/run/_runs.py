@@ -9,6 +9,9 @@ import numpy
 
 PROGRAM = os.environ.get("IMPACT_PROGRAM", "impact")
 SOURCE = os.environ.get("IMPACT_SOURCE_DIR", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
+import histories  # noqa: E402
+
 # One rank without mpirun: no daemon of Open MPI beside each run (0.2 s). The scripts about signals and kills keep it, as
 # users have it. All such runs would share a folder of /tmp, and two that make it in the same moment fail: each script has its
 # own. Threads of OpenBLAS would add in an order of their own in each run.
@@ -33,12 +36,8 @@ class Run:
 
 
 def read_history(path):
-    """Columns of a history file: name -> array. Lines that begin with # are notes."""
-    with open(path) as file:
-        lines = [line for line in file if not line.startswith("#")]
-    names = lines[0].strip().split(",")
-    rows = numpy.array([[float(word) for word in line.split(",")] for line in lines[1:] if line.strip()], ndmin=2)
-    return {name: rows[:, i] for i, name in enumerate(names)} if rows.size else {name: rows for name in names}
+    """Columns of a history file: bare name -> array."""
+    return {name: numpy.array(values) for name, values in histories.read(path)[0].items()}
 
 
 def mesh(name):

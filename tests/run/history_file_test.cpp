@@ -88,11 +88,11 @@ TEST(HistoryFile, RestartGivesTheTextOfTheUninterruptedRun) {
 
 TEST(HistoryFile, StartsAnewWithoutAnOldFileAndWithoutResuming) {
   const std::string file = fresh_dir("history_new") + "/history.csv";
-  HistoryFile(PETSC_COMM_WORLD, file, 5, "title\nunits: SI").write(row(6));
-  EXPECT_EQ(lines_of(file).size(), 4U);
-  EXPECT_EQ(lines_of(file)[1], "# units: SI");
-  HistoryFile(PETSC_COMM_WORLD, file, 6).write(row(7));
-  EXPECT_EQ(lines_of(file).size(), 5U);
+  const auto unit = [](const std::string& column) { return column == "time" ? " [ms]" : ""; };
+  HistoryFile(PETSC_COMM_WORLD, file, 5, unit).write(row(6));
+  EXPECT_EQ(lines_of(file)[0], "step,time [ms],energy");
+  HistoryFile(PETSC_COMM_WORLD, file, 6).write(row(7)); // units are passed over
+  EXPECT_EQ(lines_of(file).size(), 3U);
   HistoryFile(PETSC_COMM_WORLD, file).write(row(0));
   EXPECT_EQ(lines_of(file).size(), 2U);
 }

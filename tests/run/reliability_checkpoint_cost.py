@@ -16,7 +16,7 @@ OPTIONS = {
     "ts_type": "newmark", "units": "SI", "mesh": mesh("block.geo"), "mesh_set_n": N, "materials": "solid",
     "material_solid_E": 72e9, "material_solid_nu": 0.33, "material_solid_rho": 2800, "material_solid_model": "j2",
     "material_solid_sigma_y": 3e8, "material_solid_hardening": "linear", "material_solid_linear_h": 1e9,
-    "material_solid_damage": "at2", "material_solid_Gc": 5e3, "material_solid_gamma": 0.02,
+    "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 5e3, "material_solid_gamma": 0.02,
     # Slow enough to stay elastic: few Newton iterations, so the cheapest steps that a write is held against.
     "bcs": "clamp,push", "bc_clamp_on": "left", "bc_clamp_type": "fix", "bc_push_on": "right", "bc_push_ux": "0.1*t",
     # Waves over many cells a step: implicit steps with a direct solver.

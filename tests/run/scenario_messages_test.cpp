@@ -115,7 +115,7 @@ const std::vector<Row>& rows() {
        "-material_beam_E: has no meaning with -material_beam_model rigid; allowed: region, rho; remove it"},
       {{{"-material_beam_split", "masonry"}},
        ExitCode::usage,
-       "-material_beam_split \"masonry\": not available; allowed: volumetric, none, spectral"},
+       "-material_beam_split \"masonry\": not available; allowed: auto, volumetric, none, spectral"},
       {{{"-material_beam_damage", "at3"}},
        ExitCode::usage,
        "-material_beam_damage \"at3\": not available; allowed: none, at2, at1; did you mean at2?"},

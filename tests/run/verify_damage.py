@@ -33,7 +33,7 @@ errors, energies = [], []
 for n in (50, 100, 200):
     run = runs.run(f"d1_{n}", {
         **BLOCK, "mesh_set_n": n, "mesh_set_ny": 1, "mesh_set_lx": B, "mesh_set_ly": 0.1, "material_solid_E": 210e3,
-        "material_solid_nu": 0.3, "material_solid_damage": "at2", "material_solid_Gc": GC,
+        "material_solid_nu": 0.3, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": GC,
         "material_solid_gamma": WIDTH, "bcs": "hold,crack", "bc_hold_on": "solid", "bc_hold_type": "fix",
         "bc_crack_on": "left", "bc_crack_type": "damage", "bc_crack_value": 1, "ts_dt": 1, "ts_max_time": 1,
         "outputs": "vis", "output_vis_fields": "phi"})
@@ -75,7 +75,7 @@ def root(f, low, high):
 # D2: one cell, rate-independent, motion and damage iterated: phi = 2 psi/(2 psi + Gc/l), P = (1 - phi)^2 P_0.
 def bar(name, E, nu, Gc, width, strain, steps):
     run = runs.run(name, {
-        **BLOCK, "mesh_set_n": 1, "material_solid_E": E, "material_solid_nu": nu, "material_solid_damage": "at2",
+        **BLOCK, "mesh_set_n": 1, "material_solid_E": E, "material_solid_nu": nu, "material_solid_damage": "at2", "material_solid_split": "volumetric",
         "material_solid_Gc": Gc, "material_solid_gamma": width, "material_solid_residual_stiffness": 0,
         "bcs": "x,y,pull", "bc_x_on": "left", "bc_x_ux": 0, "bc_y_on": "bottom", "bc_y_uy": 0, "bc_pull_on": "right",
         "bc_pull_ux": f"{strain}*t", "ts_dt": 1 / steps, "ts_max_time": 1, "coupling_snes_atol": 1e-12,
@@ -116,7 +116,7 @@ for psi, rest, time in ((1e6, 0.168050, 1.73670e-4), (5e6, 0.502482, 8.02872e-5)
     def relax(steps, *more):
         return runs.run(f"d3_{psi:.0e}_{steps}", {
             **BLOCK, "units": "SI", "mesh_set_n": 1, "material_solid_E": E, "material_solid_nu": NU,
-            "material_solid_damage": "at2", "material_solid_Gc": GC, "material_solid_gamma": WIDTH,
+            "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": GC, "material_solid_gamma": WIDTH,
             "material_solid_c": RATE, "material_solid_residual_stiffness": 0, "bcs": "hold", "bc_hold_on": "solid",
             "bc_hold_ux": f"{float(strain)!r}*x", "bc_hold_uy": 0, "ts_dt": time / steps, "ts_max_time": time,
             "damage_snes_rtol": 1e-12, "damage_ksp_rtol": 1e-12, **dict(more)})["phi_max"][-1]
@@ -133,7 +133,7 @@ for phi, gp in ((0.5, "one"), (0.5, "ge"), (0.95, "one"), (0.95, "ge"), (1, "one
     run = runs.run(f"e6_{phi}_{gp}", {
         **BLOCK, "mesh_set_n": 1, "material_solid_E": "72 GPa", "material_solid_nu": 0.33,
         "material_solid_model": "j2", "material_solid_sigma_y": SIGMA_Y, "material_solid_hardening": "none",
-        "material_solid_damage": "at2", "material_solid_Gc": 4.9506, "material_solid_gamma": 0.5,
+        "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 4.9506, "material_solid_gamma": 0.5,
         "material_solid_gp": gp, "bcs": "hold,broken", "bc_hold_on": "solid", "bc_hold_ux": f"{SHEAR}*t*y",
         "bc_hold_uy": 0, "bc_broken_on": "solid", "bc_broken_type": "damage", "bc_broken_value": phi, "ics": "broken",
         "ic_broken_on": "solid", "ic_broken_phi": phi, "ts_dt": 0.02, "ts_max_time": 1, "probes": "p",

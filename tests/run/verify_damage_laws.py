@@ -27,7 +27,7 @@ energies = []
 for n in (40, 80, 160):
     run = runs.run(f"at1_{n}", {
         **BLOCK, "mesh_set_n": n, "mesh_set_ny": 1, "mesh_set_lx": 0.5, "mesh_set_ly": 0.1, "material_solid_E": 210e3,
-        "material_solid_nu": 0.3, "material_solid_damage": "at1", "material_solid_Gc": GC,
+        "material_solid_nu": 0.3, "material_solid_damage": "at1", "material_solid_split": "volumetric", "material_solid_Gc": GC,
         "material_solid_gamma": WIDTH, "bcs": "hold,crack", "bc_hold_on": "solid", "bc_hold_type": "fix",
         "bc_crack_on": "left", "bc_crack_type": "damage", "bc_crack_value": 1, "ts_dt": 1, "ts_max_time": 1,
         "probes": "near,far", "probe_near_at": "0.1,0.05", "probe_near_fields": "phi", "probe_far_at": "0.25,0.05",
@@ -86,7 +86,7 @@ for damage, split in (("at1", "volumetric"), ("at1", "spectral"), ("at2", "spect
                    relative=False)
 strength = math.sqrt(3 * E * GC / (8 * L))
 small = runs.run("at1_strength", {
-    **BLOCK, "mesh_set_n": 1, "material_solid_E": E, "material_solid_nu": 0, "material_solid_damage": "at1",
+    **BLOCK, "mesh_set_n": 1, "material_solid_E": E, "material_solid_nu": 0, "material_solid_damage": "at1", "material_solid_split": "volumetric",
     "material_solid_Gc": GC / 1e4, "material_solid_gamma": L, "material_solid_residual_stiffness": 0, "bcs": "x,y,pull",
     "bc_x_on": "left", "bc_x_ux": 0, "bc_y_on": "bottom", "bc_y_uy": 0, "bc_pull_on": "right",
     "bc_pull_ux": f"{2 * strength / E / 100}*t", "ts_dt": 0.01, "ts_max_time": 1})
@@ -142,7 +142,7 @@ for name, threshold, alpha_c in (("ge", 0, 0), ("ge_threshold", 30, 0), ("ductil
         return runs.run(f"e1_{name}_{steps}", {
             **CELL, "material_solid_E": E, "material_solid_nu": NU, "material_solid_model": "j2",
             "material_solid_sigma_y": SIGMA_Y, "material_solid_voce_r": VOCE_R, "material_solid_voce_s": VOCE_S,
-            "material_solid_damage": "at2", "material_solid_gp": "ge", "material_solid_Gc": GC,
+            "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_gp": "ge", "material_solid_Gc": GC,
             "material_solid_gamma": L, "material_solid_residual_stiffness": 0,
             "bc_hold_ux": f"{END}*t*x", "bc_hold_uy": f"(1/(1+{END}*t)-1)*y", "ts_dt": 1 / steps, "ts_max_time": 1,
             "probes": "p", "probe_p_at": "0.5,0.5", "probe_p_fields": "stress", **laws}, takes_back=not alpha_c)

@@ -27,7 +27,7 @@ Physical Curve("ligament") = {2}; Physical Curve("top") = {4, 5};
 def tear(name, dt):
     run = runs.run(name, {
         "units": "mm_t_s_MPa", "mesh": "notched.geo", "materials": "plate", "material_plate_E": 210e3,
-        "material_plate_nu": 0.3, "material_plate_rho": 7.8e-9, "material_plate_damage": "at2",
+        "material_plate_nu": 0.3, "material_plate_rho": 7.8e-9, "material_plate_damage": "at2", "material_plate_split": "volumetric",
         "material_plate_Gc": 2.7, "material_plate_gamma": 0.1, "material_plate_c": 1e6, "bcs": "symmetry,pull",
         "bc_symmetry_on": "ligament", "bc_symmetry_uy": 0, "bc_pull_on": "top", "bc_pull_uy": "400*(t-4e-6*(1-exp(-t/4e-6)))",
         "bc_pull_ux": 0, "ts_dt": dt, "ts_max_time": 2e-5, "coupling_snes_max_it": 50, "coupling_snes_atol": 1e-4,

@@ -15,7 +15,7 @@ from _runs import check, check_between, finish, mesh, require, run
 WALLS = {
     "mesh": mesh("strip.geo"), "mesh_set_n": 8, "mesh_set_n_width": 1, "mesh_set_width": 0.125,
     "materials": "rubble", "material_rubble_region": "strip", "material_rubble_E": 1e9, "material_rubble_nu": 0,
-    "material_rubble_rho": 1000, "material_rubble_damage": "at2", "material_rubble_Gc": 1e-3, "material_rubble_gamma": 0.25,
+    "material_rubble_rho": 1000, "material_rubble_damage": "at2", "material_rubble_split": "volumetric", "material_rubble_Gc": 1e-3, "material_rubble_gamma": 0.25,
     "bcs": "ends,sides", "bc_ends_on": "left,right", "bc_ends_ux": 0, "bc_sides_on": "sides", "bc_sides_uy": 0,
     "ics": "throw", "ic_throw_on": "strip", "ic_throw_phi": 1, "ic_throw_vx": "10*sin(2*pi*x)+3*sin(3*pi*x)",
     "ts_max_time": 0.02, "ts_newmark_rho": 1, "coupling_snes_max_it": 50, "coupling_snes_atol": 1e-6, "motion_snes_rtol": 1e-13,

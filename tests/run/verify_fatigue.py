@@ -12,7 +12,7 @@ import _runs as runs
 E, NU, GC, WIDTH, RATE, REST = 1000.0, 0.3, 1.0, 1.0, 0.5, 1e-6
 K, G = E / 3 / (1 - 2 * NU), E / 2 / (1 + NU)
 SOLID = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "materials": "solid",
-         "material_solid_E": E, "material_solid_nu": NU, "material_solid_damage": "at2", "material_solid_Gc": GC,
+         "material_solid_E": E, "material_solid_nu": NU, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": GC,
          "material_solid_gamma": WIDTH, "material_solid_residual_stiffness": REST, "material_solid_fatigue_a": RATE,
          "ts_period": 1, "damage_snes_rtol": 1e-13, "damage_ksp_rtol": 1e-13}
 # A few steps for each cycle: the recurrence is that of the steps, the first law is not.

@@ -41,7 +41,7 @@ BAR = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"
 run = runs.run("load", {**BAR, "bc_load_type": "traction", "bc_load_ux": 100})
 runs.check("a load from the start on: its work is what the body stores", run["work_external"][-1] / run["energy_elastic"][-1], 1, 1e-3)
 runs.check("a load from the start on: first law", abs(run["balance_first_law"]).max(), 0, 1e-3, relative=False)
-CRACK = {**BAR, "material_solid_damage": "at2", "material_solid_Gc": 2.7, "material_solid_gamma": 0.1, "bc_load_type": "damage"}
+CRACK = {**BAR, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 2.7, "material_solid_gamma": 0.1, "bc_load_type": "damage"}
 for name, more, work in (("seeded", {"bc_load_value": 1}, None), ("driven", {"bc_load_value": "t"}, 1),
                          ("driven with a rate", {"bc_load_value": "t", "material_solid_c": 1, "ts_dt": 0.01}, 1)):
     run = runs.run(name.replace(" ", "_"), {**CRACK, **more})

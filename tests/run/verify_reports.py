@@ -24,8 +24,8 @@ FILE, DRY = ["-options_file", "blocks.opts"], ["-dry_run"]
 # claim, words of the command, exit status, what is printed, what is not
 ROWS = [
     ("groups", FILE + DRY, 0, ["lower 4 (", "upper_bottom 2 ("], []),
-    ("materials as typed", FILE + DRY, 0, ["material lower: elastic with at2 damage, E 2 MPa (2e+06), nu 0.3, rho 1000, Gc 50, gamma 1, mass 1000; cells 0.5 to 0.5",
-     "material upper: elastic with at2 damage, K 1000000.0, G 100000.0, rho 1000, Gc 50", "-material_lower_E \"2 MPa\"\n-material_lower_nu 0.3\n", "-material_upper_K 1000000.0\n"],
+    ("materials as typed", FILE + DRY, 0, ["material lower: elastic with at2 damage, spectral split, E 2 MPa (2e+06), nu 0.3, rho 1000, Gc 50, gamma 1, mass 1000; cells 0.5 to 0.5",
+     "material upper: elastic with at2 damage, volumetric split, K 1000000.0, G 100000.0, rho 1000, Gc 50", "-material_lower_E \"2 MPa\"\n-material_lower_nu 0.3\n", "-material_upper_K 1000000.0\n"],
      ["-material_lower_K"]),
     ("gamma over the cells", FILE + DRY, 0, ["material lower: gamma is 2 to 2 cells wide"], []),
     ("waves", FILE + DRY, 0, ["material lower: h/c_p from 0.00964", "c_p 51.88"], []),

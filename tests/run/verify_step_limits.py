@@ -63,7 +63,7 @@ runs.require("the default is that of phi", numpy.array_equal(default["coupling_e
 TIME = 8e-5
 CRACK = {"ts_type": "static", "mesh": runs.mesh("block.geo"), "mesh_set_lx": 2e-3, "mesh_set_ly": 5e-4, "mesh_set_n": 4,
          "mesh_set_ny": 1, "materials": "solid", "material_solid_E": 72e9, "material_solid_nu": 0.33,
-         "material_solid_damage": "at2", "material_solid_Gc": 4950.6, "material_solid_gamma": 5e-4,
+         "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 4950.6, "material_solid_gamma": 5e-4,
          "material_solid_c": 1e-3, "bcs": "x,y,pull", "bc_x_on": "left", "bc_x_ux": 0, "bc_y_on": "bottom", "bc_y_uy": 0,
          "bc_pull_on": "right", "bc_pull_ux": f"{0.012 * 2e-3}*t/{TIME}", "ts_max_time": TIME, "coupling_snes_max_it": 1,
          "coupling_error": 1, "motion_snes_rtol": 1e-12}

@@ -9,7 +9,7 @@ import numpy
 import _runs as runs
 
 BAR = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_n": 3,
-       "materials": "solid", "material_solid_E": 210e3, "material_solid_nu": 0.3, "material_solid_damage": "at2",
+       "materials": "solid", "material_solid_E": 210e3, "material_solid_nu": 0.3, "material_solid_damage": "at2", "material_solid_split": "volumetric",
        "material_solid_Gc": 2.7, "material_solid_gamma": 0.015, "bcs": "x,y,pull", "bc_x_on": "left", "bc_x_ux": 0,
        "bc_y_on": "bottom", "bc_y_uy": 0, "bc_pull_on": "right", "bc_pull_ux": "0.04*t", "ts_dt": 0.04,
        "ts_max_time": 1.6, "checkpoint_every": 16, "checkpoint_keep": 9}

@@ -10,7 +10,7 @@ import _runs as runs
 
 E, NU, GC, WIDTH, TIME = 72e9, 0.33, 4950.6, 0.5e-3, 8e-5
 BASE = {"ts_type": "static", "units": "SI", "mesh": runs.mesh("block.geo"), "materials": "solid", "material_solid_E": E,
-        "material_solid_nu": NU, "material_solid_damage": "at2", "material_solid_Gc": GC,
+        "material_solid_nu": NU, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": GC,
         "material_solid_gamma": WIDTH, "mesh_set_lx": 4 * WIDTH, "mesh_set_ly": WIDTH, "mesh_set_n": 8, "mesh_set_ny": 2,
         "motion_snes_rtol": 1e-12, "damage_snes_rtol": 1e-13, "damage_ksp_rtol": 1e-13, "coupling_snes_max_it": 1,
         "ts_max_time": TIME}
@@ -111,7 +111,7 @@ same_heat("stretched, energy form", {**STRETCHED, "heat_form": "energy"}, 1, 8, 
 PLATE = {**HOT, "ts_type": "newmark", "mesh_set_lx": 1, "mesh_set_ly": 0.5, "mesh_set_ny": 4, "material_solid_rho": 2.81e-9,
          "material_solid_model": "j2", "material_solid_sigma_y": 368, "material_solid_voce_r": 78, "material_solid_voce_s": 32,
          "material_solid_softening": "linear", "material_solid_softening_w": 1e-3, "material_solid_alpha_t": 2.3e-5,
-         "material_solid_b_d": 1e-6, "material_solid_damage": "at2", "material_solid_Gc": 5, "material_solid_gamma": 0.25,
+         "material_solid_b_d": 1e-6, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 5, "material_solid_gamma": 0.25,
          "material_solid_c": 5e3, "bcs": "hold,pull", "bc_hold_on": "left", "bc_hold_type": "fix", "bc_pull_on": "right",
          "bc_pull_ux": "2500*t*t/(t+5e-6)", "bc_pull_uy": 0, "ics": "hot", "ic_hot_on": "bottom", "ic_hot_theta": 320, "heat_form": "energy",
          "ts_dt": 3e-6, "heat_ts_dt": 0.7e-6, "ts_max_time": 6e-5, "motion_snes_rtol": 1e-11, "damage_snes_rtol": 1e-12, "probe_p_at": "0.5,0.2",

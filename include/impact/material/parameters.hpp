@@ -8,8 +8,13 @@
 namespace impact {
 
 enum class Model { elastic, j2, rigid };
-enum class Damage { none, at2, at1 };                 ///< local part of the crack energy (56), see crack.hpp
-enum class Split { volumetric, none, spectral };      ///< what of the elastic energy is E+ (49)
+enum class Damage { none, at2, at1 }; ///< local part of the crack energy (56), see crack.hpp
+enum class Split {
+  volumetric,
+  none,
+  spectral,
+  automatic
+}; ///< what of the elastic energy is E+ (49); automatic: of options, no law has it
 enum class Degradation { quadratic, cubic, ductile }; ///< g_e1(phi), ductile: g_e1(phi, alpha)
 enum class PlasticDegradation { one, ge };            ///< g_p = 1 (the paper's run) or g_p = g_e1
 enum class DamageGradient { spatial, material };      ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1

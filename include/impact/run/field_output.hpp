@@ -12,9 +12,10 @@
 /// to the disk, and then renamed, the .xdmf last: a run can be looked at while it goes on, and a kill or a
 /// full disk costs at most the time that is being written. Vectors of plane problems get a third component 0.
 ///
-/// mesh_<m>.h5: /geometry [node][3], /topology, /checksum; nodes in the mesh's global numbering, which
-/// another number of ranks changes. <k>.h5, in six digits: /node/<name> and /cell/<name> [entity][component],
-/// /mesh (the checksum of the mesh they belong to), /time.
+/// mesh_<m>.h5: /geometry [node][3], /topology, /region [cell], /regions, /checksum; nodes in the mesh's
+/// global numbering, which another number of ranks changes. <k>.h5, in six digits: /node/<name> and
+/// /cell/<name> [entity][component], /mesh (the checksum of the mesh they belong to), /time.
+/// options/README.md describes them for readers.
 namespace impact {
 
 struct NodeField {
@@ -34,6 +35,8 @@ struct FieldFile {
   std::string title, units; ///< kept in the .xdmf
   /// Continue existing files after this time: later times are dropped. Empty: start anew, removing old files.
   std::optional<double> resume_after = std::nullopt;
+  std::vector<std::int64_t> region = {}; ///< number of each cell's region, in the order of CellField; or none
+  std::string regions = {};              ///< their names, a line of number, region, material each
 };
 
 class FieldOutput {

@@ -1,13 +1,14 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <petscsys.h>
 #include <string>
 #include <utility>
 #include <vector>
 
-/// The history of a run as comma-separated text: one line of column names, then one row per accepted step,
-/// the first column `step`. 17 significant digits (every double reads back exactly), `nan` for what is
-/// missing, never an empty cell. Each row is handed to the system at once.
+/// The history of a run as comma-separated text: one line of column names and units (`time [s]`), then one
+/// row per accepted step, the first column `step`. 17 significant digits (every double reads back exactly),
+/// `nan` for what is missing, never an empty cell. Each row is handed to the system at once.
 namespace impact {
 
 class HistoryFile {
@@ -15,12 +16,12 @@ public:
   using Row = std::vector<std::pair<std::string, double>>; ///< column names and values
 
   /// Starts the file, or with `resume_after` continues it: rows of later steps and a half-written last one
-  /// are dropped. Lines of `note` (title, units) go before the names, each with `# ` in front; usually empty.
-  /// Missing directories are made. Collective. Throws UserError(io) on all ranks.
+  /// are dropped, units in its first line are passed over. `unit` gives what stands behind a name, " [s]" or
+  /// "". Missing directories are made. Collective. Throws UserError(io) on all ranks.
   HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after = std::nullopt,
-              const std::string& note = {});
-  HistoryFile(HistoryFile&& other) noexcept;
-  HistoryFile& operator=(HistoryFile&& other) noexcept;
+              std::function<std::string(const std::string&)> unit = {});
+  HistoryFile(const HistoryFile&) = delete;
+  HistoryFile& operator=(const HistoryFile&) = delete;
   ~HistoryFile();
 
   /// Appends one row; rank 0's values are written. The first row of a file fixes the columns and must begin
@@ -36,7 +37,6 @@ public:
   long last_step() const { return last_step_; }
 
 private:
-  void start(const std::string& note);
   void resume(long last_step);
   void append(const std::string& text);
   std::string header(const Row& row) const;
@@ -44,6 +44,7 @@ private:
 
   MPI_Comm comm_;
   std::string file_;
+  std::function<std::string(const std::string&)> unit_;
   int descriptor_ = -1;
   long long length_ = 0; // bytes up to the end of the last whole row
   bool resumed_ = false;

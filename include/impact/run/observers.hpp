@@ -26,6 +26,8 @@ public:
   /// Names that this run can give. A field is nodal when is_nodal(name).
   std::vector<std::string> names() const;
   static bool is_nodal(const std::string& name);
+  /// Throws UserError(usage) for a field that an option asks for and the run cannot give.
+  void require(const std::string& key, const std::string& name, bool nodal_only = false) const;
   /// [local node][components] for nodal names. Collective.
   std::vector<double> nodal(const std::string& name, const Snapshot& snapshot, int& components) const;
   /// [group][batch][component][lane] for cell names. Collective.
@@ -88,7 +90,6 @@ private:
   void append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void locate_probes();
-  void check_fields() const;
 
   struct Located {
     int nodes[8];
@@ -105,6 +106,8 @@ private:
   std::optional<HistoryFile> file_;
   int cycles_ = 0; ///< of -ts_period between rows; 0: a row for each step
   std::vector<Located> probes_;
+  std::vector<double> phi_before_;                  ///< [local node] of the row before
+  std::vector<std::vector<int>> nodes_of_material_; ///< local; empty without damage
 };
 
 } // namespace impact

@@ -143,6 +143,7 @@ struct Scenario {
   double energy_stop = 0.2; ///< ends the run; 0: never
   enum class EnergyAction { warn, cut, stop } energy_action = EnergyAction::warn;
   double crack_level = 0.9;
+  int crack_tips = 1;             ///< cracks of a material whose origins and tips are columns
   bool history_materials = false; ///< energies and dissipations of each material as columns
 
   bool solves(const std::string& name) const;

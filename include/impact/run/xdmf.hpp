@@ -12,6 +12,7 @@ struct XdmfMesh {
   std::string cell_type; ///< Triangle, Quadrilateral, Tetrahedron, Hexahedron or Mixed
   std::uint64_t nodes, cells;
   std::uint64_t topology_length; ///< integers in the topology
+  bool regions = false;          ///< holds /region [cells]
 };
 
 struct XdmfField {

@@ -1,0 +1,142 @@
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <impact/run/crack_tips.hpp>
+
+namespace impact {
+
+namespace {
+
+using Place = std::array<double, 3>;
+
+double distance2(const Place& a, const Place& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
+  return sum;
+}
+
+class Search {
+public:
+  Search(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked)
+      : mesh_(mesh), bodies_(find_bodies(mesh, layout, cracked)) {}
+
+  int count() const { return bodies_.count; }
+  int body(int node) const { return bodies_.of_node[static_cast<std::size_t>(node)]; }
+
+  Place place(int node) const {
+    Place at{};
+    const int dim = mesh_.dim();
+    for (int k = 0; k < dim; ++k)
+      at[static_cast<std::size_t>(k)] = mesh_.coordinates()[static_cast<std::size_t>(node * dim + k)];
+    return at;
+  }
+
+  // The place of the largest value among the nodes of a body (-1: of any) that have one; of equal values that
+  // with the smallest coordinates, so that no partition shows. `body` becomes the node's. Collective.
+  Place largest(int& body, const std::function<double(int)>& value) const {
+    std::array<double, 5> best{-HUGE_VAL, 0, 0, 0, -1};
+    for (int i = 0; i < mesh_.node_count(); ++i) {
+      if (this->body(i) < 0 || (body >= 0 && this->body(i) != body)) continue;
+      const Place at = place(i);
+      best = std::max(best, {value(i), -at[0], -at[1], -at[2], static_cast<double>(this->body(i))});
+    }
+    int ranks = 1;
+    MPI_Comm_size(mesh_.comm(), &ranks);
+    std::vector<std::array<double, 5>> all(static_cast<std::size_t>(ranks));
+    MPI_Allgather(best.data(), 5, MPI_DOUBLE, all.data(), 5, MPI_DOUBLE, mesh_.comm());
+    best = *std::max_element(all.begin(), all.end());
+    body = static_cast<int>(best[4]);
+    return {-best[1], -best[2], -best[3]};
+  }
+
+  Place farthest(int body, const Place& from) const {
+    return largest(body, [&](int i) { return distance2(place(i), from); });
+  }
+
+  Place origin(int body, const std::vector<double>& before) const {
+    const auto phi = [&](int i) { return before[static_cast<std::size_t>(i)]; };
+    double most = 0;
+    for (int i = 0; i < mesh_.node_count(); ++i)
+      if (this->body(i) == body) most = std::max(most, phi(i));
+    MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, mesh_.comm());
+    const auto end = [&](const Place& other) {
+      return largest(body,
+                     [&](int i) { return phi(i) < most - 0.01 ? -HUGE_VAL : distance2(place(i), other); });
+    };
+    const Place a = end(largest(body, phi)), b = end(a);
+    const auto [depth_a, depth_b] = depths(a, b);
+    if (std::abs(depth_a - depth_b) > 1e-3 * mesh_.smallest_edge()) return depth_a < depth_b ? a : b;
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+      if (std::abs(a[k] - b[k]) > std::abs(a[axis] - b[axis])) axis = k;
+    return a[axis] <= b[axis] ? a : b;
+  }
+
+  // How far two places lie inside the box around the mesh. Collective.
+  std::array<double, 2> depths(const Place& a, const Place& b) const {
+    const auto dim = static_cast<std::size_t>(mesh_.dim());
+    std::array<double, 6> box; // -least, largest
+    box.fill(-HUGE_VAL);
+    for (int i = 0; i < mesh_.node_count(); ++i) {
+      const Place at = place(i);
+      for (std::size_t k = 0; k < 3; ++k) {
+        box[k] = std::max(box[k], -at[k]);
+        box[3 + k] = std::max(box[3 + k], at[k]);
+      }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, box.data(), 6, MPI_DOUBLE, MPI_MAX, mesh_.comm());
+    std::array<double, 2> depth{HUGE_VAL, HUGE_VAL};
+    for (std::size_t k = 0; k < dim; ++k) {
+      depth[0] = std::min({depth[0], a[k] + box[k], box[3 + k] - a[k]});
+      depth[1] = std::min({depth[1], b[k] + box[k], box[3 + k] - b[k]});
+    }
+    return depth;
+  }
+
+  // Numbers of nodes of the bodies.
+  std::vector<int> sizes() const {
+    std::vector<int> sizes(static_cast<std::size_t>(count()), 0);
+    for (int i = 0; i < mesh_.node_count(); ++i)
+      if (mesh_.owned(i) && body(i) >= 0) ++sizes[static_cast<std::size_t>(body(i))];
+    MPI_Allreduce(MPI_IN_PLACE, sizes.data(), count(), MPI_INT, MPI_SUM, mesh_.comm());
+    return sizes;
+  }
+
+private:
+  const Mesh& mesh_;
+  Bodies bodies_;
+};
+
+} // namespace
+
+int follow_cracks(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked,
+                  const std::vector<double>& before, std::vector<Crack>& known) {
+  int any = std::any_of(cracked.begin(), cracked.end(), [](char flag) { return flag != 0; }) ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, mesh.comm());
+  for (Crack& crack : known) crack.joined = crack.there;
+  if (any == 0) return 0;
+  const Search search(mesh, layout, cracked);
+  std::vector<int> sizes = search.sizes(); // of the bodies that are nobody's yet, else 0
+  for (Crack& crack : known) {
+    if (!crack.there) {
+      // The first of the largest ones has the smallest coordinates.
+      const int most = *std::max_element(sizes.begin(), sizes.end());
+      if (most == 0) continue;
+      int next = -1;
+      search.largest(next, [&](int i) {
+        return sizes[static_cast<std::size_t>(search.body(i))] == most ? 0 : -HUGE_VAL;
+      });
+      crack.there = true;
+      crack.origin = search.origin(next, before);
+    }
+    int body = -1;
+    search.largest(body, [&](int i) { return -distance2(search.place(i), crack.origin); });
+    int& size = sizes[static_cast<std::size_t>(body)];
+    crack.joined = size == 0;
+    size = 0;
+    if (!crack.joined) crack.tip = search.farthest(body, crack.origin);
+  }
+  return search.count();
+}
+
+} // namespace impact

@@ -1,0 +1,53 @@
+# labels: run
+# timeout: 400
+"""options/cracks.md: its commands run as they stand (those of the impact are cut short), and what it says of the splits holds."""
+import os
+import re
+import shlex
+import subprocess
+
+import numpy
+import _runs as runs
+
+for name in ("options", "meshes", "tools"):
+    os.symlink(os.path.join(runs.SOURCE, name), name)
+os.makedirs("build/release")
+os.symlink(os.environ["IMPACT_PROGRAM"], "build/release/impact")
+with open("options/cracks.md") as file:
+    page = file.read()
+count = 0
+for block in re.findall(r"^```sh\n(.*?)^```", page, re.S | re.M):
+    for command in block.splitlines():
+        words = shlex.split(command)
+        if any("kalthoff" in word for word in words):
+            words += ["-ts_max_time", "2 us"]
+        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=runs.ENVIRONMENT)
+        if done.returncode:
+            print(done.stdout[-2000:])
+        count += 1
+        runs.require(f"exit status {done.returncode}: {command}", done.returncode == 0)
+        folder = words[words.index("-output_dir") + 1] if "-output_dir" in words else ""
+        if folder:
+            split = folder.split("_")[1]
+            runs.require(f"{folder}: the log names the split", f", {split} split, " in done.stdout)
+runs.require(f"commands: {count}", count == 8)
+for picture in re.findall(r"\]\((\w+\.png)\)", page):
+    runs.require(f"picture {picture}", os.path.exists("options/" + picture))
+
+
+def history(name):
+    return runs.read_history(name + "/history.csv")
+
+
+shear = {split: history("shear_" + split) for split in ("spectral", "volumetric")}
+runs.check("sheared, spectral: largest load", shear["spectral"]["reaction_push_x"].max(), 528, 0.01)
+runs.check("sheared, volumetric", shear["volumetric"]["reaction_push_x"].max(), 364, 0.01)
+runs.check("spectral: the crack leaves through the lower corner", shear["spectral"]["crack_plate_tip_y"][-1], 0, 0.05, relative=False)
+runs.check("volumetric: straight on", shear["volumetric"]["crack_plate_tip_y"][-1], 0.47, 0.05, relative=False)
+press = {split: history("press_" + split) for split in ("spectral", "volumetric")}
+load = -press["spectral"]["reaction_press_y"]
+runs.check("pressed, spectral: the load at 2 %", load[-1], 4533, 0.01)
+runs.require("it has risen in every step", (numpy.diff(load) > 0).all())
+runs.check("pressed, volumetric: largest load", -press["volumetric"]["reaction_press_y"].min(), 1198, 0.01)
+runs.require("it has fallen before 0.86 %", -press["volumetric"]["reaction_press_y"][-1] < 1150)
+runs.finish()
