@@ -57,7 +57,7 @@ def main():
         if old[0] != new[0]:
             found.insert(0, (f"exit status {old[0]} -> {new[0]}", float("inf")))
         changed += bool(found)
-        print(f"{name}: {len(new[1].get("time", []))} rows, " + ("the same" if not found else "; ".join(f"{c} {d:.1e}" for c, d in found)), flush=True)
+        print(f"{name}: {len(new[1].get('time', ()))} rows, " + ("the same" if not found else "; ".join(f"{c} {d:.1e}" for c, d in found)), flush=True)
     sys.exit(1 if changed else 0)
 
 

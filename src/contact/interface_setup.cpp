@@ -58,6 +58,15 @@ void check_settings(ContactSettings& settings, int dim, bool adjoin) {
   if (settings.method == ContactMethod::automatic)
     settings.method = adjoin ? ContactMethod::gauss_points : ContactMethod::mortar;
   const bool mortar = settings.method == ContactMethod::mortar;
+  if (mortar && settings.points > 0)
+    throw usage(settings, "points",
+                "Gauss points are for the method gpts, here it is mortar; take -contact_" + settings.id +
+                    "_method gpts, or remove it");
+  if (!mortar && settings.multipliers != MultiplierSpace::automatic)
+    throw usage(settings, "multipliers",
+                "shape functions are for the method mortar, here it is gpts; take -contact_" + settings.id +
+                    "_method mortar, or remove it");
+  if (settings.points == 0) settings.points = 2;
   if (settings.multipliers == MultiplierSpace::automatic)
     settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
   if (settings.impact == ImpactUpdate::conserving) {

@@ -28,9 +28,7 @@ bool starts_with_any(const std::string& name, std::initializer_list<const char*>
 }
 
 /// PETSc's options that choose the scheme; its others choose solvers.
-bool chooses_scheme(const std::string& name) {
-  return starts_with_any(name, {"ts_newmark_", "ts_alpha_", "damage_ts_"});
-}
+bool chooses_scheme(const std::string& name) { return starts_with_any(name, {"ts_newmark_", "damage_ts_"}); }
 
 using Values = std::map<std::string, std::string>;
 

@@ -240,33 +240,6 @@ void check_impact_updates(const Scenario& scenario) {
          " conserves energy with; allowed beside conserving: conserving, none");
 }
 
-void check_alpha2(const Scenario& s) {
-  if (s.time.type != "alpha2") return;
-  std::vector<std::pair<std::string, bool>> asked = {{"contacts", !s.contacts.empty()},
-                                                     {"stops", !s.stops.empty()},
-                                                     {"plane", s.plane == PlaneMode::stress},
-                                                     {"restart", s.checkpoint.restart != "none"},
-                                                     {"checkpoint_every", s.checkpoint.every > 0},
-                                                     {"checkpoint_wall", s.checkpoint.wall > 0},
-                                                     {"walltime", s.checkpoint.walltime > 0}};
-  for (const MaterialScenario& material : s.materials) {
-    const MaterialParameters& law = material.law;
-    for (const auto& [name, is] : {std::pair("model", law.model != Model::elastic),
-                                   {"damage", law.damage != Damage::none},
-                                   {"c_v", law.c_v != 0 && s.has_heat()},
-                                   {"b_d", law.b_d != 0}})
-      asked.emplace_back("material_" + law.id + "_" + name, is);
-  }
-  for (const OutputScenario& output : s.outputs)
-    asked.emplace_back("output_" + output.id + "_type", output.type != OutputScenario::Type::csv);
-  for (const auto& [name, is] : asked)
-    if (const auto text = option_text(name); is)
-      fail("-" + name + (text ? " \"" + *text + "\"" : "") +
-           ": not available; allowed with -ts_type alpha2: elastic bodies without plane stress, damage, "
-           "heat, contact and viscosity, "
-           "type csv of outputs, no checkpoints; remove it, or choose -ts_type newmark");
-}
-
 void check_split(const Scenario& scenario, const MaterialScenario& material) {
   const MaterialParameters& law = material.law;
   const std::string prefix = "-material_" + law.id + "_";
@@ -487,8 +460,7 @@ void complete(Scenario& scenario) {
   scenario.coupling.length_unit = scenario.units.length == -3 ? "mm" : "m";
   const auto& steps = scenario.time.table_dts;
   scenario.coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
-  if (scenario.checkpoint.wall < 0)
-    scenario.checkpoint.wall = scenario.time.type == "alpha2" ? 0 : CheckpointScenario().wall;
+  if (scenario.checkpoint.wall < 0) scenario.checkpoint.wall = CheckpointScenario().wall;
   if (scenario.checkpoint.dir.empty()) scenario.checkpoint.dir = default_checkpoint_dir(scenario);
   for (OutputScenario& output : scenario.outputs) complete_output(output, scenario);
   for (ProbeScenario& probe : scenario.probes)
@@ -515,7 +487,6 @@ void check_scenario(const Scenario& scenario) {
   }
   check_impact_updates(scenario);
   check_damage(scenario);
-  check_alpha2(scenario);
   check_checkpoints(scenario);
   check_matrix(scenario);
   check_fatigue(scenario);

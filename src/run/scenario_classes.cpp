@@ -144,11 +144,13 @@ std::vector<OptionRow<Contact>> enforcement_rows() {
                           {"penetration at which augmentations end; auto: 1e-3 of the secondary facet",
                            "auto", "m", "", "(77)-(79)"},
                           positive, automatic()),
-      number_row<Contact>("pressure_tol", &Contact::pressure_tol,
-                          {"change of the multipliers against the largest at which they end, or of a node's "
-                           "force where that stagnates at rest",
-                           "1e-2", "1"},
-                          positive),
+      number_row<Contact>(
+          "pressure_tol", &Contact::pressure_tol,
+          {"augmentations end where they change no multiplier by more than this part of the largest; in "
+           "statics, where single points go on sharing a force otherwise, no force on a node by "
+           "this part of the largest",
+           "1e-2", "1"},
+          positive),
   };
 }
 
@@ -158,8 +160,9 @@ std::vector<OptionRow<Contact>> detection_rows() {
                          1, 5),
       number_row<Contact>(
           "search_radius", &Contact::search_radius,
-          {"distance of candidate pairs; auto: by the facets' own sizes and the motion of a step, 0.8 of the "
-           "smallest facet deep",
+          {"facets are looked at as pairs up to this distance; auto: what can meet in a step, by the sizes "
+           "of "
+           "the facets and how far they move; overlaps are seen up to 0.8 of the smallest facet deep",
            "auto", "m"},
           positive, automatic()),
       choice_row<Contact, InitialOverlap>("initial", &Contact::initial,
@@ -276,7 +279,10 @@ OptionClass<BoundaryCondition> boundary_class() {
   const auto unit_of = [](const Bc& bc) { return condition_unit(bc.type); };
   add_components<Bc>(
       rows, "u", [](auto& bc) -> auto& { return bc.component; },
-      "component of what the type names; left out: free, or no load", unit_of, "by type");
+      "component of what the type prescribes, of a displacement, velocity, force, traction, ..; left out: "
+      "free, "
+      "or no load",
+      unit_of, "by type");
   add_components<Bc>(
       rows, "r", [](auto& bc) -> auto& { return bc.rotation; },
       "rotation of rigid bodies about their centre of mass, or with type velocity its rate; about fixed "

@@ -38,8 +38,8 @@ const char* const of_passes[] = {"snes_type",    "snes_max_it",           "snes_
                                  "snes_monitor", "snes_converged_reason", "snes_view"};
 /// What the integrator reads beside our own options; PETSc's others are for integrators with an error
 /// estimate.
-const char* const of_time[] = {"ts_adapt_monitor", "ts_adapt_view", "ts_monitor",
-                               "ts_view",          "ts_alpha_",     "ts_max_snes_failures"};
+const char* const of_time[] = {"ts_adapt_monitor", "ts_adapt_view", "ts_monitor", "ts_view",
+                               "ts_max_snes_failures"};
 
 struct Legal {
   std::map<std::string, std::string> names; ///< lower case to the way we write it

@@ -105,8 +105,9 @@ OptionGroup coupling_group() {
       {
           count_row<Global>(
               "coupling_snes_max_it", [](auto& s) -> auto& { return s.coupling.max_it; },
-              {"largest number of passes in a step", "1; with -ts_type static and damage or thermal "
-                                                     "expansion 200 in a row in which phi does not grow"},
+              {"largest number of passes in a step",
+               "1; with -ts_type static and damage or thermal "
+               "expansion 200, not counting passes in which a crack grows"},
               1),
           number_row<Global>(
               "coupling_snes_atol", [](auto& s) -> auto& { return s.coupling.atol; },
@@ -188,8 +189,9 @@ OptionGroup heat_group() {
           {
               choice_row<Global, HeatForm>(
                   "heat_form", [](auto& s) -> auto& { return s.heat.form; },
-                  {"balance of entropy, which adds no entropy but what dissipation makes, or of internal "
-                   "energy, which is the first law to rounding with the work that the motion did",
+                  {"which balance is solved: that of entropy never loses any (second law), that of internal "
+                   "energy "
+                   "closes the first law to rounding; they differ by the error of the time step",
                    "entropy", "", "", "(45')"},
                   {{"entropy", HeatForm::entropy}, {"energy", HeatForm::energy}}),
               number_row<Global>(
@@ -229,9 +231,8 @@ OptionGroup time_group() {
       {
           choice_row<Global, std::string>(
               "ts_type", [](auto& s) -> auto& { return s.time.type; },
-              {"Newmark's method, no inertia (t is the load factor), or PETSc's alpha2 (elastic bodies only)",
-               "newmark", "", "", "(97)-(98)"},
-              {{"newmark", "newmark"}, {"static", "static"}, {"alpha2", "alpha2"}}),
+              {"Newmark's method, or no inertia (t is the load factor)", "newmark", "", "", "(97)-(98)"},
+              {{"newmark", "newmark"}, {"static", "static"}}),
           number_row<Global>("ts_dt", [](auto& s) -> auto& { return s.time.dt; },
                              {"time step; after a cut it grows back up to this", "required without -ts_times",
                               "s", "Delta t"},
@@ -251,8 +252,9 @@ OptionGroup time_group() {
               not_negative),
           number_row<Global>(
               "ts_adapt_closing", [](auto& s) -> auto& { return s.coupling.max_closing; },
-              {"with inertia: depth, in mean secondary facets, to which a contact may close in the motion "
-               "that a step is expected to make; a step that goes deeper is cut; 0: no limit",
+              {"with inertia: a step in which the bodies, at their present speeds, would go deeper into each "
+               "other "
+               "than this many mean secondary facets is cut before it is solved; 0: no limit",
                "1", "1"},
               not_negative),
           number_row<Global>(

@@ -6,7 +6,6 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/run/alpha2.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
@@ -662,16 +661,9 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   const SolverDefaults solver =
       choose_solver(setup->discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup->discretisation);
-  const bool alpha2 = s.time.type == "alpha2";
-  if (alpha2 && !s.dry_run) {
-    starts.reset();
-    const InStage steps(Stage::steps);
-    return simulate_alpha2(comm, s, *setup, solver);
-  }
-  std::optional<Simulation> run;
-  if (!alpha2) run.emplace(comm, s, *setup, solver, resume, probe);
+  Simulation run(comm, s, *setup, solver, resume, probe);
   starts.reset();
-  if (!s.dry_run) return run->run();
+  if (!s.dry_run) return run.run();
   check(PetscPrintf(comm, "%s\ndry run: the input is complete\n", print_scenario(s, true).c_str()));
   return ExitCode::ok;
 }

@@ -38,6 +38,7 @@ std::vector<Case> cases(double angle = 0) {
       all.push_back({{lower, upper, angle, true}, s});
       if (lower == upper) continue;
       s.method = ContactMethod::gauss_points;
+      s.multipliers = MultiplierSpace::automatic;
       all.push_back({{lower, upper, angle, true}, s});
     }
   return all;

@@ -841,8 +841,14 @@ TEST(ContactInterface, WrongSettingsAreRefusedOnAllRanks) {
             std::string::npos);
   EXPECT_NE(refused(settings_of(-1)).find("-contact_pair_penalty: -1"), std::string::npos);
   s = settings_of(100);
-  s.points = 0;
-  EXPECT_NE(refused(s).find("-contact_pair_points 0"), std::string::npos);
+  s.points = 17;
+  EXPECT_NE(refused(s).find("-contact_pair_points 17"), std::string::npos);
+  s.points = 3;
+  s.method = ContactMethod::mortar;
+  EXPECT_NE(refused(s).find("-contact_pair_points: Gauss points are for the method gpts"), std::string::npos);
+  s = settings_of(100);
+  s.multipliers = MultiplierSpace::dual;
+  EXPECT_NE(refused(s).find("-contact_pair_multipliers: shape functions are for"), std::string::npos);
   EXPECT_EQ(refused(settings_of(100)), "accepted");
 }
 

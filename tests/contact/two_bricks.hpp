@@ -89,7 +89,7 @@ inline ContactSettings brick_settings(MultiplierSpace multipliers = MultiplierSp
 
 /// The same with two Gauss points in each direction.
 inline ContactSettings brick_points() {
-  ContactSettings s = brick_settings();
+  ContactSettings s = brick_settings(MultiplierSpace::automatic);
   s.method = ContactMethod::gauss_points;
   return s;
 }

@@ -88,9 +88,6 @@ class Modes:
             self.report.skipped.append(f"{what} (a single step)")
             return done
         said = " ".join(open(file).read() for file in files) + " ".join(f"-{key} {options[key]}" for key in options)
-        if "alpha2" in said:
-            self.report.skipped.append(f"{what} (alpha2 writes no checkpoints)")
-            return done
         self.repeated += 1
         for mode in ["restep"] if single else self.modes:
             self.repeat(mode, what, name, options, files, ranks, done, said)

@@ -4,6 +4,7 @@
 """How runs end and are gone on with, attacked: a signal of any kind at any moment, on one rank and two, and `-restart auto`
 then gives the undisturbed result; folders of half and finished runs in every state and with every other end are gone on
 with, refused with one line, or set aside. IMPACT_SEED and IMPACT_COUNT choose the attacks; `reliability_ends_long` takes 300."""
+import contextlib
 import os
 import random
 import shutil
@@ -64,8 +65,10 @@ for i in range(COUNT):
     process = start(folder, OPTIONS, ranks)
     wait_for(folder, lambda: log_of(folder) or process.poll() is not None)
     time.sleep(late)
-    for pid in random.sample(ranks_of(process), 1) if process.poll() is None and ranks_of(process) else []:
-        os.kill(pid, getattr(signal, name))
+    pids = ranks_of(process) if process.poll() is None else []  # none any more where it has just ended
+    for pid in random.sample(pids, min(1, len(pids))):
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, getattr(signal, name))
     code = finish_within(process, 60)
     log = log_of(folder)
     ended = f"stopped by request ({name})" in log

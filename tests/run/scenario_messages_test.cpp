@@ -12,24 +12,6 @@ struct Row {
   std::string message;
 };
 
-std::string not_with_alpha2(const std::string& option) {
-  return option + ": not available; allowed with -ts_type alpha2: elastic bodies without plane stress, "
-                  "damage, heat, contact and "
-                  "viscosity, type csv of outputs, no checkpoints; remove it, or choose -ts_type newmark";
-}
-
-// Changes that lead to a run with alpha2 that is accepted, and more of them.
-Options alpha2(Options more) {
-  more.insert({{"-ts_type", "alpha2"},
-               {"-contacts", "-"},
-               {"-stops", "-"},
-               {"-stop_end_when", "-"},
-               {"-contact_tip_secondary", "-"},
-               {"-contact_tip_primary", "-"},
-               {"-outputs", "-"}});
-  return more;
-}
-
 // Changes that give the beam damage, and more of them.
 Options damaged(Options more) {
   more.insert(
@@ -75,8 +57,6 @@ const std::vector<Row>& rows() {
       {{{"-stops", "broken"}, {"-stop_broken_when", "peak(peak(t)) > 1"}, {"-stop_end_when", "-"}},
        ExitCode::usage,
        "-stop_broken_when \"peak(peak(t)) > 1\": a peak in a peak; allowed: peak(name)"},
-      {alpha2({{"-stops", "broken"}, {"-stop_broken_when", "t > 1"}}), ExitCode::usage,
-       not_with_alpha2("-stops \"broken\"")},
       {{{"-output_vis_cycles", "10"}},
        ExitCode::usage,
        "-output_vis_cycles \"10\": counts the cycles of a load whose period is not given; add -ts_period, or "
@@ -250,12 +230,6 @@ const std::vector<Row>& rows() {
       {{{"-ts_times", "0,1,2"}, {"-ts_dts", "0.1"}},
        ExitCode::usage,
        "-ts_dts \"0.1\": 1 steps for 3 times; allowed: one step less than times"},
-      {{{"-ts_type", "alpha2"}}, ExitCode::usage, not_with_alpha2("-contacts \"tip\"")},
-      {alpha2({{"-checkpoint_every", "5"}}), ExitCode::usage, not_with_alpha2("-checkpoint_every \"5\"")},
-      {alpha2({{"-checkpoint_wall", "60"}}), ExitCode::usage, not_with_alpha2("-checkpoint_wall \"60\"")},
-      {alpha2({{"-restart", "auto"}}), ExitCode::usage, not_with_alpha2("-restart \"auto\"")},
-      {alpha2({{"-walltime", "60"}}), ExitCode::usage, not_with_alpha2("-walltime \"60\"")},
-      {alpha2({{"-outputs", "vis"}}), ExitCode::usage, not_with_alpha2("-output_vis_type")},
       {{{"-motion_mat_type", "sbaij"}, {"-material_beam_model", "j2"}, {"-material_beam_sigma_y", "1 MPa"}},
        ExitCode::usage,
        "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -material_beam_model j2 is not; "
@@ -363,10 +337,6 @@ const std::vector<Row>& rows() {
        "with a unit of that kind"},
   };
   return all;
-}
-
-TEST(Scenario, Alpha2IsAcceptedWithoutWhatItDoesNotWrite) {
-  EXPECT_EQ(outcome(with(alpha2({}))).message, "");
 }
 
 TEST(Scenario, MessagesSayWhatWhereAndWhatIsAllowed) {

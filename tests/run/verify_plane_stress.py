@@ -129,7 +129,6 @@ check("viscosity: work is energy and loss", abs(viscous["work_external"] - visco
 for name, change, text in (
         ("locking", {"material_solid_model": "j2", "material_solid_sigma_y": 1, "material_solid_hardening": "none",
                      "material_solid_locking": "mean"}, "-material_solid_locking \"mean\": has no meaning"),
-        ("alpha2", {"ts_type": "alpha2", "material_solid_rho": 1}, "-plane \"stress\": not available"),
         ("space", {"mesh_set_dim": 3}, "-plane \"stress\": the mesh has dimension 3")):
     r = run(f"refused_{name}", base(**change), code=None)
     require(f"refused, {name}: exit {r.code}, one line that names the option",

@@ -54,7 +54,7 @@ struct ContactSettings {
   PenaltyGrowth growth = PenaltyGrowth::on_slow_gap;
   double gap_tol = automatic; ///< a length; automatic: 1e-3 of the secondary facet
   double pressure_tol = 1e-2; ///< change relative to the largest multiplier
-  int points = 2;             ///< Gauss points per secondary facet (P + 1)
+  int points = 0;             ///< Gauss points per secondary facet (P + 1); 0: not given, 2
   double search_radius =
       automatic;             ///< automatic: pairs by the facets' own sizes, 0.8 of the smallest facet deep
   bool local_search = false; ///< the radius was automatic

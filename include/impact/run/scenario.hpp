@@ -79,7 +79,7 @@ struct StopScenario {
 };
 
 struct TimeScenario {
-  std::string type = "newmark"; ///< newmark | static | alpha2
+  std::string type = "newmark"; ///< newmark | static
   double dt = 0, max_time = 0;
   double most_substeps = 1e5;                 ///< of damage or heat in a step
   int max_steps = 0;                          ///< 0: no limit
