@@ -342,7 +342,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   std::array<double, 3> largest = {-infinity, 0,
                                    -infinity}; // minus smallest gap, pressure, minus smallest pressure
   visit(form_->nodes().displacement(u), Derivatives::first, [&](const Constraint& c) {
-    largest[0] = std::max(largest[0], -c.gap / c.cover);
+    largest[0] = std::max(largest[0], -c.distance());
     // Multipliers that hold g = 0 exactly store nothing.
     if (!semismooth()) sum[4] += c.weight * contact_potential(c.lambda, eps, c.gap);
     if (!c.active) return;
@@ -412,7 +412,7 @@ ContactFields ContactInterface::nodal_fields(Vec u) const {
       const std::size_t i = d * at(c.node[a]);
       faces[i] += weight;
       sum[of_all][i + weighed_pressure] += weight * c.pressure / c.stretch;
-      sum[of_all][i + weighed_gap] += weight * c.gap / c.cover;
+      sum[of_all][i + weighed_gap] += weight * c.distance();
       if (c.active) sum[of_state][i] += weight;
       if (slides) sum[of_state][i + 1] += weight;
       for (std::size_t k = 0; k < d; ++k) {

@@ -47,8 +47,11 @@ struct Constraint {
   double weight = 0, stretch = 1; ///< reference area; current over reference area
   double gap = 0, lambda = 0, pressure = 0;
   bool active = false;
-  double cover = 1;          ///< part of the weight that faces something; the mean gap there is gap / cover
-  std::span<const int> node; ///< into ContactForm::nodes(), secondary ones first
+  double cover = 1; ///< part of the weight that faces something
+  /// Mean distance of what faces something; of a penetration the mean over the weight, which is what
+  /// pressures close.
+  double distance() const { return gap > 0 ? gap / cover : gap; }
+  std::span<const int> node;            ///< into ContactForm::nodes(), secondary ones first
   std::span<const double> share;        ///< of the secondary nodes in the constraint, sum 1
   std::span<const double> gradient;     ///< [node][dim]
   std::span<const double> end_gradient; ///< of the gap, where the force stands along another one, else empty
