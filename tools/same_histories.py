@@ -45,7 +45,7 @@ def main():
     parser.add_argument("new")
     parser.add_argument("names", nargs="*", help="files of options/ without .opts (all)")
     parser.add_argument("--steps", type=int, default=0, help="steps of each run at most (all)")
-    asked = parser.parse_args()
+    asked = parser.parse_intermixed_args()
     names = asked.names or sorted(path.stem for path in OPTIONS.glob("*.opts"))
     changed = 0
     for name in names:

@@ -8,6 +8,7 @@
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
+#include <impact/problem/solver_defaults.hpp>
 #include <limits>
 
 namespace impact {
@@ -128,22 +129,8 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
 void DamageProblem::set_tolerances(SNES snes) {
   check(SNESSetTolerances(snes, reference_, 1e-9, 0, 100, PETSC_DEFAULT));
   KSP ksp = nullptr;
-  PC pc = nullptr;
   check(SNESGetKSP(snes, &ksp));
-  check(KSPSetType(ksp, KSPCG));
-  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  check(KSPGetPC(ksp, &pc));
-  int size = 1;
-  MPI_Comm_size(d_.mesh.comm(), &size);
-  if (size == 1) {
-    check(PCSetType(pc, PCICC));
-  } else {
-    // Sub-blocks default to ILU(0), which is not symmetric in exact arithmetic terms that CG relies on.
-    check(PCSetType(pc, PCBJACOBI));
-    PetscBool set = PETSC_FALSE;
-    check(PetscOptionsHasName(nullptr, nullptr, "-damage_sub_pc_type", &set));
-    if (!set) check(PetscOptionsSetValue(nullptr, "-damage_sub_pc_type", "icc"));
-  }
+  set_scalar_solver_defaults(ksp, "damage_");
 }
 
 // A matrix that is larger than the derivative makes steps that lower the energy but not always the residual,

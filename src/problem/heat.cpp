@@ -8,6 +8,7 @@
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat.hpp>
+#include <impact/problem/solver_defaults.hpp>
 #include <map>
 
 namespace impact {
@@ -67,21 +68,8 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
   check(SNESSetTolerances(snes_, rounding, 1e-10, 0, 50, PETSC_DEFAULT));
   KSP ksp = nullptr;
-  PC pc = nullptr;
-  int size = 1;
   check(SNESGetKSP(snes_, &ksp));
-  check(KSPSetType(ksp, KSPCG));
-  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  check(KSPGetPC(ksp, &pc));
-  MPI_Comm_size(d_.mesh.comm(), &size);
-  if (size == 1) {
-    check(PCSetType(pc, PCICC));
-  } else {
-    check(PCSetType(pc, PCBJACOBI));
-    PetscBool set = PETSC_FALSE;
-    check(PetscOptionsHasName(nullptr, nullptr, "-heat_sub_pc_type", &set));
-    if (!set) check(PetscOptionsSetValue(nullptr, "-heat_sub_pc_type", "icc")); // CG wants symmetric blocks
-  }
+  set_scalar_solver_defaults(ksp, "heat_");
   check_substeps();
   check(SNESSetFromOptions(snes_));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));

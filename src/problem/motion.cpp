@@ -2,6 +2,7 @@
 #include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
@@ -154,16 +155,6 @@ void MotionProblem::impose(Vec u) const {
   rigid_->retract(u);
 }
 
-void MotionProblem::hold(Vec u, double scale, Vec f) const {
-  Handle<Vec> goal = d_.displacement.make_global();
-  check(VecCopy(u, goal));
-  impose(goal);
-  check(VecAYPX(goal, -1, u)); // u - prescribed, zero on free dofs
-  check(VecAXPY(f, scale, goal));
-}
-
-void MotionProblem::hold_tangent(double scale) { assembly_->set_diagonal(owned_fixed_, scale); }
-
 void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, const Batch& min_J) {
   for (int l = 0; l < group.lanes_in_use(batch); ++l) {
     if (!(bad & (1 << l))) continue;
@@ -262,7 +253,6 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
 bool MotionProblem::tangent(Vec u, double mass_shift) {
   const Timed timed(Event::motion_tangent);
   broken_ = {};
-  last_mass_shift_ = mass_shift;
   d_.displacement.to_local(u, u_);
   bool sound = true;
   double diagonal = 0;
@@ -541,6 +531,31 @@ void MotionProblem::mass_solve(Vec b, Vec x) {
   if (reason < 0)
     throw UserError(ExitCode::data,
                     "the mass matrix cannot be inverted: give every material a positive -material_<id>_rho");
+}
+
+std::string MotionProblem::broken_text() const {
+  // The worst cell of all ranks speaks.
+  struct {
+    double J;
+    int rank;
+  } mine, worst;
+  MPI_Comm_rank(d_.mesh.comm(), &mine.rank);
+  mine.J = broken_.material < 0 ? HUGE_VAL : std::isfinite(broken_.min_J) ? broken_.min_J : -HUGE_VAL;
+  MPI_Allreduce(&mine, &worst, 1, MPI_DOUBLE_INT, MPI_MINLOC, d_.mesh.comm());
+  if (worst.J == HUGE_VAL) return "";
+  double data[5] = {broken_.min_J, broken_.x[0], broken_.x[1], broken_.x[2],
+                    static_cast<double>(broken_.material)};
+  MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d_.mesh.comm());
+  char text[240];
+  const char* what = data[0] <= 0 ? "cell inverted" : "law failed in a cell";
+  const auto& id = d_.materials[static_cast<std::size_t>(data[4])].law.parameters.id;
+  if (d_.dim() == 2)
+    std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g) in material %s", what, data[0], data[1],
+                  data[2], id.c_str());
+  else
+    std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g,%.6g) in material %s", what, data[0],
+                  data[1], data[2], data[3], id.c_str());
+  return text;
 }
 
 } // namespace impact

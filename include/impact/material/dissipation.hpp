@@ -34,10 +34,4 @@ template <class T, int d> Symmetric<T, d> right_increment(const Tensor<T, d>& F,
   return r;
 }
 
-/// Dissipation potential of S_d over the step, times dt: b_d |C - C_n|^2 / (2 dt); the dissipated energy is
-/// twice that.
-template <class T, int d> T viscous_potential(double b_d, double dt, const Symmetric<T, d>& dC) {
-  return (0.5 * b_d / dt) * dot(dC, dC);
-}
-
 } // namespace impact

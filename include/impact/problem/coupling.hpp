@@ -6,6 +6,7 @@
 #include <impact/problem/motion.hpp>
 #include <impact/problem/newton_watch.hpp>
 #include <impact/problem/phi_passes.hpp>
+#include <impact/problem/solver_defaults.hpp>
 #include <impact/problem/tangent_reuse.hpp>
 #include <impact/time/newmark.hpp>
 #include <impact/time/pass_shell.hpp>
@@ -26,29 +27,6 @@ struct StepCounts {
            passes = 0;
   PetscInt longest = 0; ///< Newton iterations of the longest motion solve of the step, refused tries included
 };
-
-/// Which linear solver and tangent are used where the options say nothing; `reason` is
-/// printed.
-struct SolverDefaults {
-  bool direct = true, multigrid = false, symmetric = false;
-  MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
-  double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
-  bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
-  std::string reason;
-};
-/// What forces other than those of the cells ask of the linear solver.
-struct SolverDemands {
-  bool closes_gaps = false; ///< contacts, by weights that spoil the condition for an iterative method
-  bool frictional = false;  ///< the tangent of sliding is not symmetric
-  bool rigid = false;       ///< nor is that of rigid bodies that turn
-  bool unsymmetric = false; ///< any of these, or a follower pressure
-};
-/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
-SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
-                             double dt, SolverDemands demands = {},
-                             std::optional<MatrixFormat> matrix = std::nullopt);
-/// Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
-void check_preconditioner(KSP ksp, MatrixFormat matrix);
 
 class Coupling {
 public:

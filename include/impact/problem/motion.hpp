@@ -85,10 +85,6 @@ public:
   /// acceleration: that of the balance, or null without inertia; factor: what of the missing force acts over
   /// the step. Collective.
   double book_rigid_reactions(Vec u, Vec acceleration, double factor);
-  /// For integrators that do not impose values themselves: f = scale (u - prescribed(t)) on prescribed dofs,
-  /// after residual(), and `scale` on their diagonal, after tangent(). Collective.
-  void hold(Vec u, double scale, Vec f) const;
-  void hold_tangent(double scale);
   /// Rebuilds contact candidates near u; true when the matrix was replaced by one with another pattern.
   /// Collective.
   bool update_contact(Vec u);
@@ -117,13 +113,14 @@ public:
   const Discretisation& discretisation() const { return d_; }
   const BoundaryData& boundary() const { return boundary_; }
   std::vector<ContactInterface>& contacts() { return contacts_; }
-  const BrokenCell& broken() const { return broken_; }
+  /// Which cell broke most, of all ranks: "cell inverted (J=-2) at x=(0,1) in material a"; empty without any.
+  /// Collective.
+  std::string broken_text() const;
   /// 1e-12 E h^(dim-1) of the softest material: the absolute tolerance that makes sense for the residual,
   /// beside the rounding of stiffer bodies (ForceBalance).
   double reference_force() const { return reference_force_; }
   /// When the residual is balanced; its rounding is that of the last tangent.
   ForceBalance& balance() { return balance_; }
-  double mass_shift_of_last_tangent() const { return last_mass_shift_; }
 
 private:
   /// Whether its points have a history: what flows, and the thickness of sheets.
@@ -167,7 +164,7 @@ private:
   std::vector<std::size_t> history_offset_, drive_offset_, dissipation_offset_, stress_offset_;
   const std::vector<CellGroup> no_groups_;
   BrokenCell broken_;
-  double reference_force_ = 0, last_mass_shift_ = 0;
+  double reference_force_ = 0;
   Handle<Mat> mass_, mass_free_; // consistent mass; with prescribed rows and columns as identity
   Handle<KSP> mass_solver_;
   ForceBalance balance_;
