@@ -10,57 +10,13 @@ namespace impact {
 
 namespace {
 
-// Node order of usual finite elements from DMPlex's closure order, which turns tetrahedra and hexahedra
-// inside out.
-constexpr int tet_order[4] = {1, 0, 2, 3};
-constexpr int hex_order[8] = {0, 3, 2, 1, 4, 5, 6, 7};
-
-int plex_position(Shape shape, int a) {
-  return shape == Shape::tet4 ? tet_order[a] : shape == Shape::hex8 ? hex_order[a] : a;
-}
-
-// Facets of the reference cells with outward normal; the fourth column of a tetrahedron repeats the third.
-constexpr int tri_facets[3][2] = {{0, 1}, {1, 2}, {2, 0}};
-constexpr int quad_facets[4][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
-constexpr int tet_facets[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-constexpr int hex_facets[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                  {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-
-struct FacetList {
-  const int* node;
-  int count, nodes;
-};
-
-FacetList facets_of(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return {&tri_facets[0][0], 3, 2};
-  case Shape::quad4:
-    return {&quad_facets[0][0], 4, 2};
-  case Shape::tet4:
-    return {&tet_facets[0][0], 4, 3};
-  default:
-    return {&hex_facets[0][0], 6, 4};
-  }
-}
-
-bool shape_of(DMPolytopeType type, Shape& shape) {
-  switch (type) {
-  case DM_POLYTOPE_TRIANGLE:
-    shape = Shape::tri3;
-    return true;
-  case DM_POLYTOPE_QUADRILATERAL:
-    shape = Shape::quad4;
-    return true;
-  case DM_POLYTOPE_TETRAHEDRON:
-    shape = Shape::tet4;
-    return true;
-  case DM_POLYTOPE_HEXAHEDRON:
-    shape = Shape::hex8;
-    return true;
-  default:
-    return false;
-  }
+// [DMPolytopeType] the shape of a cell; none where a cell of that kind cannot be used.
+std::array<Shape, DM_NUM_POLYTOPES> shapes_of_polytopes() {
+  std::array<Shape, DM_NUM_POLYTOPES> shapes{};
+  for (const Shape shape : known_shapes())
+    for (std::size_t type = 0; type < shapes.size(); ++type)
+      if (shape->names.polytope == std::string(DMPolytopeTypes[type])) shapes[type] = shape;
+  return shapes;
 }
 
 // Vertices of the closure of a point, as local nodes, in DMPlex order.
@@ -79,19 +35,20 @@ void closure_nodes(DM dm, PetscInt point, PetscInt vertex_start, PetscInt vertex
 constexpr double degenerate = 1e-10;
 
 // Smallest det J over the points of the rule, in units of (longest extent of the cell)^dim.
-template <class Cell> double smallest_relative_det(const double* coordinates, const int* node) {
-  constexpr auto& table = shape_table<Cell>;
-  constexpr int dim = Cell::dim;
+double smallest_relative_det(Shape shape, const double* coordinates, const int* node) {
+  const auto dim = static_cast<std::size_t>(shape->dim), nodes = static_cast<std::size_t>(shape->nodes);
+  const auto x = [&](std::size_t a, std::size_t i) {
+    return coordinates[static_cast<std::size_t>(node[a]) * dim + i];
+  };
   double extent = 0, smallest = std::numeric_limits<double>::infinity();
-  for (int a = 1; a < Cell::nodes; ++a)
-    for (int i = 0; i < dim; ++i)
-      extent = std::max(extent, std::abs(coordinates[node[a] * dim + i] - coordinates[node[0] * dim + i]));
-  for (int q = 0; q < Cell::points; ++q) {
+  for (std::size_t a = 1; a < nodes; ++a)
+    for (std::size_t i = 0; i < dim; ++i) extent = std::max(extent, std::abs(x(a, i) - x(0, i)));
+  const double* slope = shape->dN;
+  for (int q = 0; q < shape->points; ++q, slope += nodes * dim) {
     std::array<Vector3, 3> J{{{}, {}, {0, 0, dim == 2 ? 1.0 : 0.0}}};
-    for (int a = 0; a < Cell::nodes; ++a)
-      for (std::size_t i = 0; i < std::size_t{dim}; ++i)
-        for (std::size_t k = 0; k < std::size_t{dim}; ++k)
-          J[i][k] += coordinates[static_cast<std::size_t>(node[a]) * dim + i] * table.dN[q][a][k] / extent;
+    for (std::size_t a = 0; a < nodes; ++a)
+      for (std::size_t i = 0; i < dim; ++i)
+        for (std::size_t k = 0; k < dim; ++k) J[i][k] += x(a, i) * slope[a * dim + k] / extent;
     const double det = determinant(J[0], J[1], J[2]);
     smallest = std::isfinite(det) ? std::min(smallest, det) : -1;
   }
@@ -118,7 +75,10 @@ Mesh::Mesh(Handle<DM> dm, std::vector<Group> groups) : dm_(std::move(dm)), group
 
 MPI_Comm Mesh::comm() const { return PetscObjectComm(reinterpret_cast<PetscObject>(dm_.get())); }
 
-bool Mesh::has_shape(Shape shape) const { return (shapes_ >> static_cast<unsigned>(shape) & 1U) != 0; }
+bool Mesh::has_shape(Shape shape) const {
+  const auto index = static_cast<std::size_t>(index_of(shape));
+  return index < has_shape_.size() && has_shape_[index] != 0;
+}
 
 void Mesh::read_coordinates() {
   Vec values = nullptr;
@@ -182,17 +142,18 @@ void Mesh::read_cells() {
   table_of_cell_.reserve(static_cast<std::size_t>(end - cell_start_));
   std::string trouble;
   std::vector<int> closure;
-  int table_of_shape[4] = {-1, -1, -1, -1};
+  const auto shapes = shapes_of_polytopes();
+  std::vector<int> table_of_shape(known_shapes().size(), -1);
   for (PetscInt point = cell_start_; point < end && trouble.empty(); ++point) {
     DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
-    Shape shape{};
     check(DMPlexGetCellType(dm_, point, &type));
-    if (!shape_of(type, shape) || dimension(shape) != dim_) {
+    const Shape shape = shapes[static_cast<std::size_t>(type)];
+    if (shape == Shape() || shape->dim != dim_) {
       trouble = std::string("mesh: a cell of type ") + DMPolytopeTypes[type] +
                 "; allowed are triangles and quadrilaterals in 2D, tetrahedra and hexahedra in 3D";
       break;
     }
-    int& table = table_of_shape[static_cast<int>(shape)];
+    int& table = table_of_shape[static_cast<std::size_t>(index_of(shape))];
     if (table < 0) {
       table = static_cast<int>(cells_.size());
       cells_.push_back({shape, {}, {}});
@@ -200,15 +161,16 @@ void Mesh::read_cells() {
     CellTable& cells = cells_[static_cast<std::size_t>(table)];
     table_of_cell_.push_back({table, static_cast<int>(cells.point.size())});
     closure_nodes(dm_, point, vertex_start_, vertex_start_ + node_count_, closure);
-    for (int a = 0; a < impact::node_count(shape); ++a)
-      cells.connectivity.push_back(closure[static_cast<std::size_t>(plex_position(shape, a))]);
+    for (const int place : shape->from_plex)
+      cells.connectivity.push_back(closure[static_cast<std::size_t>(place)]);
     cells.point.push_back(point);
   }
   throw_first(comm(), ExitCode::data, trouble);
 
-  unsigned mine = 0;
-  for (const CellTable& t : cells_) mine |= 1U << static_cast<unsigned>(t.shape);
-  MPI_Allreduce(&mine, &shapes_, 1, MPI_UNSIGNED, MPI_BOR, comm());
+  has_shape_.assign(known_shapes().size(), 0);
+  for (const CellTable& t : cells_) has_shape_[static_cast<std::size_t>(index_of(t.shape))] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, has_shape_.data(), static_cast<int>(has_shape_.size()), MPI_INT, MPI_MAX,
+                comm());
   const PetscInt count = cell_count();
   MPI_Allreduce(&count, &global_cell_count_, 1, MPIU_INT, MPI_SUM, comm());
 }
@@ -219,9 +181,7 @@ void Mesh::check_cells() const {
     const std::size_t nodes = static_cast<std::size_t>(impact::node_count(table.shape));
     for (std::size_t c = 0; c < table.point.size() && trouble.empty(); ++c) {
       const int* node = &table.connectivity[c * nodes];
-      const double det = visit(table.shape, [&]<class Cell>(Cell) {
-        return smallest_relative_det<Cell>(coordinates_.data(), node);
-      });
+      const double det = smallest_relative_det(table.shape, coordinates_.data(), node);
       if (det > degenerate) continue;
       std::ostringstream text;
       text << "mesh: " << (det < -degenerate ? "inverted" : "degenerate") << " cell in "
@@ -327,7 +287,9 @@ FacetTable Mesh::facets(const std::string& name) const {
     throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no boundary; its dimension must be " +
                                         std::to_string(dim_ - 1));
   FacetTable table;
-  table.nodes_per_facet = dim_ == 2 ? 2 : has_shape(Shape::hex8) ? 4 : 3;
+  for (const Shape shape : known_shapes())
+    for (std::size_t f = 0; has_shape(shape) && f < shape->facets.size(); ++f)
+      table.nodes_per_facet = std::max(table.nodes_per_facet, impact::node_count(shape->facets[f]));
   PetscInt start = 0, end = 0, leaves = 0;
   const PetscInt* leaf = nullptr;
   PetscSF sf = nullptr;
@@ -348,10 +310,10 @@ FacetTable Mesh::facets(const std::string& name) const {
     const CellTable& cells = cells_[static_cast<std::size_t>(place_of_cell.table)];
     const int* node =
         &cells.connectivity[static_cast<std::size_t>(place_of_cell.cell * impact::node_count(cells.shape))];
-    const FacetList list = facets_of(cells.shape);
-    for (int f = 0; f < list.count; ++f) {
+    for (const CellFacet& facet : cells.shape->facets) {
       std::vector<int> nodes;
-      for (int a = 0; a < list.nodes; ++a) nodes.push_back(node[list.node[f * list.nodes + a]]);
+      for (int a = 0; a < impact::node_count(facet); ++a)
+        nodes.push_back(node[facet[static_cast<std::size_t>(a)]]);
       std::vector<int> sorted = nodes;
       std::sort(sorted.begin(), sorted.end());
       if (sorted != wanted) continue;

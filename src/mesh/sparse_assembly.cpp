@@ -25,7 +25,7 @@ std::vector<PetscInt> row_bases(Mat block, int rows, int components) {
 }
 
 // Adds one lane's block of a node pair.
-template <int nodes, int c> void add_block(const double* from, double* to, int stride) {
+template <int c> void add_block(const double* from, int nodes, double* to, int stride) {
   for (int i = 0; i < c; ++i, from += nodes * c * lanes, to += stride)
     for (int j = 0; j < c; ++j) to[j] += from[j * lanes];
 }
@@ -67,17 +67,7 @@ struct SparseAssembly::Impl {
 
   void lay_messages(Mat matrix);
   void add(const std::vector<double>& received);
-  template <int nodes, int c> void add(int group, int batch, const Batch* K);
-  template <int nodes> void add(int group, int batch, const Batch* K) {
-    switch (components) {
-    case 1:
-      return add<nodes, 1>(group, batch, K);
-    case 2:
-      return add<nodes, 2>(group, batch, K);
-    default:
-      return add<nodes, 3>(group, batch, K);
-    }
-  }
+  template <int c> void add(int group, int batch, const Batch* K);
 };
 
 void SparseAssembly::Delete::operator()(Impl* impl) const { delete impl; }
@@ -187,10 +177,10 @@ void SparseAssembly::zero() {
 }
 
 // A node's rows for all lanes before the next node's, so that its part of K stays in the nearest cache.
-template <int nodes, int c> void SparseAssembly::Impl::add(int group, int batch, const Batch* K) {
+template <int c> void SparseAssembly::Impl::add(int group, int batch, const Batch* K) {
   const CellGroup& cells = groups[at(group)];
-  const int used = cells.lanes_in_use(batch);
-  const int* node = cells.node.data() + static_cast<std::ptrdiff_t>(batch) * nodes * lanes;
+  const int used = cells.lanes_in_use(batch), nodes = cells.shape->nodes;
+  const int* node = batch_nodes(cells, batch);
   const std::uint16_t* slots =
       graph.slots(group).data() + static_cast<std::ptrdiff_t>(batch) * lanes * nodes * nodes;
   const double* values = reinterpret_cast<const double*>(K);
@@ -200,13 +190,13 @@ template <int nodes, int c> void SparseAssembly::Impl::add(int group, int batch,
       const std::uint16_t* slot = slots + (l * nodes + a) * nodes;
       if (to.rest == nullptr)
         for (int b = 0; b < nodes; ++b)
-          add_block<nodes, c>(values + b * c * lanes + l, to.own + slot[b] * c, to.own_stride);
+          add_block<c>(values + b * c * lanes + l, nodes, to.own + slot[b] * c, to.own_stride);
       else
         for (int b = 0; b < nodes; ++b) {
           const int k = slot[b] - to.own_slots;
           const bool rest = k >= 0;
-          add_block<nodes, c>(values + b * c * lanes + l, rest ? to.rest + k * c : to.own + slot[b] * c,
-                              rest ? to.rest_stride : to.own_stride);
+          add_block<c>(values + b * c * lanes + l, nodes, rest ? to.rest + k * c : to.own + slot[b] * c,
+                       rest ? to.rest_stride : to.own_stride);
         }
     }
 }
@@ -214,7 +204,7 @@ template <int nodes, int c> void SparseAssembly::Impl::add(int group, int batch,
 void SparseAssembly::add(int group, int batch, const Batch* K) {
   if (blocks_) return blocks_->add(group, batch, K);
   open();
-  visit(impl_->groups[at(group)].shape, [&]<class Cell>(Cell) { impl_->add<Cell::nodes>(group, batch, K); });
+  with_components(impl_->components, [&](auto c) { impl_->add<c>(group, batch, K); });
 }
 
 void SparseAssembly::Impl::add(const std::vector<double>& received) {

@@ -12,7 +12,7 @@ std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 // Adds one lane's block of a node pair to a block stored by columns: that of (a, b), or that of (b, a).
 // Gathered first, so that the compiler adds whole registers.
-template <int nodes, int c, bool transposed> void add_block(const double* from, double* to) {
+template <int c, bool transposed> void add_block(const double* from, int nodes, double* to) {
   double block[c * c];
   for (int i = 0; i < c; ++i)
     for (int j = 0; j < c; ++j) block[transposed ? i * c + j : j * c + i] = from[(i * nodes * c + j) * lanes];
@@ -180,9 +180,9 @@ void SymmetricBlocks::zero() {
 }
 
 // A node's rows for all lanes before the next node's, so that its part of K stays in the nearest cache.
-template <int nodes, int c> void SymmetricBlocks::add_cells(int group, int batch, const Batch* K) {
+template <int c> void SymmetricBlocks::add_cells(int group, int batch, const Batch* K) {
   constexpr std::ptrdiff_t size = c * c;
-  constexpr int pairs = nodes * (nodes + 1) / 2;
+  const int nodes = groups_[at(group)].shape->nodes, pairs = nodes * (nodes + 1) / 2;
   const int used = groups_[at(group)].lanes_in_use(batch);
   const std::uint32_t* place = places_[at(group)].data() + static_cast<std::ptrdiff_t>(batch) * pairs * lanes;
   const auto own_blocks = static_cast<std::uint32_t>(own_base_.back());
@@ -201,26 +201,15 @@ template <int nodes, int c> void SymmetricBlocks::add_cells(int group, int batch
         // brings.
         if constexpr (c == 3) PETSC_Prefetch(at_block(place[pairs * lanes] >> 1), 1, PETSC_PREFETCH_HINT_T0);
         if (*place & 1)
-          add_block<nodes, c, true>(from, to);
+          add_block<c, true>(from, nodes, to);
         else
-          add_block<nodes, c, false>(from, to);
+          add_block<c, false>(from, nodes, to);
       }
-}
-
-template <int nodes> void SymmetricBlocks::add_cells(int group, int batch, const Batch* K) {
-  switch (components_) {
-  case 1:
-    return add_cells<nodes, 1>(group, batch, K);
-  case 2:
-    return add_cells<nodes, 2>(group, batch, K);
-  default:
-    return add_cells<nodes, 3>(group, batch, K);
-  }
 }
 
 void SymmetricBlocks::add(int group, int batch, const Batch* K) {
   open();
-  visit(groups_[at(group)].shape, [&]<class Cell>(Cell) { add_cells<Cell::nodes>(group, batch, K); });
+  with_components(components_, [&](auto c) { add_cells<c>(group, batch, K); });
 }
 
 // PETSc keeps the foreign columns to itself: their rows, few and on the rank's border, are handed over.

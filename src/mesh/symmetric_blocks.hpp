@@ -31,8 +31,7 @@ private:
   void store_foreign_rows();
   void open();
   void close();
-  template <int nodes> void add_cells(int group, int batch, const Batch* K);
-  template <int nodes, int c> void add_cells(int group, int batch, const Batch* K);
+  template <int c> void add_cells(int group, int batch, const Batch* K);
 
   const NodeGraph& graph_;
   const std::vector<CellGroup>& groups_;

@@ -1,7 +1,6 @@
 #include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
-#include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
@@ -33,10 +32,9 @@ template <class T> T driving_energy(const MaterialParameters& m, const T* drive,
 }
 
 /// That energy in place of its parts.
-template <class Cell> void put_history(const PointValues<Cell, 1>& H, PointValues<Cell, drive_size>& drive) {
-  for (std::size_t q = 0; q < static_cast<std::size_t>(Cell::points); ++q)
-    for (std::size_t k = 0; k < drive_size; ++k)
-      drive.value[q * drive_size + k] = k == 0 ? H.value[q] : Batch(0.0);
+void put_history(const PointValues<1>& H, PointValues<drive_size>& drive) {
+  std::fill_n(drive.value, drive.size, Batch(0.0));
+  for (int q = 0; q < H.size; ++q) drive.value[q * drive_size] = H.value[q];
 }
 
 } // namespace
@@ -152,56 +150,52 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     if (!damages(law)) continue;
-    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim, n = Cell::nodes;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_), u(group, b, *step_.u), u_n(group, b, *step_.u_n);
-        const Gathered<Cell, 1> phi(group, b, x_), phi_n(group, b, *step_.phi_n), free(group, b, free_);
-        PointValues<Cell, drive_size> now, before;
-        now.load(drive.trial, drive_offset_[g], b);
-        before.load(drive.committed, drive_offset_[g], b);
-        if (history) {
-          PointValues<Cell, 1> H;
-          H.load(history->trial, history_offset_[g], b);
-          put_history<Cell>(H, now);
-          H.load(history->committed, history_offset_[g], b);
-          put_history<Cell>(H, before);
-        }
-        PointValues<Cell, 1> worn;
-        DamageInput in;
-        if (fatigue && law.fatigues()) {
-          worn.load(fatigue->committed, history_offset_[g], b);
-          in.fatigue = worn.data();
-        }
-        in.X = X.data();
-        in.u = u.data();
-        in.u_n = u_n.data();
-        in.phi = phi.data();
-        in.phi_n = phi_n.data();
-        in.drive = now.data();
-        in.drive_n = before.data();
-        in.dt = step_.dt;
-        in.form = settings_.form;
-        in.theta_d = settings_.theta;
-        in.convex = true;
-        PointValues<Cell, history_size(frame)> flowed;
-        if (is_ductile(law.parameters)) {
-          flowed.load(state_.row("history").committed, flow_offset_[g], b);
-          in.history = flowed.data();
-        }
-        std::array<Batch, static_cast<std::size_t>(n)> r{};
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
-        const int bad = with_tangent ? damage_tangent<Cell, frame>(law, in, r.data(), K.data())
-                                     : damage_residual<Cell, frame>(law, in, r.data());
-        sound = sound && (bad & ((1 << group.lanes_in_use(b)) - 1)) == 0;
-        if (with_tangent)
-          for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j)
-              K[static_cast<std::size_t>(i * n + j)] *=
-                  free.value[static_cast<std::size_t>(i)] * free.value[static_cast<std::size_t>(j)];
-        output(static_cast<int>(g), b, r.data(), K.data());
+    const CellKernels& kernels = group.shape.kernels(d_.frame);
+    const int dim = d_.dim();
+    CellMatrix K(group.shape->nodes);
+    for (int b = 0; b < group.batch_count; ++b) {
+      const Gathered X(group, b, X_, dim), u(group, b, *step_.u, dim), u_n(group, b, *step_.u_n, dim);
+      const Gathered phi(group, b, x_, 1), phi_n(group, b, *step_.phi_n, 1);
+      PointValues<drive_size> now(group), before(group);
+      now.load(drive.trial, drive_offset_[g], b);
+      before.load(drive.committed, drive_offset_[g], b);
+      if (history) {
+        PointValues<1> H(group);
+        H.load(history->trial, history_offset_[g], b);
+        put_history(H, now);
+        H.load(history->committed, history_offset_[g], b);
+        put_history(H, before);
       }
-    });
+      PointValues<1> worn(group);
+      DamageInput in;
+      if (fatigue && law.fatigues()) {
+        worn.load(fatigue->committed, history_offset_[g], b);
+        in.fatigue = worn.data();
+      }
+      in.X = X.data();
+      in.u = u.data();
+      in.u_n = u_n.data();
+      in.phi = phi.data();
+      in.phi_n = phi_n.data();
+      in.drive = now.data();
+      in.drive_n = before.data();
+      in.dt = step_.dt;
+      in.form = settings_.form;
+      in.theta_d = settings_.theta;
+      in.convex = true;
+      PointValues<max_history_size> flowed(group, history_size(d_.frame));
+      if (is_ductile(law.parameters)) {
+        flowed.load(state_.row("history").committed, flow_offset_[g], b);
+        in.history = flowed.data();
+      }
+      NodalSum r(group, 1);
+      if (with_tangent) K.clear();
+      const int bad = with_tangent ? kernels.damage_tangent(law, in, r.data(), K.data())
+                                   : kernels.damage_residual(law, in, r.data());
+      sound = sound && is_sound(bad, group.lanes_in_use(b));
+      if (with_tangent) K.mask(Gathered(group, b, free_, 1).data());
+      output(static_cast<int>(g), b, r.data(), K.data());
+    }
   }
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
@@ -227,7 +221,7 @@ bool DamageProblem::assemble_forces(Vec x, Vec f) {
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
     const CellGroup& group = d_.groups[static_cast<std::size_t>(g)];
-    visit(group.shape, [&]<class Cell>(Cell) { scatter_add<Cell, 1>(group, b, r, r_.data()); });
+    scatter_add<1>(group, b, r, r_.data());
   });
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r_, f);
@@ -292,15 +286,13 @@ void DamageProblem::book_rate(const std::vector<double>& from, const std::vector
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
     if (!damages(law)) continue;
-    visit(group.shape, [&]<class Cell>(Cell) {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, 1> now(group, b, to), before(group, b, from);
-        PointValues<Cell, 1> points;
-        points.load(dissipated_, history_offset_[g], b);
-        damage_dissipation<Cell>(law, now.data(), before.data(), dt, points.data());
-        points.store(dissipated_, history_offset_[g], b);
-      }
-    });
+    for (int b = 0; b < group.batch_count; ++b) {
+      const Gathered now(group, b, to, 1), before(group, b, from, 1);
+      PointValues<1> points(group);
+      points.load(dissipated_, history_offset_[g], b);
+      group.shape.kernels(d_.frame).damage_dissipation(law, now.data(), before.data(), dt, points.data());
+      points.store(dissipated_, history_offset_[g], b);
+    }
   }
   if (!prescribes_) return;
   std::vector<double> with, without;

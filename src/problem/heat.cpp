@@ -156,18 +156,16 @@ void HeatProblem::evaluate_loads(double t, int end) {
     std::size_t next = 0;
     for (const Region::Cells& cells : region.cells) {
       const CellGroup& group = d_.groups[static_cast<std::size_t>(cells.group)];
-      with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-        const Gathered<Cell, Cell::dim> X(group, cells.batch, X_);
-        for (int q = 0; q < Cell::points; ++q)
-          for (int l = 0; l < lanes; ++l, ++next) {
-            if (cells.inside[l] == 0) continue;
-            double at[3] = {0, 0, 0};
-            for (int a = 0; a < Cell::nodes; ++a)
-              for (int k = 0; k < Cell::dim; ++k)
-                at[k] += shape_table<Cell>.N[q][a] * X.value[static_cast<std::size_t>(a * Cell::dim + k)][l];
-            region.source[end][next] = boundary_.heat_value(region.condition, at, t);
-          }
-      });
+      const int dim = d_.dim(), nodes = group.shape->nodes;
+      const Gathered X(group, cells.batch, X_, dim);
+      for (int q = 0; q < group.shape->points; ++q)
+        for (int l = 0; l < lanes; ++l, ++next) {
+          if (cells.inside[l] == 0) continue;
+          double at[3] = {0, 0, 0};
+          for (int a = 0; a < nodes; ++a)
+            for (int k = 0; k < dim; ++k) at[k] += group.shape->N[q * nodes + a] * X.value[a * dim + k][l];
+          region.source[end][next] = boundary_.heat_value(region.condition, at, t);
+        }
     }
   }
   for (Surface& surface : surfaces_) {
@@ -195,7 +193,7 @@ namespace {
 
 // What a row is at both ends of a part of the step.
 template <class Values> void cut_to(double begin, double end, Values& now, Values& before) {
-  for (std::size_t i = 0; i < now.value.size(); ++i) {
+  for (int i = 0; i < now.size; ++i) {
     const Batch change = now.value[i] - before.value[i], start = before.value[i];
     now.value[i] = start + end * change;
     before.value[i] = start + begin * change;
@@ -204,7 +202,7 @@ template <class Values> void cut_to(double begin, double end, Values& now, Value
 
 } // namespace
 
-// body.operator()<Cell, frame>(group, batch, law, input) with the input's arrays at hand.
+// body(group, batch, law, input) with the input's arrays at hand.
 template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>& theta, Body&& body) {
   const std::vector<double>& theta_n = theta_at_start();
   const auto cut = [this](auto& now, auto& before) {
@@ -218,71 +216,66 @@ template <class Body> bool HeatProblem::for_each_batch(const std::vector<double>
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
-    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      using Points = PointValues<Cell, history_size(frame)>;
-      using Stress = PointValues<Cell, gradient_size(frame)>;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, X_);
-        Gathered<Cell, Cell::dim> u(group, b, step_.u ? *step_.u : X_),
-            u_n(group, b, step_.u_n ? *step_.u_n : X_);
-        const Gathered<Cell, 1> now(group, b, theta), before(group, b, theta_n);
-        Gathered<Cell, 1> phi(group, b, step_.phi ? *step_.phi : theta_n),
-            phi_n(group, b, step_.phi_n ? *step_.phi_n : theta_n);
-        cut(u, u_n);
-        cut(phi, phi_n);
-        Points A, A_n;
-        PointValues<Cell, drive_size> E, E_n;
-        Stress P, P_n;
-        PointValues<Cell, 1> dissipation, worn, worn_n;
-        HeatInput in;
-        in.X = X.data();
-        if (step_.u) in.u = u.data(), in.u_n = u_n.data();
-        if (step_.phi) in.phi = phi.data(), in.phi_n = phi_n.data();
-        if (fatigue && law.fatigues()) {
-          worn.load(fatigue->trial, dissipation_offset_[g], b);
-          worn_n.load(fatigue->committed, dissipation_offset_[g], b);
-          cut(worn, worn_n);
-          in.fatigue = worn.data();
-          in.fatigue_n = worn_n.data();
-        }
-        in.theta = now.data();
-        in.theta_n = before.data();
-        const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
-        if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
-            (step_.u && d_.frame == Frame::plane_stress)) {
-          A.load(history.trial, history_offset_[g], b);
-          A_n.load(history.committed, history_offset_[g], b);
-          cut(A, A_n);
-          in.history = A.data();
-          in.history_n = A_n.data();
-        }
-        if ((energy && law.softens()) || exchanges) {
-          E.load(drive.trial, drive_offset_[g], b);
-          E_n.load(drive.committed, drive_offset_[g], b);
-          if (energy) cut(E, E_n); // the exchange of the entropy form takes that of the end, like damage
-          in.drive = E.data();
-          in.drive_n = E_n.data();
-        }
-        if (energy && stress) {
-          P.load(step_stress_, stress_offset_[g], b);
-          P_n.load(stress->committed, stress_offset_[g], b);
-          cut(P, P_n); // linear in time like F: the works of the sub-steps add up to that of the step
-          in.stress = P.data();
-          in.stress_n = P_n.data();
-        }
-        if (!energy && step_.dissipation) {
-          dissipation.load(*step_.dissipation, dissipation_offset_[g], b);
-          if (!window_.whole())
-            for (Batch& lost : dissipation.value) lost *= window_.end - window_.begin;
-          in.dissipation = dissipation.data();
-        }
-        in.dt = t_ - t_n_;
-        in.theta_h = settings_.theta;
-        in.form = settings_.form;
-        const int bad = body.template operator()<Cell, frame>(g, b, law, in);
-        sound = sound && (bad & ((1 << group.lanes_in_use(b)) - 1)) == 0;
+    const int dim = d_.dim();
+    for (int b = 0; b < group.batch_count; ++b) {
+      const Gathered X(group, b, X_, dim), now(group, b, theta, 1), before(group, b, theta_n, 1);
+      Gathered u(group, b, step_.u ? *step_.u : X_, dim), u_n(group, b, step_.u_n ? *step_.u_n : X_, dim);
+      Gathered phi(group, b, step_.phi ? *step_.phi : theta_n, 1),
+          phi_n(group, b, step_.phi_n ? *step_.phi_n : theta_n, 1);
+      cut(u, u_n);
+      cut(phi, phi_n);
+      PointValues<max_history_size> A(group, history_size(d_.frame)), A_n(group, history_size(d_.frame));
+      PointValues<drive_size> E(group), E_n(group);
+      PointValues<max_gradient_size> P(group, gradient_size(d_.frame)), P_n(group, gradient_size(d_.frame));
+      PointValues<1> dissipation(group), worn(group), worn_n(group);
+      HeatInput in;
+      in.X = X.data();
+      if (step_.u) in.u = u.data(), in.u_n = u_n.data();
+      if (step_.phi) in.phi = phi.data(), in.phi_n = phi_n.data();
+      if (fatigue && law.fatigues()) {
+        worn.load(fatigue->trial, dissipation_offset_[g], b);
+        worn_n.load(fatigue->committed, dissipation_offset_[g], b);
+        cut(worn, worn_n);
+        in.fatigue = worn.data();
+        in.fatigue_n = worn_n.data();
       }
-    });
+      in.theta = now.data();
+      in.theta_n = before.data();
+      const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
+      if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
+          (step_.u && d_.frame == Frame::plane_stress)) {
+        A.load(history.trial, history_offset_[g], b);
+        A_n.load(history.committed, history_offset_[g], b);
+        cut(A, A_n);
+        in.history = A.data();
+        in.history_n = A_n.data();
+      }
+      if ((energy && law.softens()) || exchanges) {
+        E.load(drive.trial, drive_offset_[g], b);
+        E_n.load(drive.committed, drive_offset_[g], b);
+        if (energy) cut(E, E_n); // the exchange of the entropy form takes that of the end, like damage
+        in.drive = E.data();
+        in.drive_n = E_n.data();
+      }
+      if (energy && stress) {
+        P.load(step_stress_, stress_offset_[g], b);
+        P_n.load(stress->committed, stress_offset_[g], b);
+        cut(P, P_n); // linear in time like F: the works of the sub-steps add up to that of the step
+        in.stress = P.data();
+        in.stress_n = P_n.data();
+      }
+      if (!energy && step_.dissipation) {
+        dissipation.load(*step_.dissipation, dissipation_offset_[g], b);
+        if (!window_.whole())
+          for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
+        in.dissipation = dissipation.data();
+      }
+      in.dt = t_ - t_n_;
+      in.theta_h = settings_.theta;
+      in.form = settings_.form;
+      const int bad = body(g, b, law, in);
+      sound = sound && is_sound(bad, group.lanes_in_use(b));
+    }
   }
   return sound;
 }
@@ -293,33 +286,31 @@ bool HeatProblem::make_constant_part() {
   load_supplied_.assign(supplied_.size(), 0.0);
   const double dt = t_ - t_n_;
   const double weight[2] = {(1 - settings_.theta) * dt, settings_.theta * dt};
-  const bool sound = for_each_batch(
-      x_, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
-        PointValues<Cell, heat_point_size> points;
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
-        const int bad = heat_step<Cell, frame>(law, in, points.data(), r.data());
-        points.store(points_, point_offset_[g], b);
-        scatter_add<Cell, 1>(d_.groups[g], b, r.data(), constant_.data());
-        return bad;
-      });
+  const bool sound = for_each_batch(x_, [&](std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
+    const CellGroup& group = d_.groups[g];
+    PointValues<heat_point_size> points(group);
+    NodalSum r(group, 1);
+    const int bad = group.shape.kernels(d_.frame).heat_step(law, in, points.data(), r.data());
+    points.store(points_, point_offset_[g], b);
+    scatter_add<1>(group, b, r.data(), constant_.data());
+    return bad;
+  });
   load_.assign(constant_.size(), 0.0);
   for (const Region& region : regions_) {
     std::size_t next = 0;
     for (const Region::Cells& cells : region.cells) {
       const CellGroup& group = d_.groups[static_cast<std::size_t>(cells.group)];
-      with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-        const Gathered<Cell, Cell::dim> X(group, cells.batch, X_);
-        std::array<Batch, static_cast<std::size_t>(Cell::points)> source;
-        for (Batch& value : source)
-          for (int l = 0; l < lanes; ++l, ++next)
-            value.set(l, weight[0] * region.source[0][next] + weight[1] * region.source[1][next]);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
-        Batch sum = 0;
-        heat_source<Cell, frame>(X.data(), source.data(), r.data(), sum);
-        scatter_add<Cell, 1>(group, cells.batch, r.data(), load_.data());
-        load_supplied_[static_cast<std::size_t>(region.condition)] +=
-            lane_sum(sum, group.lanes_in_use(cells.batch));
-      });
+      const Gathered X(group, cells.batch, X_, d_.dim());
+      PointValues<1> source(group);
+      for (Batch& value : source.all())
+        for (int l = 0; l < lanes; ++l, ++next)
+          value.set(l, weight[0] * region.source[0][next] + weight[1] * region.source[1][next]);
+      NodalSum r(group, 1);
+      Batch sum = 0;
+      group.shape.kernels(d_.frame).heat_source(X.data(), source.data(), r.data(), sum);
+      scatter_add<1>(group, cells.batch, r.data(), load_.data());
+      load_supplied_[static_cast<std::size_t>(region.condition)] +=
+          lane_sum(sum, group.lanes_in_use(cells.batch));
     }
   }
   if (settings_.theta < 1)
@@ -338,13 +329,14 @@ bool HeatProblem::add_residual(const std::vector<double>& theta, std::vector<dou
     supplied_[static_cast<std::size_t>(surface.load->condition)] += add_surface_heat(
         surface.load->facets, d_.frame, X_, surface.heat[1], theta, settings_.theta * (t_ - t_n_), r);
   for (double& value : r) value = -value;
-  const bool sound = for_each_batch(
-      theta, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
-        PointValues<Cell, heat_point_size> points;
+  const bool sound =
+      for_each_batch(theta, [&](std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
+        const CellGroup& group = d_.groups[g];
+        PointValues<heat_point_size> points(group);
         points.load(points_, point_offset_[g], b);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> part{};
-        const int bad = heat_residual<Cell, frame>(law, in, points.data(), part.data());
-        scatter_add<Cell, 1>(d_.groups[g], b, part.data(), r.data());
+        NodalSum part(group, 1);
+        const int bad = group.shape.kernels(d_.frame).heat_residual(law, in, points.data(), part.data());
+        scatter_add<1>(group, b, part.data(), r.data());
         return bad;
       });
   return all_ranks_agree(d_.mesh.comm(), sound);
@@ -370,22 +362,17 @@ void HeatProblem::tangent(Vec x) {
   const Timed timed(Event::heat_tangent);
   d_.scalar.to_local(x, x_);
   assembly_->zero();
-  for_each_batch(
-      x_, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
-        constexpr int n = Cell::nodes;
-        PointValues<Cell, heat_point_size> points;
-        points.load(points_, point_offset_[g], b);
-        const Gathered<Cell, 1> free(d_.groups[g], b, free_);
-        std::array<Batch, static_cast<std::size_t>(n)> r{};
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
-        const int bad = heat_tangent<Cell, frame>(law, in, points.data(), r.data(), K.data());
-        for (int i = 0; i < n; ++i)
-          for (int j = 0; j < n; ++j)
-            K[static_cast<std::size_t>(i * n + j)] *=
-                free.value[static_cast<std::size_t>(i)] * free.value[static_cast<std::size_t>(j)];
-        assembly_->add(static_cast<int>(g), b, K.data());
-        return bad;
-      });
+  for_each_batch(x_, [&](std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
+    const CellGroup& group = d_.groups[g];
+    PointValues<heat_point_size> points(group);
+    points.load(points_, point_offset_[g], b);
+    NodalSum r(group, 1);
+    CellMatrix K(group.shape->nodes);
+    const int bad = group.shape.kernels(d_.frame).heat_tangent(law, in, points.data(), r.data(), K.data());
+    K.mask(Gathered(group, b, free_, 1).data());
+    assembly_->add(static_cast<int>(g), b, K.data());
+    return bad;
+  });
   assembly_->finish();
   Mat matrix = assembly_->matrix();
   if (!surfaces_.empty() || !contacts_.empty()) {

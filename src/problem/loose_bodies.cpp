@@ -27,17 +27,14 @@ std::vector<double> nodal_volumes(const Discretisation& d) {
   for (const CellGroup& group : d.groups) {
     PointLaw unit = d.law(group);
     unit.parameters.rho = 1;
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim, nodes = Cell::nodes;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> x(group, b, X);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
-        mass_matrix<Cell, frame>(unit, x.data(), m.data());
-        std::array<Batch, static_cast<std::size_t>(nodes)> sum{};
-        for (std::size_t i = 0; i < m.size(); ++i) sum[i / static_cast<std::size_t>(nodes)] += m[i];
-        scatter_add<Cell, 1>(group, b, sum.data(), volume.data());
-      }
-    });
+    CellMatrix m(group.shape->nodes);
+    for (int b = 0; b < group.batch_count; ++b) {
+      m.clear();
+      group.shape.kernels(d.frame).mass_matrix(unit, Gathered(group, b, X, d.dim()).data(), m.data());
+      NodalSum sum(group, 1);
+      for (int i = 0; i < m.rows * m.rows; ++i) sum.value[i / m.rows] += m.data()[i];
+      scatter_add<1>(group, b, sum.data(), volume.data());
+    }
   }
   const Handle<Vec> total = d.scalar.make_global();
   d.scalar.add_to_global(volume, total);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/motion.hpp>
@@ -15,15 +14,10 @@ namespace {
 
 double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 * p.K + p.G); }
 
-// Rows and columns of prescribed dofs vanish from a cell matrix [dof][dof].
-template <int n> void mask(const Batch* free, Batch* K) {
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
-}
-
-template <int n> double trace(const Batch* K, int lanes_in_use) {
-  Batch sum = K[0];
-  for (int i = 1; i < n; ++i) sum += K[i * n + i];
+double trace(const CellMatrix& K, int lanes_in_use) {
+  const auto step = static_cast<std::size_t>(K.rows + 1);
+  Batch sum = K.value[0];
+  for (std::size_t i = step; i < K.value.size(); i += step) sum += K.value[i];
   return lane_sum(sum, lanes_in_use);
 }
 
@@ -193,22 +187,20 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
     const CellGroup& group = d_.groups[g];
     if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
-    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
-      MotionFields fields = step_fields(u, accel, law);
-      fields.unilateral = unilateral;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
-        const CellStatus status = motion_residual<Cell, frame>(law, batch.in, force.data());
-        const int used = (1 << group.lanes_in_use(b)) - 1;
-        if (status.bad & used) {
-          sound = false;
-          note_broken(group, b, status.bad & used, status.min_J);
-        }
-        scatter_add<Cell, dim>(group, b, force.data(), r.data());
+    const CellKernels& kernels = group.shape.kernels(d_.frame);
+    MotionFields fields = step_fields(u, accel, law);
+    fields.unilateral = unilateral;
+    for (int b = 0; b < group.batch_count; ++b) {
+      const MotionBatch batch(group, d_.frame, b, fields, history_offset_[g]);
+      NodalSum force(group, d_.dim());
+      const CellStatus status = kernels.motion_residual(law, batch.in, force.data());
+      const int used = (1 << group.lanes_in_use(b)) - 1;
+      if (status.bad & used) {
+        sound = false;
+        note_broken(group, b, status.bad & used, status.min_J);
       }
-    });
+      scatter_add(group, b, d_.dim(), force.data(), r.data());
+    }
   }
   return sound;
 }
@@ -261,27 +253,24 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
     const CellGroup& group = d_.groups[g];
     if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
-    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim, n = Cell::nodes * dim;
-      MotionFields fields = step_fields(u_, nullptr, law);
-      fields.unilateral = step_.unilateral_scale;
-      for (int b = 0; b < group.batch_count; ++b) {
-        MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
-        batch.in.mass_shift = mass_shift;
-        batch.in.symmetric = symmetric_;
-        std::array<Batch, static_cast<std::size_t>(n * n)> K;
-        const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, nullptr, K.data());
-        const int used = (1 << group.lanes_in_use(b)) - 1;
-        if (status.bad & used) {
-          sound = false;
-          note_broken(group, b, status.bad & used, status.min_J);
-        }
-        if (held_batches_[g][static_cast<std::size_t>(b)])
-          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
-        diagonal += trace<n>(K.data(), group.lanes_in_use(b));
-        assembly_->add(static_cast<int>(g), b, K.data());
+    const CellKernels& kernels = group.shape.kernels(d_.frame);
+    CellMatrix K(group.shape->nodes * d_.dim());
+    MotionFields fields = step_fields(u_, nullptr, law);
+    fields.unilateral = step_.unilateral_scale;
+    for (int b = 0; b < group.batch_count; ++b) {
+      MotionBatch batch(group, d_.frame, b, fields, history_offset_[g]);
+      batch.in.mass_shift = mass_shift;
+      batch.in.symmetric = symmetric_;
+      const CellStatus status = kernels.motion_tangent(law, batch.in, nullptr, K.data());
+      const int used = (1 << group.lanes_in_use(b)) - 1;
+      if (status.bad & used) {
+        sound = false;
+        note_broken(group, b, status.bad & used, status.min_J);
       }
-    });
+      if (held_batches_[g][static_cast<std::size_t>(b)]) K.mask(Gathered(group, b, free_, d_.dim()).data());
+      diagonal += trace(K, group.lanes_in_use(b));
+      assembly_->add(static_cast<int>(g), b, K.data());
+    }
   }
   rigid_->place(u);
   close_tangent(u, true, diagonal, mass_shift);
@@ -345,45 +334,43 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
     const CellGroup& group = d_.groups[g];
     if (rigid_cells(group)) continue;
     const PointLaw& law = d_.law(group);
-    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      MotionFields fields = step_fields(u_, nullptr, law);
-      if (apart) fields.unilateral = 0;
-      if (law.softens()) fields.drive = &drive.committed;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g], drive_offset_[g]);
-        PointValues<Cell, history_size(frame)> next;
-        PointValues<Cell, drive_size> driving;
-        PointValues<Cell, 1> dissipation;
-        PointValues<Cell, gradient_size(frame)> stress;
-        StepSums step_sums;
-        const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
-                            heat.stress ? stress.data() : nullptr};
-        Batch* const trial = keeps_history(law) ? next.data() : nullptr;
-        if (apart && heat.step_stress) {
-          MotionInput in = batch.in;
-          in.unilateral = 2;
-          StepSums unused;
-          motion_advance<Cell, frame>(law, in, trial, nullptr, unused, {nullptr, stress.data()});
-          stress.store(*heat.step_stress, stress_offset_[g], b);
-        }
-        const CellStatus status =
-            motion_advance<Cell, frame>(law, batch.in, trial, driving.data(), step_sums, feed);
-        const int used = group.lanes_in_use(b);
-        sound = sound && (status.bad & ((1 << used) - 1)) == 0;
-        if (keeps_history(law)) next.store(history.trial, history_offset_[g], b);
-        driving.store(drive.trial, drive_offset_[g], b);
-        if (heat.dissipation) dissipation.store(*heat.dissipation, dissipation_offset_[g], b);
-        if (heat.stress) stress.store(*heat.stress, stress_offset_[g], b);
-        if (heat.step_stress && !apart) stress.store(*heat.step_stress, stress_offset_[g], b);
-        total[0] += lane_sum(step_sums.plastic_dissipation, used);
-        total[1] += lane_sum(step_sums.viscous_dissipation, used);
-        total[2] += lane_sum(step_sums.plastic_work, used);
-        const auto m = static_cast<std::size_t>(group.material);
-        total[3 + m] += lane_sum(step_sums.plastic_dissipation, used);
-        total[3 + materials + m] += lane_sum(step_sums.viscous_dissipation, used);
-        for (int l = 0; l < used; ++l) least = std::min(least, step_sums.least_dissipation[l]);
+    const CellKernels& kernels = group.shape.kernels(d_.frame);
+    MotionFields fields = step_fields(u_, nullptr, law);
+    if (apart) fields.unilateral = 0;
+    if (law.softens()) fields.drive = &drive.committed;
+    for (int b = 0; b < group.batch_count; ++b) {
+      const MotionBatch batch(group, d_.frame, b, fields, history_offset_[g], drive_offset_[g]);
+      PointValues<max_history_size> next(group, history_size(d_.frame));
+      PointValues<drive_size> driving(group);
+      PointValues<1> dissipation(group);
+      PointValues<max_gradient_size> stress(group, gradient_size(d_.frame));
+      StepSums step_sums;
+      const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
+                          heat.stress ? stress.data() : nullptr};
+      Batch* const trial = keeps_history(law) ? next.data() : nullptr;
+      if (apart && heat.step_stress) {
+        MotionInput in = batch.in;
+        in.unilateral = 2;
+        StepSums unused;
+        kernels.motion_advance(law, in, trial, nullptr, unused, {nullptr, stress.data()});
+        stress.store(*heat.step_stress, stress_offset_[g], b);
       }
-    });
+      const CellStatus status = kernels.motion_advance(law, batch.in, trial, driving.data(), step_sums, feed);
+      const int used = group.lanes_in_use(b);
+      sound = sound && (status.bad & ((1 << used) - 1)) == 0;
+      if (keeps_history(law)) next.store(history.trial, history_offset_[g], b);
+      driving.store(drive.trial, drive_offset_[g], b);
+      if (heat.dissipation) dissipation.store(*heat.dissipation, dissipation_offset_[g], b);
+      if (heat.stress) stress.store(*heat.stress, stress_offset_[g], b);
+      if (heat.step_stress && !apart) stress.store(*heat.step_stress, stress_offset_[g], b);
+      total[0] += lane_sum(step_sums.plastic_dissipation, used);
+      total[1] += lane_sum(step_sums.viscous_dissipation, used);
+      total[2] += lane_sum(step_sums.plastic_work, used);
+      const auto m = static_cast<std::size_t>(group.material);
+      total[3 + m] += lane_sum(step_sums.plastic_dissipation, used);
+      total[3 + materials + m] += lane_sum(step_sums.viscous_dissipation, used);
+      for (int l = 0; l < used; ++l) least = std::min(least, step_sums.least_dissipation[l]);
+    }
   }
   MPI_Allreduce(MPI_IN_PLACE, total.data(), static_cast<int>(total.size()), MPI_DOUBLE, MPI_SUM,
                 d_.mesh.comm());
@@ -442,24 +429,22 @@ double MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool mas
   for (std::size_t g = 0; g < d_.groups.size(); ++g) {
     const CellGroup& group = d_.groups[g];
     const PointLaw& law = d_.law(group);
-    with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim, nodes = Cell::nodes, n = nodes * dim;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
-        mass_matrix<Cell, frame>(law, X.data(), m.data());
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
-        for (int i = 0; i < nodes; ++i)
-          for (int j = 0; j < nodes; ++j)
-            for (int k = 0; k < dim; ++k)
-              K[static_cast<std::size_t>((i * dim + k) * n + j * dim + k)] =
-                  Batch(factor) * m[static_cast<std::size_t>(i * nodes + j)];
-        if (masked && held_batches_[g][static_cast<std::size_t>(b)])
-          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
-        diagonal += trace<n>(K.data(), group.lanes_in_use(b));
-        assembly.add(static_cast<int>(g), b, K.data());
-      }
-    });
+    const int dim = d_.dim(), nodes = group.shape->nodes;
+    CellMatrix m(nodes), K(nodes * dim);
+    for (int b = 0; b < group.batch_count; ++b) {
+      m.clear();
+      K.clear();
+      group.shape.kernels(d_.frame).mass_matrix(law, Gathered(group, b, X_, dim).data(), m.data());
+      for (int i = 0; i < nodes; ++i)
+        for (int j = 0; j < nodes; ++j)
+          for (int k = 0; k < dim; ++k)
+            K.value[static_cast<std::size_t>((i * dim + k) * K.rows + j * dim + k)] =
+                Batch(factor) * m.value[static_cast<std::size_t>(i * nodes + j)];
+      if (masked && held_batches_[g][static_cast<std::size_t>(b)])
+        K.mask(Gathered(group, b, free_, dim).data());
+      diagonal += trace(K, group.lanes_in_use(b));
+      assembly.add(static_cast<int>(g), b, K.data());
+    }
   }
   return diagonal;
 }

@@ -15,27 +15,28 @@ struct MotionFields {
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
-template <class Cell, Frame frame> struct MotionBatch {
-  static constexpr std::size_t vector_size = static_cast<std::size_t>(Cell::nodes * Cell::dim);
-  std::array<Batch, vector_size> X, u, u_n, accel;
-  std::array<Batch, static_cast<std::size_t>(Cell::nodes)> phi, theta;
-  PointValues<Cell, history_size(frame)> history;
-  PointValues<Cell, drive_size> drive;
+struct MotionBatch {
+  BatchArray<3 * max_nodes> X, u, u_n, accel;
+  BatchArray<max_nodes> phi, theta;
+  PointValues<max_history_size> history;
+  PointValues<drive_size> drive;
   MotionInput in;
 
-  MotionBatch(const CellGroup& group, int batch, const MotionFields& fields, std::size_t history_offset,
-              std::size_t drive_offset = 0) {
-    const auto read = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
+  MotionBatch(const CellGroup& group, Frame frame, int batch, const MotionFields& fields,
+              std::size_t history_offset, std::size_t drive_offset = 0)
+      : X(group.shape->nodes * group.shape->dim), u(X.size), u_n(X.size), accel(X.size),
+        phi(group.shape->nodes), theta(phi.size), history(group, history_size(frame)), drive(group) {
+    const auto read = [&](const std::vector<double>* field, auto& values) -> const Batch* {
       if (field == nullptr) return nullptr;
-      gather<Cell, components>(group, batch, field->data(), values.data());
+      gather(group, batch, values.size / group.shape->nodes, field->data(), values.data());
       return values.data();
     };
-    in.X = read.template operator()<Cell::dim>(fields.X, X);
-    in.u = read.template operator()<Cell::dim>(fields.u, u);
-    in.u_n = read.template operator()<Cell::dim>(fields.u_n, u_n);
-    in.accel = read.template operator()<Cell::dim>(fields.accel, accel);
-    in.phi = read.template operator()<1>(fields.phi, phi);
-    in.theta = read.template operator()<1>(fields.theta, theta);
+    in.X = read(fields.X, X);
+    in.u = read(fields.u, u);
+    in.u_n = read(fields.u_n, u_n);
+    in.accel = read(fields.accel, accel);
+    in.phi = read(fields.phi, phi);
+    in.theta = read(fields.theta, theta);
     if (fields.history != nullptr) {
       history.load(*fields.history, history_offset, batch);
       in.history = history.data();

@@ -26,19 +26,17 @@ template <class Visitor> void visit_masses(const Discretisation& d, Visitor&& vi
     if (!is_rigid(d, group)) continue;
     PointLaw law = d.law(group);
     if (!(law.parameters.rho > 0)) law.parameters.rho = 1; // the volume then weighs
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int nodes = Cell::nodes;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> places(group, b, X);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
-        mass_matrix<Cell, frame>(law, places.data(), m.data());
-        for (int l = 0; l < group.lanes_in_use(b); ++l)
-          for (int i = 0; i < nodes; ++i)
-            for (int j = 0; j < nodes; ++j)
-              visitor(group.node[at((b * nodes + i) * lanes + l)],
-                      group.node[at((b * nodes + j) * lanes + l)], m[at(i * nodes + j)][l]);
-      }
-    });
+    const int nodes = group.shape->nodes;
+    CellMatrix m(nodes);
+    for (int b = 0; b < group.batch_count; ++b) {
+      m.clear();
+      group.shape.kernels(d.frame).mass_matrix(law, Gathered(group, b, X, d.dim()).data(), m.data());
+      for (int l = 0; l < group.lanes_in_use(b); ++l)
+        for (int i = 0; i < nodes; ++i)
+          for (int j = 0; j < nodes; ++j)
+            visitor(group.node[at((b * nodes + i) * lanes + l)], group.node[at((b * nodes + j) * lanes + l)],
+                    m.value[at(i * nodes + j)][l]);
+    }
   }
 }
 

@@ -57,35 +57,9 @@ constexpr unsigned stored_width(int components) {
   return components == 2 ? 3U : static_cast<unsigned>(components);
 }
 
-int xdmf_type(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return 4;
-  case Shape::quad4:
-    return 5;
-  case Shape::tet4:
-    return 6;
-  default:
-    return 9;
-  }
-}
-
-const char* xdmf_name(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return "Triangle";
-  case Shape::quad4:
-    return "Quadrilateral";
-  case Shape::tet4:
-    return "Tetrahedron";
-  default:
-    return "Hexahedron";
-  }
-}
-
 std::vector<Shape> shapes_on_any_rank(const Mesh& mesh) {
   std::vector<Shape> shapes;
-  for (const Shape s : {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8})
+  for (const Shape s : known_shapes())
     if (mesh.has_shape(s)) shapes.push_back(s);
   return shapes;
 }
@@ -96,7 +70,7 @@ std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   for (const CellTable& table : mesh.cells()) {
     const auto nodes = static_cast<std::size_t>(node_count(table.shape));
     for (std::size_t c = 0; c < table.point.size(); ++c) {
-      if (mixed) list.push_back(xdmf_type(table.shape));
+      if (mixed) list.push_back(table.shape->names.xdmf);
       for (std::size_t a = 0; a < nodes; ++a)
         list.push_back(mesh.global_node()[static_cast<std::size_t>(table.connectivity[c * nodes + a])]);
     }
@@ -282,7 +256,7 @@ void FieldOutput::Impl::write_mesh(const Mesh& mesh, const FieldFile& request, c
   const std::vector<std::int64_t> cells = connectivity(mesh, mixed);
   std::int64_t mine = static_cast<std::int64_t>(cells.size()), length = 0;
   MPI_Allreduce(&mine, &length, 1, MPI_INT64_T, MPI_SUM, comm);
-  const hsize_t width = mixed ? 1 : static_cast<hsize_t>(impact::node_count(shapes.at(0)));
+  const hsize_t width = mixed ? 1 : static_cast<hsize_t>(shapes.at(0)->nodes);
 
   const std::string name = mesh_name(next_mesh);
   std::unique_ptr<hdf5::File> h5;
@@ -297,8 +271,8 @@ void FieldOutput::Impl::write_mesh(const Mesh& mesh, const FieldFile& request, c
   const bool regions = !request.regions.empty();
   if (regions) write_dataset(h5.get(), failure, "/region", 1, global_cells, request.region);
   on_rank_zero(comm, [&] {
-    const XdmfMesh entry{relative(name), mixed ? "Mixed" : xdmf_name(shapes[0]), global_nodes,
-                         global_cells,   static_cast<std::uint64_t>(length),     regions};
+    const XdmfMesh entry{relative(name), mixed ? "Mixed" : shapes[0]->names.xdmf_name, global_nodes,
+                         global_cells,   static_cast<std::uint64_t>(length),           regions};
     if (failure.empty()) {
       h5->write("/cells", entry.cell_type);
       h5->write("/cell_count", std::vector<double>{static_cast<double>(global_cells)});

@@ -77,15 +77,13 @@ std::vector<double> FieldSource::fatigue_means() const {
   const auto offset = point_offsets(d.groups, 1);
   std::vector<double> values;
   for (std::size_t g = 0; g < d.groups.size(); ++g)
-    with_shape(d.groups[g], d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < d.groups[g].batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> reference(d.groups[g], b, X);
-        PointValues<Cell, 1> points;
-        points.load(fatigue, offset[g], b);
-        const Batch mean = cell_mean<Cell, frame>(reference.data(), points.data());
-        for (int l = 0; l < lanes; ++l) values.push_back(mean[l]);
-      }
-    });
+    for (int b = 0; b < d.groups[g].batch_count; ++b) {
+      const Gathered reference(d.groups[g], b, X, d.dim());
+      PointValues<1> points(d.groups[g]);
+      points.load(fatigue, offset[g], b);
+      const Batch mean = d.groups[g].shape.kernels(d.frame).cell_mean(reference.data(), points.data());
+      for (int l = 0; l < lanes; ++l) values.push_back(mean[l]);
+    }
   return values;
 }
 
@@ -105,33 +103,30 @@ std::vector<double> FieldSource::cellwise(const std::string& name, const Snapsho
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];
     const PointLaw& law = d.law(group);
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> at(group, b, u), reference(group, b, X);
-        std::optional<Gathered<Cell, 1>> phi, theta;
-        if (phi_row) phi.emplace(group, b, phi_row->committed);
-        if (theta_row) theta.emplace(group, b, theta_row->committed);
-        PointValues<Cell, history_size(frame)> points;
-        points.load(history, offset[g], b);
-        MotionInput in;
-        in.X = reference.data();
-        in.u = at.data();
-        in.u_n =
-            at.data(); // the stress field leaves the viscous part out: it belongs to a step, not to a state
-        in.phi = phi_row ? phi->data() : nullptr;
-        in.theta = theta_row ? theta->data() : nullptr;
-        in.history = points.data();
-        CellOutput out;
-        cell_output<Cell, frame>(law, in, out);
-        const Batch* source = name == "stress"      ? out.stress
-                              : name == "von_mises" ? &out.von_mises
-                              : name == "pressure"  ? &out.pressure
-                                                    : &out.alpha;
-        for (int k = 0; k < components; ++k)
-          for (int l = 0; l < lanes; ++l) values[cursor++] = source[k][l];
-      }
-    });
+    for (int b = 0; b < group.batch_count; ++b) {
+      const Gathered at(group, b, u, d.dim()), reference(group, b, X, d.dim());
+      std::optional<Gathered> phi, theta;
+      if (phi_row) phi.emplace(group, b, phi_row->committed, 1);
+      if (theta_row) theta.emplace(group, b, theta_row->committed, 1);
+      PointValues<max_history_size> points(group, history_size(d.frame));
+      points.load(history, offset[g], b);
+      MotionInput in;
+      in.X = reference.data();
+      in.u = at.data();
+      in.u_n =
+          at.data(); // the stress field leaves the viscous part out: it belongs to a step, not to a state
+      in.phi = phi_row ? phi->data() : nullptr;
+      in.theta = theta_row ? theta->data() : nullptr;
+      in.history = points.data();
+      CellOutput out;
+      group.shape.kernels(d.frame).cell_output(law, in, out);
+      const Batch* source = name == "stress"      ? out.stress
+                            : name == "von_mises" ? &out.von_mises
+                            : name == "pressure"  ? &out.pressure
+                                                  : &out.alpha;
+      for (int k = 0; k < components; ++k)
+        for (int l = 0; l < lanes; ++l) values[cursor++] = source[k][l];
+    }
   }
   return values;
 }

@@ -14,42 +14,6 @@ namespace {
 
 constexpr const char* axis[3] = {"x", "y", "z"};
 
-// Reference coordinates of a point in a cell by Newton's method; false when it lies outside.
-template <class Cell> bool locate(const double* X, const double* at, double* N) {
-  constexpr int dim = Cell::dim;
-  typename Cell::Point xi = Cell::centroid();
-  for (int it = 0; it < 30; ++it) {
-    const auto shape = Cell::N(xi);
-    const auto slope = Cell::dN(xi);
-    Vector3 r{};
-    Matrix3 J = unit_matrix;
-    for (int i = 0; i < dim; ++i) {
-      const auto row = static_cast<std::size_t>(3 * i);
-      r[row / 3] = at[i];
-      for (std::size_t j = 0; j < dim; ++j) J[row + j] = 0;
-      for (std::size_t a = 0; a < Cell::nodes; ++a) {
-        const double x = X[static_cast<int>(a) * dim + i];
-        r[row / 3] -= shape[a] * x;
-        for (std::size_t j = 0; j < dim; ++j) J[row + j] += slope[a][j] * x;
-      }
-    }
-    const Vector3 d = inverse(J) * r;
-    double step = 0;
-    for (std::size_t i = 0; i < dim; ++i) {
-      xi[i] += d[i];
-      step = std::max(step, std::abs(d[i]));
-    }
-    if (!(step < 1e3)) return false;
-    if (step < 1e-13) break;
-  }
-  const auto shape = Cell::N(xi);
-  for (int a = 0; a < Cell::nodes; ++a) {
-    N[a] = shape[static_cast<std::size_t>(a)];
-    if (N[a] < -1e-9) return false;
-  }
-  return true;
-}
-
 // Where cell fields, [group][batch][component][lane], have the cell of a mesh point.
 void find_lane(const std::vector<CellGroup>& groups, PetscInt point, std::size_t& batch, std::size_t& lane) {
   std::size_t first = 0;
@@ -122,32 +86,23 @@ void HistoryObserver::locate_probes() {
     std::vector<PetscInt> region =
         probe.region.empty() ? std::vector<PetscInt>() : d.mesh.region_cells(probe.region);
     for (const CellTable& table : d.mesh.cells())
-      visit(table.shape, [&]<class Cell>(Cell) {
-        for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
-          if (!probe.region.empty() &&
-              std::find(region.begin(), region.end(), table.point[c]) == region.end())
-            continue;
-          if (probe.region.empty() &&
-              std::find(obstacles.begin(), obstacles.end(), table.point[c]) != obstacles.end())
-            continue;
-          double X[Cell::nodes * Cell::dim], N[Cell::nodes];
-          for (int a = 0; a < Cell::nodes; ++a)
-            for (int k = 0; k < Cell::dim; ++k)
-              X[a * Cell::dim + k] = d.mesh.coordinates()[static_cast<std::size_t>(
-                  table.connectivity[c * static_cast<std::size_t>(Cell::nodes) +
-                                     static_cast<std::size_t>(a)] *
-                      Cell::dim +
-                  k)];
-          if (!locate<Cell>(X, probe.at, N)) continue;
-          found.count = Cell::nodes;
-          find_lane(d.groups, table.point[c], found.batch, found.lane);
-          for (int a = 0; a < Cell::nodes; ++a) {
-            found.nodes[a] =
-                table.connectivity[c * static_cast<std::size_t>(Cell::nodes) + static_cast<std::size_t>(a)];
-            found.N[a] = N[a];
-          }
-        }
-      });
+      for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
+        if (!probe.region.empty() && std::find(region.begin(), region.end(), table.point[c]) == region.end())
+          continue;
+        if (probe.region.empty() &&
+            std::find(obstacles.begin(), obstacles.end(), table.point[c]) != obstacles.end())
+          continue;
+        const int nodes = table.shape->nodes, dim = d.dim();
+        const int* node = &table.connectivity[c * static_cast<std::size_t>(nodes)];
+        double X[3 * max_nodes], N[max_nodes];
+        for (int i = 0; i < nodes * dim; ++i)
+          X[i] = d.mesh.coordinates()[static_cast<std::size_t>(node[i / dim] * dim + i % dim)];
+        if (!locate(table.shape, X, probe.at, N)) continue;
+        found.count = nodes;
+        find_lane(d.groups, table.point[c], found.batch, found.lane);
+        std::copy_n(node, nodes, found.nodes);
+        std::copy_n(N, nodes, found.N);
+      }
     // The lowest rank that holds the point keeps it.
     int rank = 0, size = 1;
     MPI_Comm_rank(d.mesh.comm(), &rank);

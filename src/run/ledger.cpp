@@ -104,48 +104,47 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
     const CellGroup& group = d.groups[g];
     const PointLaw& law = d.law(group);
     double* mine = &values[static_cast<std::size_t>(group.material) * columns];
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, X_), at(group, b, u_local), speed(group, b, v_local);
-        std::optional<Gathered<Cell, 1>> phi, theta;
-        if (phi_row) phi.emplace(group, b, half(*phi_row));
-        if (theta_row) theta.emplace(group, b, half(*theta_row));
-        PointValues<Cell, history_size(frame)> points;
-        points.load(history, offset[g], b);
-        EnergyInput in;
-        in.X = X.data();
-        in.u = at.data();
-        in.v = inertia_ ? speed.data() : nullptr;
-        in.phi = phi_row ? phi->data() : nullptr;
-        in.theta = theta_row ? theta->data() : nullptr;
-        in.history = points.data();
-        PointValues<Cell, 1> fatigue;
-        if (fatigue_row) {
-          fatigue.load(half(*fatigue_row), one[g], b);
-          in.fatigue = fatigue.data();
-        }
-        PointValues<Cell, drive_size> energies;
-        if (law.softens()) {
-          energies.load(drive, drive_offset[g], b);
-          in.drive = energies.data();
-        }
-        EnergySums sums;
-        stored_energy<Cell, frame>(law, in, sums);
-        const int used = group.lanes_in_use(b);
-        mine[0] += lane_sum(sums.kinetic, used);
-        mine[1] += lane_sum(sums.elastic, used);
-        mine[2] += lane_sum(sums.plastic, used);
-        mine[3] += lane_sum(sums.fracture, used);
-        mine[9] += lane_sum(sums.fatigue, used);
-        for (int k = 0; k < 3; ++k) mine[4 + k] += lane_sum(sums.momentum[k], used);
-        if (!theta_row) continue;
-        HeatSums heat;
-        stored_heat<Cell, frame>(law, in, heat);
-        mine[7] += lane_sum(heat.energy, used);
-        mine[8] += lane_sum(heat.entropy, used);
+    const CellKernels& kernels = group.shape.kernels(d.frame);
+    for (int b = 0; b < group.batch_count; ++b) {
+      const int dim = d.dim();
+      const Gathered X(group, b, X_, dim), at(group, b, u_local, dim), speed(group, b, v_local, dim);
+      std::optional<Gathered> phi, theta;
+      if (phi_row) phi.emplace(group, b, half(*phi_row), 1);
+      if (theta_row) theta.emplace(group, b, half(*theta_row), 1);
+      PointValues<max_history_size> points(group, history_size(d.frame));
+      points.load(history, offset[g], b);
+      EnergyInput in;
+      in.X = X.data();
+      in.u = at.data();
+      in.v = inertia_ ? speed.data() : nullptr;
+      in.phi = phi_row ? phi->data() : nullptr;
+      in.theta = theta_row ? theta->data() : nullptr;
+      in.history = points.data();
+      PointValues<1> fatigue(group);
+      if (fatigue_row) {
+        fatigue.load(half(*fatigue_row), one[g], b);
+        in.fatigue = fatigue.data();
       }
-    });
+      PointValues<drive_size> energies(group);
+      if (law.softens()) {
+        energies.load(drive, drive_offset[g], b);
+        in.drive = energies.data();
+      }
+      EnergySums sums;
+      kernels.stored_energy(law, in, sums);
+      const int used = group.lanes_in_use(b);
+      mine[0] += lane_sum(sums.kinetic, used);
+      mine[1] += lane_sum(sums.elastic, used);
+      mine[2] += lane_sum(sums.plastic, used);
+      mine[3] += lane_sum(sums.fracture, used);
+      mine[9] += lane_sum(sums.fatigue, used);
+      for (int k = 0; k < 3; ++k) mine[4 + k] += lane_sum(sums.momentum[k], used);
+      if (!theta_row) continue;
+      HeatSums heat;
+      kernels.stored_heat(law, in, heat);
+      mine[7] += lane_sum(heat.energy, used);
+      mine[8] += lane_sum(heat.entropy, used);
+    }
   }
   MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
                 d.mesh.comm());
@@ -487,21 +486,18 @@ double Ledger::unilateral_energy() const {
     const CellGroup& group = d.groups[g];
     const PointLaw& law = d.law(group);
     if (law.parameters.damage == Damage::none) continue;
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, X_);
-        const Gathered<Cell, 1> seen(group, b, coupling_->frozen_phi());
-        PointValues<Cell, history_size(frame)> flowed;
-        PointValues<Cell, drive_size> after, before;
-        flowed.load(history.committed, flow_at[g], b);
-        after.load(drive.trial, drive_at[g], b);
-        before.load(before_step, drive_at[g], b);
-        Batch part = 0;
-        impact::unilateral_energy<Cell, frame>(law, X.data(), seen.data(), flowed.data(), after.data(),
-                                               before.data(), part);
-        sum += lane_sum(part, group.lanes_in_use(b));
-      }
-    });
+    for (int b = 0; b < group.batch_count; ++b) {
+      const Gathered X(group, b, X_, d.dim()), seen(group, b, coupling_->frozen_phi(), 1);
+      PointValues<max_history_size> flowed(group, history_size(d.frame));
+      PointValues<drive_size> after(group), before(group);
+      flowed.load(history.committed, flow_at[g], b);
+      after.load(drive.trial, drive_at[g], b);
+      before.load(before_step, drive_at[g], b);
+      Batch part = 0;
+      group.shape.kernels(d.frame).unilateral_energy(law, X.data(), seen.data(), flowed.data(), after.data(),
+                                                     before.data(), part);
+      sum += lane_sum(part, group.lanes_in_use(b));
+    }
   }
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
   return sum;
@@ -521,33 +517,31 @@ void Ledger::book_damage() {
     const PointLaw& law = d.law(group);
     if (law.parameters.damage == Damage::none) continue;
     const auto material = static_cast<std::size_t>(group.material);
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, X_);
-        PointValues<Cell, 1> by_damage, all, exchanged;
-        by_damage.load(coupling_->damage_dissipation(), at[g], b);
-        all = by_damage;
-        const int used = group.lanes_in_use(b);
-        lost[material] += lane_sum(cell_integral<Cell, frame>(X.data(), by_damage.data()), used);
-        if (law.exchanges()) {
-          all.load(coupling_->dissipation(), at[g], b);
-          const Gathered<Cell, 1> now(group, b, phi.trial), before(group, b, phi.committed);
-          PointValues<Cell, history_size(frame)> flowed, flowed_n;
-          PointValues<Cell, drive_size> driving;
-          flowed.load(history.trial, flow_at[g], b);
-          flowed_n.load(history.committed, flow_at[g], b);
-          driving.load(drive.trial, drive_at[g], b);
-          plastic_exchange<Cell, frame>(
-              law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
-              exchanged.data());
-          lost[materials + material] +=
-              lane_sum(cell_integral<Cell, frame>(X.data(), exchanged.data()), used);
-          for (std::size_t q = 0; q < all.value.size(); ++q) all.value[q] += exchanged.value[q];
-        }
-        for (const Batch& at_point : all.value)
-          for (int l = 0; l < used; ++l) smallest = std::min(smallest, at_point[l]);
+    const CellKernels& kernels = group.shape.kernels(d.frame);
+    for (int b = 0; b < group.batch_count; ++b) {
+      const Gathered X(group, b, X_, d.dim());
+      PointValues<1> by_damage(group), all(group), exchanged(group);
+      by_damage.load(coupling_->damage_dissipation(), at[g], b);
+      all = by_damage;
+      const int used = group.lanes_in_use(b);
+      lost[material] += lane_sum(kernels.cell_integral(X.data(), by_damage.data()), used);
+      if (law.exchanges()) {
+        all.load(coupling_->dissipation(), at[g], b);
+        const Gathered now(group, b, phi.trial, 1), before(group, b, phi.committed, 1);
+        PointValues<max_history_size> flowed(group, history_size(d.frame)), flowed_n = flowed;
+        PointValues<drive_size> driving(group);
+        flowed.load(history.trial, flow_at[g], b);
+        flowed_n.load(history.committed, flow_at[g], b);
+        driving.load(drive.trial, drive_at[g], b);
+        kernels.plastic_exchange(law,
+                                 {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
+                                 exchanged.data());
+        lost[materials + material] += lane_sum(kernels.cell_integral(X.data(), exchanged.data()), used);
+        for (int q = 0; q < all.size; ++q) all.value[q] += exchanged.value[q];
       }
-    });
+      for (const Batch& at_point : all.all())
+        for (int l = 0; l < used; ++l) smallest = std::min(smallest, at_point[l]);
+    }
   }
   MPI_Allreduce(MPI_IN_PLACE, lost.data(), static_cast<int>(lost.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
   MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());

@@ -15,31 +15,31 @@ namespace {
 // The choice of a locking cure, and a word where there is none: for each material and shape, once.
 void report_locking(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion() || s.plane == PlaneMode::stress) return;
-  constexpr const char* names[] = {"linear triangles", "quadrilaterals", "linear tetrahedra", "hexahedra"};
-  constexpr std::size_t shapes = 4;
+  const std::size_t shapes = known_shapes().size();
   std::vector<int> found(d.materials.size() * shapes, 0);
   for (const CellGroup& group : d.groups)
-    found[static_cast<std::size_t>(group.material) * shapes + static_cast<std::size_t>(group.shape)] = 1;
+    found[static_cast<std::size_t>(group.material) * shapes +
+          static_cast<std::size_t>(index_of(group.shape))] = 1;
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, d.mesh.comm());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const PointLaw& law = d.materials[i / shapes].law;
     const MaterialParameters& p = law.parameters;
-    const auto shape = static_cast<Shape>(i % shapes);
-    const bool simplex = shape == Shape::tri3 || shape == Shape::tet4;
+    const Shape shape = known_shapes()[i % shapes];
+    const bool simplex = shape->simplex();
     if (!found[i]) continue;
     if (!simplex && p.locking != Locking::none)
       check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", p.id.c_str(),
-                        names[i % shapes], p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
+                        shape->names.plural, p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
     // What has a choice of cures locks at the user's will.
     if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
     check(PetscPrintf(
         d.mesh.comm(),
         "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n",
-        p.id.c_str(), names[i % shapes],
+        p.id.c_str(), shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
-        !simplex               ? "another -material_<id>_split"
-        : shape == Shape::tri3 ? "quadrilaterals (Recombine Surface in the .geo)"
-                               : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
+        !simplex          ? "another -material_<id>_split"
+        : shape->dim == 2 ? "quadrilaterals (Recombine Surface in the .geo)"
+                          : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
   }
 }
 
@@ -124,8 +124,9 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   for (const std::string& region : m.regions)
     for (const PetscInt cell : d.mesh.region_cells(region)) cells.push_back(cell);
   // Half a square, a sixth of a cube.
-  const bool simplex = d.mesh.has_shape(d.dim() == 2 ? Shape::tri3 : Shape::tet4) &&
-                       !d.mesh.has_shape(d.dim() == 2 ? Shape::quad4 : Shape::hex8);
+  const auto shapes = known_shapes();
+  const bool simplex = std::all_of(shapes.begin(), shapes.end(),
+                                   [&](Shape shape) { return shape->simplex() || !d.mesh.has_shape(shape); });
   const Extent extent = extent_of(d, cells, simplex ? (d.dim() == 2 ? 2 : 6) : 1);
   const std::string damage =
       p.damage == Damage::none

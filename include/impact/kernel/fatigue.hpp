@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/material/point_law.hpp>
 #include <impact/math/batch.hpp>
@@ -29,10 +29,5 @@ struct FatigueSums {
   Batch dissipation = 0; ///< int phi (Fat - Fat_n)/gamma
   Batch least = 0;       ///< smallest dissipation per volume at a point, at most 0
 };
-
-/// Writes fatigue [point]. Returns the bit mask of lanes whose det F is not positive or whose result is not
-/// finite.
-template <class Cell, Frame frame>
-int fatigue_advance(const PointLaw&, const FatigueInput&, Batch* fatigue, FatigueSums&);
 
 } // namespace impact

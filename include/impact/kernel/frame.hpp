@@ -24,6 +24,8 @@ inline constexpr int gradient_size(Frame f) { return is_flat(f) ? 4 : f == Frame
 inline constexpr int history_size(Frame f) {
   return f == Frame::solid ? 7 : f == Frame::plane_stress ? 6 : 5;
 }
+inline constexpr int max_history_size = 7; ///< in any frame
+inline constexpr int max_gradient_size = 9;
 inline constexpr int history_size(int dim) { return dim == 3 ? 7 : 5; }
 /// Where alpha stands in it.
 inline constexpr int history_alpha(Frame f) { return f == Frame::solid ? 6 : 4; }

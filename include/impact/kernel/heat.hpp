@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/material/point_law.hpp>
 #include <impact/math/batch.hpp>
@@ -45,24 +45,5 @@ struct HeatInput {
   double theta_h = 1;
   HeatForm form = HeatForm::entropy;
 };
-
-/// What does not depend on the iterate: writes points [point][heat_point_size] and adds to r [node]. To be
-/// called once per solve. Returns the bit mask of lanes whose result is not finite or whose det F is not
-/// positive.
-template <class Cell, Frame frame> int heat_step(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
-
-/// r [node] += what depends on the iterate. Returns the bit mask of lanes with a temperature that is not
-/// positive or a result that is not finite.
-template <class Cell, Frame frame>
-int heat_residual(const PointLaw&, const HeatInput&, const Batch* points, Batch* r);
-
-/// r [node] += the same and K [node][node] += its derivative, symmetric.
-template <class Cell, Frame frame>
-int heat_tangent(const PointLaw&, const HeatInput&, const Batch* points, Batch* r, Batch* K);
-
-/// r [node] += int N_a source dV_0 with source [point] per reference volume; sum (per lane) += int source
-/// dV_0.
-template <class Cell, Frame frame>
-void heat_source(const Batch* X, const Batch* source, Batch* r, Batch& sum);
 
 } // namespace impact

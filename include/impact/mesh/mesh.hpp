@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 #include <functional>
-#include <impact/element/shape.hpp>
+#include <impact/kernel/shape.hpp>
 #include <impact/petsc/handle.hpp>
 #include <map>
 #include <span>
@@ -105,7 +105,7 @@ private:
   std::vector<double> coordinates_;
   std::vector<CellTable> cells_;
   std::vector<CellPlace> table_of_cell_; // [cell point - cell_start_]
-  unsigned shapes_ = 0;                  // bit per Shape, equal on all ranks
+  std::vector<int> has_shape_;           // [known shape] 1 or 0, equal on all ranks
   std::vector<PetscInt> global_node_;
   std::vector<char> owned_;
   std::vector<Group> groups_;

@@ -1,5 +1,5 @@
 #pragma once
-#include "motion_point.hpp"
+#include <impact/kernel/motion_point.hpp>
 
 #include <impact/material/modulus.hpp>
 

@@ -1,10 +1,9 @@
 #pragma once
-#include "plane_stress.hpp"
-
 #include <impact/kernel/measure.hpp>
+#include <impact/kernel/plane_stress.hpp>
 #include <impact/material/fatigue.hpp>
 
-/// Integrals over a batch of cells; instantiated in measure_plane.cpp and measure_solid.cpp.
+/// The integrals of measure.hpp over one batch of cells.
 namespace impact {
 
 template <class Cell, Frame frame, bool spectral>
@@ -159,33 +158,27 @@ template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const B
   }
 }
 
-/// Simplices: the smallest height, 1/max |Grad N_a|. Quads and hexes: the smallest distance of opposite sides
-/// at the centroid, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a.
+/// The smallest height: 1/max |Grad N_a| of the centroid, and for products of lines the smallest distance of
+/// opposite sides there, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a.
 template <class Cell> Batch cell_size(const Batch* X) {
   constexpr int d = Cell::dim;
-  PointGeometry<Cell, d == 2 ? Frame::plane_strain : Frame::solid> g;
-  Batch steepest = Batch(0.0);
   constexpr auto& t = shape_table<Cell>;
-  if constexpr (Cell::nodes == d + 1) {
-    point_geometry(X, t.N0, t.dN0, 1, g);
-    for (int a = 0; a < Cell::nodes; ++a) {
-      Batch s = g.dN[a][0] * g.dN[a][0];
-      for (int i = 1; i < d; ++i) s += g.dN[a][i] * g.dN[a][i];
-      steepest = max(s, steepest);
-    }
-    return Batch(1.0) / sqrt(steepest);
-  } else {
-    point_geometry(X, t.N0, t.dN0, 1, g);
-    for (int k = 0; k < d; ++k) {
-      Vector<Batch, d> row;
-      for (int i = 0; i < d; ++i) {
+  constexpr bool product = requires { Cell::sign; };
+  PointGeometry<Cell, d == 2 ? Frame::plane_strain : Frame::solid> g;
+  point_geometry(X, t.N0, t.dN0, 1, g);
+  Batch steepest = Batch(0.0);
+  for (int k = 0; k < (product ? d : Cell::nodes); ++k) {
+    Vector<Batch, d> row;
+    for (int i = 0; i < d; ++i)
+      if constexpr (product) {
         row[i] = Batch(0.0);
         for (int a = 0; a < Cell::nodes; ++a) row[i] += Cell::sign[a][k] * g.dN[a][i];
+      } else {
+        row[i] = g.dN[k][i];
       }
-      steepest = max(square(row), steepest);
-    }
-    return Batch(2.0) / sqrt(steepest);
+    steepest = max(square(row), steepest);
   }
+  return Batch(product ? 2.0 : 1.0) / sqrt(steepest);
 }
 
 } // namespace impact

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/math/batch.hpp>
 #include <impact/math/tensor.hpp>

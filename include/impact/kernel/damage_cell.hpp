@@ -1,11 +1,10 @@
-#include "motion_point.hpp"
-#include "scalar_cell.hpp"
-
+#pragma once
 #include <impact/kernel/damage.hpp>
+#include <impact/kernel/motion_point.hpp>
+#include <impact/kernel/scalar_cell.hpp>
 
+/// The damage balance of damage.hpp on one batch of cells.
 namespace impact {
-
-namespace {
 
 /// C^-1 g, or g where the crack energy uses the material gradient.
 template <int d>
@@ -22,11 +21,11 @@ Vector<Batch, d> flux_direction(const MaterialParameters& m, const Tensor<Batch,
 }
 
 /// Local source Y and its derivative with respect to phi.
-struct Source {
+struct DamageSource {
   Batch Y, dY;
 };
-Source source(const MaterialParameters& m, const Batch& phi, const Batch& alpha, const Batch* drive,
-              const Batch& fatigue, bool convex) {
+inline DamageSource damage_source(const MaterialParameters& m, const Batch& phi, const Batch& alpha,
+                                  const Batch* drive, const Batch& fatigue, bool convex) {
   const Degradations<Batch> g = degradations(m, phi, alpha);
   const Regularisation w = regularisation(m);
   const double crack = w.quadratic * (m.Gc / m.gamma), start = w.linear * (m.Gc / m.gamma);
@@ -38,7 +37,7 @@ Source source(const MaterialParameters& m, const Batch& phi, const Batch& alpha,
 }
 
 /// d(1/lambda)/dphi = zeta c (1 + delta - phi)^(-zeta-1), written with lambda.
-Batch inverse_viscosity_slope(const MaterialParameters& m, const Batch& lambda, const Batch& phi) {
+inline Batch inverse_viscosity_slope(const MaterialParameters& m, const Batch& lambda, const Batch& phi) {
   return m.zeta / (lambda * (Batch(1.0 + m.delta) - phi));
 }
 
@@ -73,7 +72,7 @@ template <class Cell, Frame frame, bool tangent>
     const Batch J = Batch(1.0) + detm1(H);
     bad |= bits(~(J > Batch(0.0)));
     const Tensor<Batch, d> inverse_F = inverse(plus_identity(H), J);
-    const Source now = source(m, phi, alpha, in.drive + q * drive_size, fatigue, in.convex);
+    const DamageSource now = damage_source(m, phi, alpha, in.drive + q * drive_size, fatigue, in.convex);
     Vector<Batch, d> flux = flux_direction(m, inverse_F, grad);
     Vector<Batch, d> frozen = flux_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
     Batch local = theta * now.Y;
@@ -84,7 +83,7 @@ template <class Cell, Frame frame, bool tangent>
     if (theta < 1) {
       const Tensor<Batch, d> H_n = gradient_of_vector<Cell, frame>(X, in.u_n);
       const Tensor<Batch, d> inverse_F_n = inverse(plus_identity(H_n), Batch(1.0) + detm1(H_n));
-      local += (1 - theta) * source(m, phi_n, alpha, in.drive_n + q * drive_size, fatigue, false).Y;
+      local += (1 - theta) * damage_source(m, phi_n, alpha, in.drive_n + q * drive_size, fatigue, false).Y;
       const Vector<Batch, d> flux_n = flux_direction(m, inverse_F_n, grad_n);
       for (int i = 0; i < d; ++i) {
         flux[i] += (1 - theta) * flux_n[i];
@@ -122,8 +121,6 @@ template <class Cell, Frame frame, bool tangent>
   return bad | add_scalar_cell<n, tangent>(r, K, r_out, K_out);
 }
 
-} // namespace
-
 template <class Cell, Frame frame> int damage_residual(const PointLaw& law, const DamageInput& in, Batch* r) {
   return damage<Cell, frame, false>(law, in, r, nullptr);
 }
@@ -133,21 +130,17 @@ int damage_tangent(const PointLaw& law, const DamageInput& in, Batch* r, Batch* 
   return damage<Cell, frame, true>(law, in, r, K);
 }
 
-template int damage_residual<Tri3, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_residual<Tri3, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_residual<Quad4, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_residual<Quad4, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_residual<Tet4, Frame::solid>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_residual<Hex8, Frame::solid>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_tangent<Tri3, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_tangent<Tri3, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_tangent<Quad4, Frame::plane_strain>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_tangent<Quad4, Frame::axisymmetric>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_tangent<Tet4, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_tangent<Hex8, Frame::solid>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_residual<Tri3, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_residual<Quad4, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*);
-template int damage_tangent<Tri3, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*, Batch*);
-template int damage_tangent<Quad4, Frame::plane_stress>(const PointLaw&, const DamageInput&, Batch*, Batch*);
+/// lambda(phi_n) (phi - phi_n)^2 / dt per volume.
+template <class Cell>
+void damage_dissipation(const PointLaw& law, const Batch* phi, const Batch* phi_n, double dt, Batch* points) {
+  for (int q = 0; q < Cell::points; ++q) {
+    Batch old = Batch(0.0), step = old;
+    for (int a = 0; a < Cell::nodes; ++a) {
+      old += shape_table<Cell>.N[q][a] * phi_n[a];
+      step += shape_table<Cell>.N[q][a] * (phi[a] - phi_n[a]);
+    }
+    points[q] += (1 / dt) * (damage_viscosity(law.parameters, old) * (step * step));
+  }
+}
 
 } // namespace impact

@@ -1,19 +1,18 @@
-#include "plane_stress.hpp"
-#include "scalar_cell.hpp"
-
+#pragma once
 #include <impact/kernel/heat.hpp>
+#include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/scalar_cell.hpp>
 #include <impact/material/fatigue.hpp>
 
+/// The heat balance of heat.hpp on one batch of cells.
 namespace impact {
 
-namespace {
-
 /// g_v of the volume ratio J_e.
-Batch volume_degradation(const Degradations<Batch>& g, const Batch& Je_minus_1) {
+inline Batch volume_degradation(const Degradations<Batch>& g, const Batch& Je_minus_1) {
   return select(Je_minus_1 >= Batch(0.0), g.e1.g, g.e2.g);
 }
 
-Batch elastic_volume(const MaterialParameters& m, const Batch& J_minus_1, const Batch& theta) {
+inline Batch elastic_volume(const MaterialParameters& m, const Batch& J_minus_1, const Batch& theta) {
   if (m.alpha_t == 0) return J_minus_1;
   const Batch J_th = thermal_volume(m, theta);
   return (J_minus_1 - (J_th - Batch(1.0))) / J_th;
@@ -54,12 +53,12 @@ Vector<Batch, d> conducted(const MaterialParameters& m, const Degradations<Batch
 }
 
 /// The state of one batch at one end of the step.
-template <class Cell, Frame frame> struct EndOfStep {
+template <class Cell, Frame frame> struct HeatState {
   CellState<Cell, frame> cell;
   bool moved;
   const Batch *phi, *theta, *history, *drive;
 
-  EndOfStep(const PointLaw& law, const Batch* X, const Batch* u, const Batch* nodal_phi,
+  HeatState(const PointLaw& law, const Batch* X, const Batch* u, const Batch* nodal_phi,
             const Batch* nodal_theta, const Batch* point_history, const Batch* point_drive)
       : moved(u != nullptr), phi(nodal_phi), theta(nodal_theta), history(point_history), drive(point_drive) {
     cell.volume_J = Batch(0.0);
@@ -121,13 +120,13 @@ Batch work_of_stress(const HeatInput& in, const Tensor<Batch, Cell::dim>& H,
 }
 
 template <class Cell, Frame frame>
-[[gnu::flatten]] int constant_part(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
+[[gnu::flatten]] int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
   constexpr int d = Cell::dim, n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const bool energy = in.form == HeatForm::energy, damages = m.damage != Damage::none && in.phi;
-  const EndOfStep<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history, in.drive);
-  const EndOfStep<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n);
+  const HeatState<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history, in.drive);
+  const HeatState<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n);
   int bad = 0;
   Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
@@ -194,8 +193,8 @@ template <class Cell, Frame frame>
 }
 
 template <class Cell, Frame frame, bool tangent>
-[[gnu::flatten]] int heat(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r_out,
-                          Batch* K_out) {
+[[gnu::flatten]] int heat_balance(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r_out,
+                                  Batch* K_out) {
   constexpr int d = Cell::dim, n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
@@ -265,21 +264,14 @@ template <class Cell, Frame frame, bool tangent>
   return bad | add_scalar_cell<n, tangent>(r, K, r_out, K_out);
 }
 
-} // namespace
-
-template <class Cell, Frame frame>
-int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
-  return constant_part<Cell, frame>(law, in, points, r);
-}
-
 template <class Cell, Frame frame>
 int heat_residual(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r) {
-  return heat<Cell, frame, false>(law, in, points, r, nullptr);
+  return heat_balance<Cell, frame, false>(law, in, points, r, nullptr);
 }
 
 template <class Cell, Frame frame>
 int heat_tangent(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r, Batch* K) {
-  return heat<Cell, frame, true>(law, in, points, r, K);
+  return heat_balance<Cell, frame, true>(law, in, points, r, K);
 }
 
 template <class Cell, Frame frame>
@@ -292,52 +284,5 @@ void heat_source(const Batch* X, const Batch* source, Batch* r, Batch& sum) {
     sum += heat;
   }
 }
-
-template int heat_step<Tri3, Frame::plane_strain>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Tri3, Frame::plane_strain>(const PointLaw&, const HeatInput&, const Batch*,
-                                                      Batch*);
-template int heat_tangent<Tri3, Frame::plane_strain>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                                     Batch*);
-template void heat_source<Tri3, Frame::plane_strain>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Tri3, Frame::axisymmetric>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Tri3, Frame::axisymmetric>(const PointLaw&, const HeatInput&, const Batch*,
-                                                      Batch*);
-template int heat_tangent<Tri3, Frame::axisymmetric>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                                     Batch*);
-template void heat_source<Tri3, Frame::axisymmetric>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Quad4, Frame::plane_strain>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Quad4, Frame::plane_strain>(const PointLaw&, const HeatInput&, const Batch*,
-                                                       Batch*);
-template int heat_tangent<Quad4, Frame::plane_strain>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                                      Batch*);
-template void heat_source<Quad4, Frame::plane_strain>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Quad4, Frame::axisymmetric>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Quad4, Frame::axisymmetric>(const PointLaw&, const HeatInput&, const Batch*,
-                                                       Batch*);
-template int heat_tangent<Quad4, Frame::axisymmetric>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                                      Batch*);
-template void heat_source<Quad4, Frame::axisymmetric>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Tet4, Frame::solid>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Tet4, Frame::solid>(const PointLaw&, const HeatInput&, const Batch*, Batch*);
-template int heat_tangent<Tet4, Frame::solid>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                              Batch*);
-template void heat_source<Tet4, Frame::solid>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Hex8, Frame::solid>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Hex8, Frame::solid>(const PointLaw&, const HeatInput&, const Batch*, Batch*);
-template int heat_tangent<Hex8, Frame::solid>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                              Batch*);
-template void heat_source<Hex8, Frame::solid>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Tri3, Frame::plane_stress>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Tri3, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*,
-                                                      Batch*);
-template int heat_tangent<Tri3, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                                     Batch*);
-template void heat_source<Tri3, Frame::plane_stress>(const Batch*, const Batch*, Batch*, Batch&);
-template int heat_step<Quad4, Frame::plane_stress>(const PointLaw&, const HeatInput&, Batch*, Batch*);
-template int heat_residual<Quad4, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*,
-                                                       Batch*);
-template int heat_tangent<Quad4, Frame::plane_stress>(const PointLaw&, const HeatInput&, const Batch*, Batch*,
-                                                      Batch*);
-template void heat_source<Quad4, Frame::plane_stress>(const Batch*, const Batch*, Batch*, Batch&);
 
 } // namespace impact

@@ -1,19 +1,37 @@
 #pragma once
 #include <array>
-#include <utility>
 
-/// Reference cells: nodes, linear shape functions and one quadrature rule per shape. The rule integrates
-/// products of two shape functions of an affine cell exactly, so that the same points (and the same point
-/// history) serve the motion, the damage and the mass terms: three points on Tri3, four on Tet4, the 2-point
-/// Gauss product on Quad4 and Hex8.
+/// Reference cells as data: nodes, linear shape functions, one quadrature rule, facets and the names that
+/// files use. The rule integrates products of two shape functions of an affine cell exactly, so that the same
+/// points (and the same point history) serve the motion, the damage and the mass terms: three points on Tri3,
+/// four on Tet4, the 2-point Gauss product on Quad4 and Hex8. A cell is a struct with the members of Tri3;
+/// kernel/shape_of.hpp makes of it what a run needs.
 namespace impact {
 
-enum class Shape { tri3, quad4, tet4, hex8 };
+inline constexpr int max_nodes = 27, max_points = 27; ///< of any cell
+
+/// What people and files call a cell.
+struct CellNames {
+  const char* plural;
+  const char* polytope;  ///< of DMPlex (DMPolytopeTypes)
+  int gmsh, xdmf;        ///< element type of a .msh file, topology type of a mixed XDMF mesh
+  const char* xdmf_name; ///< topology type of an XDMF mesh of these cells alone
+};
+
+/// Nodes of a facet with the normal outward; -1 after the last.
+using CellFacet = std::array<int, 4>;
+constexpr int node_count(const CellFacet& facet) {
+  int count = 0;
+  for (const int node : facet) count += node >= 0;
+  return count;
+}
 
 /// 3-node triangle (0,0) (1,0) (0,1), counter-clockwise.
 struct Tri3 {
-  static constexpr Shape shape = Shape::tri3;
+  static constexpr CellNames names = {"linear triangles", "triangle", 2, 4, "Triangle"};
   static constexpr int dim = 2, nodes = 3, points = 3;
+  static constexpr CellFacet facets[] = {{0, 1, -1, -1}, {1, 2, -1, -1}, {2, 0, -1, -1}};
+  static constexpr int from_plex[nodes] = {0, 1, 2}; ///< place of each node in the order of DMPlex
   using Point = std::array<double, dim>;
   static constexpr Point centroid() { return {1.0 / 3, 1.0 / 3}; }
   static constexpr Point point(int q) { return {q == 1 ? 2.0 / 3 : 1.0 / 6, q == 2 ? 2.0 / 3 : 1.0 / 6}; }
@@ -26,8 +44,10 @@ struct Tri3 {
 
 /// 4-node quadrilateral on [-1,1]^2, counter-clockwise from (-1,-1).
 struct Quad4 {
-  static constexpr Shape shape = Shape::quad4;
+  static constexpr CellNames names = {"quadrilaterals", "quadrilateral", 3, 5, "Quadrilateral"};
   static constexpr int dim = 2, nodes = 4, points = 4;
+  static constexpr CellFacet facets[] = {{0, 1, -1, -1}, {1, 2, -1, -1}, {2, 3, -1, -1}, {3, 0, -1, -1}};
+  static constexpr int from_plex[nodes] = {0, 1, 2, 3};
   using Point = std::array<double, dim>;
   static constexpr double sign[nodes][dim] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
   static constexpr double gauss = 0.57735026918962576451;
@@ -49,8 +69,10 @@ struct Quad4 {
 
 /// 4-node tetrahedron (0,0,0) (1,0,0) (0,1,0) (0,0,1).
 struct Tet4 {
-  static constexpr Shape shape = Shape::tet4;
+  static constexpr CellNames names = {"linear tetrahedra", "tetrahedron", 4, 6, "Tetrahedron"};
   static constexpr int dim = 3, nodes = 4, points = 4;
+  static constexpr CellFacet facets[] = {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}};
+  static constexpr int from_plex[nodes] = {1, 0, 2, 3}; // DMPlex turns tetrahedra and hexahedra inside out
   using Point = std::array<double, dim>;
   static constexpr double near = 0.58541019662496845446, far = 0.13819660112501051518;
   static constexpr Point centroid() { return {0.25, 0.25, 0.25}; }
@@ -68,8 +90,11 @@ struct Tet4 {
 
 /// 8-node hexahedron on [-1,1]^3 in VTK order: the lower face counter-clockwise, then the upper one.
 struct Hex8 {
-  static constexpr Shape shape = Shape::hex8;
+  static constexpr CellNames names = {"hexahedra", "hexahedron", 5, 9, "Hexahedron"};
   static constexpr int dim = 3, nodes = 8, points = 8;
+  static constexpr CellFacet facets[] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                         {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  static constexpr int from_plex[nodes] = {0, 3, 2, 1, 4, 5, 6, 7};
   using Point = std::array<double, dim>;
   static constexpr double sign[nodes][dim] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                               {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
@@ -124,23 +149,5 @@ template <class Cell> struct ShapeTable {
   }
 };
 template <class Cell> inline constexpr ShapeTable<Cell> shape_table = ShapeTable<Cell>::make();
-
-/// Calls f(Tri3{}), f(Quad4{}), f(Tet4{}) or f(Hex8{}): the single run-time switch over shapes.
-template <class F> decltype(auto) visit(Shape shape, F&& f) {
-  switch (shape) {
-  case Shape::tri3:
-    return std::forward<F>(f)(Tri3{});
-  case Shape::quad4:
-    return std::forward<F>(f)(Quad4{});
-  case Shape::tet4:
-    return std::forward<F>(f)(Tet4{});
-  default:
-    return std::forward<F>(f)(Hex8{});
-  }
-}
-
-inline constexpr int dimension(Shape s) { return s == Shape::tri3 || s == Shape::quad4 ? 2 : 3; }
-inline constexpr int node_count(Shape s) { return s == Shape::tri3 ? 3 : s == Shape::hex8 ? 8 : 4; }
-inline constexpr int point_count(Shape s) { return node_count(s); }
 
 } // namespace impact

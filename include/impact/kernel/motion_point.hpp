@@ -1,6 +1,6 @@
 #pragma once
-#include "cell_geometry.hpp"
-#include "reference_gradient.hpp"
+#include <impact/kernel/cell_geometry.hpp>
+#include <impact/kernel/reference_gradient.hpp>
 
 #include <impact/kernel/motion.hpp>
 #include <impact/material/point_law.hpp>

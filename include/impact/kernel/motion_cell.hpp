@@ -1,11 +1,11 @@
 #pragma once
-#include "motion_point.hpp"
-#include "motion_terms.hpp"
-#include "plane_stress.hpp"
+#include <impact/kernel/motion_point.hpp>
+#include <impact/kernel/motion_terms.hpp>
+#include <impact/kernel/plane_stress.hpp>
 
 #include <impact/material/modulus.hpp>
 
-/// Residual, tangent and advance of one batch of cells; instantiated in motion_<shape>.cpp.
+/// Residual, tangent and advance of motion.hpp on one batch of cells.
 namespace impact {
 
 template <class Cell> inline constexpr int dofs = Cell::nodes* Cell::dim;
