@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/cell_batches.hpp>
-#include <sstream>
 
 namespace impact {
 
@@ -9,12 +8,8 @@ namespace {
 
 std::string place_without_material(const Mesh& mesh, const CellTable& table, std::size_t cell) {
   const int first = table.connectivity[cell * static_cast<std::size_t>(node_count(table.shape))];
-  std::ostringstream text;
-  text << "mesh: cell near (";
-  for (int i = 0; i < mesh.dim(); ++i)
-    text << (i ? ", " : "") << mesh.coordinates()[static_cast<std::size_t>(first * mesh.dim() + i)];
-  text << ") of " << mesh.regions_of(table.point[cell]) << " has no material; give its region one";
-  return text.str();
+  return "mesh: cell near " + mesh.place(first) + " of " + mesh.regions_of(table.point[cell]) +
+         " has no material; give its region one";
 }
 
 // One more than the largest material index of any rank.

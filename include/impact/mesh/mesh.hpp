@@ -84,8 +84,10 @@ public:
   std::vector<double> node_shares(const std::string& name) const;
   /// Shortest cell edge over all ranks, computed at construction.
   double smallest_edge() const { return smallest_edge_; }
-  /// Names of the regions that hold a cell point, separated by commas; for messages.
+  /// For messages: names of the regions that hold a cell point, separated by commas; a node's place, "(x,
+  /// y)".
   std::string regions_of(PetscInt cell_point) const;
+  std::string place(int node) const;
 
 private:
   struct CellPlace {
@@ -98,6 +100,8 @@ private:
   void measure_edges();
   DMLabel label(const std::string& name) const;
   std::vector<PetscInt> labelled_points(const std::string& name) const;
+  std::vector<int> closure(PetscInt point) const; // its nodes in the order of DMPlex
+  std::vector<char> owned_elsewhere() const;      // [point] 1: another rank's
 
   Handle<DM> dm_;
   int dim_ = 0, node_count_ = 0, owned_node_count_ = 0;
