@@ -23,18 +23,17 @@ bool needs_bounds(const PointLaw& law) {
 }
 
 /// What g_1' multiplies in the source: E+, and what else of E-, H_0 the law degrades by the same function;
-/// the others are not degraded at all. `drive` strides by `stride`.
-template <class T> T driving_energy(const MaterialParameters& m, const T* drive, std::size_t stride) {
-  T sum = drive[0];
-  if (m.split == Split::none) sum = sum + drive[stride];
-  if (m.gp == PlasticDegradation::ge) sum = sum + drive[2 * stride];
+/// the others are not degraded at all.
+Batch driving_energy(const MaterialParameters& m, const Drive& drive) {
+  Batch sum = drive.plus;
+  if (m.split == Split::none) sum += drive.minus;
+  if (m.gp == PlasticDegradation::ge) sum += drive.plastic;
   return sum;
 }
 
 /// That energy in place of its parts.
 void put_history(const PointValues<1>& H, PointValues<drive_size>& drive) {
-  std::fill_n(drive.value, drive.size, Batch(0.0));
-  for (int q = 0; q < H.size; ++q) drive.value[q * drive_size] = H.value[q];
+  for (int q = 0; q < H.size; ++q) drive_at(drive.value, q) = {H.value[q], 0.0, 0.0};
 }
 
 } // namespace
@@ -336,12 +335,18 @@ void DamageProblem::raise_history() {
   const Timed timed(Event::damage_points);
   StateRow& history = state_.row("damage_history");
   const StateRow& drive = state_.row("drive");
-  for (std::size_t g = 0; g < d_.groups.size(); ++g)
-    for (std::size_t i = history_offset_[g]; i < history_offset_[g + 1]; ++i) {
-      const double* at = &drive.trial[i / lanes * drive_size * lanes + i % lanes];
-      history.trial[i] =
-          std::max(history.committed[i], driving_energy(d_.law(d_.groups[g]).parameters, at, lanes));
+  for (std::size_t g = 0; g < d_.groups.size(); ++g) {
+    const CellGroup& group = d_.groups[g];
+    for (int b = 0; b < group.batch_count; ++b) {
+      PointValues<drive_size> now(group);
+      PointValues<1> H(group);
+      now.load(drive.trial, drive_offset_[g], b);
+      H.load(history.committed, history_offset_[g], b);
+      for (int q = 0; q < H.size; ++q)
+        H.value[q] = max(H.value[q], driving_energy(d_.law(group).parameters, drive_at(now.data(), q)));
+      H.store(history.trial, history_offset_[g], b);
     }
+  }
 }
 
 bool DamageProblem::within_bounds(Vec x) const {

@@ -60,7 +60,7 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
         for (const Group& g : mesh.groups())
           if (g.dim == mesh.dim()) names += (names.empty() ? "" : ", ") + g.name;
         throw UserError(ExitCode::data,
-                        "-material_" + materials[static_cast<std::size_t>(m)].law.parameters.id +
+                        "-material_" + materials[static_cast<std::size_t>(m)].id +
                             "_region \"" + region + "\": no such region; the mesh has: " + names);
       }
       for (PetscInt point : mesh.region_cells(region)) {
@@ -76,9 +76,9 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
   MPI_Allreduce(MPI_IN_PLACE, clash, 2, MPI_INT, MPI_MAX, mesh.comm());
   if (clash[0] >= 0)
     throw UserError(ExitCode::data, "-material_" +
-                                        materials[static_cast<std::size_t>(clash[0])].law.parameters.id +
+                                        materials[static_cast<std::size_t>(clash[0])].id +
                                         "_region and -material_" +
-                                        materials[static_cast<std::size_t>(clash[1])].law.parameters.id +
+                                        materials[static_cast<std::size_t>(clash[1])].id +
                                         "_region share cells; give each cell one material");
   return material;
 }
@@ -134,10 +134,8 @@ void declare_state(const Discretisation& d, StateTable& table) {
     drive += point_values(group, drive_size);
   }
   StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
-  // The virgin state: A = 1, the rest 0.
-  const auto components = static_cast<std::size_t>(history_size(d.frame));
-  for (std::size_t i = 0; i < rows.committed.size(); ++i)
-    rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));
+  set_virgin(d.frame, rows.committed);
+  rows.trial = rows.committed;
   table.add({"drive", Support::cell_point, drive_size}, drive);
   if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, fatigue);
 }

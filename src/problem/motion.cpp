@@ -533,7 +533,7 @@ std::string MotionProblem::broken_text() const {
   MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d_.mesh.comm());
   char text[240];
   const char* what = data[0] <= 0 ? "cell inverted" : "law failed in a cell";
-  const auto& id = d_.materials[static_cast<std::size_t>(data[4])].law.parameters.id;
+  const auto& id = d_.materials[static_cast<std::size_t>(data[4])].id;
   if (d_.dim() == 2)
     std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g) in material %s", what, data[0], data[1],
                   data[2], id.c_str());

@@ -99,7 +99,7 @@ void RigidBodies::find_nodes(const Discretisation& d) {
     }
   for (std::vector<int>* flags : {&rigid, &other, &material, &joined})
     MPI_Allreduce(MPI_IN_PLACE, flags->data(), parts.count, MPI_INT, MPI_MAX, comm_);
-  const auto id = [&](int m) { return d.materials[at(m)].law.parameters.id; };
+  const auto id = [&](int m) { return d.materials[at(m)].id; };
   for (std::size_t part = 0; part < count; ++part)
     if (rigid[part] && other[part])
       throw UserError(ExitCode::data, "-material_" + id(-material[part]) +

@@ -51,7 +51,7 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
   for (const MaterialAssignment& m : motion_.discretisation().materials) {
     std::vector<int>& nodes = nodes_of_material_.emplace_back();
     if (m.law.parameters.damage == Damage::none) continue;
-    state_.add(StateRow{"crack_" + m.law.parameters.id, Support::global, 4 * scenario_.crack_tips},
+    state_.add(StateRow{"crack_" + m.id, Support::global, 4 * scenario_.crack_tips},
                static_cast<std::size_t>(4 * scenario_.crack_tips));
     for (const std::string& region : m.regions) {
       const std::vector<int> more = motion_.discretisation().mesh.nodes(region);
@@ -169,7 +169,7 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
     const MaterialParameters& p = d.materials[m].law.parameters;
     if (p.damage == Damage::none) continue;
-    StateRow& kept = state_.row("crack_" + p.id); // of each crack a flag and its origin
+    StateRow& kept = state_.row("crack_" + d.materials[m].id); // of each crack a flag and its origin
     std::vector<Crack> cracks(kept.committed.size() / 4);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
       cracks[i].there = kept.committed[4 * i] != 0;
@@ -180,19 +180,19 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
       cracked[static_cast<std::size_t>(node)] =
           phi->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
     const int count = follow_cracks(d.mesh, d.scalar, cracked, phi_before_, cracks);
-    row.emplace_back("crack_" + p.id + "_count", count);
+    row.emplace_back("crack_" + d.materials[m].id + "_count", count);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
       const Crack& crack = cracks[i];
       kept.committed[4 * i] = crack.there;
       std::copy_n(crack.origin.begin(), 3, &kept.committed[4 * i + 1]);
-      const std::string id = "crack_" + p.id + (i > 0 ? "_" + std::to_string(i + 1) : "");
+      const std::string id = "crack_" + d.materials[m].id + (i > 0 ? "_" + std::to_string(i + 1) : "");
       for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
         row.emplace_back(id + "_origin_" + axis[k], crack.there ? crack.origin[k] : NAN);
       for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
         row.emplace_back(id + "_tip_" + axis[k], crack.there && !crack.joined ? crack.tip[k] : NAN);
     }
     kept.trial = kept.committed;
-    row.emplace_back("crack_" + p.id + "_measure", ledger_.fracture_energy(m) / (p.Gc * d.thickness));
+    row.emplace_back("crack_" + d.materials[m].id + "_measure", ledger_.fracture_energy(m) / (p.Gc * d.thickness));
   }
   phi_before_ = phi->committed;
 }

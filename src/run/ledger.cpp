@@ -172,10 +172,7 @@ void Ledger::find_extremes(bool trial) {
     for (double value : trial ? phi->trial : phi->committed) extremes[0] = std::max(extremes[0], value);
   const StateRow& row = state_.row("history");
   const std::vector<double>& history = trial ? row.trial : row.committed;
-  const auto components = static_cast<std::size_t>(history_size(d.frame));
-  const auto of_alpha = static_cast<std::size_t>(history_alpha(d.frame));
-  for (std::size_t i = of_alpha * lanes; i < history.size(); i += components * lanes)
-    for (std::size_t l = 0; l < lanes; ++l) extremes[1] = std::max(extremes[1], history[i + l]);
+  extremes[1] = largest_alpha(d.frame, history);
   if (const StateRow* theta = state_.find("theta"))
     for (double value : trial ? theta->trial : theta->committed) extremes[2] = std::max(extremes[2], value);
   if (const StateRow* fatigue = state_.find("fatigue"))
@@ -753,7 +750,7 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
   static constexpr const char* axis[3] = {"x", "y", "z"};
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < materials_.size(); ++m) {
-    const std::string& id = d.materials[m].law.parameters.id;
+    const std::string& id = d.materials[m].id;
     if (d.has_heat()) row.emplace_back("energy_thermal_" + id, materials_[m].thermal);
     if (!moves_) continue;
     for (int k = 0; k < d.dim(); ++k)
@@ -795,7 +792,7 @@ std::string Ledger::report() const {
   std::snprintf(cell, sizeof(cell), "%-32s %12s", "energy since t = 0", "total");
   text += cell;
   for (std::size_t m = 0; number > 1 && m < number; ++m) {
-    std::snprintf(cell, sizeof(cell), " %12.12s", d.materials[m].law.parameters.id.c_str());
+    std::snprintf(cell, sizeof(cell), " %12.12s", d.materials[m].id.c_str());
     text += cell;
   }
   text += "\n";

@@ -11,7 +11,7 @@ namespace impact {
 namespace {
 
 using Material = MaterialInput;
-using Law = MaterialParameters;
+using Law = MaterialDescription;
 
 /// Place of a member of the law in a MaterialInput.
 template <class Value, class Part> auto law(Value Part::*member) {
@@ -99,7 +99,8 @@ OptionRow<Material> hardening_table_row() {
       const LinearTable table = parse_table(text);
       std::vector<std::pair<double, double>> points;
       for (std::size_t i = 0; i < table.t.size(); ++i) points.emplace_back(table.t[i], table.value[i]);
-      target.scenario.law.table = std::make_shared<const HardeningTable>(points);
+      target.scenario.law.points = std::make_shared<const HardeningTable>(points);
+      target.scenario.law.table = target.scenario.law.points.get();
     } catch (const std::invalid_argument& reason) {
       refuse_option(option, std::string(reason.what()) +
                                 "; allowed: a file with two columns of numbers, alpha from 0 and k > 0");

@@ -58,7 +58,6 @@ struct DamageCase {
 
 MaterialParameters brittle() {
   MaterialParameters law;
-  law.id = "solid";
   law.K = 2;
   law.G = 1;
   law.damage = Damage::at2;

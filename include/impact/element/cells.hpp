@@ -26,98 +26,104 @@ constexpr int node_count(const CellFacet& facet) {
   return count;
 }
 
-/// 3-node triangle (0,0) (1,0) (0,1), counter-clockwise.
-struct Tri3 {
-  static constexpr CellNames names = {"linear triangles", "triangle", 2, 4, "Triangle"};
-  static constexpr int dim = 2, nodes = 3, points = 3;
-  static constexpr CellFacet facets[] = {{0, 1, -1, -1}, {1, 2, -1, -1}, {2, 0, -1, -1}};
-  static constexpr int from_plex[nodes] = {0, 1, 2}; ///< place of each node in the order of DMPlex
-  using Point = std::array<double, dim>;
-  static constexpr Point centroid() { return {1.0 / 3, 1.0 / 3}; }
-  static constexpr Point point(int q) { return {q == 1 ? 2.0 / 3 : 1.0 / 6, q == 2 ? 2.0 / 3 : 1.0 / 6}; }
-  static constexpr double weight(int) { return 1.0 / 6; }
-  static constexpr std::array<double, nodes> N(const Point& x) { return {1 - x[0] - x[1], x[0], x[1]}; }
-  static constexpr std::array<Point, nodes> dN(const Point&) {
-    return {Point{-1, -1}, Point{1, 0}, Point{0, 1}};
+/// Linear functions on the unit simplex: node 0 at the origin, node k at 1 along axis k.
+template <int d> struct Simplex {
+  static constexpr int dim = d, nodes = d + 1;
+  using Point = std::array<double, d>;
+  static constexpr Point centroid() {
+    Point x{};
+    x.fill(1.0 / nodes);
+    return x;
   }
-};
-
-/// 4-node quadrilateral on [-1,1]^2, counter-clockwise from (-1,-1).
-struct Quad4 {
-  static constexpr CellNames names = {"quadrilaterals", "quadrilateral", 3, 5, "Quadrilateral"};
-  static constexpr int dim = 2, nodes = 4, points = 4;
-  static constexpr CellFacet facets[] = {{0, 1, -1, -1}, {1, 2, -1, -1}, {2, 3, -1, -1}, {3, 0, -1, -1}};
-  static constexpr int from_plex[nodes] = {0, 1, 2, 3};
-  using Point = std::array<double, dim>;
-  static constexpr double sign[nodes][dim] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  static constexpr double gauss = 0.57735026918962576451;
-  static constexpr Point centroid() { return {0, 0}; }
-  static constexpr Point point(int q) { return {gauss * sign[q][0], gauss * sign[q][1]}; }
-  static constexpr double weight(int) { return 1; }
   static constexpr std::array<double, nodes> N(const Point& x) {
-    std::array<double, nodes> n{};
-    for (int a = 0; a < nodes; ++a) n[unsigned(a)] = (1 + sign[a][0] * x[0]) * (1 + sign[a][1] * x[1]) / 4;
+    std::array<double, nodes> n{1};
+    for (unsigned k = 0; k < d; ++k) {
+      n[0] -= x[k];
+      n[k + 1] = x[k];
+    }
     return n;
   }
-  static constexpr std::array<Point, nodes> dN(const Point& x) {
+  static constexpr std::array<Point, nodes> dN(const Point&) {
     std::array<Point, nodes> g{};
-    for (int a = 0; a < nodes; ++a)
-      g[unsigned(a)] = {sign[a][0] * (1 + sign[a][1] * x[1]) / 4, sign[a][1] * (1 + sign[a][0] * x[0]) / 4};
+    for (unsigned k = 0; k < d; ++k) {
+      g[0][k] = -1;
+      g[k + 1][k] = 1;
+    }
     return g;
   }
 };
 
-/// 4-node tetrahedron (0,0,0) (1,0,0) (0,1,0) (0,0,1).
-struct Tet4 {
+/// Products of linear functions on [-1,1]^d, nodes at the ends `sign`, and the 2-point Gauss rule.
+template <class Cell, int d> struct LineProduct {
+  static constexpr int dim = d, nodes = 1 << d, points = nodes;
+  static constexpr double gauss = 0.57735026918962576451;
+  using Point = std::array<double, d>;
+  static constexpr Point centroid() { return {}; }
+  static constexpr Point point(int q) {
+    Point x{};
+    for (unsigned k = 0; k < d; ++k) x[k] = gauss * Cell::sign[q][k];
+    return x;
+  }
+  static constexpr double weight(int) { return 1; }
+  static constexpr std::array<double, nodes> N(const Point& x) {
+    std::array<double, nodes> n{};
+    for (unsigned a = 0; a < nodes; ++a) {
+      n[a] = 1.0 / nodes;
+      for (unsigned k = 0; k < d; ++k) n[a] *= 1 + Cell::sign[a][k] * x[k];
+    }
+    return n;
+  }
+  static constexpr std::array<Point, nodes> dN(const Point& x) {
+    std::array<Point, nodes> g{};
+    for (unsigned a = 0; a < nodes; ++a)
+      for (unsigned i = 0; i < d; ++i) {
+        g[a][i] = Cell::sign[a][i] / nodes;
+        for (unsigned k = 0; k < d; ++k)
+          if (k != i) g[a][i] *= 1 + Cell::sign[a][k] * x[k];
+      }
+    return g;
+  }
+};
+
+/// 3-node triangle, counter-clockwise.
+struct Tri3 : Simplex<2> {
+  static constexpr CellNames names = {"linear triangles", "triangle", 2, 4, "Triangle"};
+  static constexpr CellFacet facets[] = {{0, 1, -1, -1}, {1, 2, -1, -1}, {2, 0, -1, -1}};
+  static constexpr int from_plex[nodes] = {0, 1, 2}; ///< place of each node in the order of DMPlex
+  static constexpr int points = 3;
+  static constexpr Point point(int q) { return {q == 1 ? 2.0 / 3 : 1.0 / 6, q == 2 ? 2.0 / 3 : 1.0 / 6}; }
+  static constexpr double weight(int) { return 1.0 / 6; }
+};
+
+/// 4-node quadrilateral, counter-clockwise from (-1,-1).
+struct Quad4 : LineProduct<Quad4, 2> {
+  static constexpr CellNames names = {"quadrilaterals", "quadrilateral", 3, 5, "Quadrilateral"};
+  static constexpr CellFacet facets[] = {{0, 1, -1, -1}, {1, 2, -1, -1}, {2, 3, -1, -1}, {3, 0, -1, -1}};
+  static constexpr int from_plex[nodes] = {0, 1, 2, 3};
+  static constexpr double sign[nodes][dim] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+};
+
+/// 4-node tetrahedron.
+struct Tet4 : Simplex<3> {
   static constexpr CellNames names = {"linear tetrahedra", "tetrahedron", 4, 6, "Tetrahedron"};
-  static constexpr int dim = 3, nodes = 4, points = 4;
   static constexpr CellFacet facets[] = {{0, 2, 1, -1}, {0, 1, 3, -1}, {1, 2, 3, -1}, {2, 0, 3, -1}};
   static constexpr int from_plex[nodes] = {1, 0, 2, 3}; // DMPlex turns tetrahedra and hexahedra inside out
-  using Point = std::array<double, dim>;
+  static constexpr int points = 4;
   static constexpr double near = 0.58541019662496845446, far = 0.13819660112501051518;
-  static constexpr Point centroid() { return {0.25, 0.25, 0.25}; }
   static constexpr Point point(int q) {
     return {q == 1 ? near : far, q == 2 ? near : far, q == 3 ? near : far};
   }
   static constexpr double weight(int) { return 1.0 / 24; }
-  static constexpr std::array<double, nodes> N(const Point& x) {
-    return {1 - x[0] - x[1] - x[2], x[0], x[1], x[2]};
-  }
-  static constexpr std::array<Point, nodes> dN(const Point&) {
-    return {Point{-1, -1, -1}, Point{1, 0, 0}, Point{0, 1, 0}, Point{0, 0, 1}};
-  }
 };
 
-/// 8-node hexahedron on [-1,1]^3 in VTK order: the lower face counter-clockwise, then the upper one.
-struct Hex8 {
+/// 8-node hexahedron in VTK order: the lower face counter-clockwise, then the upper one.
+struct Hex8 : LineProduct<Hex8, 3> {
   static constexpr CellNames names = {"hexahedra", "hexahedron", 5, 9, "Hexahedron"};
-  static constexpr int dim = 3, nodes = 8, points = 8;
   static constexpr CellFacet facets[] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                          {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   static constexpr int from_plex[nodes] = {0, 3, 2, 1, 4, 5, 6, 7};
-  using Point = std::array<double, dim>;
   static constexpr double sign[nodes][dim] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                               {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
-  static constexpr Point centroid() { return {0, 0, 0}; }
-  static constexpr Point point(int q) {
-    return {Quad4::gauss * sign[q][0], Quad4::gauss * sign[q][1], Quad4::gauss * sign[q][2]};
-  }
-  static constexpr double weight(int) { return 1; }
-  static constexpr std::array<double, nodes> N(const Point& x) {
-    std::array<double, nodes> n{};
-    for (int a = 0; a < nodes; ++a)
-      n[unsigned(a)] = (1 + sign[a][0] * x[0]) * (1 + sign[a][1] * x[1]) * (1 + sign[a][2] * x[2]) / 8;
-    return n;
-  }
-  static constexpr std::array<Point, nodes> dN(const Point& x) {
-    std::array<Point, nodes> g{};
-    for (int a = 0; a < nodes; ++a) {
-      const double f[3] = {1 + sign[a][0] * x[0], 1 + sign[a][1] * x[1], 1 + sign[a][2] * x[2]};
-      g[unsigned(a)] = {sign[a][0] * f[1] * f[2] / 8, sign[a][1] * f[0] * f[2] / 8,
-                        sign[a][2] * f[0] * f[1] / 8};
-    }
-    return g;
-  }
 };
 
 /// Shape functions and their reference derivatives at the points of the rule and at the centroid, as
@@ -130,21 +136,19 @@ template <class Cell> struct ShapeTable {
 
   static constexpr ShapeTable make() {
     ShapeTable t{};
-    for (int q = 0; q < Cell::points; ++q) {
-      const auto n = Cell::N(Cell::point(q));
-      const auto g = Cell::dN(Cell::point(q));
-      t.weight[q] = Cell::weight(q);
-      for (int a = 0; a < Cell::nodes; ++a) {
-        t.N[q][a] = n[unsigned(a)];
-        for (int i = 0; i < Cell::dim; ++i) t.dN[q][a][i] = g[unsigned(a)][unsigned(i)];
+    const auto fill = [](const auto& x, auto& N, auto& dN) {
+      const auto n = Cell::N(x);
+      const auto g = Cell::dN(x);
+      for (unsigned a = 0; a < Cell::nodes; ++a) {
+        N[a] = n[a];
+        for (unsigned i = 0; i < Cell::dim; ++i) dN[a][i] = g[a][i];
       }
+    };
+    for (int q = 0; q < Cell::points; ++q) {
+      t.weight[q] = Cell::weight(q);
+      fill(Cell::point(q), t.N[q], t.dN[q]);
     }
-    const auto n = Cell::N(Cell::centroid());
-    const auto g = Cell::dN(Cell::centroid());
-    for (int a = 0; a < Cell::nodes; ++a) {
-      t.N0[a] = n[unsigned(a)];
-      for (int i = 0; i < Cell::dim; ++i) t.dN0[a][i] = g[unsigned(a)][unsigned(i)];
-    }
+    fill(Cell::centroid(), t.N0, t.dN0);
     return t;
   }
 };

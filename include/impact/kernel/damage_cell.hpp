@@ -6,32 +6,18 @@
 /// The damage balance of damage.hpp on one batch of cells.
 namespace impact {
 
-/// C^-1 g, or g where the crack energy uses the material gradient.
-template <int d>
-Vector<Batch, d> flux_direction(const MaterialParameters& m, const Tensor<Batch, d>& inverse_F,
-                                const Vector<Batch, d>& g) {
-  if (m.damage_gradient == DamageGradient::material) return g;
-  const Vector<Batch, d> h = spatial_gradient(inverse_F, g);
-  Vector<Batch, d> w;
-  for (int i = 0; i < d; ++i) {
-    w[i] = inverse_F[tensor_index(d, i, 0)] * h[0];
-    for (int j = 1; j < d; ++j) w[i] += inverse_F[tensor_index(d, i, j)] * h[j];
-  }
-  return w;
-}
-
 /// Local source Y and its derivative with respect to phi.
 struct DamageSource {
   Batch Y, dY;
 };
 inline DamageSource damage_source(const MaterialParameters& m, const Batch& phi, const Batch& alpha,
-                                  const Batch* drive, const Batch& fatigue, bool convex) {
+                                  const Drive& drive, const Batch& fatigue, bool convex) {
   const Degradations<Batch> g = degradations(m, phi, alpha);
   const Regularisation w = regularisation(m);
   const double crack = w.quadratic * (m.Gc / m.gamma), start = w.linear * (m.Gc / m.gamma);
-  const Batch Y = g.e1.dg * drive[0] + g.e2.dg * drive[1] + g.p.dg * drive[2] + crack * phi -
+  const Batch Y = g.e1.dg * drive.plus + g.e2.dg * drive.minus + g.p.dg * drive.plastic + crack * phi -
                   (1 / m.gamma) * fatigue + Batch(start);
-  const Batch bend = g.e1.d2g * drive[0] + g.e2.d2g * drive[1] + g.p.d2g * drive[2];
+  const Batch bend = g.e1.d2g * drive.plus + g.e2.d2g * drive.minus + g.p.d2g * drive.plastic;
   if (!convex) return {Y, bend + Batch(crack)};
   return {Y, max(bend + Batch(crack), 0.1 * (Batch(crack) + abs(bend)))};
 }
@@ -43,23 +29,19 @@ inline Batch inverse_viscosity_slope(const MaterialParameters& m, const Batch& l
 
 template <class Cell, Frame frame, bool tangent>
 [[gnu::flatten]] int damage(const PointLaw& law, const DamageInput& in, Batch* r_out, Batch* K_out) {
-  constexpr int d = Cell::dim, n = Cell::nodes;
+  constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const double theta = in.theta_d, crack = crack_flux(m);
   const bool divided = in.form == DamageForm::divided;
-  Batch r[n], K[tangent ? n * n : 1];
-  for (int a = 0; a < n; ++a) r[a] = Batch(0.0);
-  if constexpr (tangent)
-    for (int i = 0; i < n * n; ++i) K[i] = Batch(0.0);
+  ScalarCell<Cell, tangent> cell;
   int bad = 0;
-
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> X;
     point_geometry<Cell, frame>(in.X, q, X);
     const Batch phi = interpolate<Cell>(in.phi, q), phi_n = interpolate<Cell>(in.phi_n, q);
-    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi);
-    const Vector<Batch, d> grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
+    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi),
+                           grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
     const Batch fatigue = in.fatigue ? in.fatigue[q] : Batch(0.0);
     const Batch alpha = point_alpha<Cell, frame>(law, in.history, q);
     const Batch lambda = damage_viscosity(m, phi_n);
@@ -72,53 +54,35 @@ template <class Cell, Frame frame, bool tangent>
     const Batch J = Batch(1.0) + detm1(H);
     bad |= bits(~(J > Batch(0.0)));
     const Tensor<Batch, d> inverse_F = inverse(plus_identity(H), J);
-    const DamageSource now = damage_source(m, phi, alpha, in.drive + q * drive_size, fatigue, in.convex);
-    Vector<Batch, d> flux = flux_direction(m, inverse_F, grad);
-    Vector<Batch, d> frozen = flux_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
+    const DamageSource now = damage_source(m, phi, alpha, drive_at(in.drive, q), fatigue, in.convex);
+    Vector<Batch, d> flux = Batch(theta) * crack_direction(m, inverse_F, grad);
+    Vector<Batch, d> frozen = Batch(theta) * crack_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
     Batch local = theta * now.Y;
-    for (int i = 0; i < d; ++i) {
-      flux[i] = theta * flux[i];
-      frozen[i] = theta * frozen[i];
-    }
     if (theta < 1) {
       const Tensor<Batch, d> H_n = gradient_of_vector<Cell, frame>(X, in.u_n);
       const Tensor<Batch, d> inverse_F_n = inverse(plus_identity(H_n), Batch(1.0) + detm1(H_n));
-      local += (1 - theta) * damage_source(m, phi_n, alpha, in.drive_n + q * drive_size, fatigue, false).Y;
-      const Vector<Batch, d> flux_n = flux_direction(m, inverse_F_n, grad_n);
-      for (int i = 0; i < d; ++i) {
-        flux[i] += (1 - theta) * flux_n[i];
-        frozen[i] += (1 - theta) * flux_n[i];
-      }
+      local += (1 - theta) * damage_source(m, phi_n, alpha, drive_at(in.drive_n, q), fatigue, false).Y;
+      const Vector<Batch, d> flux_n = Batch(1 - theta) * crack_direction(m, inverse_F_n, grad_n);
+      flux = flux + flux_n;
+      frozen = frozen + flux_n;
     }
     local = inertia * (phi - phi_n) + scale * local;
-    if (divided) { // w . Grad(1/lambda_n) term (112)
-      Batch dot = grad_n[0] * frozen[0];
-      for (int i = 1; i < d; ++i) dot += grad_n[i] * frozen[i];
-      local += (in.dt * crack) * (inverse_viscosity_slope(m, lambda, phi_n) * dot);
-    }
+    if (divided) // w . Grad(1/lambda_n) term (112)
+      local += (in.dt * crack) * (inverse_viscosity_slope(m, lambda, phi_n) * dot(grad_n, frozen));
     local *= X.weight;
     const Batch gradient_scale = crack * (scale * X.weight);
-    for (int a = 0; a < n; ++a) {
-      Batch s = X.dN[a][0] * flux[0];
-      for (int i = 1; i < d; ++i) s += X.dN[a][i] * flux[i];
-      r[a] += N[q][a] * local + gradient_scale * s;
-    }
+    for (int a = 0; a < Cell::nodes; ++a) cell.r[a] += N[q][a] * local + gradient_scale * dot(X.dN[a], flux);
     if constexpr (tangent) {
       const Batch reaction = X.weight * (inertia + theta * (scale * now.dY));
-      for (int b = 0; b < n; ++b) {
-        Vector<Batch, d> g;
-        for (int i = 0; i < d; ++i) g[i] = X.dN[b][i];
-        const Vector<Batch, d> w = flux_direction(m, inverse_F, g);
-        for (int a = 0; a <= b; ++a) {
-          Batch s = X.dN[a][0] * w[0];
-          for (int i = 1; i < d; ++i) s += X.dN[a][i] * w[i];
-          K[a * n + b] += (N[q][a] * N[q][b]) * reaction + theta * (gradient_scale * s);
-        }
+      for (int b = 0; b < Cell::nodes; ++b) {
+        const Vector<Batch, d> w = crack_direction(m, inverse_F, X.dN[b]);
+        for (int a = 0; a <= b; ++a)
+          cell.K[a * Cell::nodes + b] +=
+              (N[q][a] * N[q][b]) * reaction + theta * (gradient_scale * dot(X.dN[a], w));
       }
     }
   }
-
-  return bad | add_scalar_cell<n, tangent>(r, K, r_out, K_out);
+  return bad | cell.add_to(r_out, K_out);
 }
 
 template <class Cell, Frame frame> int damage_residual(const PointLaw& law, const DamageInput& in, Batch* r) {

@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/cells.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Growth of the fatigue variable of one batch of cells over a step (F1'), after the damage solve:
 ///   Fat = Fat_n + (a/gamma) (1 - phi) phi |W|,   W = 1/2 [ 1/2 (S_c + S_c,n) + S_d ] : (C - C_n)

@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/cells.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Heat balance of one batch of cells over a step, as energies (all rates times dt), with the heat flux
 /// q = -kappa grad theta and []_h weighing t_{n+1} with theta_h and t_n with 1 - theta_h:
@@ -18,9 +15,16 @@ namespace impact {
 
 enum class HeatForm { entropy, energy };
 
-/// What heat_step leaves at each point for heat_residual and heat_tangent: J - 1 of the locking cure and
-/// 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n.
-inline constexpr int heat_point_size = 2;
+/// What heat_step leaves at each point for heat_residual and heat_tangent.
+struct HeatPoint {
+  Batch volume;    ///< J - 1 of the locking cure
+  Batch entropy_n; ///< 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n
+};
+inline constexpr int heat_point_size = sizeof(HeatPoint) / sizeof(Batch);
+inline HeatPoint& heat_point_at(Batch* points, int q) { return reinterpret_cast<HeatPoint*>(points)[q]; }
+inline const HeatPoint& heat_point_at(const Batch* points, int q) {
+  return reinterpret_cast<const HeatPoint*>(points)[q];
+}
 
 struct HeatInput {
   const Batch* X = nullptr;       ///< [node][dim] reference coordinates

@@ -25,31 +25,14 @@ template <int d> Tensor<Batch, d> unit_tensor() {
   return plus_identity(zero);
 }
 
-/// scale C^-1 g, or scale g without F.
-template <int d>
-Vector<Batch, d> pulled_back(const Batch& scale, const Tensor<Batch, d>* inverse_F,
-                             const Vector<Batch, d>& g) {
-  Vector<Batch, d> flux;
-  if (!inverse_F) {
-    for (int i = 0; i < d; ++i) flux[i] = scale * g[i];
-    return flux;
-  }
-  const Vector<Batch, d> spatial = spatial_gradient(*inverse_F, g);
-  for (int i = 0; i < d; ++i) {
-    flux[i] = (*inverse_F)[tensor_index(d, i, 0)] * spatial[0];
-    for (int j = 1; j < d; ++j) flux[i] += (*inverse_F)[tensor_index(d, i, j)] * spatial[j];
-    flux[i] *= scale;
-  }
-  return flux;
-}
-
 /// kappa grad theta in the reference configuration: k g_theta J C^-1 Grad theta, or k g_theta Grad theta.
+/// F^-1 is null where nothing moves.
 template <int d>
 Vector<Batch, d> conducted(const MaterialParameters& m, const Degradations<Batch>& g,
                            const Tensor<Batch, d>* inverse_F, const Batch& J, const Vector<Batch, d>& grad) {
   const Batch k = m.conductivity * conduction_degradation(m, g.e1.g);
-  const bool spatial = inverse_F && m.conduction == Conduction::spatial;
-  return pulled_back<d>(spatial ? k * J : k, spatial ? inverse_F : nullptr, grad);
+  if (!inverse_F || m.conduction == Conduction::material) return k * grad;
+  return (k * J) * raised_gradient(*inverse_F, grad);
 }
 
 /// The state of one batch at one end of the step.
@@ -87,26 +70,14 @@ template <class Cell, Frame frame> struct HeatState {
       sum = g.e1.g * isochoric_energy(m, trace_excess(k.J23 * dev(e), start));
       if (law.flows())
         sum += ((1 - m.taylor_quinney) * g.p.g) *
-               (law.softens() && drive ? drive[q * drive_size + 2] : plastic_potential(m, A.alpha));
+               (law.softens() && drive ? drive_at(drive, q).plastic : plastic_potential(m, A.alpha));
       inverse_F = k.inverse_F;
     }
     if (m.damage == Damage::none || !phi) return sum;
-    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, phi);
-    const bool spatial = moved && m.damage_gradient == DamageGradient::spatial;
-    return sum + crack_energy(m, interpolate<Cell>(phi, q),
-                              square(spatial ? spatial_gradient(inverse_F, grad) : grad));
+    return sum +
+           crack_energy(m, interpolate<Cell>(phi, q), inverse_F, gradient_of_scalar<Cell, frame>(X, phi));
   }
 };
-
-/// What the step exchanges between the stores and plastic heat at a point.
-template <class Cell, Frame frame> Batch exchanged(const PointLaw& law, const HeatInput& in, int q) {
-  const int alpha = q * history_size(frame) + history_alpha(frame);
-  const Batch* drive = in.drive + q * drive_size;
-  return law.plastic_exchange(
-      interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), in.history[alpha], in.history_n[alpha],
-      PointEnergies<Batch>{drive[0], drive[1],
-                           law.softens() ? drive[2] : plastic_potential(law.parameters, in.history[alpha])});
-}
 
 /// 1/2 (P + P_n) : (F - F_n).
 template <class Cell, Frame frame>
@@ -119,9 +90,28 @@ Batch work_of_stress(const HeatInput& in, const Tensor<Batch, Cell::dim>& H,
   return work;
 }
 
+/// What damage and fatigue of the step bring into the energy, with the flux of the crack energy, or
+/// dissipate.
+template <class Cell, Frame frame>
+void add_damage(const PointLaw& law, const HeatInput& in, const PointGeometry<Cell, frame>& X,
+                const Tensor<Batch, Cell::dim>& inverse_F, int q, Batch& local,
+                Vector<Batch, Cell::dim>& flux) {
+  const MaterialParameters& m = law.parameters;
+  const Batch phi = interpolate<Cell>(in.phi, q), phi_n = interpolate<Cell>(in.phi_n, q);
+  if (in.form == HeatForm::energy) {
+    if (in.fatigue)
+      local += fatigue_energy(m, phi, in.fatigue[q]) - fatigue_energy(m, phi_n, in.fatigue_n[q]);
+    flux = (crack_flux(m) * (phi - phi_n)) *
+           crack_direction(m, inverse_F, gradient_of_scalar<Cell, frame>(X, in.phi));
+  } else {
+    if (in.fatigue) local -= fatigue_dissipation(m, phi, in.fatigue[q] - in.fatigue_n[q]);
+    if (in.drive && law.exchanges()) local -= plastic_exchange_at<Cell, frame>(law, in, q);
+  }
+}
+
 template <class Cell, Frame frame>
 [[gnu::flatten]] int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
-  constexpr int d = Cell::dim, n = Cell::nodes;
+  constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const bool energy = in.form == HeatForm::energy, damages = m.damage != Damage::none && in.phi;
@@ -135,12 +125,10 @@ template <class Cell, Frame frame>
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history),
                               g_n = point_degradations<Cell, frame>(law, in.phi_n, q, in.history_n);
     const Batch theta_n = interpolate<Cell>(in.theta_n, q);
-    const Batch volume = now.volume(law, q);
     const Batch Je_n = elastic_volume(m, before.volume(law, q), theta_n),
                 g_vn = volume_degradation(g_n, Je_n);
     const Batch entropy_n = thermoelastic_entropy(m, Je_n, g_vn);
-    points[q * heat_point_size] = volume;
-    points[q * heat_point_size + 1] = entropy_n;
+    heat_point_at(points, q) = {now.volume(law, q), entropy_n};
 
     Tensor<Batch, d> inverse_F = unit_tensor<d>(), inverse_F_n = inverse_F;
     Batch J = Batch(1.0), J_n = Batch(1.0);
@@ -155,27 +143,14 @@ template <class Cell, Frame frame>
     Batch local = Batch(0.0);
     Vector<Batch, d> flux;
     for (int i = 0; i < d; ++i) flux[i] = Batch(0.0);
-    if (energy) {
+    if (energy)
       local = now.stored(law, X, q, g) - before.stored(law, X, q, g_n) -
               (g_vn * volumetric_energy(m, Je_n) + theta_n * entropy_n);
-      if (damages && in.fatigue)
-        local += fatigue_energy(m, interpolate<Cell>(in.phi, q), in.fatigue[q]) -
-                 fatigue_energy(m, interpolate<Cell>(in.phi_n, q), in.fatigue_n[q]);
-      if (in.u && in.stress) local -= work_of_stress<Cell, frame>(in, now.cell.H[q], before.cell.H[q], q);
-      if (damages) {
-        const Batch step = interpolate<Cell>(in.phi, q) - interpolate<Cell>(in.phi_n, q);
-        const bool spatial = in.u && m.damage_gradient == DamageGradient::spatial;
-        flux = pulled_back<d>(crack_flux(m) * step, spatial ? &inverse_F : nullptr,
-                              gradient_of_scalar<Cell, frame>(X, in.phi));
-      }
-    } else {
-      if (in.dissipation) local -= in.dissipation[q];
-      if (damages) {
-        if (in.fatigue)
-          local -= fatigue_dissipation(m, interpolate<Cell>(in.phi, q), in.fatigue[q] - in.fatigue_n[q]);
-        if (in.drive && law.exchanges()) local -= exchanged<Cell, frame>(law, in, q);
-      }
-    }
+    else if (in.dissipation)
+      local -= in.dissipation[q];
+    if (damages) add_damage<Cell, frame>(law, in, X, inverse_F, q, local, flux);
+    if (energy && in.u && in.stress)
+      local -= work_of_stress<Cell, frame>(in, now.cell.H[q], before.cell.H[q], q);
     if (in.theta_h < 1 && m.conductivity != 0) {
       const auto k = conducted<d>(m, g_n, in.u ? &inverse_F_n : nullptr, J_n,
                                   gradient_of_scalar<Cell, frame>(X, in.theta_n));
@@ -183,11 +158,7 @@ template <class Cell, Frame frame>
     }
     sum += local + flux[0];
     local *= X.weight;
-    for (int a = 0; a < n; ++a) {
-      Batch s = X.dN[a][0] * flux[0];
-      for (int i = 1; i < d; ++i) s += X.dN[a][i] * flux[i];
-      r[a] += N[q][a] * local + X.weight * s;
-    }
+    for (int a = 0; a < Cell::nodes; ++a) r[a] += N[q][a] * local + X.weight * dot(X.dN[a], flux);
   }
   return bad | bits(~is_finite(sum));
 }
@@ -199,10 +170,7 @@ template <class Cell, Frame frame, bool tangent>
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const bool energy = in.form == HeatForm::energy;
-  Batch r[n], K[tangent ? n * n : 1];
-  for (int a = 0; a < n; ++a) r[a] = Batch(0.0);
-  if constexpr (tangent)
-    for (int i = 0; i < n * n; ++i) K[i] = Batch(0.0);
+  ScalarCell<Cell, tangent> cell;
   int bad = 0;
   for (int q = 0; q < Cell::points; ++q) {
     PointGeometry<Cell, frame> X;
@@ -210,7 +178,8 @@ template <class Cell, Frame frame, bool tangent>
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch theta = interpolate<Cell>(in.theta, q), theta_n = interpolate<Cell>(in.theta_n, q);
     bad |= bits(~(theta > Batch(0.0)));
-    const Batch Je = elastic_volume(m, points[q * heat_point_size], theta), g_v = volume_degradation(g, Je);
+    const Batch Je = elastic_volume(m, heat_point_at(points, q).volume, theta),
+                g_v = volume_degradation(g, Je);
     const Batch s = thermoelastic_entropy(m, Je, g_v), capacity = heat_capacity(m, Je, g_v, theta);
     Batch local, slope;
     if (energy) {
@@ -218,16 +187,16 @@ template <class Cell, Frame frame, bool tangent>
       slope = capacity;
     } else {
       const Batch mean = in.theta_h * theta + (1 - in.theta_h) * theta_n;
-      const Batch change = m.c_v * log_ratio(theta, theta_n) + (s - points[q * heat_point_size + 1]);
+      const Batch change = m.c_v * log_ratio(theta, theta_n) + (s - heat_point_at(points, q).entropy_n);
       local = mean * change;
       slope = in.theta_h * change + mean * (capacity / theta);
     }
     local *= X.weight;
-    for (int a = 0; a < n; ++a) r[a] += N[q][a] * local;
+    for (int a = 0; a < n; ++a) cell.r[a] += N[q][a] * local;
     if constexpr (tangent) {
       slope *= X.weight;
       for (int a = 0; a < n; ++a)
-        for (int b = a; b < n; ++b) K[a * n + b] += (N[q][a] * N[q][b]) * slope;
+        for (int b = a; b < n; ++b) cell.K[a * n + b] += (N[q][a] * N[q][b]) * slope;
     }
     if (m.conductivity == 0) continue;
 
@@ -236,32 +205,21 @@ template <class Cell, Frame frame, bool tangent>
     const bool moved = in.u && m.conduction == Conduction::spatial;
     if (moved) {
       Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(X, in.u);
-      if constexpr (frame == Frame::plane_stress)
-        H[4] = in.history[q * history_size(frame) + history_size(frame) - 1];
+      if constexpr (frame == Frame::plane_stress) H[4] = history_at<frame>(in.history, q).stretch;
       J += detm1(H);
       inverse_F = inverse(plus_identity(H), J);
     }
     const Batch w = (in.theta_h * in.dt) * X.weight;
     const auto flux =
         conducted<d>(m, g, moved ? &inverse_F : nullptr, J, gradient_of_scalar<Cell, frame>(X, in.theta));
-    for (int a = 0; a < n; ++a) {
-      Batch f = X.dN[a][0] * flux[0];
-      for (int i = 1; i < d; ++i) f += X.dN[a][i] * flux[i];
-      r[a] += w * f;
-    }
+    for (int a = 0; a < n; ++a) cell.r[a] += w * dot(X.dN[a], flux);
     if constexpr (tangent)
       for (int b = 0; b < n; ++b) {
-        Vector<Batch, d> grad;
-        for (int i = 0; i < d; ++i) grad[i] = X.dN[b][i];
-        const auto column = conducted<d>(m, g, moved ? &inverse_F : nullptr, J, grad);
-        for (int a = 0; a <= b; ++a) {
-          Batch f = X.dN[a][0] * column[0];
-          for (int i = 1; i < d; ++i) f += X.dN[a][i] * column[i];
-          K[a * n + b] += w * f;
-        }
+        const auto column = conducted<d>(m, g, moved ? &inverse_F : nullptr, J, X.dN[b]);
+        for (int a = 0; a <= b; ++a) cell.K[a * n + b] += w * dot(X.dN[a], column);
       }
   }
-  return bad | add_scalar_cell<n, tangent>(r, K, r_out, K_out);
+  return bad | cell.add_to(r_out, K_out);
 }
 
 template <class Cell, Frame frame>

@@ -1,9 +1,6 @@
 #pragma once
-#include <impact/element/cells.hpp>
-#include <impact/kernel/frame.hpp>
 #include <impact/kernel/motion.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Integrals over a batch of cells that the ledger and the output read; nothing here enters an equation.
 namespace impact {

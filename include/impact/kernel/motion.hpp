@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/cells.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Momentum balance of one batch of cells in the total Lagrangian form (105):
 ///   r_aI = int N_a,J P_iJ + rho N_a N_b a_b dV_0,   P = P_dev + p cof F + F (S_phi + S_d).

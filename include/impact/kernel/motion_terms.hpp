@@ -19,31 +19,21 @@ inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
 }
 
-/// The same law and input with everything outside `terms` left at its default: constants, by which the
-/// compiler finds the branches that are never taken. Text and tables are left out with them: what holds a
-/// pointer to memory of its own is read anew after every store.
+/// The same law and input with what is outside `terms` at its default: constants, by which the compiler finds
+/// the branches that are never taken. The groups of parameters that the terms read are copied whole.
 inline PointLaw restricted(const PointLaw& law, Terms terms) {
   if (terms == Terms::all || terms == Terms::spectral) return law;
-  const MaterialParameters& m = law.parameters;
   PointLaw r;
-  if (terms == Terms::plain) {
-    static_cast<MaterialNumbers&>(r.parameters) = m;
-    r.parameters.hardening = HardeningKind::voce;
-    r.parameters.softening = Softening::none;
-    r.parameters.rate_c = 0;
-    return r;
-  }
-  r.parameters.K = m.K;
-  r.parameters.G = m.G;
-  r.parameters.rho = m.rho;
+  MaterialParameters& m = r.parameters;
+  if (terms == Terms::plain)
+    m = law.parameters;
+  else
+    static_cast<ElasticParameters&>(m) = law.parameters;
   if (terms == Terms::elastic) return r;
-  r.parameters.model = m.model;
-  r.parameters.sigma_y = m.sigma_y;
-  r.parameters.voce_r = m.voce_r;
-  r.parameters.voce_s = m.voce_s;
-  r.parameters.linear_h = m.linear_h;
-  r.parameters.taylor_quinney = m.taylor_quinney;
-  r.parameters.locking = m.locking;
+  if (terms == Terms::undamaged) static_cast<FlowParameters&>(m) = law.parameters;
+  m.hardening = HardeningKind::voce;
+  m.softening = Softening::none;
+  m.rate_c = 0;
   return r;
 }
 inline MotionInput restricted(MotionInput in, Terms terms) {

@@ -61,9 +61,9 @@ template <class Cell, int k, int of = k> inline void sums_and_differences(Batch*
   unroll<Cell::nodes>([&](auto node) {
     constexpr int a = node, b = across<Cell>(a, k);
     if constexpr (at_end<Cell>(a, k) && at_end<Cell>(a, of)) {
-      const Batch sum = v[b] + v[a];
+      const Batch both = v[b] + v[a];
       v[a] = v[a] - v[b];
-      v[b] = sum;
+      v[b] = both;
     }
   });
 }
@@ -90,12 +90,9 @@ inline void reference_gradients(const Batch* nodal, Batch (*out)[components * Ce
         for (int q = 0; q < Cell::points; ++q) out[q][i * d + k] = nodal[(k + 1) * components + i] - nodal[i];
     } else if constexpr (!has_modes<Cell>()) {
       for (int q = 0; q < Cell::points; ++q)
-        for (int k = 0; k < d; ++k) {
-          Batch sum = shape_table<Cell>.dN[q][0][k] * nodal[i];
-          for (int a = 1; a < Cell::nodes; ++a)
-            sum += shape_table<Cell>.dN[q][a][k] * nodal[a * components + i];
-          out[q][i * d + k] = sum;
-        }
+        for (int k = 0; k < d; ++k)
+          out[q][i * d + k] = sum<Cell::nodes>(
+              [&](int a) { return shape_table<Cell>.dN[q][a][k] * nodal[a * components + i]; });
     } else {
       Batch mode[Cell::nodes];
       unroll<Cell::nodes>([&](auto a) { mode[a] = nodal[a * components + i]; });
@@ -123,10 +120,9 @@ inline void add_nodal_forces(const Batch (*flux)[components * Cell::dim], Batch*
   for (int i = 0; i < components; ++i)
     if constexpr (is_simplex<Cell>) {
       for (int k = 0; k < d; ++k) {
-        Batch sum = flux[0][i * d + k];
-        for (int q = 1; q < Cell::points; ++q) sum += flux[q][i * d + k];
-        nodal[(k + 1) * components + i] += sum;
-        nodal[i] -= sum;
+        const Batch force = sum<Cell::points>([&](int q) { return flux[q][i * d + k]; });
+        nodal[(k + 1) * components + i] += force;
+        nodal[i] -= force;
       }
     } else if constexpr (!has_modes<Cell>()) {
       for (int q = 0; q < Cell::points; ++q)
@@ -138,16 +134,16 @@ inline void add_nodal_forces(const Batch (*flux)[components * Cell::dim], Batch*
       unroll<Cell::nodes>([&](auto a) { mode[a] = Batch(0.0); });
       unroll<d>([&](auto direction) {
         constexpr int k = direction;
-        Batch sum[Cell::nodes];
+        Batch part[Cell::nodes];
         unroll<Cell::nodes>([&](auto point) {
           constexpr int q = point, other = across<Cell>(q, k);
-          if constexpr (at_end<Cell>(q, k)) sum[q] = flux[q][i * d + k] + flux[other][i * d + k];
+          if constexpr (at_end<Cell>(q, k)) part[q] = flux[q][i * d + k] + flux[other][i * d + k];
         });
         unroll<d>([&](auto l) {
-          if constexpr (l != k) sums_and_differences<Cell, l, k>(sum);
+          if constexpr (l != k) sums_and_differences<Cell, l, k>(part);
         });
         unroll<Cell::nodes>([&](auto a) {
-          if constexpr (at_end<Cell>(a, k)) mode[a] += sum[a];
+          if constexpr (at_end<Cell>(a, k)) mode[a] += part[a];
         });
       });
       unroll<Cell::nodes>([&](auto a) { mode[a] *= Batch(mode_scale<Cell>(a)); });

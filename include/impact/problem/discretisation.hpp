@@ -1,6 +1,5 @@
 #pragma once
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
+#include <impact/kernel/point_data.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
@@ -15,6 +14,8 @@ namespace impact {
 struct MaterialAssignment {
   PointLaw law;
   std::vector<std::string> regions;
+  std::string id{};                               ///< what the user calls it
+  std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
 };
 
 struct Discretisation {

@@ -40,7 +40,7 @@ struct MeshScenario {
 };
 
 struct MaterialScenario {
-  MaterialParameters law;
+  MaterialDescription law;
   std::vector<std::string> regions; ///< physical names; default: the id
   std::string hardening_table;      ///< resolved path of law.table
   bool locking_automatic = true;    ///< mean for j2 on quads and hexes, else none
