@@ -238,26 +238,6 @@ bool Coupling::refresh_contact(Vec u) {
   return true;
 }
 
-bool Coupling::frictional() const {
-  const auto& contacts = motion_.contacts();
-  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.frictional(); });
-}
-
-bool Coupling::reverses() const {
-  const auto& contacts = motion_.contacts();
-  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.reverses(); });
-}
-
-bool Coupling::semismooth() const {
-  const auto& contacts = motion_.contacts();
-  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.semismooth(); });
-}
-
-bool Coupling::augments() const {
-  const auto& contacts = motion_.contacts();
-  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
-}
-
 // Multipliers of the semismooth method follow every iterate, before the residual is evaluated there; the
 // solve ends when they have come to rest too.
 PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
@@ -267,10 +247,8 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   // What presses nothing yet is brought to rest on penalties, roughly: their forces grow with the way, and
   // the semismooth method, whose gaps close at once, begins from the pressures that they find.
   if (pass == 1) first_touch_ = (semismooth() || augments()) && !loose_.empty() && !loose_.rest(u);
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.meet(!loose_.empty(), first_touch_);
-    contact.start_newton(u);
-  }
+  motion_.contacts().meet(!loose_.empty(), first_touch_);
+  motion_.contacts().start_newton(u);
   // Before the last augmentation a residual that falls to a tenth is exact enough.
   rough_ = first_touch_ || (pass > 1 && rough_);
   constexpr PetscInt enough = 10; // for a first touch, or it has the wrong way
@@ -282,20 +260,14 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
                             first_touch_ ? std::min(most, enough) : most, PETSC_DEFAULT));
     return solve_motion(u);
   };
-  const auto settled = [&] {
-    const auto& contacts = motion_.contacts();
-    return std::all_of(contacts.begin(), contacts.end(),
-                       [&](const auto& c) { return c.review(u).converged; });
-  };
+  const auto settled = [&] { return motion_.contacts().review(u).converged; };
   result.inner = solve_to(rough_ ? std::max(rtol, 0.1) : rtol);
   if (first_touch_ && result.inner < 0) {
     first_touch_ = rough_ = cell_broke_ = false;
     loose_.start_attempt();
     check(VecCopy(newton_start_, u));
-    for (ContactInterface& contact : motion_.contacts()) {
-      contact.meet(!loose_.empty(), false);
-      contact.start_newton(u);
-    }
+    motion_.contacts().meet(!loose_.empty(), false);
+    motion_.contacts().start_newton(u);
     result.inner = solve_to(rtol);
   }
   if (rough_ && result.inner >= 0 && !first_touch_ && settled()) {
@@ -322,25 +294,20 @@ PassResult Coupling::uzawa_pass(PetscInt pass, Vec u) {
   check(VecCopy(left, left_));
   // Of the present multipliers and of the places that the solve knew: both may change below.
   check(VecSet(contact_force_, 0));
-  for (ContactInterface& contact : motion_.contacts()) contact.add_residual(u, -1, contact_force_);
+  motion_.contacts().add_forces(u, -1, contact_force_);
   // A body that moved beyond the skin may touch facets that the list did not hold.
   const bool kept = !refresh_contact(u);
-  auto& contacts = motion_.contacts();
-  if (pass == 1)
-    for (ContactInterface& contact : contacts) contact.start_augmentation();
+  if (pass == 1) motion_.contacts().start_augmentation();
   const bool converged = settled() && kept && !rough_;
   result.change = converged ? 0 : 1;
   if (converged) return result;
   // Multipliers change only where another solve follows, and not by penalties of places that it did not know.
   if (first_touch_) {
-    first_touch_ = !kept || std::any_of(contacts.begin(), contacts.end(),
-                                        [&](const auto& c) { return !c.review(u).settled; });
+    first_touch_ = !kept || !motion_.contacts().review(u).settled;
     if (first_touch_) return result;
   }
-  for (ContactInterface& contact : contacts) {
-    contact.augment(u);
-    contact.meet(!loose_.empty(), false);
-  }
+  motion_.contacts().augment(u);
+  motion_.contacts().meet(!loose_.empty(), false);
   rough_ = !inertia_ && augments();
   return result;
 }

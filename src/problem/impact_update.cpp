@@ -90,18 +90,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
   // min 1/2 |w - u_tilde|_M over the w that the gradients of the start admit, with the contact's own
   // enforcement and multipliers from zero: dt times a change of the velocity.
   check(VecSet(contact_shock_, 0));
-  double penetration = 0;
-  std::vector<std::pair<StateRow*, std::vector<double>>> kept;
-  for (ContactInterface& contact : motion_.contacts())
-    for (const char* name : {"_multiplier", "_penalty"}) {
-      StateRow& row = state_.row("contact_" + contact.id() + name);
-      kept.emplace_back(&row, row.trial);
-      if (name[1] == 'm') std::fill(row.trial.begin(), row.trial.end(), 0.0);
-    }
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.suspend_friction(true);
-    contact.linearise_at_start(true);
-  }
+  motion_.contacts().begin_projection();
   // Rigid bodies: among rigid motions, and only what contact changes counts.
   bool projected = false;
   RigidBodies& rigid = motion_.rigid();
@@ -115,9 +104,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
     check(VecCopy(u_tilde, untouched));
   }
   refresh_contact(u_tilde);
-  for (ContactInterface& contact : motion_.contacts())
-    penetration = std::max(penetration, contact.review(u_tilde).penetration);
-  if (penetration > 0) {
+  if (motion_.contacts().review(u_tilde).penetration > 0) {
     const NewmarkParameters p = newmark_parameters(ts_);
     Projection problem{&motion_, p.alpha_m / (p.beta * dt * dt), nullptr, &time_mailbox(ts_)};
     Handle<Vec> goal = motion_.discretisation().displacement.make_global(),
@@ -139,17 +126,13 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
     check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
     update_multipliers_in(snes);
     iterate_ = u_tilde;
-    for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
+    motion_.contacts().start_augmentation();
     for (int pass = 0; pass < 10; ++pass) {
       check(SNESSolve(snes, nullptr, u_tilde));
       SNESConvergedReason why = SNES_CONVERGED_ITERATING;
       check(SNESGetConvergedReason(snes, &why));
-      bool converged = why > 0;
-      if (!converged) break;
-      for (ContactInterface& contact : motion_.contacts())
-        converged = contact.review(u_tilde).converged && converged;
-      if (converged) break;
-      for (ContactInterface& contact : motion_.contacts()) contact.augment(u_tilde);
+      if (why <= 0 || motion_.contacts().review(u_tilde).converged) break;
+      motion_.contacts().augment(u_tilde);
     }
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
     check(SNESGetConvergedReason(snes, &reason));
@@ -163,10 +146,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
                           t_n, SNESConvergedReasons[reason]));
       projection_failed_ = true;
     } else {
-      for (ContactInterface& contact : motion_.contacts()) {
-        contact.add_residual(u_tilde, -0.5, contact_shock_);
-        contact.keep_shock(u_tilde);
-      }
+      motion_.contacts().keep_shock(u_tilde, contact_shock_);
       // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
       const Handle<Vec> gain = motion_.discretisation().displacement.make_global(); // of v, over dt
       check(VecCopy(contact_shock_, f));
@@ -182,11 +162,7 @@ void Coupling::project_predictor(double t_n, double dt, Vec u_tilde, Vec v) {
     if (!projected) rigid.put_change(u_tilde, untouched, predictor);
   }
   motion_.balance().forget();
-  for (auto& [row, values] : kept) row->trial = std::move(values);
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.suspend_friction(false);
-    contact.linearise_at_start(false);
-  }
+  motion_.contacts().end_projection();
 }
 
 KSP Coupling::projection_solver() {

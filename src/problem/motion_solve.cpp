@@ -43,14 +43,7 @@ void Coupling::update_multipliers_in(SNES snes) {
           const Handle<Vec> step = self.motion_.discretisation().displacement.make_global();
           check(VecWAXPY(step, -1, x, w));
           self.motion_.rigid().retract(w);
-          if (self.first_way_)
-            for (ContactInterface& contact : self.motion_.contacts())
-              if (contact.follow_sliding(w)) self.reuse_.forget();
-          if (!self.semismooth()) return;
-          bool other_set = false;
-          for (ContactInterface& contact : self.motion_.contacts())
-            if (contact.semismooth()) other_set = contact.take_newton_step(x, step, w) || other_set;
-          if (other_set) self.reuse_.forget();
+          if (self.motion_.contacts().after_newton_step(x, step, w, self.first_way_)) self.reuse_.forget();
         });
       },
       this));
@@ -111,7 +104,7 @@ void Coupling::add_gaps(Vec u, Vec f) {
     apart = motion_.discretisation().displacement.make_global();
     gaps = apart;
   }
-  for (const ContactInterface& contact : motion_.contacts()) contact.add_gaps(u, step_.contact_scale, gaps);
+  motion_.contacts().add_gaps(u, step_.contact_scale, gaps);
   if (!apart) return;
   motion_.rigid().place(u);
   motion_.rigid().reduce(apart);
@@ -152,7 +145,7 @@ void Coupling::begin_newton(Vec u, PassResult& result) {
 bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
   const Discretisation& d = motion_.discretisation();
   refresh_contact(u);
-  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
+  motion_.contacts().start_newton(u);
   const Handle<Vec> r = d.displacement.make_global(), other = d.displacement.make_global(),
                     step = d.displacement.make_global(), start = d.displacement.make_global();
   PetscReal atol = 0, rtol = 0, slope[2] = {0, 0}, norm[2] = {0, 0};
@@ -195,8 +188,7 @@ bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
   motion_.impose(u);
   if (semismooth()) {
     check(VecWAXPY(other, -1, start, u));
-    for (ContactInterface& contact : motion_.contacts())
-      if (contact.semismooth()) contact.take_newton_step(start, other, u);
+    motion_.contacts().after_newton_step(start, other, u, false);
   } else {
     check(SNESComputeFunction(motion_snes_, u, other));
     check(VecDot(r, step, &slope[0]));
@@ -211,14 +203,9 @@ bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
 // Whether nothing is left open that another iteration closes.
 bool Coupling::gaps_settle(Vec u) {
   const double before = open_;
-  bool closed = true;
-  open_ = 0;
-  for (const ContactInterface& contact : motion_.contacts()) {
-    const ContactInterface::GapsLeft left = contact.gaps_left(u, motion_.balance().force());
-    closed = closed && left.closed;
-    open_ = std::max(open_, left.open);
-  }
-  return closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+  const ContactInterface::GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
+  open_ = left.open;
+  return left.closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
 }
 
 bool Coupling::gives_up(PetscReal norm) {
@@ -275,10 +262,9 @@ SNESConvergedReason Coupling::go_second_way(Vec u, PetscInt most_iterations) {
   ++second_ways_;
   check(SNESGetLineSearch(motion_snes_, &search));
   check(SNESGetTolerances(motion_snes_, nullptr, nullptr, nullptr, &most, nullptr));
-  for (ContactInterface& contact : motion_.contacts())
-    if (contact.semismooth()) contact.fall_back();
+  motion_.contacts().fall_back();
   check(VecCopy(newton_start_, u));
-  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
+  motion_.contacts().start_newton(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
   check(SNESSetTolerances(motion_snes_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations,
@@ -325,10 +311,7 @@ bool Coupling::balanced(Vec u) {
   check(SNESGetTolerances(motion_snes_, &atol, &rtol, nullptr, nullptr, nullptr));
   check(SNESComputeFunction(motion_snes_, u, residual_));
   motion_.balance().judge(residual_, atol, rtol);
-  const auto& contacts = motion_.contacts();
-  return motion_.balance().holds() && std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) {
-           return c.gaps_left(u, motion_.balance().force()).closed;
-         });
+  return motion_.balance().holds() && motion_.contacts().gaps_left(u, motion_.balance().force()).closed;
 }
 
 // What faces what is found between the Newton solves: a loose body that faces nothing yet strides towards

@@ -148,10 +148,10 @@ private:
   void read_contact_scale();
   void project_predictor(double t_n, double dt, Vec u_tilde, Vec v);
   KSP projection_solver();
-  bool semismooth() const;
-  bool augments() const;
-  bool frictional() const;
-  bool reverses() const;
+  bool semismooth() const { return motion_.contacts().demands().closes_gaps; }
+  bool augments() const { return motion_.contacts().demands().augments; }
+  bool frictional() const { return motion_.contacts().demands().frictional; }
+  bool reverses() const { return motion_.contacts().demands().reverses; }
   bool closes_gaps() const { return semismooth() || reverses(); }
   void update_multipliers_in(SNES snes);
   void take_out_step_forces(Vec u, Vec v, Vec a);
