@@ -80,11 +80,18 @@ double ContactInterface::kept_overlap(int index) const {
   return start < -small_overlap * mean_length_ ? start : 0;
 }
 
-void ContactInterface::linearise_at_start(bool linear) {
-  if (step_.rule == StepRule::middle && linear)
-    step_.rule = StepRule::start;
-  else if (step_.rule == StepRule::start && !linear)
-    step_.rule = StepRule::middle;
+void ContactInterface::begin_projection() {
+  before_projection_ = {multiplier_->trial, penalty_->trial};
+  std::fill(multiplier_->trial.begin(), multiplier_->trial.end(), 0.0);
+  friction_suspended_ = true;
+  if (step_.rule == StepRule::middle) step_.rule = StepRule::start;
+}
+
+void ContactInterface::end_projection() {
+  multiplier_->trial = std::move(before_projection_[0]);
+  penalty_->trial = std::move(before_projection_[1]);
+  friction_suspended_ = false;
+  if (step_.rule == StepRule::start) step_.rule = StepRule::middle;
 }
 
 namespace {

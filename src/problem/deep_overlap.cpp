@@ -122,7 +122,7 @@ std::vector<double> places_of(const Discretisation& d, const std::vector<double>
 
 } // namespace
 
-void refuse_deep_overlaps(const Discretisation& d, std::span<const ContactInterface> contacts) {
+void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
   const auto matters = [](const ContactSettings& settings) {
     return !settings.rigid() && settings.primary != settings.secondary &&
            settings.initial != InitialOverlap::allow;

@@ -13,7 +13,7 @@ namespace impact {
 
 HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state,
                          const BoundaryData& boundary, const HeatScenario& settings, bool moves,
-                         const std::vector<ContactInterface>* contacts)
+                         const ContactSet* contacts)
     : d_(discretisation), state_(state), boundary_(boundary), settings_(settings),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), x_(d_.node_values(1)),
       r_(d_.node_values(1)), constant_(d_.node_values(1)), free_(d_.node_values(1), 1.0),

@@ -30,9 +30,9 @@ template <int n> double trace(const Batch* K, int lanes_in_use) {
 } // namespace
 
 MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
-                             const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
-                             bool symmetric_tangent, ContactOperator contact_operator, MatrixFormat format,
-                             RigidBodies* rigid, bool solved)
+                             const BoundaryData& boundary, ContactSet& contacts, bool symmetric_tangent,
+                             ContactOperator contact_operator, MatrixFormat format, RigidBodies* rigid,
+                             bool solved)
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
       rigid_(rigid != nullptr ? rigid : &no_bodies_), symmetric_(symmetric_tangent),
       operator_(contact_operator), format_(format), solved_(solved),
@@ -88,11 +88,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
 void MotionProblem::rebuild_matrix() {
   const Timed timed(Event::motion_matrix);
   std::vector<std::pair<PetscInt, PetscInt>> extra;
-  for (const ContactInterface& contact : contacts_) {
-    if (operator_ == ContactOperator::shell) break; // nothing of the contact stands in the matrix
-    const auto pairs = contact.couplings();
-    extra.insert(extra.end(), pairs.begin(), pairs.end());
-  }
+  if (operator_ != ContactOperator::shell) extra = contacts_.couplings(); // else none is in the matrix
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
@@ -117,12 +113,11 @@ void MotionProblem::make_shell() {
 
 void MotionProblem::multiply(Vec x, Vec y) {
   check(MatMult(matrix(), x, y));
-  for (ContactInterface& contact : contacts_) contact.multiply(linearised_at_, step_.contact_scale, x, y);
+  contacts_.apply_jacobian(linearised_at_, step_.contact_scale, x, y);
 }
 
 bool MotionProblem::update_contact(Vec u) {
-  bool changed = false;
-  for (ContactInterface& contact : contacts_) changed = contact.update_search(u) || changed;
+  const bool changed = contacts_.update_search(u);
   if (operator_ == ContactOperator::shell) return false;
   if (changed) rebuild_matrix();
   return changed;
@@ -131,7 +126,7 @@ bool MotionProblem::update_contact(Vec u) {
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
   rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
-  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
+  contacts_.begin_attempt(step.t, step.mass_shift, step.stabilised);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())
@@ -243,7 +238,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   add_pressures(u_, -1, r_);
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
-  for (ContactInterface& contact : contacts_) contact.add_residual(u, step_.contact_scale, f);
+  contacts_.add_forces(u, step_.contact_scale, f);
   rigid_->place(u);
   rigid_->reduce(f, accel);
   zero_fixed(f);
@@ -297,7 +292,7 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
     if (shell_)
       check(VecCopy(u, linearised_at_));
     else
-      for (ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact_scale, matrix());
+      contacts_.add_jacobian(u, step_.contact_scale, matrix());
     check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }
@@ -318,7 +313,7 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
   check(VecWAXPY(work_, -1, u_tilde, w));
   mass_multiply(work_, f);
   check(VecScale(f, shift));
-  for (ContactInterface& contact : contacts_) contact.add_residual(w, step_.contact_scale, f);
+  contacts_.add_forces(w, step_.contact_scale, f);
   rigid_->place(w);
   rigid_->reduce(f);
   zero_fixed(f);
@@ -424,7 +419,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   }
 
   check(VecSet(parts.contact, 0));
-  for (ContactInterface& contact : contacts_) contact.add_residual(u, -1, parts.contact);
+  contacts_.add_forces(u, -1, parts.contact);
 }
 
 double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double factor) {

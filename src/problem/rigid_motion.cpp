@@ -234,8 +234,8 @@ std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
 
 // [body] 1 where a side of a contact that sees its other side at u = 0 belongs to it; of rigid bodies, which
 // must be pressed from the first iteration: of one that is closed.
-std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies,
-                                std::span<const ContactInterface> contacts, const RigidBodies& rigid) {
+std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, const ContactSet& contacts,
+                                const RigidBodies& rigid) {
   std::vector<int> touched(static_cast<std::size_t>(bodies.count), 0), is_rigid(touched);
   for (const RigidBody& body : rigid.bodies()) is_rigid[static_cast<std::size_t>(body.component)] = 1;
   const Handle<Vec> undeformed = d.displacement.make_global();
@@ -263,7 +263,7 @@ std::string list_of(const std::vector<std::string>& words) {
 } // namespace
 
 std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary,
-                                       std::span<const ContactInterface> contacts, const RigidBodies& rigid) {
+                                       const ContactSet& contacts, const RigidBodies& rigid) {
   const Bodies bodies = find_bodies(d.mesh, d.scalar);
   const Geometry geometry = measure(d.mesh, bodies);
   const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry, rigid);
@@ -301,8 +301,7 @@ std::string describe(const FreeBody& body, int dim) {
 }
 
 std::vector<std::string> require_held_bodies(const Discretisation& d, const BoundaryData& boundary,
-                                             std::span<const ContactInterface> contacts,
-                                             const RigidBodies& rigid) {
+                                             const ContactSet& contacts, const RigidBodies& rigid) {
   std::vector<std::string> warnings;
   for (const FreeBody& body : find_free_bodies(d, boundary, contacts, rigid)) {
     const std::string who = describe(body, d.dim()), motions = list_of(body.motions);

@@ -188,11 +188,7 @@ void Ledger::find_extremes(bool trial) {
   alpha_max_ = extremes[1];
 }
 
-double Ledger::contact_energy(Vec u) const {
-  double energy = 0;
-  for (ContactInterface& contact : motion_.contacts()) energy += contact.measures(u).energy;
-  return energy;
-}
+double Ledger::contact_energy(Vec u) const { return motion_.contacts().energy(u); }
 
 double Ledger::stored() const {
   return total_.kinetic + total_.elastic + total_.plastic + total_.fracture + total_.fatigue +
@@ -659,8 +655,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
   const auto& contacts = motion_.contacts();
   const bool has_contact = !contacts.empty();
-  const bool has_friction =
-      std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); });
+  const bool has_friction = contacts.demands().frictional;
   const bool heat = d.has_heat();
   if (moves_) row.emplace_back("energy_kinetic", total_.kinetic);
   if (moves_ || d.has_damage()) row.emplace_back("energy_elastic", total_.elastic);
@@ -814,8 +809,7 @@ std::string Ledger::report() const {
   if (d.has_damage()) loss_line(name("damage").c_str(), damage, damage_loss);
   if (d.has_plasticity()) loss_line(name("plastic").c_str(), plastic_dissipation, plastic_loss);
   if (d.has_fatigue()) loss_line(name("fatigue").c_str(), fatigue_loss, fatigue_part);
-  if (std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); }))
-    line("dissipated: friction", sum(friction), {});
+  if (contacts.demands().frictional) line("dissipated: friction", sum(friction), {});
   if (!contacts.empty() && inertia_) line("dissipated: contact", sum(contact_loss), {});
   if (choice_.unilateral)
     line(state_.find("stress") ? name("closing cracks").c_str() : "dissipated: closing cracks", sum(closing),

@@ -302,7 +302,7 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
     ledger_->resume(u_, v_);
     // Lists of candidates made so far would serve for a while, but they are not those that the interrupted
     // run made in its next step.
-    for (ContactInterface& contact : setup_.contacts) contact.forget_search();
+    setup_.contacts.forget_search();
     for (const std::string& peak : stops_.restore(resume->values))
       check(PetscPrintf(comm_, "impact: %s does not know peak(%s): it is counted from here on\n",
                         resume->file.c_str(), peak.c_str()));
@@ -312,7 +312,7 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
   }
   coupling_.start(u_, a_);
   if (inertia_) d_.displacement.to_local(a_, state.row("a").trial);
-  for (ContactInterface& contact : setup_.contacts) contact.advance(u_, u_, 0);
+  setup_.contacts.advance(u_, u_, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts_, &dt));
   ledger_->start(integrator_of(ts_), dt, u_, v_, a_);
@@ -485,7 +485,7 @@ void Simulation::accept(const Attempt& attempt) {
   if (!setup_.contacts.empty()) {
     Handle<Vec> u_n = d_.displacement.make_global();
     d_.displacement.to_global(row.committed, u_n);
-    for (ContactInterface& contact : setup_.contacts) contact.advance(u_n, u, attempt.dt);
+    setup_.contacts.advance(u_n, u, attempt.dt);
   }
   state.commit();
   if (probe_.after) probe_.after(attempt, snapshot_.step + 1, state);
@@ -531,11 +531,7 @@ void Simulation::obey(const StopRequest& request) {
   check(TSSetConvergedReason(ts_, TS_CONVERGED_USER));
 }
 
-int Simulation::active_points() {
-  int active = 0;
-  for (ContactInterface& contact : setup_.contacts) active += contact.measures(snapshot_.u).active;
-  return active;
-}
+int Simulation::active_points() { return setup_.contacts.active(snapshot_.u); }
 
 bool Simulation::checkpoint_is_due() const {
   if (s_.checkpoint.every > 0 && snapshot_.step % s_.checkpoint.every == 0) return true;
@@ -560,7 +556,7 @@ void Simulation::write_state(const StepControlState& c) {
                                       {s_.checkpoint.dir, s_.checkpoint.keep, s_.checkpoint.patience});
   // A resumed run builds its candidate list afresh and factors anew: so does this one, or they would part by
   // round-off.
-  for (ContactInterface& contact : setup_.contacts) contact.forget_search();
+  setup_.contacts.forget_search();
   coupling_.forget_factors();
   saved_step_ = snapshot_.step;
   last_checkpoint_ = progress_.wall();
@@ -653,10 +649,8 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   const std::unique_ptr<Setup> setup = build_setup(comm, s, kept ? &*kept : nullptr);
   kept.reset();
   SolverDemands demands;
-  for (const ContactInterface& contact : setup->contacts) {
-    demands.closes_gaps = demands.closes_gaps || contact.semismooth();
-    demands.frictional = demands.frictional || contact.frictional();
-  }
+  demands.closes_gaps = setup->contacts.demands().closes_gaps;
+  demands.frictional = setup->contacts.demands().frictional;
   demands.rigid = !setup->rigid.empty();
   demands.unsymmetric = !unsymmetric_force(s).first.empty();
   const SolverDefaults solver =

@@ -47,8 +47,8 @@ std::vector<double> nodal_volumes(const Discretisation& d) {
 
 } // namespace
 
-LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary,
-                         const std::vector<ContactInterface>& contacts, const RigidBodies& rigid)
+LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary, const ContactSet& contacts,
+                         const RigidBodies& rigid)
     : d_(&d), contacts_(&contacts), fixed_(boundary.fixed_mask()) {
   if (contacts.empty()) return;
   const Bodies bodies = find_bodies(d.mesh, d.scalar);
@@ -161,8 +161,7 @@ void LooseBodies::weigh(Vec u, Vec r) {
   check(VecNorm(r, NORM_2, &norm));
   stride_ = limited_ && norm <= norm_ ? 2 * stride_ : 1;
   norm_ = norm;
-  std::vector<ContactInterface::Reach> reach;
-  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
   const auto dim = static_cast<std::size_t>(d_->dim());
   // Force and moment about the centre, of each body.
   std::vector<double> sums(6 * bodies_.size(), 0.0), local = d_->displacement.make_local();
@@ -211,8 +210,7 @@ void LooseBodies::add_to(Mat K) const {
 }
 
 bool LooseBodies::sees_only(Vec u) const {
-  std::vector<ContactInterface::Reach> reach;
-  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
   return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     return std::all_of(body.contacts.begin(), body.contacts.end(),
                        [&](std::size_t c) { return std::isinf(reach[c].gap); }) &&
@@ -222,8 +220,7 @@ bool LooseBodies::sees_only(Vec u) const {
 }
 
 bool LooseBodies::rest(Vec u) const {
-  std::vector<ContactInterface::Reach> reach;
-  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
   return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     return std::any_of(body.contacts.begin(), body.contacts.end(),
                        [&](std::size_t c) { return reach[c].presses; });

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <impact/petsc/callback.hpp>
 #include <impact/solve/newton_hooks.hpp>
@@ -10,10 +9,6 @@ namespace {
 
 // A residual within this multiple of its tolerance is near the solution.
 constexpr double near_balance = 10;
-
-template <class Contacts, class Test> bool any_of(const Contacts& contacts, Test&& test) {
-  return std::any_of(contacts.begin(), contacts.end(), test);
-}
 
 } // namespace
 
@@ -28,18 +23,6 @@ std::string line_search_of(SNES snes) {
 NewtonHooks::NewtonHooks(TS ts, MotionProblem& motion, LooseBodies& loose, TangentReuse& reuse)
     : motion_(motion), loose_(loose), reuse_(reuse), mailbox_(time_mailbox(ts)),
       bare_residual_(motion.discretisation().displacement.make_global()) {}
-
-bool NewtonHooks::semismooth() const {
-  return any_of(motion_.contacts(), [](const auto& contact) { return contact.semismooth(); });
-}
-
-bool NewtonHooks::frictional() const {
-  return any_of(motion_.contacts(), [](const auto& contact) { return contact.frictional(); });
-}
-
-bool NewtonHooks::reverses() const {
-  return any_of(motion_.contacts(), [](const auto& contact) { return contact.reverses(); });
-}
 
 void NewtonHooks::install(SNES snes) {
   // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
@@ -57,27 +40,23 @@ void NewtonHooks::install(SNES snes) {
 
 // The step y led from x to the iterate w, where the residual is evaluated next.
 void NewtonHooks::after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed) {
-  const bool multipliers = semismooth(), rigid = !motion_.rigid().empty();
-  if (!multipliers && !rigid && !frictional() && loose_.empty()) return;
+  const ContactDemands contacts = motion_.contacts().demands();
+  const bool rigid = !motion_.rigid().empty();
+  if (!contacts.closes_gaps && !rigid && !contacts.frictional && loose_.empty()) return;
   if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
     check(VecWAXPY(w, -part, y, x));
     *changed = PETSC_TRUE;
   }
-  if (reverses()) {
+  if (contacts.reverses) {
     check(VecWAXPY(w, -1, y, x));
     *changed = PETSC_TRUE;
   }
   // Not w, unless a body turned, but the residual there.
-  if (multipliers || rigid) *changed = PETSC_TRUE;
+  if (contacts.closes_gaps || rigid) *changed = PETSC_TRUE;
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(step, -1, x, w));
   motion_.rigid().retract(w);
-  bool other_set = false;
-  for (ContactInterface& contact : motion_.contacts()) {
-    if (conduct.follows_sliding) other_set = contact.follow_sliding(w) || other_set;
-    if (contact.semismooth()) other_set = contact.take_newton_step(x, step, w) || other_set;
-  }
-  if (other_set) reuse_.forget();
+  if (motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding)) reuse_.forget();
 }
 
 void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
@@ -100,8 +79,7 @@ void NewtonHooks::add_gaps(Vec u, Vec f) {
     apart = motion_.discretisation().displacement.make_global();
     gaps = apart;
   }
-  for (const ContactInterface& contact : motion_.contacts())
-    contact.add_gaps(u, motion_.step().contact_scale, gaps);
+  motion_.contacts().add_gaps(u, motion_.step().contact_scale, gaps);
   if (!apart) return;
   motion_.rigid().place(u);
   motion_.rigid().reduce(apart);
@@ -129,14 +107,9 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
 // Whether nothing is left open that another iteration closes.
 bool NewtonHooks::gaps_settle(Vec u) {
   const double before = open_;
-  bool closed = true;
-  open_ = 0;
-  for (const ContactInterface& contact : motion_.contacts()) {
-    const ContactInterface::GapsLeft left = contact.gaps_left(u, motion_.balance().force());
-    closed = closed && left.closed;
-    open_ = std::max(open_, left.open);
-  }
-  return closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+  const ContactInterface::GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
+  open_ = left.open;
+  return left.closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
 }
 
 bool NewtonHooks::gives_up(PetscReal norm) {

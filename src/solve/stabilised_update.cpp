@@ -20,39 +20,6 @@ struct Projection {
   Mailbox& mailbox() { return letters; }
 };
 
-// For a scope contacts are those of the projection: with multipliers from zero, without friction, with the
-// gradients of the start of the step.
-class ProjectedContacts {
-public:
-  ProjectedContacts(std::vector<ContactInterface>& contacts, StateTable& state) : contacts_(contacts) {
-    for (const ContactInterface& contact : contacts_) {
-      StateRow& multiplier = state.row("contact_" + contact.id() + "_multiplier");
-      StateRow& penalty = state.row("contact_" + contact.id() + "_penalty");
-      kept_.emplace_back(&multiplier, multiplier.trial);
-      kept_.emplace_back(&penalty, penalty.trial);
-      std::fill(multiplier.trial.begin(), multiplier.trial.end(), 0.0);
-    }
-    suspend(true);
-  }
-  ProjectedContacts(const ProjectedContacts&) = delete;
-  ProjectedContacts& operator=(const ProjectedContacts&) = delete;
-  ~ProjectedContacts() {
-    for (auto& [row, values] : kept_) row->trial = std::move(values);
-    suspend(false);
-  }
-
-private:
-  void suspend(bool suspended) {
-    for (ContactInterface& contact : contacts_) {
-      contact.suspend_friction(suspended);
-      contact.linearise_at_start(suspended);
-    }
-  }
-
-  std::vector<ContactInterface>& contacts_;
-  std::vector<std::pair<StateRow*, std::vector<double>>> kept_;
-};
-
 } // namespace
 
 StabilisedUpdate::StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& solver, StateTable& state,
@@ -111,7 +78,7 @@ void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   const InStage stage(Stage::motion);
   const Discretisation& d = motion_.discretisation();
   check(VecSet(shock_, 0));
-  const ProjectedContacts projected(motion_.contacts(), state_);
+  motion_.contacts().begin_projection();
   RigidBodies& rigid = motion_.rigid();
   // Rigid bodies: among rigid motions, and only what contact changes counts.
   const Handle<Vec> predictor = d.displacement.make_global(), start = d.displacement.make_global();
@@ -122,16 +89,15 @@ void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   }
   check(VecCopy(u_tilde, start));
   solver_.refresh_contact(u_tilde);
-  double penetration = 0;
-  for (const ContactInterface& contact : motion_.contacts())
-    penetration = std::max(penetration, contact.review(u_tilde).penetration);
-  const bool strikes = penetration > 0 && project(attempt, predictor, u_tilde, v);
+  const bool strikes =
+      motion_.contacts().review(u_tilde).penetration > 0 && project(attempt, predictor, u_tilde, v);
   if (!strikes) check(VecCopy(start, u_tilde));
   if (!rigid.empty()) {
     rigid.test_in_the_middle(true);
     if (!strikes) rigid.put_change(u_tilde, start, predictor);
   }
   motion_.balance().forget();
+  motion_.contacts().end_projection();
 }
 
 // Projects u_tilde; false, with u_tilde undefined, where that does not converge: without projection the step
@@ -142,10 +108,7 @@ bool StabilisedUpdate::project(const Attempt& attempt, Vec goal, Vec u_tilde, Ve
     warn(attempt.t_n, reason);
     return false;
   }
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.add_residual(u_tilde, -0.5, shock_);
-    contact.keep_shock(u_tilde);
-  }
+  motion_.contacts().keep_shock(u_tilde, shock_);
   // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
   const FieldLayout& layout = motion_.discretisation().displacement;
   const Handle<Vec> force = layout.make_global(), gain = layout.make_global(); // gain: of v, over dt
@@ -179,15 +142,12 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   solver_.hooks().install(snes);
   solver_.hooks().conduct.iterate = w;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
+  motion_.contacts().start_augmentation();
   for (int pass = 0; pass < 10; ++pass) {
     check(SNESSolve(snes, nullptr, w));
     check(SNESGetConvergedReason(snes, &reason));
-    if (reason <= 0) break;
-    bool converged = true;
-    for (ContactInterface& contact : motion_.contacts()) converged = contact.review(w).converged && converged;
-    if (converged) break;
-    for (ContactInterface& contact : motion_.contacts()) contact.augment(w);
+    if (reason <= 0 || motion_.contacts().review(w).converged) break;
+    motion_.contacts().augment(w);
   }
   return reason;
 }

@@ -11,7 +11,7 @@ namespace impact::contact_test {
 template <class Sliding, class Norm>
 void expect_friction_only_in(Sliding& rough, const Sliding& smooth, Norm&& norm) {
   const Handle<Vec> with = rough.residual(rough.u), without = smooth.residual(smooth.u);
-  rough.contact.suspend_friction(true);
+  rough.contact.begin_projection();
   const Handle<Vec> suspended = rough.residual(rough.u);
   check(VecAXPY(with, -1, without));
   check(VecAXPY(suspended, -1, without));

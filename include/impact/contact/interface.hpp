@@ -126,9 +126,11 @@ public:
   /// rho h mass_shift for the attempt. `stabilised`, with inertia: until advance forces stand along the
   /// gradients at the middle of the step, the gaps being those of its end. Collective.
   void set_time(double t, double mass_shift = 0, bool stabilised = false);
-  /// In a stabilised attempt, for the projection of its velocity: gaps are linear, with the gradients of the
-  /// start, and an overlap of the start counts as touch.
-  void linearise_at_start(bool linear);
+  /// The projection of the velocity of a stabilised attempt begins or ends: gaps are linear in between, with
+  /// the gradients of the start, an overlap of the start counts as touch, friction is left out, and
+  /// multipliers start from zero; they and the penalty are put back.
+  void begin_projection();
+  void end_projection();
   /// The projection ended at w: impulse and obstacle_work take half its force, the impulse over dt.
   /// Collective.
   void keep_shock(Vec w) { step_.shock = half(total_force(w)); }
@@ -177,8 +179,6 @@ public:
   /// now. The sum of the frictional heat over all ranks is friction_loss over the thickness. Before advance.
   /// Collective.
   HeatPaths heat_paths(Vec u) const;
-  /// Leaves friction out, for the projection of a predictor.
-  void suspend_friction(bool suspended) { friction_suspended_ = suspended; }
   /// Energy that sliding turned into heat in the step that ended at u: sum w t.s, without what a penalty
   /// keeps elastically. Before advance. Collective.
   double friction_loss(Vec u) const;
@@ -377,6 +377,7 @@ private:
       *slip_; // [constraint][direction], and at the end of slip_ the state; null without friction
   StateRow* gap_ = nullptr; // accumulated gaps of the conserving update, else null
   Step step_;
+  std::array<std::vector<double>, 2> before_projection_; // multipliers, penalty
   // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;
