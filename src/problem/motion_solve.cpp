@@ -203,9 +203,9 @@ bool Coupling::take_first_step(Vec u, Vec ahead, double part) {
 // Whether nothing is left open that another iteration closes.
 bool Coupling::gaps_settle(Vec u) {
   const double before = open_;
-  const ContactInterface::GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
+  const GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
   open_ = left.open;
-  return left.closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+  return left.closed || (open_ > before / 2 && open_ <= most_open);
 }
 
 bool Coupling::gives_up(PetscReal norm) {
