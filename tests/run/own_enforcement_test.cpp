@@ -1,6 +1,6 @@
+#include "../contact/contact_rig.hpp"
 #include "../input/options_scope.hpp"
 #include "../mesh/small_mesh.hpp"
-#include "contact_rig.hpp"
 #include "stiffening_penalty.hpp"
 #include <impact/run/simulation.hpp>
 
