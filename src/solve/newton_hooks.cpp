@@ -107,9 +107,9 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
 // Whether nothing is left open that another iteration closes.
 bool NewtonHooks::gaps_settle(Vec u) {
   const double before = open_;
-  const ContactInterface::GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
+  const GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
   open_ = left.open;
-  return left.closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+  return left.closed || (open_ > before / 2 && open_ <= most_open);
 }
 
 bool NewtonHooks::gives_up(PetscReal norm) {

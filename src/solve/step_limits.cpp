@@ -47,7 +47,7 @@ StepLimits::Refusal StepLimits::temperature(MPI_Comm comm, const StateRow& theta
 
 // What flies deep into another body within a step leaves Newton's method a start with cells turned inside
 // out, whose balance need not be that of the bodies.
-StepLimits::Refusal StepLimits::closing(std::span<const ContactInterface> contacts, Vec u) const {
+StepLimits::Refusal StepLimits::closing(const ContactSet& contacts, Vec u) const {
   if (!inertia_ || settings_.max_closing <= 0 || at_least_step()) return "";
   for (const ContactInterface& contact : contacts) {
     const double depth = contact.closed_within_step(u, settings_.max_closing);

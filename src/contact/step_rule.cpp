@@ -1,12 +1,12 @@
 #include <algorithm>
-#include <impact/contact/interface.hpp>
-#include <impact/kernel/contact_pair.hpp>
+#include <cmath>
+#include <impact/contact/constraints.hpp>
 
-/// Contact in a step: forces along the gradients at its middle, where a turn of both bodies, however far, is
-/// an infinitesimal one of the mean configuration: du = spin x (x_n + x_{n+1})/2. Gaps and slips do not feel
-/// it, and the moment of the forces about the mean places vanishes. Their work over the step is that of the
-/// change of the gaps to third order. A stabilised step takes the gaps of its end as they are, an
-/// energy-conserving one the change along the gradients itself.
+/// Contact in a step (theory.md, motion in time): forces along the gradients at its middle, where a turn of
+/// both bodies, however far, is an infinitesimal one of the mean configuration: du = spin x (x_n +
+/// x_{n+1})/2. Gaps and slips do not feel it, and the moment of the forces about the mean places vanishes.
+/// Their work over the step is that of the change of the gaps to third order. A stabilised step takes the
+/// gaps of its end as they are, an energy-conserving one the change along the gradients itself.
 namespace impact {
 
 namespace {
@@ -18,7 +18,13 @@ constexpr double small_overlap = 2e-3;
 
 } // namespace
 
-std::vector<double> ContactInterface::place_of_gradients(const std::vector<double>& u) const {
+void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double, 3>& moved) {
+  step_ = {rule, std::move(u_n), moved, {}, {}};
+  if (rule != StepRule::none) find_start_gaps();
+}
+
+std::vector<double> Constraints::place_of_gradients(const std::vector<double>& u) const {
+  if (step_.rule == StepRule::none) return u;
   if (step_.rule == StepRule::start) return step_.start;
   std::vector<double> m(u.size());
   std::transform(u.begin(), u.end(), step_.start.begin(), m.begin(),
@@ -26,42 +32,36 @@ std::vector<double> ContactInterface::place_of_gradients(const std::vector<doubl
   return m;
 }
 
-// Forms bring gradients of what presses: with these multipliers that is all within a facet.
-PressureLaw ContactInterface::reaching_law() const { return {step_.reach, penalty()}; }
-
-std::vector<double> ContactInterface::relative_start() const {
-  std::vector<double> start = form_->nodes().displacement(step_.u_n);
-  const std::array<double, 3> moved = pose_at(time_).moved;
-  for (std::size_t i = 0; i < start.size(); ++i) start[i] += moved[i % at(dim_)];
+std::vector<double> Constraints::relative_start() const {
+  std::vector<double> start = nodes().displacement(step_.u_n);
+  for (std::size_t i = 0; i < start.size(); ++i) start[i] += step_.moved[i % dim_];
   return start;
 }
 
-double ContactInterface::closed_within_step(Vec u, double least) const {
+double Constraints::closed_within_step(Vec u, double least) const {
   if (!step_.u_n) return 0;
-  std::vector<double> depth(multiplier_->trial.size(), 0.0);
+  std::vector<double> depth(count_, 0.0);
   const auto deepest = [&] {
     double largest = 0;
     for (double d : depth) largest = std::max(largest, d / mean_length_);
-    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm());
     return largest > least ? largest : 0;
   };
-  form_->visit(form_->nodes().displacement(u), Derivatives::none, law(),
+  form_->visit(nodes().displacement(u), Derivatives::none,
                [&](const Constraint& c) { depth[at(c.index)] = -c.gap; });
   if (deepest() == 0) return 0;
-  form_->visit(relative_start(), Derivatives::none, law(),
+  form_->visit(relative_start(), Derivatives::none,
                [&](const Constraint& c) { depth[at(c.index)] += std::min(0.0, c.gap); });
   return deepest();
 }
 
-void ContactInterface::find_start_gaps() {
+void Constraints::find_start_gaps() {
   step_.start = relative_start();
-  const std::size_t count = multiplier_->trial.size();
-  if (exact_work())
+  if (works_exactly())
     step_.start_gap = gap_->committed;
   else
-    step_.start_gap.assign(count, unknown_gap);
-  step_.reach.assign(count, penalty() * mean_length_);
-  form_->visit(step_.start, Derivatives::none, reaching_law(), [&](const Constraint& c) {
+    step_.start_gap.assign(count_, unknown_gap);
+  form_->visit(step_.start, Derivatives::none, [&](const Constraint& c) {
     // What was open stays free of force at the start; what was not followed yet starts from what it is.
     double& start = step_.start_gap[at(c.index)];
     if (start == unknown_gap)
@@ -74,24 +74,10 @@ void ContactInterface::find_start_gaps() {
 // The gap that a stabilised step may leave. Where the present pairs see an overlap at the start of the step,
 // because a constraint came to face other facets or surfaces crumpled, closing it would do the work w p times
 // its depth on the bodies, whatever the step (78'). It stays until the bodies part; small ones are closed.
-double ContactInterface::kept_overlap(int index) const {
+double Constraints::kept_overlap(int index) const {
   const double start = step_.start_gap[at(index)];
-  if (start == unknown_gap || settings_.enforce == Enforcement::penalty) return 0;
+  if (start == unknown_gap || !law_->has_multipliers()) return 0;
   return start < -small_overlap * mean_length_ ? start : 0;
-}
-
-void ContactInterface::begin_projection() {
-  before_projection_ = {multiplier_->trial, penalty_->trial};
-  std::fill(multiplier_->trial.begin(), multiplier_->trial.end(), 0.0);
-  friction_suspended_ = true;
-  if (step_.rule == StepRule::middle) step_.rule = StepRule::start;
-}
-
-void ContactInterface::end_projection() {
-  multiplier_->trial = std::move(before_projection_[0]);
-  penalty_->trial = std::move(before_projection_[1]);
-  friction_suspended_ = false;
-  if (step_.rule == StepRule::start) step_.rule = StepRule::middle;
 }
 
 namespace {
@@ -138,28 +124,51 @@ private:
 
 } // namespace
 
-void ContactInterface::visit_step(const std::vector<double>& u, Derivatives derivatives,
-                                  const ConstraintVisitor& visitor) const {
-  const PressureLaw law = this->law();
-  const auto m = at(dim_);
+// Between the steps of an energy-conserving run: the state at the end of the last one.
+void Constraints::visit_followed(const std::vector<double>& u, Derivatives derivatives,
+                                 const ConstraintVisitor& visitor) const {
+  form_->visit(u, derivatives, [&](Constraint& c) {
+    const double followed = gap_->trial[at(c.index)];
+    if (followed != unknown_gap) c.gap = followed < 0 ? followed : std::max(0.0, c.gap);
+    visitor(c);
+  });
+}
+
+void Constraints::keep_gaps(Vec u) {
+  std::vector<double> gap(count_, unknown_gap);
+  visit(u, Derivatives::first, [&](const Constraint& c) { gap[at(c.index)] = c.gap; });
+  share(gap, 1);
+  gap_->trial = std::move(gap);
+  step_.rule = StepRule::none;
+}
+
+void Constraints::visit_curvature(const std::vector<double>& u, std::vector<double>& of_gap,
+                                  std::vector<Tangential>& of_slip, const BlockVisitor& visitor) const {
+  if (step_.rule == StepRule::start) return;
+  if (step_.rule == StepRule::middle) { // which moves by half of what u does; exact work has twice the force
+    for (double& factor : of_gap) factor /= 2;
+    for (Tangential& factor : of_slip) factor = {factor[0] / 2, factor[1] / 2};
+  }
+  form_->visit_curvature(place_of_gradients(u), {of_gap, of_slip}, visitor);
+}
+
+void Constraints::visit_step(const std::vector<double>& u, Derivatives derivatives,
+                             const ConstraintVisitor& visitor) const {
   const bool of_end = step_.rule == StepRule::middle, strikes = step_.rule == StepRule::start;
   const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;
-  std::vector<double> end_gap(of_end || strikes ? multiplier_->trial.size() : 0, unknown_gap);
+  std::vector<double> end_gap(of_end || strikes ? count_ : 0, unknown_gap);
   std::vector<double> end_gradient, gradient, slip_gradient;
   std::vector<int> node;
-  // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
-  const bool adds_nodes = multiplier_->support == Support::vertex;
   Gradients end(to_end ? end_gap.size() : 0);
   if (of_end || strikes)
-    form_->visit(u, to_end ? Derivatives::first : Derivatives::none, reaching_law(),
-                 [&](const Constraint& c) {
-                   end_gap[at(c.index)] = c.gap;
-                   if (to_end) end.keep(c);
-                 });
-  form_->visit(place_of_gradients(u), Derivatives::first, reaching_law(), [&](Constraint c) {
+    form_->visit(u, to_end ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
+      end_gap[at(c.index)] = c.gap;
+      if (to_end) end.keep(c);
+    });
+  form_->visit(place_of_gradients(u), Derivatives::first, [&](Constraint& c) {
     const std::size_t n = c.gradient.size();
     const auto moved = [&](std::size_t i) {
-      const std::size_t k = dof(c.node[i % n / m], i % m);
+      const std::size_t k = dof(c.node[i % n / dim_], i % dim_);
       return u[k] - step_.start[k];
     };
     // It faces nothing any more. The gradients of the start know no edge: a body that flies past it is not
@@ -170,7 +179,8 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
     if (of_end) {
       c.gap = end_gap[at(c.index)];
       c.gap -= kept_overlap(c.index);
-      if (to_end && end.over_nodes_of(c, adds_nodes, node, end_gradient)) {
+      // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
+      if (to_end && end.over_nodes_of(c, nodal_, node, end_gradient)) {
         c.end_gradient = end_gradient;
         if (const std::size_t more = end_gradient.size(); more > n) {
           gradient.assign(c.gradient.begin(), c.gradient.end());
@@ -190,16 +200,8 @@ void ContactInterface::visit_step(const std::vector<double>& u, Derivatives deri
       if (start == unknown_gap) start = std::max(0.0, c.gap - change / 2);
       if (strikes) start = std::max(0.0, start);
       c.gap = start + change;
-      if (exact_work()) {
-        c.lambda = 0;
-        c.pressure = secant_pressure(penalty(), start, c.gap).p;
-        c.active = c.pressure > 0;
-        return visitor(c);
-      }
+      if (works_exactly()) c.start_gap = start;
     }
-    c.lambda = law.multiplier(c.index);
-    c.pressure = law.pressure(c.index, c.gap);
-    c.active = law.active(c.index, c.gap);
     visitor(c);
   });
 }
