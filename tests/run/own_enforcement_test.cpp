@@ -32,6 +32,7 @@ TEST(OwnEnforcement, ForceIsTheDerivativeOfItsEnergyAndTheTangentThatOfTheForce)
 double impulse_of(const std::string& mesh, const ContactSettings& asked) {
   OptionsScope scope({{"-mesh", mesh},
                       {"-materials", "soft"},
+                      {"-material_soft_region", "lower,upper"},
                       {"-material_soft_E", "1e3"},
                       {"-material_soft_nu", "0.3"},
                       {"-material_soft_rho", "1"},
