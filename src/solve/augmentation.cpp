@@ -32,8 +32,6 @@ SNESConvergedReason Augmentation::solve(Vec u, PetscReal rtol) {
   return reason;
 }
 
-bool Augmentation::augments() const { return motion_.contacts().demands().augments; }
-
 void Augmentation::meet(Vec u) {
   motion_.contacts().meet(!solver_.loose().empty(), first_touch_);
   motion_.contacts().start_newton(u);
@@ -50,10 +48,10 @@ PassResult Augmentation::pass(PetscInt number, Vec u) {
   check(VecCopy(solver_.left(), left_));
   // Of the present multipliers and of the places that the solve knew: both may change below.
   check(VecSet(contact_force_, 0));
-  motion_.contacts().add_forces(u, -1, contact_force_);
+  ContactSet& contacts = motion_.contacts();
+  contacts.add_forces(u, -1, contact_force_);
   // A body that moved beyond the skin may touch facets that the list did not hold.
   const bool kept = !solver_.refresh_contact(u);
-  ContactSet& contacts = motion_.contacts();
   if (number == 1) contacts.start_augmentation();
   const ContactReview review = contacts.review(u);
   const bool converged = review.converged && kept && !rough_;
@@ -66,7 +64,7 @@ PassResult Augmentation::pass(PetscInt number, Vec u) {
   }
   contacts.augment(u);
   contacts.meet(!solver_.loose().empty(), false);
-  rough_ = !inertia_ && augments();
+  rough_ = !inertia_ && contacts.demands().augments;
   return result;
 }
 
@@ -77,8 +75,9 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
   solver_.approach(u);
   // What presses nothing yet is brought to rest on penalties, roughly: their forces grow with the way, and
   // the semismooth method, whose gaps close at once, begins from the pressures that they find.
+  const ContactDemands demands = motion_.contacts().demands();
   if (number == 1)
-    first_touch_ = (solver_.hooks().semismooth() || augments()) && !loose.empty() && !loose.rest(u);
+    first_touch_ = (demands.closes_gaps || demands.augments) && !loose.empty() && !loose.rest(u);
   meet(u);
   // Before the last augmentation a residual that falls to a tenth is exact enough.
   rough_ = first_touch_ || (number > 1 && rough_);

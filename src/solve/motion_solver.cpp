@@ -36,7 +36,8 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   refresh_matrix();
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
-  const bool full_steps = hooks_.semismooth() || motion_.contacts().demands().frictional || !loose_.empty();
+  const ContactDemands demands = motion_.contacts().demands();
+  const bool full_steps = demands.closes_gaps || demands.frictional || !loose_.empty();
   set_motion_solver(snes_, defaults, full_steps, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.install(snes_);
@@ -55,7 +56,7 @@ void MotionSolver::choose_reuse(double reuse) {
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
   if (reuse >= 0)
     reuse_ = TangentReuse(reuse);
-  else if (factorises && !hooks_.semismooth() && loose_.empty())
+  else if (factorises && !motion_.contacts().demands().closes_gaps && loose_.empty())
     reuse_ = TangentReuse(0.1);
 }
 
@@ -168,7 +169,7 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   if (!linear_step(u, r, step)) return cell_broke_ = false;
   check(VecAXPY(u, -1, step));
   motion_.impose(u);
-  if (hooks_.semismooth()) {
+  if (motion_.contacts().demands().closes_gaps) {
     check(VecWAXPY(other, -1, start, u));
     motion_.contacts().after_newton_step(start, other, u, false);
     return true;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <impact/petsc/callback.hpp>
 #include <impact/solve/newton_hooks.hpp>
@@ -27,7 +28,8 @@ NewtonHooks::NewtonHooks(TS ts, MotionProblem& motion, LooseBodies& loose, Tange
 void NewtonHooks::install(SNES snes) {
   // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
   // was nearly zero by any factor.
-  if (semismooth() || !loose_.empty()) check(SNESSetDivergenceTolerance(snes, -1));
+  if (motion_.contacts().demands().closes_gaps || !loose_.empty())
+    check(SNESSetDivergenceTolerance(snes, -1));
   SNESLineSearch search = nullptr;
   KSP ksp = nullptr;
   check(SNESGetLineSearch(snes, &search));
@@ -40,23 +42,28 @@ void NewtonHooks::install(SNES snes) {
 
 // The step y led from x to the iterate w, where the residual is evaluated next.
 void NewtonHooks::after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed) {
-  const ContactDemands contacts = motion_.contacts().demands();
+  const ContactDemands demands = motion_.contacts().demands();
   const bool rigid = !motion_.rigid().empty();
-  if (!contacts.closes_gaps && !rigid && !contacts.frictional && loose_.empty()) return;
+  if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
   if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
     check(VecWAXPY(w, -part, y, x));
     *changed = PETSC_TRUE;
   }
-  if (contacts.reverses) {
+  if (demands.reverses) {
     check(VecWAXPY(w, -1, y, x));
     *changed = PETSC_TRUE;
   }
   // Not w, unless a body turned, but the residual there.
-  if (contacts.closes_gaps || rigid) *changed = PETSC_TRUE;
+  if (demands.closes_gaps || rigid) *changed = PETSC_TRUE;
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(step, -1, x, w));
   motion_.rigid().retract(w);
   if (motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding)) reuse_.forget();
+}
+
+bool NewtonHooks::closes_gaps() const {
+  const ContactDemands demands = motion_.contacts().demands();
+  return demands.closes_gaps || demands.reverses;
 }
 
 void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
@@ -98,7 +105,8 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
   *reason = balance.test(snes, it, norm);
   Vec u = nullptr;
   check(SNESGetSolution(snes, &u));
-  if (semismooth() && balance.ratio() <= near_balance && !gaps_settle(u) && *reason > 0)
+  if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
+      *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;
   if (*reason == SNES_CONVERGED_ITERATING && conduct.watched && gives_up(norm))
     *reason = SNES_DIVERGED_LOCAL_MIN;
@@ -107,9 +115,9 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
 // Whether nothing is left open that another iteration closes.
 bool NewtonHooks::gaps_settle(Vec u) {
   const double before = open_;
-  const GapsLeft left = motion_.contacts().gaps_left(u, motion_.balance().force());
-  open_ = left.open;
-  return left.closed || (open_ > before / 2 && open_ <= most_open);
+  const auto [closed, open] = motion_.contacts().gaps_left(u, motion_.balance().force());
+  open_ = open;
+  return closed || (open_ > before / 2 && open_ <= most_open);
 }
 
 bool NewtonHooks::gives_up(PetscReal norm) {

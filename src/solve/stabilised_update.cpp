@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <impact/petsc/callback.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/solve/stabilised_update.hpp>
@@ -18,6 +17,18 @@ struct Projection {
   void residual(SNES, Vec w, Vec f) { motion.projection_residual(w, goal, shift, f); }
   void tangent(SNES, Vec w, Mat, Mat) { motion.projection_tangent(w, shift); }
   Mailbox& mailbox() { return letters; }
+};
+
+// For a scope contacts are those of the projection.
+class ProjectedContacts {
+public:
+  explicit ProjectedContacts(ContactSet& contacts) : contacts_(contacts) { contacts_.begin_projection(); }
+  ProjectedContacts(const ProjectedContacts&) = delete;
+  ProjectedContacts& operator=(const ProjectedContacts&) = delete;
+  ~ProjectedContacts() { contacts_.end_projection(); }
+
+private:
+  ContactSet& contacts_;
 };
 
 } // namespace
@@ -78,7 +89,7 @@ void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   const InStage stage(Stage::motion);
   const Discretisation& d = motion_.discretisation();
   check(VecSet(shock_, 0));
-  motion_.contacts().begin_projection();
+  const ProjectedContacts projected(motion_.contacts());
   RigidBodies& rigid = motion_.rigid();
   // Rigid bodies: among rigid motions, and only what contact changes counts.
   const Handle<Vec> predictor = d.displacement.make_global(), start = d.displacement.make_global();
@@ -97,7 +108,6 @@ void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
     if (!strikes) rigid.put_change(u_tilde, start, predictor);
   }
   motion_.balance().forget();
-  motion_.contacts().end_projection();
 }
 
 // Projects u_tilde; false, with u_tilde undefined, where that does not converge: without projection the step
@@ -146,8 +156,11 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   for (int pass = 0; pass < 10; ++pass) {
     check(SNESSolve(snes, nullptr, w));
     check(SNESGetConvergedReason(snes, &reason));
-    if (reason <= 0 || motion_.contacts().review(w).converged) break;
-    motion_.contacts().augment(w);
+    if (reason <= 0) break;
+    bool converged = true;
+    for (ContactInterface& contact : motion_.contacts()) converged = contact.review(w).converged && converged;
+    if (converged) break;
+    for (ContactInterface& contact : motion_.contacts()) contact.augment(w);
   }
   return reason;
 }

@@ -33,8 +33,7 @@ public:
 
   /// f += what a linear solve at u has on its right-hand side beside the residual. Collective.
   void add_gaps(Vec u, Vec f);
-  bool closes_gaps() const { return semismooth() || motion_.contacts().demands().reverses; }
-  bool semismooth() const { return motion_.contacts().demands().closes_gaps; }
+  bool closes_gaps() const;
 
   Mailbox& mailbox() { return mailbox_; }
 
