@@ -19,7 +19,8 @@ BELOW = {
     "mesh": ["kernel", "petsc"],
     "contact": ["mesh"],
     "problem": ["contact", "time", "input"],
-    "run": ["problem"],
+    "scenario": ["problem"],
+    "run": ["scenario"],
 }
 DRY = {"math", "material", "element", "kernel"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
