@@ -30,31 +30,26 @@ double read_duration(const GivenOption& option) {
 void add_restart(std::vector<OptionRow<Scenario>>& rows) {
   using Checkpoint = CheckpointScenario;
   Rows row(rows, RestartKey::free, &Scenario::checkpoint);
-  auto& walltime = row.number("walltime", &Checkpoint::walltime,
-                              {"wall time of the job: in time before it ends the run writes a checkpoint and "
-                               "stops with exit status 0",
-                               "none"},
-                              any_number, absent_at_zero);
+  auto& walltime = row.number("walltime", &Checkpoint::walltime, "", or_word(any_number, "", 0),
+                              "wall time of the job: in time before it ends the run writes a checkpoint and "
+                              "stops with exit status 0")
+                       .otherwise("none");
   walltime.allowed = duration_form;
   walltime.read = [](Scenario& s, const GivenOption& option, const OptionContext&) {
     s.checkpoint.walltime = read_duration(option);
   };
-  row.number("walltime_margin", &Checkpoint::walltime_margin,
-             {"seconds of -walltime that are left when the run stops, beside one step and one checkpoint",
-              "auto: a tenth, at most 60", "1"},
-             not_negative, {{"auto", -1.}})
+  row.number("walltime_margin", &Checkpoint::walltime_margin, "1", or_word(not_negative, "auto", -1.),
+             "seconds of -walltime that are left when the run stops, beside one step and one checkpoint")
+      .otherwise("auto: a tenth, at most 60")
       .refused(
           [](const Scenario& s) {
             return s.checkpoint.walltime > 0 && s.checkpoint.margin() >= s.checkpoint.walltime;
           },
-          [](const Scenario& s) {
-            return "leaves nothing of the wall time; allowed: less than -walltime, " +
-                   number_text(s.checkpoint.walltime);
-          });
+          "leaves nothing of the wall time; allowed: less than -walltime, {walltime}");
   row.text("restart", &Checkpoint::restart, "auto, none, path of a checkpoint",
-           {"go on from the newest checkpoint if there is one, from the start, or from a file"});
+           "go on from the newest checkpoint if there is one, from the start, or from a file");
   row.list("restart_allow", &Checkpoint::restart_allow,
-           {"options, or their beginnings such as bc_push, that may differ from the checkpoint's"});
+           "options, or their beginnings such as bc_push, that may differ from the checkpoint's");
 }
 
 } // namespace
@@ -62,24 +57,21 @@ void add_restart(std::vector<OptionRow<Scenario>>& rows) {
 OptionGroup balance_options() {
   OptionGroup group{"Energy balance and cracks", ""};
   Rows row(group.rows, RestartKey::free);
-  row.number("energy_tol", &Scenario::energy_tol,
-             {"bound of the first law's residual, with what is gained, over the largest energy: a warning in "
-              "the fifth step in a row beyond it, and at the end of a run beyond it; 0: none",
-              "", "1"},
-             not_negative);
-  row.number("energy_stop", &Scenario::energy_stop,
-             {"residual that ends the run, but for losses in statics; 0: none", "", "1"}, not_negative);
-  row.choice("energy_action", &Scenario::energy_action, {"what happens beyond the bound"},
-             {{"warn", Scenario::EnergyAction::warn},
-              {"cut", Scenario::EnergyAction::cut},
-              {"stop", Scenario::EnergyAction::stop}});
-  row.number("crack_level", &Scenario::crack_level,
-             {"phi from which a node counts as cracked in the history", "", "1"}, {0, 1, true, false});
-  row.count("crack_tips", &Scenario::crack_tips,
-            {"cracks of each material whose origins and tips are in the history, by age"}, 1, 99)
+  row.number("energy_tol", &Scenario::energy_tol, "1", not_negative,
+             "bound of the first law's residual, with what is gained, over the largest energy: a warning in "
+             "the fifth step in a row beyond it, and at the end of a run beyond it; 0: none");
+  row.number("energy_stop", &Scenario::energy_stop, "1", not_negative,
+             "residual that ends the run, but for losses in statics; 0: none");
+  row.choice("energy_action", &Scenario::energy_action, "what happens beyond the bound", "warn",
+             Scenario::EnergyAction::warn, "cut", Scenario::EnergyAction::cut, "stop",
+             Scenario::EnergyAction::stop);
+  row.number("crack_level", &Scenario::crack_level, "1", {0, 1, true, false},
+             "phi from which a node counts as cracked in the history");
+  row.count("crack_tips", &Scenario::crack_tips, 1, 99,
+            "cracks of each material whose origins and tips are in the history, by age")
       .restart = RestartKey::guarded;
   row.flag("history_materials", &Scenario::history_materials,
-           {"energies of fracture and fatigue and all dissipations of each material in the history"});
+           "energies of fracture and fatigue and all dissipations of each material in the history");
   return group;
 }
 
@@ -94,17 +86,15 @@ OptionGroup checkpoint_options() {
       "conditions, contacts, the damage equation and the time scheme only with `-restart_allow`; solvers, "
       "output, end time and time step at will."};
   Rows row(group.rows, RestartKey::free, &Scenario::checkpoint);
-  row.text("checkpoint_dir", &Checkpoint::dir, "path",
-           {"folder of the checkpoints", "<output_dir>/checkpoints"});
-  row.number("checkpoint_wall", &Checkpoint::wall,
-             {"seconds on the clock between checkpoints; 0: none by the clock", "", "1"}, not_negative);
-  row.count("checkpoint_every", &Checkpoint::every, {"steps between checkpoints; 0: none by steps"}, 0);
-  row.count("checkpoint_keep", &Checkpoint::keep, {"newest checkpoints that stay"}, 1);
-  row.number("checkpoint_patience", &Checkpoint::patience,
-             {"seconds, beside one per megabyte, after which a write that does not end is given up with exit "
-              "status 4",
-              "", "1"},
-             positive);
+  row.text("checkpoint_dir", &Checkpoint::dir, "path", "folder of the checkpoints")
+      .otherwise("<output_dir>/checkpoints");
+  row.number("checkpoint_wall", &Checkpoint::wall, "1", not_negative,
+             "seconds on the clock between checkpoints; 0: none by the clock");
+  row.count("checkpoint_every", &Checkpoint::every, 0, "steps between checkpoints; 0: none by steps");
+  row.count("checkpoint_keep", &Checkpoint::keep, 1, "newest checkpoints that stay");
+  row.number("checkpoint_patience", &Checkpoint::patience, "1", positive,
+             "seconds, beside one per megabyte, after which a write that does not end is given up with exit "
+             "status 4");
   add_restart(group.rows);
   group.complete = [](Scenario& s) {
     if (s.checkpoint.dir.empty()) s.checkpoint.dir = default_checkpoint_dir(s);

@@ -7,6 +7,11 @@ namespace impact {
 
 namespace {
 
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
 /// Throws UserError(usage) by the first rule that speaks, of those about absence or of the others.
 template <class Struct>
 void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target, const std::string& prefix,
@@ -15,16 +20,15 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
   for (const OptionRow<Struct>& row : rows) {
     if (row.rules.empty() || row.given(target) == of_absence) continue;
     for (const OptionRule<Struct>& rule : row.rules) {
-      if ((rule.of == Of::absence) != of_absence) continue;
-      std::string words = rule.words(target, scenario);
+      std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
       if (words.empty()) continue;
-      for (std::size_t at = 0; (at = words.find("<>", at)) != std::string::npos;)
-        words.replace(at, 2, "-" + prefix);
-      throw UserError(ExitCode::usage, "-" + prefix + row.name +
-                                           (rule.of == Of::absence ? ": missing; "
-                                            : rule.of == Of::value ? " \"" + row.text(target) + "\": "
-                                                                   : "") +
-                                           words);
+      if (rule.of == Of::value) words.insert(0, " \"" + row.text(target) + "\": ");
+      if (of_absence) words.insert(0, ": missing; ");
+      replace_all(words, "<>", "-" + prefix);
+      replace_all(words, "{material}", scenario.materials.front().id);
+      for (const OptionRow<Struct>& other : rows)
+        replace_all(words, "{" + other.name + "}", other.text(target));
+      throw UserError(ExitCode::usage, "-" + prefix + row.name + words);
     }
   }
 }

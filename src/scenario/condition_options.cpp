@@ -44,7 +44,9 @@ const ConditionKind& kind_of(const Bc& bc) {
 bool is_by(const Bc& bc, By by) { return kind_of(bc).by == by; }
 bool turns(const Bc& bc) { return bc.type == BcType::displacement || bc.type == BcType::velocity; }
 bool has_components(const Bc& bc) {
-  return std::any_of(std::begin(bc.component), std::end(bc.component), [](const auto& c) { return bool(c); });
+  const auto given = [](const auto& component) { return component.has_value(); };
+  return std::any_of(bc.component, bc.component + 3, given) ||
+         std::any_of(bc.rotation, bc.rotation + 3, given);
 }
 
 const std::string meaningless = "has no meaning for this type; ",
@@ -53,10 +55,6 @@ const std::string meaningless = "has no meaning for this type; ",
 /// Adds what the type of a condition demands of its other rows.
 void add_demands(std::vector<OptionRow<Bc>>& rows) {
   for (OptionRow<Bc>& row : rows) {
-    if (row.name == "on")
-      row.group_dimension = [](const Bc& bc, int dim) {
-        return kind_of(bc).on == On::facets ? dim - 1 : kind_of(bc).on == On::cells ? dim : 0;
-      };
     if (row.name[0] == 'u')
       row.refused([](const Bc& bc) { return is_by(bc, By::value); },
                   meaningless + "remove it, <>value is what it takes")
@@ -71,10 +69,8 @@ void add_demands(std::vector<OptionRow<Bc>>& rows) {
     if (row.name == "type")
       row.barred([](const Bc& bc,
                     const Scenario& s) { return s.physics.empty() && !s.has_heat() && is_thermal(bc.type); },
-                 [](const Bc&, const Scenario& s) {
-                   return ": acts on the temperature, and no material has a heat capacity; give -material_" +
-                          s.materials.front().id + "_c_v, or remove it";
-                 });
+                 ": acts on the temperature, and no material has a heat capacity; give "
+                 "-material_{material}_c_v, or remove it");
   }
 }
 
@@ -87,38 +83,36 @@ OptionClass<BoundaryCondition> boundary_class() {
   for (const ConditionKind& kind : kinds) types.emplace_back(kind.name, kind.type);
   const auto unit_of = [](const Bc& bc) { return std::string(kind_of(bc).unit); };
   Rows row(table.rows);
-  row.list("on", &Bc::on,
-           {"groups of the mesh: boundaries, points, or regions with all their nodes", "required"});
-  row.choice(
-      "type", &Bc::type,
-      {"what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
-       "positive inwards; force is a total, spread over the reference area, the length of lines or "
-       "evenly over points; body_force is per mass; "
-       "heat_flux is inwards, per reference area, heat_source per reference volume; convection is a flux "
-       "h (value - theta)"},
-      types);
-  row.components("u", &Bc::component,
-                 {"component of what the type prescribes, of a displacement, velocity, force, traction, ..; "
-                  "left out: free, or no load",
-                  "", "by type"},
+  row.groups("on", &Bc::on, "groups of the mesh: boundaries, points, or regions with all their nodes",
+             [](const Bc& bc, int dim) {
+               return kind_of(bc).on == On::facets ? dim - 1 : kind_of(bc).on == On::cells ? dim : 0;
+             });
+  row.choice("type", &Bc::type,
+             "what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
+             "positive inwards; force is a total, spread over the reference area, the length of lines or "
+             "evenly over points; body_force is per mass; heat_flux is inwards, per reference area, "
+             "heat_source per reference volume; convection is a flux h (value - theta)",
+             types);
+  row.components("u", &Bc::component, by_type,
+                 "component of what the type prescribes, of a displacement, velocity, force, traction, ..; "
+                 "left out: free, or no load",
                  unit_of);
   row.components(
-      "r", &Bc::rotation,
-      {"rotation of rigid bodies about their centre of mass, or with type velocity its rate; about fixed "
-       "axes, in space the rotation vector where all three are given; left out: free",
-       "", "by type"},
+      "r", &Bc::rotation, by_type,
+      "rotation of rigid bodies about their centre of mass, or with type velocity its rate; about fixed "
+      "axes, in space the rotation vector where all three are given; left out: free",
       [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); },
       Rows<Bc>::Of::turns);
-  row.expression("value", &Bc::value,
-                 {"scalar of pressure, damage (phi), temperature, heat_flux and heat_source; of convection "
-                  "the temperature around",
-                  "", "by type"},
-                 any_number, unit_of, [](const Bc& bc) { return kind_of(bc).range; })
+  row.expression(
+         "value", &Bc::value, by_type, any_number,
+         "scalar of pressure, damage (phi), temperature, heat_flux and heat_source; of convection the "
+         "temperature around",
+         unit_of, [](const Bc& bc) { return kind_of(bc).range; })
       .needed([](const Bc& bc) { return is_by(bc, By::value) && !has_components(bc); },
               "allowed: an expression; the " + scalars + " need it")
       .refused([](const Bc& bc) { return !is_by(bc, By::value); }, meaningless + "allowed with " + scalars);
-  row.expression("h", &Bc::coefficient,
-                 {"coefficient of convection, per reference area", "", "W/(m^2.K)", "h"}, not_negative)
+  row.expression("h", &Bc::coefficient, "W/(m^2.K) h", not_negative,
+                 "coefficient of convection, per reference area")
       .needed([](const Bc& bc) { return bc.type == BcType::convection; },
               "allowed: an expression; type convection needs it")
       .refused([](const Bc& bc) { return bc.type != BcType::convection; },
@@ -132,14 +126,12 @@ OptionClass<InitialCondition> initial_class() {
   OptionClass<Ic> table{"ic", "ics", "Initial conditions", "Boundary conditions win over initial ones.",
                         &Scenario::ics};
   Rows row(table.rows);
-  row.list("on", &Ic::on, {"groups of the mesh", "required"}).group_dimension = [](const Ic&, int) {
-    return 0;
-  };
-  row.components("u", &Ic::u, {"initial displacement", "", "m"});
-  row.components("v", &Ic::v, {"initial velocity", "", "m/s"});
-  row.expression("phi", &Ic::phi, {"initial damage", "", "1", "phi"}, fraction);
-  row.expression("theta", &Ic::theta, {"initial temperature", "_theta0 of the material", "K", "theta"},
-                 positive);
+  row.groups("on", &Ic::on, "groups of the mesh", [](const Ic&, int) { return 0; });
+  row.components("u", &Ic::u, "m", "initial displacement");
+  row.components("v", &Ic::v, "m/s", "initial velocity");
+  row.expression("phi", &Ic::phi, "1 phi", fraction, "initial damage");
+  row.expression("theta", &Ic::theta, "K theta", positive, "initial temperature")
+      .otherwise("_theta0 of the material");
   return table;
 }
 

@@ -70,53 +70,44 @@ template <class Length> void limit_substeps(OptionRow<Scenario>& row, Length len
 void add_passes(std::vector<OptionRow<Scenario>>& rows) {
   using Coupling = CouplingScenario;
   Rows row(rows, RestartKey::free, &Scenario::coupling);
-  row.count("coupling_snes_max_it", &Coupling::max_it,
-            {"largest number of passes in a step",
-             "1; with -ts_type static and damage or thermal expansion 200, not counting passes in which a "
-             "crack grows"},
-            1);
-  row.number("coupling_snes_atol", &Coupling::atol,
-             {"passes end when phi changes less than this anywhere, and the temperature less than this part "
-              "of itself",
-              "1e-4", "1"},
-             positive);
-  row.number("coupling_theta_tol", &Coupling::theta_tol,
-             {"passes end when the temperature changes less than this part of its largest value, where a "
-              "material expands with it",
-              "-coupling_snes_atol", "1"},
-             positive, {{"", -1.}});
+  row.count("coupling_snes_max_it", &Coupling::max_it, 1, "largest number of passes in a step")
+      .otherwise("1; with -ts_type static and damage or thermal expansion 200, not counting passes in which "
+                 "a crack grows");
+  row.number("coupling_snes_atol", &Coupling::atol, "1", positive,
+             "passes end when phi changes less than this anywhere, and the temperature less than this part "
+             "of itself")
+      .otherwise("1e-4");
+  row.number("coupling_theta_tol", &Coupling::theta_tol, "1", positive,
+             "passes end when the temperature changes less than this part of its largest value, where a "
+             "material expands with it")
+      .otherwise("-coupling_snes_atol");
   row.flag("coupling_error", &Coupling::report_error,
-           {"column coupling_error: nodal forces that the phi and theta of the end of a step would change, "
-            "over those that the last pass balanced; costs one residual in a step"});
-  row.choice("coupling_relaxation", &Coupling::relaxation,
-             {"what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi "
-              "itself"},
-             {{"aitken", PassRelaxation::aitken}, {"none", PassRelaxation::none}});
+           "column coupling_error: nodal forces that the phi and theta of the end of a step would change, "
+           "over those that the last pass balanced; costs one residual in a step");
+  row.choice(
+      "coupling_relaxation", &Coupling::relaxation,
+      "what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi itself",
+      "aitken", PassRelaxation::aitken, "none", PassRelaxation::none);
 }
 
 void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Scenario::damage);
-  row.choice(
-      "damage_form", &DamageScenario::form,
-      {"damage equation as it stands, or divided by its rate coefficient (the paper's)", "", "", "", "(111)"},
-      {{"multiplied", DamageForm::multiplied}, {"divided", DamageForm::divided}});
-  row.number("damage_theta", &DamageScenario::theta,
-             {"time weight of the damage equation: 1 backward Euler, 0.5 trapezoid", "", "1", "theta"},
-             {0, 1, true, false});
-  limit_substeps(
-      row.number("damage_ts_dt", &DamageScenario::substep,
-                 {"the damage equation takes sub-steps of that length at most, with form multiplied "
-                  "and theta 1; their own method is chosen by -damage_ts_type",
-                  "none", "s"},
-                 positive, absent_at_zero),
-      [](const Scenario& s) { return s.damage.substep; });
+  row.choice("damage_form", &DamageScenario::form,
+             "damage equation as it stands, or divided by its rate coefficient (the paper's)", "multiplied",
+             DamageForm::multiplied, "divided", DamageForm::divided)
+      .notation("(111)");
+  row.number("damage_theta", &DamageScenario::theta, "1 theta", {0, 1, true, false},
+             "time weight of the damage equation: 1 backward Euler, 0.5 trapezoid");
+  limit_substeps(row.number("damage_ts_dt", &DamageScenario::substep, "s", positive,
+                            "the damage equation takes sub-steps of that length at most, with form "
+                            "multiplied and theta 1; their own method is chosen by -damage_ts_type")
+                     .otherwise("none"),
+                 [](const Scenario& s) { return s.damage.substep; });
   row.choice("damage_bounds", &DamageScenario::bounds,
-             {"how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
-              "afterwards, not at all"},
-             {{"vi", DamageBounds::vi},
-              {"history", DamageBounds::history},
-              {"clip", DamageBounds::clip},
-              {"none", DamageBounds::none}})
+             "how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
+             "afterwards, not at all",
+             "vi", DamageBounds::vi, "history", DamageBounds::history, "clip", DamageBounds::clip, "none",
+             DamageBounds::none)
       .barred(
           [](const Scenario& s) { return !needs_vi(s).empty(); },
           [](const Scenario& s) { return ": only the bounds of vi keep " + needs_vi(s) + "; allowed: vi"; })
@@ -129,25 +120,23 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
 void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
   Rows row(rows, RestartKey::free);
   row.choice("motion_tangent", &Scenario::tangent,
-             {"derivative of the residual, or its symmetric part (auto: where the linear solver needs it)"},
-             {{"auto", TangentChoice::automatic},
-              {"consistent", TangentChoice::consistent},
-              {"symmetric", TangentChoice::symmetric}});
+             "derivative of the residual, or its symmetric part (auto: where the linear solver needs it)",
+             "auto", TangentChoice::automatic, "consistent", TangentChoice::consistent, "symmetric",
+             TangentChoice::symmetric);
   row.choice("motion_mat_type", &Scenario::matrix,
-             {"matrix of motion: all entries, or the blocks on and above the diagonal, which need a "
-              "symmetric tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi and none "
-              "(auto: the blocks where the program chooses conjugate gradients and nothing hinders)"},
-             {{"auto", std::nullopt}, {"aij", MatrixFormat::aij}, {"sbaij", MatrixFormat::sbaij}})
+             "matrix of motion: all entries, or the blocks on and above the diagonal, which need a symmetric "
+             "tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi and none (auto: the "
+             "blocks where the program chooses conjugate gradients and nothing hinders)",
+             "auto", std::nullopt, "aij", MatrixFormat::aij, "sbaij", MatrixFormat::sbaij)
       .refused([](const Scenario& s) { return !asymmetry(s).empty(); }, asymmetry);
   Rows(rows, RestartKey::free, &Scenario::coupling)
-      .number("motion_reuse_tangent", &CouplingScenario::reuse,
-              {"the tangent serves on while an iteration with it leaves at most this part of the residual; "
-               "0: full Newton",
-               "0.1 with a direct solver, else 0", "1"},
-              {0, 1, false, false}, {{"", -1.}});
+      .number("motion_reuse_tangent", &CouplingScenario::reuse, "1", {0, 1, false, false},
+              "the tangent serves on while an iteration with it leaves at most this part of the residual; 0: "
+              "full Newton")
+      .otherwise("0.1 with a direct solver, else 0");
   row.choice("contact_operator", &Scenario::contact_operator,
-             {"contact terms in the matrix, or beside it as an operator"},
-             {{"assembled", ContactOperator::assembled}, {"shell", ContactOperator::shell}})
+             "contact terms in the matrix, or beside it as an operator", "assembled",
+             ContactOperator::assembled, "shell", ContactOperator::shell)
       .refused([](const Scenario& s) { return with_mass(s) != nullptr; },
                [](const Scenario& s) {
                  return "not with the rigid body of -contact_" + with_mass(s)->id +
@@ -195,20 +184,17 @@ OptionGroup heat_options() {
                     "Solved after motion and damage in each pass, where materials have a heat capacity."};
   Rows row(group.rows, RestartKey::guarded, &Scenario::heat);
   row.choice("heat_form", &HeatScenario::form,
-             {"which balance is solved: that of entropy never loses any (second law), that of internal "
-              "energy closes the first law to rounding; they differ by the error of the time step",
-              "", "", "", "(45')"},
-             {{"entropy", HeatForm::entropy}, {"energy", HeatForm::energy}});
-  row.number("heat_theta", &HeatScenario::theta,
-             {"time weight of the heat balance: 1 backward Euler, 0.5 trapezoid", "", "1", "theta"},
-             {0.5, 1, false, false});
-  limit_substeps(
-      row.number("heat_ts_dt", &HeatScenario::substep,
-                 {"heat takes sub-steps of that length at most, over which motion and damage go on "
-                  "evenly; not where heat passes contacts",
-                  "none", "s"},
-                 positive, absent_at_zero),
-      [](const Scenario& s) { return s.heat.substep; });
+             "which balance is solved: that of entropy never loses any (second law), that of internal energy "
+             "closes the first law to rounding; they differ by the error of the time step",
+             "entropy", HeatForm::entropy, "energy", HeatForm::energy)
+      .notation("(45')");
+  row.number("heat_theta", &HeatScenario::theta, "1 theta", {0.5, 1, false, false},
+             "time weight of the heat balance: 1 backward Euler, 0.5 trapezoid");
+  limit_substeps(row.number("heat_ts_dt", &HeatScenario::substep, "s", positive,
+                            "heat takes sub-steps of that length at most, over which motion and damage go on "
+                            "evenly; not where heat passes contacts")
+                     .otherwise("none"),
+                 [](const Scenario& s) { return s.heat.substep; });
   return group;
 }
 

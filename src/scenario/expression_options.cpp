@@ -22,10 +22,10 @@ OptionClass<ParameterScenario> parameter_class() {
   OptionClass<ParameterScenario> table{"param", "params", "Parameters of expressions",
                                        "Parameters are names in every expression, with values in run units.",
                                        &Scenario::params};
-  auto& row =
-      Rows(table.rows)
-          .number("", &ParameterScenario::value,
-                  {"value of the parameter `<id>` in every expression", "required", "any"}, any_number);
+  auto& row = Rows(table.rows)
+                  .number("", &ParameterScenario::value, "any", any_number,
+                          "value of the parameter `<id>` in every expression")
+                  .required();
   row.read = [](ParameterScenario& target, const GivenOption& option, const OptionContext& context) {
     try {
       target.value = parse_any_quantity(option.text, context.units);
@@ -46,7 +46,7 @@ OptionClass<FunctionScenario> function_class() {
       "function", "functions", "Tables in expressions",
       "`<id>(t)` in an expression interpolates the table linearly; beyond its ends it is constant.",
       &Scenario::functions};
-  Rows(table.rows).file("table", &FunctionScenario::file, {"two columns of numbers: t, value", "required"});
+  Rows(table.rows).file("table", &FunctionScenario::file, "two columns of numbers: t, value").required();
   table.finish = [](const FunctionScenario& function, OptionContext& context) {
     check_name("functions", function.id, context.names);
     const GivenOption option = *given_option("function_" + function.id + "_table");

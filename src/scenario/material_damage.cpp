@@ -23,28 +23,25 @@ bool needs_damage_data(const Material& m, const Scenario& s) {
 void add_crack(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::law);
   row.choice("damage", &Law::damage,
-             {"crack model: at2 damages from the start, at1 is elastic up to sqrt(3 E G_c/(8 gamma))", "", "",
-              "", "(56)"},
-             {{"none", Damage::none}, {"at2", Damage::at2}, {"at1", Damage::at1}});
-  row.number("Gc", &Law::Gc, {"Griffith's fracture energy", "required with damage", "N/m", "G_c", "(56)"},
-             {0, 1e9, true, false}, absent_at_zero)
+             "crack model: at2 damages from the start, at1 is elastic up to sqrt(3 E G_c/(8 gamma))", "none",
+             Damage::none, "at2", Damage::at2, "at1", Damage::at1)
+      .notation("(56)");
+  row.number("Gc", &Law::Gc, "N/m G_c (56)", {0, 1e9, true, false}, "Griffith's fracture energy")
+      .otherwise("required with damage")
       .needed(needs_damage_data, "<>damage needs it");
-  row.number("gamma", &Law::gamma,
-             {"width of the phase layer: a crack is exp(-|x|/gamma) with at2, (1 - |x|/2 gamma)^2 with at1",
-              "required with damage", "m", "gamma", "(56)"},
-             {0, 1e3, true, false}, absent_at_zero)
+  row.number("gamma", &Law::gamma, "m gamma (56)", {0, 1e3, true, false},
+             "width of the phase layer: a crack is exp(-|x|/gamma) with at2, (1 - |x|/2 gamma)^2 with at1")
+      .otherwise("required with damage")
       .needed(needs_damage_data, "<>damage needs it");
-  row.number("c", &Law::c, {"damage rate; inf: rate-independent", "", "m^2/(N.s)", "c", "(63)"}, positive,
-             {{"inf", unbounded}});
-  row.number("zeta", &Law::zeta, {"exponent in the damage rate", "", "1", "zeta", "(63)"}, not_negative);
-  row.number("delta", &Law::delta,
-             {"shift in the damage rate: (1 + delta - phi)^zeta / c", "", "1", "delta", "(63)"}, fraction);
-  row.number("fatigue_a", &Law::fatigue_a,
-             {"growth of the fatigue variable with the stress power of damaged material; 0: no fatigue", "",
-              "m^2", "a", "(F1)"},
-             not_negative);
-  row.number("b_d", &Law::b_d, {"viscous stress 2 b_d dC/dt", "", "N.s/m^2", "b_d", "(62)"}, not_negative);
-  row.flag("visc_degrade", &Law::visc_degrade, {"damage weakens the viscous stress too"});
+  row.number("c", &Law::c, "m^2/(N.s) c (63)", or_word(positive, "inf", unbounded),
+             "damage rate; inf: rate-independent");
+  row.number("zeta", &Law::zeta, "1 zeta (63)", not_negative, "exponent in the damage rate");
+  row.number("delta", &Law::delta, "1 delta (63)", fraction,
+             "shift in the damage rate: (1 + delta - phi)^zeta / c");
+  row.number("fatigue_a", &Law::fatigue_a, "m^2 a (F1)", not_negative,
+             "growth of the fatigue variable with the stress power of damaged material; 0: no fatigue");
+  row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative, "viscous stress 2 b_d dC/dt");
+  row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too");
 }
 
 void add_split(MaterialRows& rows) {
@@ -56,15 +53,13 @@ void add_split(MaterialRows& rows) {
   const std::string remedy = "; choose volumetric";
   Rows(rows)
       .choice("split", &Material::split,
-              {"which energy drives damage: spectral, only that of principal stretches above 1 and of "
-               "dilation; volumetric, all but volumetric compression, or none, all (the paper's run), so "
-               "that shear drives it in compression too; auto: spectral where that is possible, in elastic "
-               "bodies with 0 <= nu < 0.45 without heat, plane stress or a cure of locking, else volumetric",
-               "", "", "g_e2", "(49)"},
-              {{"auto", Split::automatic},
-               {"volumetric", Split::volumetric},
-               {"none", Split::none},
-               {"spectral", Split::spectral}})
+              "which energy drives damage: spectral, only that of principal stretches above 1 and of "
+              "dilation; volumetric, all but volumetric compression, or none, all (the paper's run), so that "
+              "shear drives it in compression too; auto: spectral where that is possible, in elastic bodies "
+              "with 0 <= nu < 0.45 without heat, plane stress or a cure of locking, else volumetric",
+              "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
+              Split::spectral)
+      .notation("g_e2 (49)")
       .refused(spectral([](const Material& m, const Scenario&) { return m.law.model == Model::j2; }),
                "the return map wants one factor for the whole deviator, the split has two; allowed: "
                "<>model elastic" +
@@ -81,40 +76,38 @@ void add_split(MaterialRows& rows) {
 
 void add_degradation(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::law);
-  row.choice(
-         "ge", &Law::ge,
-         {"degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c)", "", "", "g_e1", "(49)"},
-         {{"quadratic", Degradation::quadratic},
-          {"cubic", Degradation::cubic},
-          {"ductile", Degradation::ductile}})
+  row.choice("ge", &Law::ge, "degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c)",
+             "quadratic", Degradation::quadratic, "cubic", Degradation::cubic, "ductile",
+             Degradation::ductile)
+      .notation("g_e1 (49)")
       .refused(
           damaging([](const Law& law) { return law.ge == Degradation::ductile && law.model != Model::j2; }),
           "nothing damages without plastic strain; allowed with <>model j2; choose quadratic or cubic");
-  row.number("cubic_s", &Law::cubic_s, {"slope of the cubic degradation at phi = 0", "1e-4", "1", "s"},
-             {0, 2, true, false});
-  row.number("alpha_c", &Law::alpha_c,
-             {"plastic strain at which the ductile degradation is quadratic", "required with ge ductile", "1",
-              "alpha_c"},
-             {0, 1e3, true, false}, absent_at_zero)
+  row.number("cubic_s", &Law::cubic_s, "1 s", {0, 2, true, false},
+             "slope of the cubic degradation at phi = 0")
+      .otherwise("1e-4");
+  row.number("alpha_c", &Law::alpha_c, "1 alpha_c", {0, 1e3, true, false},
+             "plastic strain at which the ductile degradation is quadratic")
+      .otherwise("required with ge ductile")
       .needed([](const Material& m,
                  const Scenario& s) { return needs_damage_data(m, s) && m.law.ge == Degradation::ductile; },
               "<>ge ductile needs it");
-  row.choice("gp", &Law::gp, {"degradation of the plastic energy: 1 or g_e1", "", "", "g_p", "(54)"},
-             {{"one", PlasticDegradation::one}, {"ge", PlasticDegradation::ge}});
-  row.number("plastic_threshold", &Law::plastic_threshold,
-             {"plastic energy H_0 that does not drive damage, with gp ge: the drive is <H_0 - W_0>", "",
-              "J/m^3", "W_0"},
-             not_negative)
+  row.choice("gp", &Law::gp, "degradation of the plastic energy: 1 or g_e1", "one", PlasticDegradation::one,
+             "ge", PlasticDegradation::ge)
+      .notation("g_p (54)");
+  row.number("plastic_threshold", &Law::plastic_threshold, "J/m^3 W_0", not_negative,
+             "plastic energy H_0 that does not drive damage, with gp ge: the drive is <H_0 - W_0>")
       .refused(damaging([](const Law& law) { return law.softening != Softening::none; }),
                "not available with <>softening, whose plastic energy is a sum over the steps; allowed: 0, or "
                "softening none")
       .refused(damaging([](const Law& law) { return law.gp != PlasticDegradation::ge; }),
                "has no effect, plastic energy drives damage only with <>gp ge; add it, or remove this");
-  row.choice("damage_gradient", &Law::damage_gradient,
-             {"gradient of phi in the crack energy", "", "", "", "(56)"},
-             {{"spatial", DamageGradient::spatial}, {"material", DamageGradient::material}});
-  row.number("residual_stiffness", &Law::residual_stiffness,
-             {"part of the stiffness that stays in a crack", "1e-6", "1", "k"}, {0, 1, false, true});
+  row.choice("damage_gradient", &Law::damage_gradient, "gradient of phi in the crack energy", "spatial",
+             DamageGradient::spatial, "material", DamageGradient::material)
+      .notation("(56)");
+  row.number("residual_stiffness", &Law::residual_stiffness, "1 k", {0, 1, false, true},
+             "part of the stiffness that stays in a crack")
+      .otherwise("1e-6");
 }
 
 } // namespace

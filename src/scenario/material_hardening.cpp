@@ -57,10 +57,8 @@ void add_curves(MaterialRows& rows) {
   const Interval stress{0, 1e15, true, false};
   Rows row(rows);
   Rows of_law(rows, RestartKey::guarded, &Material::law);
-  row.number("sigma_y", &Material::sigma_y,
-             {"yield stress", "required with j2, but for hardening table or johnson_cook", "Pa", "sigma_y",
-              "(55)"},
-             stress, absent_at_zero)
+  row.number("sigma_y", &Material::sigma_y, "Pa sigma_y (55)", stress, "yield stress")
+      .otherwise("required with j2, but for hardening table or johnson_cook")
       .needed(flowing([](const Material& m) { return own_yield(m).empty(); }),
               "<>model j2 needs a yield stress")
       .barred(flowing([](const Material& m) { return !own_yield(m).empty(); }), [](const Material& m) {
@@ -68,72 +66,65 @@ void add_curves(MaterialRows& rows) {
                ", which tells the yield stress itself; remove it";
       });
   row.list("hardening", &Material::hardening,
-           {"parts of k_0 = sigma_y + r (1 - exp(-s alpha)) + H alpha that must be given, they add; or, "
-            "alone, johnson_cook or table",
-            "", "", "k_0", "(55')"},
+           "parts of k_0 = sigma_y + r (1 - exp(-s alpha)) + H alpha that must be given, they add; or, "
+           "alone, johnson_cook or table",
            {"none", "voce", "linear", "johnson_cook", "table"})
+      .notation("k_0 (55')")
       .barred(flowing([](const Material& m) { return !own_yield(m).empty() && m.hardening.size() > 1; }),
               [](const Material& m) {
                 const std::string own = own_yield(m), other = m.hardening[m.hardening[0] == own ? 1 : 0];
                 return " " + own + "," + other + ": " + own + " stands alone; remove " + other;
               });
-  of_law
-      .number("voce_r", &Law::voce_r, {"saturation of the hardening", "", "Pa", "r_p", "(55)"}, not_negative)
+  of_law.number("voce_r", &Law::voce_r, "Pa r_p (55)", not_negative, "saturation of the hardening")
       .needed(with_part("voce"), "a positive value is needed by <>hardening voce");
-  of_law.number("voce_s", &Law::voce_s, {"rate of the saturation", "", "1", "s_p", "(55)"}, not_negative)
+  of_law.number("voce_s", &Law::voce_s, "1 s_p (55)", not_negative, "rate of the saturation")
       .needed(with_part("voce"), "a positive value is needed by <>hardening voce");
-  row.number("linear_h", &Material::linear_h, {"linear hardening modulus", "0", "Pa", "H"}, not_negative,
-             absent_at_nan)
+  row.number("linear_h", &Material::linear_h, "Pa H", not_negative, "linear hardening modulus")
+      .otherwise("0")
       .needed(with_part("linear"), "a value is needed by <>hardening linear");
   row.file("hardening_table", &Material::hardening_table,
-           {"file with two columns alpha, k (stress in run units) of hardening table: straight between the "
-            "rows, constant after the last",
-            "required with hardening table", "", "k_0", "(55a)"})
+           "file with two columns alpha, k (stress in run units) of hardening table: straight between the "
+           "rows, constant after the last")
+      .notation("k_0 (55a)")
+      .otherwise("required with hardening table")
       .needed(with_part("table"), "needed by <>hardening table")
       .read = read_table;
-  row.number("jc_a", &Material::jc_a,
-             {"Johnson-Cook: k = (A + B alpha^n) (1 + C ln(rate/rate0)) (1 - T*^m)",
-              "required with hardening johnson_cook", "Pa", "A", "(55a)"},
-             stress, absent_at_nan)
+  row.number("jc_a", &Material::jc_a, "Pa A (55a)", stress,
+             "Johnson-Cook: k = (A + B alpha^n) (1 + C ln(rate/rate0)) (1 - T*^m)")
+      .otherwise("required with hardening johnson_cook")
       .needed(with_part("johnson_cook"), "needed by <>hardening johnson_cook");
-  of_law
-      .number("jc_b", &Law::power_b, {"its B", "required with hardening johnson_cook", "Pa", "B", "(55a)"},
-              stress, absent_at_zero)
+  of_law.number("jc_b", &Law::power_b, "Pa B (55a)", stress, "its B")
+      .otherwise("required with hardening johnson_cook")
       .needed(with_part("johnson_cook"), "needed by <>hardening johnson_cook");
-  of_law.number("jc_n", &Law::power_n, {"its exponent of alpha", "", "1", "n", "(55a)"}, {0, 1, true, false});
+  of_law.number("jc_n", &Law::power_n, "1 n (55a)", {0, 1, true, false}, "its exponent of alpha");
 }
 
 void add_rate_and_softening(MaterialRows& rows) {
   Rows row(rows);
   Rows of_law(rows, RestartKey::guarded, &Material::law);
-  of_law.number(
-      "jc_c", &Law::rate_c,
-      {"rate factor 1 + C ln(rate/rate0) above the rate rate0, with any hardening", "", "1", "C", "(55a)"},
-      not_negative);
-  row.number("jc_rate0", &Material::rate_0,
-             {"rate of alpha from which jc_c counts", "required with jc_c", "1/s", "rate0", "(55a)"},
-             positive, absent_at_nan)
+  of_law.number("jc_c", &Law::rate_c, "1 C (55a)", not_negative,
+                "rate factor 1 + C ln(rate/rate0) above the rate rate0, with any hardening");
+  row.number("jc_rate0", &Material::rate_0, "1/s rate0 (55a)", positive,
+             "rate of alpha from which jc_c counts")
+      .otherwise("required with jc_c")
       .needed(flowing([](const Material& m) { return m.law.rate_c > 0; }), "a rate is needed by <>jc_c");
   row.choice("softening", &Material::softening,
-             {"factor of the temperature on k; linear: 1 - w (theta - theta0); johnson_cook: 1 - T*^m; auto: "
-              "johnson_cook with the hardening of that name where jc_theta_melt is given, else none",
-              "", "", "f", "(55a)"},
-             {{"auto", std::nullopt},
-              {"none", Softening::none},
-              {"linear", Softening::linear},
-              {"johnson_cook", Softening::johnson_cook}});
+             "factor of the temperature on k; linear: 1 - w (theta - theta0); johnson_cook: 1 - T*^m; auto: "
+             "johnson_cook with the hardening of that name where jc_theta_melt is given, else none",
+             "auto", std::nullopt, "none", Softening::none, "linear", Softening::linear, "johnson_cook",
+             Softening::johnson_cook)
+      .notation("f (55a)");
   of_law
-      .number("softening_w", &Law::softening_w,
-              {"slope of the linear softening", "required with softening linear", "1/K", "w", "(55a)"},
-              not_negative, absent_at_zero)
+      .number("softening_w", &Law::softening_w, "1/K w (55a)", or_word(not_negative, "", 0),
+              "slope of the linear softening")
+      .otherwise("required with softening linear")
       .needed(with_softening(Softening::linear), "a positive value is needed by <>softening linear");
-  of_law.number("jc_m", &Law::softening_m, {"exponent of T*", "", "1", "m", "(55a)"}, positive);
+  of_law.number("jc_m", &Law::softening_m, "1 m (55a)", positive, "exponent of T*");
   of_law
-      .number("jc_theta_melt", &Law::theta_melt,
-              {"temperature of melting, where T* = (theta - theta_ref)/(theta_melt - theta_ref) "
-               "is 1 and k zero",
-               "required with softening johnson_cook", "K", "theta_melt", "(55a)"},
-              positive, absent_at_zero)
+      .number(
+          "jc_theta_melt", &Law::theta_melt, "K theta_melt (55a)", positive,
+          "temperature of melting, where T* = (theta - theta_ref)/(theta_melt - theta_ref) is 1 and k zero")
+      .otherwise("required with softening johnson_cook")
       .needed(with_softening(Softening::johnson_cook), "needed by <>softening johnson_cook")
       .barred(flowing([](const Material& m) {
                 return m.law.softening == Softening::johnson_cook && m.law.theta_melt <= m.law.theta_ref;
@@ -142,9 +133,9 @@ void add_rate_and_softening(MaterialRows& rows) {
                 return ": not above <>jc_theta_ref " + number_text(m.law.theta_ref) +
                        "; give the temperature of melting";
               });
-  row.number("jc_theta_ref", &Material::theta_ref,
-             {"temperature up to which T* is 0", "theta0", "K", "theta_ref", "(55a)"}, positive,
-             absent_at_nan);
+  row.number("jc_theta_ref", &Material::theta_ref, "K theta_ref (55a)", positive,
+             "temperature up to which T* is 0")
+      .otherwise("theta0");
 }
 
 } // namespace

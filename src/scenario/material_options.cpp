@@ -31,29 +31,26 @@ void add_elasticity(MaterialRows& rows) {
     return wants_moduli(m, s) && !is_rigid(m) && by_K(m);
   };
   Rows row(rows);
-  row.list("region", &Material::regions, {"regions of the mesh made of it", "the id"}).group_dimension =
-      [](const Material&, int dim) { return dim; };
+  row.list("region", &Material::regions, "regions of the mesh made of it")
+      .otherwise("the id")
+      .group_dimension = [](const Material&, int dim) { return dim; };
   Rows of_law(rows, RestartKey::guarded, &Material::law);
   of_law.choice("model", &Law::model,
-                {"what the material can do beside damage; rigid: each body of its cells moves as a whole, "
-                 "with the mass that rho gives"},
-                {{"elastic", Model::elastic}, {"j2", Model::j2}, {"rigid", Model::rigid}});
-  row.number("E", &Material::E, {"Young's modulus, with nu", fallback, "Pa", "E", "(52)-(53)"}, modulus,
-             absent_at_nan)
+                "what the material can do beside damage; rigid: each body of its cells moves as a whole, "
+                "with the mass that rho gives",
+                "elastic", Model::elastic, "j2", Model::j2, "rigid", Model::rigid);
+  row.number("E", &Material::E, "Pa E (52)-(53)", modulus, "Young's modulus, with nu")
+      .otherwise(fallback)
       .needed(by_young, remedy)
       .barred(by_bulk, ": contradicts K and G; " + remedy);
-  row.number("nu", &Material::nu, {"Poisson's ratio", fallback, "1", "nu", "(52)-(53)"},
-             {-1, 0.5, true, true}, absent_at_nan)
+  row.number("nu", &Material::nu, "1 nu (52)-(53)", {-1, 0.5, true, true}, "Poisson's ratio")
+      .otherwise(fallback)
       .needed(by_young, remedy)
       .barred(by_bulk, ": contradicts K and G; " + remedy);
-  row.number("K", &Material::K, {"bulk modulus, with G", "", "Pa", "K", "(52)"}, modulus, absent_at_nan)
-      .needed(by_bulk, remedy);
-  row.number("G", &Material::G, {"shear modulus, with K", "", "Pa", "G", "(53)"}, modulus, absent_at_nan)
-      .needed(by_bulk, remedy);
-  of_law
-      .number("rho", &Law::rho,
-              {"reference density", "required with inertia or a body force", "kg/m^3", "rho_0", "(3)"},
-              {0, 1e6, true, false}, absent_at_zero)
+  row.number("K", &Material::K, "Pa K (52)", modulus, "bulk modulus, with G").needed(by_bulk, remedy);
+  row.number("G", &Material::G, "Pa G (53)", modulus, "shear modulus, with K").needed(by_bulk, remedy);
+  of_law.number("rho", &Law::rho, "kg/m^3 rho_0 (3)", {0, 1e6, true, false}, "reference density")
+      .otherwise("required with inertia or a body force")
       .needed([](const Material& m) { return given(m.c_mass); }, "<>c_v is given per mass")
       .needed(
           [](const Material&, const Scenario& s) {
@@ -63,11 +60,10 @@ void add_elasticity(MaterialRows& rows) {
           "needed by a body force")
       .needed([](const Material&, const Scenario& s) { return s.has_inertia(); },
               "needed by inertia; or run without it: -ts_type static");
-  row.choice(
-         "locking", &Material::locking,
-         {"cure of volumetric locking in quads and hexes; auto: mean for j2 and for nu from 0.45 on, "
-          "else none"},
-         {{"auto", std::nullopt}, {"mean", Locking::mean}, {"fbar", Locking::fbar}, {"none", Locking::none}})
+  row.choice("locking", &Material::locking,
+             "cure of volumetric locking in quads and hexes; auto: mean for j2 and for nu from 0.45 on, else "
+             "none",
+             "auto", std::nullopt, "mean", Locking::mean, "fbar", Locking::fbar, "none", Locking::none)
       .refused([](const Material& m,
                   const Scenario& s) { return s.plane == PlaneMode::stress && m.locking != Locking::none; },
                "has no meaning with -plane stress, where the volume is free; allowed: auto, none");
@@ -84,19 +80,18 @@ void read_capacity(Material& target, const GivenOption& option, const OptionCont
   }
   if (target.c_mass > 0) return;
   target.c_mass = Material::absent;
-  target.c_v = read_number(option, "J/(m^3.K)", positive, absent_at_zero, context.units);
+  target.c_v = read_number(option, "J/(m^3.K)", positive, {}, context.units);
 }
 
 void add_heat(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::law);
-  row.number("taylor_quinney", &Law::taylor_quinney,
-             {"part of the plastic work that is dissipated", "", "1", "chi"}, fraction);
+  row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
+             "part of the plastic work that is dissipated");
   Rows(rows)
-      .number("c_v", &Material::c_v,
-              {"heat capacity at fixed elastic volume, that of free expansion, per reference volume; in "
-               "J/(kg.K) it is multiplied by rho",
-               "none: no heat", "J/(m^3.K)", "c_V", "(57)"},
-              positive, absent_at_zero)
+      .number("c_v", &Material::c_v, "J/(m^3.K) c_V (57)", positive,
+              "heat capacity at fixed elastic volume, that of free expansion, per reference volume; in "
+              "J/(kg.K) it is multiplied by rho")
+      .otherwise("none: no heat")
       .needed(
           [](const Material& m, const Scenario& s) {
             return s.has_motion() && m.law.model == Model::j2 && !m.has_capacity() &&
@@ -111,17 +106,17 @@ void add_heat(MaterialRows& rows) {
           },
           "allowed: a heat capacity > 0; other materials have one, and heat is solved in all of them")
       .read = read_capacity;
-  row.number("conductivity", &Law::conductivity,
-             {"thermal conductivity; 0: no heat flows", "", "W/(m.K)", "kappa", "(63)"}, not_negative);
+  row.number("conductivity", &Law::conductivity, "W/(m.K) kappa (63)", not_negative,
+             "thermal conductivity; 0: no heat flows");
   row.choice("conduction", &Law::conduction,
-             {"heat flux isotropic where the body is now, or in the reference body (the paper's)", "", "", "",
-              "(63)"},
-             {{"spatial", Conduction::spatial}, {"material", Conduction::material}});
-  row.choice("gtheta", &Law::gtheta,
-             {"degradation of the conductivity by damage: g_e1 or 1", "", "", "g_theta", "(63)"},
-             {{"ge", ConductionDegradation::ge}, {"one", ConductionDegradation::one}});
-  row.number("alpha_t", &Law::alpha_t, {"thermal expansion", "", "1/K", "alpha_t", "(46)"}, any_number);
-  row.number("theta0", &Law::theta0, {"reference temperature", "", "K", "theta_0", "(46)"}, positive);
+             "heat flux isotropic where the body is now, or in the reference body (the paper's)", "spatial",
+             Conduction::spatial, "material", Conduction::material)
+      .notation("(63)");
+  row.choice("gtheta", &Law::gtheta, "degradation of the conductivity by damage: g_e1 or 1", "ge",
+             ConductionDegradation::ge, "one", ConductionDegradation::one)
+      .notation("g_theta (63)");
+  row.number("alpha_t", &Law::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion");
+  row.number("theta0", &Law::theta0, "K theta_0 (46)", positive, "reference temperature");
 }
 
 /// What a rigid material would be told in vain.

@@ -26,33 +26,23 @@ bool whole_motion_prescribed(const Contact& c, PlaneMode plane, int dim) {
 
 void add_mass(std::vector<OptionRow<Contact>>& rows) {
   Rows row(rows);
-  row.number("rigid_mass", &Contact::rigid_mass,
-             {"of the rigid body, which then moves freely as the region obstacle_<id>; of plane bodies for "
-              "the whole thickness; left out: it moves as told",
-              "", "kg", "M"},
-             positive, absent_at_zero)
+  row.number("rigid_mass", &Contact::rigid_mass, "kg M", positive,
+             "of the rigid body, which then moves freely as the region obstacle_<id>; of plane bodies for "
+             "the whole thickness; left out: it moves as told")
       .refused([](const Contact& c) { return !c.rigid(); },
-               [](const Contact& c) {
-                 return "`" + c.primary +
-                        "` is a boundary of the mesh; allowed: with plane, rigid_sphere, rigid_cylinder as "
-                        "the primary; a meshed body has the mass of its material";
-               })
+               "`{primary}` is a boundary of the mesh; allowed: with plane, rigid_sphere, rigid_cylinder as "
+               "the primary; a meshed body has the mass of its material")
       .refused([](const Contact&, const Scenario& s) { return s.has_heat(); },
                "not available with heat; allowed: runs without; mesh the body, or prescribe its motion");
-  row.number("rigid_inertia", &Contact::rigid_inertia,
-             {"its moment of inertia about any axis through its centre; auto: 2/5 M R^2 of a sphere, M "
-              "R^2/2 of a cylinder about its axis, also in the plane; a plane does not turn",
-              "", "kg.m^2", "J"},
-             positive, automatic_at_nan);
-  row.number("rigid_length", &Contact::rigid_length,
-             {"of a rigid cylinder in space, for its inertia across the axis", "", "m"}, positive,
-             absent_at_zero)
+  row.number("rigid_inertia", &Contact::rigid_inertia, "kg.m^2 J", or_auto(positive),
+             "its moment of inertia about any axis through its centre; auto: 2/5 M R^2 of a sphere, M R^2/2 "
+             "of a cylinder about its axis, also in the plane; a plane does not turn");
+  row.number("rigid_length", &Contact::rigid_length, "m", positive,
+             "of a rigid cylinder in space, for its inertia across the axis")
       .refused([](const Contact& c) { return c.rigid_mass > 0 && has_inertia(c); },
                "beside <>rigid_inertia there is nothing for it to say; remove it")
       .refused([](const Contact& c) { return c.rigid_mass > 0 && c.primary != "rigid_cylinder"; },
-               [](const Contact& c) {
-                 return "`" + c.primary + "` has none; allowed: with rigid_cylinder; remove it";
-               });
+               "`{primary}` has none; allowed: with rigid_cylinder; remove it");
 }
 
 } // namespace
@@ -60,14 +50,13 @@ void add_mass(std::vector<OptionRow<Contact>>& rows) {
 void add_obstacle(std::vector<OptionRow<ContactScenario>>& rows) {
   const std::size_t first = rows.size();
   Rows row(rows);
-  row.components("rigid_u", &Contact::rigid_u,
-                 {"displacement of the rigid body over t; left out: none, or with a mass free", "", "m"});
+  row.components("rigid_u", &Contact::rigid_u, "m",
+                 "displacement of the rigid body over t; left out: none, or with a mass free");
   add_mass(rows);
-  row.components("rigid_r", &Contact::rigid_r,
-                 {"rotation of a rigid body with mass about its centre over t, as with -bc_<id>_rx; left "
-                  "out: free",
-                  "", "1"},
-                 Rows<Contact>::Of::turns);
+  row.components(
+      "rigid_r", &Contact::rigid_r, "1",
+      "rotation of a rigid body with mass about its centre over t, as with -bc_<id>_rx; left out: free",
+      Rows<Contact>::Of::turns);
   for (std::size_t i = first; i < rows.size(); ++i) {
     if (rows[i].name.starts_with("rigid_u")) { // an obstacle that moves as told stays in the plane anyway
       const auto misfit = rows[i].misfit;

@@ -63,8 +63,8 @@ template <class Struct> void complete_fields(Struct& one, const Scenario&) {
   if (one.fields.empty()) one.fields = {"u"};
 }
 
-const OptionNote fields_note = {
-    "what is written; contact fields are of its surface, the gap nan beyond its reach", "u"};
+const std::string about_fields =
+    "what is written; contact fields are of its surface, the gap nan beyond its reach";
 
 } // namespace
 
@@ -74,23 +74,21 @@ OptionClass<OutputScenario> output_class() {
                             "The history has a row for each step, unless `_cycles` says otherwise.",
                             &Scenario::outputs};
   Rows row(table.rows, RestartKey::free);
-  row.choice("type", &Output::type, {"fields for ParaView, or the history table"},
-             {{"xdmf", Output::Type::xdmf}, {"csv", Output::Type::csv}});
-  row.list("fields", &Output::fields, {"what an xdmf output holds", "all that the physics has, without a"},
-           all_fields())
+  row.choice("type", &Output::type, "fields for ParaView, or the history table", "xdmf", Output::Type::xdmf,
+             "csv", Output::Type::csv);
+  row.list("fields", &Output::fields, "what an xdmf output holds", all_fields())
+      .otherwise("all that the physics has, without a")
       .barred([](const Output& output) { return output.type == Output::Type::csv; },
               ": has no meaning for type csv; the columns of the history are fixed, use -probes and "
               "-measures");
-  row.number("dt", &Output::dt, {"written at the first step at or after each multiple", "", "s"}, positive,
-             absent_at_zero);
-  row.count("every", &Output::every, {"written every so many steps"}, 1);
-  row.count("cycles", &Output::cycles,
-            {"written in the middle and at the end of every so many cycles of -ts_period, the history too"},
-            1)
+  row.number("dt", &Output::dt, "s", positive, "written at the first step at or after each multiple");
+  row.count("every", &Output::every, 1, "written every so many steps");
+  row.count("cycles", &Output::cycles, 1,
+            "written in the middle and at the end of every so many cycles of -ts_period, the history too")
       .refused([](const Output&, const Scenario& s) { return s.time.period == 0; },
                "counts the cycles of a load whose period is not given; add -ts_period, or remove it");
-  row.numbers("times", &Output::times, {"times that are hit exactly and written", "", "s"}, not_negative);
-  row.text("file", &Output::file, "file name", {"name below -output_dir", "<id>.xdmf, history.csv"});
+  row.numbers("times", &Output::times, "s", not_negative, "times that are hit exactly and written");
+  row.text("file", &Output::file, "file name", "name below -output_dir").otherwise("<id>.xdmf, history.csv");
   table.complete = complete_output;
   table.check = check_files;
   return table;
@@ -102,10 +100,11 @@ OptionClass<ProbeScenario> probe_class() {
                            "Values at a material point, as columns `probe_<id>_<field>` of the history.",
                            &Scenario::probes};
   Rows row(table.rows, RestartKey::free);
-  row.point("at", &Probe::at, {"reference coordinates", "required", "m"});
-  row.text("on", &Probe::region, "name of a region", {"region, where two bodies meet", "any"})
+  row.point("at", &Probe::at, "m", "reference coordinates").required();
+  row.text("on", &Probe::region, "name of a region", "region, where two bodies meet")
+      .otherwise("any")
       .group_dimension = [](const Probe&, int dim) { return dim; };
-  row.list("fields", &Probe::fields, fields_note, all_fields());
+  row.list("fields", &Probe::fields, about_fields, all_fields()).otherwise("u");
   table.complete = complete_fields<Probe>;
   return table;
 }
@@ -116,14 +115,11 @@ OptionClass<MeasureScenario> measure_class() {
                              "Values over a group, as columns `measure_<id>_<field>` of the history.",
                              &Scenario::measures};
   Rows row(table.rows, RestartKey::free);
-  row.text("on", &Measure::on, "name of a group", {"group of the mesh", "required"}).group_dimension =
+  row.text("on", &Measure::on, "name of a group", "group of the mesh").required().group_dimension =
       [](const Measure&, int) { return 0; };
-  row.list("fields", &Measure::fields, fields_note, all_fields());
-  row.choice("of", &Measure::of, {"what is taken of the values"},
-             {{"mean", Measure::Of::mean},
-              {"min", Measure::Of::min},
-              {"max", Measure::Of::max},
-              {"sum", Measure::Of::sum}});
+  row.list("fields", &Measure::fields, about_fields, all_fields()).otherwise("u");
+  row.choice("of", &Measure::of, "what is taken of the values", "mean", Measure::Of::mean, "min",
+             Measure::Of::min, "max", Measure::Of::max, "sum", Measure::Of::sum);
   table.complete = complete_fields<Measure>;
   return table;
 }
@@ -137,9 +133,9 @@ OptionClass<StopScenario> stop_class() {
       &Scenario::stops};
   Rows(table.rows, RestartKey::free)
       .text("when", &StopScenario::when, "condition on columns by name",
-            {"what ends the run, as in reaction_top_y < 0.1*peak(reaction_top_y): an expression of columns "
-             "of the history and of parameters",
-             "required"});
+            "what ends the run, as in reaction_top_y < 0.1*peak(reaction_top_y): an expression of columns of "
+            "the history and of parameters")
+      .required();
   // Columns are known when the run starts, the grammar is now.
   table.finish = [](const StopScenario& stop, OptionContext& context) {
     Condition("-stop_" + stop.id + "_when", stop.when, context.names.parameters);
