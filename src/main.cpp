@@ -8,9 +8,9 @@
 #include <impact/petsc/file_access.hpp>
 #include <impact/petsc/shared_cores.hpp>
 #include <impact/run/checkpoint.hpp>
-#include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <string>
 #ifdef IMPACT_FAULT_INJECTION
 #include "fault_injection.hpp"

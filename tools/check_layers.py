@@ -20,7 +20,8 @@ BELOW = {
     "contact": ["mesh"],
     "problem": ["contact", "time", "input"],
     "solve": ["problem"],
-    "run": ["solve"],
+    "scenario": ["problem"],
+    "run": ["solve", "scenario"],
 }
 DRY = {"math", "material", "element", "kernel"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -10,13 +10,14 @@
 #include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
-#include <impact/run/petsc_options.hpp>
 #include <impact/run/progress.hpp>
-#include <impact/run/restart_keys.hpp>
+#include <impact/run/restart_options.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_criteria.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/scenario/petsc_options.hpp>
+#include <impact/scenario/restart_keys.hpp>
 #include <impact/solve/coupling.hpp>
 #include <impact/time/step_control.hpp>
 #include <impact/time/types.hpp>

@@ -2,7 +2,7 @@
 #include <impact/run/field_output.hpp>
 #include <impact/run/history_file.hpp>
 #include <impact/run/ledger.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <impact/solve/step_record.hpp>
 #include <optional>
 #include <vector>

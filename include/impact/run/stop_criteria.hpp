@@ -2,7 +2,7 @@
 #include <impact/input/condition.hpp>
 #include <impact/run/checkpoint.hpp>
 #include <impact/run/history_file.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <string>
 #include <vector>
 

@@ -5,7 +5,7 @@
 #include <impact/input/option_text.hpp>
 #include <impact/input/spelling.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/petsc_options.hpp>
+#include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
 #include <limits>
 

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <set>
 
 /// Options that PETSc reads: tried before the mesh is read, looked for again when the solvers have worked.

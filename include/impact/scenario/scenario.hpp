@@ -5,6 +5,7 @@
 #include <impact/material/parameters.hpp>
 #include <impact/problem/boundary_conditions.hpp>
 #include <impact/problem/settings.hpp>
+#include <limits>
 #include <map>
 #include <optional>
 #include <petscsys.h>
@@ -39,15 +40,26 @@ struct MeshScenario {
   std::map<std::string, std::string> set;  ///< .geo parameters
 };
 
+/// A material as the user describes it, and the law that is made of this when everything has been read.
 struct MaterialScenario {
+  static constexpr double absent = std::numeric_limits<double>::quiet_NaN();
+  std::string id;
   MaterialParameters law;
   std::vector<std::string> regions; ///< physical names; default: the id
-  std::string hardening_table;      ///< resolved path of law.table
-  bool locking_automatic = true;    ///< mean for j2 on quads and hexes, else none
+  double E = absent, nu = absent, K = absent, G = absent;
+  double c_v = 0, c_mass = absent; ///< heat capacity per volume, or per mass
+  std::vector<std::string> hardening;
+  std::string hardening_table; ///< resolved path of law.table
+  double sigma_y = 0, linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
+  Split split = Split::automatic;
+  std::optional<Softening> softening; ///< empty: automatic, and so below
+  std::optional<Locking> locking;     ///< automatic: mean for j2 on quads and hexes, else none
   struct Option {
     std::string name, text, said; ///< text: in the run's units; said: the user's words, empty for a default
   };
   std::vector<Option> options;
+
+  bool has_capacity() const { return c_v > 0 || c_mass > 0; }
 };
 
 struct OutputScenario {
@@ -150,6 +162,7 @@ struct Scenario {
   bool has_motion() const { return solves("motion"); }
   bool has_damage() const;
   bool has_heat() const;
+  bool any_fatigue() const;
   bool has_inertia() const { return has_motion() && time.type != "static"; }
 };
 
@@ -163,6 +176,9 @@ Locking automatic_locking(const MaterialParameters& law, PlaneMode plane);
 /// With -help prints option_help() first. Values of -ts_dt and -ts_max_time with a unit are replaced by plain
 /// numbers in the database, because PETSc's TS reads them too.
 Scenario read_scenario(MPI_Comm comm);
+
+/// Where checkpoints go when nothing else is said.
+std::string default_checkpoint_dir(const Scenario& scenario);
 
 /// The resolved input as the user would type it, one key per line (checkpoints, -dry_run). `as_typed`:
 /// materials in the user's own words; checkpoints have numbers.

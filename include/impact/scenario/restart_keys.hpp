@@ -1,5 +1,6 @@
 #pragma once
-#include <impact/run/scenario.hpp>
+#include <string>
+#include <vector>
 
 /// Which options may differ between the run that wrote a checkpoint and the run that goes on from it.
 namespace impact {
@@ -10,13 +11,8 @@ enum class RestartKey {
   frozen   ///< mesh, dimension, units: cannot change
 };
 
-/// The kind of an option, by its name without dash. Names that are not listed are guarded.
+/// The kind of an option, by its name without dash, from its row. Names without a row are guarded.
 RestartKey restart_key(const std::string& name);
-
-/// The options of a run as a checkpoint holds them, one `-key value` per line: print_scenario, PETSc's
-/// options that choose the time scheme, and the checksums of the tables behind expressions (as
-/// `-function_<id>_content`). Collective.
-std::string restart_options(MPI_Comm comm, const Scenario& scenario);
 
 /// Compares both lists. Returns one line per guarded change that `allow` covers: an entry is the name of an
 /// option, or its beginning up to an underscore (bc_push for all of -bc_push_*). Throws UserError(usage) that

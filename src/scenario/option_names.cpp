@@ -1,4 +1,4 @@
-#include "scenario_tables.hpp"
+#include "classes.hpp"
 #include <cctype>
 #include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
@@ -41,27 +41,39 @@ const char* const of_passes[] = {"snes_type",    "snes_max_it",           "snes_
 const char* const of_time[] = {"ts_adapt_monitor", "ts_adapt_view", "ts_monitor", "ts_view",
                                "ts_max_snes_failures"};
 
+/// The names of a class of options.
+struct ClassKeys {
+  std::string word, registry;
+  std::vector<std::string> attributes; ///< "" for `-param_<id>`
+  std::vector<std::string> ids;
+};
+
 struct Legal {
   std::map<std::string, std::string> names; ///< lower case to the way we write it
-  std::vector<std::string> globals;
-  const std::vector<ClassKeys>* classes;
+  std::vector<std::string> globals = {"help", "reference"};
+  std::vector<ClassKeys> classes;
 };
 
 std::string full_name(const ClassKeys& keys, const std::string& id, const std::string& attribute) {
   return keys.word + "_" + id + (attribute.empty() ? "" : "_" + attribute);
 }
 
-Legal legal_names(const std::vector<ClassKeys>& classes) {
-  Legal legal{{}, {}, &classes};
-  legal.globals = other_global_names();
-  for (const auto& row : global_rows()) legal.globals.push_back(row.name);
-  for (const std::string& name : legal.globals) legal.names[lower_case(name)] = name;
-  for (const ClassKeys& keys : classes)
+Legal legal_names() {
+  Legal legal;
+  for_each_class([&](const auto& table) {
+    legal.globals.push_back(table.registry);
+    ClassKeys& keys = legal.classes.emplace_back(table.word, table.registry);
+    for (const auto& row : table.rows) keys.attributes.push_back(row.name);
+    if (table.inherits) keys.attributes.push_back("like");
+    keys.ids = read_ids(table.registry);
     for (const std::string& id : keys.ids)
       for (const std::string& attribute : keys.attributes) {
         const std::string name = full_name(keys, id, attribute);
         legal.names[lower_case(name)] = name;
       }
+  });
+  for (const auto& row : global_rows()) legal.globals.push_back(row.name);
+  for (const std::string& name : legal.globals) legal.names[lower_case(name)] = name;
   return legal;
 }
 
@@ -192,7 +204,7 @@ void check_name(const std::string& typed, const Legal& legal) {
         refuse_option({"-" + typed, *text}, "not available; remove it");
   for (const std::string prefix : solver_prefixes)
     if (name.starts_with(prefix)) return check_solver_name(typed, prefix, legal);
-  for (const ClassKeys& keys : *legal.classes)
+  for (const ClassKeys& keys : legal.classes)
     if (name.starts_with(keys.word + "_") && option_text(typed)) unknown_in_class(typed, keys, legal);
   for (const std::string prefix : own_prefixes)
     if (name.starts_with(prefix) && option_text(typed))
@@ -203,7 +215,7 @@ void check_name(const std::string& typed, const Legal& legal) {
 /// The class of an option of an options file whose id that file declared, and a later word left out.
 const ClassKeys* left_out_of(const std::string& name, const Legal& legal) {
   if (legal.names.count(lower_case(name)) || on_command_line(name)) return nullptr;
-  for (const ClassKeys& keys : *legal.classes) {
+  for (const ClassKeys& keys : legal.classes) {
     const std::string beginning = keys.word + "_";
     if (!lower_case(name).starts_with(beginning)) continue;
     const std::string rest = lower_case(name).substr(beginning.size()), id = rest.substr(0, rest.find('_'));
@@ -218,8 +230,8 @@ const ClassKeys* left_out_of(const std::string& name, const Legal& legal) {
 
 } // namespace
 
-std::vector<std::string> check_option_names(const std::vector<ClassKeys>& classes) {
-  const Legal legal = legal_names(classes);
+std::vector<std::string> check_option_names() {
+  const Legal legal = legal_names();
   std::map<std::string, std::string> without_effect; // of each registry
   for (const std::string& name : option_names()) {
     const ClassKeys* const keys = left_out_of(name, legal);

@@ -1,34 +1,14 @@
-#include "scenario_tables.hpp"
+#include "classes.hpp"
 #include <algorithm>
 #include <filesystem>
 #include <impact/petsc/error.hpp>
-#include <impact/run/durable_file.hpp>
-#include <impact/run/restart_keys.hpp>
+#include <impact/scenario/restart_keys.hpp>
 #include <set>
 #include <sstream>
 
 namespace impact {
 
 namespace {
-
-const std::set<std::string> frozen_names = {"units", "dim", "plane", "mesh", "mesh_scale", "dm_refine"};
-
-/// Global options that say how a run is solved, written and ended, not what it computes; and beginnings.
-const std::set<std::string> free_names = {
-    "title",       "dry_run",          "options_strict", "test_restep", "mesh_cells", "mesh_wall",
-    "crack_level", "contact_operator", "ts_dt",          "ts_times",    "ts_dts",     "ts_period",
-    "walltime",    "history_materials"};
-const std::initializer_list<const char*> free_beginnings = {
-    "output",  "probe",       "measure",   "stop",    "motion_",   "coupling_",  "energy_",
-    "restart", "checkpoint_", "walltime_", "ts_max_", "ts_adapt_", "ts_substeps"};
-
-bool starts_with_any(const std::string& name, std::initializer_list<const char*> beginnings) {
-  return std::any_of(beginnings.begin(), beginnings.end(),
-                     [&](const char* beginning) { return name.starts_with(beginning); });
-}
-
-/// PETSc's options that choose the scheme; its others choose solvers.
-bool chooses_scheme(const std::string& name) { return starts_with_any(name, {"ts_newmark_", "damage_ts_"}); }
 
 using Values = std::map<std::string, std::string>;
 
@@ -88,8 +68,8 @@ std::string allowed_entries(const std::vector<std::string>& names) {
   std::set<std::string> entries;
   for (const std::string& name : names) {
     if (restart_key(name) != RestartKey::guarded) continue;
-    const bool one_of_many =
-        starts_with_any(name, {"material_", "bc_", "ic_", "contact_", "function_", "param_"});
+    bool one_of_many = false;
+    for_each_class([&](const auto& table) { one_of_many |= name.starts_with(table.word + "_"); });
     entries.insert(one_of_many ? name.substr(0, name.find('_', name.find('_') + 1)) : name);
   }
   std::string list;
@@ -117,30 +97,13 @@ void check_entries(const std::vector<std::string>& allow, const Values& before, 
 } // namespace
 
 RestartKey restart_key(const std::string& name) {
-  if (frozen_names.count(name) || name.starts_with("mesh_set_")) return RestartKey::frozen;
-  if (free_names.count(name) || starts_with_any(name, free_beginnings)) return RestartKey::free;
-  return RestartKey::guarded;
-}
-
-std::string restart_options(MPI_Comm comm, const Scenario& scenario) {
-  std::string lines = print_scenario(scenario);
-  for (const std::string& name : option_names())
-    if (chooses_scheme(lower_case(name)))
-      if (const auto text = option_text(name)) lines += option_line(lower_case(name), *text);
-  const auto add_content = [&](const std::string& key, const std::string& file) {
-    std::string sum;
-    on_rank_zero(comm, [&] {
-      std::uintmax_t size = 0;
-      std::error_code none;
-      if (std::filesystem::exists(file, none)) sum = to_hex(file_checksum(file, size));
-    });
-    sum = broadcast(comm, sum);
-    if (!sum.empty()) lines += option_line(key, sum);
-  };
-  add_content("mesh_content", scenario.mesh.file);
-  for (const FunctionScenario& function : scenario.functions)
-    add_content("function_" + function.id + "_content", function.file);
-  return lines;
+  RestartKey key = name.starts_with("mesh_set_") ? RestartKey::frozen : RestartKey::guarded;
+  for_each_class([&](const auto& table) {
+    if (name == table.registry || name.starts_with(table.word + "_")) key = table.rows[0].restart;
+  });
+  for (const OptionRow<Scenario>& row : global_rows())
+    if (row.name == name) key = row.restart;
+  return key;
 }
 
 std::vector<std::string> check_restart_options(const std::string& stored, const std::string& now,

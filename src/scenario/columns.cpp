@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/run/columns.hpp>
+#include <impact/scenario/columns.hpp>
 #include <stdexcept>
 #include <string_view>
 
