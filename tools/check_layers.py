@@ -19,7 +19,9 @@ BELOW = {
     "mesh": ["kernel", "petsc"],
     "contact": ["mesh"],
     "problem": ["contact", "time", "input"],
-    "run": ["problem"],
+    "io": ["mesh"],
+    "balance": ["problem", "io"],
+    "run": ["balance"],
 }
 DRY = {"math", "material", "element", "kernel"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -1,8 +1,8 @@
 #include "scenario_tables.hpp"
 #include <algorithm>
 #include <filesystem>
+#include <impact/io/durable_file.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/durable_file.hpp>
 #include <impact/run/restart_keys.hpp>
 #include <set>
 #include <sstream>

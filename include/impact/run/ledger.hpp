@@ -1,6 +1,6 @@
 #pragma once
+#include <impact/io/history_file.hpp>
 #include <impact/problem/coupling.hpp>
-#include <impact/run/history_file.hpp>
 #include <string>
 #include <vector>
 
