@@ -20,7 +20,8 @@ BELOW = {
     "contact": ["mesh"],
     "problem": ["contact", "time", "input"],
     "io": ["mesh"],
-    "balance": ["problem", "io"],
+    "solve": ["problem"],
+    "balance": ["solve", "io"],
     "run": ["balance"],
 }
 DRY = {"math", "material", "element", "kernel"}

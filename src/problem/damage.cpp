@@ -3,12 +3,10 @@
 #include <cmath>
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
-#include <impact/problem/solver_defaults.hpp>
 #include <limits>
 
 namespace impact {
@@ -368,7 +366,7 @@ bool DamageProblem::within_bounds(Vec x) const {
   return all_ranks_agree(d_.mesh.comm(), inside);
 }
 
-DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
+ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
   step_ = step;
   work_ = 0;
   std::fill(dissipated_.begin(), dissipated_.end(), 0.0);
@@ -399,7 +397,7 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     check(SNESGetConvergenceHistory(snes, &history, nullptr, &count));
     return count > 0 ? history[0] : 0.0;
   };
-  DamageOutcome outcome;
+  ScalarOutcome outcome;
   const auto run = [&](SNES snes) {
     mailbox_.deliver(SNESSolve(snes, nullptr, solution_));
     PetscInt newton = 0, linear = 0;

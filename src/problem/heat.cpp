@@ -3,12 +3,10 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat.hpp>
-#include <impact/problem/solver_defaults.hpp>
 #include <map>
 
 namespace impact {
@@ -452,24 +450,24 @@ void HeatProblem::check_substeps() {
                                      "choose a smaller -ts_dt");
 }
 
-HeatOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
+ScalarOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
   step_ = step;
   // A step that is a whole number of sub-steps but for its last digits is not divided once more.
   const double count = settings_.substep > 0 ? std::ceil((t_ - t_n_) / settings_.substep * (1 - 1e-9)) : 1;
   return count > 1 ? solve_substeps(static_cast<int>(count), theta) : solve_window(theta);
 }
 
-HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
+ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
   const double t_n = t_n_, t = t_;
   std::vector<double> supplied(supplied_.size(), 0.0);
   double entropy_supplied = 0;
-  HeatOutcome sum;
+  ScalarOutcome sum;
   theta = state_.row("theta").committed;
   for (int k = 0; k < count; ++k) {
     window_ = {double(k) / count, k + 1 == count ? 1 : double(k + 1) / count};
     begin(t_n + window_.begin * (t - t_n), k + 1 == count ? t : t_n + window_.end * (t - t_n));
     theta_before_ = theta;
-    const HeatOutcome part = solve_window(theta);
+    const ScalarOutcome part = solve_window(theta);
     sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear, part.cause};
     if (part.reason < 0) break;
     for (std::size_t c = 0; c < supplied.size(); ++c) supplied[c] += supplied_[c];
@@ -483,7 +481,7 @@ HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
 }
 
 // Where it is colder than nothing the points of a cell may still be warm.
-void HeatProblem::refuse_below_zero(HeatOutcome& outcome) const {
+void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
   PetscInt row = 0, start = 0, end = 0;
   PetscReal coldest = 0;
   check(VecMin(solution_, &row, &coldest));
@@ -505,10 +503,10 @@ void HeatProblem::refuse_below_zero(HeatOutcome& outcome) const {
   }
 }
 
-HeatOutcome HeatProblem::solve_window(std::vector<double>& theta) {
+ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_temperature(t_, theta); });
   x_ = theta;
-  HeatOutcome outcome;
+  ScalarOutcome outcome;
   if (!make_constant_part()) {
     outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
     return outcome;

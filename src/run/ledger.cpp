@@ -36,9 +36,8 @@ std::vector<double> mean_of(const std::vector<double>& a, const std::vector<doub
 
 } // namespace
 
-Ledger::Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, bool moves,
-               LedgerChoice choice)
-    : motion_(motion), coupling_(coupling), state_(state), inertia_(inertia), moves_(moves), choice_(choice),
+Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool moves, LedgerChoice choice)
+    : motion_(motion), state_(state), inertia_(inertia), moves_(moves), choice_(choice),
       X_(motion.discretisation().mesh.coordinates().begin(),
          motion.discretisation().mesh.coordinates().end()) {
   const Discretisation& d = motion_.discretisation();
@@ -200,7 +199,7 @@ double Ledger::stored() const {
          total_.thermal + energy_contact_ + sum(kept);
 }
 
-void Ledger::start(Vec u, Vec v, Vec a) {
+void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
   energy_contact_ = contact_energy(u);
@@ -218,9 +217,7 @@ void Ledger::start(Vec u, Vec v, Vec a) {
     const Handle<Vec> Ma = d.displacement.make_global();
     motion_.mass_multiply(a, Ma);
     d.displacement.to_local(Ma, inertia_force_->trial);
-    PetscReal dt = 0;
-    check(TSGetTimeStep(coupling_->integrator(), &dt));
-    sum(kept) = d.thickness * newmark_kept_at_start(newmark_parameters(coupling_->integrator()), dt, a, Ma);
+    sum(kept) = d.thickness * integrator.kept_at_start(dt, a, Ma);
     sum(kept_at_start) = sum(kept);
     sum(start_energy) = stored();
   }
@@ -256,30 +253,30 @@ void Ledger::resume(Vec u, Vec v) {
 
 // dt times the forces S of the projection strike the bodies at the start of a step. M (v_start - v_n) is that
 // on free dofs; what it is beside that comes from supports, and in rigid bodies also from what keeps them so.
-Ledger::Shock Ledger::find_shock(double dt) const {
+Ledger::Shock Ledger::find_shock(const StepRecord& step) const {
+  const double dt = step.dt;
   const Discretisation& d = motion_.discretisation();
   Shock shock;
   double size = 0;
-  check(VecNorm(coupling_->contact_shock(), NORM_INFINITY, &size));
+  check(VecNorm(step.contact_shock, NORM_INFINITY, &size));
   if (size == 0) return shock;
   const Handle<Vec> u_n = global_of("u"), v_n = global_of("v"), mean = d.displacement.make_global(),
                     jump = d.displacement.make_global(), beside = d.displacement.make_global();
-  const Vec v_start = newmark_start_velocity(coupling_->integrator());
+  const Vec v_start = step.start_velocity;
   check(VecWAXPY(jump, -1, v_n, v_start));
   motion_.mass_multiply(jump, beside);
-  check(VecAXPY(beside, -dt, coupling_->contact_shock()));
+  check(VecAXPY(beside, -dt, step.contact_shock));
   check(VecWAXPY(mean, 0.5, jump, v_n));
   std::vector<double> speed = d.displacement.make_local(), force = speed, other = speed;
   d.displacement.to_local(mean, speed);
-  d.displacement.to_local(coupling_->contact_shock(), force);
+  d.displacement.to_local(step.contact_shock, force);
   d.displacement.to_local(beside, other);
   std::vector<double> held = other;
   for (std::size_t i = 0; i < speed.size(); ++i) {
     if (!motion_.boundary().fixed_mask()[i]) held[i] = 0;
     if (!in_rigid_body(i)) other[i] = 0;
   }
-  const double of_bodies =
-      d.thickness * dt * motion_.rigid().strike_power(coupling_->contact_shock(), u_n, v_n);
+  const double of_bodies = d.thickness * dt * motion_.rigid().strike_power(step.contact_shock, u_n, v_n);
   shock.contact = d.thickness * dt * dot(d.mesh, speed, force);
   shock.supports = d.thickness * dot(d.mesh, speed, held) + of_bodies;
   shock.rigid = d.thickness * dot(d.mesh, speed, other) - of_bodies;
@@ -287,9 +284,9 @@ Ledger::Shock Ledger::find_shock(double dt) const {
 }
 
 // The scheme's own energy; the inertia that the step balanced goes into its row.
-NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
+IntegratorEnergy Ledger::find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
-  const NewmarkParameters weights = newmark_parameters(coupling_->integrator());
+  const Integrator& weights = step.integrator;
   const Handle<Vec> du = global_of("u"), a_n = global_of("a"), df = global_of("step_acceleration"),
                     struck = global_of("v"), lag = d.displacement.make_global(),
                     f = d.displacement.make_global();
@@ -299,73 +296,70 @@ NewmarkEnergy Ledger::find_integrator_energy(double dt, Vec u, Vec v, Vec a) {
     return force;
   };
   check(VecAYPX(du, -1, u));
-  check(VecAXPY(f, 2 * weights.beta, coupling_->contact_acceleration()));
+  check(VecAXPY(f, 2 * weights.beta, step.contact_acceleration));
   check(VecAYPX(df, -1, f));
-  check(VecAYPX(struck, -1, newmark_start_velocity(coupling_->integrator())));
+  check(VecAYPX(struck, -1, step.start_velocity));
   d.displacement.to_local(f, step_acceleration_->trial);
   const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), Mf = times_mass(f), Mdf = times_mass(df);
   d.displacement.to_global(inertia_force_->committed, lag);
   check(VecAXPY(lag, -1, Ma_n));
-  const NewmarkEnergy energy =
-      newmark_energy(weights, {.dt = dt,
-                               .du = du,
-                               .v_start = newmark_start_velocity(coupling_->integrator()),
-                               .v = v,
-                               .a_n = a_n,
-                               .a = a,
-                               .f = f,
-                               .df = df,
-                               .Ma_n = Ma_n,
-                               .Ma = Ma,
-                               .Mf = Mf,
-                               .Mdf = Mdf,
-                               .lag = lag,
-                               .struck = struck,
-                               .grown = sum(grown) / d.thickness});
+  const IntegratorEnergy energy = weights.energy({.dt = step.dt,
+                                                  .du = du,
+                                                  .v_start = step.start_velocity,
+                                                  .v = v,
+                                                  .a_n = a_n,
+                                                  .a = a,
+                                                  .f = f,
+                                                  .df = df,
+                                                  .Ma_n = Ma_n,
+                                                  .Ma = Ma,
+                                                  .Mf = Mf,
+                                                  .Mdf = Mdf,
+                                                  .lag = lag,
+                                                  .struck = struck,
+                                                  .grown = sum(grown) / d.thickness});
   check(VecAXPBY(Ma, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
   d.displacement.to_local(Ma, inertia_force_->trial);
   const double w = d.thickness;
   return {w * energy.loss, w * energy.kept, w * energy.grown, w * energy.exchange};
 }
 
-void Ledger::book(double dt, Vec u, Vec v, Vec a) {
+void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   const Timed timed(Event::balances);
   const Discretisation& d = motion_.discretisation();
   const double w = d.thickness;
-  const bool stabilised = coupling_->stabilised(), parted = stabilised || coupling_->unilateral();
+  const bool stabilised = step.stabilised, parted = stabilised || step.unilateral;
   const double kinetic_n = total_.kinetic;
   total_before_ = total_;
   materials_before_ = materials_;
 
   // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history.
-  ForceParts evaluated;
-  if (!coupling_->unilateral()) motion_.parts(u, evaluated);
-  const ForceParts& parts = coupling_->unilateral() ? coupling_->forces() : evaluated;
+  const ForceParts& parts = *step.forces;
   d.displacement.to_local(parts.internal, internal_->trial);
   d.displacement.to_local(parts.external, external_->trial);
-  d.displacement.to_local(coupling_->contact_force(), contact_->trial);
-  d.displacement.to_local(coupling_->left(), left_->trial);
+  d.displacement.to_local(step.contact_force, contact_->trial);
+  d.displacement.to_local(step.left, left_->trial);
   // m tau- of broken points acts over the step as a whole, like the stabilised contact.
   std::vector<double> unilateral = d.displacement.make_local();
   if (parts.unilateral) d.displacement.to_local(parts.unilateral, unilateral);
-  NewmarkEnergy integrator;
+  IntegratorEnergy integrator;
   Shock shock;
   double work_rigid = 0;
   std::vector<double> corrected = d.displacement.make_local();
   if (inertia_) {
-    integrator = find_integrator_energy(dt, u, v, a);
-    shock = find_shock(dt);
-    const auto [beta, gamma, alpha_m] = newmark_parameters(coupling_->integrator());
+    integrator = find_integrator_energy(step, u, v, a);
+    shock = find_shock(step);
+    const double beta = step.integrator.beta, alpha_m = step.integrator.alpha_m;
     // What acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it
     // in M a_c. That is the force of stabilised contact less that of closing cracks; of rigid bodies also
     // what keeps them rigid, and the reactions there.
     Handle<Vec> a_eq = global_of("a"), force = d.displacement.make_global();
-    motion_.mass_multiply(coupling_->contact_acceleration(), force);
+    motion_.mass_multiply(step.contact_acceleration, force);
     check(VecScale(force, parted ? 2 * beta : alpha_m));
     d.displacement.to_local(force, corrected);
     check(VecScale(a_eq, 1 - alpha_m));
     check(VecAXPY(a_eq, alpha_m, a));
-    check(VecAXPY(a_eq, alpha_m, coupling_->contact_acceleration()));
+    check(VecAXPY(a_eq, alpha_m, step.contact_acceleration));
     work_rigid = w * motion_.book_rigid_reactions(u, a_eq, 2 * beta / alpha_m);
   } else {
     work_rigid = w * motion_.book_rigid_reactions(u, nullptr, 1);
@@ -430,10 +424,10 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
   sum(grown) = integrator.grown;
   sum(exchange) += integrator.exchange;
   sum(unbalanced) += work_left;
-  if (coupling_->unilateral()) sum(closing) += work_unilateral - w * unilateral_energy();
+  if (step.unilateral) sum(closing) += work_unilateral - w * unilateral_energy(step.phi);
   sum(identity) += kinetic_change + integrator.loss + work_internal + work_unilateral - work_external -
                    work_contact - shock.contact - shock.rigid - work_left + of_arms;
-  const MotionProblem::Increments& increments = coupling_->increments();
+  const MotionProblem::Increments& increments = *step.increments;
   sum(viscous) += w * increments.viscous_dissipation;
   sum(plastic_dissipation) += w * increments.plastic_dissipation;
   sum(least) = std::min(sum(least), increments.least_dissipation);
@@ -441,25 +435,23 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
     lost_in(m, viscous_loss) += w * increments.viscous_part[m];
     lost_in(m, plastic_loss) += w * increments.plastic_part[m];
   }
-  if (state_.find("phi")) book_damage();
-  if (const FatigueUpdate* fatigue = coupling_->fatigue()) {
-    sum(least) = std::min(sum(least), fatigue->least_dissipation());
-    for (std::size_t m = 0; m < materials_.size(); ++m) {
-      lost_in(m, fatigue_part) += w * fatigue->dissipated()[m];
-      sum(fatigue_loss) += w * fatigue->dissipated()[m];
-    }
+  if (state_.find("phi")) book_damage(step);
+  sum(least) = std::min(sum(least), step.least_fatigue);
+  for (std::size_t m = 0; m < step.fatigue_dissipation.size(); ++m) {
+    lost_in(m, fatigue_part) += w * step.fatigue_dissipation[m];
+    sum(fatigue_loss) += w * step.fatigue_dissipation[m];
   }
-  if (choice_.coupling_error) find_coupling_error(u, parts.internal);
+  if (choice_.coupling_error) find_coupling_error(step.internal_of_next_pass, parts.internal);
   if (heat_) {
-    const std::span<const double> supplied = coupling_->heat_supplied();
+    const std::span<const double> supplied = step.heat_supplied;
     for (std::size_t c = 0; c < supplied.size(); ++c) heat_->trial[c] += w * supplied[c];
-    const std::span<const ContactHeat::Heat> contacts = coupling_->contact_heat();
+    const std::span<const ContactHeat::Heat> contacts = step.contact_heat;
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       double* columns = &heat_->trial[supplied.size() + 2 * c];
       columns[0] += w * contacts[c].conducted;
       columns[1] += w * contacts[c].outside;
     }
-    heat_->trial[heat_->trial.size() - 2] += w * coupling_->entropy_supplied();
+    heat_->trial[heat_->trial.size() - 2] += w * step.entropy_supplied;
   }
   sum(scale) = std::max({sum(scale), std::abs(stored() - sum(kept)), std::abs(sum(external)),
                          std::abs(sum(start_energy) - sum(kept_at_start))});
@@ -468,7 +460,7 @@ void Ledger::book(double dt, Vec u, Vec v, Vec a) {
 }
 
 // What the unilateral stress stores in the step, at the damage that its force saw; not times the thickness.
-double Ledger::unilateral_energy() const {
+double Ledger::unilateral_energy(std::span<const double> phi) const {
   const Discretisation& d = motion_.discretisation();
   StateRow &history = state_.row("history"), &drive = state_.row("drive");
   const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
@@ -490,7 +482,7 @@ double Ledger::unilateral_energy() const {
     with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, Cell::dim> X(group, b, X_);
-        const Gathered<Cell, 1> seen(group, b, coupling_->frozen_phi());
+        const Gathered<Cell, 1> seen(group, b, phi);
         PointValues<Cell, history_size(frame)> flowed;
         PointValues<Cell, drive_size> after, before;
         flowed.load(history.committed, flow_at[g], b);
@@ -507,7 +499,7 @@ double Ledger::unilateral_energy() const {
   return sum;
 }
 
-void Ledger::book_damage() {
+void Ledger::book_damage(const StepRecord& step) {
   const Discretisation& d = motion_.discretisation();
   const StateRow &phi = state_.row("phi"), &history = state_.row("history"), &drive = state_.row("drive");
   const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
@@ -525,12 +517,12 @@ void Ledger::book_damage() {
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, Cell::dim> X(group, b, X_);
         PointValues<Cell, 1> by_damage, all, exchanged;
-        by_damage.load(coupling_->damage_dissipation(), at[g], b);
+        by_damage.load(step.damage_dissipation, at[g], b);
         all = by_damage;
         const int used = group.lanes_in_use(b);
         lost[material] += lane_sum(cell_integral<Cell, frame>(X.data(), by_damage.data()), used);
         if (law.exchanges()) {
-          all.load(coupling_->dissipation(), at[g], b);
+          all.load(step.dissipation, at[g], b);
           const Gathered<Cell, 1> now(group, b, phi.trial), before(group, b, phi.committed);
           PointValues<Cell, history_size(frame)> flowed, flowed_n;
           PointValues<Cell, drive_size> driving;
@@ -558,19 +550,18 @@ void Ledger::book_damage() {
     lost_in(m, damage_loss) += w * lost[m];
     lost_in(m, plastic_loss) += w * lost[materials + m];
   }
-  const double work = w * coupling_->prescribed_damage_work();
+  const double work = w * step.prescribed_damage_work;
   sum(damage_work) += work;
   sum(external) += work;
 }
 
 // On free dofs the change of the internal forces is the residual of a next pass, elsewhere that of the
 // reactions.
-void Ledger::find_coupling_error(Vec u, Vec internal) {
-  ForceParts next;
-  coupling_->parts_of_next_pass(u, next);
+void Ledger::find_coupling_error(Vec internal_of_next_pass, Vec internal) {
   PetscReal change = 0, size = 0;
-  check(VecAXPY(next.internal, -1, internal));
-  check(VecNorm(next.internal, NORM_2, &change));
+  const Handle<Vec> difference = motion_.discretisation().displacement.make_global();
+  check(VecWAXPY(difference, -1, internal, internal_of_next_pass));
+  check(VecNorm(difference, NORM_2, &change));
   check(VecNorm(internal, NORM_2, &size));
   coupling_error_ = size > 0 ? change / size : 0;
 }
@@ -684,7 +675,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
   if (d.has_fatigue()) row.emplace_back("dissipated_fatigue", sum(fatigue_loss));
   if (has_contact) row.emplace_back("energy_contact", energy_contact_);
   if (has_contact && inertia_) row.emplace_back("dissipated_contact", sum(contact_loss));
-  if (coupling_ && coupling_->unilateral()) row.emplace_back("dissipated_closing", sum(closing));
+  if (choice_.unilateral) row.emplace_back("dissipated_closing", sum(closing));
   if (inertia_) row.emplace_back("energy_numerical", sum(kept));
   if (moves_) row.emplace_back("dissipated_numerical", sum(numerical));
   if (inertia_) row.emplace_back("exchange_numerical", sum(exchange));
@@ -826,7 +817,7 @@ std::string Ledger::report() const {
   if (std::any_of(contacts.begin(), contacts.end(), [](const auto& contact) { return contact.frictional(); }))
     line("dissipated: friction", sum(friction), {});
   if (!contacts.empty() && inertia_) line("dissipated: contact", sum(contact_loss), {});
-  if (coupling_ && coupling_->unilateral())
+  if (choice_.unilateral)
     line(state_.find("stress") ? name("closing cracks").c_str() : "dissipated: closing cracks", sum(closing),
          {});
   if (moves_) line("dissipated: integrator", sum(numerical), {});

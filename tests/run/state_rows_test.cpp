@@ -44,7 +44,7 @@ struct AllPhysics {
     bounds.bounds = DamageBounds::history;
     damage.emplace(d, state, boundary, bounds);
     heat.emplace(d, state, boundary, HeatScenario{.form = HeatForm::energy}, true);
-    ledger.emplace(*motion, nullptr, state, true, 1);
+    ledger.emplace(*motion, state, true, 1);
   }
   static MaterialParameters law() {
     MaterialParameters m;

@@ -1,13 +1,13 @@
 #pragma once
 #include <impact/io/history_file.hpp>
-#include <impact/problem/coupling.hpp>
+#include <impact/solve/step_record.hpp>
 #include <string>
 #include <vector>
 
 /// The balance sheet of a run: energies, dissipation and work since t = 0, per material and total, and two
 /// checks.
-///   balance            change of the kinetic energy, integrator's own loss by its weights (newmark_energy)
-///   and work of the forces that
+///   balance            change of the kinetic energy, integrator's own loss by its weights
+///   (Integrator::energy) and work of the forces that
 ///                      the motion solves really balanced: they add up to zero.
 ///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
 ///   With heat: stored energy with the thermal one + what no equation of heat takes up (the integrator's
@@ -24,16 +24,16 @@ struct MaterialEnergies {
 struct LedgerChoice {
   bool materials = false;      ///< energies and dissipations of each material as columns
   bool coupling_error = false; ///< how far the last pass was from the next one
+  bool unilateral = false;     ///< of the steps (StepRecord)
 };
 
 class Ledger {
 public:
   /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
-  Ledger(MotionProblem& motion, Coupling* coupling, StateTable& state, bool inertia, bool moves = true,
-         LedgerChoice choice = {});
+  Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool moves = true, LedgerChoice choice = {});
 
-  /// Energies and forces of the start. u, v, a at t = 0. Collective.
-  void start(Vec u, Vec v, Vec a);
+  /// Energies and forces of the start, whose first step is dt long. u, v, a at t = 0. Collective.
+  void start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a);
   /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
   void resume(Vec u, Vec v);
   /// Energies of a state whose integrator tells no forces: work, balance and reactions become nan.
@@ -41,7 +41,7 @@ public:
   void observe(Vec u, Vec v);
   /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
   /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Collective.
-  void book(double dt, Vec u, Vec v, Vec a);
+  void book(const StepRecord& step, Vec u, Vec v, Vec a);
   /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
   void unbook();
 
@@ -75,10 +75,10 @@ private:
     plastic_dissipation,
     friction,
     numerical, ///< the integrator's loss without what it keeps, and rigid bodies' without inertia
-    kept,      ///< energy that the integrator holds (NewmarkEnergy::kept)
+    kept,      ///< energy that the integrator holds (IntegratorEnergy::kept)
     kept_at_start,
-    grown,        ///< part of that (NewmarkEnergy::grown)
-    exchange,     ///< part of `numerical`, of any sign (NewmarkEnergy::exchange)
+    grown,        ///< part of that (IntegratorEnergy::grown)
+    exchange,     ///< part of `numerical`, of any sign (IntegratorEnergy::exchange)
     unbalanced,   ///< work of what Newton's method left of the balances
     contact_loss, ///< of the contact-stabilised and of the conserving update
     external,
@@ -104,11 +104,11 @@ private:
   struct Shock {
     double contact = 0, supports = 0, rigid = 0; ///< rigid: of what keeps rigid bodies rigid
   };
-  Shock find_shock(double dt) const;
-  NewmarkEnergy find_integrator_energy(double dt, Vec u, Vec v, Vec a);
-  double unilateral_energy() const;
-  void book_damage();
-  void find_coupling_error(Vec u, Vec internal);
+  Shock find_shock(const StepRecord& step) const;
+  IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a);
+  double unilateral_energy(std::span<const double> phi) const;
+  void book_damage(const StepRecord& step);
+  void find_coupling_error(Vec internal_of_next_pass, Vec internal);
   void measure(Vec u, Vec v, bool trial);
   void find_extremes(bool trial);
   double dissipated() const;
@@ -122,7 +122,6 @@ private:
   double stored() const;
 
   MotionProblem& motion_;
-  Coupling* coupling_; ///< null with an integrator that is not ours: no work, no balance
   StateTable& state_;
   bool inertia_, moves_, prescribes_damage_ = false;
   LedgerChoice choice_;
@@ -131,7 +130,7 @@ private:
   StateRow* heat_ = nullptr;
   std::vector<std::string> heat_contacts_; ///< their ids
   StateRow *totals_, *losses_, *internal_, *external_, *contact_, *inertia_force_, *left_;
-  StateRow* step_acceleration_; ///< NewmarkStep::f
+  StateRow* step_acceleration_; ///< IntegratorStep::f
   std::vector<MaterialEnergies> materials_;
   MaterialEnergies total_, total_before_;
   std::vector<MaterialEnergies> materials_before_;

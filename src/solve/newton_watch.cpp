@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/problem/newton_watch.hpp>
+#include <impact/solve/newton_watch.hpp>
 
 namespace impact {
 

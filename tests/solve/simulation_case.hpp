@@ -5,8 +5,7 @@
 #include <functional>
 #include <gtest/gtest.h>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/problem/coupling.hpp>
-#include <impact/time/newmark.hpp>
+#include <impact/solve/coupling.hpp>
 #include <impact/time/step_control.hpp>
 #include <impact/time/types.hpp>
 #include <memory>
@@ -37,6 +36,7 @@ inline BoundaryCondition condition(std::string id, std::string on, BcType type,
 
 struct CaseSettings {
   bool inertia = false;
+  std::optional<Integrator> integrator{}; ///< in place of the trapezoidal rule
   double dt = 1, t_end = 1;
   std::vector<Field> initial_velocity{};
   Field initial_phi{}, initial_theta{}; ///< of laws with damage, with heat
@@ -67,16 +67,18 @@ public:
     full_newton.reuse = 0;
     // Each pass begins with the tolerance of the options.
     const time_test::Options to_round_off(time_test::Entries{{"-motion_snes_rtol", "1e-13"}});
-    coupling_.emplace(ts_, *motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, state_,
-                      full_newton, solver, settings.inertia, false);
+    coupling_.emplace(ts_, Fields{*motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, state_},
+                      full_newton, solver, false);
     set_time_options(ts_);
+    if (settings.integrator) set_integrator(ts_, *settings.integrator);
     u_ = d_.displacement.make_global();
     v_ = d_.displacement.make_global();
+    a_ = d_.displacement.make_global();
   }
 
   /// Runs to the end with Newton converged to round-off.
   void run() {
-    const SNES newton = coupling_->motion_snes();
+    const SNES newton = coupling_->motion_solver().snes();
     check(SNESSetTolerances(newton, 1e-5 * motion_->reference_force(), PETSC_DEFAULT, 0, 25, PETSC_DEFAULT));
     std::vector<double>& u = state_.row("u").trial;
     std::vector<double>& v = state_.row("v").trial;
@@ -92,18 +94,21 @@ public:
     d_.displacement.to_global(state_.row("u").committed, u_);
     d_.displacement.to_global(state_.row("v").committed, v_);
     check(TS2SetSolution(ts_, u_, v_));
-    if (settings_.inertia) set_newmark_hooks(ts_, coupling_->newmark_hooks());
-    coupling_->begin_at_rest_of_step(0, u_, v_);
-    coupling_->start_heat(u_);
+    coupling_->begin_between_steps(0, u_, v_);
+    coupling_->start(u_, a_);
     StepHooks hooks;
     hooks.before_attempt = [this](TS, const Attempt& attempt) { coupling_->before_attempt(attempt); };
+    if (settings_.inertia && coupling_->corrects())
+      hooks.correct = [this](TS, Vec u_end, Vec v_end, Vec a_end) {
+        coupling_->correct(u_end, v_end, a_end);
+      };
     hooks.guess = [this](TS, const Attempt& attempt, Vec guess) {
       coupling_->guess(attempt, guess);
       residuals.clear();
     };
     hooks.on_reject = [this](TS, const Attempt&) {
       ++rejected;
-      coupling_->on_reject();
+      coupling_->reject();
     };
     hooks.on_accept = [this](TS, const Attempt& attempt) {
       Vec now = nullptr, rate = nullptr;
@@ -156,7 +161,7 @@ private:
   std::optional<HeatProblem> heat_;
   Handle<TS> ts_;
   std::optional<Coupling> coupling_;
-  Handle<Vec> u_, v_;
+  Handle<Vec> u_, v_, a_;
 };
 
 /// L2 norms of field - exact and of exact, for a nodal field [node][components], by four Gauss points along

@@ -3,14 +3,12 @@
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
-#include <petscksp.h>
+#include <petscsnes.h>
 #include <string>
 
-/// Which linear solvers the fields have where the options say nothing.
-///   motion   preonly + MUMPS up to 1e5 dofs in the plane, 2e4 in space, beyond them gmres + gamg; cg +
-///   jacobi
-///            where steps resolve waves and the tangent is symmetric
-///   damage, heat   cg + icc, in blocks of the ranks
+/// Which solver the motion has where the options say nothing: preonly + MUMPS up to 1e5 dofs in the plane,
+/// 2e4 in space, beyond them gmres + gamg; cg + jacobi where steps resolve waves and the tangent is
+/// symmetric. The scalar fields have theirs in petsc/field_solver.hpp.
 namespace impact {
 
 /// Which linear solver and tangent are used where the options say nothing; `reason` is
@@ -33,12 +31,10 @@ struct SolverDemands {
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
                              double dt, SolverDemands demands = {},
                              std::optional<MatrixFormat> matrix = std::nullopt);
-/// Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
-void check_preconditioner(KSP ksp, MatrixFormat matrix);
 
-/// Before the options of `ksp` are read.
-void set_solver_defaults(KSP ksp, const SolverDefaults& defaults);
-/// The same of damage and heat, whose options bear `prefix`.
-void set_scalar_solver_defaults(KSP ksp, const char* prefix);
+/// Gives the motion's solver its defaults and reads its options. `full_steps`: no line search; `shell`: its
+/// matrix is one, whose preconditioner sees the bulk alone. Throws UserError(usage) for choices that cannot
+/// work. Collective.
+void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell);
 
 } // namespace impact

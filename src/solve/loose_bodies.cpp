@@ -4,8 +4,8 @@
 #include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/problem/loose_bodies.hpp>
 #include <impact/problem/rigid_motion.hpp>
+#include <impact/solve/loose_bodies.hpp>
 
 namespace impact {
 

@@ -1,5 +1,5 @@
 #include <impact/petsc/error.hpp>
-#include <impact/problem/tangent_reuse.hpp>
+#include <impact/solve/tangent_reuse.hpp>
 
 namespace impact {
 

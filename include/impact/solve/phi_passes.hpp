@@ -2,6 +2,7 @@
 #include <impact/mesh/mesh.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/settings.hpp>
+#include <string>
 #include <vector>
 
 /// phi over the staggered passes of one step: how much a pass changed it, whether a crack runs, and what the
@@ -16,9 +17,8 @@ public:
     bool gained = false;   ///< the sum over the nodes is larger than after any pass before
   };
 
-  /// `follow_cracks`: passes have no limit while phi grows, and hurry.
-  PhiPasses(const Mesh& mesh, PassRelaxation choice, double tolerance, bool follow_cracks)
-      : mesh_(mesh), choice_(choice), tolerance_(tolerance), follow_cracks_(follow_cracks) {}
+  /// Both must outlive the object.
+  PhiPasses(const Mesh& mesh, const CouplingScenario& settings) : mesh_(mesh), settings_(settings) {}
 
   /// Forgets the passes of the attempt before. Collective.
   void begin(const StateRow& phi);
@@ -28,33 +28,34 @@ public:
   /// Turns `start` into the phi that the next pass, number `pass`, starts from. Collective.
   void relax(PetscInt pass, const StateRow& phi, std::vector<double>& start);
 
-  /// phi has grown in one pass after the other of this attempt, and its cracks are followed.
-  bool crack_runs() const { return runs_; }
   /// A crack runs and the last pass moved it on so far that the next motion solve may be rough.
   bool far_from_rest() const;
-  /// Diagonal of the box around the nodes with a phi above `level`: the length of a straight crack.
-  /// Collective.
-  double extent(const std::vector<double>& phi, double level) const;
+  /// Says at times how far a crack ran that is followed: a step of many passes must not look like one that
+  /// hangs. Collective.
+  void report(PetscInt pass, const StateRow& phi);
+  /// How far it ran in the whole attempt; empty where none did. Collective.
+  std::string text(PetscInt passes, const StateTable& state) const;
 
 private:
   double owned_sum(const std::vector<double>& a) const;
   double owned_dot(const std::vector<double>& a, const std::vector<double>& b) const;
   double next_factor();
   double leap(double cosine);
+  double extent(const std::vector<double>& phi) const;
+  std::string crack_length(const std::vector<double>& phi) const;
 
   const Mesh& mesh_;
-  PassRelaxation choice_;
-  double tolerance_; // of phi between passes
-  bool follow_cracks_;
+  const CouplingScenario& settings_;
   std::vector<double> change_, change_before_; // of the last two passes, by the damage solve
   PetscReal largest_ = 0;                      // of the last one
   double factor_ = 1;                          // of the last extrapolation
   double record_ = 0;                          // largest sum of phi so far
   int gains_ = 0;                              // passes in a row with a new one
-  bool runs_ = false;
-  std::vector<double> leap_; // the change that the last leap enlarged
-  double reach_ = 0;         // by how much the next one may change phi
-  int since_leap_ = 0;       // passes
+  bool runs_ = false;                          // phi grew in one pass after the other, and is followed
+  std::vector<double> leap_;                   // the change that the last leap enlarged
+  double reach_ = 0;                           // by how much the next one may change phi
+  int since_leap_ = 0;                         // passes
+  double said_ = 0;                            // wall time of the last report
 };
 
 } // namespace impact

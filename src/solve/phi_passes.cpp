@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/problem/phi_passes.hpp>
+#include <cstdio>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <impact/solve/phi_passes.hpp>
 
 namespace impact {
 
@@ -18,10 +21,11 @@ void PhiPasses::begin(const StateRow& phi) {
   reach_ = first_reach;
   since_leap_ = 0;
   leap_.clear();
+  said_ = MPI_Wtime();
 }
 
 PhiPasses::Change PhiPasses::note(const std::vector<double>& start, const StateRow& phi) {
-  PetscReal change_and_growth[2] = {0, 0};
+  double change_and_growth[2] = {0, 0};
   std::swap(change_before_, change_);
   change_.resize(phi.trial.size());
   for (std::size_t i = 0; i < phi.trial.size(); ++i) {
@@ -29,14 +33,14 @@ PhiPasses::Change PhiPasses::note(const std::vector<double>& start, const StateR
     change_and_growth[0] = std::max(change_and_growth[0], std::abs(change_[i]));
     change_and_growth[1] = std::max(change_and_growth[1], phi.trial[i] - phi.committed[i]);
   }
-  MPI_Allreduce(MPI_IN_PLACE, change_and_growth, 2, MPIU_REAL, MPIU_MAX, mesh_.comm());
+  max_over_ranks(mesh_.comm(), change_and_growth);
   largest_ = change_and_growth[0];
   // Each gain is one of a tolerance at least, and phi at most 1: their number has a limit.
   const double sum = owned_sum(phi.trial);
-  const bool gained = sum > record_ + tolerance_;
+  const bool gained = sum > record_ + settings_.atol;
   record_ = std::max(record_, sum);
   gains_ = gained ? gains_ + 1 : 0;
-  runs_ = runs_ || (follow_cracks_ && gains_ >= gains_of_a_run);
+  runs_ = runs_ || (settings_.follow_cracks && gains_ >= gains_of_a_run);
   return {change_and_growth[0], change_and_growth[1], gained};
 }
 
@@ -44,16 +48,14 @@ double PhiPasses::owned_sum(const std::vector<double>& a) const {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (mesh_.owned(static_cast<int>(i))) sum += a[i];
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, mesh_.comm());
-  return sum;
+  return sum_over_ranks(mesh_.comm(), sum);
 }
 
 double PhiPasses::owned_dot(const std::vector<double>& a, const std::vector<double>& b) const {
   double sum = 0;
   for (std::size_t i = 0; i < a.size(); ++i)
     if (mesh_.owned(static_cast<int>(i))) sum += a[i] * b[i];
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, mesh_.comm());
-  return sum;
+  return sum_over_ranks(mesh_.comm(), sum);
 }
 
 double PhiPasses::next_factor() {
@@ -84,7 +86,7 @@ double PhiPasses::leap(double cosine) {
 }
 
 void PhiPasses::relax(PetscInt pass, const StateRow& phi, std::vector<double>& start) {
-  if (choice_ == PassRelaxation::none || pass < 3) {
+  if (settings_.relaxation == PassRelaxation::none || pass < 3) {
     start = phi.trial;
     factor_ = 1;
     return;
@@ -94,23 +96,51 @@ void PhiPasses::relax(PetscInt pass, const StateRow& phi, std::vector<double>& s
     start[i] = std::clamp(start[i] + factor_ * change_[i], phi.committed[i], 1.0);
 }
 
-bool PhiPasses::far_from_rest() const { return runs_ && largest_ > 10 * tolerance_; }
+bool PhiPasses::far_from_rest() const { return runs_ && largest_ > 10 * settings_.atol; }
 
-double PhiPasses::extent(const std::vector<double>& phi, double level) const {
+// Diagonal of the box around the nodes that count as cracked: the length of a straight crack.
+double PhiPasses::extent(const std::vector<double>& phi) const {
   const auto X = mesh_.coordinates();
   const auto dim = static_cast<std::size_t>(mesh_.dim());
   double ends[6]; // largest x, y, z and -x, -y, -z
   std::fill(ends, ends + 6, -HUGE_VAL);
   for (std::size_t i = 0; i < phi.size(); ++i)
-    for (std::size_t k = 0; k < dim && phi[i] > level; ++k) {
+    for (std::size_t k = 0; k < dim && phi[i] > settings_.crack_level; ++k) {
       ends[k] = std::max(ends[k], X[i * dim + k]);
       ends[3 + k] = std::max(ends[3 + k], -X[i * dim + k]);
     }
-  MPI_Allreduce(MPI_IN_PLACE, ends, 6, MPI_DOUBLE, MPI_MAX, mesh_.comm());
+  max_over_ranks(mesh_.comm(), ends);
   double square = 0;
   for (std::size_t k = 0; k < dim; ++k)
     if (std::isfinite(ends[k])) square += (ends[k] + ends[3 + k]) * (ends[k] + ends[3 + k]);
   return std::sqrt(square);
+}
+
+std::string PhiPasses::crack_length(const std::vector<double>& phi) const {
+  char text[80];
+  std::snprintf(text, sizeof(text), "phi > %.3g on %.4g %s", settings_.crack_level, extent(phi),
+                settings_.length_unit.c_str());
+  return text;
+}
+
+void PhiPasses::report(PetscInt pass, const StateRow& phi) {
+  constexpr double pause = 10; // seconds
+  if (!runs_) return;
+  int due = MPI_Wtime() - said_ > pause;
+  MPI_Bcast(&due, 1, MPI_INT, 0, mesh_.comm());
+  if (!due) return;
+  said_ = MPI_Wtime();
+  check(PetscPrintf(mesh_.comm(), "impact: crack runs, pass %d, %s\n", static_cast<int>(pass),
+                    crack_length(phi.trial).c_str()));
+}
+
+std::string PhiPasses::text(PetscInt passes, const StateTable& state) const {
+  if (!runs_) return "";
+  const StateRow& phi = state.row("phi");
+  char text[120];
+  std::snprintf(text, sizeof(text), ", %.4g before; %d passes", extent(phi.committed),
+                static_cast<int>(passes));
+  return "crack ran: " + crack_length(phi.trial) + text;
 }
 
 } // namespace impact

@@ -1,6 +1,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/problem/newton_watch.hpp>
+#include <impact/solve/newton_watch.hpp>
 #include <vector>
 
 using impact::NewtonWatch;

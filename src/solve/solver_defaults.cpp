@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/petsc/error.hpp>
-#include <impact/problem/solver_defaults.hpp>
+#include <impact/solve/solver_defaults.hpp>
 
 namespace impact {
 
@@ -23,9 +23,8 @@ int ranks_of(KSP ksp) {
   return ranks;
 }
 
-} // namespace
-
-void set_solver_defaults(KSP ksp, const SolverDefaults& defaults) {
+// Before the options are read.
+void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
   const bool half = defaults.matrix == MatrixFormat::sbaij;
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
@@ -45,19 +44,24 @@ void set_solver_defaults(KSP ksp, const SolverDefaults& defaults) {
   }
 }
 
-void set_scalar_solver_defaults(KSP ksp, const char* prefix) {
+// Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
+void check_preconditioner(KSP ksp, MatrixFormat matrix) {
+  if (matrix != MatrixFormat::sbaij) return;
   PC pc = nullptr;
-  check(KSPSetType(ksp, KSPCG));
-  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  PCType type = nullptr;
   check(KSPGetPC(ksp, &pc));
-  if (ranks_of(ksp) == 1) return check(PCSetType(pc, PCICC));
-  // Conjugate gradients want symmetric blocks; bjacobi would factorise them by ILU.
-  check(PCSetType(pc, PCBJACOBI));
-  const std::string inner = "-" + std::string(prefix) + "sub_pc_type";
-  PetscBool set = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, inner.c_str(), &set));
-  if (!set) check(PetscOptionsSetValue(nullptr, inner.c_str(), "icc"));
+  check(PCGetType(pc, &type));
+  const int ranks = ranks_of(ksp);
+  const std::string name = type ? type : PCNONE;
+  if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE) return;
+  if (name == PCICC && ranks == 1) return;
+  throw UserError(ExitCode::usage, "-motion_pc_type \"" + name +
+                                       "\": cannot work with -motion_mat_type sbaij; allowed: cholesky, " +
+                                       (ranks == 1 ? "icc, " : "") +
+                                       "bjacobi, jacobi, none; choose one of them, or -motion_mat_type aij");
 }
+
+} // namespace
 
 SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, bool inertia, double dt,
                              SolverDemands demands, std::optional<MatrixFormat> matrix) {
@@ -97,20 +101,33 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   return choice;
 }
 
-void check_preconditioner(KSP ksp, MatrixFormat matrix) {
-  if (matrix != MatrixFormat::sbaij) return;
+void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell) {
+  KSP ksp = nullptr;
   PC pc = nullptr;
-  PCType type = nullptr;
+  SNESLineSearch search = nullptr;
+  check(SNESGetKSP(snes, &ksp));
   check(KSPGetPC(ksp, &pc));
-  check(PCGetType(pc, &type));
-  const int ranks = ranks_of(ksp);
-  const std::string name = type ? type : PCNONE;
-  if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE) return;
-  if (name == PCICC && ranks == 1) return;
-  throw UserError(ExitCode::usage, "-motion_pc_type \"" + name +
-                                       "\": cannot work with -motion_mat_type sbaij; allowed: cholesky, " +
-                                       (ranks == 1 ? "icc, " : "") +
-                                       "bjacobi, jacobi, none; choose one of them, or -motion_mat_type aij");
+  set_linear_solver(ksp, defaults);
+  if (shell) {
+    // The preconditioner sees the bulk alone: a direct "solve" with it would solve the wrong system, and
+    // GAMG's smoothers must not take the shell for their matrix.
+    if (defaults.direct) check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+    check(KSPSetType(ksp, KSPGMRES));
+    check(PCSetUseAmat(pc, PETSC_FALSE));
+  }
+  // Secant search for the smallest residual norm along the step. Backtracking stalls where the volume is
+  // stiff (Cook's membrane, nu 0.4999: no convergence in 25 iterations, against 4), the search for a zero of
+  // the energy's slope where a crack opens.
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  check(SNESSetFromOptions(snes));
+  check_preconditioner(ksp, defaults.matrix);
+  PetscBool preonly = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &preonly));
+  if (shell && preonly)
+    throw UserError(ExitCode::usage,
+                    "-motion_ksp_type preonly: not with -contact_operator shell, whose preconditioner "
+                    "does not see the contact; use gmres, or -contact_operator assembled");
 }
 
 } // namespace impact
