@@ -7,7 +7,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/run/ledger.hpp>
+#include <impact/balance/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
 #include <impact/run/petsc_options.hpp>

@@ -5,7 +5,7 @@
 #include <impact/io/checkpoint.hpp>
 #include <impact/problem/damage.hpp>
 #include <impact/problem/heat.hpp>
-#include <impact/run/ledger.hpp>
+#include <impact/balance/ledger.hpp>
 #include <map>
 
 namespace impact {
