@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <impact/balance/ledger.hpp>
 #include <impact/input/option_text.hpp>
 #include <impact/io/checkpoint.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/balance/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
 #include <impact/run/petsc_options.hpp>

@@ -2,10 +2,10 @@
 #include <bit>
 #include <cstdint>
 #include <gtest/gtest.h>
+#include <impact/balance/ledger.hpp>
 #include <impact/io/checkpoint.hpp>
 #include <impact/problem/damage.hpp>
 #include <impact/problem/heat.hpp>
-#include <impact/balance/ledger.hpp>
 #include <map>
 
 namespace impact {

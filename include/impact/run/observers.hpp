@@ -1,7 +1,7 @@
 #pragma once
+#include <impact/balance/ledger.hpp>
 #include <impact/io/field_output.hpp>
 #include <impact/io/history_file.hpp>
-#include <impact/balance/ledger.hpp>
 #include <impact/run/scenario.hpp>
 #include <impact/solve/step_record.hpp>
 #include <optional>
