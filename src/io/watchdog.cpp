@@ -2,8 +2,8 @@
 #include <array>
 #include <csignal>
 #include <cstring>
+#include <impact/io/watchdog.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/watchdog.hpp>
 #include <sys/time.h>
 #include <unistd.h>
 

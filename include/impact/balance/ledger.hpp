@@ -1,24 +1,20 @@
 #pragma once
-#include <impact/run/history_file.hpp>
-#include <impact/solve/step_record.hpp>
+#include <impact/balance/energies.hpp>
+#include <impact/balance/heat_book.hpp>
+#include <impact/balance/reactions.hpp>
+#include <impact/balance/work.hpp>
+#include <optional>
 #include <string>
-#include <vector>
 
 /// The balance sheet of a run: energies, dissipation and work since t = 0, per material and total, and two
 /// checks.
 ///   balance            change of the kinetic energy, integrator's own loss by its weights
-///   (Integrator::energy) and work of the forces that
-///                      the motion solves really balanced: they add up to zero.
+///   (Integrator::energy) and work of the forces that the motion solves really balanced: they add up to zero.
 ///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
 ///   With heat: stored energy with the thermal one + what no equation of heat takes up (the integrator's
 ///   loss) - external work - heat supplied - start; rounding with HeatForm::energy.
 /// Both relative to the largest energy or work so far. Plane problems: times the thickness.
 namespace impact {
-
-struct MaterialEnergies {
-  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, fatigue = 0, thermal = 0, entropy = 0;
-  double momentum[3] = {0, 0, 0};
-};
 
 /// What is kept beside the columns that every run has.
 struct LedgerChoice {
@@ -36,36 +32,27 @@ public:
   void start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a);
   /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
   void resume(Vec u, Vec v);
-  /// Energies of a state whose integrator tells no forces: work, balance and reactions become nan.
-  /// Collective.
-  void observe(Vec u, Vec v);
   /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
   /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Collective.
   void book(const StepRecord& step, Vec u, Vec v, Vec a);
   /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
-  void unbook();
+  void unbook() { energies_ = energies_before_; }
 
   /// Columns of the history file in the order of the option reference; names as in options/README.md.
-  void append_energies(HistoryFile::Row& row) const;
-  void append_reactions(HistoryFile::Row& row) const;
+  void append(HistoryFile::Row& row) const;
+  /// Those of contact heat and of materials, which stand further back.
   void append_contact_heat(HistoryFile::Row& row) const;
   void append_materials(HistoryFile::Row& row) const;
   /// The balance sheet since t = 0, total and of each material, for the end of the log.
   std::string report() const;
+
   double balance() const;
   double balance_first_law() const;
-  /// Energy that contact gave by itself, or beside it closing cracks and the integrator; not negative
-  /// (theory.md, 11).
-  double gain() const;
   /// The first law's residual, a gain positive, and with it `gain`, which closes it.
   double energy_error() const;
-  double fracture_energy(std::size_t material) const { return materials_[material].fracture; }
-  double phi_max() const { return phi_max_; }
-  double alpha_max() const { return alpha_max_; }
-  double theta_max() const { return theta_max_; }
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
-  const MaterialEnergies& total() const { return total_; }
+  const Energies& energies() const { return energies_; }
 
 private:
   // Totals since t = 0, one global row, so that a restart continues them.
@@ -88,62 +75,48 @@ private:
     start_energy,
     scale,
     fatigue_loss,
-    contact_store, ///< energy_contact as the last step left it
+    contact_store, ///< energy of contact as the last step left it
     closing,       ///< by the unilateral stress of broken points
     least,         ///< smallest dissipation of a step at a point, per volume; at most 0
     count
   };
   /// Dissipated since t = 0 in one material.
   enum Loss { viscous_loss, damage_loss, plastic_loss, fatigue_part, losses };
+  /// A line of the sheet: what a run has, of all bodies and of each material.
+  struct Line;
 
-  double& sum(Total which) const { return totals_->trial[which]; }
+  double& sum(Total which) const { return totals_.trial[which]; }
   double& lost_in(std::size_t material, Loss which) const {
-    return losses_->trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
+    return losses_.trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
   }
-  /// Work of the velocity's projection at the start of a step.
-  struct Shock {
-    double contact = 0, supports = 0, rigid = 0; ///< rigid: of what keeps rigid bodies rigid
-  };
-  Shock find_shock(const StepRecord& step) const;
-  IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a);
-  double unilateral_energy(std::span<const double> phi) const;
-  void book_damage(const StepRecord& step);
-  void find_coupling_error(Vec internal_of_next_pass, Vec internal);
   void measure(Vec u, Vec v, bool trial);
-  void find_extremes(bool trial);
-  double dissipated() const;
-  double heat_supplied() const;
-  double entropy_produced() const;
-  void find_reactions(const std::vector<double>& u);
-  double contact_energy(Vec u) const;
-  Handle<Vec> global_of(const char* row) const; ///< of t_n
-  bool in_rigid_body(std::size_t dof) const;
-  bool turns(int condition, std::size_t axis) const; // the condition prescribes a rotation of a rigid body
+  void book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u);
+  void book_points(const StepRecord& step, double work_unilateral);
+  void book_damage(const StepRecord& step);
+  void book_scale();
+  double unilateral_energy(std::span<const double> phi) const;
+  void find_coupling_error(const StepRecord& step);
+  /// Energy that contact gave by itself, or beside it closing cracks and the integrator; not negative
+  /// (theory.md, 11).
+  double gain() const;
   double stored() const;
+  double dissipated() const;
+  double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
+  void append_energies(HistoryFile::Row& row) const;
+  std::vector<Line> sheet() const;
 
+  // Members beyond twelve: the books of one sheet, each with its own rows of the table.
   MotionProblem& motion_;
   StateTable& state_;
-  bool inertia_, moves_, prescribes_damage_ = false;
+  BodyRows rows_;
+  bool inertia_, moves_, prescribes_damage_;
   LedgerChoice choice_;
-  /// With heat: supplied by each condition since t = 0; conducted into the secondary side of each contact
-  /// that passes heat, and what came from outside the bodies there; entropy supplied, entropy at the start.
-  StateRow* heat_ = nullptr;
-  std::vector<std::string> heat_contacts_; ///< their ids
-  StateRow *totals_, *losses_, *internal_, *external_, *contact_, *inertia_force_, *left_;
-  StateRow* step_acceleration_; ///< IntegratorStep::f
-  std::vector<MaterialEnergies> materials_;
-  MaterialEnergies total_, total_before_;
-  std::vector<MaterialEnergies> materials_before_;
-  double energy_contact_ = 0, phi_max_ = 0, alpha_max_ = 0, theta_max_ = 0;
-  double fatigue_max_ = 0, coupling_error_ = 0;
-  std::vector<double> reaction_;   ///< [condition][dim]
-  std::vector<double> moment_;     ///< [condition][3] about the centres of mass of rigid bodies
-  std::vector<double> mean_;       ///< [condition][dim] mean displacement of the condition's nodes
-  std::vector<double> mean_theta_; ///< [condition]
-  std::vector<std::vector<int>> condition_nodes_;
-  std::vector<double>
-      reaction_force_; ///< what closes the balance of momentum on prescribed dofs, [node][dim]
-  std::vector<double> X_;
+  StateRow &totals_, &losses_;
+  ForceBook forces_;
+  Reactions reactions_;
+  std::optional<HeatBook> heat_;
+  Energies energies_, energies_before_;
+  double coupling_error_ = 0;
 };
 
 } // namespace impact

@@ -1,16 +1,11 @@
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fcntl.h>
 #include <filesystem>
+#include <impact/io/history_file.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/durable_file.hpp>
-#include <impact/run/history_file.hpp>
 #include <sstream>
-#include <unistd.h>
 
 namespace impact {
 
@@ -40,15 +35,10 @@ HistoryFile::HistoryFile(MPI_Comm comm, std::string file, std::optional<long> re
   on_rank_zero(comm_, [&] {
     make_directories(std::filesystem::path(file_).parent_path().string());
     const bool keep = resume_after && std::filesystem::exists(file_);
-    descriptor_ = ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | (keep ? 0 : O_TRUNC), 0666);
-    if (descriptor_ < 0) throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(errno));
+    out_.emplace(file_, keep ? DurableFile::Mode::update : DurableFile::Mode::create);
     if (keep) resume(*resume_after);
   });
   MPI_Bcast(&last_step_, 1, MPI_LONG, 0, comm_);
-}
-
-HistoryFile::~HistoryFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 // Keeps what comes before the first row of a later step. A row that is not whole ends the file there too: it
@@ -77,28 +67,24 @@ void HistoryFile::resume(long last_step) {
     }
     keep = end + 1;
   }
-  length_ = columns_.empty() ? 0 : static_cast<long long>(keep);
+  length_ = columns_.empty() ? 0 : keep;
   resumed_ = !columns_.empty();
-  if (::ftruncate(descriptor_, length_) != 0)
-    throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(errno));
+  out_->resize(length_);
 }
 
 // What was written of a refused row is cut off again.
 void HistoryFile::append(const std::string& text) {
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t put =
-        ::pwrite(descriptor_, text.data() + done, text.size() - done, length_ + static_cast<long long>(done));
-    if (put < 0 && errno == EINTR) continue;
-    if (put < 0) {
-      const int error = errno;
-      const bool cut = ::ftruncate(descriptor_, length_) == 0;
-      throw UserError(ExitCode::io, "cannot write " + file_ + ": " + std::strerror(error) +
-                                        (cut ? "" : " (its last row is not whole)"));
+  try {
+    out_->write(length_, text.data(), text.size());
+  } catch (const UserError& error) {
+    try {
+      out_->resize(length_);
+    } catch (const UserError&) {
+      throw UserError(ExitCode::io, std::string(error.what()) + " (its last row is not whole)");
     }
-    done += static_cast<std::size_t>(put);
+    throw;
   }
-  length_ += static_cast<long long>(done);
+  length_ += text.size();
 }
 
 std::string HistoryFile::header(const Row& row) const {

@@ -1,6 +1,6 @@
 #include <array>
 #include <charconv>
-#include <impact/run/xdmf.hpp>
+#include <impact/io/xdmf.hpp>
 
 namespace impact {
 

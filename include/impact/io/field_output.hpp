@@ -18,16 +18,13 @@
 /// options/README.md describes them for readers.
 namespace impact {
 
-struct NodeField {
+struct Field {
   std::string name;
-  int components = 1;
-  std::span<const double> values; ///< [local node][component]; ghosts are ignored
-};
-
-struct CellField {
-  std::string name;
-  int components = 1;
-  std::span<const double> values; ///< [cell][component], cells in the order of the tables in mesh.cells()
+  bool on_nodes;
+  int components;
+  /// [local node][component], of which ghosts are ignored; or [cell][component], cells in the order of the
+  /// tables in mesh.cells().
+  std::span<const double> values;
 };
 
 struct FieldFile {
@@ -35,13 +32,18 @@ struct FieldFile {
   std::string title, units; ///< kept in the .xdmf
   /// Continue existing files after this time: later times are dropped. Empty: start anew, removing old files.
   std::optional<double> resume_after = std::nullopt;
-  std::vector<std::int64_t> region = {}; ///< number of each cell's region, in the order of CellField; or none
-  std::string regions = {};              ///< their names, a line of number, region, material each
+  std::vector<std::int64_t> region =
+      {};                   ///< number of each cell's region, in the order of a cell field; or none
+  std::string regions = {}; ///< their names, a line of number, region, material each
 };
+
+class FieldSeries;
+struct FieldMesh;
 
 class FieldOutput {
 public:
-  /// Writes the mesh (unless a resumed output has it already). Collective. Throws UserError(io) on all ranks.
+  /// Writes the mesh (unless a resumed output has it already), which must outlive this. Collective. Throws
+  /// UserError(io) on all ranks.
   FieldOutput(const Mesh& mesh, const FieldFile& file);
   FieldOutput(FieldOutput&&) noexcept;
   FieldOutput& operator=(FieldOutput&&) noexcept;
@@ -49,7 +51,7 @@ public:
 
   /// Adds one time; a time that is there already is replaced. The same fields, in the same order, on all
   /// ranks. Collective. Throws UserError(io) on all ranks; the times written before stay readable.
-  void write(double time, const std::vector<NodeField>& nodes, const std::vector<CellField>& cells);
+  void write(double time, const std::vector<Field>& fields);
 
   /// The last time in the files, -infinity without one; equal on all ranks.
   double last_time() const { return last_time_; }
@@ -58,13 +60,15 @@ public:
   const std::string& warning() const { return warning_; }
 
 private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void write_mesh(const FieldMesh& stored, const FieldFile& request);
+
+  const Mesh* mesh_;
+  std::unique_ptr<FieldSeries> series_; // on rank 0 of use
   std::string warning_;
   double last_time_ = -std::numeric_limits<double>::infinity();
 };
 
-/// Brings values of cell groups, [group][batch][component][lane], into the cell order of CellField.
+/// Brings values of cell groups, [group][batch][component][lane], into the cell order of a cell field.
 std::vector<double> cells_in_mesh_order(const Mesh& mesh, const std::vector<CellGroup>& groups,
                                         int components, std::span<const double> by_batch);
 

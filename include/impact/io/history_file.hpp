@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <impact/io/durable_file.hpp>
 #include <optional>
 #include <petscsys.h>
 #include <string>
@@ -20,9 +21,6 @@ public:
   /// "". Missing directories are made. Collective. Throws UserError(io) on all ranks.
   HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after = std::nullopt,
               std::function<std::string(const std::string&)> unit = {});
-  HistoryFile(const HistoryFile&) = delete;
-  HistoryFile& operator=(const HistoryFile&) = delete;
-  ~HistoryFile();
 
   /// Appends one row; rank 0's values are written. The first row of a file fixes the columns and must begin
   /// with `step`; later rows may come in any order and leave columns out (`nan`), a new column is a
@@ -45,8 +43,8 @@ private:
   MPI_Comm comm_;
   std::string file_;
   std::function<std::string(const std::string&)> unit_;
-  int descriptor_ = -1;
-  long long length_ = 0; // bytes up to the end of the last whole row
+  std::optional<DurableFile> out_; // on rank 0
+  std::uint64_t length_ = 0;       // bytes up to the end of the last whole row
   bool resumed_ = false;
   long last_step_ = -1;
   std::vector<std::string> columns_;
