@@ -7,10 +7,11 @@ namespace impact {
 ContactDemands ContactSet::demands() const {
   ContactDemands all;
   for (const ContactInterface& contact : contacts_) {
-    all.closes_gaps = all.closes_gaps || contact.semismooth();
-    all.augments = all.augments || contact.augments();
-    all.frictional = all.frictional || contact.frictional();
-    all.reverses = all.reverses || contact.reverses();
+    const ContactDemands mine = contact.demands();
+    all.closes_gaps = all.closes_gaps || mine.closes_gaps;
+    all.augments = all.augments || mine.augments;
+    all.frictional = all.frictional || mine.frictional;
+    all.reverses = all.reverses || mine.reverses;
   }
   return all;
 }
@@ -60,10 +61,7 @@ void ContactSet::start_newton(Vec u) {
 
 bool ContactSet::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
   bool other = false;
-  if (follow)
-    for (ContactInterface& contact : contacts_) other = contact.follow_sliding(next) || other;
-  for (ContactInterface& contact : contacts_)
-    if (contact.semismooth()) other = contact.take_newton_step(u, du, next) || other;
+  for (ContactInterface& contact : contacts_) other = contact.after_newton_step(u, du, next, follow) || other;
   return other;
 }
 
@@ -71,10 +69,10 @@ void ContactSet::add_gaps(Vec u, double scale, Vec r) const {
   for (const ContactInterface& contact : contacts_) contact.add_gaps(u, scale, r);
 }
 
-ContactInterface::GapsLeft ContactSet::gaps_left(Vec u, double force) const {
-  ContactInterface::GapsLeft all;
+GapsLeft ContactSet::gaps_left(Vec u, double force) const {
+  GapsLeft all;
   for (const ContactInterface& contact : contacts_) {
-    const ContactInterface::GapsLeft left = contact.gaps_left(u, force);
+    const GapsLeft left = contact.gaps_left(u, force);
     all.closed = all.closed && left.closed;
     all.open = std::max(all.open, left.open);
   }
@@ -83,7 +81,7 @@ ContactInterface::GapsLeft ContactSet::gaps_left(Vec u, double force) const {
 
 void ContactSet::fall_back() {
   for (ContactInterface& contact : contacts_)
-    if (contact.semismooth()) contact.fall_back();
+    if (contact.demands().closes_gaps) contact.fall_back();
 }
 
 void ContactSet::meet(bool loose, bool first_touch) {

@@ -1,22 +1,23 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <impact/balance/ledger.hpp>
 #include <impact/input/option_text.hpp>
+#include <impact/io/checkpoint.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/run/checkpoint.hpp>
-#include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
-#include <impact/run/petsc_options.hpp>
 #include <impact/run/progress.hpp>
-#include <impact/run/restart_keys.hpp>
+#include <impact/run/restart_options.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_criteria.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/scenario/petsc_options.hpp>
+#include <impact/scenario/restart_keys.hpp>
 #include <impact/solve/coupling.hpp>
 #include <impact/time/step_control.hpp>
 #include <impact/time/types.hpp>
@@ -167,6 +168,7 @@ private:
   UnreadOptions unread_;
   StopRequests requests_;
   StopCriteria stops_;
+  CheckpointWriter checkpoints_;
   StepProbe probe_;
   // -test_restep: every step is tried, refused and tried again with the same dt.
   bool restep_ = false, repeats_ = false, forced_ = false;
@@ -189,8 +191,10 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                 s.coupling, solver, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time), unread_(comm, s),
-      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe),
-      restep_(s.restep) {
+      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s),
+      checkpoints_({d_.mesh, d_.groups, setup.state, &setup.file},
+                   {s.checkpoint.dir, s.checkpoint.keep, s.checkpoint.patience}),
+      probe_(probe), restep_(s.restep) {
   least_energy_ = 1e-2 * motion_.reference_force() * d_.mesh.smallest_edge() * d_.thickness *
                   static_cast<double>(d_.mesh.global_cell_count());
   for (const ContactInterface& contact : setup.contacts)
@@ -552,8 +556,7 @@ void Simulation::write_state(const StepControlState& c) {
   char version[256] = "";
   check(PetscGetVersion(version, sizeof version));
   values.texts["petsc_version"] = version;
-  checkpoint_file_ = write_checkpoint({d_.mesh, d_.groups, setup_.state, &setup_.file}, values,
-                                      {s_.checkpoint.dir, s_.checkpoint.keep, s_.checkpoint.patience});
+  checkpoint_file_ = checkpoints_.write(values);
   // A resumed run builds its candidate list afresh and factors anew: so does this one, or they would part by
   // round-off.
   setup_.contacts.forget_search();
@@ -575,8 +578,6 @@ void Simulation::save_end(const StepControlState& control) {
     if (stopped_by_.empty() && ended_by_.empty())
       check(PetscPrintf(comm_, "the state at t = %.10g, step %ld, is in %s\n", snapshot_.time, snapshot_.step,
                         checkpoint_file_.c_str()));
-  } catch (const UnfinishedFile&) {
-    throw;
   } catch (const UserError& error) {
     check(PetscPrintf(comm_, "impact: %s\n", error.what()));
   }

@@ -114,7 +114,7 @@ bool NewtonHooks::gaps_settle(Vec u) {
   const double before = open_;
   const auto [closed, open] = motion_.contacts().gaps_left(u, motion_.balance().force());
   open_ = open;
-  return closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+  return closed || (open_ > before / 2 && open_ <= most_open);
 }
 
 bool NewtonHooks::gives_up(PetscReal norm) {

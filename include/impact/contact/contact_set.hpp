@@ -1,4 +1,5 @@
 #pragma once
+#include <deque>
 #include <impact/contact/interface.hpp>
 #include <vector>
 
@@ -7,14 +8,6 @@
 /// functions than usual: every one is a loop over the contacts that would otherwise stand at each of its
 /// callers.
 namespace impact {
-
-/// What the contacts ask of the solution of the motion; it may change between the solves of a step.
-struct ContactDemands {
-  bool closes_gaps = false; ///< multipliers are updated within Newton's method
-  bool augments = false;    ///< they are updated between its solves
-  bool frictional = false;
-  bool reverses = false; ///< something sticks for the next linear solve alone (see ContactInterface)
-};
 
 /// What an augmentation of all contacts would say.
 struct ContactReview {
@@ -60,7 +53,7 @@ public:
   bool after_newton_step(Vec u, Vec du, Vec next, bool follow);
   /// r += what the right-hand side of a linear solve holds beside the residual.
   void add_gaps(Vec u, double scale, Vec r) const;
-  ContactInterface::GapsLeft gaps_left(Vec u, double force) const;
+  GapsLeft gaps_left(Vec u, double force) const;
   /// Augmentations take the place of updates within Newton's method for the rest of the attempt.
   void fall_back();
   void meet(bool loose, bool first_touch);
@@ -84,7 +77,7 @@ public:
   ContactFields nodal_fields(Vec u) const;
 
 private:
-  std::vector<ContactInterface> contacts_;
+  std::deque<ContactInterface> contacts_; // which do not move
 };
 
 } // namespace impact
