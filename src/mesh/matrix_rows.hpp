@@ -1,5 +1,6 @@
 #pragma once
 #include "row_messages.hpp"
+#include <impact/math/index.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/petsc/handle.hpp>
 #include <memory>
@@ -7,8 +8,6 @@
 
 /// How cell matrices get into a matrix of one storage format: what SparseAssembly hands its calls on to.
 namespace impact {
-
-inline std::size_t at(int k) { return static_cast<std::size_t>(k); }
 
 class MatrixRows {
 public:

@@ -5,13 +5,12 @@
 #include <impact/mesh/bodies.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/deep_overlap.hpp>
 
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // A node is tried at this part of the way to the middles of its own cells. Less deep is for the pairs to see;
 // where surfaces touch that place lies outside the other body. Cells are closed, so that none is missed
@@ -72,7 +71,7 @@ std::vector<Simplex> simplices(const Discretisation& d, const std::vector<int>& 
 std::vector<int> bodies_of(const Discretisation& d, const Bodies& bodies, const std::string& side) {
   std::vector<int> holds(at(bodies.count), 0);
   for (int node : d.mesh.nodes(side)) holds[at(bodies.of_node[at(node)])] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, holds.data(), bodies.count, MPI_INT, MPI_MAX, d.mesh.comm());
+  max_over_ranks(d.mesh.comm(), holds);
   return holds;
 }
 
@@ -122,7 +121,7 @@ std::vector<double> places_of(const Discretisation& d, const std::vector<double>
 
 } // namespace
 
-void refuse_deep_overlaps(const Discretisation& d, std::span<const ContactInterface> contacts) {
+void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
   const auto matters = [](const ContactSettings& settings) {
     return !settings.rigid() && settings.primary != settings.secondary &&
            settings.initial != InitialOverlap::allow;
@@ -163,7 +162,7 @@ void refuse_deep_overlaps(const Discretisation& d, std::span<const ContactInterf
               inside(d.dim(), cells[at(c)], x))
             deep = i;
       }
-      MPI_Allreduce(MPI_IN_PLACE, &deep, 1, MPI_INT, MPI_MIN, d.mesh.comm());
+      deep = min_over_ranks(d.mesh.comm(), deep);
       if (deep == static_cast<int>(places.size() / 3)) continue;
       char where[120];
       std::snprintf(where, sizeof where, d.dim() == 2 ? "(%.4g, %.4g)" : "(%.4g, %.4g, %.4g)",

@@ -16,35 +16,33 @@ struct MotionFields {
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
 struct MotionBatch {
-  BatchArray<3 * max_nodes> X, u, u_n, accel;
+  NodalValues X, u, u_n, accel;
   BatchArray<max_nodes> phi, theta;
   PointValues<max_history_size> history;
   PointValues<drive_size> drive;
   MotionInput in;
 
-  MotionBatch(const CellGroup& group, Frame frame, int batch, const MotionFields& fields,
-              std::size_t history_offset, std::size_t drive_offset = 0)
-      : X(group.shape->nodes * group.shape->dim), u(X.size), u_n(X.size), accel(X.size),
-        phi(group.shape->nodes), theta(phi.size), history(group, history_size(frame)), drive(group) {
-    const auto read = [&](const std::vector<double>* field, auto& values) -> const Batch* {
+  MotionBatch(const CellBatch& batch, const MotionFields& fields)
+      : X(batch.nodes() * batch.d.dim()), u(X.size), u_n(X.size), accel(X.size), phi(batch.nodes()),
+        theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()) {
+    const auto nodal = [&](const std::vector<double>* field, auto& values) -> const Batch* {
       if (field == nullptr) return nullptr;
-      gather(group, batch, values.size / group.shape->nodes, field->data(), values.data());
+      gather(batch.group, batch.number, values.size / batch.nodes(), field->data(), values.data());
       return values.data();
     };
-    in.X = read(fields.X, X);
-    in.u = read(fields.u, u);
-    in.u_n = read(fields.u_n, u_n);
-    in.accel = read(fields.accel, accel);
-    in.phi = read(fields.phi, phi);
-    in.theta = read(fields.theta, theta);
-    if (fields.history != nullptr) {
-      history.load(*fields.history, history_offset, batch);
-      in.history = history.data();
-    }
-    if (fields.drive != nullptr) {
-      drive.load(*fields.drive, drive_offset, batch);
-      in.drive = drive.data();
-    }
+    const auto points = [&](const std::vector<double>* row, auto& values) -> const Batch* {
+      if (row == nullptr) return nullptr;
+      batch.load(*row, values);
+      return values.data();
+    };
+    in.X = nodal(fields.X, X);
+    in.u = nodal(fields.u, u);
+    in.u_n = nodal(fields.u_n, u_n);
+    in.accel = nodal(fields.accel, accel);
+    in.phi = nodal(fields.phi, phi);
+    in.theta = nodal(fields.theta, theta);
+    in.history = points(fields.history, history);
+    in.drive = points(fields.drive, drive);
     in.dt = fields.dt;
     in.unilateral = fields.unilateral;
   }

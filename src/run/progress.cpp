@@ -4,8 +4,8 @@
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
-#include <impact/run/columns.hpp>
 #include <impact/run/progress.hpp>
+#include <impact/scenario/columns.hpp>
 #include <vector>
 
 namespace impact {
@@ -34,8 +34,8 @@ void report_locking(const Scenario& s, const Discretisation& d) {
     if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
     check(PetscPrintf(
         d.mesh.comm(),
-        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n",
-        id.c_str(), shape->names.plural,
+        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
+        shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
         !simplex          ? "another -material_<id>_split"
         : shape->dim == 2 ? "quadrilaterals (Recombine Surface in the .geo)"
@@ -111,7 +111,7 @@ std::string values_text(const Scenario& s, const std::string& id) {
   std::string text;
   for (const MaterialScenario& material : s.materials)
     for (const auto& [name, value, said] : material.options)
-      if (const auto literal = split_literal(said); literal && material.law.id == id)
+      if (const auto literal = split_literal(said); literal && material.id == id)
         text += ", " + name + " " + said +
                 (parse_number(literal->number) == parse_number(value) ? "" : " (" + value + ")");
   return text;
@@ -254,8 +254,8 @@ void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledge
   const double left = done > 0 ? wall * (t_end_ - at.time) / done : 0;
   check(PetscPrintf(comm_, "%8ld %12.6g %10.3g %3d %4d %6d %4d %3d %4d %8.5f %9.3g %10.2e %8s %8s\n", at.step,
                     at.time, at.dt, at.tries, static_cast<int>(c.newton), static_cast<int>(c.linear),
-                    static_cast<int>(c.damage), static_cast<int>(c.uzawa), active, ledger.phi_max(),
-                    ledger.alpha_max(), ledger.balance_first_law(), clock(wall).c_str(),
+                    static_cast<int>(c.damage), static_cast<int>(c.uzawa), active, ledger.energies().phi_max,
+                    ledger.energies().alpha_max, ledger.balance_first_law(), clock(wall).c_str(),
                     clock(left).c_str()));
 }
 

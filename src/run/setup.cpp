@@ -73,7 +73,7 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
       p.b_d = p.alpha_t = 0;
       p.locking = Locking::none;
     }
-    materials.push_back({PointLaw{p}, m.regions, m.law.id, m.law.points});
+    materials.push_back({PointLaw{p}, m.regions, m.id, m.points});
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;
@@ -94,8 +94,8 @@ double softer_modulus(const Discretisation& d) {
   return std::isinf(softest) ? 0 : softest;
 }
 
-std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
-  std::vector<ContactInterface> contacts;
+ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
+  ContactSet contacts;
   for (const ContactScenario& contact : s.contacts) {
     ContactSettings settings = contact;
     for (std::size_t k = 0; k < 3; ++k)

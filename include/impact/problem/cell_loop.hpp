@@ -2,81 +2,72 @@
 #include <algorithm>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/discretisation.hpp>
+#include <optional>
 #include <span>
 
-/// The loop over batches of cells: gather, kernel, scatter. The kernels of a group come from its shape and
+/// The loop over batches of cells: gather, kernel, scatter. The kernels of a batch come from its shape and
 /// the frame of the run; no loop names a shape.
 namespace impact {
 
 /// What a batch holds, in place: the first `size` of an array that is large enough for any cell.
 template <int capacity> struct BatchArray {
-  int size = 0;
-  Batch value[static_cast<std::size_t>(capacity)];
+  int size;
+  Batch value[at(capacity)];
 
   explicit BatchArray(int count) : size(count) {}
+  BatchArray(const BatchArray& other) : size(other.size) { std::copy_n(other.value, size, value); }
+  BatchArray& operator=(const BatchArray& other) {
+    size = other.size;
+    std::copy_n(other.value, size, value);
+    return *this;
+  }
   const Batch* data() const { return value; }
   Batch* data() { return value; }
-  std::span<Batch> all() { return {value, static_cast<std::size_t>(size)}; }
-  std::span<const Batch> all() const { return {value, static_cast<std::size_t>(size)}; }
+  std::span<Batch> all() { return {value, at(size)}; }
+  std::span<const Batch> all() const { return {value, at(size)}; }
 };
 
-/// One nodal field of a batch, [node][components], gathered from a local array; or all 0.
-struct Gathered : BatchArray<3 * max_nodes> {
-  Gathered(const CellGroup& group, int batch, const std::vector<double>& local, int components)
-      : BatchArray(group.shape->nodes * components) {
-    gather(group, batch, components, local.data(), value);
-  }
-};
-struct NodalSum : BatchArray<3 * max_nodes> {
-  NodalSum(const CellGroup& group, int components) : BatchArray(group.shape->nodes * components) {
-    std::fill_n(value, size, Batch(0.0));
-  }
-};
+/// One nodal field of a batch, [node][components].
+using NodalValues = BatchArray<3 * max_nodes>;
 
-/// Point data of one batch, [point][components], copied from and to a row
-/// [group][batch][point][component][lane] (rows are ordinary arrays of double without the alignment of a
-/// Batch).
+/// Point data of one batch, [point][components].
 template <int most_components> struct PointValues : BatchArray<max_points * most_components> {
-  explicit PointValues(const CellGroup& group, int components = most_components)
-      : BatchArray<max_points * most_components>(group.shape->points * components) {}
-  void load(std::span<const double> row, std::size_t offset, int batch) {
-    const double* from = row.data() + place(offset, batch);
-    std::copy_n(from, this->size * lanes, reinterpret_cast<double*>(this->value));
+  int components;
+
+  explicit PointValues(const CellGroup& group, int count = most_components)
+      : BatchArray<max_points * most_components>(group.shape->points * count), components(count) {}
+};
+
+/// A matrix over the dofs of a cell, [row][column], whose space serves one batch after the other.
+class CellMatrix {
+public:
+  /// For n dofs, with the entries as they are; with all entries 0.
+  Batch* sized(int n) {
+    rows_ = n;
+    value_.resize(at(n * n));
+    return value_.data();
   }
-  void store(std::vector<double>& row, std::size_t offset, int batch) const {
-    std::copy_n(reinterpret_cast<const double*>(this->value), this->size * lanes,
-                row.data() + place(offset, batch));
+  Batch* zeroed(int n) {
+    std::fill_n(sized(n), n * n, Batch(0.0));
+    return value_.data();
+  }
+  Batch& operator()(int i, int j) { return value_[at(i * rows_ + j)]; }
+  const Batch* data() const { return value_.data(); }
+  /// Rows and columns of held dofs, whose `free` is 0, vanish.
+  void mask(const NodalValues& free) {
+    for (int i = 0; i < rows_; ++i)
+      for (int j = 0; j < rows_; ++j) (*this)(i, j) *= free.value[i] * free.value[j];
+  }
+  Batch trace() const {
+    Batch sum = value_[0];
+    for (int i = 1; i < rows_; ++i) sum += value_[at(i * rows_ + i)];
+    return sum;
   }
 
 private:
-  std::size_t place(std::size_t offset, int batch) const {
-    return offset + static_cast<std::size_t>(batch) * static_cast<std::size_t>(this->size) * lanes;
-  }
+  int rows_ = 0;
+  std::vector<Batch> value_;
 };
-
-/// A matrix over the dofs of a cell, [row][column] with equally many of both; all 0 at first.
-struct CellMatrix {
-  int rows;
-  std::vector<Batch> value;
-
-  explicit CellMatrix(int n) : rows(n), value(static_cast<std::size_t>(n * n), Batch(0.0)) {}
-  Batch* data() { return value.data(); }
-  void clear() { std::fill(value.begin(), value.end(), Batch(0.0)); }
-  /// Rows and columns of what is not free (0) vanish. free: [row].
-  void mask(const Batch* free) {
-    Batch* entry = value.data();
-    for (int i = 0; i < rows; ++i)
-      for (int j = 0; j < rows; ++j) *entry++ *= free[i] * free[j];
-  }
-};
-
-/// Where each group starts in a row of `components` per point.
-inline std::vector<std::size_t> point_offsets(const std::vector<CellGroup>& groups, int components) {
-  std::vector<std::size_t> offset(groups.size() + 1, 0);
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    offset[g + 1] = offset[g] + point_values(groups[g], components);
-  return offset;
-}
 
 /// Sum of a batch's lanes that hold cells of their own.
 inline double lane_sum(const Batch& value, int lanes_in_use) {
@@ -85,7 +76,82 @@ inline double lane_sum(const Batch& value, int lanes_in_use) {
   return sum;
 }
 
-/// Whether no lane that holds a cell of its own is marked in a kernel's bit mask.
-inline bool is_sound(int bad, int lanes_in_use) { return (bad & ((1 << lanes_in_use) - 1)) == 0; }
+/// One batch of the loop below. Fields are local arrays [node][components], rows
+/// [group][batch][point][component][lane], ordinary doubles without the alignment of a Batch.
+struct CellBatch {
+  const Discretisation& d;
+  const CellGroup& group;
+  const PointLaw& law;
+  const CellKernels& kernels;
+  int number_of_group, number;
+  std::size_t first_point,
+      first_cell; ///< of the group, in rows [group][batch][point][lane], [group][batch][lane]
+
+  int nodes() const { return group.shape->nodes; }
+  int used() const { return group.lanes_in_use(number); }
+  /// Those bits of `bad` that belong to cells of their own.
+  int broken(int bad) const { return bad & ((1 << used()) - 1); }
+  std::size_t material() const { return at(group.material); }
+  double sum(const Batch& value) const { return lane_sum(value, used()); }
+
+  NodalValues gather(std::span<const double> field, int components) const {
+    NodalValues values(nodes() * components);
+    impact::gather(group, number, components, field.data(), values.data());
+    return values;
+  }
+  NodalValues vectors(std::span<const double> field) const { return gather(field, d.dim()); }
+  NodalValues scalars(std::span<const double> field) const { return gather(field, 1); }
+  /// Nodal values to be summed up, 0 at first; and their sum into a field.
+  NodalValues zero(int components) const {
+    NodalValues values(nodes() * components);
+    std::fill_n(values.value, values.size, Batch(0.0));
+    return values;
+  }
+  void scatter(const NodalValues& values, std::vector<double>& field) const {
+    scatter_add(group, number, values.size / nodes(), values.data(), field.data());
+  }
+
+  /// Point values as they come: of a constant number of components, of histories, of stresses.
+  template <int components> PointValues<components> points() const { return PointValues<components>(group); }
+  PointValues<max_history_size> histories() const {
+    return PointValues<max_history_size>(group, history_size(d.frame));
+  }
+  PointValues<max_gradient_size> stresses() const {
+    return PointValues<max_gradient_size>(group, gradient_size(d.frame));
+  }
+  template <int most> void load(std::span<const double> row, PointValues<most>& values) const {
+    std::copy_n(row.data() + place(values), values.size * lanes, reinterpret_cast<double*>(values.value));
+  }
+  template <int components> PointValues<components> load(std::span<const double> row) const {
+    PointValues<components> values(group);
+    load(row, values);
+    return values;
+  }
+  template <int most> void store(const PointValues<most>& values, std::vector<double>& row) const {
+    std::copy_n(reinterpret_cast<const double*>(values.value), values.size * lanes,
+                row.data() + place(values));
+  }
+
+private:
+  template <int most> std::size_t place(const PointValues<most>& values) const {
+    return first_point * at(values.components) + at(number) * at(values.size) * lanes;
+  }
+};
+
+/// body(const CellBatch&) for all cells whose law `takes` says yes to, group by group.
+template <class Takes, class Body> void for_each_batch(const Discretisation& d, Takes&& takes, Body&& body) {
+  std::size_t point = 0, cell = 0;
+  for (std::size_t g = 0; g < d.groups.size(); ++g) {
+    const CellGroup& group = d.groups[g];
+    const CellKernels& kernels = group.shape.kernels(d.frame);
+    if (takes(d.law(group)))
+      for (int b = 0; b < group.batch_count; ++b)
+        body(CellBatch{d, group, d.law(group), kernels, static_cast<int>(g), b, point, cell});
+    point += point_values(group, 1);
+    cell += at(group.batch_count) * lanes;
+  }
+}
+inline constexpr auto all_laws = [](const PointLaw&) { return true; };
+inline constexpr auto deformable = [](const PointLaw& law) { return !law.rigid(); };
 
 } // namespace impact
