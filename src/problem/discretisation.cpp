@@ -23,6 +23,12 @@ double Discretisation::softest_modulus() const {
   return softest;
 }
 
+std::size_t Discretisation::point_values(int components) const {
+  std::size_t sum = 0;
+  for (const CellGroup& group : groups) sum += impact::point_values(group, components);
+  return sum;
+}
+
 bool Discretisation::has_damage() const {
   return any_law(*this, [](const PointLaw& law) { return law.parameters.damage != Damage::none; });
 }
@@ -131,17 +137,12 @@ void declare_state(const Discretisation& d, StateTable& table) {
     theta.output = true;
     table.add(std::move(theta), d.node_values(1));
   }
-  std::size_t history = 0, drive = 0, fatigue = 0;
-  for (const CellGroup& group : d.groups) {
-    fatigue += point_values(group, 1);
-    history += point_values(group, history_size(d.frame));
-    drive += point_values(group, drive_size);
-  }
-  StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
+  StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)},
+                             d.point_values(history_size(d.frame)));
   set_virgin(d.frame, rows.committed);
   rows.trial = rows.committed;
-  table.add({"drive", Support::cell_point, drive_size}, drive);
-  if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, fatigue);
+  table.add({"drive", Support::cell_point, drive_size}, d.point_values(drive_size));
+  if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, d.point_values(1));
 }
 
 } // namespace impact

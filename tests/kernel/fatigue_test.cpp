@@ -61,7 +61,7 @@ std::vector<Matrix<double>> undamaged_stress(MaterialParameters m, const referen
 TYPED_TEST(FatigueCell, GrowthIsThatOfThePlainElement) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;
-  constexpr int d = Cell::dim, size = history_size(d);
+  constexpr int d = Cell::dim, size = history_size(frame);
   using History = std::vector<PointHistory<double, d>>;
   Sampler random(61);
   int negative = 0;

@@ -77,7 +77,7 @@ TYPED_TEST(Measure, StepSumsAreTheDissipationsOfThePlainElement) {
     m.visc_degrade = k % 3 == 0;
     const auto cases = reference::cases<Cell, frame>(random, 0.03);
     const reference::CellBatch<Cell, frame> batch(cases);
-    Batch trial[Cell::points * history_size(d)], drive[Cell::points * drive_size];
+    Batch trial[Cell::points * history_size(frame)], drive[Cell::points * drive_size];
     StepSums sums;
     kernels<Cell, frame>().motion_advance(PointLaw{m}, batch.input(cases[0].dt), trial, drive, sums, {});
     for (int l = 0; l < lanes; ++l) {
@@ -102,9 +102,9 @@ TYPED_TEST(Measure, StepSumsAreTheDissipationsOfThePlainElement) {
         const double scale = std::pow(reference::det(C), -1.0 / 3) * m.G / 2, ge = reference::g_e1(m, phi);
         viscous += q.weight * m.b_d * (m.visc_degrade ? ge : 1) * square / c.dt;
         work += q.weight * ge * scale * (trial_W - new_W);
-        EXPECT_NEAR(trial[p * history_size(d) + history_size(d) - 1][l], flow.alpha, 1e-13);
+        EXPECT_NEAR(trial[p * history_size(frame) + history_size(frame) - 1][l], flow.alpha, 1e-13);
         for (int i = 0; i < symmetric_size(d); ++i)
-          EXPECT_NEAR(trial[p * history_size(d) + i][l], reference::symmetric<d>(flow.A)[i], 1e-12);
+          EXPECT_NEAR(trial[p * history_size(frame) + i][l], reference::symmetric<d>(flow.A)[i], 1e-12);
         const double W = scale * new_W - 1.5 * m.G,
                      E = drive[p * drive_size][l] + drive[p * drive_size + 1][l];
         const double J = reference::det(F) / reference::J_theta(m, q.at(c.theta)),

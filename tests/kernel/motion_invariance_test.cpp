@@ -64,7 +64,7 @@ TYPED_TEST(MotionInvariance, RotatingAPlasticallyStrainedCellTurnsItsForceAndNot
     const PointLaw law{m};
     auto cases = reference::cases<Cell, frame>(random, 0.03, 0.0);
     const reference::CellBatch<Cell, frame> before(cases);
-    constexpr int points = Cell::points, size = history_size(dim);
+    constexpr int points = Cell::points, size = history_size(frame);
     Batch committed[points * size], again[points * size], drive[points * drive_size],
         turned_drive[points * drive_size];
     StepSums sums, more;
@@ -158,8 +158,10 @@ TYPED_TEST(MotionInvariance, UniformGradientGivesTheSameForceWithEveryLockingCur
     m.locking = k == 0 ? Locking::none : k == 1 ? Locking::mean : Locking::fbar;
     for (auto& x : r[k]) x = 0.0;
     MotionInput in = batch.input(1);
-    std::vector<Batch> virgin(unsigned(Cell::points * history_size(dim)));
-    for (std::size_t i = 0; i < virgin.size(); ++i) virgin[i] = history_start(int(i) % history_size(dim));
+    std::vector<Batch> virgin(unsigned(Cell::points * history_size(frame)));
+    for (int q = 0; q < Cell::points; ++q)
+      static_cast<PointHistory<Batch, dim>&>(history_at<frame>(virgin.data(), q)) =
+          virgin_history<Batch, dim>();
     in.history = virgin.data();
     kernels<Cell, frame>().motion_residual(PointLaw{m}, in, r[k]);
   }
@@ -191,7 +193,7 @@ TYPED_TEST(MotionInvariance, BadLanesAreNamedAndLeaveTheOthersAlone) {
   double size = 0;
   for (auto& x : expected) size = std::fmax(size, std::fabs(x[0]));
   for (int i = 0; i < dofs; ++i) EXPECT_NEAR(r[i][0], expected[i][0], 1e-12 * size);
-  Batch trial[Cell::points * history_size(dim)], drive[Cell::points * drive_size];
+  Batch trial[Cell::points * history_size(frame)], drive[Cell::points * drive_size];
   StepSums sums;
   EXPECT_EQ((kernels<Cell, frame>().motion_advance(law, batch.input(1), trial, drive, sums, {}).bad), 2 | 4);
 }

@@ -84,7 +84,7 @@ TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
 TYPED_TEST(Motion, MaterialWithoutDamageIsDamageableMaterialAtZeroDamage) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;
-  constexpr int dofs = Cell::nodes * Cell::dim, values = Cell::points * history_size(Cell::dim);
+  constexpr int dofs = Cell::nodes * Cell::dim, values = Cell::points * history_size(frame);
   Sampler random(21);
   for (int k = 0; k < 24; ++k) {
     MaterialParameters m = reference::every_option(k);

@@ -33,7 +33,6 @@ Mesh wedges(int n) {
             const int* c = corner[triangle[unsigned(a % 3)]];
             cone[a] = at(c[0], c[1], a < 3 ? k : k + 1);
           }
-          check(DMPlexInvertCell(DM_POLYTOPE_TRI_PRISM, cone));
           cells.insert(cells.end(), cone, cone + 6);
         }
       }

@@ -5,11 +5,11 @@
 /// along
 /// [-1,1], with three points in the triangle times two along the third direction.
 struct Wedge6 {
-  static constexpr impact::CellNames names = {"wedges", "triangular_prism", 6, 8, "Wedge"};
+  static constexpr impact::CellNames names = {"wedges", "tensor_triangular_prism", 6, 8, "Wedge"};
   static constexpr int dim = 3, nodes = 6, points = 6;
   static constexpr impact::CellFacet facets[] = {
       {0, 2, 1, -1}, {3, 4, 5, -1}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}};
-  static constexpr int from_plex[nodes] = {0, 2, 1, 3, 4, 5};
+  static constexpr int from_plex[nodes] = {0, 1, 2, 3, 4, 5};
   using Point = std::array<double, dim>;
   static constexpr Point centroid() { return {1.0 / 3, 1.0 / 3, 0}; }
   static constexpr Point point(int q) {

@@ -52,7 +52,7 @@ Degraded<T> differentiated(const GivenDegradation& law, const T& phi, const T& a
 }
 
 /// The list of laws: calls f with the one that the parameters name.
-template <class F> decltype(auto) with_degradation(const MaterialParameters& m, F&& f) {
+template <class F> decltype(auto) with_degradation(const DegradationParameters& m, F&& f) {
   switch (m.ge) {
   case Degradation::cubic:
     return f(CubicDegradation{m.cubic_s});
@@ -66,8 +66,10 @@ template <class F> decltype(auto) with_degradation(const MaterialParameters& m, 
 }
 
 /// Laws beside the quadratic one, kept out of line: the kernels pay no registers for what they seldom use.
+/// Their parameters come by value, because a law from outside could reach all others of a material by
+/// reference (hardening.hpp).
 template <class T>
-[[gnu::noinline]] Degraded<T> other_degradation(const MaterialParameters& m, const T& phi, const T& alpha) {
+[[gnu::noinline]] Degraded<T> other_degradation(DegradationParameters m, const T& phi, const T& alpha) {
   return with_degradation(
       m, [&](const auto& law) { return differentiated(law, phi, alpha, m.residual_stiffness); });
 }

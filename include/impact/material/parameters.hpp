@@ -1,7 +1,5 @@
 #pragma once
 #include <limits>
-#include <memory>
-#include <string>
 #include <type_traits>
 
 /// The symbols of one material, in any consistent set of units (Table 1 of the paper).
@@ -59,9 +57,18 @@ struct FlowParameters {
   const HardeningFunctions* own_hardening = nullptr;          ///< with HardeningKind::own
 };
 
+/// What a degradation reads beside phi and alpha.
+struct DegradationParameters {
+  Degradation ge = Degradation::quadratic;
+  double cubic_s = 1e-4;            ///< slope parameter of the cubic degradation
+  double alpha_c = 0;               ///< critical plastic strain of the ductile degradation
+  double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
+  const DegradationFunctions* own_degradation = nullptr; ///< with Degradation::own
+};
+
 /// The symbols of one material. Trivially copyable: a kernel copies what it works with, and a device could
 /// too.
-struct MaterialParameters : ElasticParameters, FlowParameters {
+struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParameters {
   double alpha_t = 0, theta0 = 298.15; ///< thermal expansion, reference temperature
   double c_v = 0;          ///< heat capacity at fixed J_e per reference volume; 0: without temperature
   double conductivity = 0; ///< 0: adiabatic points
@@ -75,21 +82,10 @@ struct MaterialParameters : ElasticParameters, FlowParameters {
   double b_d = 0;            ///< viscosity: S_d = 2 b_d Cdot (62)
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
-  Degradation ge = Degradation::quadratic;
-  double cubic_s = 1e-4; ///< slope parameter of the cubic degradation
-  double alpha_c = 0;    ///< critical plastic strain of the ductile degradation
   PlasticDegradation gp = PlasticDegradation::one;
   double plastic_threshold = 0; ///< W_0: damage is driven by <H_0 - W_0> (energy per volume)
   DamageGradient damage_gradient = DamageGradient::spatial;
-  double residual_stiffness = 1e-6;                      ///< g = (1 - k) g(phi) + k
-  const DegradationFunctions* own_degradation = nullptr; ///< with Degradation::own
 };
 static_assert(std::is_trivially_copyable_v<MaterialParameters>);
-
-/// The parameters with what they point to and with the name of the material.
-struct MaterialDescription : MaterialParameters {
-  std::string id;
-  std::shared_ptr<const HardeningTable> points; ///< what `table` points to; never changes once it is made
-};
 
 } // namespace impact

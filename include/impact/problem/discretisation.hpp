@@ -4,6 +4,7 @@
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ struct Discretisation {
   const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
   std::size_t node_values(int components) const { return at(mesh.node_count() * components); }
   double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
+  /// Doubles of a row of `components` per quadrature point, of all groups.
+  std::size_t point_values(int components) const;
   bool has_damage() const;
   bool has_fatigue() const;
   bool has_viscosity() const;

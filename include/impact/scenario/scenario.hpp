@@ -7,6 +7,7 @@
 #include <impact/problem/settings.hpp>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <petscsys.h>
 #include <string>
