@@ -288,14 +288,16 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
 template <class Cell, Frame frame, bool tangent, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
                                                        Batch* K) {
-  return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted(law, terms), restricted(in, terms),
+  const LastDigits<terms> kept;
+  return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
                                                                 r, K);
 }
 
 template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
                                                         Batch* trial_history, Batch* drive, StepSums& sums) {
-  return advance<Cell, frame, false, terms == Terms::spectral>(restricted(law, terms), restricted(in, terms),
+  const LastDigits<terms> kept;
+  return advance<Cell, frame, false, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
                                                                trial_history, drive, sums, {});
 }
 
@@ -303,7 +305,7 @@ template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
-  return advance<Cell, frame, true, false>(restricted(law, terms), restricted(in, terms), trial_history,
+  return advance<Cell, frame, true, false>(restricted<terms>(law), restricted(in, terms), trial_history,
                                            drive, sums, heat);
 }
 

@@ -69,6 +69,9 @@ struct DegradationParameters {
 /// The symbols of one material. Trivially copyable: a kernel copies what it works with, and a device could
 /// too.
 struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParameters {
+  /// Sets each member by itself: one copy of a constant image hides from the compiler which terms are absent.
+  MaterialParameters() {}
+
   double alpha_t = 0, theta0 = 298.15; ///< thermal expansion, reference temperature
   double c_v = 0;          ///< heat capacity at fixed J_e per reference volume; 0: without temperature
   double conductivity = 0; ///< 0: adiabatic points
