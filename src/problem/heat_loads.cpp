@@ -62,7 +62,7 @@ void HeatLoads::evaluate(double t, int end) {
           for (std::size_t a = 0; a < at(Cell::nodes); ++a)
             for (std::size_t k = 0; k < at(Cell::dim); ++k)
               x[k] += shape_table<Cell>.N[q][a] * X.value[a * at(Cell::dim) + k][static_cast<int>(l)];
-          value.value[q].set(static_cast<int>(l), boundary_.heat_value(source.condition, x, t));
+          value.value[q].set(static_cast<int>(l), boundary_.scalar_value(source.condition, x, t));
         }
       batch.store(value, source.value[end]);
     });
@@ -73,7 +73,7 @@ void HeatLoads::evaluate(double t, int end) {
     for_each_facet_point(surface.load->facets, d_.frame, X_, [&](std::size_t i, const double* x) {
       heat.coefficient[i] = convects ? boundary_.heat_coefficient(c, x, t) : 0.0;
       heat.inflow[i] = convects ? heat.coefficient[i] * boundary_.ambient_temperature(c, x, t)
-                                : boundary_.heat_value(c, x, t);
+                                : boundary_.scalar_value(c, x, t);
     });
   }
 }
