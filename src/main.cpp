@@ -6,9 +6,9 @@
 #include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
-#include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <string>
 
 #ifdef IMPACT_FAULT_INJECTION

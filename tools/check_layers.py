@@ -21,8 +21,9 @@ BELOW = {
     "problem": ["contact", "time", "input"],
     "io": ["mesh"],
     "solve": ["problem"],
+    "scenario": ["problem"],
     "balance": ["solve", "io"],
-    "run": ["balance"],
+    "run": ["scenario", "balance"],
 }
 DRY = {"math", "material", "element", "kernel"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

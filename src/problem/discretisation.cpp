@@ -1,48 +1,54 @@
+#include <algorithm>
+#include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/discretisation.hpp>
 
 namespace impact {
 
-bool Discretisation::has_damage() const {
+namespace {
+
+template <class Test> bool any_law(const Discretisation& d, Test&& test) {
+  return std::any_of(d.materials.begin(), d.materials.end(),
+                     [&](const MaterialAssignment& m) { return test(m.law); });
+}
+
+} // namespace
+
+double Discretisation::softest_modulus() const {
+  double softest = HUGE_VAL;
   for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.damage != Damage::none) return true;
-  return false;
+    if (const MaterialParameters& p = m.law.parameters; !m.law.rigid())
+      softest = std::min(softest, 9 * p.K * p.G / (3 * p.K + p.G));
+  return softest;
+}
+
+bool Discretisation::has_damage() const {
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.damage != Damage::none; });
 }
 
 bool Discretisation::has_fatigue() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.fatigues()) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.fatigues(); });
 }
 
 bool Discretisation::has_viscosity() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.b_d > 0) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.b_d > 0; });
 }
 
 bool Discretisation::has_plasticity() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.model == Model::j2) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.model == Model::j2; });
 }
 
 bool Discretisation::has_heat() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.c_v > 0) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.c_v > 0; });
 }
 
 bool Discretisation::temperature_moves() const {
-  if (!has_heat()) return false;
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.alpha_t != 0 || m.law.softens()) return true;
-  return false;
+  return has_heat() &&
+         any_law(*this, [](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
 }
 
 std::size_t point_values(const CellGroup& group, int components) {
-  return static_cast<std::size_t>(group.batch_count) * static_cast<std::size_t>(point_count(group.shape)) *
-         static_cast<std::size_t>(components) * lanes;
+  return at(group.batch_count) * at(point_count(group.shape)) * at(components) * lanes;
 }
 
 namespace {
@@ -50,21 +56,20 @@ namespace {
 std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<MaterialAssignment>& materials) {
   PetscInt start = 0, end = 0;
   check(DMPlexGetHeightStratum(mesh.dm(), 0, &start, &end));
-  std::vector<int> material(static_cast<std::size_t>(end - start), -1);
+  std::vector<int> material(at(end - start), -1);
   int first = -1, second = -1; // a pair of materials that claim one cell
   for (int m = 0; m < static_cast<int>(materials.size()); ++m)
-    for (const std::string& region : materials[static_cast<std::size_t>(m)].regions) {
+    for (const std::string& region : materials[at(m)].regions) {
       const Group* group = mesh.find_group(region);
       if (group == nullptr || group->dim != mesh.dim()) {
         std::string names;
         for (const Group& g : mesh.groups())
           if (g.dim == mesh.dim()) names += (names.empty() ? "" : ", ") + g.name;
-        throw UserError(ExitCode::data,
-                        "-material_" + materials[static_cast<std::size_t>(m)].law.parameters.id +
-                            "_region \"" + region + "\": no such region; the mesh has: " + names);
+        throw UserError(ExitCode::data, "-material_" + materials[at(m)].law.parameters.id + "_region \"" +
+                                            region + "\": no such region; the mesh has: " + names);
       }
       for (PetscInt point : mesh.region_cells(region)) {
-        int& mine = material[static_cast<std::size_t>(point - start)];
+        int& mine = material[at(point - start)];
         if (mine >= 0 && mine != m) {
           first = mine;
           second = m;
@@ -75,10 +80,8 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
   int clash[2] = {first, second};
   MPI_Allreduce(MPI_IN_PLACE, clash, 2, MPI_INT, MPI_MAX, mesh.comm());
   if (clash[0] >= 0)
-    throw UserError(ExitCode::data, "-material_" +
-                                        materials[static_cast<std::size_t>(clash[0])].law.parameters.id +
-                                        "_region and -material_" +
-                                        materials[static_cast<std::size_t>(clash[1])].law.parameters.id +
+    throw UserError(ExitCode::data, "-material_" + materials[at(clash[0])].law.parameters.id +
+                                        "_region and -material_" + materials[at(clash[1])].law.parameters.id +
                                         "_region share cells; give each cell one material");
   return material;
 }
@@ -135,7 +138,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
   }
   StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
   // The virgin state: A = 1, the rest 0.
-  const auto components = static_cast<std::size_t>(history_size(d.frame));
+  const auto components = at(history_size(d.frame));
   for (std::size_t i = 0; i < rows.committed.size(); ++i)
     rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));
   table.add({"drive", Support::cell_point, drive_size}, drive);

@@ -10,8 +10,6 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 Vector3 second_half(const RigidVector& v) { return {v[3], v[4], v[5]}; }
 
 // int rho (r.q 1 - r q^T) for arms r = A Y, q = B Y.
@@ -180,7 +178,7 @@ void RigidBodies::keep_bodies_only(Vec f) const {
   double* values = nullptr;
   check(VecGetLocalSize(f, &size));
   check(VecGetArray(f, &values));
-  std::vector<double> kept(static_cast<std::size_t>(size), 0.0);
+  std::vector<double> kept(at(size), 0.0);
   for (std::size_t i = 0; i < owned_; ++i) std::copy_n(values + row_[i], dim_, kept.begin() + row_[i]);
   std::copy(kept.begin(), kept.end(), values);
   check(VecRestoreArray(f, &values));
@@ -198,8 +196,9 @@ void RigidBodies::place(Vec u) {
   }
 }
 
-void RigidBodies::reduce(Vec f, const std::vector<double>* acceleration) {
+void RigidBodies::reduce(Vec u, Vec f, const std::vector<double>* acceleration) {
   if (empty()) return;
+  place(u);
   std::vector<Sums> total = sums_of(Weight::one, f);
   if (acceleration != nullptr) {
     const std::vector<Sums> inertia =
@@ -227,8 +226,9 @@ void RigidBodies::reduce(Vec f, const std::vector<double>* acceleration) {
   if (acceleration != nullptr || !dynamic_) forces_ = std::move(total);
 }
 
-void RigidBodies::expand(Vec du) const {
+void RigidBodies::expand(Vec u, Vec du) {
   if (empty()) return;
+  place(u);
   std::vector<double> change(6 * bodies_.size(), 0.0);
   {
     const Owned values(du);
@@ -253,7 +253,8 @@ void RigidBodies::expand(Vec du) const {
   });
 }
 
-void RigidBodies::add_tangent(double mass_shift, Mat K) const {
+void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
+  place(u);
   const int width = dim_ + reduction_.rotations();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (slot_row_[b][0] < 0) continue;
@@ -346,11 +347,10 @@ double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acce
     check(VecCopy(f, other));
     return other;
   }();
-  place(u);
   std::vector<Sums> kept = forces_;
   std::vector<double> still;
   if (acceleration == nullptr) still.assign(at(dim_) * body_of_node_.size(), 0.0);
-  reduce(copy, acceleration != nullptr ? acceleration : &still);
+  reduce(u, copy, acceleration != nullptr ? acceleration : &still);
   double work = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidPlace& place = reduction_.bodies()[b];

@@ -4,9 +4,9 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/run/columns.hpp>
 #include <impact/run/crack_tips.hpp>
 #include <impact/run/observers.hpp>
+#include <impact/scenario/columns.hpp>
 
 namespace impact {
 

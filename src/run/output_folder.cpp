@@ -97,10 +97,6 @@ FolderLock::~FolderLock() {
   ::close(descriptor_);
 }
 
-std::string default_checkpoint_dir(const Scenario& s) {
-  return (fs::path(s.output_dir) / "checkpoints").string();
-}
-
 void set_earlier_run_aside(MPI_Comm comm, const Scenario& s, const std::optional<std::string>& resumed) {
   std::string moved;
   on_rank_zero(comm, [&] {

@@ -4,8 +4,8 @@
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
-#include <impact/run/columns.hpp>
 #include <impact/run/progress.hpp>
+#include <impact/scenario/columns.hpp>
 #include <vector>
 
 namespace impact {

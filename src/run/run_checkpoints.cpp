@@ -2,8 +2,9 @@
 #include <impact/input/option_text.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/run/restart_keys.hpp>
+#include <impact/run/restart_options.hpp>
 #include <impact/run/run_checkpoints.hpp>
+#include <impact/scenario/restart_keys.hpp>
 
 namespace impact {
 

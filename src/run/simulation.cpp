@@ -3,12 +3,12 @@
 #include <impact/petsc/log.hpp>
 #include <impact/run/energy_watch.hpp>
 #include <impact/run/output_folder.hpp>
-#include <impact/run/petsc_options.hpp>
 #include <impact/run/progress.hpp>
 #include <impact/run/restep.hpp>
 #include <impact/run/run_checkpoints.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
 
 namespace impact {
@@ -158,9 +158,7 @@ void Simulation::accept(const Attempt& attempt) {
   const StepCounts counts = stage_.coupling.counts();
   const HistoryFile::Row columns = history_.watch(snapshot_, counts);
   write_fields(false);
-  int active = 0;
-  for (ContactInterface& contact : stage_.setup->contacts) active += contact.measures(snapshot_.u).active;
-  progress_.line(snapshot_, counts, stage_.ledger, active);
+  progress_.line(snapshot_, counts, stage_.ledger, stage_.setup->contacts.active(snapshot_.u));
   note_solved(counts);
   const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
   ended_by_ = stops_.ask(columns);

@@ -46,10 +46,8 @@ Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
 
 SolverDefaults choose(const Scenario& s, Setup& setup) {
   SolverDemands demands;
-  for (const ContactInterface& contact : setup.contacts) {
-    demands.closes_gaps = demands.closes_gaps || contact.semismooth();
-    demands.frictional = demands.frictional || contact.frictional();
-  }
+  demands.closes_gaps = setup.contacts.demands().closes_gaps;
+  demands.frictional = setup.contacts.demands().frictional;
   demands.rigid = !setup.rigid.empty();
   demands.unsymmetric = !unsymmetric_force(s).first.empty();
   SolverDefaults solver =
@@ -145,7 +143,7 @@ void RunStage::report_solvers() {
 void RunStage::start() {
   coupling.start(u, a);
   if (inertia) d.displacement.to_local(a, state.row("a").trial);
-  for (ContactInterface& contact : setup->contacts) contact.advance(u, u, 0);
+  setup->contacts.advance(u, u, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts, &dt));
   ledger.start(integrator_of(ts), dt, u, v, a);
@@ -157,11 +155,11 @@ void RunStage::resume() {
   ledger.resume(u, v);
   // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
   // made in its next step.
-  for (ContactInterface& contact : setup->contacts) contact.forget_search();
+  setup->contacts.forget_search();
 }
 
 void RunStage::forget_what_a_restart_lacks() {
-  for (ContactInterface& contact : setup->contacts) contact.forget_search();
+  setup->contacts.forget_search();
   coupling.forget_factors();
 }
 
@@ -216,7 +214,7 @@ void RunStage::accept(const Attempt& attempt) {
   if (!setup->contacts.empty()) {
     Handle<Vec> u_n = d.displacement.make_global();
     d.displacement.to_global(row.committed, u_n);
-    for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
+    setup->contacts.advance(u_n, u_new, attempt.dt);
   }
   state.commit();
 }

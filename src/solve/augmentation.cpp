@@ -32,21 +32,9 @@ SNESConvergedReason Augmentation::solve(Vec u, PetscReal rtol) {
   return reason;
 }
 
-bool Augmentation::augments() const {
-  const auto& contacts = motion_.contacts();
-  return std::any_of(contacts.begin(), contacts.end(), [](const auto& c) { return c.augments(); });
-}
-
-bool Augmentation::settled(Vec u) const {
-  const auto& contacts = motion_.contacts();
-  return std::all_of(contacts.begin(), contacts.end(), [&](const auto& c) { return c.review(u).converged; });
-}
-
 void Augmentation::meet(Vec u) {
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.meet(!solver_.loose().empty(), first_touch_);
-    contact.start_newton(u);
-  }
+  motion_.contacts().meet(!solver_.loose().empty(), first_touch_);
+  motion_.contacts().start_newton(u);
 }
 
 PassResult Augmentation::pass(PetscInt number, Vec u) {
@@ -60,26 +48,23 @@ PassResult Augmentation::pass(PetscInt number, Vec u) {
   check(VecCopy(solver_.left(), left_));
   // Of the present multipliers and of the places that the solve knew: both may change below.
   check(VecSet(contact_force_, 0));
-  for (ContactInterface& contact : motion_.contacts()) contact.add_residual(u, -1, contact_force_);
+  ContactSet& contacts = motion_.contacts();
+  contacts.add_forces(u, -1, contact_force_);
   // A body that moved beyond the skin may touch facets that the list did not hold.
   const bool kept = !solver_.refresh_contact(u);
-  auto& contacts = motion_.contacts();
-  if (number == 1)
-    for (ContactInterface& contact : contacts) contact.start_augmentation();
-  const bool converged = settled(u) && kept && !rough_;
+  if (number == 1) contacts.start_augmentation();
+  const ContactReview review = contacts.review(u);
+  const bool converged = review.converged && kept && !rough_;
   result.change = converged ? 0 : 1;
   if (converged) return result;
   // Multipliers change only where another solve follows, and not by penalties of places that it did not know.
   if (first_touch_) {
-    first_touch_ = !kept || std::any_of(contacts.begin(), contacts.end(),
-                                        [&](const auto& c) { return !c.review(u).settled; });
+    first_touch_ = !kept || !review.settled;
     if (first_touch_) return result;
   }
-  for (ContactInterface& contact : contacts) {
-    contact.augment(u);
-    contact.meet(!solver_.loose().empty(), false);
-  }
-  rough_ = !inertia_ && augments();
+  contacts.augment(u);
+  contacts.meet(!solver_.loose().empty(), false);
+  rough_ = !inertia_ && contacts.demands().augments;
   return result;
 }
 
@@ -90,8 +75,9 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
   solver_.approach(u);
   // What presses nothing yet is brought to rest on penalties, roughly: their forces grow with the way, and
   // the semismooth method, whose gaps close at once, begins from the pressures that they find.
+  const ContactDemands demands = motion_.contacts().demands();
   if (number == 1)
-    first_touch_ = (solver_.hooks().semismooth() || augments()) && !loose.empty() && !loose.rest(u);
+    first_touch_ = (demands.closes_gaps || demands.augments) && !loose.empty() && !loose.rest(u);
   meet(u);
   // Before the last augmentation a residual that falls to a tenth is exact enough.
   rough_ = first_touch_ || (number > 1 && rough_);
@@ -107,7 +93,7 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
     meet(u);
     reason = solver_.solve(u, rtol_, most);
   }
-  if (rough_ && reason >= 0 && !first_touch_ && settled(u)) {
+  if (rough_ && reason >= 0 && !first_touch_ && motion_.contacts().review(u).converged) {
     rough_ = false;
     reason = solver_.solve(u, rtol_, most);
   }

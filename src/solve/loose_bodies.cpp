@@ -31,10 +31,10 @@ std::vector<double> nodal_volumes(const Discretisation& d) {
       constexpr int dim = Cell::dim, nodes = Cell::nodes;
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, dim> x(group, b, X);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
+        std::array<Batch, at(nodes * nodes)> m{};
         mass_matrix<Cell, frame>(unit, x.data(), m.data());
-        std::array<Batch, static_cast<std::size_t>(nodes)> sum{};
-        for (std::size_t i = 0; i < m.size(); ++i) sum[i / static_cast<std::size_t>(nodes)] += m[i];
+        std::array<Batch, at(nodes)> sum{};
+        for (std::size_t i = 0; i < m.size(); ++i) sum[i / at(nodes)] += m[i];
         scatter_add<Cell, 1>(group, b, sum.data(), volume.data());
       }
     });
@@ -47,17 +47,17 @@ std::vector<double> nodal_volumes(const Discretisation& d) {
 
 } // namespace
 
-LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary,
-                         const std::vector<ContactInterface>& contacts, const RigidBodies& rigid)
+LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary, const ContactSet& contacts,
+                         const RigidBodies& rigid)
     : d_(&d), contacts_(&contacts), fixed_(boundary.fixed_mask()) {
   if (contacts.empty()) return;
   const Bodies bodies = find_bodies(d.mesh, d.scalar);
-  std::vector<int> place(static_cast<std::size_t>(bodies.count), -1);
+  std::vector<int> place(at(bodies.count), -1);
   for (const FreeBody& free : find_free_bodies(d, boundary, contacts, rigid)) {
     if (std::any_of(rigid.bodies().begin(), rigid.bodies().end(),
                     [&](const RigidBody& r) { return r.component == free.number; }))
       continue; // its unknowns are few, and are pressed from the first iteration or not held
-    place[static_cast<std::size_t>(free.number)] = static_cast<int>(bodies_.size());
+    place[at(free.number)] = static_cast<int>(bodies_.size());
     Body body;
     body.name = describe(free, d.dim());
     body.centre = free.centre;
@@ -66,13 +66,13 @@ LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary,
   }
   if (bodies_.empty()) return;
   std::vector<int> loose;
-  for (int body : bodies.of_node) loose.push_back(place[static_cast<std::size_t>(body)]);
+  for (int body : bodies.of_node) loose.push_back(place[at(body)]);
   measure(loose);
 }
 
 void LooseBodies::measure(const std::vector<int>& loose) {
   const Mesh& mesh = d_->mesh;
-  const auto dim = static_cast<std::size_t>(d_->dim());
+  const auto dim = at(d_->dim());
   const std::vector<double> volume = nodal_volumes(*d_);
   std::vector<char> surface(loose.size(), 0);
   std::vector<double> facet(bodies_.size(), HUGE_VAL);
@@ -83,12 +83,12 @@ void LooseBodies::measure(const std::vector<int>& loose) {
       if (ContactSettings::rigid_name(side)) continue;
       const ContactSurface facets = make_surface(mesh, settings.id, side);
       for (std::size_t i = 0; i < facets.local.size(); ++i) {
-        const auto node = static_cast<std::size_t>(facets.local[i]);
+        const auto node = at(facets.local[i]);
         surface[node] = 1;
         if (loose[node] < 0) continue;
-        const auto b = static_cast<std::size_t>(loose[node]);
+        const auto b = at(loose[node]);
         meets[b] = 1;
-        facet[b] = std::min(facet[b], facets.length[i / static_cast<std::size_t>(facets.corners)]);
+        facet[b] = std::min(facet[b], facets.length[i / at(facets.corners)]);
       }
     }
     MPI_Allreduce(MPI_IN_PLACE, meets.data(), static_cast<int>(meets.size()), MPI_INT, MPI_MAX, mesh.comm());
@@ -99,7 +99,7 @@ void LooseBodies::measure(const std::vector<int>& loose) {
   std::vector<double> sums(2 * bodies_.size(), 0.0);
   for (std::size_t node = 0; node < loose.size(); ++node) {
     if (loose[node] < 0 || !mesh.owned(static_cast<int>(node))) continue;
-    const auto b = static_cast<std::size_t>(loose[node]);
+    const auto b = at(loose[node]);
     nodes_.push_back({static_cast<int>(node), loose[node], volume[node], surface[node] != 0});
     double square = 0;
     for (std::size_t k = 0; k < dim; ++k) {
@@ -161,19 +161,18 @@ void LooseBodies::weigh(Vec u, Vec r) {
   check(VecNorm(r, NORM_2, &norm));
   stride_ = limited_ && norm <= norm_ ? 2 * stride_ : 1;
   norm_ = norm;
-  std::vector<ContactInterface::Reach> reach;
-  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
-  const auto dim = static_cast<std::size_t>(d_->dim());
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  const auto dim = at(d_->dim());
   // Force and moment about the centre, of each body.
   std::vector<double> sums(6 * bodies_.size(), 0.0), local = d_->displacement.make_local();
   d_->displacement.to_local(r, local);
   for (const Node& node : nodes_) {
-    const auto at = dim * static_cast<std::size_t>(node.local);
-    double* of = &sums[6 * static_cast<std::size_t>(node.body)];
+    const auto first = dim * at(node.local);
+    double* of = &sums[6 * at(node.body)];
     std::array<double, 3> f{}, x{};
     for (std::size_t k = 0; k < dim; ++k) {
-      f[k] = local[at + k];
-      x[k] = d_->mesh.coordinates()[at + k] - bodies_[static_cast<std::size_t>(node.body)].centre[k];
+      f[k] = local[first + k];
+      x[k] = d_->mesh.coordinates()[first + k] - bodies_[at(node.body)].centre[k];
       of[k] += f[k];
     }
     for (std::size_t k = 0; k < 3; ++k)
@@ -201,18 +200,16 @@ void LooseBodies::add_to(Mat K) const {
   const int dim = d_->dim();
   for (const Node& node : nodes_)
     for (int k = 0; k < dim; ++k) {
-      if (fixed_[static_cast<std::size_t>(dim * node.local + k)]) continue;
-      const PetscInt row = dim * d_->mesh.global_node()[static_cast<std::size_t>(node.local)] + k;
-      check(MatSetValue(K, row, row, bodies_[static_cast<std::size_t>(node.body)].weight * node.volume,
-                        ADD_VALUES));
+      if (fixed_[at(dim * node.local + k)]) continue;
+      const PetscInt row = dim * d_->mesh.global_node()[at(node.local)] + k;
+      check(MatSetValue(K, row, row, bodies_[at(node.body)].weight * node.volume, ADD_VALUES));
     }
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
 }
 
 bool LooseBodies::sees_only(Vec u) const {
-  std::vector<ContactInterface::Reach> reach;
-  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
   return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     return std::all_of(body.contacts.begin(), body.contacts.end(),
                        [&](std::size_t c) { return std::isinf(reach[c].gap); }) &&
@@ -222,8 +219,7 @@ bool LooseBodies::sees_only(Vec u) const {
 }
 
 bool LooseBodies::rest(Vec u) const {
-  std::vector<ContactInterface::Reach> reach;
-  for (const ContactInterface& contact : *contacts_) reach.push_back(contact.reach(u));
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
   return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     return std::any_of(body.contacts.begin(), body.contacts.end(),
                        [&](std::size_t c) { return reach[c].presses; });
@@ -233,14 +229,13 @@ bool LooseBodies::rest(Vec u) const {
 double LooseBodies::part_of(Vec du) { // (H3)
   std::vector<double> local = d_->displacement.make_local();
   d_->displacement.to_local(du, local);
-  const auto dim = static_cast<std::size_t>(d_->dim());
+  const auto dim = at(d_->dim());
   double most = 0; // over what is allowed
   for (const Node& node : nodes_) {
-    const Body& body = bodies_[static_cast<std::size_t>(node.body)];
+    const Body& body = bodies_[at(node.body)];
     if (!node.on_surface) continue;
     double square = 0;
-    for (std::size_t k = 0; k < dim; ++k)
-      square += std::pow(local[dim * static_cast<std::size_t>(node.local) + k], 2);
+    for (std::size_t k = 0; k < dim; ++k) square += std::pow(local[dim * at(node.local) + k], 2);
     most = std::max(most, std::sqrt(square) / (2 * stride_ * body.approach));
   }
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, d_->mesh.comm());

@@ -36,7 +36,8 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   refresh_matrix();
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
   // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
-  const bool full_steps = hooks_.semismooth() || hooks_.frictional() || !loose_.empty();
+  const ContactDemands demands = motion_.contacts().demands();
+  const bool full_steps = demands.closes_gaps || demands.frictional || !loose_.empty();
   set_motion_solver(snes_, defaults, full_steps, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.install(snes_);
@@ -55,7 +56,7 @@ void MotionSolver::choose_reuse(double reuse) {
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
   if (reuse >= 0)
     reuse_ = TangentReuse(reuse);
-  else if (factorises && !hooks_.semismooth() && loose_.empty())
+  else if (factorises && !motion_.contacts().demands().closes_gaps && loose_.empty())
     reuse_ = TangentReuse(0.1);
 }
 
@@ -150,7 +151,7 @@ void MotionSolver::enter_step(Vec u, Vec goal) {
 bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   const FieldLayout& layout = motion_.discretisation().displacement;
   refresh_contact(u);
-  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
+  motion_.contacts().start_newton(u);
   const Handle<Vec> r = layout.make_global(), other = layout.make_global(), step = layout.make_global(),
                     start = layout.make_global();
   PetscReal atol = 0, slope[2] = {0, 0}, norm[2] = {0, 0};
@@ -168,10 +169,9 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   if (!linear_step(u, r, step)) return cell_broke_ = false;
   check(VecAXPY(u, -1, step));
   motion_.impose(u);
-  if (hooks_.semismooth()) {
+  if (motion_.contacts().demands().closes_gaps) {
     check(VecWAXPY(other, -1, start, u));
-    for (ContactInterface& contact : motion_.contacts())
-      if (contact.semismooth()) contact.take_newton_step(start, other, u);
+    motion_.contacts().after_newton_step(start, other, u, false);
     return true;
   }
   check(SNESComputeFunction(snes_, u, other));
@@ -259,10 +259,9 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   SNESLineSearch search = nullptr;
   ++second_ways_;
   check(SNESGetLineSearch(snes_, &search));
-  for (ContactInterface& contact : motion_.contacts())
-    if (contact.semismooth()) contact.fall_back();
+  motion_.contacts().fall_back();
   check(VecCopy(start_, u));
-  for (ContactInterface& contact : motion_.contacts()) contact.start_newton(u);
+  motion_.contacts().start_newton(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
   const SNESConvergedReason reason = newton(u, most);
@@ -300,10 +299,7 @@ bool MotionSolver::balanced(Vec u) {
   check(SNESGetTolerances(snes_, &atol, &rtol, nullptr, nullptr, nullptr));
   check(SNESComputeFunction(snes_, u, residual_));
   motion_.balance().judge(residual_, atol, rtol);
-  const auto& contacts = motion_.contacts();
-  return motion_.balance().holds() && std::all_of(contacts.begin(), contacts.end(), [&](const auto& contact) {
-           return contact.gaps_left(u, motion_.balance().force()).closed;
-         });
+  return motion_.balance().holds() && motion_.contacts().gaps_left(u, motion_.balance().force()).closed;
 }
 
 // What faces what is found between the Newton solves, so that a stride is one iteration.

@@ -11,10 +11,6 @@ namespace {
 // A residual within this multiple of its tolerance is near the solution.
 constexpr double near_balance = 10;
 
-template <class Contacts, class Test> bool any_of(const Contacts& contacts, Test&& test) {
-  return std::any_of(contacts.begin(), contacts.end(), test);
-}
-
 } // namespace
 
 std::string line_search_of(SNES snes) {
@@ -29,22 +25,11 @@ NewtonHooks::NewtonHooks(TS ts, MotionProblem& motion, LooseBodies& loose, Tange
     : motion_(motion), loose_(loose), reuse_(reuse), mailbox_(time_mailbox(ts)),
       bare_residual_(motion.discretisation().displacement.make_global()) {}
 
-bool NewtonHooks::semismooth() const {
-  return any_of(motion_.contacts(), [](const auto& contact) { return contact.semismooth(); });
-}
-
-bool NewtonHooks::frictional() const {
-  return any_of(motion_.contacts(), [](const auto& contact) { return contact.frictional(); });
-}
-
-bool NewtonHooks::reverses() const {
-  return any_of(motion_.contacts(), [](const auto& contact) { return contact.reverses(); });
-}
-
 void NewtonHooks::install(SNES snes) {
   // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
   // was nearly zero by any factor.
-  if (semismooth() || !loose_.empty()) check(SNESSetDivergenceTolerance(snes, -1));
+  if (motion_.contacts().demands().closes_gaps || !loose_.empty())
+    check(SNESSetDivergenceTolerance(snes, -1));
   SNESLineSearch search = nullptr;
   KSP ksp = nullptr;
   check(SNESGetLineSearch(snes, &search));
@@ -57,27 +42,28 @@ void NewtonHooks::install(SNES snes) {
 
 // The step y led from x to the iterate w, where the residual is evaluated next.
 void NewtonHooks::after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed) {
-  const bool multipliers = semismooth(), rigid = !motion_.rigid().empty();
-  if (!multipliers && !rigid && !frictional() && loose_.empty()) return;
+  const ContactDemands demands = motion_.contacts().demands();
+  const bool rigid = !motion_.rigid().empty();
+  if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
   if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
     check(VecWAXPY(w, -part, y, x));
     *changed = PETSC_TRUE;
   }
-  if (reverses()) {
+  if (demands.reverses) {
     check(VecWAXPY(w, -1, y, x));
     *changed = PETSC_TRUE;
   }
   // Not w, unless a body turned, but the residual there.
-  if (multipliers || rigid) *changed = PETSC_TRUE;
+  if (demands.closes_gaps || rigid) *changed = PETSC_TRUE;
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(step, -1, x, w));
   motion_.rigid().retract(w);
-  bool other_set = false;
-  for (ContactInterface& contact : motion_.contacts()) {
-    if (conduct.follows_sliding) other_set = contact.follow_sliding(w) || other_set;
-    if (contact.semismooth()) other_set = contact.take_newton_step(x, step, w) || other_set;
-  }
-  if (other_set) reuse_.forget();
+  if (motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding)) reuse_.forget();
+}
+
+bool NewtonHooks::closes_gaps() const {
+  const ContactDemands demands = motion_.contacts().demands();
+  return demands.closes_gaps || demands.reverses;
 }
 
 void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
@@ -88,9 +74,7 @@ void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
 
 void NewtonHooks::after_linear_solve(KSP, Vec rhs, Vec du) {
   if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
-  if (motion_.rigid().empty()) return;
-  motion_.rigid().place(conduct.iterate);
-  motion_.rigid().expand(du);
+  motion_.rigid().expand(conduct.iterate, du);
 }
 
 void NewtonHooks::add_gaps(Vec u, Vec f) {
@@ -100,11 +84,9 @@ void NewtonHooks::add_gaps(Vec u, Vec f) {
     apart = motion_.discretisation().displacement.make_global();
     gaps = apart;
   }
-  for (const ContactInterface& contact : motion_.contacts())
-    contact.add_gaps(u, motion_.step().contact_scale, gaps);
+  motion_.contacts().add_gaps(u, motion_.step().contact_scale, gaps);
   if (!apart) return;
-  motion_.rigid().place(u);
-  motion_.rigid().reduce(apart);
+  motion_.rigid().reduce(u, apart);
   check(VecAXPY(f, 1, apart));
 }
 
@@ -120,7 +102,8 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
   *reason = balance.test(snes, it, norm);
   Vec u = nullptr;
   check(SNESGetSolution(snes, &u));
-  if (semismooth() && balance.ratio() <= near_balance && !gaps_settle(u) && *reason > 0)
+  if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
+      *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;
   if (*reason == SNES_CONVERGED_ITERATING && conduct.watched && gives_up(norm))
     *reason = SNES_DIVERGED_LOCAL_MIN;
@@ -129,14 +112,9 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
 // Whether nothing is left open that another iteration closes.
 bool NewtonHooks::gaps_settle(Vec u) {
   const double before = open_;
-  bool closed = true;
-  open_ = 0;
-  for (const ContactInterface& contact : motion_.contacts()) {
-    const ContactInterface::GapsLeft left = contact.gaps_left(u, motion_.balance().force());
-    closed = closed && left.closed;
-    open_ = std::max(open_, left.open);
-  }
-  return closed || (open_ > before / 2 && open_ <= ContactInterface::most_open);
+  const auto [closed, open] = motion_.contacts().gaps_left(u, motion_.balance().force());
+  open_ = open;
+  return closed || (open_ > before / 2 && open_ <= most_open);
 }
 
 bool NewtonHooks::gives_up(PetscReal norm) {

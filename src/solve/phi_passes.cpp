@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/solve/phi_passes.hpp>
@@ -101,7 +102,7 @@ bool PhiPasses::far_from_rest() const { return runs_ && largest_ > 10 * settings
 // Diagonal of the box around the nodes that count as cracked: the length of a straight crack.
 double PhiPasses::extent(const std::vector<double>& phi) const {
   const auto X = mesh_.coordinates();
-  const auto dim = static_cast<std::size_t>(mesh_.dim());
+  const auto dim = at(mesh_.dim());
   double ends[6]; // largest x, y, z and -x, -y, -z
   std::fill(ends, ends + 6, -HUGE_VAL);
   for (std::size_t i = 0; i < phi.size(); ++i)

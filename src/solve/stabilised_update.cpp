@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <impact/petsc/callback.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/solve/stabilised_update.hpp>
@@ -20,37 +19,16 @@ struct Projection {
   Mailbox& mailbox() { return letters; }
 };
 
-// For a scope contacts are those of the projection: with multipliers from zero, without friction, with the
-// gradients of the start of the step.
+// For a scope contacts are those of the projection.
 class ProjectedContacts {
 public:
-  ProjectedContacts(std::vector<ContactInterface>& contacts, StateTable& state) : contacts_(contacts) {
-    for (const ContactInterface& contact : contacts_) {
-      StateRow& multiplier = state.row("contact_" + contact.id() + "_multiplier");
-      StateRow& penalty = state.row("contact_" + contact.id() + "_penalty");
-      kept_.emplace_back(&multiplier, multiplier.trial);
-      kept_.emplace_back(&penalty, penalty.trial);
-      std::fill(multiplier.trial.begin(), multiplier.trial.end(), 0.0);
-    }
-    suspend(true);
-  }
+  explicit ProjectedContacts(ContactSet& contacts) : contacts_(contacts) { contacts_.begin_projection(); }
   ProjectedContacts(const ProjectedContacts&) = delete;
   ProjectedContacts& operator=(const ProjectedContacts&) = delete;
-  ~ProjectedContacts() {
-    for (auto& [row, values] : kept_) row->trial = std::move(values);
-    suspend(false);
-  }
+  ~ProjectedContacts() { contacts_.end_projection(); }
 
 private:
-  void suspend(bool suspended) {
-    for (ContactInterface& contact : contacts_) {
-      contact.suspend_friction(suspended);
-      contact.linearise_at_start(suspended);
-    }
-  }
-
-  std::vector<ContactInterface>& contacts_;
-  std::vector<std::pair<StateRow*, std::vector<double>>> kept_;
+  ContactSet& contacts_;
 };
 
 } // namespace
@@ -111,7 +89,7 @@ void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   const InStage stage(Stage::motion);
   const Discretisation& d = motion_.discretisation();
   check(VecSet(shock_, 0));
-  const ProjectedContacts projected(motion_.contacts(), state_);
+  const ProjectedContacts projected(motion_.contacts());
   RigidBodies& rigid = motion_.rigid();
   // Rigid bodies: among rigid motions, and only what contact changes counts.
   const Handle<Vec> predictor = d.displacement.make_global(), start = d.displacement.make_global();
@@ -122,10 +100,8 @@ void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   }
   check(VecCopy(u_tilde, start));
   solver_.refresh_contact(u_tilde);
-  double penetration = 0;
-  for (const ContactInterface& contact : motion_.contacts())
-    penetration = std::max(penetration, contact.review(u_tilde).penetration);
-  const bool strikes = penetration > 0 && project(attempt, predictor, u_tilde, v);
+  const bool strikes =
+      motion_.contacts().review(u_tilde).penetration > 0 && project(attempt, predictor, u_tilde, v);
   if (!strikes) check(VecCopy(start, u_tilde));
   if (!rigid.empty()) {
     rigid.test_in_the_middle(true);
@@ -142,10 +118,7 @@ bool StabilisedUpdate::project(const Attempt& attempt, Vec goal, Vec u_tilde, Ve
     warn(attempt.t_n, reason);
     return false;
   }
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.add_residual(u_tilde, -0.5, shock_);
-    contact.keep_shock(u_tilde);
-  }
+  motion_.contacts().keep_shock(u_tilde, shock_);
   // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
   const FieldLayout& layout = motion_.discretisation().displacement;
   const Handle<Vec> force = layout.make_global(), gain = layout.make_global(); // gain: of v, over dt
@@ -179,7 +152,7 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   solver_.hooks().install(snes);
   solver_.hooks().conduct.iterate = w;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
+  motion_.contacts().start_augmentation();
   for (int pass = 0; pass < 10; ++pass) {
     check(SNESSolve(snes, nullptr, w));
     check(SNESGetConvergedReason(snes, &reason));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <impact/math/index.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/solve/step_limits.hpp>
 
@@ -29,9 +30,9 @@ StepLimits::Refusal StepLimits::damage(double growth) {
 
 StepLimits::Refusal StepLimits::plastic_strain(MPI_Comm comm, const StateRow& history, int alpha) {
   if (settings_.max_dalpha <= 0) return "";
-  const auto step = static_cast<std::size_t>(history.components) * lanes;
+  const auto step = at(history.components) * lanes;
   double growth = 0;
-  for (std::size_t i = static_cast<std::size_t>(alpha) * lanes; i < history.trial.size(); i += step)
+  for (std::size_t i = at(alpha) * lanes; i < history.trial.size(); i += step)
     for (std::size_t l = 0; l < lanes; ++l)
       growth = std::max(growth, history.trial[i + l] - history.committed[i + l]);
   return limit("the plastic strain grows", max_over_ranks(comm, growth), "dalpha", settings_.max_dalpha);
@@ -47,7 +48,7 @@ StepLimits::Refusal StepLimits::temperature(MPI_Comm comm, const StateRow& theta
 
 // What flies deep into another body within a step leaves Newton's method a start with cells turned inside
 // out, whose balance need not be that of the bodies.
-StepLimits::Refusal StepLimits::closing(std::span<const ContactInterface> contacts, Vec u) const {
+StepLimits::Refusal StepLimits::closing(const ContactSet& contacts, Vec u) const {
   if (!inertia_ || settings_.max_closing <= 0 || at_least_step()) return "";
   for (const ContactInterface& contact : contacts) {
     const double depth = contact.closed_within_step(u, settings_.max_closing);

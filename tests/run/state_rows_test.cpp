@@ -18,7 +18,7 @@ struct AllPhysics {
   StateTable state;
   RigidBodies rigid;
   BoundaryData boundary;
-  std::vector<ContactInterface> contacts;
+  ContactSet contacts;
   std::optional<MotionProblem> motion;
   std::optional<DamageProblem> damage;
   std::optional<HeatProblem> heat;

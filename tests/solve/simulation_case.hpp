@@ -155,7 +155,7 @@ private:
   Discretisation d_;
   StateTable state_;
   BoundaryData boundary_;
-  std::vector<ContactInterface> contacts_;
+  ContactSet contacts_;
   std::optional<MotionProblem> motion_;
   std::optional<DamageProblem> damage_;
   std::optional<HeatProblem> heat_;

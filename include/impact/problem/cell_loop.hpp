@@ -26,9 +26,11 @@ template <class Body> void with_shape(const CellGroup& group, Frame frame, Body&
   }
 }
 
+template <int size> using Batches = std::array<Batch, at(size)>;
+
 /// One nodal field of a batch, [node][components], gathered from a local array.
 template <class Cell, int components> struct Gathered {
-  std::array<Batch, static_cast<std::size_t>(Cell::nodes* components)> value;
+  Batches<Cell::nodes * components> value;
   Gathered(const CellGroup& group, int batch, std::span<const double> local) {
     gather<Cell, components>(group, batch, local.data(), value.data());
   }
@@ -39,15 +41,13 @@ template <class Cell, int components> struct Gathered {
 /// [group][batch][point][component][lane] (rows are ordinary arrays of double without the alignment of a
 /// Batch).
 template <class Cell, int components> struct PointValues {
-  static constexpr std::size_t size = static_cast<std::size_t>(Cell::points * components);
-  std::array<Batch, size> value;
+  static constexpr std::size_t size = at(Cell::points * components);
+  Batches<Cell::points * components> value;
   void load(std::span<const double> row, std::size_t offset, int batch) {
-    std::memcpy(value.data(), row.data() + offset + static_cast<std::size_t>(batch) * size * lanes,
-                sizeof(value));
+    std::memcpy(value.data(), row.data() + offset + at(batch) * size * lanes, sizeof(value));
   }
   void store(std::vector<double>& row, std::size_t offset, int batch) const {
-    std::memcpy(row.data() + offset + static_cast<std::size_t>(batch) * size * lanes, value.data(),
-                sizeof(value));
+    std::memcpy(row.data() + offset + at(batch) * size * lanes, value.data(), sizeof(value));
   }
   Batch* data() { return value.data(); }
 };
@@ -67,13 +67,24 @@ inline double lane_sum(const Batch& value, int lanes_in_use) {
   return sum;
 }
 
+/// Rows and columns of held dofs, whose `free` is 0, vanish from a cell matrix [dof][dof].
+template <int n> void mask(const Batch* free, Batch* K) {
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
+}
+
+template <int n> Batch trace(const Batch* K) {
+  Batch sum = K[0];
+  for (int i = 1; i < n; ++i) sum += K[i * n + i];
+  return sum;
+}
+
 /// One batch of the loop below. Fields are local arrays [node][components], rows
 /// [group][batch][point][component] [lane].
 template <class Cell_, Frame frame_> struct CellBatch {
   using Cell = Cell_;
   static constexpr Frame frame = frame_;
   static constexpr int dim = Cell::dim, nodes = Cell::nodes;
-  template <int size> using Array = std::array<Batch, static_cast<std::size_t>(size)>;
 
   const CellGroup& group;
   const PointLaw& law;
@@ -83,7 +94,7 @@ template <class Cell_, Frame frame_> struct CellBatch {
   int used() const { return group.lanes_in_use(number); }
   /// Those bits of `bad` that belong to cells of their own.
   int broken(int bad) const { return bad & ((1 << used()) - 1); }
-  std::size_t material() const { return static_cast<std::size_t>(group.material); }
+  std::size_t material() const { return at(group.material); }
   double sum(const Batch& value) const { return lane_sum(value, used()); }
 
   template <int components> Gathered<Cell, components> gather(std::span<const double> field) const {
@@ -122,5 +133,6 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
   }
 }
 inline constexpr auto all_laws = [](const PointLaw&) { return true; };
+inline constexpr auto deformable = [](const PointLaw& law) { return !law.rigid(); };
 
 } // namespace impact

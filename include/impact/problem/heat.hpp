@@ -33,8 +33,7 @@ public:
   /// adds the row "stress", P of the motion solves at the points. `contacts`: null, or those that heat may
   /// pass.
   HeatProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
-              const HeatScenario& settings, bool moves,
-              const std::vector<ContactInterface>* contacts = nullptr);
+              const HeatScenario& settings, bool moves, const ContactSet* contacts = nullptr);
 
   SNES snes() const { return snes_; }
 

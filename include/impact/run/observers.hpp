@@ -2,7 +2,7 @@
 #include <impact/balance/ledger.hpp>
 #include <impact/io/field_output.hpp>
 #include <impact/io/history_file.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <impact/solve/step_record.hpp>
 #include <optional>
 #include <vector>

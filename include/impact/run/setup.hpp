@@ -1,10 +1,10 @@
 #pragma once
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <memory>
 #include <vector>
 
@@ -16,7 +16,7 @@ struct Setup {
   StateTable state;
   RigidBodies rigid;
   BoundaryData boundary;
-  std::vector<ContactInterface> contacts;
+  ContactSet contacts;
   GmshFile file; ///< of the mesh, on rank 0
 };
 

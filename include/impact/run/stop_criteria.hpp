@@ -2,7 +2,7 @@
 #include <impact/input/condition.hpp>
 #include <impact/io/checkpoint.hpp>
 #include <impact/io/history_file.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <string>
 #include <vector>
 

@@ -31,8 +31,6 @@ private:
   PassResult pass(PetscInt number, Vec u);
   SNESConvergedReason solve_pass(PetscInt number, Vec u);
   void meet(Vec u);
-  bool settled(Vec u) const;
-  bool augments() const;
   void explain(SNESConvergedReason reason);
 
   MotionProblem& motion_;

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
@@ -21,8 +21,8 @@ class LooseBodies {
 public:
   LooseBodies() = default;
   /// Finds the bodies by the prescribed displacements. All must outlive this object. Collective.
-  LooseBodies(const Discretisation& discretisation, const BoundaryData& boundary,
-              const std::vector<ContactInterface>& contacts, const RigidBodies& rigid);
+  LooseBodies(const Discretisation& discretisation, const BoundaryData& boundary, const ContactSet& contacts,
+              const RigidBodies& rigid);
 
   bool empty() const { return bodies_.empty(); }
   /// Beginnings of an attempt at a step and of a Newton solve. Not collective.
@@ -61,7 +61,7 @@ private:
   double approach_of(Body& body, const std::vector<ContactInterface::Reach>& reach) const;
 
   const Discretisation* d_ = nullptr;
-  const std::vector<ContactInterface>* contacts_ = nullptr;
+  const ContactSet* contacts_ = nullptr;
   std::vector<Body> bodies_;
   struct Node {
     int local, body;

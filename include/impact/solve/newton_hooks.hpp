@@ -33,9 +33,7 @@ public:
 
   /// f += what a linear solve at u has on its right-hand side beside the residual. Collective.
   void add_gaps(Vec u, Vec f);
-  bool closes_gaps() const { return semismooth() || reverses(); }
-  bool semismooth() const;
-  bool frictional() const;
+  bool closes_gaps() const;
 
   Mailbox& mailbox() { return mailbox_; }
 
@@ -46,7 +44,6 @@ private:
   void test(SNES snes, PetscInt it, PetscReal x, PetscReal step, PetscReal norm, SNESConvergedReason* reason);
   bool gaps_settle(Vec u);
   bool gives_up(PetscReal norm);
-  bool reverses() const;
 
   MotionProblem& motion_;
   LooseBodies& loose_;

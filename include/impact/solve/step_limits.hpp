@@ -1,7 +1,6 @@
 #pragma once
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/problem/settings.hpp>
-#include <span>
 #include <string>
 
 /// Limits on what may change in a step: -ts_adapt_dphi, _dalpha, _dtheta, _closing. A step beyond one is
@@ -24,7 +23,7 @@ public:
   /// Collective.
   Refusal temperature(MPI_Comm comm, const StateRow& theta);
   /// Of a step whose prescribed nodes have moved to u. Collective.
-  Refusal closing(std::span<const ContactInterface> contacts, Vec u) const;
+  Refusal closing(const ContactSet& contacts, Vec u) const;
 
 private:
   Refusal limit(const char* what, double increment, const char* option, double most);
