@@ -231,7 +231,7 @@ std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoin
   int found = 0;
   on_rank_zero(comm, [&] {
     const hdf5::Reader file(checkpoint.file);
-    if (file.has("/mesh/blocks")) mesh = stored_mesh(file);
+    if (file.has("/mesh")) mesh = stored_mesh(file);
     found = mesh ? 1 : 0;
   });
   MPI_Bcast(&found, 1, MPI_INT, 0, comm);

@@ -98,7 +98,7 @@ double RunCheckpoints::write(const Snapshot& at, const StepControlState& c, cons
   const double start = MPI_Wtime();
   control_.committed = control_.trial = {c.dt, c.at_limit ? 1.0 : 0.0, static_cast<double>(c.easy_steps),
                                          static_cast<double>(c.rejections)};
-  CheckpointValues values{at.time, at.step, {}, {}};
+  CheckpointValues values{at.time, at.step, {}};
   values.texts["options"] = restart_options(comm, stage_.scenario);
   stops.store(values);
   char version[256] = "";

@@ -24,7 +24,6 @@ namespace impact {
 struct CheckpointValues {
   double time = 0;
   long step = 0;
-  std::map<std::string, double> numbers;    ///< names without blanks
   std::map<std::string, std::string> texts; ///< e.g. the resolved options
 };
 

@@ -42,7 +42,7 @@ public:
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  bool has(const std::string& path) const;                      ///< every link on the way exists
+  bool has(const std::string& path) const;                      ///< whose group exists
   std::vector<std::string> list(const std::string& path) const; ///< names in a group, sorted; none if missing
   std::vector<hsize_t> extent(const std::string& path) const;
   std::vector<double> numbers(const std::string& path) const;
