@@ -91,8 +91,8 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   reactions_.find(forces_.reactions(), u_local);
 }
 
-// What contact takes from bodies and obstacles, and neither keeps nor rubs into heat: the stabilised update
-// closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
+// Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
+// update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
 void Ledger::book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u) {
   const double store = motion_.contacts().energy(u);
   double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));

@@ -61,7 +61,7 @@ std::string digits(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr}; // the shortest that gives the same bits
 }
 
-/// What a manifest says, by key: name and sum of the file, and all that the run wants to find again.
+/// A manifest holds, by key, name and sum of its file and all that the run wants to find again.
 using Entries = std::map<std::string, std::string>;
 
 std::string manifest_text(const Checkpoint& c, const hdf5::Written& written) {

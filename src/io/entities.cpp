@@ -20,7 +20,7 @@ void add_key(std::uint64_t identity, double* key) {
   key[1] += static_cast<double>(combined(identity, 1) >> 24);
 }
 
-/// Of each cell of the rank a number made of the coordinates of its nodes and the names of its regions.
+/// Gives each cell of the rank a number made of the coordinates of its nodes and the names of its regions.
 std::vector<std::uint64_t> cell_identities(const Mesh& mesh) {
   std::vector<std::uint64_t> identity(static_cast<std::size_t>(mesh.cell_count()), 0);
   const auto of = [&](PetscInt point) -> std::uint64_t& {

@@ -9,7 +9,8 @@ namespace impact::hdf5 {
 
 namespace {
 
-/// What HDF5 writes of a file beside the numbers in its data sets: words of eight bytes by their number.
+/// HDF5 writes these parts of a file beside the numbers in its data sets: words of eight bytes by their
+/// number.
 using Words = std::map<std::uint64_t, std::uint64_t>;
 
 template <class Use> void for_each_word(std::uint64_t at, std::size_t bytes, Use&& use) {

@@ -31,8 +31,7 @@ Verdict EnergyWatch::judge(double before, double t) {
   const MPI_Comm comm = stage_.d.mesh.comm();
   const double residual = stage_.ledger.energy_error();
   const bool past_stop = beyond(1, s.energy_stop), past_tol = beyond(0, s.energy_tol);
-  // What a run without inertia loses may be what a crack released that ran within a step: no store takes it
-  // up.
+  // A run without inertia may lose the energy of a crack that ran within a step: no store takes it up.
   const bool must_close = stage_.inertia || residual > 0;
   if (past_stop && steps_beyond_.trial[1] >= many_steps && must_close) {
     check(PetscPrintf(comm, "impact: %s\n", text(t, "energy_stop", s.energy_stop).c_str()));

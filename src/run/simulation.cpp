@@ -52,7 +52,7 @@ private:
   StepProbe probe_;
   Restep restep_;
   Snapshot snapshot_;
-  StepControlState control_at_start_; // of the step at work
+  StepControlState control_at_start_; // when the step at work began
   std::string stopped_by_, ended_by_; // from outside, by a criterion of the run
   std::string last_cause_;            // why the last try was refused
 };

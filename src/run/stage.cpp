@@ -3,7 +3,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
-#include <impact/run/progress.hpp>
+#include <impact/run/setup_report.hpp>
 #include <impact/run/stage.hpp>
 #include <impact/time/types.hpp>
 

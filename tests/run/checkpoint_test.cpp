@@ -116,9 +116,8 @@ struct Case {
   }
 };
 
-const CheckpointValues some_values{0.1 + 0.2,
-                                   120,
-                                   {{"options", "-a \"b c\"\n-d 1\n"}, {"empty", ""}, {"a \\ \"b\"", "1\\2\n"}}};
+const CheckpointValues some_values{
+    0.1 + 0.2, 120, {{"options", "-a \"b c\"\n-d 1\n"}, {"empty", ""}, {"a \\ \"b\"", "1\\2\n"}}};
 
 std::string write_checkpoint(const CheckpointState& state, const CheckpointValues& values,
                              CheckpointFolder folder) {

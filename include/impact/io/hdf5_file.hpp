@@ -90,7 +90,7 @@ template <class Numbers> std::span<const std::byte> bytes_of(const Numbers& numb
   return std::as_bytes(std::span(numbers));
 }
 struct Written {
-  std::uint64_t bytes = 0, checksum = 0; ///< of the whole file, as file_checksum finds them
+  std::uint64_t bytes = 0, checksum = 0; ///< size and sum of the file, as file_checksum finds them
 };
 
 /// Writes `<name>.tmp`, through to the disk; nothing of it stays after a failure. HDF5 lays the file out on

@@ -2,8 +2,8 @@
 #include <impact/run/stage.hpp>
 #include <string>
 
-/// What a run does about energy that comes from nowhere or is lost (theory.md, 11): warns, cuts steps or ends
-/// beyond -energy_tol, ends beyond -energy_stop.
+/// A run warns, cuts steps or ends when more energy comes from nowhere or is lost than -energy_tol allows,
+/// and ends beyond -energy_stop (theory.md, 11).
 namespace impact {
 
 class EnergyWatch {
@@ -14,7 +14,7 @@ public:
   /// Judges the step to t that the ledger has booked; `before` is the error that it had until then. Throws
   /// UserError(solver). Collective.
   Verdict judge(double before, double t);
-  /// What is to be said of the balance at the end. Collective.
+  /// Says what there is to say of the balance at the end. Collective.
   void report_end(double t) const;
 
 private:

@@ -12,7 +12,8 @@ namespace impact {
 /// Throws UserError.
 std::optional<Checkpoint> find_checkpoint(MPI_Comm comm, const Scenario& scenario);
 
-/// What an earlier run left must not be taken for what this one has computed. Collective.
+/// Takes the checkpoints of an earlier run out of use, so that nobody takes them for those of this one.
+/// Collective.
 void retire_older_runs(MPI_Comm comm, const Scenario& scenario, const std::optional<Checkpoint>& resume);
 
 class RunCheckpoints {

@@ -20,13 +20,13 @@ struct RunStage {
   /// The state at t = 0, or that of a checkpoint, in the table and in the integrator; all rows are there.
   /// Collective.
   void set_state(const Checkpoint* resume);
-  /// What solves, and where contact begins. Collective.
+  /// Prints which solvers work and where contact begins. Collective.
   void report_solvers();
   /// Forces, accelerations and energies at t = 0, or as a checkpoint has them. Collective.
   void start();
   void resume();
 
-  /// What the solvers do around a step.
+  /// The solvers' part of the hooks around a step.
   StepHooks hooks();
   /// A user's expression may lack a value at the nodes of some ranks alone: tried out where all of them can
   /// agree. Collective.
