@@ -27,7 +27,8 @@ template <class Struct> struct OptionRule {
   enum class Of {
     absence, ///< the option is not given: `-key: missing; words`
     value,   ///< it is: `-key "text": words`
-    key      ///< it is: `-key` and the words at once
+    key,     ///< it is: `-key` and the words at once
+    other    ///< it is, and contradicts another option: the words alone
   } of;
   std::function<std::string(const Struct&, const Scenario&)> words;
 };
@@ -75,6 +76,10 @@ template <class Struct> struct OptionRow {
   /// As `refused`, but the message goes on where the name of the option ends.
   template <class When, class Words> OptionRow& barred(When when, Words words) {
     return add(Of::key, when, words);
+  }
+  /// The option must not be given beside another one, which the words name.
+  template <class When, class Words> OptionRow& denied(When when, Words words) {
+    return add(Of::other, when, words);
   }
 
 private:
