@@ -32,7 +32,7 @@ std::string text_of(const Values& values, const std::string& key) {
 }
 
 bool same(const std::string& key, const std::string& a, const std::string& b) {
-  const bool path = key == "mesh" || (key.starts_with("function_") && key.ends_with("_file"));
+  const bool path = key == "mesh" || key.ends_with("_table"); // of functions and of hardening
   const auto name = [](const std::string& text) { return std::filesystem::path(text).filename(); };
   return path ? name(a) == name(b) : a == b;
 }
@@ -46,8 +46,8 @@ std::vector<std::string> changed_keys(const Values& before, const Values& now) {
   for (const std::string& key : keys) {
     const auto a = before.find(key), b = now.find(key);
     const bool both = a != before.end() && b != now.end();
-    if (key == "dim" && !both) continue;          // a check of the mesh that was added or dropped
-    if (key == "mesh_content" && !both) continue; // the file is gone: its mesh is in the checkpoint
+    if (key == "dim" && !both) continue;              // a check of the mesh that was added or dropped
+    if (key.ends_with("_content") && !both) continue; // a mesh file that is gone: the checkpoint has it
     if (!both || !same(key, a->second, b->second)) changed.push_back(key);
   }
   return changed;
