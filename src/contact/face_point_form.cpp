@@ -187,13 +187,13 @@ void FacePointForm::locate_holds() {
     }
 }
 
-PairSearch::Outcome FacePointForm::update(Vec u, const PressureLaw& law) {
+PairSearch::Outcome FacePointForm::update(Vec u, const Presses& presses) {
   const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) {
     locate_anchors();
     if (!settings_.rigid()) locate_holds();
   }
-  if (!settings_.rigid()) hold_triangles(nodes().current(u), law);
+  if (!settings_.rigid()) hold_triangles(nodes().current(u), presses);
   return outcome;
 }
 
@@ -329,7 +329,7 @@ FacePointForm::Seen FacePointForm::face(int facet, int point, const FaceCorners&
   return nearest(facet, shape, s, x);
 }
 
-void FacePointForm::hold_triangles(const std::vector<double>& x, const PressureLaw& law) {
+void FacePointForm::hold_triangles(const std::vector<double>& x, const Presses& presses) {
   switched_ = false;
   const Candidates& list = search_.candidates();
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -358,10 +358,10 @@ void FacePointForm::hold_triangles(const std::vector<double>& x, const PressureL
         }
       }
       const Seen after = face(f, q, s, x, next);
-      const auto presses = [&](const Seen& seen) {
-        return seen.candidate >= 0 && law.active(static_cast<int>(number), seen.foot.gap);
+      const auto pressing = [&](const Seen& seen) {
+        return seen.candidate >= 0 && presses(static_cast<int>(number), seen.foot.gap);
       };
-      if (presses(before) || presses(after)) {
+      if (pressing(before) || pressing(after)) {
         double turn = 0;
         for (std::size_t k = 0; k < 3; ++k) turn += std::abs(after.foot.normal[k] - before.foot.normal[k]);
         if ((before.candidate >= 0) != (after.candidate >= 0) || turn > 1e-10 ||
@@ -382,8 +382,7 @@ std::size_t FacePointForm::Workspace::place(int slot) {
 }
 
 template <class Visitor>
-void FacePointForm::visit_points(const std::vector<double>& u, const PressureLaw& law,
-                                 Visitor&& visitor) const {
+void FacePointForm::visit_points(const std::vector<double>& u, Visitor&& visitor) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -412,19 +411,16 @@ void FacePointForm::visit_points(const std::vector<double>& u, const PressureLaw
       c.weight = weight_[number];
       c.stretch = stretch;
       c.gap = seen.foot.gap;
-      c.lambda = law.multiplier(c.index);
-      c.active = law.active(c.index, c.gap);
-      c.pressure = law.pressure(c.index, c.gap);
       c.share = {shape_[number].data(), at(corners_[at(f)])};
       visitor(c, f, q, seen);
     }
   }
 }
 
-void FacePointForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+void FacePointForm::visit(const std::vector<double>& u, Derivatives derivatives,
                           const ConstraintVisitor& visitor) const {
   Workspace w;
-  visit_points(u, law, [&](Constraint& c, int f, int q, const Seen& seen) {
+  visit_points(u, [&](Constraint& c, int f, int q, const Seen& seen) {
     w.node.clear();
     for (int a = 0; a < corners_[at(f)]; ++a) w.place(secondary_slots(f)[a]);
     if (seen.candidate >= 0)
@@ -542,9 +538,9 @@ void FacePointForm::add_slip(int facet, int point, const SlipFaces& faces, const
   c.slip_gradient = w.slip_gradient;
 }
 
-void FacePointForm::visit_curvature(const std::vector<double>& u, const PressureLaw& law,
-                                    const CurvatureFactors& factors, const BlockVisitor& visitor) const {
-  visit_points(u, law, [&](const Constraint& c, int f, int q, const Seen& seen) {
+void FacePointForm::visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                                    const BlockVisitor& visitor) const {
+  visit_points(u, [&](const Constraint& c, int f, int q, const Seen& seen) {
     const double of_gap = factors.of_gap(c.index);
     const std::array<double, 4>& shape = shape_[at(c.index)];
     std::array<int, 8> slots;
@@ -601,8 +597,7 @@ void FacePointForm::visit_curvature(const std::vector<double>& u, const Pressure
 }
 
 void FacePointForm::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
-  const std::vector<double> none(weight_.size(), 0.0);
-  visit_points(u, {none}, [&](const Constraint& c, int f, int, const Seen& seen) {
+  visit_points(u, [&](const Constraint& c, int f, int, const Seen& seen) {
     std::array<int, 8> node;
     std::array<double, 8> share;
     const std::size_t secondary = c.share.size(), opposite = seen.candidate < 0 ? 0 : 4;

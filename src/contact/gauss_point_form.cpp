@@ -103,10 +103,10 @@ GaussPointForm::Point GaussPointForm::on_facet(int facet) const {
   return point;
 }
 
-PairSearch::Outcome GaussPointForm::update(Vec u, const PressureLaw& law) {
+PairSearch::Outcome GaussPointForm::update(Vec u, const Presses& presses) {
   const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) locate_anchors();
-  if (!settings_.rigid()) hold_edges(nodes().current(u), law);
+  if (!settings_.rigid()) hold_edges(nodes().current(u), presses);
   return outcome;
 }
 
@@ -247,7 +247,7 @@ bool GaussPointForm::face_passed(const Point2<double>& x, const Point2<double>& 
   return earliest < infinity && counts;
 }
 
-void GaussPointForm::hold_edges(const std::vector<double>& x, const PressureLaw& law) {
+void GaussPointForm::hold_edges(const std::vector<double>& x, const Presses& presses) {
   switched_ = false;
   for (int f = 0; f < secondary_.count(); ++f) {
     Point point = on_facet(f);
@@ -275,8 +275,8 @@ void GaussPointForm::hold_edges(const std::vector<double>& x, const PressureLaw&
           next.edge = {nodes().global[at(nearest.node[2])], nodes().global[at(nearest.node[3])]};
       }
       const bool has = face(x_s, normal, x, next, after);
-      auto presses = [&](bool faces, const Point& p) { return faces && law.active(index, p.foot.gap); };
-      if (presses(had, before) || presses(has, after)) {
+      auto pressing = [&](bool faces, const Point& p) { return faces && presses(index, p.foot.gap); };
+      if (pressing(had, before) || pressing(has, after)) {
         const Point2<double> turn = detail::minus(after.foot.normal, before.foot.normal);
         if (had != has || std::abs(after.foot.gap - before.foot.gap) > 1e-9 * hold_gap_ ||
             std::abs(turn[0]) + std::abs(turn[1]) > 1e-10) {
@@ -308,8 +308,7 @@ void GaussPointForm::sharpen(const std::vector<double>& u, Point& point) const {
 }
 
 template <class Visitor>
-void GaussPointForm::visit_points(const std::vector<double>& u, bool second, const PressureLaw& law,
-                                  Visitor&& visitor) const {
+void GaussPointForm::visit_points(const std::vector<double>& u, bool second, Visitor&& visitor) const {
   Workspace w;
   const std::vector<double> x = nodes().current(u);
   const bool rigid = settings_.rigid();
@@ -336,9 +335,6 @@ void GaussPointForm::visit_points(const std::vector<double>& u, bool second, con
         c.stretch *= x_s[0] / (point.shape[0] * nodes().X[at(2 * point.node[0])] +
                                point.shape[1] * nodes().X[at(2 * point.node[1])]);
       c.gap = point.foot.gap;
-      c.lambda = law.multiplier(c.index);
-      c.active = law.active(c.index, c.gap);
-      c.pressure = law.pressure(c.index, c.gap);
       std::copy(point.node.begin(), point.node.end(), w.node.begin());
       c.node = {w.node.data(), at(point.node_count)};
       c.share = point.shape;
@@ -349,9 +345,9 @@ void GaussPointForm::visit_points(const std::vector<double>& u, bool second, con
   }
 }
 
-void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives,
                            const ConstraintVisitor& visitor) const {
-  visit_points(u, false, law, [&](Constraint& c, const Point& point, Workspace& w) {
+  visit_points(u, false, [&](Constraint& c, const Point& point, Workspace& w) {
     if (derivatives != Derivatives::none) {
       w.gradient.fill(0);
       if (carried()) {
@@ -367,8 +363,7 @@ void GaussPointForm::visit(const std::vector<double>& u, Derivatives derivatives
 }
 
 void GaussPointForm::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
-  const std::vector<double> none(points_.weight.size(), 0.0);
-  visit_points(u, false, {none}, [&](const Constraint& c, const Point& point, const Workspace&) {
+  visit_points(u, false, [&](const Constraint& c, const Point& point, const Workspace&) {
     const double xi = point.foot.xi;
     const std::array<double, 4> share = {point.shape[0], point.shape[1], (1 - xi) / 2, (1 + xi) / 2};
     Meeting meeting;
@@ -382,10 +377,10 @@ void GaussPointForm::visit_meetings(const std::vector<double>& u, const MeetingV
   });
 }
 
-void GaussPointForm::visit_curvature(const std::vector<double>& u, const PressureLaw& law,
-                                     const CurvatureFactors& factors, const BlockVisitor& visitor) const {
+void GaussPointForm::visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                                     const BlockVisitor& visitor) const {
   const std::vector<double> X = nodes().current(u);
-  visit_points(u, true, law, [&](const Constraint& c, const Point& point, Workspace& w) {
+  visit_points(u, true, [&](const Constraint& c, const Point& point, Workspace& w) {
     const double of_gap = factors.of_gap(c.index), of_slip = c.slides ? factors.of_slip(c.index)[0] : 0;
     if (of_gap == 0 && of_slip == 0) return;
     const std::size_t n = 2 * c.node.size();

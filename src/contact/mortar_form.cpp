@@ -307,7 +307,7 @@ std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, c
   return list;
 }
 
-PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
+PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
   const PairSearch::Outcome outcome = update_pairs(u);
   if (settings_.rigid()) return outcome;
   const std::vector<double> moved = nodes().displacement(u), x = nodes().current(moved);
@@ -326,7 +326,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
     const bool changed = std::any_of(node.facets.begin(), node.facets.end(), [&](const Incident& i) {
       return next[at(i.facet)] != facing_[at(i.facet)];
     });
-    if (!changed || !(active(node, moved, law, facing_) || active(node, moved, law, next))) continue;
+    if (!changed || !(active(node, moved, presses, facing_) || active(node, moved, presses, next))) continue;
     // Only pairs that cover something now make a difference.
     for (const Incident& i : node.facets)
       if (next[at(i.facet)] != facing_[at(i.facet)] &&
@@ -340,7 +340,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const PressureLaw& law) {
   return outcome;
 }
 
-bool MortarForm::active(const Node& node, const std::vector<double>& u, const PressureLaw& law,
+bool MortarForm::active(const Node& node, const std::vector<double>& u, const Presses& presses,
                         const Facing& facing) const {
   double gap = 0;
   bool covered = false;
@@ -350,7 +350,7 @@ bool MortarForm::active(const Node& node, const std::vector<double>& u, const Pr
       covered = covered || pair.covered;
       gap += pair.gap[at(incident.corner)];
     }
-  return covered && law.active(node.local, gap / node.weight);
+  return covered && presses(node.local, gap / node.weight);
 }
 
 NodePairs MortarForm::couplings() const {
@@ -486,7 +486,7 @@ std::array<double, 4> MortarForm::areas_at(int facet, const std::vector<double>&
   return {length * (2 * ring[0] + ring[1]) / 6, length * (2 * ring[1] + ring[0]) / 6, 0, 0};
 }
 
-void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives,
                        const ConstraintVisitor& visitor) const {
   const bool with_gradient = derivatives != Derivatives::none;
   const auto d = at(dim_);
@@ -549,9 +549,6 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
     c.gap /= owner.weight;
     c.stretch = area / owner.weight;
     c.cover = std::max(std::abs(cover) / owner.weight, least_cover);
-    c.lambda = law.multiplier(c.index);
-    c.active = law.active(c.index, c.gap);
-    c.pressure = law.pressure(c.index, c.gap);
     c.node = node;
     c.share = share;
     if (with_gradient) c.gradient = gradient;
@@ -560,8 +557,8 @@ void MortarForm::visit(const std::vector<double>& u, Derivatives derivatives, co
   }
 }
 
-void MortarForm::visit_curvature(const std::vector<double>& u, const PressureLaw&,
-                                 const CurvatureFactors& factors, const BlockVisitor& visitor) const {
+void MortarForm::visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                                 const BlockVisitor& visitor) const {
   std::array<int, 8> node{};
   const RigidObstacle obstacle = obstacle_at(u);
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {

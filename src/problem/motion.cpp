@@ -15,12 +15,6 @@ namespace {
 
 double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 * p.K + p.G); }
 
-// Rows and columns of prescribed dofs vanish from a cell matrix [dof][dof].
-template <int n> void mask(const Batch* free, Batch* K) {
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
-}
-
 template <int n> double trace(const Batch* K, int lanes_in_use) {
   Batch sum = K[0];
   for (int i = 1; i < n; ++i) sum += K[i * n + i];
@@ -30,9 +24,9 @@ template <int n> double trace(const Batch* K, int lanes_in_use) {
 } // namespace
 
 MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& state,
-                             const BoundaryData& boundary, std::vector<ContactInterface>& contacts,
-                             bool symmetric_tangent, ContactOperator contact_operator, MatrixFormat format,
-                             RigidBodies* rigid, bool solved)
+                             const BoundaryData& boundary, ContactSet& contacts, bool symmetric_tangent,
+                             ContactOperator contact_operator, MatrixFormat format, RigidBodies* rigid,
+                             bool solved)
     : d_(discretisation), state_(state), boundary_(boundary), contacts_(contacts),
       rigid_(rigid != nullptr ? rigid : &no_bodies_), symmetric_(symmetric_tangent),
       operator_(contact_operator), format_(format), solved_(solved),
@@ -55,8 +49,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
                                            "_model rigid); take assembled, the default");
     identity_.insert(identity_.end(), rigid_->idle_dofs().begin(), rigid_->idle_dofs().end());
     for (std::size_t i = 0; i < free_.size(); ++i)
-      if (const int node = static_cast<int>(i) / d_.dim();
-          rigid_->body_of_node()[static_cast<std::size_t>(node)] >= 0) {
+      if (const int node = static_cast<int>(i) / d_.dim(); rigid_->body_of_node()[at(node)] >= 0) {
         free_[i] = 0;
         no_row_[i] = 1;
         if (d_.mesh.owned(node)) massless_.push_back(static_cast<int>(i));
@@ -64,11 +57,11 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
     rigid_->use_symmetric_tangent(symmetric_);
   }
   for (const CellGroup& group : d_.groups) {
-    std::vector<char>& held = held_batches_.emplace_back(static_cast<std::size_t>(group.batch_count), 0);
+    std::vector<char>& held = held_batches_.emplace_back(at(group.batch_count), 0);
     const std::size_t size = group.node.size() / std::max<std::size_t>(held.size(), 1);
     for (std::size_t i = 0; i < group.node.size(); ++i)
       for (int k = 0; k < d_.dim(); ++k)
-        if (free_[static_cast<std::size_t>(group.node[i] * d_.dim() + k)] == 0) held[i / size] = 1;
+        if (free_[at(group.node[i] * d_.dim() + k)] == 0) held[i / size] = 1;
   }
   double softest = HUGE_VAL;
   for (const MaterialAssignment& m : d_.materials)
@@ -88,11 +81,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
 void MotionProblem::rebuild_matrix() {
   const Timed timed(Event::motion_matrix);
   std::vector<std::pair<PetscInt, PetscInt>> extra;
-  for (const ContactInterface& contact : contacts_) {
-    if (operator_ == ContactOperator::shell) break; // nothing of the contact stands in the matrix
-    const auto pairs = contact.couplings();
-    extra.insert(extra.end(), pairs.begin(), pairs.end());
-  }
+  if (operator_ != ContactOperator::shell) extra = contacts_.couplings(); // else none is in the matrix
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
@@ -117,12 +106,11 @@ void MotionProblem::make_shell() {
 
 void MotionProblem::multiply(Vec x, Vec y) {
   check(MatMult(matrix(), x, y));
-  for (ContactInterface& contact : contacts_) contact.multiply(linearised_at_, step_.contact_scale, x, y);
+  contacts_.apply_jacobian(linearised_at_, step_.contact_scale, x, y);
 }
 
 bool MotionProblem::update_contact(Vec u) {
-  bool changed = false;
-  for (ContactInterface& contact : contacts_) changed = contact.update_search(u) || changed;
+  const bool changed = contacts_.update_search(u);
   if (operator_ == ContactOperator::shell) return false;
   if (changed) rebuild_matrix();
   return changed;
@@ -131,7 +119,7 @@ bool MotionProblem::update_contact(Vec u) {
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
   rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
-  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
+  contacts_.begin_attempt(step.t, step.mass_shift, step.stabilised);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())
@@ -165,8 +153,8 @@ void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, cons
     for (int k = 0; k < dim; ++k) {
       double sum = 0;
       for (int a = 0; a < nodes; ++a) {
-        const int node = group.node[static_cast<std::size_t>((batch * nodes + a) * lanes + l)];
-        sum += X_[static_cast<std::size_t>(node * dim + k)];
+        const int node = group.node[at((batch * nodes + a) * lanes + l)];
+        sum += X_[at(node * dim + k)];
       }
       broken_.x[k] = sum / nodes;
     }
@@ -199,7 +187,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
       fields.unilateral = unilateral;
       for (int b = 0; b < group.batch_count; ++b) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
+        std::array<Batch, at(Cell::nodes * dim)> force{};
         const CellStatus status = motion_residual<Cell, frame>(law, batch.in, force.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
@@ -243,7 +231,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   add_pressures(u_, -1, r_);
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
-  for (ContactInterface& contact : contacts_) contact.add_residual(u, step_.contact_scale, f);
+  contacts_.add_forces(u, step_.contact_scale, f);
   rigid_->place(u);
   rigid_->reduce(f, accel);
   zero_fixed(f);
@@ -269,15 +257,14 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
         MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         batch.in.mass_shift = mass_shift;
         batch.in.symmetric = symmetric_;
-        std::array<Batch, static_cast<std::size_t>(n * n)> K;
+        std::array<Batch, at(n * n)> K;
         const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, nullptr, K.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
           sound = false;
           note_broken(group, b, status.bad & used, status.min_J);
         }
-        if (held_batches_[g][static_cast<std::size_t>(b)])
-          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
+        if (held_batches_[g][at(b)]) mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
         diagonal += trace<n>(K.data(), group.lanes_in_use(b));
         assembly_->add(static_cast<int>(g), b, K.data());
       }
@@ -297,7 +284,7 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
     if (shell_)
       check(VecCopy(u, linearised_at_));
     else
-      for (ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact_scale, matrix());
+      contacts_.add_jacobian(u, step_.contact_scale, matrix());
     check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }
@@ -318,7 +305,7 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
   check(VecWAXPY(work_, -1, u_tilde, w));
   mass_multiply(work_, f);
   check(VecScale(f, shift));
-  for (ContactInterface& contact : contacts_) contact.add_residual(w, step_.contact_scale, f);
+  contacts_.add_forces(w, step_.contact_scale, f);
   rigid_->place(w);
   rigid_->reduce(f);
   zero_fixed(f);
@@ -378,7 +365,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
         total[0] += lane_sum(step_sums.plastic_dissipation, used);
         total[1] += lane_sum(step_sums.viscous_dissipation, used);
         total[2] += lane_sum(step_sums.plastic_work, used);
-        const auto m = static_cast<std::size_t>(group.material);
+        const auto m = at(group.material);
         total[3 + m] += lane_sum(step_sums.plastic_dissipation, used);
         total[3 + materials + m] += lane_sum(step_sums.viscous_dissipation, used);
         for (int l = 0; l < used; ++l) least = std::min(least, step_sums.least_dissipation[l]);
@@ -424,7 +411,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   }
 
   check(VecSet(parts.contact, 0));
-  for (ContactInterface& contact : contacts_) contact.add_residual(u, -1, parts.contact);
+  contacts_.add_forces(u, -1, parts.contact);
 }
 
 double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double factor) {
@@ -446,16 +433,14 @@ double MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool mas
       constexpr int dim = Cell::dim, nodes = Cell::nodes, n = nodes * dim;
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, dim> X(group, b, X_);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
+        std::array<Batch, at(nodes * nodes)> m{};
         mass_matrix<Cell, frame>(law, X.data(), m.data());
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        std::array<Batch, at(n * n)> K{};
         for (int i = 0; i < nodes; ++i)
           for (int j = 0; j < nodes; ++j)
             for (int k = 0; k < dim; ++k)
-              K[static_cast<std::size_t>((i * dim + k) * n + j * dim + k)] =
-                  Batch(factor) * m[static_cast<std::size_t>(i * nodes + j)];
-        if (masked && held_batches_[g][static_cast<std::size_t>(b)])
-          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
+              K[at((i * dim + k) * n + j * dim + k)] = Batch(factor) * m[at(i * nodes + j)];
+        if (masked && held_batches_[g][at(b)]) mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
         diagonal += trace<n>(K.data(), group.lanes_in_use(b));
         assembly.add(static_cast<int>(g), b, K.data());
       }
@@ -503,7 +488,7 @@ void MotionProblem::mass_solve(Vec b, Vec x) {
   const double* entries = nullptr;
   check(VecGetArrayRead(x, &entries));
   for (int dof : massless_) {
-    const PetscInt row = d_.mesh.global_node()[static_cast<std::size_t>(dof / dim)] * dim + dof % dim;
+    const PetscInt row = d_.mesh.global_node()[at(dof / dim)] * dim + dof % dim;
     rows.push_back(row);
     values.push_back(entries[row - start]);
   }

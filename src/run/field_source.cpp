@@ -49,20 +49,13 @@ void FieldSource::require(const std::string& key, const std::string& name, bool 
 std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& snapshot,
                                        int& components) const {
   if (name.rfind("contact_", 0) == 0) {
-    const bool gap = name == "contact_gap";
-    std::vector<double> ContactFields::*field = gap                          ? &ContactFields::gap
+    std::vector<double> ContactFields::*field = name == "contact_gap"        ? &ContactFields::gap
                                                 : name == "contact_status"   ? &ContactFields::status
                                                 : name == "contact_traction" ? &ContactFields::traction
                                                 : name == "contact_slip"     ? &ContactFields::slip
                                                                              : &ContactFields::pressure;
     components = name == "contact_traction" || name == "contact_slip" ? 3 : 1;
-    std::vector<double> all(motion_.discretisation().node_values(components), gap ? NAN : 0.0);
-    for (ContactInterface& contact : motion_.contacts()) {
-      const std::vector<double> mine = contact.nodal_fields(snapshot.u).*field;
-      for (std::size_t i = 0; i < all.size(); ++i)
-        if (gap ? !(all[i] <= mine[i]) : components > 1 ? mine[i] != 0 : mine[i] > all[i]) all[i] = mine[i];
-    }
-    return all;
+    return motion_.contacts().nodal_fields(snapshot.u).*field;
   }
   const StateRow& row = state_.row(name);
   components = row.components;

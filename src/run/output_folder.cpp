@@ -4,8 +4,8 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <impact/io/durable_file.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/durable_file.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
 #include <sys/file.h>

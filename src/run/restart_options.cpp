@@ -2,8 +2,8 @@
 #include <impact/input/database.hpp>
 #include <impact/input/option_text.hpp>
 #include <impact/input/spelling.hpp>
+#include <impact/io/durable_file.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/durable_file.hpp>
 #include <impact/run/restart_options.hpp>
 
 namespace impact {

@@ -94,8 +94,8 @@ double softer_modulus(const Discretisation& d) {
   return std::isinf(softest) ? 0 : softest;
 }
 
-std::vector<ContactInterface> make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
-  std::vector<ContactInterface> contacts;
+ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
+  ContactSet contacts;
   for (const ContactScenario& contact : s.contacts) {
     ContactSettings settings = contact;
     for (std::size_t k = 0; k < 3; ++k)

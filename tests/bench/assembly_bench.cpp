@@ -161,7 +161,7 @@ private:
   Discretisation d_;
   StateTable state_;
   BoundaryData boundary_;
-  std::vector<ContactInterface> contacts_;
+  ContactSet contacts_;
   MotionProblem motion_;
   Handle<Vec> u_, f_;
   std::vector<double> start_;

@@ -1,7 +1,7 @@
 #pragma once
 #include "two_blocks.hpp"
 #include <gtest/gtest.h>
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 
 /// A contact between the two blocks with its mesh, layout and state, and displacements at which all kinds of
 /// feet occur; for tests of the forms of contact.

@@ -93,12 +93,13 @@ TEST(Friction, WhatWouldSlideTheOtherWaySticksInTheNextLinearSolve) {
     s.friction = 1e9;
     Sliding rough(s, bodies_mixed);
     const Handle<Vec> forth = rig.at(shifted(0.1)), further = rig.at(shifted(0.11)),
-                      back = rig.at(shifted(-0.1)), gaps = rig.layout.make_global();
+                      back = rig.at(shifted(-0.1)), gaps = rig.layout.make_global(),
+                      still = rig.layout.make_global();
     rig.contact.start_newton(forth);
-    EXPECT_FALSE(rig.contact.follow_sliding(further));
-    EXPECT_FALSE(rig.contact.reverses());
-    EXPECT_TRUE(rig.contact.follow_sliding(back));
-    EXPECT_TRUE(rig.contact.reverses());
+    EXPECT_FALSE(rig.contact.after_newton_step(forth, still, further, true));
+    EXPECT_FALSE(rig.contact.demands().reverses);
+    EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true));
+    EXPECT_TRUE(rig.contact.demands().reverses);
     // Force and tangent of the linear solve are those of a contact that cannot slide.
     const Handle<Vec> r = rig.residual(back), stuck = rough.residual(back);
     const double size = norm(stuck);
@@ -114,11 +115,11 @@ TEST(Friction, WhatWouldSlideTheOtherWaySticksInTheNextLinearSolve) {
     check(MatNorm(K, NORM_FROBENIUS, &difference));
     EXPECT_LE(difference, 1e-12 * tangent_size);
     // It sticks in one solve only, and nothing is remembered from one Newton solve to the next.
-    EXPECT_TRUE(rig.contact.follow_sliding(back));
-    EXPECT_FALSE(rig.contact.reverses());
-    rig.contact.follow_sliding(forth);
+    EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true));
+    EXPECT_FALSE(rig.contact.demands().reverses);
+    rig.contact.after_newton_step(forth, still, forth, true);
     rig.contact.start_newton(back);
-    EXPECT_FALSE(rig.contact.reverses());
+    EXPECT_FALSE(rig.contact.demands().reverses);
     check(VecSet(gaps, 0));
     rig.contact.add_gaps(back, 1, gaps);
     EXPECT_EQ(norm(gaps), 0);

@@ -160,14 +160,14 @@ TEST(SemismoothContact, StepsOfTheLinearisedSystemCloseTheGapAndKeepWhatPresses)
     EXPECT_FALSE(rig.contact.gaps_left(u).closed);
     // A full step that closes the gap exactly leaves the multipliers where they were: at zero.
     check(VecWAXPY(step, -1, u, back));
-    EXPECT_TRUE(rig.contact.take_newton_step(u, step, back));
+    EXPECT_TRUE(rig.contact.after_newton_step(u, step, back, false));
     EXPECT_NEAR(rig.contact.measures(back).pressure_max, 0, 1e-9);
     EXPECT_TRUE(rig.contact.gaps_left(back).closed);
     // One that leaves a part of it raises them by gamma times that part.
     const Handle<Vec> above = rig.at(sink(1e-6));
     EXPECT_FALSE(rig.contact.gaps_left(above).closed);
     check(VecWAXPY(step, -1, u, above));
-    rig.contact.take_newton_step(u, step, above);
+    rig.contact.after_newton_step(u, step, above, false);
     EXPECT_NEAR(rig.contact.measures(above).pressure_min, 1e5 * 1e-6, 1e-6);
     EXPECT_NEAR(rig.contact.measures(above).pressure_max, 1e5 * 1e-6, 1e-6);
   }

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <functional>
 #include <gtest/gtest.h>
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <map>
 
 /// Two bricks one above the other, of hexahedra or tetrahedra that do not match, turned in space; for tests

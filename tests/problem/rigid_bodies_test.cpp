@@ -12,7 +12,7 @@ struct RigidOnElastic {
   StateTable state;
   RigidBodies rigid;
   BoundaryData boundary;
-  std::vector<ContactInterface> contacts;
+  ContactSet contacts;
   std::optional<MotionProblem> motion;
 
   explicit RigidOnElastic(double friction)

@@ -26,11 +26,11 @@ public:
   bool overdetermined() const override { return true; }
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
-  PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
+  PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+  void visit(const std::vector<double>& u, Derivatives derivatives,
              const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
+  void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
@@ -86,12 +86,11 @@ private:
   // The held triangle, else the nearest.
   Seen face(int facet, int point, const FaceCorners& s, const std::vector<double>& x, const Hold& hold) const;
   bool precedes(int candidate, int triangle, const Seen& other) const;
-  void hold_triangles(const std::vector<double>& x, const PressureLaw& law);
+  void hold_triangles(const std::vector<double>& x, const Presses& presses);
   void locate_anchors();
   void locate_holds();
   // Visits the points that face something: visitor(constraint, facet, what is seen).
-  template <class Visitor>
-  void visit_points(const std::vector<double>& u, const PressureLaw& law, Visitor&& visitor) const;
+  template <class Visitor> void visit_points(const std::vector<double>& u, Visitor&& visitor) const;
   CarriedFunction carried_gap_of(int facet, int point, const std::vector<double>& u) const;
   void add_gap_gradient(int facet, const Seen& seen, const std::vector<double>& u, Workspace& w,
                         Constraint& c) const;

@@ -22,11 +22,11 @@ public:
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
-  PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
+  PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+  void visit(const std::vector<double>& u, Derivatives derivatives,
              const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
+  void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
@@ -68,12 +68,11 @@ private:
   };
   // Visits the points that face something: visitor(constraint without its gap's gradient, point, workspace).
   template <class Visitor>
-  void visit_points(const std::vector<double>& u, bool second, const PressureLaw& law,
-                    Visitor&& visitor) const;
+  void visit_points(const std::vector<double>& u, bool second, Visitor&& visitor) const;
   void add_slip(const Point& point, const std::vector<double>& u, const Point2<double>& x_s, bool second,
                 Workspace& w, Constraint& c) const;
   Point on_facet(int facet) const; // which faces nothing yet
-  void hold_edges(const std::vector<double>& x, const PressureLaw& law);
+  void hold_edges(const std::vector<double>& x, const Presses& presses);
   // Whether the point at x faces the rigid body.
   static bool face_obstacle(const RigidObstacle& obstacle, const Point2<double>& x,
                             const Point2<double>& normal, Point& point);

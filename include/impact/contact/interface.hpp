@@ -1,56 +1,18 @@
 #pragma once
-#include <algorithm>
 #include <array>
-#include <functional>
-#include <impact/contact/form.hpp>
-#include <impact/contact/settings.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/mesh/rigid_reduction.hpp>
-#include <impact/mesh/state_table.hpp>
-#include <limits>
-#include <memory>
+#include <impact/contact/friction.hpp>
+#include <impact/contact/rigid_nodes.hpp>
+#include <impact/contact/rigid_side.hpp>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-/// One contact between two surfaces: its form (ContactForm) supplies gap constraints, the
-/// interface the enforcement, R_c(w) = sum w (t.ds[w] - p dg[w]) with the pressure p and Coulomb's traction
-/// t. The force at a displacement depends on the multipliers, the penalty and what the form's last update
-/// fixed: nothing is stored by an evaluation. Multipliers and penalty are rows of the state table;
-/// evaluations read the trial half.
+/// One contact between two surfaces, R_c(w) = sum w (t.ds[w] - p dg[w]) with the pressure p and Coulomb's
+/// traction t (theory.md, contact). Its parts: the form finds gap constraints, Constraints brings them as a
+/// step takes them, an EnforcementMethod makes pressures of gaps, Friction tractions of slips. The force at a
+/// displacement depends on rows of the state table, of which evaluations read the trial half, and on what the
+/// form's last update fixed: nothing is stored by an evaluation.
 namespace impact {
-
-/// What the caller knows and the user's settings do not say.
-struct ContactEnvironment {
-  Frame frame = Frame::plane_strain;
-  double thickness = 1; ///< multiplies what is reported of plane problems
-  double modulus = 0;   ///< Young's modulus of the softer undegraded side
-  double density = 0;   ///< of the heaviest side where bodies have inertia, else 0
-  double length = 0;    ///< cell size beside the surface; 0: mean secondary facet
-};
-
-/// What an evaluation saw, on this rank, without a reduction.
-struct ContactStatus {
-  int active = 0;           ///< active constraints
-  double penetration = 0;   ///< largest -g
-  bool finite = true;       ///< false: a coordinate is not a number
-  bool search_holds = true; ///< false: something moved so far that the candidate list may miss a facet
-};
-
-/// What an augmentation changes; equal on all ranks.
-struct AugmentReport {
-  double penetration = 0; ///< max(-g) over all points
-  double largest_gap = 0; ///< max of |g|, at most p / eps, over the points with p > 0
-  double multiplier = 0;  ///< largest new multiplier
-  double change = 0;      ///< largest change of a multiplier over the largest new one
-  double penalty = 0;     ///< the penalty that was used
-  int active = 0;
-  bool settled =
-      true; ///< nothing that presses changed what it faces since the solve, or is too deep to judge
-  /// settled, and unless the penalty is all: penetration < gap_tol and change < pressure_tol, or that of the
-  /// forces on the nodes where an augmentation did not halve the change
-  bool converged = false;
-};
 
 /// For the history file. Totals count from t = 0. Plane problems: times the thickness; axisymmetric: the full
 /// ring. Vectors of plane problems have a third component of zero.
@@ -105,6 +67,16 @@ struct InitialOverlapReport {
       shift; ///< [local node][dim] stress-free shift of reference coordinates, ghosts included
 };
 
+/// What contacts ask of the solution of the motion; it may change between the solves of a step.
+struct ContactDemands {
+  bool closes_gaps = false; ///< multipliers are updated within Newton's method
+  bool augments = false;    ///< they are updated between its solves
+  bool frictional = false;
+  bool reverses = false; ///< something sticks for the next linear solve alone (Friction::follow)
+};
+
+/// More functions and members than usual: the face of one contact towards the solution of a step, the heat
+/// that passes it, the ledger and the output, in front of the parts that do the work.
 class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
@@ -113,6 +85,8 @@ public:
   /// modulus, a rigid body without a direction or radius. Collective.
   ContactInterface(const Mesh& mesh, const FieldLayout& displacement, const ContactSettings& settings,
                    const ContactEnvironment& environment, StateTable& state);
+  ContactInterface(const ContactInterface&) = delete; // its parts know each other
+  ContactInterface& operator=(const ContactInterface&) = delete;
 
   const std::string& id() const { return settings_.id; }
   /// Settings with every automatic value replaced by its number.
@@ -126,39 +100,42 @@ public:
   /// rho h mass_shift for the attempt. `stabilised`, with inertia: until advance forces stand along the
   /// gradients at the middle of the step, the gaps being those of its end. Collective.
   void set_time(double t, double mass_shift = 0, bool stabilised = false);
-  /// In a stabilised attempt, for the projection of its velocity: gaps are linear, with the gradients of the
-  /// start, and an overlap of the start counts as touch.
-  void linearise_at_start(bool linear);
+  /// The projection of the velocity of a stabilised attempt begins or ends: gaps are linear in between, with
+  /// the gradients of the start, an overlap of the start counts as touch, friction is left out, and
+  /// multipliers start from zero; they and the penalty are put back.
+  void begin_projection();
+  void end_projection();
   /// The projection ended at w: impulse and obstacle_work take half its force, the impulse over dt.
   /// Collective.
-  void keep_shock(Vec w) { step_.shock = half(total_force(w)); }
+  void keep_shock(Vec w);
   /// Local dofs [node * dim + k] whose rows and columns tangent and multiply leave out; the residual keeps
   /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
   /// Collective.
-  void set_fixed_dofs(const std::vector<char>& fixed);
+  void set_fixed_dofs(const std::vector<char>& fixed) { constraints_->set_fixed_dofs(fixed); }
   /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
   /// unknowns of their bodies. The reduction is kept, and asked for the state at hand by every add_tangent.
   /// Collective.
   void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
+  /// Tangents are to stay symmetric but for friction, for solvers that need that.
+  void keep_symmetric(bool symmetric) { constraints_->keep_symmetric(symmetric); }
 
   /// Brings the candidate pairs up to date and lets the form fix what must not change while Newton's method
   /// works; true on all ranks when the set of pairs, hence the matrix pattern, changed. Collective: one
   /// reduction when nothing moved far.
   bool update_search(Vec u);
   /// The next update_search builds the pairs afresh, as a restarted run does.
-  void forget_search() { form_->forget(); }
+  void forget_search() { constraints_->form().forget(); }
   /// Pairs of global nodes that the candidates of this rank may couple, sorted, each once.
-  std::vector<std::pair<PetscInt, PetscInt>> couplings() const;
-
+  NodePairs couplings() const;
   /// The same of the nodes themselves, where rigid bodies have no unknowns of their own.
-  NodePairs node_couplings() const { return form_->couplings(); }
-  const ContactNodes& nodes() const { return form_->nodes(); }
+  NodePairs node_couplings() const { return constraints_->form().couplings(); }
+  const ContactNodes& nodes() const { return constraints_->nodes(); }
   /// How often the nodes were found anew.
   long searches() const { return searches_; }
   /// Of an attempt from a row `u`: how much deeper than at its start any constraint lies at u, in mean
   /// secondary facets; 0 where that is no more than `least`. Collective: one reduction where nothing lies
   /// that deep.
-  double closed_within_step(Vec u, double least) const;
+  double closed_within_step(Vec u, double least) const { return constraints_->closed_within_step(u, least); }
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
   ContactStatus add_residual(Vec u, double scale, Vec r) const;
@@ -168,8 +145,43 @@ public:
   /// y += scale (df/du) du without a matrix. Collective.
   void multiply(Vec u, double scale, Vec du, Vec y) const;
 
-  /// Tangents are to stay symmetric but for friction, for solvers that need that.
-  void keep_symmetric(bool symmetric) { symmetric_ = symmetric; }
+  ContactDemands demands() const;
+  /// Before the next solve, where bodies are `loose`: held by contact alone. `first_touch`: some press
+  /// nothing so far, and penalties take the place of a method that closes gaps. Where points are far more
+  /// than the surfaces' nodes, which pressures are left is a choice among many; there augmentations do.
+  void meet(bool loose, bool first_touch);
+  /// For the rest of the attempt an augmented Lagrangian takes the place of a method that closes gaps, whose
+  /// active set did not come to rest.
+  void fall_back();
+  /// Before Newton's method starts from u: constraints that touch take part in its first iteration, and no
+  /// way of sliding is remembered. Collective.
+  void start_newton(Vec u);
+  /// After its step du from u, which ended at `next`: multipliers of the linearised system, and with `follow`
+  /// what slides (Friction::follow). True on all ranks when the next linear solve needs a matrix of its own.
+  /// Collective.
+  bool after_newton_step(Vec u, Vec du, Vec next, bool follow);
+  /// r += scale times what the right-hand side of a linear solve holds beside the residual, zero on fixed
+  /// dofs: gamma sum w g dg over the active constraints, so that the solution closes the gaps; for other
+  /// methods what sticks for this solve alone. Collective.
+  void add_gaps(Vec u, double scale, Vec r) const;
+  /// Active gaps, and slips that must vanish, at u. Collective.
+  GapsLeft gaps_left(Vec u, double force = std::numeric_limits<double>::infinity()) const {
+    return method().gaps_left(*constraints_, friction_, u, force);
+  }
+
+  /// Forgets the gap that the penalty rule compares with: first call of each Uzawa loop.
+  void start_augmentation();
+  /// What augment would do, without doing it. Collective.
+  AugmentReport review(Vec u) const;
+  /// lambda <- <lambda - eps g> for every constraint, 0 where it faces nothing, as the method has it.
+  /// Collective.
+  AugmentReport augment(Vec u);
+
+  /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule, or
+  /// of the force of a stabilised step. A call with u_n = u and dt = 0 before the first step records the
+  /// force of the start. Collective.
+  void advance(Vec u_n, Vec u, double dt);
+
   bool frictional() const { return settings_.friction > 0; }
   /// Whether heat may pass it.
   bool passes_heat() const { return settings_.conductance > 0 || frictional(); }
@@ -177,8 +189,6 @@ public:
   /// now. The sum of the frictional heat over all ranks is friction_loss over the thickness. Before advance.
   /// Collective.
   HeatPaths heat_paths(Vec u) const;
-  /// Leaves friction out, for the projection of a predictor.
-  void suspend_friction(bool suspended) { friction_suspended_ = suspended; }
   /// Energy that sliding turned into heat in the step that ended at u: sum w t.s, without what a penalty
   /// keeps elastically. Before advance. Collective.
   double friction_loss(Vec u) const;
@@ -189,71 +199,12 @@ public:
   /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
   /// at the end and that of the shock at its start, or the mean of both ends. Before advance. Collective.
   ObstacleWork obstacle_work(Vec u, bool force_at_end) const;
-  /// Whether the multipliers are updated within Newton's method.
-  bool semismooth() const {
-    return settings_.enforce == Enforcement::semismooth && !fallen_back_ && !by_penalty_;
-  }
-  /// Before the next solve, where bodies are `loose`: held by contact alone. `first_touch`: some press
-  /// nothing so far, and penalties take the place of the semismooth method. Where points are far more than
-  /// the surfaces' nodes, which pressures are left is a choice among many; there augmentations do.
-  void meet(bool loose, bool first_touch) {
-    by_penalty_ = first_touch;
-    fallen_back_ = fallen_back_ || (loose && form_->overdetermined());
-  }
-  /// Whether they are updated between its solves.
-  bool augments() const { return settings_.enforce != Enforcement::penalty && !semismooth(); }
-  /// For the rest of the attempt an augmented Lagrangian takes the place of the semismooth method, whose
-  /// active set did not come to rest.
-  void fall_back() { fallen_back_ = true; }
-  /// r += scale gamma sum w g dg over the active constraints, zero on fixed dofs: what the right-hand side of
-  /// a linear solve holds beside the residual, so that the solution closes the gaps. For other
-  /// enforcements what sticks for this solve alone (follow_sliding). Collective.
-  void add_gaps(Vec u, double scale, Vec r) const;
-  /// Before Newton's method starts from u: constraints that touch take part in its first iteration of the
-  /// semismooth method, and no way of sliding is remembered. Collective.
-  void start_newton(Vec u);
-  /// Without the semismooth method, at every iterate: what slid in the linear solve that led to u and would
-  /// slide the other way there sticks in the next one (`reverses`), or Newton's method jumps to and fro
-  /// between two states that slide in opposite directions. True on all ranks when the next linear solve needs
-  /// a matrix of its own. Collective.
-  bool follow_sliding(Vec u);
-  /// Whether anything sticks so in the linear solve at the last iterate: its step closes what sticks, and
-  /// only if it is taken in full. Equal on all ranks.
-  bool reverses() const { return reverses_; }
-  /// Multipliers of the linearised system after a full step from u to u + du: lambda - gamma (g + dg.du)
-  /// where active at u, else 0. True on all ranks when the active set at u + du is another one. Collective.
-  bool take_newton_step(Vec u, Vec du, Vec next);
-  /// Active gaps, and slips that must vanish, at u. Collective.
-  struct GapsLeft {
-    /// To 1e-11 of a facet, and so that closing the rest takes no more than `force` against the penalty at
-    /// any constraint, or to rounding of the coordinates. True for other enforcements.
-    bool closed = true;
-    double open = 0; ///< the largest, over the mean facet
-  };
-  GapsLeft gaps_left(Vec u, double force = std::numeric_limits<double>::infinity()) const;
-  /// What no pressure closes, because there are more constraints than the surfaces can meet, is let off below
-  /// this part of a facet.
-  static constexpr double most_open = 1e-6;
-
-  /// Whether contact takes part in the energy-conserving update.
-  bool conserving() const { return gap_ != nullptr; }
-
-  /// Forgets the gap that the penalty rule compares with: first call of each Uzawa loop.
-  void start_augmentation();
-  /// What augment would do, without doing it. Collective.
-  AugmentReport review(Vec u) const;
-  /// lambda <- <lambda - eps g> for every constraint, 0 where it faces nothing, then the penalty grows by
-  /// its rule. Pure penalty: nothing changes. Collective.
-  AugmentReport augment(Vec u);
-
-  /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule, or
-  /// of the force of a stabilised step. A call with u_n = u and dt = 0 before the first step records the
-  /// force of the start. Collective.
-  void advance(Vec u_n, Vec u, double dt);
   /// Collective.
   ContactMeasures measures(Vec u) const;
+  /// At the secondary nodes, as weighted means of the constraints. Collective.
+  ContactFields nodal_fields(Vec u) const;
   /// Pairs of the search per secondary facet that has any. Collective.
-  double pairs_per_facet() const { return form_->pairs_per_facet(); }
+  double pairs_per_facet() const { return constraints_->form().pairs_per_facet(); }
   /// How far the sides are from pressing each other at u. Collective.
   struct Reach {
     double gap = 0;       ///< smallest one, infinite where nothing faces
@@ -262,100 +213,35 @@ public:
     bool presses = false;
   };
   Reach reach(Vec u) const;
-  /// At the secondary nodes, as weighted means of the constraints. Collective.
-  ContactFields nodal_fields(Vec u) const;
 
   /// Overlap at u = 0. Throws UserError(data) when it is forbidden (setting error) or deeper than initial_tol
   /// (adjust); overlap of rounding size counts as none. The shift is not applied. Collective.
   InitialOverlapReport initial_overlap();
 
 private:
-  // Steps whose forces stand along the gradients at their middle (step_gradient.cpp), and among them the
-  // energy-conserving update (conserving.cpp).
-  static constexpr double unknown_gap = std::numeric_limits<double>::infinity();
-  enum class StepRule {
-    none,       // gaps and gradients of the displacement itself: at rest, without inertia
-    exact_work, // energy-conserving
-    middle,     // stabilised
-    start       // the projection of its velocity
+  using Vector = std::array<double, 3>;
+  // The row "totals" by the names of its components; those in front are vectors of dim or three numbers.
+  struct Totals {
+    double *impulse, *work, *force, *obstacle, *spring, *heat; // on the secondary side; of the rigid body
   };
-  struct Step {
-    StepRule rule = StepRule::none; // since set_time, until advance
-    std::array<double, 3> shock{};  // on the secondary side: impulse of the projection over dt
-    Handle<Vec> u_n, last_force;    // where the attempt starts, and its force there
-    std::vector<double> start;      // of nodes(): u_n, relative to the rigid body where it will be
-    std::vector<double> start_gap;  // by constraint
-    std::vector<double> reach;      // multipliers by which the form brings all constraints that may close
-  };
-  bool exact_work() const { return step_.rule == StepRule::exact_work; }
-  static std::array<double, 3> half(const std::array<double, 3>& a) { return {a[0] / 2, a[1] / 2, a[2] / 2}; }
-  // Of nodes(): where the attempt starts, relative to the rigid body where it will be. Collective.
-  std::vector<double> relative_start() const;
-  void find_start_gaps();
-  double kept_overlap(int index) const;
-  PressureLaw reaching_law() const;
-  // Where the gradients of the step are taken.
-  std::vector<double> place_of_gradients(const std::vector<double>& u) const;
-  void visit_step(const std::vector<double>& u, Derivatives derivatives,
-                  const ConstraintVisitor& visitor) const;
-  void visit_followed(const std::vector<double>& u, Derivatives derivatives,
-                      const ConstraintVisitor& visitor) const;
-  StepTraction step_traction(const Constraint& c) const;
-  double contact_stiffness(const Constraint& c) const;
-  // Energy of the springs of normal and tangential penalties.
-  double spring_energy(double gap, const Tangential& traction) const;
-  // The same of all constraints at u, not times the thickness. Collective.
-  double spring_energy(Vec u) const;
-  void keep_gaps(Vec u);
-  double penalty() const { return std::max(penalty_->trial[0], penalty_->trial[2]); }
-  PressureLaw law() const;
-  bool rubs(const Constraint& c) const { // friction acts on it, now
-    return traction_ != nullptr && !friction_suspended_ && c.slides && c.active;
-  }
-  // Numbers per constraint that are tangential.
-  std::size_t tangents() const { return static_cast<std::size_t>(dim_ - 1); }
-  Tangential held(const Constraint& c) const; // the traction that a trial value starts from
-  Traction traction(const Constraint& c) const;
-  // Coulomb's law as the next linear solve takes it (follow_sliding).
-  Traction linear_traction(const Constraint& c) const;
-  // What the next step starts from.
-  Tangential traction_to_keep(const Constraint& c) const;
-  // Of a sliding constraint: change of its traction by slip across the direction of the traction.
-  double turn_stiffness(const Constraint& c, const Traction& t) const;
-  // The same of any rubbing constraint as a matrix, the change by the gap left out.
-  std::array<Tangential, 2> slip_stiffness(const Constraint& c, const Traction& t) const;
-  // Visits the tangent, df/du times scale, in blocks over the dofs of nodes: what stiffness and friction make
-  // of the gradients, then the second variations.
-  ContactStatus visit_tangent(const std::vector<double>& u, double scale, const BlockVisitor& visitor) const;
+  Totals totals(std::vector<double>& half) const;
+  // The method at hand, which may be the fallback of the one that was asked for.
+  EnforcementMethod& method() const { return fallback_ && falls_back() ? *fallback_ : *method_; }
+  bool falls_back() const { return fallen_back_ || by_penalty_; }
+  void use_method();
+  void declare_state(StateTable& state);
+  void use_new_nodes(); // of the form
+  ObstaclePose pose() const;
+  ContactStatus visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
   struct TangentSpace { // kept between constraints
     std::vector<double> block, row;
   };
   void tangent_block(const Constraint& c, double scale, TangentSpace& space) const;
-  void add_frictional_heat(const Constraint& c, double& heat) const; // of the step
-  void add_force(const Constraint& c, std::array<double, 3>& force) const;
-  void keep_tractions(Vec u);
-  std::array<double, 3>
-  total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
-  double reported_thickness() const { return is_flat(environment_.frame) ? environment_.thickness : 1; }
-  std::size_t dof(int node, std::size_t component) const {
-    return static_cast<std::size_t>(dim_) * static_cast<std::size_t>(node) + component;
-  }
-  void set_automatic_values(const ContactSurface& secondary, const ContactSurface& primary);
-  void declare_state(StateTable& state);
-  void use_new_nodes(); // of the form
-  void fetch_fixed();
-  void hold_slip(const std::vector<double>& u, Constraint& c, std::vector<double>& gradient) const;
-  void fetch_bodies();
-  ContactStatus add_reduced_tangent(Vec u, double scale, Mat K) const;
-  void share(std::vector<double>& values, int components) const;
-  std::array<double, 3> obstacle_displacement(double t) const;
-  ObstaclePose pose_at(double t) const;
-  void find_pole(const ContactSurface& secondary);
-  ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
-                      const ConstraintVisitor& visitor) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
-  // Largest component of sums at the nodes, [node][dim] of the form's nodes. Collective.
-  double largest_of(const std::vector<double>& nodal) const;
+  void add_force(const Constraint& c, Vector& force) const;
+  Vector total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
+  double spring_energy(double gap, const Tangential& traction) const;
+  double thickness() const; // what is reported is multiplied by it
 
   const Mesh* mesh_;
   const FieldLayout* layout_;
@@ -363,32 +249,21 @@ private:
   ContactSettings settings_;
   ContactEnvironment environment_;
   std::vector<std::string> warnings_;
-  std::unique_ptr<ContactForm> form_;
-  int dim_;
-  std::vector<char> fixed_here_;                                 // [node][dim] of the form's nodes
+  RigidSide rigid_side_;
+  std::optional<Constraints> constraints_;
+  Friction friction_;
+  std::unique_ptr<EnforcementMethod> method_, fallback_;
+  RigidNodes rigid_nodes_;
+  EnforcementRows rows_{};
+  StateRow *totals_ = nullptr, *force_ = nullptr;
+  std::array<std::vector<double>, 2> before_projection_; // multipliers, penalty
+  Vector shock_{};             // on the secondary side: impulse of the projection over dt
+  Handle<Vec> last_force_;     // at the start of a step whose work is exact
+  double inertia_penalty_ = 0; // over the mass shift
   double last_change_ = std::numeric_limits<double>::infinity(); // of the multipliers, in an augmentation
-  bool supported_ = false; // some secondary node of a form with a constraint per node is
-  Handle<Vec> fixed_;      // 1 at fixed dofs; absent: none
-  const RigidReduction* reduction_ = nullptr;
-  Handle<Vec> body_;           // 1 + rigid body of a node, in its first component; absent: none
-  std::vector<int> body_here_; // [node] of the form's nodes, -1: none; empty without rigid bodies
-  StateRow *multiplier_, *penalty_, *totals_, *force_;
-  StateRow *traction_,
-      *slip_; // [constraint][direction], and at the end of slip_ the state; null without friction
-  StateRow* gap_ = nullptr; // accumulated gaps of the conserving update, else null
-  Step step_;
-  // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
-  // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
-  std::vector<Tangential> slid_, slides_;
-  std::vector<char> kind_;
-  bool reverses_ = false;
-  std::array<double, 3> outward_{}; // from a round rigid body's centre to its pole
-  double inertia_penalty_ = 0;      // over the mass shift
-  double mean_length_ = 0;          // of the secondary facets
-  double time_ = 0;                 // of the attempt's end
+  double time_ = 0;                                              // of the attempt's end
   long searches_ = 0;
-  bool at_rest_ = true, fallen_back_ = false, by_penalty_ = false, friction_suspended_ = false,
-       symmetric_ = false;
+  bool at_rest_ = true, fallen_back_ = false, by_penalty_ = false;
 };
 
 } // namespace impact

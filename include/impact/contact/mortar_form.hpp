@@ -27,11 +27,11 @@ public:
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
-  PairSearch::Outcome update(Vec u, const PressureLaw& law) override;
+  PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const std::vector<double>& u, Derivatives derivatives, const PressureLaw& law,
+  void visit(const std::vector<double>& u, Derivatives derivatives,
              const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const std::vector<double>& u, const PressureLaw& law, const CurvatureFactors& factors,
+  void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
@@ -146,7 +146,7 @@ private:
   void choose_functions(const Facing& facing, const std::vector<double>& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   // Whether the node is active with these pairs.
-  bool active(const Node& node, const std::vector<double>& u, const PressureLaw& law,
+  bool active(const Node& node, const std::vector<double>& u, const Presses& presses,
               const Facing& facing) const;
   std::vector<int> covering(int facet, const std::vector<double>& x, const Facing& facing) const;
   MortarFacePair pair_at(int facet, int candidate, const std::vector<double>& u, bool with_gradient) const;

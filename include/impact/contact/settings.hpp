@@ -2,7 +2,9 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <impact/kernel/frame.hpp>
 #include <limits>
+#include <memory>
 #include <string>
 
 /// What the user says of one contact (options/README.md, contact). A plain value, lengths and stresses in run
@@ -12,6 +14,9 @@ namespace impact {
 enum class ContactMethod { automatic, gauss_points, mortar };
 enum class MultiplierSpace { automatic, standard, dual }; ///< of the mortar method
 enum class Enforcement { automatic, penalty, auglag, semismooth };
+class EnforcementMethod;
+struct EnforcementRows;
+
 enum class InitialOverlap { adjust, error, allow };
 enum class ImpactUpdate {
   automatic,
@@ -39,10 +44,13 @@ struct ContactSettings {
   MultiplierSpace multipliers =
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
   Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
-  double friction = 0;                          ///< Coulomb's coefficient
-  double conductance = 0;                       ///< h_c, power per current area and temperature; 0: insulated
-  double conductance_pressure = 0;              ///< p_0 of h = h_c (p/p_0)^m
-  double conductance_exponent = 0;              ///< m; 0: h = h_c wherever the contact is closed
+  /// Makes a method of one's own, which takes the place of `enforce`; empty: none.
+  std::function<std::unique_ptr<EnforcementMethod>(const ContactSettings&, const EnforcementRows&)>
+      own_enforcement;
+  double friction = 0;                    ///< Coulomb's coefficient
+  double conductance = 0;                 ///< h_c, power per current area and temperature; 0: insulated
+  double conductance_pressure = 0;        ///< p_0 of h = h_c (p/p_0)^m
+  double conductance_exponent = 0;        ///< m; 0: h = h_c wherever the contact is closed
   double friction_heat_split = automatic; ///< part of the frictional heat that enters the secondary side;
                                           ///< automatic: 1/2, all of it against a rigid body
   std::function<double(double t)> rigid_temperature; ///< of the rigid body; empty: it is insulated
@@ -71,6 +79,15 @@ struct ContactSettings {
   static bool rigid_name(const std::string& name) {
     return name == "plane" || name == "rigid_sphere" || name == "rigid_cylinder";
   }
+};
+
+/// What the caller knows and the user's settings do not say.
+struct ContactEnvironment {
+  Frame frame = Frame::plane_strain;
+  double thickness = 1; ///< multiplies what is reported of plane problems
+  double modulus = 0;   ///< Young's modulus of the softer undegraded side
+  double density = 0;   ///< of the heaviest side where bodies have inertia, else 0
+  double length = 0;    ///< cell size beside the surface; 0: mean secondary facet
 };
 
 } // namespace impact

@@ -1,7 +1,6 @@
 #pragma once
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/problem/discretisation.hpp>
-#include <span>
 
 /// Bodies of a mesh that stand in each other at the start, at any depth.
 namespace impact {
@@ -10,6 +9,6 @@ namespace impact {
 /// bodies, unless the contact allows overlaps: what lies deeper than the pairs of the search reach has no
 /// force. To be called after ContactInterface::initial_overlap, which names and mends what the pairs see. O(n
 /// log n). Collective.
-void refuse_deep_overlaps(const Discretisation& discretisation, std::span<const ContactInterface> contacts);
+void refuse_deep_overlaps(const Discretisation& discretisation, const ContactSet& contacts);
 
 } // namespace impact

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>
@@ -58,12 +58,13 @@ public:
   /// diagonal stands in the matrix. Throws UserError(usage) for rigid bodies with a contact operator that is
   /// a shell.
   MotionProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
-                std::vector<ContactInterface>& contacts, bool symmetric_tangent,
+                ContactSet& contacts, bool symmetric_tangent,
                 ContactOperator contact_operator = ContactOperator::assembled,
                 MatrixFormat format = MatrixFormat::aij, RigidBodies* rigid = nullptr, bool solved = true);
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
+  const MotionStep& step() const { return step_; }
 
   /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Collective.
   /// Returns false on all ranks when a cell lost its meaning anywhere.
@@ -112,7 +113,7 @@ public:
 
   const Discretisation& discretisation() const { return d_; }
   const BoundaryData& boundary() const { return boundary_; }
-  std::vector<ContactInterface>& contacts() { return contacts_; }
+  ContactSet& contacts() { return contacts_; }
   /// Which cell broke most, of all ranks: "cell inverted (J=-2) at x=(0,1) in material a"; empty without any.
   /// Collective.
   std::string broken_text() const;
@@ -144,7 +145,7 @@ private:
   const Discretisation& d_;
   StateTable& state_;
   const BoundaryData& boundary_;
-  std::vector<ContactInterface>& contacts_;
+  ContactSet& contacts_;
   RigidBodies no_bodies_;
   RigidBodies* rigid_;
   bool symmetric_;

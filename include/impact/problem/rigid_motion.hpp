@@ -1,10 +1,9 @@
 #pragma once
 #include <array>
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -26,8 +25,7 @@ struct FreeBody {
 /// global node. The motions are infinitesimal: 3 in the plane, 1 with a ring's symmetry (along the axis), 6
 /// in space. Two cells that share one node count as one body: a hinge of that kind is not found. Collective.
 std::vector<FreeBody> find_free_bodies(const Discretisation& discretisation, const BoundaryData& boundary,
-                                       std::span<const ContactInterface> contacts = {},
-                                       const RigidBodies& rigid = {});
+                                       const ContactSet& contacts = {}, const RigidBodies& rigid = {});
 /// "the body of region disc around (0, 10)".
 std::string describe(const FreeBody& body, int dim);
 
@@ -35,8 +33,7 @@ std::string describe(const FreeBody& body, int dim);
 /// the remedy. One that a contact sees something near is held perhaps (LooseBodies): returns a sentence of
 /// warning for each. Collective.
 std::vector<std::string> require_held_bodies(const Discretisation& discretisation,
-                                             const BoundaryData& boundary,
-                                             std::span<const ContactInterface> contacts,
+                                             const BoundaryData& boundary, const ContactSet& contacts,
                                              const RigidBodies& rigid = {});
 
 } // namespace impact

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/contact/interface.hpp>
+#include <impact/contact/contact_set.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
@@ -17,7 +17,7 @@ struct Setup {
   StateTable state;
   RigidBodies rigid;
   BoundaryData boundary;
-  std::vector<ContactInterface> contacts;
+  ContactSet contacts;
   GmshFile file; ///< of the mesh, on rank 0
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <impact/input/condition.hpp>
-#include <impact/run/checkpoint.hpp>
-#include <impact/run/history_file.hpp>
+#include <impact/io/checkpoint.hpp>
+#include <impact/io/history_file.hpp>
 #include <impact/scenario/scenario.hpp>
 #include <string>
 #include <vector>

@@ -1,0 +1,78 @@
+#pragma once
+#include <impact/contact/constraints.hpp>
+
+/// Coulomb friction of one contact, |t| <= mu p, with the trial traction q = t_old + eps s of the step
+/// (theory.md, contact; contact_slip.hpp). Its spring is that of the enforcement. Its rows of the state
+/// table: the traction that a step starts from, and the slip since a constraint closed with its state.
+namespace impact {
+
+class Friction {
+public:
+  /// State of a constraint in the last component of the row "slip".
+  static constexpr double sticks = 1, slides = 2;
+
+  Friction() = default; ///< there is none
+  Friction(double coefficient, StateRow& traction, StateRow& slip)
+      : coefficient_(coefficient), traction_(&traction), slip_(&slip) {}
+
+  bool acts() const { return traction_ != nullptr; }
+  void press_by(const EnforcementMethod& enforcement) { law_ = &enforcement; }
+  /// Leaves it out for a while.
+  void suspend(bool suspended) { suspended_ = suspended; }
+  /// Whether it acts on this constraint now.
+  bool rubs(const Constraint& c) const { return acts() && !suspended_ && c.slides && c.active; }
+  /// The traction that the trial value starts from.
+  Tangential held(const Constraint& c) const;
+  Traction traction(const Constraint& c) const;
+  /// Coulomb's law as the next linear solve takes it (follow).
+  Traction linear_traction(const Constraint& c) const;
+  /// What the next step starts from.
+  Tangential traction_to_keep(const Constraint& c) const;
+  /// Change of the traction of a rubbing constraint by its slip, the change by the gap left out.
+  std::array<Tangential, 2> slip_stiffness(const Constraint& c, const Traction& t) const;
+  /// Adds the energy that a constraint turned into heat in the step: w t.s, without what a penalty keeps
+  /// elastically.
+  void add_heat(const Constraint& c, double& heat) const;
+  double coefficient() const { return coefficient_; }
+  /// The traction at the end of a linear solve, where the pressure is lambda and the slip s.
+  Tangential after_linear_solve(const Constraint& c, double lambda, const Tangential& slip) const;
+  /// What a linear solve lacks in the residual, per direction: of a method that closes gaps, what makes the
+  /// slip vanish that must, with `gap_force` its stiffness times the gap; else what sticks for it alone.
+  Tangential missing(const Constraint& c, double gap_force) const;
+
+  /// No way of sliding is remembered: Newton's method starts.
+  void forget();
+  /// At every iterate of Newton's method: what slid in the linear solve that led to u and would slide the
+  /// other way there sticks in the next one, or the method jumps to and fro between two states that slide in
+  /// opposite directions. True on all ranks when the next linear solve needs a matrix of its own. Collective.
+  bool follow(const Constraints& constraints, Vec u);
+  /// Whether anything sticks so in the linear solve at the last iterate: its step closes what sticks, and
+  /// only if it is taken in full. Equal on all ranks.
+  bool reverses() const { return reverses_; }
+
+  /// [constraint][direction] tractions of the trial half; new ones are kept unless friction is suspended.
+  const std::vector<double>& tractions() const { return traction_->trial; }
+  void keep_tractions(std::vector<double>& tractions);
+  /// After an accepted step that ended at u with these tractions. Collective.
+  void advance(const Constraints& constraints, Vec u, std::vector<double> tractions);
+  /// Slip since the constraint closed, [direction], and its state.
+  const double* slip(const Constraint& c) const {
+    return &slip_->trial[(tangents() + 1) * static_cast<std::size_t>(c.index)];
+  }
+  double state(const Constraint& c) const { return slip(c)[tangents()]; }
+
+private:
+  StepTraction step_traction(const Constraint& c) const;
+  std::size_t tangents() const { return static_cast<std::size_t>(traction_->components); }
+
+  double coefficient_ = 0;
+  const EnforcementMethod* law_ = nullptr;
+  StateRow *traction_ = nullptr, *slip_ = nullptr;
+  bool suspended_ = false, reverses_ = false;
+  // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
+  // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
+  std::vector<Tangential> slid_, slides_;
+  std::vector<char> kind_;
+};
+
+} // namespace impact

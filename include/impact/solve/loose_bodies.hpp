@@ -1,0 +1,78 @@
+#pragma once
+#include <impact/contact/contact_set.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/problem/rigid_bodies.hpp>
+#include <petscsnes.h>
+#include <span>
+#include <string>
+#include <vector>
+
+/// Bodies of a static run that contact alone holds. Until enough of their surface is pressed their tangent is
+/// singular, and a Newton step throws them through what they touch. The iteration is therefore one of a
+/// pseudo-time, in which a mass of unit density resists each step from the iterate at hand:
+///   (K + c_b M) du = -R(u),   c_b = (f/m) (f/f_max)                                             (H1), (H2)
+/// f: resultant of R on the body over its volume; m: the way that it may approach by. The mass stands in the
+/// matrix alone: the residual knows no force of it, so that it does no work, and it goes with the square of
+/// the resultant, so that Newton's method ends as quickly as without.
+namespace impact {
+
+class LooseBodies {
+public:
+  LooseBodies() = default;
+  /// Finds the bodies by the prescribed displacements. All must outlive this object. Collective.
+  LooseBodies(const Discretisation& discretisation, const BoundaryData& boundary, const ContactSet& contacts,
+              const RigidBodies& rigid);
+
+  bool empty() const { return bodies_.empty(); }
+  /// Beginnings of an attempt at a step and of a Newton solve. Not collective.
+  void start_attempt();
+  void start_solve();
+  /// Takes c_b from the residual r at u (H2). Collective.
+  void weigh(Vec u, Vec r);
+  /// Adds c_b M, lumped, to the assembled tangent K. Collective.
+  void add_to(Mat K) const;
+  /// Whether a body faces nothing yet at u, but has something near that the search sees. Collective.
+  bool sees_only(Vec u) const;
+  /// Whether each of them presses something at u. Collective.
+  bool rest(Vec u) const;
+  /// Largest part of the step du, at most 1, that moves no node on the surfaces of these bodies by more than
+  /// twice what they may approach by; doubled after each shortened step that lowered the residual (H3).
+  /// Collective.
+  double part_of(Vec du);
+  /// True from a weigh() that found a body out of balance.
+  bool unbalanced() const;
+  /// For the message of a solve that failed: bodies that met nothing; empty where there are none.
+  std::string adrift() const;
+
+private:
+  struct Body {
+    std::string name;             // for messages
+    std::array<double, 3> centre; // of the nodes
+    double volume = 0, inertia = 0, size = 0, facet = 0;
+    double weight = 0, floor = 0; // c_b and the least of it
+    double approach = 0;          // m
+    double largest = 0, now = 0;  // f_max of the attempt, f
+    std::vector<std::size_t> contacts;
+    bool pressed = false; // by any contact
+    int blind = 0;        // weighings in a row that found no partner near
+  };
+  void measure(const std::vector<int>& body_of_node);
+  double approach_of(Body& body, const std::vector<ContactInterface::Reach>& reach) const;
+
+  const Discretisation* d_ = nullptr;
+  const ContactSet* contacts_ = nullptr;
+  std::vector<Body> bodies_;
+  struct Node {
+    int local, body;
+    double volume;
+    bool on_surface;
+  };
+  std::vector<Node> nodes_; // owned nodes of loose bodies
+  std::vector<char> fixed_; // [local dof]
+  double stride_ = 1;       // factor of what a step may be
+  bool limited_ = false;    // the last step was cut
+  PetscReal norm_ = 0;      // of the last residual
+};
+
+} // namespace impact

@@ -1,0 +1,33 @@
+#include "augmented.hpp"
+#include "penalty.hpp"
+#include "semismooth.hpp"
+#include <cmath>
+#include <impact/kernel/contact_pair.hpp>
+
+namespace impact {
+
+void EnforcementMethod::press(Constraint& c) const {
+  c.lambda = rows_.lambda(c.index);
+  c.active = presses(c.index, c.gap);
+  c.pressure = c.active ? c.lambda - eps() * c.gap : 0;
+}
+
+double EnforcementMethod::potential(const Constraint& c) const {
+  return contact_potential(c.lambda, eps(), c.gap);
+}
+
+double EnforcementMethod::turn_stiffness(const Constraint& /*c*/, const Traction& t) const {
+  const double limit = std::hypot(t.value[0], t.value[1]);
+  return eps() * limit / (limit + t.excess);
+}
+
+std::unique_ptr<EnforcementMethod> make_enforcement(const ContactSettings& settings,
+                                                    const EnforcementRows& rows, bool conserving) {
+  if (settings.own_enforcement) return settings.own_enforcement(settings, rows);
+  if (conserving) return std::make_unique<ConservingPenalty>(settings, rows);
+  if (settings.enforce == Enforcement::penalty) return std::make_unique<Penalty>(settings, rows);
+  if (settings.enforce == Enforcement::semismooth) return std::make_unique<Semismooth>(settings, rows);
+  return std::make_unique<AugmentedLagrangian>(settings, rows);
+}
+
+} // namespace impact

@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/friction.hpp>
+#include <impact/kernel/contact_pair.hpp>
+#include <impact/petsc/error.hpp>
+
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+} // namespace
+
+Tangential Friction::held(const Constraint& c) const {
+  Tangential t{};
+  std::copy_n(&traction_->trial[tangents() * at(c.index)], tangents(), t.begin());
+  return t;
+}
+
+StepTraction Friction::step_traction(const Constraint& c) const {
+  const Tangential before = held(c);
+  const double eps = law_->eps(), mu = coefficient_;
+  if (rubs(c))
+    return impact::step_traction(before, c.slip, eps, mu * c.pressure, mu * contact_pressure(0, eps, c.gap));
+  // Where nothing lies opposite any more the spring lets go.
+  StepTraction released;
+  released.loss = inner(before, before) / (2 * eps);
+  return released;
+}
+
+Traction Friction::traction(const Constraint& c) const {
+  if (!rubs(c)) return {};
+  if (c.works_exactly()) return step_traction(c).over;
+  const Tangential held = this->held(c);
+  const double limit = coefficient_ * std::max(c.pressure, 0.0), eps = law_->slip_weight();
+  Traction t = coulomb({held[0] + eps * c.slip[0], held[1] + eps * c.slip[1]}, limit);
+  // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
+  if (law_->closes_gaps() && !t.slides) t.value = held;
+  return t;
+}
+
+Traction Friction::linear_traction(const Constraint& c) const {
+  Traction t = traction(c);
+  if (slid_.empty() || !t.slides || !(inner(slid_[at(c.index)], t.direction) < 0)) return t;
+  const double size = std::hypot(t.value[0], t.value[1]) + t.excess;
+  return {{size * t.direction[0], size * t.direction[1]}, false, {}, 0};
+}
+
+Tangential Friction::traction_to_keep(const Constraint& c) const {
+  if (!acts()) return {};
+  return c.works_exactly() ? step_traction(c).end : traction(c).value;
+}
+
+std::array<Tangential, 2> Friction::slip_stiffness(const Constraint& c, const Traction& t) const {
+  if (!t.slides) {
+    const double stick = law_->stiffness(c);
+    return {{{stick, 0}, {0, stick}}};
+  }
+  if (tangents() == 1) return {};
+  const double k = law_->turn_stiffness(c, t);
+  const Tangential& m = t.direction;
+  return {{{k * m[1] * m[1], -k * m[0] * m[1]}, {-k * m[0] * m[1], k * m[0] * m[0]}}};
+}
+
+void Friction::add_heat(const Constraint& c, double& heat) const {
+  if (!acts()) return;
+  if (c.works_exactly()) {
+    heat += c.weight * step_traction(c).loss;
+    return;
+  }
+  const Traction t = traction(c);
+  if (!t.slides) return;
+  const Tangential before = held(c);
+  for (std::size_t a = 0; a < tangents(); ++a) {
+    const double elastic = law_->closes_gaps() ? 0 : (t.value[a] - before[a]) / law_->eps();
+    heat += c.weight * t.value[a] * (c.slip[a] - elastic);
+  }
+}
+
+Tangential Friction::after_linear_solve(const Constraint& c, double lambda, const Tangential& slip) const {
+  const Traction t = traction(c);
+  const std::array<Tangential, 2> K = slip_stiffness(c, t);
+  const double limit = coefficient_ * std::max(0.0, lambda);
+  Tangential then{};
+  for (std::size_t a = 0; a < tangents(); ++a)
+    then[a] = (t.slides ? limit * t.direction[a] : t.value[a]) + inner(K[a], slip);
+  return then;
+}
+
+Tangential Friction::missing(const Constraint& c, double gap_force) const {
+  const Traction t = traction(c);
+  if (!law_->closes_gaps()) {
+    const Tangential then = linear_traction(c).value;
+    return {then[0] - t.value[0], then[1] - t.value[1]};
+  }
+  const std::array<Tangential, 2> K = slip_stiffness(c, t);
+  Tangential missing{};
+  for (std::size_t a = 0; a < tangents(); ++a)
+    missing[a] = inner(K[a], c.slip) - coefficient_ * t.direction[a] * gap_force;
+  return missing;
+}
+
+void Friction::forget() {
+  slid_.clear();
+  slides_.clear();
+  kind_.clear();
+  reverses_ = false;
+}
+
+bool Friction::follow(const Constraints& constraints, Vec u) {
+  if (!acts() || law_->closes_gaps() || suspended_) return false;
+  slid_.swap(slides_);
+  slid_.resize(constraints.count(), Tangential{});
+  slides_.assign(slid_.size(), Tangential{});
+  enum Kind : char { faces_none, holds, moves, turns }; // the last one holds and would slide the other way
+  std::vector<char> kind(slid_.size(), faces_none);
+  constraints.visit(u, Derivatives::none, [&](const Constraint& c) {
+    if (!c.active) return;
+    kind[at(c.index)] = holds;
+    if (!rubs(c)) return;
+    const Traction t = linear_traction(c);
+    slides_[at(c.index)] = t.direction;
+    kind[at(c.index)] = t.slides ? moves : traction(c).slides ? turns : holds;
+  });
+  std::array<int, 2> any = {kind != kind_ ? 1 : 0, std::count(kind.begin(), kind.end(), turns) > 0 ? 1 : 0};
+  MPI_Allreduce(MPI_IN_PLACE, any.data(), 2, MPI_INT, MPI_MAX, constraints.comm());
+  kind_ = std::move(kind);
+  reverses_ = any[1] == 1;
+  return any[0] == 1;
+}
+
+void Friction::keep_tractions(std::vector<double>& tractions) {
+  if (acts() && !suspended_) traction_->trial = std::move(tractions);
+}
+
+void Friction::advance(const Constraints& constraints, Vec u, std::vector<double> tractions) {
+  // What sticks from now on does so with the traction of this state.
+  std::vector<double> slip(slip_->trial.size(), 0.0);
+  const std::size_t n = tangents() + 1;
+  constraints.visit(u, Derivatives::none, [&](const Constraint& c) {
+    if (!c.active) return;
+    double* mine = &slip[n * at(c.index)];
+    for (std::size_t a = 0; a < tangents(); ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
+    // What has closed just now had no friction yet.
+    mine[n - 1] = !c.slides || traction(c).slides ? slides : sticks;
+  });
+  constraints.share(slip, n);
+  slip_->trial = std::move(slip);
+  traction_->trial = std::move(tractions);
+}
+
+} // namespace impact

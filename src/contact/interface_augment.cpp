@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/interface.hpp>
+#include <impact/kernel/frame.hpp>
+#include <impact/petsc/error.hpp>
+
+/// Augmentation of a ContactInterface, and its totals after an accepted step.
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// Largest component of sums at the nodes, [node][dim] of the contact's nodes. Collective.
+double largest_of(const std::vector<double>& nodal, const ContactNodes& nodes, const FieldLayout& layout) {
+  const Handle<Vec> sum = layout.make_global();
+  check(VecSet(sum, 0));
+  nodes.exchange.add(nodal, sum);
+  double largest = 0;
+  check(VecNorm(sum, NORM_INFINITY, &largest));
+  return largest;
+}
+
+} // namespace
+
+void ContactInterface::start_augmentation() {
+  rows_.penalty->trial[EnforcementRows::last_gap] = 0;
+  last_change_ = HUGE_VAL;
+}
+
+AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
+                                        std::vector<double>& traction) const {
+  const std::vector<double>& multiplier = rows_.multiplier->trial;
+  const std::size_t m = constraints_->dim(), tangents = friction_.acts() ? constraints_->tangents() : 0;
+  const double penalty = method().eps(), deepest = constraints_->form().deepest();
+  // A constraint that faces nothing carries nothing.
+  lambda.assign(multiplier.size(), 0.0);
+  traction.assign(tangents * lambda.size(), 0.0);
+  AugmentReport report;
+  const std::vector<double> values = nodes().displacement(u);
+  // What the pressures do to the bodies, and what their change does.
+  std::vector<double> force(values.size(), 0.0), change(force);
+  struct Largest { // over all ranks
+    double penetration = 0, unsettled = 0, multiplier = 0, weight = 0, gap = 0, change = 0;
+  } largest;
+  const bool by_force = at_rest_ && method().augments();
+  const auto visitor = [&](const Constraint& c) {
+    const double p = std::max(0.0, c.pressure), before = multiplier[at(c.index)];
+    lambda[at(c.index)] = p;
+    const std::size_t n = c.gradient.size();
+    const auto act = [&](double now, double then, std::span<const double> gradient) {
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t row = constraints_->dof(c.node[i / m], i % m);
+        if (constraints_->fixed(row)) continue;
+        force[row] += c.weight * now * gradient[i];
+        change[row] += c.weight * (now - then) * gradient[i];
+      }
+    };
+    if (p != 0 || before != 0) act(p, before, c.gradient);
+    const Tangential t = friction_.traction_to_keep(c);
+    for (std::size_t a = 0; a < tangents; ++a) {
+      const std::size_t i = tangents * at(c.index) + a;
+      traction[i] = t[a];
+      if (c.slides) act(-t[a], -friction_.tractions()[i], c.slip_gradient.subspan(n * a, n));
+    }
+    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
+    if (c.active) largest.gap = std::max(largest.gap, std::min(std::abs(c.gap), c.pressure / penalty));
+    if (c.active && c.gap < deepest) largest.unsettled = 1;
+    largest.weight = std::max(largest.weight, c.weight);
+  };
+  const ContactStatus status =
+      constraints_->visit(values, by_force ? Derivatives::first : Derivatives::none, visitor);
+  constraints_->share(lambda, 1);
+  if (friction_.acts()) constraints_->share(traction, tangents);
+  if (constraints_->form().switched()) largest.unsettled = 1;
+  largest.penetration = status.penetration;
+  for (std::size_t i = 0; i < lambda.size(); ++i) {
+    largest.multiplier = std::max(largest.multiplier, lambda[i]);
+    largest.change = std::max(largest.change, std::abs(lambda[i] - multiplier[i]));
+  }
+  for (std::size_t i = 0; i < traction.size(); ++i)
+    largest.change = std::max(largest.change, std::abs(traction[i] - friction_.tractions()[i]));
+  MPI_Allreduce(MPI_IN_PLACE, &largest, sizeof largest / sizeof(double), MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  MPI_Allreduce(&status.active, &report.active, 1, MPI_INT, MPI_SUM, mesh_->comm());
+  report.penetration = largest.penetration;
+  report.largest_gap = largest.gap;
+  report.multiplier = largest.multiplier;
+  report.settled = largest.unsettled == 0;
+  // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
+  const double negligible = 1e-9 * penalty * settings_.search_radius;
+  const auto relative = [](double part, double of) { return part > 0 ? part / of : 0; };
+  report.change = report.force_change = relative(largest.change, std::max(report.multiplier, negligible));
+  // Constraints that are more than the surfaces can meet share a force in many ways, and go on changing. With
+  // inertia every change left is energy.
+  if (by_force && report.change > last_change_ / 2 && report.penetration < settings_.gap_tol / 10)
+    report.force_change =
+        relative(largest_of(change, nodes(), *layout_),
+                 std::max(largest_of(force, nodes(), *layout_), negligible * largest.weight));
+  report.penalty = penalty;
+  report.converged = method().converged(report, *constraints_, friction_, u);
+  return report;
+}
+
+AugmentReport ContactInterface::review(Vec u) const {
+  std::vector<double> lambda, traction;
+  return propose(u, lambda, traction);
+}
+
+AugmentReport ContactInterface::augment(Vec u) {
+  std::vector<double> lambda, traction;
+  const AugmentReport report = propose(u, lambda, traction);
+  constraints_->form().clear_switched(); // another solve follows
+  if (!method().has_multipliers()) return report;
+  friction_.keep_tractions(traction);
+  method().augment(report, lambda);
+  if (method().augments()) last_change_ = report.change;
+  return report;
+}
+
+void ContactInterface::advance(Vec u_n, Vec u, double dt) {
+  const Handle<Vec> f = layout_->make_global(), f_n = layout_->make_global(), du = layout_->make_global();
+  add_residual(u, 1, f);
+  layout_->to_local(f, force_->trial);
+  layout_->to_global(force_->committed, f_n);
+  check(VecWAXPY(du, -1, u_n, u));
+  const bool stabilised = constraints_->rule() == StepRule::middle;
+  if (stabilised)
+    check(VecScale(f, 2));
+  else
+    check(VecAXPY(f, 1, f_n));
+  double twice_work = 0;
+  check(VecDot(f, du, &twice_work));
+  const Vector force = total_force(u);
+  const Totals before = totals(totals_->committed), now = totals(totals_->trial);
+  for (std::size_t k = 0; k < constraints_->dim(); ++k) {
+    const double mean = stabilised ? force[k] + shock_[k] : (before.force[k] + force[k]) / 2;
+    now.impulse[k] = before.impulse[k] + dt * mean;
+    now.force[k] = force[k];
+  }
+  *now.work = *before.work - twice_work / 2;
+  const Vector obstacle = rigid_side_.displacement(settings_, time_);
+  std::copy(obstacle.begin(), obstacle.end(), now.obstacle);
+  if (constraints_->conserving()) {
+    *now.spring = 0;
+    constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
+      *now.spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
+    });
+    MPI_Allreduce(MPI_IN_PLACE, now.spring, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  }
+  if (friction_.acts()) {
+    *now.heat = *before.heat + friction_loss(u) / thickness();
+    std::vector<double> lambda, traction;
+    propose(u, lambda, traction);
+    friction_.advance(*constraints_, u, std::move(traction));
+  }
+  if (constraints_->conserving()) constraints_->keep_gaps(u);
+  constraints_->set_rule(StepRule::none);
+  if (friction_.acts()) constraints_->form().anchor(u);
+}
+
+} // namespace impact

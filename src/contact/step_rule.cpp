@@ -1,0 +1,209 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/constraints.hpp>
+
+/// Contact in a step (theory.md, motion in time): forces along the gradients at its middle, where a turn of
+/// both bodies, however far, is an infinitesimal one of the mean configuration: du = spin x (x_n +
+/// x_{n+1})/2. Gaps and slips do not feel it, and the moment of the forces about the mean places vanishes.
+/// Their work over the step is that of the change of the gaps to third order. A stabilised step takes the
+/// gaps of its end as they are, an energy-conserving one the change along the gradients itself.
+namespace impact {
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+// An overlap at the start of a step that the step closes, in mean secondary facets.
+constexpr double small_overlap = 2e-3;
+
+} // namespace
+
+void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double, 3>& moved) {
+  step_ = {rule, std::move(u_n), moved, {}, {}};
+  if (rule != StepRule::none) find_start_gaps();
+}
+
+std::vector<double> Constraints::place_of_gradients(const std::vector<double>& u) const {
+  if (step_.rule == StepRule::none) return u;
+  if (step_.rule == StepRule::start) return step_.start;
+  std::vector<double> m(u.size());
+  std::transform(u.begin(), u.end(), step_.start.begin(), m.begin(),
+                 [](double x, double y) { return (x + y) / 2; });
+  return m;
+}
+
+std::vector<double> Constraints::relative_start() const {
+  std::vector<double> start = nodes().displacement(step_.u_n);
+  for (std::size_t i = 0; i < start.size(); ++i) start[i] += step_.moved[i % dim_];
+  return start;
+}
+
+double Constraints::closed_within_step(Vec u, double least) const {
+  if (!step_.u_n) return 0;
+  std::vector<double> depth(count_, 0.0);
+  const auto deepest = [&] {
+    double largest = 0;
+    for (double d : depth) largest = std::max(largest, d / mean_length_);
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm());
+    return largest > least ? largest : 0;
+  };
+  form_->visit(nodes().displacement(u), Derivatives::none,
+               [&](const Constraint& c) { depth[at(c.index)] = -c.gap; });
+  if (deepest() == 0) return 0;
+  form_->visit(relative_start(), Derivatives::none,
+               [&](const Constraint& c) { depth[at(c.index)] += std::min(0.0, c.gap); });
+  return deepest();
+}
+
+void Constraints::find_start_gaps() {
+  step_.start = relative_start();
+  if (works_exactly())
+    step_.start_gap = gap_->committed;
+  else
+    step_.start_gap.assign(count_, unknown_gap);
+  form_->visit(step_.start, Derivatives::none, [&](const Constraint& c) {
+    // What was open stays free of force at the start; what was not followed yet starts from what it is.
+    double& start = step_.start_gap[at(c.index)];
+    if (start == unknown_gap)
+      start = c.gap;
+    else if (start >= 0)
+      start = std::max(0.0, c.gap);
+  });
+}
+
+// The gap that a stabilised step may leave. Where the present pairs see an overlap at the start of the step,
+// because a constraint came to face other facets or surfaces crumpled, closing it would do the work w p times
+// its depth on the bodies, whatever the step (78'). It stays until the bodies part; small ones are closed.
+double Constraints::kept_overlap(int index) const {
+  const double start = step_.start_gap[at(index)];
+  if (start == unknown_gap || !law_->has_multipliers()) return 0;
+  return start < -small_overlap * mean_length_ ? start : 0;
+}
+
+namespace {
+
+// Gradients of constraints, by their index, over their nodes.
+class Gradients {
+public:
+  explicit Gradients(std::size_t count) : place_(count) {}
+  void keep(const Constraint& c) {
+    place_[at(c.index)] = {node_.size(), value_.size(), c.node.size()};
+    node_.insert(node_.end(), c.node.begin(), c.node.end());
+    value_.insert(value_.end(), c.gradient.begin(), c.gradient.end());
+  }
+  // Over the nodes of c, to which those that it lacks are added at the end where `may_add`; false where they
+  // may not, or nothing was kept.
+  bool over_nodes_of(const Constraint& c, bool may_add, std::vector<int>& node,
+                     std::vector<double>& gradient) const {
+    const Place& kept = place_[at(c.index)];
+    if (kept.count == 0) return false;
+    const std::size_t m = c.gradient.size() / c.node.size();
+    node.assign(c.node.begin(), c.node.end());
+    gradient.assign(c.gradient.size(), 0.0);
+    for (std::size_t i = 0; i < kept.count; ++i) {
+      const auto place =
+          static_cast<std::size_t>(std::find(node.begin(), node.end(), node_[kept.node + i]) - node.begin());
+      if (place == node.size()) {
+        if (!may_add) return false;
+        node.push_back(node_[kept.node + i]);
+        gradient.resize(m * node.size(), 0.0);
+      }
+      for (std::size_t k = 0; k < m; ++k) gradient[m * place + k] += value_[kept.value + m * i + k];
+    }
+    return true;
+  }
+
+private:
+  struct Place {
+    std::size_t node = 0, value = 0, count = 0;
+  };
+  std::vector<Place> place_;
+  std::vector<int> node_;
+  std::vector<double> value_;
+};
+
+} // namespace
+
+// Between the steps of an energy-conserving run: the state at the end of the last one.
+void Constraints::visit_followed(const std::vector<double>& u, Derivatives derivatives,
+                                 const ConstraintVisitor& visitor) const {
+  form_->visit(u, derivatives, [&](Constraint& c) {
+    const double followed = gap_->trial[at(c.index)];
+    if (followed != unknown_gap) c.gap = followed < 0 ? followed : std::max(0.0, c.gap);
+    visitor(c);
+  });
+}
+
+void Constraints::keep_gaps(Vec u) {
+  std::vector<double> gap(count_, unknown_gap);
+  visit(u, Derivatives::first, [&](const Constraint& c) { gap[at(c.index)] = c.gap; });
+  share(gap, 1);
+  gap_->trial = std::move(gap);
+  step_.rule = StepRule::none;
+}
+
+void Constraints::visit_curvature(const std::vector<double>& u, std::vector<double>& of_gap,
+                                  std::vector<Tangential>& of_slip, const BlockVisitor& visitor) const {
+  if (step_.rule == StepRule::start) return;
+  if (step_.rule == StepRule::middle) { // which moves by half of what u does; exact work has twice the force
+    for (double& factor : of_gap) factor /= 2;
+    for (Tangential& factor : of_slip) factor = {factor[0] / 2, factor[1] / 2};
+  }
+  form_->visit_curvature(place_of_gradients(u), {of_gap, of_slip}, visitor);
+}
+
+void Constraints::visit_step(const std::vector<double>& u, Derivatives derivatives,
+                             const ConstraintVisitor& visitor) const {
+  const bool of_end = step_.rule == StepRule::middle, strikes = step_.rule == StepRule::start;
+  const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;
+  std::vector<double> end_gap(of_end || strikes ? count_ : 0, unknown_gap);
+  std::vector<double> end_gradient, gradient, slip_gradient;
+  std::vector<int> node;
+  Gradients end(to_end ? end_gap.size() : 0);
+  if (of_end || strikes)
+    form_->visit(u, to_end ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
+      end_gap[at(c.index)] = c.gap;
+      if (to_end) end.keep(c);
+    });
+  form_->visit(place_of_gradients(u), Derivatives::first, [&](Constraint& c) {
+    const std::size_t n = c.gradient.size();
+    const auto moved = [&](std::size_t i) {
+      const std::size_t k = dof(c.node[i % n / dim_], i % dim_);
+      return u[k] - step_.start[k];
+    };
+    // It faces nothing any more. The gradients of the start know no edge: a body that flies past it is not
+    // struck either.
+    if ((of_end || strikes) && end_gap[at(c.index)] == unknown_gap) return;
+    c.slip = {};
+    for (std::size_t i = 0; i < c.slip_gradient.size(); ++i) c.slip[i / n] += c.slip_gradient[i] * moved(i);
+    if (of_end) {
+      c.gap = end_gap[at(c.index)];
+      c.gap -= kept_overlap(c.index);
+      // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
+      if (to_end && end.over_nodes_of(c, nodal_, node, end_gradient)) {
+        c.end_gradient = end_gradient;
+        if (const std::size_t more = end_gradient.size(); more > n) {
+          gradient.assign(c.gradient.begin(), c.gradient.end());
+          gradient.resize(more, 0.0);
+          slip_gradient.assign(c.slip_gradient.size() / n * more, 0.0);
+          for (std::size_t i = 0; i < c.slip_gradient.size(); ++i)
+            slip_gradient[i / n * more + i % n] = c.slip_gradient[i];
+          c.node = node;
+          c.gradient = gradient;
+          c.slip_gradient = slip_gradient;
+        }
+      }
+    } else {
+      double change = 0, start = step_.start_gap[at(c.index)];
+      for (std::size_t i = 0; i < n; ++i) change += c.gradient[i] * moved(i);
+      // It faces something now and did not at the start.
+      if (start == unknown_gap) start = std::max(0.0, c.gap - change / 2);
+      if (strikes) start = std::max(0.0, start);
+      c.gap = start + change;
+      if (works_exactly()) c.start_gap = start;
+    }
+    visitor(c);
+  });
+}
+
+} // namespace impact
