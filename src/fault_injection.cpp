@@ -11,7 +11,6 @@
 #include <petscts.h>
 #include <string>
 #include <sys/types.h>
-#include <sys/uio.h>
 #include <unistd.h>
 #include <vector>
 
@@ -81,7 +80,7 @@ template <class Function> Function* original(const char* name) {
 
 } // namespace
 
-// These stand before the library's functions for every part of the program, HDF5 and MPI included.
+// These stand before the library's functions for every part of the program.
 extern "C" {
 
 ssize_t write(int file, const void* data, size_t bytes) {
@@ -96,25 +95,9 @@ ssize_t pwrite64(int file, const void* data, size_t bytes, off64_t at) {
   static const auto real = original<ssize_t(int, const void*, size_t, off64_t)>("pwrite64");
   return fails(file) ? -1 : real(file, data, bytes, at);
 }
-ssize_t writev(int file, const iovec* parts, int count) {
-  static const auto real = original<ssize_t(int, const iovec*, int)>("writev");
-  return fails(file) ? -1 : real(file, parts, count);
-}
-ssize_t pwritev(int file, const iovec* parts, int count, off_t at) {
-  static const auto real = original<ssize_t(int, const iovec*, int, off_t)>("pwritev");
-  return fails(file) ? -1 : real(file, parts, count, at);
-}
-ssize_t pwritev64(int file, const iovec* parts, int count, off64_t at) {
-  static const auto real = original<ssize_t(int, const iovec*, int, off64_t)>("pwritev64");
-  return fails(file) ? -1 : real(file, parts, count, at);
-}
 int ftruncate(int file, off_t length) noexcept {
   static const auto real = original<int(int, off_t)>("ftruncate");
   return fails(file) ? -1 : real(file, length);
-}
-int posix_fallocate(int file, off_t at, off_t bytes) {
-  static const auto real = original<int(int, off_t, off_t)>("posix_fallocate");
-  return fails(file) ? ENOSPC : real(file, at, bytes);
 }
 int fsync(int file) {
   static const auto real = original<int(int)>("fsync");

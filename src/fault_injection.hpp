@@ -9,8 +9,8 @@
 ///   evaluation on
 ///   kill:<k>[:<part of a path>]    SIGKILL to itself at the k-th call that changes a file of that name
 ///   full:<k>[:<part of a path>]    such calls fail with "no space left on device" from the k-th on
-/// The part of a path is "checkpoint_" unless given. Calls that change files are write, pwrite, writev,
-/// pwritev, ftruncate, fallocate, fsync and rename.
+/// The part of a path is "checkpoint_" unless given. Calls that change files are write, pwrite, ftruncate,
+/// fsync and rename.
 namespace impact {
 
 /// The probe that injects what IMPACT_FAULT asks for; empty without it. After MPI is up.

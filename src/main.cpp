@@ -5,12 +5,10 @@
 #include <impact/input/database.hpp>
 #include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/petsc/file_access.hpp>
 #include <impact/petsc/shared_cores.hpp>
-#include <impact/run/checkpoint.hpp>
-#include <impact/run/scenario.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <string>
 #ifdef IMPACT_FAULT_INJECTION
 #include "fault_injection.hpp"
@@ -39,14 +37,6 @@ int report(const char* text, impact::ExitCode code, bool collective) {
   return static_cast<int>(code);
 }
 
-[[noreturn]] void end_without_libraries(int code) {
-  int size = 1;
-  MPI_Comm_size(PETSC_COMM_WORLD, &size);
-  std::fflush(nullptr);
-  if (size > 1) MPI_Abort(PETSC_COMM_WORLD, code);
-  std::_Exit(code);
-}
-
 bool asks_for_reference(int argc, char** argv) {
   for (int i = 1; i < argc; ++i)
     if (std::strcmp(argv[i], "-reference") == 0) return true;
@@ -65,7 +55,6 @@ int main(int argc, char** argv) {
     std::fputs(impact::option_reference().c_str(), stdout);
     return 0;
   }
-  impact::choose_file_access();
   impact::yield_while_waiting();
   impact::hold_to_one_thread();
   impact::install_signal_handlers();
@@ -87,8 +76,6 @@ int main(int argc, char** argv) {
   try {
     const impact::Scenario scenario = impact::read_scenario(PETSC_COMM_WORLD);
     code = static_cast<int>(impact::simulate(PETSC_COMM_WORLD, scenario, probe()));
-  } catch (const impact::UnfinishedFile& error) {
-    end_without_libraries(report(error.what(), error.code(), true));
   } catch (const impact::UserError& error) {
     code = report(error.what(), error.code(), true);
   } catch (const impact::PetscError& error) {

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <impact/petsc/file_access.hpp>
 #include <impact/petsc/shared_cores.hpp>
 #include <iostream>
 #include <petscsys.h>
@@ -29,7 +28,6 @@ private:
 /// Test program for several ranks: prints on rank 0, fails when a test failed on any rank.
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  impact::choose_file_access();
   impact::yield_while_waiting();
   impact::hold_to_one_thread();
 #ifdef __SANITIZE_ADDRESS__

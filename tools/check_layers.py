@@ -19,7 +19,11 @@ BELOW = {
     "mesh": ["kernel", "petsc"],
     "contact": ["mesh"],
     "problem": ["contact", "time", "input"],
-    "run": ["problem"],
+    "io": ["mesh"],
+    "solve": ["problem"],
+    "scenario": ["problem"],
+    "balance": ["solve", "io"],
+    "run": ["scenario", "balance"],
 }
 DRY = {"math", "material", "element", "kernel"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')

@@ -25,6 +25,22 @@ SNESConvergedReason reason_by_residual(SNES snes) {
   return reason;
 }
 
+void set_scalar_solver_defaults(KSP ksp, const char* prefix) {
+  PC pc = nullptr;
+  check(KSPSetType(ksp, KSPCG));
+  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(KSPGetPC(ksp, &pc));
+  int ranks = 1;
+  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks);
+  if (ranks == 1) return check(PCSetType(pc, PCICC));
+  // Conjugate gradients want symmetric blocks; bjacobi would factorise them by ILU.
+  check(PCSetType(pc, PCBJACOBI));
+  const std::string inner = "-" + std::string(prefix) + "sub_pc_type";
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, inner.c_str(), &set));
+  if (!set) check(PetscOptionsSetValue(nullptr, inner.c_str(), "icc"));
+}
+
 std::string linear_solver_text(SNES snes) {
   KSP ksp = nullptr;
   PC pc = nullptr;

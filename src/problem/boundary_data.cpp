@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <impact/input/units.hpp>
+#include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/boundary_data.hpp>
@@ -46,8 +47,8 @@ const Group& require_group(const Mesh& mesh, const BoundaryCondition& bc, const 
 double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
   const int dim = mesh.dim(), n = facets.nodes_per_facet;
   auto x = [&](int a, int k) {
-    const int node = facets.connectivity[static_cast<std::size_t>(f * n + a)];
-    return mesh.coordinates()[static_cast<std::size_t>(node * dim + k)];
+    const int node = facets.connectivity[at(f * n + a)];
+    return mesh.coordinates()[at(node * dim + k)];
   };
   if (dim == 2) return std::hypot(x(1, 0) - x(0, 0), x(1, 1) - x(0, 1));
   double area = 0;
@@ -67,15 +68,15 @@ int plane_axis(const Mesh& mesh, const std::vector<int>& nodes) {
   high.fill(-1e300);
   for (int node : nodes)
     for (int k = 0; k < dim; ++k) {
-      const double x = mesh.coordinates()[static_cast<std::size_t>(node * dim + k)];
-      low[static_cast<std::size_t>(k)] = std::min(low[static_cast<std::size_t>(k)], x);
-      high[static_cast<std::size_t>(k)] = std::max(high[static_cast<std::size_t>(k)], x);
+      const double x = mesh.coordinates()[at(node * dim + k)];
+      low[at(k)] = std::min(low[at(k)], x);
+      high[at(k)] = std::max(high[at(k)], x);
     }
   MPI_Allreduce(MPI_IN_PLACE, low.data(), 3, MPI_DOUBLE, MPI_MIN, mesh.comm());
   MPI_Allreduce(MPI_IN_PLACE, high.data(), 3, MPI_DOUBLE, MPI_MAX, mesh.comm());
   const double tolerance = 1e-8 * mesh.smallest_edge();
   for (int k = 0; k < dim; ++k)
-    if (high[static_cast<std::size_t>(k)] - low[static_cast<std::size_t>(k)] <= tolerance) return k;
+    if (high[at(k)] - low[at(k)] <= tolerance) return k;
   return -1;
 }
 
@@ -90,10 +91,8 @@ BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> cond
                            std::span<const int> body_of_node)
     : dim_(mesh.dim()), node_count_(mesh.node_count()), smallest_edge_(mesh.smallest_edge()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
-      fixed_mask_(static_cast<std::size_t>(node_count_ * dim_), 0),
-      damage_mask_(static_cast<std::size_t>(node_count_), 0),
-      temperature_condition_(static_cast<std::size_t>(node_count_), -1),
-      force_area_(conditions_.size(), 0.0) {
+      fixed_mask_(at(node_count_ * dim_), 0), damage_mask_(at(node_count_), 0),
+      temperature_condition_(at(node_count_), -1), force_area_(conditions_.size(), 0.0) {
   resolve_fixed(mesh, body_of_node);
   resolve_loads(mesh);
   resolve_temperatures(mesh);
@@ -109,36 +108,34 @@ void BoundaryData::require_agreement(double t0, double t1, const std::vector<dou
                            double scale) {
     if (std::abs(a - b) <= 1e-9 * std::max(std::abs(a), std::abs(b)) + 1e-12 * scale) return;
     std::string place;
-    for (int k = 0; k < dim_; ++k)
-      place += (k ? ", " : "") + number_text(x_[static_cast<std::size_t>(node * dim_ + k)]);
-    throw UserError(ExitCode::data, "-bc_" + conditions_[static_cast<std::size_t>(first)].id + " and -bc_" +
-                                        conditions_[static_cast<std::size_t>(second)].id +
-                                        " prescribe different " + what + " (" + number_text(a) + ", " +
-                                        number_text(b) + " at t=" + number_text(t1) +
+    for (int k = 0; k < dim_; ++k) place += (k ? ", " : "") + number_text(x_[at(node * dim_ + k)]);
+    throw UserError(ExitCode::data, "-bc_" + conditions_[at(first)].id + " and -bc_" +
+                                        conditions_[at(second)].id + " prescribe different " + what + " (" +
+                                        number_text(a) + ", " + number_text(b) + " at t=" + number_text(t1) +
                                         ") on a common node at (" + place + "); leave it out of one of them");
   };
   for (const auto& [one, other] : shared_dofs_) {
-    const auto i = static_cast<std::size_t>(one.dof);
+    const auto i = at(one.dof);
     const double u = u_n.empty() ? 0 : u_n[i], v = v_n.empty() ? 0 : v_n[i];
     compare(one.condition, other.condition, std::string("u") + axis_name[one.component], one.dof / dim_,
             prescribed(one, t0, t1, u, v), prescribed(other, t0, t1, u, v), smallest_edge_);
   }
-  for (const SharedValue& at : shared_values_) {
-    const double* x = &x_[static_cast<std::size_t>(at.node * dim_)];
-    compare(at.first, at.second,
-            conditions_[static_cast<std::size_t>(at.first)].type == BcType::damage ? "phi" : "temperatures",
-            at.node, heat_value(at.first, x, t1), heat_value(at.second, x, t1), 1);
+  for (const SharedValue& shared : shared_values_) {
+    const double* x = &x_[at(shared.node * dim_)];
+    compare(shared.first, shared.second,
+            conditions_[at(shared.first)].type == BcType::damage ? "phi" : "temperatures", shared.node,
+            heat_value(shared.first, x, t1), heat_value(shared.second, x, t1), 1);
   }
 }
 
 void BoundaryData::resolve_temperatures(const Mesh& mesh) {
   for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
-    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    const BoundaryCondition& bc = conditions_[at(c)];
     if (bc.type != BcType::temperature) continue;
     for (const std::string& name : bc.on) {
       require_group(mesh, bc, name);
       for (int node : mesh.nodes(name)) {
-        int& holder = temperature_condition_[static_cast<std::size_t>(node)];
+        int& holder = temperature_condition_[at(node)];
         if (holder < 0) holder = c;
         if (holder != c) shared_values_.push_back({node, holder, c});
       }
@@ -150,7 +147,7 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
   std::map<int, FixedDof> chosen;
   std::map<int, int> damaged; // node, condition
   for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
-    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    const BoundaryCondition& bc = conditions_[at(c)];
     if (!prescribes_motion(bc.type) && bc.type != BcType::damage) continue;
     for (const std::string& name : bc.on) {
       require_group(mesh, bc, name);
@@ -170,10 +167,10 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
           const auto [where, inserted] = damaged.emplace(node, c);
           if (inserted) damage_nodes_.emplace_back(node, c);
           if (where->second != c) shared_values_.push_back({node, where->second, c});
-          damage_mask_[static_cast<std::size_t>(node)] = 1;
+          damage_mask_[at(node)] = 1;
           continue;
         }
-        if (!body_of_node.empty() && body_of_node[static_cast<std::size_t>(node)] >= 0) continue;
+        if (!body_of_node.empty() && body_of_node[at(node)] >= 0) continue;
         for (int k = 0; k < dim_; ++k) {
           const bool held = bc.type == BcType::fix || k == axis || bc.component[k].has_value();
           if (!held) continue;
@@ -186,13 +183,13 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
   }
   for (const auto& [dof, fixed] : chosen) {
     fixed_.push_back(fixed);
-    fixed_mask_[static_cast<std::size_t>(dof)] = 1;
+    fixed_mask_[at(dof)] = 1;
   }
 }
 
 void BoundaryData::resolve_loads(const Mesh& mesh) {
   for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
-    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
+    const BoundaryCondition& bc = conditions_[at(c)];
     if (bc.type == BcType::body_force) {
       for (const std::string& name : bc.on) {
         require_group(mesh, bc, name);
@@ -212,9 +209,9 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
                                               "give each a condition of its own");
         const std::vector<double> shares = mesh.node_shares(name);
         for (int node = 0; node < node_count_; ++node)
-          if (const double share = shares[static_cast<std::size_t>(node)]; share > 0) {
+          if (const double share = shares[at(node)]; share > 0) {
             nodal_forces_.push_back({node, c, share});
-            force_area_[static_cast<std::size_t>(c)] += share;
+            force_area_[at(c)] += share;
           }
         continue;
       }
@@ -225,8 +222,7 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
                                             "D; mesh has: " + available_groups(mesh));
       if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", name);
       LoadedFacets load{c, mesh.facets(name)};
-      for (int f = 0; f < load.facets.count(); ++f)
-        force_area_[static_cast<std::size_t>(c)] += facet_area(mesh, load.facets, f);
+      for (int f = 0; f < load.facets.count(); ++f) force_area_[at(c)] += facet_area(mesh, load.facets, f);
       (thermal                       ? heat_fluxes_
        : bc.type == BcType::pressure ? pressures_
                                      : tractions_)
@@ -239,10 +235,10 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
 }
 
 double BoundaryData::prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const {
-  const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
+  const BoundaryCondition& bc = conditions_[at(fixed.condition)];
   if (!bc.component[fixed.component]) return 0; // fix, symmetry
   const Expression& data = *bc.component[fixed.component];
-  const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
+  const double* x = &x_[at(fixed.dof / dim_ * dim_)];
   if (bc.type == BcType::displacement) return data(x, dim_, t1);
   const double dt = t1 - t0;
   double sum = 0;
@@ -257,7 +253,7 @@ double BoundaryData::prescribed(const FixedDof& fixed, double t0, double t1, dou
 void BoundaryData::set_displacement(double t0, double t1, const std::vector<double>& u_n,
                                     const std::vector<double>& v_n, std::vector<double>& u) const {
   for (const FixedDof& fixed : fixed_) {
-    const auto i = static_cast<std::size_t>(fixed.dof);
+    const auto i = at(fixed.dof);
     u[i] = prescribed(fixed, t0, t1, u_n[i], v_n[i]);
   }
 }
@@ -265,22 +261,22 @@ void BoundaryData::set_displacement(double t0, double t1, const std::vector<doub
 void BoundaryData::set_exact_velocity(double t0, double t1, const std::vector<double>& v_n,
                                       std::vector<double>& v) const {
   for (const FixedDof& fixed : fixed_) {
-    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
+    const BoundaryCondition& bc = conditions_[at(fixed.condition)];
     if (bc.type != BcType::acceleration || !bc.component[fixed.component]) continue;
-    const auto i = static_cast<std::size_t>(fixed.dof);
-    const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
+    const auto i = at(fixed.dof);
+    const double* x = &x_[at(fixed.dof / dim_ * dim_)];
     v[i] = v_n[i] + integral(*bc.component[fixed.component], x, dim_, t0, t1);
   }
 }
 
 void BoundaryData::set_initial_rates(double dt, std::vector<double>& v, std::vector<double>& a) const {
   for (const FixedDof& fixed : fixed_) {
-    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(fixed.condition)];
-    const auto i = static_cast<std::size_t>(fixed.dof);
+    const BoundaryCondition& bc = conditions_[at(fixed.condition)];
+    const auto i = at(fixed.dof);
     v[i] = a[i] = 0;
     if (!bc.component[fixed.component]) continue;
     const Expression& data = *bc.component[fixed.component];
-    const double* x = &x_[static_cast<std::size_t>(fixed.dof / dim_ * dim_)];
+    const double* x = &x_[at(fixed.dof / dim_ * dim_)];
     auto value = [&](double t) { return data(x, dim_, t); };
     // One-sided second-order differences over a small part of the step: data may start at t = 0.
     const double h = 1e-3 * dt;
@@ -302,15 +298,15 @@ void BoundaryData::set_initial_rates(double dt, std::vector<double>& v, std::vec
 
 void BoundaryData::set_damage(double t, std::vector<double>& phi) const {
   for (const auto& [node, c] : damage_nodes_) {
-    const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(c)];
-    phi[static_cast<std::size_t>(node)] = (*bc.value)(&x_[static_cast<std::size_t>(node * dim_)], dim_, t);
+    const BoundaryCondition& bc = conditions_[at(c)];
+    phi[at(node)] = (*bc.value)(&x_[at(node * dim_)], dim_, t);
   }
 }
 
 void BoundaryData::set_temperature(double t, std::vector<double>& theta) const {
   for (std::size_t node = 0; node < theta.size(); ++node)
     if (const int c = temperature_condition_[node]; c >= 0)
-      theta[node] = heat_value(c, &x_[node * static_cast<std::size_t>(dim_)], t);
+      theta[node] = heat_value(c, &x_[node * at(dim_)], t);
 }
 
 std::vector<int> BoundaryData::heat_sources() const {
@@ -321,19 +317,19 @@ std::vector<int> BoundaryData::heat_sources() const {
 }
 
 double BoundaryData::heat_value(int condition, const double* x, double t) const {
-  return (*conditions_[static_cast<std::size_t>(condition)].value)(x, dim_, t);
+  return (*conditions_[at(condition)].value)(x, dim_, t);
 }
 
 double BoundaryData::ambient_temperature(int condition, const double* x, double t) const {
   const double value = heat_value(condition, x, t);
   if (value > 0) return value;
-  throw UserError(ExitCode::data, "-bc_" + conditions_[static_cast<std::size_t>(condition)].id + "_value: " +
+  throw UserError(ExitCode::data, "-bc_" + conditions_[at(condition)].id + "_value: " +
                                       std::to_string(value) + " K around the body at t=" + std::to_string(t) +
                                       "; temperatures are absolute and positive");
 }
 
 double BoundaryData::heat_coefficient(int condition, const double* x, double t) const {
-  const BoundaryCondition& bc = conditions_[static_cast<std::size_t>(condition)];
+  const BoundaryCondition& bc = conditions_[at(condition)];
   const double h = bc.coefficient ? (*bc.coefficient)(x, dim_, t) : 0.0;
   if (h >= 0) return h;
   throw UserError(ExitCode::data, "-bc_" + bc.id + "_h: is " + std::to_string(h) +
@@ -345,34 +341,33 @@ bool BoundaryData::body_force(double t, std::vector<double>& f) const {
   if (std::none_of(conditions_.begin(), conditions_.end(),
                    [](const BoundaryCondition& bc) { return bc.type == BcType::body_force; }))
     return false;
-  f.assign(static_cast<std::size_t>(node_count_ * dim_), 0.0);
+  f.assign(at(node_count_ * dim_), 0.0);
   for (const auto& [node, c] : body_nodes_)
     for (int k = 0; k < dim_; ++k)
-      if (const auto& data = conditions_[static_cast<std::size_t>(c)].component[k])
-        f[static_cast<std::size_t>(node * dim_ + k)] +=
-            (*data)(&x_[static_cast<std::size_t>(node * dim_)], dim_, t);
+      if (const auto& data = conditions_[at(c)].component[k])
+        f[at(node * dim_ + k)] += (*data)(&x_[at(node * dim_)], dim_, t);
   return true;
 }
 
 void BoundaryData::add_nodal_forces(double t, std::vector<double>& f) const {
   for (const NodalForce& load : nodal_forces_) {
-    const auto c = static_cast<std::size_t>(load.condition);
+    const auto c = at(load.condition);
     for (int k = 0; k < dim_; ++k)
       if (const auto& data = conditions_[c].component[k])
-        f[static_cast<std::size_t>(load.node * dim_ + k)] +=
-            load.share / force_area_[c] * (*data)(&x_[static_cast<std::size_t>(load.node * dim_)], dim_, t);
+        f[at(load.node * dim_ + k)] +=
+            load.share / force_area_[c] * (*data)(&x_[at(load.node * dim_)], dim_, t);
   }
 }
 
 void BoundaryData::traction(const LoadedFacets& load, const double* x, double t, double* value) const {
-  const auto c = static_cast<std::size_t>(load.condition);
+  const auto c = at(load.condition);
   const BoundaryCondition& bc = conditions_[c];
   const double share = bc.type == BcType::force ? 1 / force_area_[c] : 1;
   for (int k = 0; k < dim_; ++k) value[k] = bc.component[k] ? share * (*bc.component[k])(x, dim_, t) : 0.0;
 }
 
 double BoundaryData::pressure(const LoadedFacets& load, const double* x, double t) const {
-  return (*conditions_[static_cast<std::size_t>(load.condition)].value)(x, dim_, t);
+  return (*conditions_[at(load.condition)].value)(x, dim_, t);
 }
 
 } // namespace impact

@@ -3,12 +3,10 @@
 #include <cmath>
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
-#include <impact/problem/solver_defaults.hpp>
 #include <limits>
 
 namespace impact {
@@ -34,7 +32,7 @@ template <class T> T driving_energy(const MaterialParameters& m, const T* drive,
 
 /// That energy in place of its parts.
 template <class Cell> void put_history(const PointValues<Cell, 1>& H, PointValues<Cell, drive_size>& drive) {
-  for (std::size_t q = 0; q < static_cast<std::size_t>(Cell::points); ++q)
+  for (std::size_t q = 0; q < at(Cell::points); ++q)
     for (std::size_t k = 0; k < drive_size; ++k)
       drive.value[q * drive_size + k] = k == 0 ? H.value[q] : Batch(0.0);
 }
@@ -54,7 +52,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
   const bool bounded_needed = settings_.bounds == DamageBounds::vi;
   for (const CellGroup& group : d_.groups)
     if (damages(d_.law(group)))
-      for (int node : group.node) free_[static_cast<std::size_t>(node)] = 1;
+      for (int node : group.node) free_[at(node)] = 1;
   for (const MaterialAssignment& m : d_.materials)
     if (damages(m.law)) {
       toughness = std::max(toughness, m.law.parameters.Gc);
@@ -189,16 +187,14 @@ template <class Output> bool DamageProblem::evaluate(Vec x, bool with_tangent, O
           flowed.load(state_.row("history").committed, flow_offset_[g], b);
           in.history = flowed.data();
         }
-        std::array<Batch, static_cast<std::size_t>(n)> r{};
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        std::array<Batch, at(n)> r{};
+        std::array<Batch, at(n * n)> K{};
         const int bad = with_tangent ? damage_tangent<Cell, frame>(law, in, r.data(), K.data())
                                      : damage_residual<Cell, frame>(law, in, r.data());
         sound = sound && (bad & ((1 << group.lanes_in_use(b)) - 1)) == 0;
         if (with_tangent)
           for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j)
-              K[static_cast<std::size_t>(i * n + j)] *=
-                  free.value[static_cast<std::size_t>(i)] * free.value[static_cast<std::size_t>(j)];
+            for (int j = 0; j < n; ++j) K[at(i * n + j)] *= free.value[at(i)] * free.value[at(j)];
         output(static_cast<int>(g), b, r.data(), K.data());
       }
     });
@@ -226,7 +222,7 @@ bool DamageProblem::assemble_forces(Vec x, Vec f) {
   const Timed timed(Event::damage_residual);
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = evaluate(x, false, [&](int g, int b, const Batch* r, const Batch*) {
-    const CellGroup& group = d_.groups[static_cast<std::size_t>(g)];
+    const CellGroup& group = d_.groups[at(g)];
     visit(group.shape, [&]<class Cell>(Cell) { scatter_add<Cell, 1>(group, b, r, r_.data()); });
   });
   check(VecSet(f, 0));
@@ -368,7 +364,7 @@ bool DamageProblem::within_bounds(Vec x) const {
   return all_ranks_agree(d_.mesh.comm(), inside);
 }
 
-DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
+ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
   step_ = step;
   work_ = 0;
   std::fill(dissipated_.begin(), dissipated_.end(), 0.0);
@@ -399,7 +395,7 @@ DamageOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     check(SNESGetConvergenceHistory(snes, &history, nullptr, &count));
     return count > 0 ? history[0] : 0.0;
   };
-  DamageOutcome outcome;
+  ScalarOutcome outcome;
   const auto run = [&](SNES snes) {
     mailbox_.deliver(SNESSolve(snes, nullptr, solution_));
     PetscInt newton = 0, linear = 0;

@@ -89,8 +89,8 @@ void DamageProblem::substep_residual(TS ts, Vec x, Vec, Vec f) {
   residual(x, f);
 }
 
-DamageOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<double>& phi) {
-  DamageOutcome outcome;
+ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<double>& phi) {
+  ScalarOutcome outcome;
   PetscReal dt = 0;
   if (substep_ == 0) check(TSGetTimeStep(substeps_, &substep_));
   dt = std::min<PetscReal>(substep_, step.dt);

@@ -11,8 +11,6 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 // A node is tried at this part of the way to the middles of its own cells. Less deep is for the pairs to see;
 // where surfaces touch that place lies outside the other body. Cells are closed, so that none is missed
 // between two.

@@ -41,8 +41,7 @@ bool Discretisation::temperature_moves() const {
 }
 
 std::size_t point_values(const CellGroup& group, int components) {
-  return static_cast<std::size_t>(group.batch_count) * static_cast<std::size_t>(point_count(group.shape)) *
-         static_cast<std::size_t>(components) * lanes;
+  return at(group.batch_count) * at(point_count(group.shape)) * at(components) * lanes;
 }
 
 namespace {
@@ -50,21 +49,20 @@ namespace {
 std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<MaterialAssignment>& materials) {
   PetscInt start = 0, end = 0;
   check(DMPlexGetHeightStratum(mesh.dm(), 0, &start, &end));
-  std::vector<int> material(static_cast<std::size_t>(end - start), -1);
+  std::vector<int> material(at(end - start), -1);
   int first = -1, second = -1; // a pair of materials that claim one cell
   for (int m = 0; m < static_cast<int>(materials.size()); ++m)
-    for (const std::string& region : materials[static_cast<std::size_t>(m)].regions) {
+    for (const std::string& region : materials[at(m)].regions) {
       const Group* group = mesh.find_group(region);
       if (group == nullptr || group->dim != mesh.dim()) {
         std::string names;
         for (const Group& g : mesh.groups())
           if (g.dim == mesh.dim()) names += (names.empty() ? "" : ", ") + g.name;
-        throw UserError(ExitCode::data,
-                        "-material_" + materials[static_cast<std::size_t>(m)].law.parameters.id +
-                            "_region \"" + region + "\": no such region; the mesh has: " + names);
+        throw UserError(ExitCode::data, "-material_" + materials[at(m)].law.parameters.id + "_region \"" +
+                                            region + "\": no such region; the mesh has: " + names);
       }
       for (PetscInt point : mesh.region_cells(region)) {
-        int& mine = material[static_cast<std::size_t>(point - start)];
+        int& mine = material[at(point - start)];
         if (mine >= 0 && mine != m) {
           first = mine;
           second = m;
@@ -75,10 +73,8 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
   int clash[2] = {first, second};
   MPI_Allreduce(MPI_IN_PLACE, clash, 2, MPI_INT, MPI_MAX, mesh.comm());
   if (clash[0] >= 0)
-    throw UserError(ExitCode::data, "-material_" +
-                                        materials[static_cast<std::size_t>(clash[0])].law.parameters.id +
-                                        "_region and -material_" +
-                                        materials[static_cast<std::size_t>(clash[1])].law.parameters.id +
+    throw UserError(ExitCode::data, "-material_" + materials[at(clash[0])].law.parameters.id +
+                                        "_region and -material_" + materials[at(clash[1])].law.parameters.id +
                                         "_region share cells; give each cell one material");
   return material;
 }
@@ -135,7 +131,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
   }
   StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
   // The virgin state: A = 1, the rest 0.
-  const auto components = static_cast<std::size_t>(history_size(d.frame));
+  const auto components = at(history_size(d.frame));
   for (std::size_t i = 0; i < rows.committed.size(); ++i)
     rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));
   table.add({"drive", Support::cell_point, drive_size}, drive);

@@ -54,7 +54,7 @@ bool FatigueUpdate::advance(const FatigueStep& step) {
         const int bad = fatigue_advance<Cell, frame>(law, in, grown.data(), sums);
         sound = sound && (bad & ((1 << used) - 1)) == 0;
         grown.store(fatigue.trial, offset_[g], b);
-        dissipated_[static_cast<std::size_t>(group.material)] += lane_sum(sums.dissipation, used);
+        dissipated_[at(group.material)] += lane_sum(sums.dissipation, used);
         for (int l = 0; l < used; ++l) least_ = std::min(least_, sums.least[l]);
       }
     });

@@ -13,15 +13,14 @@ std::vector<int> stiffest_material(const Discretisation& d, const std::vector<st
   std::vector<int> order(d.materials.size()), stiffest(row.size(), 0);
   for (std::size_t m = 0; m < order.size(); ++m) order[m] = static_cast<int>(m);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return d.materials[static_cast<std::size_t>(a)].law.parameters.K <
-           d.materials[static_cast<std::size_t>(b)].law.parameters.K;
+    return d.materials[at(a)].law.parameters.K < d.materials[at(b)].law.parameters.K;
   });
   const Handle<Vec> touched = d.scalar.make_global();
   for (int m : order) {
     std::vector<double> mine = d.scalar.make_local();
     for (const CellGroup& group : d.groups)
       if (group.material == m)
-        for (int node : group.node) mine[static_cast<std::size_t>(node)] = 1;
+        for (int node : group.node) mine[at(node)] = 1;
     check(VecSet(touched, 0));
     d.scalar.add_to_global(mine, touched);
     const double* values = nullptr;
@@ -41,38 +40,34 @@ ForceBalance::ForceBalance(const Discretisation& d) : dim_(d.dim()), comm_(d.mes
   PetscInt start = 0, end = 0;
   const Handle<Vec> any = d.scalar.make_global();
   check(VecGetOwnershipRange(any, &start, &end));
-  std::vector<std::size_t> node(static_cast<std::size_t>(end - start));
+  std::vector<std::size_t> node(at(end - start));
   for (int i = 0; i < mesh.node_count(); ++i)
-    if (mesh.owned(i))
-      node[static_cast<std::size_t>(mesh.global_node()[static_cast<std::size_t>(i)] - start)] =
-          static_cast<std::size_t>(i);
+    if (mesh.owned(i)) node[at(mesh.global_node()[at(i)] - start)] = at(i);
   const Bodies bodies = find_bodies(mesh, d.scalar);
   const std::vector<int> material = stiffest_material(d, node);
-  std::vector<int> number(static_cast<std::size_t>(bodies.count) * d.materials.size(), 0);
+  std::vector<int> number(at(bodies.count) * d.materials.size(), 0);
   for (std::size_t i = 0; i < node.size(); ++i) {
     part_of_node_.push_back(bodies.of_node[node[i]] * static_cast<int>(d.materials.size()) + material[i]);
-    number[static_cast<std::size_t>(part_of_node_.back())] = 1;
+    number[at(part_of_node_.back())] = 1;
   }
   MPI_Allreduce(MPI_IN_PLACE, number.data(), static_cast<int>(number.size()), MPI_INT, MPI_MAX, comm_);
   for (int& n : number) n = n > 0 ? parts_++ : -1;
-  for (int& part : part_of_node_) part = number[static_cast<std::size_t>(part)];
+  for (int& part : part_of_node_) part = number[at(part)];
 
   const auto coordinates = mesh.coordinates();
   double sizes[2] = {0, 0};
   for (double x : coordinates) sizes[0] = std::max(sizes[0], std::abs(x));
   for (const CellTable& table : mesh.cells()) {
-    const auto n = static_cast<std::size_t>(node_count(table.shape)), dim = static_cast<std::size_t>(dim_);
+    const auto n = at(node_count(table.shape)), dim = at(dim_);
     for (std::size_t i = 0; i < table.connectivity.size(); ++i)
       for (std::size_t k = 0; k < dim; ++k)
-        sizes[1] = std::max(
-            sizes[1],
-            std::abs(coordinates[static_cast<std::size_t>(table.connectivity[i]) * dim + k] -
-                     coordinates[static_cast<std::size_t>(table.connectivity[i / n * n]) * dim + k]));
+        sizes[1] = std::max(sizes[1], std::abs(coordinates[at(table.connectivity[i]) * dim + k] -
+                                               coordinates[at(table.connectivity[i / n * n]) * dim + k]));
   }
   MPI_Allreduce(MPI_IN_PLACE, sizes, 2, MPI_DOUBLE, MPI_MAX, comm_);
   extent_ = sizes[0];
   largest_cell_ = sizes[1];
-  const auto parts = static_cast<std::size_t>(parts_);
+  const auto parts = at(parts_);
   sums_.resize(2 * parts);
   rounding_.resize(parts);
   largest_.resize(parts);
@@ -90,34 +85,34 @@ void ForceBalance::start() {
 void ForceBalance::note_tangent(Vec u, Vec cells, Vec all) {
   constexpr double last_digits = 1e-15;
   forget();
-  const double *at = nullptr, *bulk = nullptr, *whole = nullptr;
-  check(VecGetArrayRead(u, &at));
+  const double *moves = nullptr, *bulk = nullptr, *whole = nullptr;
+  check(VecGetArrayRead(u, &moves));
   check(VecGetArrayRead(cells, &bulk));
   check(VecGetArrayRead(all, &whole));
-  const auto dim = static_cast<std::size_t>(dim_);
+  const auto dim = at(dim_);
   for (std::size_t i = 0; i < part_of_node_.size(); ++i) {
     double moved = 0;
-    for (std::size_t k = dim * i; k < dim * (i + 1); ++k) moved = std::max(moved, std::abs(at[k]));
+    for (std::size_t k = dim * i; k < dim * (i + 1); ++k) moved = std::max(moved, std::abs(moves[k]));
     for (std::size_t k = dim * i; k < dim * (i + 1); ++k) {
       const double error =
           std::abs(bulk[k]) * (moved + largest_cell_) + std::abs(whole[k] - bulk[k]) * (moved + extent_);
-      rounding_[static_cast<std::size_t>(part_of_node_[i])] += last_digits * last_digits * error * error;
+      rounding_[at(part_of_node_[i])] += last_digits * last_digits * error * error;
     }
   }
   check(VecRestoreArrayRead(all, &whole));
   check(VecRestoreArrayRead(cells, &bulk));
-  check(VecRestoreArrayRead(u, &at));
+  check(VecRestoreArrayRead(u, &moves));
 }
 
 void ForceBalance::judge(Vec f, double atol, double rtol) {
-  const auto parts = static_cast<std::size_t>(parts_), dim = static_cast<std::size_t>(dim_);
+  const auto parts = at(parts_), dim = at(dim_);
   std::fill(sums_.begin(), sums_.begin() + parts_, 0.0);
   std::copy(rounding_.begin(), rounding_.end(), sums_.begin() + parts_);
   const double* values = nullptr;
   check(VecGetArrayRead(f, &values));
   for (std::size_t i = 0; i < part_of_node_.size(); ++i)
     for (std::size_t k = dim * i; k < dim * (i + 1); ++k)
-      sums_[static_cast<std::size_t>(part_of_node_[i])] += values[k] * values[k];
+      sums_[at(part_of_node_[i])] += values[k] * values[k];
   check(VecRestoreArrayRead(f, &values));
   MPI_Allreduce(MPI_IN_PLACE, sums_.data(), 2 * parts_, MPI_DOUBLE, MPI_SUM, comm_);
   if (first_ < 0) {

@@ -3,12 +3,10 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/forget.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat.hpp>
-#include <impact/problem/solver_defaults.hpp>
 #include <map>
 
 namespace impact {
@@ -37,7 +35,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   for (const LoadedFacets& load : boundary_.heat_fluxes()) {
     Surface& surface = surfaces_.emplace_back(Surface{&load, {}});
     for (SurfaceHeat& heat : surface.heat) {
-      heat.inflow.resize(static_cast<std::size_t>(load.facets.count()) * points_per_facet);
+      heat.inflow.resize(at(load.facets.count()) * points_per_facet);
       heat.coefficient.resize(heat.inflow.size());
     }
   }
@@ -118,11 +116,10 @@ void HeatProblem::find_regions() {
     for (std::size_t g = 0; g < d_.groups.size(); ++g)
       for (int b = 0; b < d_.groups[g].batch_count; ++b)
         for (int l = 0; l < d_.groups[g].lanes_in_use(b); ++l)
-          place[d_.groups[g].cell_point[static_cast<std::size_t>(b * lanes + l)]] = {static_cast<int>(g), b,
-                                                                                     l};
+          place[d_.groups[g].cell_point[at(b * lanes + l)]] = {static_cast<int>(g), b, l};
   for (int c : sources) {
     std::map<std::pair<int, int>, Batch> inside;
-    for (const std::string& name : boundary_.conditions()[static_cast<std::size_t>(c)].on)
+    for (const std::string& name : boundary_.conditions()[at(c)].on)
       for (PetscInt cell : d_.mesh.region_cells(name)) {
         const auto [g, b, l] = place.at(cell);
         inside.try_emplace({g, b}, Batch(0.0)).first->second.set(l, 1.0);
@@ -130,10 +127,9 @@ void HeatProblem::find_regions() {
     Region& region = regions_.emplace_back();
     region.condition = c;
     std::size_t size = 0;
-    for (const auto& [at, lanes_inside] : inside) {
-      region.cells.push_back({at.first, at.second, lanes_inside});
-      size +=
-          static_cast<std::size_t>(point_count(d_.groups[static_cast<std::size_t>(at.first)].shape)) * lanes;
+    for (const auto& [batch, lanes_inside] : inside) {
+      region.cells.push_back({batch.first, batch.second, lanes_inside});
+      size += at(point_count(d_.groups[at(batch.first)].shape)) * lanes;
     }
     for (std::vector<double>& source : region.source) source.assign(size, 0.0);
   }
@@ -155,24 +151,24 @@ void HeatProblem::evaluate_loads(double t, int end) {
   for (Region& region : regions_) {
     std::size_t next = 0;
     for (const Region::Cells& cells : region.cells) {
-      const CellGroup& group = d_.groups[static_cast<std::size_t>(cells.group)];
+      const CellGroup& group = d_.groups[at(cells.group)];
       with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
         const Gathered<Cell, Cell::dim> X(group, cells.batch, X_);
         for (int q = 0; q < Cell::points; ++q)
           for (int l = 0; l < lanes; ++l, ++next) {
             if (cells.inside[l] == 0) continue;
-            double at[3] = {0, 0, 0};
+            double x[3] = {0, 0, 0};
             for (int a = 0; a < Cell::nodes; ++a)
               for (int k = 0; k < Cell::dim; ++k)
-                at[k] += shape_table<Cell>.N[q][a] * X.value[static_cast<std::size_t>(a * Cell::dim + k)][l];
-            region.source[end][next] = boundary_.heat_value(region.condition, at, t);
+                x[k] += shape_table<Cell>.N[q][a] * X.value[at(a * Cell::dim + k)][l];
+            region.source[end][next] = boundary_.heat_value(region.condition, x, t);
           }
       });
     }
   }
   for (Surface& surface : surfaces_) {
     const int c = surface.load->condition;
-    const bool convects = boundary_.conditions()[static_cast<std::size_t>(c)].type == BcType::convection;
+    const bool convects = boundary_.conditions()[at(c)].type == BcType::convection;
     SurfaceHeat& heat = surface.heat[end];
     for_each_facet_point(surface.load->facets, d_.frame, X_, [&](std::size_t i, const double* x) {
       heat.coefficient[i] = convects ? boundary_.heat_coefficient(c, x, t) : 0.0;
@@ -296,7 +292,7 @@ bool HeatProblem::make_constant_part() {
   const bool sound = for_each_batch(
       x_, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
         PointValues<Cell, heat_point_size> points;
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
+        std::array<Batch, at(Cell::nodes)> r{};
         const int bad = heat_step<Cell, frame>(law, in, points.data(), r.data());
         points.store(points_, point_offset_[g], b);
         scatter_add<Cell, 1>(d_.groups[g], b, r.data(), constant_.data());
@@ -306,25 +302,24 @@ bool HeatProblem::make_constant_part() {
   for (const Region& region : regions_) {
     std::size_t next = 0;
     for (const Region::Cells& cells : region.cells) {
-      const CellGroup& group = d_.groups[static_cast<std::size_t>(cells.group)];
+      const CellGroup& group = d_.groups[at(cells.group)];
       with_shape(group, d_.frame, [&]<class Cell, Frame frame>() {
         const Gathered<Cell, Cell::dim> X(group, cells.batch, X_);
-        std::array<Batch, static_cast<std::size_t>(Cell::points)> source;
+        std::array<Batch, at(Cell::points)> source;
         for (Batch& value : source)
           for (int l = 0; l < lanes; ++l, ++next)
             value.set(l, weight[0] * region.source[0][next] + weight[1] * region.source[1][next]);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> r{};
+        std::array<Batch, at(Cell::nodes)> r{};
         Batch sum = 0;
         heat_source<Cell, frame>(X.data(), source.data(), r.data(), sum);
         scatter_add<Cell, 1>(group, cells.batch, r.data(), load_.data());
-        load_supplied_[static_cast<std::size_t>(region.condition)] +=
-            lane_sum(sum, group.lanes_in_use(cells.batch));
+        load_supplied_[at(region.condition)] += lane_sum(sum, group.lanes_in_use(cells.batch));
       });
     }
   }
   if (settings_.theta < 1)
     for (const Surface& surface : surfaces_)
-      load_supplied_[static_cast<std::size_t>(surface.load->condition)] += add_surface_heat(
+      load_supplied_[at(surface.load->condition)] += add_surface_heat(
           surface.load->facets, d_.frame, X_, surface.heat[0], theta_at_start(), weight[0], load_);
   for (std::size_t i = 0; i < load_.size(); ++i) constant_[i] -= load_[i];
   return all_ranks_agree(d_.mesh.comm(), sound);
@@ -335,14 +330,14 @@ bool HeatProblem::add_residual(const std::vector<double>& theta, std::vector<dou
   for (double& value : r) value = -value;
   supplied_ = load_supplied_;
   for (const Surface& surface : surfaces_)
-    supplied_[static_cast<std::size_t>(surface.load->condition)] += add_surface_heat(
+    supplied_[at(surface.load->condition)] += add_surface_heat(
         surface.load->facets, d_.frame, X_, surface.heat[1], theta, settings_.theta * (t_ - t_n_), r);
   for (double& value : r) value = -value;
   const bool sound = for_each_batch(
       theta, [&]<class Cell, Frame frame>(std::size_t g, int b, const PointLaw& law, const HeatInput& in) {
         PointValues<Cell, heat_point_size> points;
         points.load(points_, point_offset_[g], b);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes)> part{};
+        std::array<Batch, at(Cell::nodes)> part{};
         const int bad = heat_residual<Cell, frame>(law, in, points.data(), part.data());
         scatter_add<Cell, 1>(d_.groups[g], b, part.data(), r.data());
         return bad;
@@ -376,13 +371,11 @@ void HeatProblem::tangent(Vec x) {
         PointValues<Cell, heat_point_size> points;
         points.load(points_, point_offset_[g], b);
         const Gathered<Cell, 1> free(d_.groups[g], b, free_);
-        std::array<Batch, static_cast<std::size_t>(n)> r{};
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        std::array<Batch, at(n)> r{};
+        std::array<Batch, at(n * n)> K{};
         const int bad = heat_tangent<Cell, frame>(law, in, points.data(), r.data(), K.data());
         for (int i = 0; i < n; ++i)
-          for (int j = 0; j < n; ++j)
-            K[static_cast<std::size_t>(i * n + j)] *=
-                free.value[static_cast<std::size_t>(i)] * free.value[static_cast<std::size_t>(j)];
+          for (int j = 0; j < n; ++j) K[at(i * n + j)] *= free.value[at(i)] * free.value[at(j)];
         assembly_->add(static_cast<int>(g), b, K.data());
         return bad;
       });
@@ -415,9 +408,7 @@ void HeatProblem::book() {
   d_.scalar.to_local(solution_, x_);
   assemble_residual(x_, solution_, residual_);
   d_.scalar.to_local(residual_, r_);
-  for (int node : owned_held_)
-    supplied_[static_cast<std::size_t>(boundary_.temperature_condition()[static_cast<std::size_t>(node)])] +=
-        r_[static_cast<std::size_t>(node)];
+  for (int node : owned_held_) supplied_[at(boundary_.temperature_condition()[at(node)])] += r_[at(node)];
   // Loads of this rank's cells and facets, and what flows in at held nodes: each node's heat at its
   // temperature.
   entropy_supplied_ = 0;
@@ -425,7 +416,7 @@ void HeatProblem::book() {
   for (const Surface& surface : surfaces_)
     add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[1], x_, settings_.theta * (t_ - t_n_),
                      heat);
-  for (int node : owned_held_) heat[static_cast<std::size_t>(node)] += r_[static_cast<std::size_t>(node)];
+  for (int node : owned_held_) heat[at(node)] += r_[at(node)];
   if (!contacts_.empty()) {
     // What rigid bodies conducted, at the owners of the nodes.
     check(VecSet(residual_, 0));
@@ -452,24 +443,24 @@ void HeatProblem::check_substeps() {
                                      "choose a smaller -ts_dt");
 }
 
-HeatOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
+ScalarOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& theta) {
   step_ = step;
   // A step that is a whole number of sub-steps but for its last digits is not divided once more.
   const double count = settings_.substep > 0 ? std::ceil((t_ - t_n_) / settings_.substep * (1 - 1e-9)) : 1;
   return count > 1 ? solve_substeps(static_cast<int>(count), theta) : solve_window(theta);
 }
 
-HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
+ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
   const double t_n = t_n_, t = t_;
   std::vector<double> supplied(supplied_.size(), 0.0);
   double entropy_supplied = 0;
-  HeatOutcome sum;
+  ScalarOutcome sum;
   theta = state_.row("theta").committed;
   for (int k = 0; k < count; ++k) {
     window_ = {double(k) / count, k + 1 == count ? 1 : double(k + 1) / count};
     begin(t_n + window_.begin * (t - t_n), k + 1 == count ? t : t_n + window_.end * (t - t_n));
     theta_before_ = theta;
-    const HeatOutcome part = solve_window(theta);
+    const ScalarOutcome part = solve_window(theta);
     sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear, part.cause};
     if (part.reason < 0) break;
     for (std::size_t c = 0; c < supplied.size(); ++c) supplied[c] += supplied_[c];
@@ -483,7 +474,7 @@ HeatOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
 }
 
 // Where it is colder than nothing the points of a cell may still be warm.
-void HeatProblem::refuse_below_zero(HeatOutcome& outcome) const {
+void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
   PetscInt row = 0, start = 0, end = 0;
   PetscReal coldest = 0;
   check(VecMin(solution_, &row, &coldest));
@@ -492,8 +483,7 @@ void HeatProblem::refuse_below_zero(HeatOutcome& outcome) const {
   double x[3] = {0, 0, 0};
   check(VecGetOwnershipRange(solution_, &start, &end));
   for (int i = 0; row >= start && row < end && i < d_.mesh.node_count(); ++i)
-    if (d_.mesh.global_node()[static_cast<std::size_t>(i)] == row)
-      std::copy_n(&X_[static_cast<std::size_t>(i * d_.dim())], d_.dim(), x);
+    if (d_.mesh.global_node()[at(i)] == row) std::copy_n(&X_[at(i * d_.dim())], d_.dim(), x);
   MPI_Allreduce(MPI_IN_PLACE, x, 3, MPI_DOUBLE, MPI_SUM, d_.mesh.comm());
   char text[160];
   std::snprintf(text, sizeof(text), "%.6g K at x=(%.6g,%.6g%s", coldest, x[0], x[1],
@@ -505,10 +495,10 @@ void HeatProblem::refuse_below_zero(HeatOutcome& outcome) const {
   }
 }
 
-HeatOutcome HeatProblem::solve_window(std::vector<double>& theta) {
+ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_temperature(t_, theta); });
   x_ = theta;
-  HeatOutcome outcome;
+  ScalarOutcome outcome;
   if (!make_constant_part()) {
     outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
     return outcome;

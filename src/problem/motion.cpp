@@ -15,12 +15,6 @@ namespace {
 
 double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 * p.K + p.G); }
 
-// Rows and columns of prescribed dofs vanish from a cell matrix [dof][dof].
-template <int n> void mask(const Batch* free, Batch* K) {
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
-}
-
 template <int n> double trace(const Batch* K, int lanes_in_use) {
   Batch sum = K[0];
   for (int i = 1; i < n; ++i) sum += K[i * n + i];
@@ -55,8 +49,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
                                            "_model rigid); take assembled, the default");
     identity_.insert(identity_.end(), rigid_->idle_dofs().begin(), rigid_->idle_dofs().end());
     for (std::size_t i = 0; i < free_.size(); ++i)
-      if (const int node = static_cast<int>(i) / d_.dim();
-          rigid_->body_of_node()[static_cast<std::size_t>(node)] >= 0) {
+      if (const int node = static_cast<int>(i) / d_.dim(); rigid_->body_of_node()[at(node)] >= 0) {
         free_[i] = 0;
         no_row_[i] = 1;
         if (d_.mesh.owned(node)) massless_.push_back(static_cast<int>(i));
@@ -64,11 +57,11 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
     rigid_->use_symmetric_tangent(symmetric_);
   }
   for (const CellGroup& group : d_.groups) {
-    std::vector<char>& held = held_batches_.emplace_back(static_cast<std::size_t>(group.batch_count), 0);
+    std::vector<char>& held = held_batches_.emplace_back(at(group.batch_count), 0);
     const std::size_t size = group.node.size() / std::max<std::size_t>(held.size(), 1);
     for (std::size_t i = 0; i < group.node.size(); ++i)
       for (int k = 0; k < d_.dim(); ++k)
-        if (free_[static_cast<std::size_t>(group.node[i] * d_.dim() + k)] == 0) held[i / size] = 1;
+        if (free_[at(group.node[i] * d_.dim() + k)] == 0) held[i / size] = 1;
   }
   double softest = HUGE_VAL;
   for (const MaterialAssignment& m : d_.materials)
@@ -160,8 +153,8 @@ void MotionProblem::note_broken(const CellGroup& group, int batch, int bad, cons
     for (int k = 0; k < dim; ++k) {
       double sum = 0;
       for (int a = 0; a < nodes; ++a) {
-        const int node = group.node[static_cast<std::size_t>((batch * nodes + a) * lanes + l)];
-        sum += X_[static_cast<std::size_t>(node * dim + k)];
+        const int node = group.node[at((batch * nodes + a) * lanes + l)];
+        sum += X_[at(node * dim + k)];
       }
       broken_.x[k] = sum / nodes;
     }
@@ -194,7 +187,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
       fields.unilateral = unilateral;
       for (int b = 0; b < group.batch_count; ++b) {
         const MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
-        std::array<Batch, static_cast<std::size_t>(Cell::nodes * dim)> force{};
+        std::array<Batch, at(Cell::nodes * dim)> force{};
         const CellStatus status = motion_residual<Cell, frame>(law, batch.in, force.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
@@ -264,15 +257,14 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
         MotionBatch<Cell, frame> batch(group, b, fields, history_offset_[g]);
         batch.in.mass_shift = mass_shift;
         batch.in.symmetric = symmetric_;
-        std::array<Batch, static_cast<std::size_t>(n * n)> K;
+        std::array<Batch, at(n * n)> K;
         const CellStatus status = motion_tangent<Cell, frame>(law, batch.in, nullptr, K.data());
         const int used = (1 << group.lanes_in_use(b)) - 1;
         if (status.bad & used) {
           sound = false;
           note_broken(group, b, status.bad & used, status.min_J);
         }
-        if (held_batches_[g][static_cast<std::size_t>(b)])
-          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
+        if (held_batches_[g][at(b)]) mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
         diagonal += trace<n>(K.data(), group.lanes_in_use(b));
         assembly_->add(static_cast<int>(g), b, K.data());
       }
@@ -373,7 +365,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
         total[0] += lane_sum(step_sums.plastic_dissipation, used);
         total[1] += lane_sum(step_sums.viscous_dissipation, used);
         total[2] += lane_sum(step_sums.plastic_work, used);
-        const auto m = static_cast<std::size_t>(group.material);
+        const auto m = at(group.material);
         total[3 + m] += lane_sum(step_sums.plastic_dissipation, used);
         total[3 + materials + m] += lane_sum(step_sums.viscous_dissipation, used);
         for (int l = 0; l < used; ++l) least = std::min(least, step_sums.least_dissipation[l]);
@@ -441,16 +433,14 @@ double MotionProblem::add_mass(SparseAssembly& assembly, double factor, bool mas
       constexpr int dim = Cell::dim, nodes = Cell::nodes, n = nodes * dim;
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, dim> X(group, b, X_);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
+        std::array<Batch, at(nodes * nodes)> m{};
         mass_matrix<Cell, frame>(law, X.data(), m.data());
-        std::array<Batch, static_cast<std::size_t>(n * n)> K{};
+        std::array<Batch, at(n * n)> K{};
         for (int i = 0; i < nodes; ++i)
           for (int j = 0; j < nodes; ++j)
             for (int k = 0; k < dim; ++k)
-              K[static_cast<std::size_t>((i * dim + k) * n + j * dim + k)] =
-                  Batch(factor) * m[static_cast<std::size_t>(i * nodes + j)];
-        if (masked && held_batches_[g][static_cast<std::size_t>(b)])
-          mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
+              K[at((i * dim + k) * n + j * dim + k)] = Batch(factor) * m[at(i * nodes + j)];
+        if (masked && held_batches_[g][at(b)]) mask<n>(Gathered<Cell, dim>(group, b, free_).data(), K.data());
         diagonal += trace<n>(K.data(), group.lanes_in_use(b));
         assembly.add(static_cast<int>(g), b, K.data());
       }
@@ -498,7 +488,7 @@ void MotionProblem::mass_solve(Vec b, Vec x) {
   const double* entries = nullptr;
   check(VecGetArrayRead(x, &entries));
   for (int dof : massless_) {
-    const PetscInt row = d_.mesh.global_node()[static_cast<std::size_t>(dof / dim)] * dim + dof % dim;
+    const PetscInt row = d_.mesh.global_node()[at(dof / dim)] * dim + dof % dim;
     rows.push_back(row);
     values.push_back(entries[row - start]);
   }

@@ -16,9 +16,9 @@ struct MotionFields {
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
 template <class Cell, Frame frame> struct MotionBatch {
-  static constexpr std::size_t vector_size = static_cast<std::size_t>(Cell::nodes * Cell::dim);
+  static constexpr std::size_t vector_size = at(Cell::nodes * Cell::dim);
   std::array<Batch, vector_size> X, u, u_n, accel;
-  std::array<Batch, static_cast<std::size_t>(Cell::nodes)> phi, theta;
+  std::array<Batch, at(Cell::nodes)> phi, theta;
   PointValues<Cell, history_size(frame)> history;
   PointValues<Cell, drive_size> drive;
   MotionInput in;

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/math/index.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 #include <petscvec.h>
@@ -13,8 +14,7 @@ inline void zero_owned(Vec f, const Mesh& mesh, int components, const std::vecto
   check(VecGetOwnershipRange(f, &start, nullptr));
   check(VecGetArray(f, &values));
   for (int dof : dofs)
-    values[mesh.global_node()[static_cast<std::size_t>(dof / components)] * components + dof % components -
-           start] = 0;
+    values[mesh.global_node()[at(dof / components)] * components + dof % components - start] = 0;
   check(VecRestoreArray(f, &values));
 }
 

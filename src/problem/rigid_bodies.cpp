@@ -10,8 +10,6 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 Vector3 second_half(const RigidVector& v) { return {v[3], v[4], v[5]}; }
 
 // int rho (r.q 1 - r q^T) for arms r = A Y, q = B Y.
@@ -180,7 +178,7 @@ void RigidBodies::keep_bodies_only(Vec f) const {
   double* values = nullptr;
   check(VecGetLocalSize(f, &size));
   check(VecGetArray(f, &values));
-  std::vector<double> kept(static_cast<std::size_t>(size), 0.0);
+  std::vector<double> kept(at(size), 0.0);
   for (std::size_t i = 0; i < owned_; ++i) std::copy_n(values + row_[i], dim_, kept.begin() + row_[i]);
   std::copy(kept.begin(), kept.end(), values);
   check(VecRestoreArray(f, &values));

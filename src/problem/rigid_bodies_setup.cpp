@@ -15,8 +15,6 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 bool is_rigid(const Discretisation& d, const CellGroup& group) { return d.law(group).rigid(); }
 
 // int N_a N_b rho over the cells of rigid materials, to a visitor (node a, node b, value).
@@ -30,7 +28,7 @@ template <class Visitor> void visit_masses(const Discretisation& d, Visitor&& vi
       constexpr int nodes = Cell::nodes;
       for (int b = 0; b < group.batch_count; ++b) {
         const Gathered<Cell, Cell::dim> places(group, b, X);
-        std::array<Batch, static_cast<std::size_t>(nodes * nodes)> m{};
+        std::array<Batch, at(nodes * nodes)> m{};
         mass_matrix<Cell, frame>(law, places.data(), m.data());
         for (int l = 0; l < group.lanes_in_use(b); ++l)
           for (int i = 0; i < nodes; ++i)
@@ -279,7 +277,7 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
         for (std::size_t k = 0; k < 6; ++k) {
           bool holds = false;
           if (dim_ == 2 && k != 0 && k != 1 && k != 5) continue;
-          const auto normal = static_cast<std::size_t>(std::max(axis, 0));
+          const auto normal = at(std::max(axis, 0));
           if (bc.type == BcType::fix)
             holds = true;
           else if (bc.type == BcType::symmetry && axis >= 0)

@@ -42,7 +42,7 @@ struct Eigen {
 };
 
 std::vector<Eigen> eigen_of(std::vector<double> A, int size) {
-  const auto n = static_cast<std::size_t>(size);
+  const auto n = at(size);
   std::vector<double> V(n * n, 0.0); // rows are the vectors
   double norm = 0;
   for (std::size_t i = 0; i < n; ++i) V[i * n + i] = 1;
@@ -132,8 +132,7 @@ std::vector<std::string> name_motions(Frame frame, const std::vector<double>& gr
   // nowhere.
   const int dim = frame == Frame::solid ? 3 : 2;
   for (int k = 0; k < dim; ++k)
-    if (gram[static_cast<std::size_t>(k * modes + k)] == 0)
-      motions.push_back(std::string("translation in ") + axis_name[k]);
+    if (gram[at(k * modes + k)] == 0) motions.push_back(std::string("translation in ") + axis_name[k]);
   const std::size_t translations = motions.size();
   if (null.size() == translations) return motions;
   if (dim == 3) {
@@ -154,13 +153,13 @@ struct Geometry {
 };
 
 Geometry measure(const Mesh& mesh, const Bodies& bodies) {
-  const auto dim = static_cast<std::size_t>(mesh.dim()), count = static_cast<std::size_t>(bodies.count);
+  const auto dim = at(mesh.dim()), count = at(bodies.count);
   std::vector<double> sum(4 * count, 0.0);
   const auto X = mesh.coordinates();
   for (int i = 0; i < mesh.node_count(); ++i) {
     if (!mesh.owned(i)) continue;
-    const auto node = static_cast<std::size_t>(i);
-    double* of_body = &sum[4 * static_cast<std::size_t>(bodies.of_node[node])];
+    const auto node = at(i);
+    double* of_body = &sum[4 * at(bodies.of_node[node])];
     for (std::size_t k = 0; k < dim; ++k) of_body[k] += X[node * dim + k];
     of_body[3] += 1;
   }
@@ -168,8 +167,8 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
   Geometry g{std::vector<std::array<double, 3>>(count), std::vector<double>(count, 0.0)};
   for (std::size_t b = 0; b < count; ++b)
     for (std::size_t k = 0; k < 3; ++k) g.centre[b][k] = sum[4 * b + k] / sum[4 * b + 3];
-  for (std::size_t node = 0; node < static_cast<std::size_t>(mesh.node_count()); ++node) {
-    const auto b = static_cast<std::size_t>(bodies.of_node[node]);
+  for (std::size_t node = 0; node < at(mesh.node_count()); ++node) {
+    const auto b = at(bodies.of_node[node]);
     double distance = 0;
     for (std::size_t k = 0; k < dim; ++k) distance = std::hypot(distance, X[node * dim + k] - g.centre[b][k]);
     g.size[b] = std::max(g.size[b], distance);
@@ -183,17 +182,16 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
 std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& boundary, const Bodies& bodies,
                                   const Geometry& geometry, const RigidBodies& rigid) {
   const int modes = mode_count(d.frame), dim = d.dim();
-  const auto n = static_cast<std::size_t>(modes);
-  std::vector<double> gram(static_cast<std::size_t>(bodies.count) * n * n, 0.0);
+  const auto n = at(modes);
+  std::vector<double> gram(at(bodies.count) * n * n, 0.0);
   const auto X = d.mesh.coordinates();
   for (const FixedDof& fixed : boundary.fixed()) {
     const int node = fixed.dof / dim;
     if (!d.mesh.owned(node)) continue;
-    const auto b = static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)]);
+    const auto b = at(bodies.of_node[at(node)]);
     double x[3] = {0, 0, 0}, mode[6];
     for (int k = 0; k < dim; ++k)
-      x[k] = (X[static_cast<std::size_t>(node * dim + k)] - geometry.centre[b][static_cast<std::size_t>(k)]) /
-             geometry.size[b];
+      x[k] = (X[at(node * dim + k)] - geometry.centre[b][at(k)]) / geometry.size[b];
     rigid_modes(d.frame, x, fixed.component, mode);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
@@ -201,9 +199,9 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
   MPI_Allreduce(MPI_IN_PLACE, gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
   // What is prescribed of a rigid body belongs to its centre of mass.
   for (const RigidBody& body : rigid.bodies()) {
-    const auto b = static_cast<std::size_t>(body.component);
+    const auto b = at(body.component);
     for (std::size_t c = 0; c < 6; ++c) {
-      if (body.held[c] < 0 || (c < 3 && c >= static_cast<std::size_t>(dim))) continue;
+      if (body.held[c] < 0 || (c < 3 && c >= at(dim))) continue;
       double x[3] = {0, 0, 0}, mode[6] = {};
       for (std::size_t k = 0; k < 3; ++k) x[k] = (body.centre[k] - geometry.centre[b][k]) / geometry.size[b];
       if (c < 3)
@@ -219,12 +217,11 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
 
 // [body] names of the regions that hold cells of it.
 std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
-  std::vector<std::string> regions(static_cast<std::size_t>(bodies.count));
+  std::vector<std::string> regions(at(bodies.count));
   for (const Group& group : mesh.groups()) {
     if (group.dim != mesh.dim()) continue;
-    std::vector<int> holds(static_cast<std::size_t>(bodies.count), 0);
-    for (int node : mesh.nodes(group.name))
-      holds[static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)])] = 1;
+    std::vector<int> holds(at(bodies.count), 0);
+    for (int node : mesh.nodes(group.name)) holds[at(bodies.of_node[at(node)])] = 1;
     MPI_Allreduce(MPI_IN_PLACE, holds.data(), bodies.count, MPI_INT, MPI_MAX, mesh.comm());
     for (std::size_t b = 0; b < regions.size(); ++b)
       if (holds[b]) regions[b] += (regions[b].empty() ? "" : ", ") + group.name;
@@ -236,8 +233,8 @@ std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
 // must be pressed from the first iteration: of one that is closed.
 std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, const ContactSet& contacts,
                                 const RigidBodies& rigid) {
-  std::vector<int> touched(static_cast<std::size_t>(bodies.count), 0), is_rigid(touched);
-  for (const RigidBody& body : rigid.bodies()) is_rigid[static_cast<std::size_t>(body.component)] = 1;
+  std::vector<int> touched(at(bodies.count), 0), is_rigid(touched);
+  for (const RigidBody& body : rigid.bodies()) is_rigid[at(body.component)] = 1;
   const Handle<Vec> undeformed = d.displacement.make_global();
   for (const ContactInterface& contact : contacts) {
     const ContactSettings& settings = contact.settings();
@@ -246,7 +243,7 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, c
     for (const std::string& side : {settings.secondary, settings.primary, settings.carrier})
       if (!side.empty() && !ContactSettings::rigid_name(side))
         for (int node : d.mesh.nodes(side)) {
-          const auto body = static_cast<std::size_t>(bodies.of_node[static_cast<std::size_t>(node)]);
+          const auto body = at(bodies.of_node[at(node)]);
           if (!is_rigid[body] || reach.gap <= settings.gap_tol) touched[body] = 1;
         }
   }
@@ -270,7 +267,7 @@ std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryDa
   const auto entries = static_cast<std::ptrdiff_t>(mode_count(d.frame) * mode_count(d.frame));
   std::vector<FreeBody> free;
   std::vector<std::size_t> number; // of the free bodies
-  for (std::size_t b = 0; b < static_cast<std::size_t>(bodies.count); ++b) {
+  for (std::size_t b = 0; b < at(bodies.count); ++b) {
     const auto start = gram.begin() + static_cast<std::ptrdiff_t>(b) * entries;
     std::vector<std::string> motions =
         name_motions(d.frame, {start, start + entries}, geometry.centre[b], geometry.size[b]);
@@ -293,8 +290,7 @@ std::string describe(const FreeBody& body, int dim) {
   std::string text = "the body of region " + body.regions + " around (";
   for (int k = 0; k < dim; ++k) {
     char value[32];
-    std::snprintf(value, sizeof(value), "%s%.4g", k > 0 ? ", " : "",
-                  body.centre[static_cast<std::size_t>(k)]);
+    std::snprintf(value, sizeof(value), "%s%.4g", k > 0 ? ", " : "", body.centre[at(k)]);
     text += value;
   }
   return text + ")";

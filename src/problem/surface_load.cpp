@@ -1,5 +1,6 @@
 #include <array>
 #include <impact/kernel/boundary_load.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/surface_load.hpp>
 
@@ -10,7 +11,7 @@ namespace {
 // A mixed 3D table repeats the last node of its triangles.
 int corners(const FacetTable& facets, int f) {
   const int n = facets.nodes_per_facet;
-  const auto base = static_cast<std::size_t>(f * n);
+  const auto base = at(f * n);
   return n == 4 && facets.connectivity[base + 3] == facets.connectivity[base + 2] ? 3 : n;
 }
 
@@ -24,10 +25,10 @@ FacetNodes facet_nodes(const FacetTable& facets, int f, int dim, const std::vect
                        const std::vector<double>* u) {
   FacetNodes n{corners(facets, f), {}, {}, {}};
   for (int a = 0; a < n.count; ++a) {
-    const int node = facets.connectivity[static_cast<std::size_t>(f * facets.nodes_per_facet + a)];
-    n.node[static_cast<std::size_t>(a)] = node;
+    const int node = facets.connectivity[at(f * facets.nodes_per_facet + a)];
+    n.node[at(a)] = node;
     for (int k = 0; k < dim; ++k) {
-      const auto i = static_cast<std::size_t>(node * dim + k), j = static_cast<std::size_t>(a * dim + k);
+      const auto i = at(node * dim + k), j = at(a * dim + k);
       n.X[j] = X[i];
       n.x[j] = X[i] + (u ? (*u)[i] : 0.0);
     }
@@ -37,9 +38,7 @@ FacetNodes facet_nodes(const FacetTable& facets, int f, int dim, const std::vect
 
 void scatter(const FacetNodes& n, int dim, const std::array<double, 12>& f, std::vector<double>& force) {
   for (int a = 0; a < n.count; ++a)
-    for (int k = 0; k < dim; ++k)
-      force[static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)] * dim + k)] +=
-          f[static_cast<std::size_t>(a * dim + k)];
+    for (int k = 0; k < dim; ++k) force[at(n.node[at(a)] * dim + k)] += f[at(a * dim + k)];
 }
 
 } // namespace
@@ -53,9 +52,9 @@ void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<
     std::array<double, 12> load{};
     for (int q = 0; q < n.count; ++q) {
       const FacetPoint p = facet_point(n.count, q);
-      double at[3] = {0, 0, 0}, t[3] = {0, 0, 0};
-      facet_position(p, n.count, dim, n.X.data(), at);
-      traction(at, t);
+      double x[3] = {0, 0, 0}, t[3] = {0, 0, 0};
+      facet_position(p, n.count, dim, n.X.data(), x);
+      traction(x, t);
       add_dead_traction(p, n.count, frame, n.X.data(), t, load.data());
     }
     scatter(n, dim, load, force);
@@ -72,9 +71,9 @@ void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vec
     std::array<double, 12> load{};
     for (int q = 0; q < n.count; ++q) {
       const FacetPoint p = facet_point(n.count, q);
-      double at[3] = {0, 0, 0};
-      facet_position(p, n.count, dim, n.X.data(), at);
-      add_follower_pressure(p, n.count, frame, n.x.data(), pressure(at), load.data(), nullptr);
+      double x[3] = {0, 0, 0};
+      facet_position(p, n.count, dim, n.X.data(), x);
+      add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), nullptr);
     }
     scatter(n, dim, load, force);
   }
@@ -93,17 +92,16 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
     std::array<double, 144> K{};
     for (int q = 0; q < n.count; ++q) {
       const FacetPoint p = facet_point(n.count, q);
-      double at[3] = {0, 0, 0};
-      facet_position(p, n.count, dim, n.X.data(), at);
-      add_follower_pressure(p, n.count, frame, n.x.data(), pressure(at), load.data(), K.data());
+      double x[3] = {0, 0, 0};
+      facet_position(p, n.count, dim, n.X.data(), x);
+      add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), K.data());
     }
     std::array<PetscInt, 12> index{};
     for (int i = 0; i < dofs; ++i) {
-      const int node = n.node[static_cast<std::size_t>(i / dim)];
-      const bool held = fixed[static_cast<std::size_t>(node * dim + i % dim)] != 0;
+      const int node = n.node[at(i / dim)];
+      const bool held = fixed[at(node * dim + i % dim)] != 0;
       // A negative index leaves the row and the column out.
-      index[static_cast<std::size_t>(i)] =
-          held ? -1 : global_node[static_cast<std::size_t>(node)] * dim + i % dim;
+      index[at(i)] = held ? -1 : global_node[at(node)] * dim + i % dim;
     }
     check(MatSetValues(matrix, dofs, index.data(), dofs, index.data(), K.data(), ADD_VALUES));
   }
@@ -111,9 +109,7 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
 
 namespace {
 
-std::size_t point_index(int f, int q) {
-  return static_cast<std::size_t>(f) * points_per_facet + static_cast<std::size_t>(q);
-}
+std::size_t point_index(int f, int q) { return at(f) * points_per_facet + at(q); }
 
 } // namespace
 
@@ -123,9 +119,9 @@ void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vect
   for (int f = 0; f < facets.count(); ++f) {
     const FacetNodes n = facet_nodes(facets, f, dim, X, nullptr);
     for (int q = 0; q < n.count; ++q) {
-      double at[3] = {0, 0, 0};
-      facet_position(facet_point(n.count, q), n.count, dim, n.X.data(), at);
-      body(point_index(f, q), at);
+      double x[3] = {0, 0, 0};
+      facet_position(facet_point(n.count, q), n.count, dim, n.X.data(), x);
+      body(point_index(f, q), x);
     }
   }
 }
@@ -138,14 +134,12 @@ double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector
     const FacetNodes n = facet_nodes(facets, f, dimension(frame), X, nullptr);
     for (int q = 0; q < n.count; ++q) {
       const FacetPoint p = facet_point(n.count, q);
-      double at = 0;
-      for (int a = 0; a < n.count; ++a)
-        at += p.N[a] * theta[static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)])];
+      double temperature = 0;
+      for (int a = 0; a < n.count; ++a) temperature += p.N[a] * theta[at(n.node[at(a)])];
       const std::size_t i = point_index(f, q);
       const double in = weight * reference_area(p, n.count, frame, n.X.data()) *
-                        (heat.inflow[i] - heat.coefficient[i] * at);
-      for (int a = 0; a < n.count; ++a)
-        load[static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)])] += p.N[a] * in;
+                        (heat.inflow[i] - heat.coefficient[i] * temperature);
+      for (int a = 0; a < n.count; ++a) load[at(n.node[at(a)])] += p.N[a] * in;
       total += in;
     }
   }
@@ -164,11 +158,11 @@ void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::
       const double h =
           weight * reference_area(p, n.count, frame, n.X.data()) * heat.coefficient[point_index(f, q)];
       for (int a = 0; a < n.count; ++a)
-        for (int b = 0; b < n.count; ++b) K[static_cast<std::size_t>(a * n.count + b)] += h * p.N[a] * p.N[b];
+        for (int b = 0; b < n.count; ++b) K[at(a * n.count + b)] += h * p.N[a] * p.N[b];
     }
     for (int a = 0; a < n.count; ++a) {
-      const auto node = static_cast<std::size_t>(n.node[static_cast<std::size_t>(a)]);
-      index[static_cast<std::size_t>(a)] = held[node] ? -1 : global_node[node]; // negative: left out
+      const auto node = at(n.node[at(a)]);
+      index[at(a)] = held[node] ? -1 : global_node[node]; // negative: left out
     }
     check(MatSetValues(matrix, n.count, index.data(), n.count, index.data(), K.data(), ADD_VALUES));
   }

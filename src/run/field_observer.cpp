@@ -55,22 +55,18 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
   if (!due || t <= written) return;
   const InStage stage(Stage::output);
   const Timed timed(Event::field_output);
-  std::vector<NodeField> nodes;
-  std::vector<CellField> cells;
+  std::vector<Field> fields;
   std::vector<std::vector<double>> keep;
   keep.reserve(settings_.fields.size());
   for (const std::string& name : settings_.fields) {
     int components = 1;
-    if (FieldSource::is_nodal(name)) {
-      keep.push_back(source_.nodal(name, snapshot, components));
-      nodes.push_back({name, components, keep.back()});
-    } else {
-      const std::vector<double> by_batch = source_.cellwise(name, snapshot, components);
-      keep.push_back(cells_in_mesh_order(d_.mesh, d_.groups, components, by_batch));
-      cells.push_back({name, components, keep.back()});
-    }
+    const bool nodal = FieldSource::is_nodal(name);
+    keep.push_back(nodal ? source_.nodal(name, snapshot, components)
+                         : cells_in_mesh_order(d_.mesh, d_.groups, components,
+                                               source_.cellwise(name, snapshot, components)));
+    fields.push_back({name, nodal, components, keep.back()});
   }
-  file_->write(t, nodes, cells);
+  file_->write(t, fields);
 }
 
 } // namespace impact

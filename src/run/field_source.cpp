@@ -3,8 +3,8 @@
 #include <impact/kernel/measure.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/run/columns.hpp>
 #include <impact/run/observers.hpp>
+#include <impact/scenario/columns.hpp>
 
 namespace impact {
 

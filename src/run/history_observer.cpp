@@ -4,9 +4,9 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/run/columns.hpp>
 #include <impact/run/crack_tips.hpp>
 #include <impact/run/observers.hpp>
+#include <impact/scenario/columns.hpp>
 
 namespace impact {
 
@@ -237,7 +237,7 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
         row.emplace_back(id + "_tip_" + axis[k], crack.there && !crack.joined ? crack.tip[k] : NAN);
     }
     kept.trial = kept.committed;
-    row.emplace_back("crack_" + p.id + "_measure", ledger_.fracture_energy(m) / (p.Gc * d.thickness));
+    row.emplace_back("crack_" + p.id + "_measure", ledger_.energies().of[m].fracture / (p.Gc * d.thickness));
   }
   phi_before_ = phi->committed;
 }
@@ -315,8 +315,7 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
   }
   if (motion_.discretisation().has_damage()) row.emplace_back("damage_its", counts.damage);
   if (motion_.discretisation().has_heat()) row.emplace_back("heat_its", counts.heat);
-  ledger_.append_energies(row);
-  ledger_.append_reactions(row);
+  ledger_.append(row);
   append_contacts(row, snapshot);
   ledger_.append_contact_heat(row);
   append_rigid_bodies(row, snapshot);

@@ -4,8 +4,8 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <impact/io/durable_file.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/durable_file.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
 #include <sys/file.h>
@@ -95,10 +95,6 @@ FolderLock::~FolderLock() {
   if (descriptor_ < 0) return;
   ::unlink(file_.c_str());
   ::close(descriptor_);
-}
-
-std::string default_checkpoint_dir(const Scenario& s) {
-  return (fs::path(s.output_dir) / "checkpoints").string();
 }
 
 void set_earlier_run_aside(MPI_Comm comm, const Scenario& s, const std::optional<std::string>& resumed) {

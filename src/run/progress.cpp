@@ -4,8 +4,8 @@
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/shared_cores.hpp>
-#include <impact/run/columns.hpp>
 #include <impact/run/progress.hpp>
+#include <impact/scenario/columns.hpp>
 #include <vector>
 
 namespace impact {
@@ -253,8 +253,8 @@ void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledge
   const double left = done > 0 ? wall * (t_end_ - at.time) / done : 0;
   check(PetscPrintf(comm_, "%8ld %12.6g %10.3g %3d %4d %6d %4d %3d %4d %8.5f %9.3g %10.2e %8s %8s\n", at.step,
                     at.time, at.dt, at.tries, static_cast<int>(c.newton), static_cast<int>(c.linear),
-                    static_cast<int>(c.damage), static_cast<int>(c.uzawa), active, ledger.phi_max(),
-                    ledger.alpha_max(), ledger.balance_first_law(), clock(wall).c_str(),
+                    static_cast<int>(c.damage), static_cast<int>(c.uzawa), active, ledger.energies().phi_max,
+                    ledger.energies().alpha_max, ledger.balance_first_law(), clock(wall).c_str(),
                     clock(left).c_str()));
 }
 

@@ -1,23 +1,24 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <impact/balance/ledger.hpp>
 #include <impact/input/option_text.hpp>
+#include <impact/io/checkpoint.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/run/checkpoint.hpp>
-#include <impact/run/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
-#include <impact/run/petsc_options.hpp>
 #include <impact/run/progress.hpp>
-#include <impact/run/restart_keys.hpp>
+#include <impact/run/restart_options.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_criteria.hpp>
 #include <impact/run/stop_requests.hpp>
-#include <impact/time/newmark.hpp>
+#include <impact/scenario/petsc_options.hpp>
+#include <impact/scenario/restart_keys.hpp>
+#include <impact/solve/coupling.hpp>
 #include <impact/time/step_control.hpp>
 #include <impact/time/types.hpp>
 
@@ -167,6 +168,7 @@ private:
   UnreadOptions unread_;
   StopRequests requests_;
   StopCriteria stops_;
+  CheckpointWriter checkpoints_;
   StepProbe probe_;
   // -test_restep: every step is tried, refused and tried again with the same dt.
   bool restep_ = false, repeats_ = false, forced_ = false;
@@ -185,12 +187,14 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                                                        s.has_motion(), &setup.contacts)
                           : std::nullopt),
       ts_(make_integrator(comm, s)),
-      coupling_(ts_, motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, setup.state,
-                s.coupling, solver, inertia_, stabilises(comm, s, solver)),
+      coupling_(ts_, {motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, setup.state},
+                s.coupling, solver, stabilises(comm, s, solver)),
       source_(motion_, setup.state), u_(d_.displacement.make_global()), v_(d_.displacement.make_global()),
       a_(d_.displacement.make_global()), progress_(comm, s.time.max_time), unread_(comm, s),
-      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s), probe_(probe),
-      restep_(s.restep) {
+      requests_({s.checkpoint.walltime, s.checkpoint.margin()}), stops_(comm, s),
+      checkpoints_({d_.mesh, d_.groups, setup.state, &setup.file},
+                   {s.checkpoint.dir, s.checkpoint.keep, s.checkpoint.patience}),
+      probe_(probe), restep_(s.restep) {
   least_energy_ = 1e-2 * motion_.reference_force() * d_.mesh.smallest_edge() * d_.thickness *
                   static_cast<double>(d_.mesh.global_cell_count());
   for (const ContactInterface& contact : setup.contacts)
@@ -201,13 +205,13 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
                           "stress, and both sides of this contact are rigid; take -contact_" +
                           contact.id() + "_impact conserving, or none for every contact");
   set_time_options(ts_);
-  if (const NewmarkParameters p = newmark_parameters(ts_);
+  if (const Integrator& p = integrator_of(ts_);
       inertia_ && conserves(s) && (p.alpha_m != 1 || p.beta != 0.25 || p.gamma != 0.5))
     throw UserError(ExitCode::usage, "-ts_newmark_rho: the energy-conserving contact update "
                                      "(-contact_<id>_impact conserving) is for the trapezoidal rule; take "
                                      "-ts_newmark_rho 1");
-  ledger_.emplace(motion_, &coupling_, setup_.state, inertia_, s.has_motion(),
-                  LedgerChoice{s.history_materials, s.coupling.report_error});
+  ledger_.emplace(motion_, setup_.state, inertia_, s.has_motion(),
+                  LedgerChoice{s.history_materials, s.coupling.report_error, coupling_.unilateral()});
   StateRow control{"step_control", Support::global, 4};
   control_ = &setup_.state.add(std::move(control), 4);
   watch_ = &setup_.state.add({"energy_watch", Support::global, 2}, 2);
@@ -241,7 +245,6 @@ Simulation::Simulation(MPI_Comm comm, const Scenario& s, Setup& setup, const Sol
   set_exact_times(ts_, std::move(exact_times));
   if (s.time.period > 0) set_step_period(ts_, s.time.period);
   if (!s.time.table_times.empty()) set_step_table(ts_, s.time.table_times, s.time.table_dts);
-  if (inertia_) set_newmark_hooks(ts_, coupling_.newmark_hooks());
   set_step_hooks(ts_, hooks());
 }
 
@@ -264,8 +267,8 @@ void Simulation::start_state(const std::optional<Checkpoint>& resume) {
   check(TS2SetSolution(ts_, u_, v_));
   snapshot_.u = u_;
   motion_.update_contact(u_);
-  coupling_.refresh_matrix();
-  coupling_.begin_at_rest_of_step(snapshot_.time, u_, v_);
+  coupling_.motion_solver().refresh_matrix();
+  coupling_.begin_between_steps(snapshot_.time, u_, v_);
 }
 
 // What really solves, and where contact begins.
@@ -280,15 +283,15 @@ void Simulation::report_start(const SolverDefaults& solver) {
   }
   std::vector<std::string> lines;
   if (s_.has_motion())
-    lines.push_back("motion solver: " + linear_solver_text(coupling_.motion_snes()) + " (" + solver.reason +
-                    "); tangent " + (solver.symmetric ? "symmetric" : "consistent") +
+    lines.push_back("motion solver: " + linear_solver_text(coupling_.motion_solver().snes()) + " (" +
+                    solver.reason + "); tangent " + (solver.symmetric ? "symmetric" : "consistent") +
                     (solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
   if (damage_) lines.push_back("damage solver: " + linear_solver_text(damage_->snes()));
   if (heat_) lines.push_back("heat solver: " + linear_solver_text(heat_->snes()));
   PetscBool factors = PETSC_FALSE;
   KSP ksp = nullptr;
   PC pc = nullptr;
-  check(SNESGetKSP(coupling_.motion_snes(), &ksp));
+  check(SNESGetKSP(coupling_.motion_solver().snes(), &ksp));
   check(KSPGetPC(ksp, &pc));
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
   report_solvers(d_, lines, s_.has_motion() && factors);
@@ -297,7 +300,7 @@ void Simulation::report_start(const SolverDefaults& solver) {
 void Simulation::start(const std::optional<Checkpoint>& resume) {
   StateTable& state = setup_.state;
   if (resume) {
-    if (inertia_) newmark_set_acceleration(ts_, a_);
+    if (inertia_) set_acceleration(ts_, a_);
     const std::vector<double>& c = control_->committed;
     set_step_control_state(ts_, {c[0], c[1] != 0, static_cast<PetscInt>(c[2]), static_cast<PetscInt>(c[3])});
     ledger_->resume(u_, v_);
@@ -311,15 +314,12 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
                       snapshot_.step));
     return;
   }
-  coupling_.start_heat(u_);
-  coupling_.start_damage(u_);
-  if (inertia_) {
-    coupling_.initial_acceleration(0, u_, v_, a_);
-    newmark_set_acceleration(ts_, a_);
-    d_.displacement.to_local(a_, state.row("a").trial);
-  }
+  coupling_.start(u_, a_);
+  if (inertia_) d_.displacement.to_local(a_, state.row("a").trial);
   setup_.contacts.advance(u_, u_, 0);
-  ledger_->start(u_, v_, a_);
+  PetscReal dt = 0;
+  check(TSGetTimeStep(ts_, &dt));
+  ledger_->start(integrator_of(ts_), dt, u_, v_, a_);
   state.commit();
   stops_.ask(history_->watch(snapshot_, {}));
   write_fields(false);
@@ -328,8 +328,12 @@ void Simulation::start(const std::optional<Checkpoint>& resume) {
 StepHooks Simulation::hooks() {
   StepHooks hooks;
   hooks.before_attempt = [this](TS, const Attempt& attempt) { before_attempt(attempt); };
+  if (coupling_.stabilised())
+    hooks.predict = [this](TS, const Attempt& attempt, Vec u, Vec v) { coupling_.predict(attempt, u, v); };
+  if (inertia_ && coupling_.corrects())
+    hooks.correct = [this](TS, Vec u, Vec v, Vec a) { coupling_.correct(u, v, a); };
   hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling_.guess(attempt, guess); };
-  hooks.effort = [this](TS) { return coupling_.hardest_solve(); };
+  hooks.effort = [this](TS) { return coupling_.counts().hardest; };
   const CouplingScenario& limits = s_.coupling;
   if (limits.max_dphi > 0 || limits.max_dalpha > 0 || limits.max_dtheta > 0)
     hooks.utilisation = [this](TS) { return coupling_.utilisation(); };
@@ -374,7 +378,7 @@ void Simulation::reject(const Attempt& attempt) {
   if (probe_.after) probe_.after(attempt, snapshot_.step + 1, setup_.state);
   if (forced_) {
     forced_ = false;
-    coupling_.on_reject();
+    coupling_.reject();
     return;
   }
   repeats_ = false;
@@ -383,7 +387,7 @@ void Simulation::reject(const Attempt& attempt) {
   check(PetscPrintf(comm_, "impact: %s, step %ld try %d at t = %.10g, dt = %.4g; time step cut\n",
                     last_cause_.c_str(), snapshot_.step + 1, static_cast<int>(attempt.number), attempt.t,
                     attempt.dt));
-  coupling_.on_reject();
+  coupling_.reject();
 }
 
 Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
@@ -399,7 +403,7 @@ Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
 
 Verdict Simulation::judge_energy(const Attempt& attempt, Vec u, Vec v, Vec a) {
   const double before = ledger_->energy_error();
-  ledger_->book(attempt.dt, u, v, inertia_ ? a : a_.get());
+  ledger_->book(coupling_.record(u), u, v, inertia_ ? a : a_.get());
   const double residual = ledger_->energy_error();
   // Consecutive steps beyond the bounds: what the first steps of a run miss is soon small beside what is
   // stored.
@@ -461,8 +465,8 @@ std::string Simulation::energy_remedy(double residual) const {
   if (few) text += ", -coupling_snes_max_it 50";
   // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, N3).
   if (inertia_ && residual > 0)
-    text += newmark_parameters(ts_).alpha_m > 1 && !setup_.contacts.empty() ? ", -ts_newmark_rho 1"
-                                                                            : ", -ts_newmark_rho 0.5";
+    text += integrator_of(ts_).alpha_m > 1 && !setup_.contacts.empty() ? ", -ts_newmark_rho 1"
+                                                                       : ", -ts_newmark_rho 0.5";
   return text;
 }
 
@@ -470,7 +474,7 @@ void Simulation::accept(const Attempt& attempt) {
   StateTable& state = setup_.state;
   Vec u = nullptr, v = nullptr;
   check(TS2GetSolution(ts_, &u, &v));
-  Vec a = inertia_ ? newmark_acceleration(ts_) : a_.get();
+  Vec a = inertia_ ? acceleration(ts_) : a_.get();
   StateRow& row = state.row("u");
   d_.displacement.to_local(u, row.trial);
   d_.displacement.to_local(v, state.row("v").trial);
@@ -552,8 +556,7 @@ void Simulation::write_state(const StepControlState& c) {
   char version[256] = "";
   check(PetscGetVersion(version, sizeof version));
   values.texts["petsc_version"] = version;
-  checkpoint_file_ = write_checkpoint({d_.mesh, d_.groups, setup_.state, &setup_.file}, values,
-                                      {s_.checkpoint.dir, s_.checkpoint.keep, s_.checkpoint.patience});
+  checkpoint_file_ = checkpoints_.write(values);
   // A resumed run builds its candidate list afresh and factors anew: so does this one, or they would part by
   // round-off.
   setup_.contacts.forget_search();
@@ -575,8 +578,6 @@ void Simulation::save_end(const StepControlState& control) {
     if (stopped_by_.empty() && ended_by_.empty())
       check(PetscPrintf(comm_, "the state at t = %.10g, step %ld, is in %s\n", snapshot_.time, snapshot_.step,
                         checkpoint_file_.c_str()));
-  } catch (const UnfinishedFile&) {
-    throw;
   } catch (const UserError& error) {
     check(PetscPrintf(comm_, "impact: %s\n", error.what()));
   }
@@ -618,8 +619,9 @@ ExitCode Simulation::run() {
   else if (s_.energy_tol > 0 && std::abs(left) > s_.energy_tol && ledger_->energy_scale() >= least_energy_)
     check(PetscPrintf(comm_, "impact: WARNING: %s; %s\n",
                       energy_text(left, snapshot_.time, "energy_tol").c_str(), energy_remedy(left).c_str()));
-  if (coupling_.second_ways() > 0)
-    check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", coupling_.second_ways()));
+  if (coupling_.motion_solver().second_ways() > 0)
+    check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n",
+                      coupling_.motion_solver().second_ways()));
   if (!stopped_by_.empty())
     check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),
                       checkpoint_file_.c_str()));

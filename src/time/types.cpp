@@ -1,5 +1,5 @@
 #include "control.hpp"
-#include "integrator.hpp"
+#include "step_data.hpp"
 #include <algorithm>
 #include <impact/time/types.hpp>
 #include <memory>
@@ -11,7 +11,7 @@ namespace detail {
 
 namespace {
 
-Integrator& self(TS ts) { return *static_cast<Integrator*>(ts->data); }
+StepData& self(TS ts) { return *static_cast<StepData*>(ts->data); }
 
 bool has_our_type(TS ts) {
   PetscBool ours = PETSC_FALSE;
@@ -21,7 +21,7 @@ bool has_our_type(TS ts) {
 
 } // namespace
 
-Integrator& integrator(TS ts) {
+StepData& step_data(TS ts) {
   if (!has_our_type(ts)) throw std::logic_error("the TS is of neither type newmark nor static");
   return self(ts);
 }
@@ -29,36 +29,18 @@ Integrator& integrator(TS ts) {
 namespace {
 
 // Sets ts->time_step and the attempt. A foreign TSAdapt has set ts->time_step itself.
-void begin_attempt(TS ts, Integrator& integrator, PetscInt number) {
+void begin_attempt(TS ts, StepData& data, PetscInt number) {
   StepPlan plan{ts->time_step, ts->ptime + ts->time_step};
   if (StepControl* const control = find_control(ts)) plan = plan_step(ts, *control);
   ts->time_step = plan.dt;
-  integrator.attempt = {.t_n = ts->ptime, .dt = plan.dt, .t = plan.t, .number = number};
-}
-
-// True when the nonlinear solve converged; otherwise TSAdaptCheckStage has cut ts->time_step.
-bool solve_stage(TS ts, Integrator& integrator) {
-  Vec u = integrator.trial.u;
-  predict(ts, integrator);
-  if (integrator.hooks.guess) integrator.hooks.guess(ts, integrator.attempt, u);
-  check(TSPreStage(ts, integrator.attempt.t));
-  check(SNESSolve(ts->snes, nullptr, u));
-  PetscInt nonlinear = 0, linear = 0;
-  check(SNESGetIterationNumber(ts->snes, &nonlinear));
-  check(SNESGetLinearSolveIterations(ts->snes, &linear));
-  ts->snes_its += nonlinear;
-  ts->ksp_its += linear;
-  check(TSPostStage(ts, integrator.attempt.t, 0, &u));
-  PetscBool converged = PETSC_FALSE;
-  check(TSAdaptCheckStage(ts->adapt, ts, integrator.attempt.t, u, &converged));
-  return converged;
+  data.attempt = {.t_n = ts->ptime, .dt = plan.dt, .t = plan.t, .number = number};
 }
 
 // The second criterion. What ranks answer differently is settled by the strictest one.
-bool judge(TS ts, Integrator& integrator) {
-  if (!integrator.hooks.accept) return true;
-  const Trial& trial = integrator.trial;
-  const Verdict verdict = integrator.hooks.accept(ts, integrator.attempt, trial.u, trial.v, trial.a);
+bool judge(TS ts, StepData& data) {
+  if (!data.hooks.accept) return true;
+  const Trial& trial = data.trial;
+  const Verdict verdict = data.hooks.accept(ts, data.attempt, trial.u, trial.v, trial.a);
   if (!verdict.accept && !(verdict.factor > 0 && verdict.factor <= 1))
     throw std::logic_error("a refused step needs a factor between 0 and 1");
   constexpr PetscReal accepted = 2;
@@ -71,60 +53,61 @@ bool judge(TS ts, Integrator& integrator) {
 }
 
 // Solves and judges one try; true when it is to be taken over, with the size of the next step.
-bool attempt_step(TS ts, Integrator& integrator, PetscReal& next_dt) {
-  if (integrator.hooks.before_attempt) integrator.hooks.before_attempt(ts, integrator.attempt);
-  if (!solve_stage(ts, integrator)) return false;
-  const Trial& trial = integrator.trial;
-  rates(ts, integrator, trial.u); // SNES does not promise that its last evaluation was at the solution
-  if (integrator.scheme.hooks.correct) integrator.scheme.hooks.correct(ts, trial.u, trial.v, trial.a);
-  if (!judge(ts, integrator)) return false;
+bool attempt_step(TS ts, StepData& data, PetscReal& next_dt) {
+  if (data.hooks.before_attempt) data.hooks.before_attempt(ts, data.attempt);
+  if (!solve_stage(ts, data)) return false;
+  const Trial& trial = data.trial;
+  find_rates(ts, data, trial.u); // SNES does not promise that its last evaluation was at the solution
+  if (data.hooks.correct) data.hooks.correct(ts, trial.u, trial.v, trial.a);
+  if (!judge(ts, data)) return false;
   if (StepControl* const control = find_control(ts)) {
     check(SNESGetIterationNumber(ts->snes, &control->effort));
-    if (integrator.hooks.effort) control->effort = integrator.hooks.effort(ts);
-    if (integrator.hooks.utilisation) control->utilisation = integrator.hooks.utilisation(ts);
+    if (data.hooks.effort) control->effort = data.hooks.effort(ts);
+    if (data.hooks.utilisation) control->utilisation = data.hooks.utilisation(ts);
   }
   PetscBool accept = PETSC_TRUE;
-  check(TSAdaptChoose(ts->adapt, ts, integrator.attempt.dt, nullptr, &next_dt, &accept));
+  check(TSAdaptChoose(ts->adapt, ts, data.attempt.dt, nullptr, &next_dt, &accept));
   if (!accept) ts->time_step = next_dt;
   return accept;
 }
 
-void take_over(TS ts, Integrator& integrator, PetscReal next_dt) {
-  const Trial& trial = integrator.trial;
+void take_over(TS ts, StepData& data, PetscReal next_dt) {
+  const Trial& trial = data.trial;
   check(VecCopy(trial.u, ts->vec_sol));
   check(VecCopy(trial.v, ts->vec_dot));
-  if (integrator.scheme.inertia) check(VecCopy(trial.a, integrator.a));
-  ts->ptime = integrator.attempt.t;
+  if (data.integrator.inertia) check(VecCopy(trial.a, data.a));
+  ts->ptime = data.attempt.t;
   ts->time_step = next_dt;
-  if (integrator.hooks.on_accept) integrator.hooks.on_accept(ts, integrator.attempt);
+  if (data.hooks.on_accept) data.hooks.on_accept(ts, data.attempt);
 }
 
-void refuse(TS ts, Integrator& integrator) {
-  if (integrator.hooks.on_reject) integrator.hooks.on_reject(ts, integrator.attempt);
+void refuse(TS ts, StepData& data) {
+  if (data.hooks.on_reject) data.hooks.on_reject(ts, data.attempt);
   PetscReal least = ts->adapt->dt_min;
   if (StepControl* const control = find_control(ts)) {
-    least = std::max(least, smallest_step(*control, integrator.attempt.t_n));
+    least = std::max(least, smallest_step(*control, data.attempt.t_n));
     note_rejection(ts, *control);
   }
   ++ts->reject;
   // Below the last digits of t a smaller step only repeats the failure.
-  const bool vanished = integrator.attempt.t_n + 16 * ts->time_step == integrator.attempt.t_n;
-  const bool too_often = ts->max_reject >= 0 && integrator.attempt.number > ts->max_reject;
+  const bool vanished = data.attempt.t_n + 16 * ts->time_step == data.attempt.t_n;
+  const bool too_often = ts->max_reject >= 0 && data.attempt.number > ts->max_reject;
   if (!ts->reason && (too_often || vanished || ts->time_step < least)) ts->reason = TS_DIVERGED_STEP_REJECTED;
 }
 
 PetscErrorCode step(TS ts) {
   return self(ts).mailbox.guarded([&] {
-    Integrator& integrator = self(ts);
-    start(ts, integrator);
+    StepData& data = self(ts);
+    if (data.integrator.inertia && !data.a)
+      throw std::logic_error("newmark: give the acceleration of the start by set_acceleration");
     for (PetscInt number = 1; !ts->reason; ++number) {
-      begin_attempt(ts, integrator, number);
+      begin_attempt(ts, data, number);
       PetscReal next_dt = ts->time_step;
-      if (attempt_step(ts, integrator, next_dt)) {
-        take_over(ts, integrator, next_dt);
+      if (attempt_step(ts, data, next_dt)) {
+        take_over(ts, data, next_dt);
         return;
       }
-      refuse(ts, integrator);
+      refuse(ts, data);
     }
   });
 }
@@ -143,36 +126,32 @@ PetscErrorCode set_up(TS ts) {
   });
 }
 
+// A TS whose own SNES solves for u, with the residual given by TSSetI2Function.
 PetscErrorCode residual(SNES, Vec u, Vec r, TS ts) {
   return self(ts).mailbox.guarded([&] {
-    Integrator& integrator = self(ts);
-    const Trial& trial = integrator.trial;
-    rates(ts, integrator, u);
-    check(TSComputeI2Function(ts, integrator.attempt.t, u, trial.v, trial.a_m, r));
+    const Rates rates = rates_at(ts, u);
+    check(TSComputeI2Function(ts, self(ts).attempt.t, u, rates.v, rates.a_m, r));
   });
 }
 
 PetscErrorCode jacobian(SNES, Vec u, Mat J, Mat P, TS ts) {
   return self(ts).mailbox.guarded([&] {
-    Integrator& integrator = self(ts);
-    const Trial& trial = integrator.trial;
-    const Shifts shift = shifts(integrator);
-    rates(ts, integrator, u);
-    check(TSComputeI2Jacobian(ts, integrator.attempt.t, u, trial.v, trial.a_m, shift.v, shift.a, J, P));
+    const Rates rates = rates_at(ts, u);
+    check(TSComputeI2Jacobian(ts, self(ts).attempt.t, u, rates.v, rates.a_m, rates.dv_du, rates.da_du, J, P));
   });
 }
 
 PetscErrorCode set_from_options(TS ts, OptionItems PetscOptionsObject) {
   return self(ts).mailbox.guarded([&] {
-    if (self(ts).scheme.inertia) read_newmark_options(ts, self(ts), PetscOptionsObject);
+    if (self(ts).integrator.inertia) read_newmark_options(self(ts), PetscOptionsObject);
   });
 }
 
 PetscErrorCode view(TS ts, PetscViewer viewer) {
-  const auto [beta, gamma, alpha_m] = self(ts).scheme.parameters;
-  if (!self(ts).scheme.inertia) return PetscViewerASCIIPrintf(viewer, "  no inertia\n");
-  return PetscViewerASCIIPrintf(viewer, "  beta %g, gamma %g, alpha_m %g\n", static_cast<double>(beta),
-                                static_cast<double>(gamma), static_cast<double>(alpha_m));
+  const Integrator& scheme = self(ts).integrator;
+  if (!scheme.inertia) return PetscViewerASCIIPrintf(viewer, "  no inertia\n");
+  return PetscViewerASCIIPrintf(viewer, "  beta %g, gamma %g, alpha_m %g\n", static_cast<double>(scheme.beta),
+                                static_cast<double>(scheme.gamma), static_cast<double>(scheme.alpha_m));
 }
 
 // The accelerations a_n and the parameters survive TSReset: they belong to the state, not to the work space.
@@ -182,15 +161,15 @@ PetscErrorCode reset(TS ts) {
 }
 
 PetscErrorCode destroy(TS ts) {
-  const std::unique_ptr<Integrator> owned(&self(ts));
+  const std::unique_ptr<StepData> owned(&self(ts));
   ts->data = nullptr;
   return {};
 }
 
 PetscErrorCode create(TS ts, bool inertia) {
-  auto integrator = std::make_unique<Integrator>();
-  integrator->scheme.inertia = inertia;
-  ts->data = integrator.release();
+  auto data = std::make_unique<StepData>();
+  data->integrator.inertia = inertia;
+  ts->data = data.release();
   ts->usessnes = PETSC_TRUE;
   ts->default_adapt_type = step_control_type;
   ts->ops->setup = set_up;
@@ -234,10 +213,37 @@ void set_time_options(TS ts) { detail::deliver(ts, TSSetFromOptions(ts)); }
 
 void solve_in_time(TS ts) { detail::deliver(ts, TSSolve(ts, nullptr)); }
 
-Mailbox& time_mailbox(TS ts) { return detail::integrator(ts).mailbox; }
+Mailbox& time_mailbox(TS ts) { return detail::step_data(ts).mailbox; }
 
-void set_step_hooks(TS ts, StepHooks hooks) { detail::integrator(ts).hooks = std::move(hooks); }
+void set_step_hooks(TS ts, StepHooks hooks) { detail::step_data(ts).hooks = std::move(hooks); }
 
-const Attempt& current_attempt(TS ts) { return detail::integrator(ts).attempt; }
+const Attempt& current_attempt(TS ts) { return detail::step_data(ts).attempt; }
+
+void set_integrator(TS ts, const Integrator& integrator) { detail::step_data(ts).integrator = integrator; }
+
+const Integrator& integrator_of(TS ts) { return detail::step_data(ts).integrator; }
+
+Rates rates_at(TS ts, Vec u) {
+  detail::StepData& data = detail::step_data(ts);
+  detail::find_rates(ts, data, u);
+  const detail::Trial& trial = data.trial;
+  const PetscReal dt = data.attempt.dt;
+  if (!data.integrator.inertia) return {trial.v, trial.a_m, 1 / dt, 0};
+  const Integrator::Coefficients chi = data.integrator.coefficients(dt);
+  return {trial.v, trial.a_m, chi.chi4, data.integrator.alpha_m * chi.chi1};
+}
+
+Vec acceleration(TS ts) {
+  const detail::StepData& data = detail::step_data(ts);
+  return data.a ? data.a.get() : nullptr;
+}
+
+void set_acceleration(TS ts, Vec a) {
+  detail::StepData& data = detail::step_data(ts);
+  if (!data.a) check(VecDuplicate(a, data.a.out()));
+  check(VecCopy(a, data.a));
+}
+
+Vec start_velocity(TS ts) { return detail::step_data(ts).trial.v_start; }
 
 } // namespace impact

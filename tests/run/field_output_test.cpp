@@ -1,9 +1,9 @@
 #include "../mesh/small_mesh.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/run/durable_file.hpp>
-#include <impact/run/field_output.hpp>
-#include <impact/run/hdf5_file.hpp>
+#include <impact/io/durable_file.hpp>
+#include <impact/io/field_output.hpp>
+#include <impact/io/hdf5_file.hpp>
 #include <map>
 #include <set>
 #include <sys/mman.h>
@@ -43,13 +43,17 @@ struct Fields {
         material.push_back(static_cast<double>(nodes));
       }
   }
-  std::vector<NodeField> nodes(int dim) const { return {{"u", dim, u}, {"phi", 1, phi}}; }
-  std::vector<CellField> cells() const { return {{"stress", 6, stress}, {"material", 1, material}}; }
+  std::vector<Field> all(int dim) const {
+    return {{"u", true, dim, u},
+            {"phi", true, 1, phi},
+            {"stress", false, 6, stress},
+            {"material", false, 1, material}};
+  }
 };
 
 void write(FieldOutput& output, const Mesh& mesh, double time) {
   const Fields fields(mesh, time);
-  output.write(time, fields.nodes(mesh.dim()), fields.cells());
+  output.write(time, fields.all(mesh.dim()));
 }
 
 /// The value of an attribute in a start tag, empty when it is not there.
@@ -115,9 +119,7 @@ std::vector<Grid> read_xdmf(const std::string& file) {
   return grids;
 }
 
-std::vector<double> numbers(const Item& item) {
-  return hdf5::File(item.file, hdf5::File::Mode::read).read_numbers(item.path);
-}
+std::vector<double> numbers(const Item& item) { return hdf5::Reader(item.file).numbers(item.path); }
 
 std::set<std::string> names_in(const std::string& folder) {
   std::set<std::string> names;
@@ -141,7 +143,7 @@ void expect_right(const std::string& path, const Mesh& mesh, const std::vector<d
                                                              {"stress", "Matrix Cell"},
                                                              {"material", "Scalar Cell"}}));
     for (const auto& [name, item] : grid.items)
-      EXPECT_EQ(hdf5::File(item.file, hdf5::File::Mode::read).extent(item.path), item.extent) << name;
+      EXPECT_EQ(hdf5::Reader(item.file).extent(item.path), item.extent) << name;
     EXPECT_EQ(grid.items.at("u").extent, (std::vector<hsize_t>{nodes, 3}));
     EXPECT_EQ(grid.items.at("stress").extent, (std::vector<hsize_t>{cells, 6}));
 
@@ -304,9 +306,9 @@ TEST(FieldOutput, AKilledWriteLeavesTheEarlierTimesAndIsMadeUpFor) {
         const auto killed_write = [&] {
           const Fields fields(mesh, 0.2);
           const DeadlyValues deadly((last == 1 ? 6U : 1U) * static_cast<std::size_t>(mesh.cell_count()));
-          std::vector<CellField> cells = fields.cells();
-          cells[1 - last].values = deadly.span();
-          output.write(0.2, fields.nodes(mesh.dim()), cells);
+          std::vector<Field> all = fields.all(mesh.dim());
+          all[3 - last].values = deadly.span();
+          output.write(0.2, all);
         };
         EXPECT_EQ(signal_that_ended(killed_write), SIGSEGV);
         expect_right(path, mesh, {0.0, 0.1});
@@ -402,8 +404,8 @@ TEST(FieldOutput, RefusesFieldsOfTheWrongSize) {
   const Mesh mesh = mesh_of(PETSC_COMM_WORLD, dir, two_bodies(4));
   FieldOutput output(mesh, {dir + "/vis", "", ""});
   const std::vector<double> values(3);
-  EXPECT_THROW(output.write(0, {{"u", 2, values}}, {}), std::logic_error);
-  EXPECT_THROW(output.write(0, {}, {{"a/b", 1, values}}), std::logic_error);
+  EXPECT_THROW(output.write(0, {{"u", true, 2, values}}), std::logic_error);
+  EXPECT_THROW(output.write(0, {{"a/b", false, 1, values}}), std::logic_error);
 }
 
 TEST(CellsInMeshOrder, BringsEachValueToItsCell) {

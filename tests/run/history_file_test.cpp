@@ -1,8 +1,8 @@
 #include "../mesh/small_mesh.hpp"
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/run/durable_file.hpp>
-#include <impact/run/history_file.hpp>
+#include <impact/io/durable_file.hpp>
+#include <impact/io/history_file.hpp>
 #include <limits>
 #include <sstream>
 

@@ -1,6 +1,6 @@
 #pragma once
 #include "../input/options_scope.hpp"
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <map>
 #include <string>
 

@@ -6,7 +6,7 @@
 #include <impact/input/database.hpp>
 #include <impact/input/spelling.hpp>
 #include <impact/mesh/mesh.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <set>
 #include <sstream>
 
@@ -116,7 +116,7 @@ TEST(Scenario, DefaultsThatDependOnOthersAreFilledIn) {
   EXPECT_EQ(table.time.dt, 1);
   EXPECT_EQ(table.time.max_time, 50);
   const Scenario j2 = read(with({{"-material_beam_model", "j2"}, {"-material_beam_sigma_y", "3e8"}}));
-  EXPECT_TRUE(j2.materials[0].locking_automatic);
+  EXPECT_FALSE(j2.materials[0].locking); // automatic
   EXPECT_EQ(j2.materials[0].law.locking, impact::Locking::mean);
   EXPECT_EQ(j2.outputs[0].every, 1);
   EXPECT_EQ(j2.outputs[0].file, "vis.xdmf");

@@ -2,8 +2,8 @@
 #include <bit>
 #include <cmath>
 #include <gtest/gtest.h>
+#include <impact/io/checkpoint.hpp>
 #include <impact/problem/discretisation.hpp>
-#include <impact/run/checkpoint.hpp>
 
 // What a physics that comes later gets for one line of code: a row of the state table survives an accepted
 // step, a refused one, a checkpoint and the move to another number of ranks.
@@ -128,7 +128,7 @@ TEST(StateRow, ANewRowSurvivesACheckpointAndTheMoveToOtherRanks) {
   WithDummies all(PETSC_COMM_WORLD, dir);
   all.fill_trial(1);
   all.table.commit();
-  write_checkpoint(all.state(), values, {dir + "/all", 2});
+  CheckpointWriter(all.state(), {dir + "/all", 2}).write(values);
 
   WithDummies same(PETSC_COMM_WORLD, dir);
   EXPECT_FALSE(same.holds(1));
@@ -144,7 +144,7 @@ TEST(StateRow, ANewRowSurvivesACheckpointAndTheMoveToOtherRanks) {
     EXPECT_TRUE(few.holds(1));
     few.fill_trial(3);
     few.table.commit();
-    write_checkpoint(few.state(), values, {dir + "/few", 2});
+    CheckpointWriter(few.state(), {dir + "/few", 2}).write(values);
     MPI_Comm_free(&one);
   }
   MPI_Barrier(PETSC_COMM_WORLD);
@@ -159,7 +159,7 @@ TEST(StateRow, ACheckpointWithoutTheNewRowIsRefused) {
   WithDummies run(PETSC_COMM_WORLD, dir);
   run.fill_trial(1);
   run.table.commit();
-  write_checkpoint(run.state(), {0.5, 7, {}, {}}, {dir, 2});
+  CheckpointWriter(run.state(), {dir, 2}).write({0.5, 7, {}, {}});
   WithDummies more(PETSC_COMM_WORLD, dir);
   more.table.add({"dummy_later", Support::vertex, 1}, more.d.node_values(1));
   try {

@@ -2,10 +2,10 @@
 #include <bit>
 #include <cstdint>
 #include <gtest/gtest.h>
+#include <impact/balance/ledger.hpp>
+#include <impact/io/checkpoint.hpp>
 #include <impact/problem/damage.hpp>
 #include <impact/problem/heat.hpp>
-#include <impact/run/checkpoint.hpp>
-#include <impact/run/ledger.hpp>
 #include <map>
 
 namespace impact {
@@ -44,7 +44,7 @@ struct AllPhysics {
     bounds.bounds = DamageBounds::history;
     damage.emplace(d, state, boundary, bounds);
     heat.emplace(d, state, boundary, HeatScenario{.form = HeatForm::energy}, true);
-    ledger.emplace(*motion, nullptr, state, true, 1);
+    ledger.emplace(*motion, state, true, 1);
   }
   static MaterialParameters law() {
     MaterialParameters m;
@@ -193,8 +193,9 @@ TEST(StateRows, ACheckpointReturnsEveryBitOfEveryRow) {
       row->committed = numbers(run, *row, 4);
       row->trial = numbers(run, *row, 5); // of an attempt that is under way: not in the checkpoint
     }
-    const std::string file = write_checkpoint({run.d.mesh, run.d.groups, run.state}, {},
-                                              {run_test::fresh_dir("state_rows_checkpoint"), 1});
+    const std::string file = CheckpointWriter({run.d.mesh, run.d.groups, run.state},
+                                              {run_test::fresh_dir("state_rows_checkpoint"), 1})
+                                 .write({});
     for (const auto& row : run.state.rows()) {
       row->committed.assign(row->committed.size(), -7);
       row->trial.assign(row->trial.size(), -7);

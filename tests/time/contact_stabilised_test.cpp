@@ -18,6 +18,7 @@ struct Bar {
   Handle<Mat> M, K;
   Handle<Vec> below, above, work;
   Simulation simulation;
+  StepHooks hooks;
   PetscReal largest = 0, initial = 0, last = 0;
 
   Bar() : M(band(true)), K(band(false)), simulation(time_test::linear_equations(M, K), size) {
@@ -31,10 +32,11 @@ struct Bar {
     check(SNESSetType(simulation.snes(), SNESVINEWTONRSLS));
     check(SNESVISetVariableBounds(simulation.snes(), below, above));
     initial = last = energy(simulation.u, simulation.v);
-    set_step_hooks(simulation.ts, {.on_accept = [this](TS, const Attempt&) {
-                     last = energy(simulation.u, simulation.v);
-                     largest = std::max(largest, last);
-                   }});
+    hooks.on_accept = [this](TS, const Attempt&) {
+      last = energy(simulation.u, simulation.v);
+      largest = std::max(largest, last);
+    };
+    set_step_hooks(simulation.ts, hooks);
   }
 
   static Handle<Mat> band(bool mass) {
@@ -66,29 +68,26 @@ struct Bar {
   /// Velocity projected so that the predictor has u_0 >= 0; the contact part of the acceleration is taken out
   /// and acts implicitly.
   void stabilise() {
-    set_newmark_hooks(simulation.ts,
-                      {.predict =
-                           [this](TS, PetscReal, PetscReal dt, Vec u, Vec v) {
-                             check(VecCopy(u, work));
-                             check(VecPointwiseMax(u, u, below));
-                             check(VecAYPX(work, -1, u));
-                             check(VecAXPY(v, 1 / dt, work));
-                           },
-                       .correct =
-                           [this](TS ts, Vec u, Vec v, Vec a) {
-                             const auto [beta, gamma, alpha_m] = newmark_parameters(ts);
-                             Handle<Vec> force, a_m;
-                             check(VecDuplicate(a, force.out()));
-                             check(VecDuplicate(a, a_m.out()));
-                             check(VecCopy(a, a_m));
-                             check(VecAXPBY(a_m, 1 - alpha_m, alpha_m, newmark_acceleration(ts)));
-                             simulation.equations.residual(0, u, v, a_m, force);
-                             time_test::fill(
-                                 work, [](PetscInt i) { return i == 0 ? 2 / h : 0.0; }); // 1/M at the contact
-                             check(VecPointwiseMult(force, force, work));
-                             check(VecAXPY(a, -1 / alpha_m, force));
-                             check(VecAXPY(v, current_attempt(ts).dt * (2 * beta - gamma) / alpha_m, force));
-                           }});
+    hooks.predict = [this](TS, const Attempt& attempt, Vec u, Vec v) {
+      check(VecCopy(u, work));
+      check(VecPointwiseMax(u, u, below));
+      check(VecAYPX(work, -1, u));
+      check(VecAXPY(v, 1 / attempt.dt, work));
+    };
+    hooks.correct = [this](TS ts, Vec u, Vec v, Vec a) {
+      const Integrator& p = integrator_of(ts);
+      Handle<Vec> force, a_m;
+      check(VecDuplicate(a, force.out()));
+      check(VecDuplicate(a, a_m.out()));
+      check(VecCopy(a, a_m));
+      check(VecAXPBY(a_m, 1 - p.alpha_m, p.alpha_m, acceleration(ts)));
+      simulation.equations.residual(0, u, v, a_m, force);
+      time_test::fill(work, [](PetscInt i) { return i == 0 ? 2 / h : 0.0; }); // 1/M at the contact
+      check(VecPointwiseMult(force, force, work));
+      check(VecAXPY(a, -1 / p.alpha_m, force));
+      check(VecAXPY(v, current_attempt(ts).dt * (2 * p.beta - p.gamma) / p.alpha_m, force));
+    };
+    set_step_hooks(simulation.ts, hooks);
   }
 };
 

@@ -11,41 +11,40 @@ namespace {
 struct Springs {
   static constexpr PetscReal mass = 2, dt = 0.3;
   Simulation simulation{time_test::equations_of({.m = mass, .k = 1, .cubic = 4}), 5};
-  NewmarkParameters weights;
+  Integrator weights;
   bool disturbed;
   Handle<Vec> f, f_before, lag, inertia, a_before;
   PetscReal kept = 0, grown = 0, largest_error = 0, least_loss = 0, left = 0, energy_of_wrong = 0,
             left_of_wrong = 0;
-  NewmarkParameters wrong;
+  Integrator wrong;
   int steps = 0;
 
-  Springs(const NewmarkParameters& given, bool with_hooks)
-      : weights(given), disturbed(with_hooks), wrong(given) {
+  Springs(const Integrator& given, bool with_hooks) : weights(given), disturbed(with_hooks), wrong(given) {
     for (Handle<Vec>* vec : {&f, &f_before, &lag, &inertia, &a_before}) {
       check(VecDuplicate(simulation.u, vec->out()));
       check(VecSet(*vec, 0));
     }
     time_test::fill(simulation.u, [](PetscInt i) { return 1 - 0.3 * static_cast<PetscReal>(i); });
     time_test::fill(simulation.v, [](PetscInt i) { return 0.2 * static_cast<PetscReal>(i % 3); });
-    set_newmark_parameters(simulation.ts, weights);
-    if (disturbed)
-      set_newmark_hooks(simulation.ts,
-                        {.predict =
-                             [](TS, PetscReal, PetscReal step, Vec u_tilde, Vec v) {
-                               check(VecShift(v, -0.02));
-                               check(VecShift(u_tilde, -0.02 * step));
-                             },
-                         .correct =
-                             [this](TS, Vec u, Vec v, Vec a) {
-                               check(VecCopy(u, f));
-                               check(VecScale(f, 0.1 * 2 * weights.beta));
-                               check(VecAXPY(a, -1 / (2 * weights.beta), f));
-                               check(VecAXPY(v, dt * (1 - weights.gamma / (2 * weights.beta)), f));
-                             }});
-    set_step_hooks(simulation.ts, {.accept = [this](TS ts, const Attempt&, Vec u, Vec v, Vec a) {
-                     audit(ts, u, v, a);
-                     return Verdict{};
-                   }});
+    set_integrator(simulation.ts, weights);
+    StepHooks hooks;
+    if (disturbed) {
+      hooks.predict = [](TS, const Attempt& attempt, Vec u_tilde, Vec v) {
+        check(VecShift(v, -0.02));
+        check(VecShift(u_tilde, -0.02 * attempt.dt));
+      };
+      hooks.correct = [this](TS, Vec u, Vec v, Vec a) {
+        check(VecCopy(u, f));
+        check(VecScale(f, 0.1 * 2 * weights.beta));
+        check(VecAXPY(a, -1 / (2 * weights.beta), f));
+        check(VecAXPY(v, dt * (1 - weights.gamma / (2 * weights.beta)), f));
+      };
+    }
+    hooks.accept = [this](TS ts, const Attempt&, Vec u, Vec v, Vec a) {
+      audit(ts, u, v, a);
+      return Verdict{};
+    };
+    set_step_hooks(simulation.ts, hooks);
   }
 
   static PetscReal dot(Vec x, Vec y) {
@@ -64,13 +63,13 @@ struct Springs {
   void audit(TS ts, Vec u, Vec v, Vec a) {
     Vec u_n = nullptr, old_v = nullptr;
     check(TS2GetSolution(ts, &u_n, &old_v));
-    const Vec a_n = newmark_acceleration(ts), v_start = newmark_start_velocity(ts);
+    const Vec a_n = acceleration(ts), v_start = start_velocity(ts);
     const PetscReal alpha_m = weights.alpha_m;
     if (steps++ == 0) {
       check(VecAXPY(inertia, mass, a_n));
       check(VecCopy(a_n, a_before));
       const Handle<Vec> Ma = combine(mass, a_n, 0, a_n);
-      kept = newmark_kept_at_start(weights, dt, a_n, Ma);
+      kept = weights.kept_at_start(dt, a_n, Ma);
     }
     const Handle<Vec> du = combine(1, u, -1, u_n), Ma_n = combine(mass, a_n, 0, a_n),
                       Ma = combine(mass, a, 0, a), Mf = combine(mass, f, 0, f),
@@ -80,25 +79,25 @@ struct Springs {
                       change = combine(1, a, -1, a_before);
     check(VecAXPY(change, 2, df));
     check(VecWAXPY(lag, -1, Ma_n, inertia));
-    const NewmarkStep step{.dt = dt,
-                           .du = du,
-                           .v_start = v_start,
-                           .v = v,
-                           .a_n = a_n,
-                           .a = a,
-                           .f = f,
-                           .df = df,
-                           .Ma_n = Ma_n,
-                           .Ma = Ma,
-                           .Mf = Mf,
-                           .Mdf = Mdf,
-                           .lag = lag,
-                           .struck = struck,
-                           .grown = grown};
-    const NewmarkEnergy energy = newmark_energy(weights, step);
+    const IntegratorStep step{.dt = dt,
+                              .du = du,
+                              .v_start = v_start,
+                              .v = v,
+                              .a_n = a_n,
+                              .a = a,
+                              .f = f,
+                              .df = df,
+                              .Ma_n = Ma_n,
+                              .Ma = Ma,
+                              .Mf = Mf,
+                              .Mdf = Mdf,
+                              .lag = lag,
+                              .struck = struck,
+                              .grown = grown};
+    const IntegratorEnergy energy = weights.energy(step);
     const PetscReal rise = mass * (dot(v, v) - dot(v_start, v_start)) / 2, work = dot(du, mean) + dot(du, Mf);
     largest_error = std::max(largest_error, std::abs(rise - work + energy.loss));
-    const NewmarkEnergy of_wrong = newmark_energy(wrong, step);
+    const IntegratorEnergy of_wrong = wrong.energy(step);
     energy_of_wrong = std::max(energy_of_wrong, std::abs(rise - work + of_wrong.loss));
     const PetscReal kappa = weights.beta - weights.gamma / 2, delta = weights.gamma - 0.5,
                     lost = energy.loss - (energy.kept - kept) - energy.exchange,
@@ -115,12 +114,14 @@ struct Springs {
   }
 };
 
-const NewmarkParameters sets[] = {newmark_with_radius(1),      newmark_with_radius(0.8),
-                                  newmark_with_radius(0.3),    {.beta = 0.36, .gamma = 0.7},
-                                  {.beta = 0.3, .gamma = 0.5}, {.beta = 0.4, .gamma = 0.6, .alpha_m = 1.2}};
+const Integrator sets[] = {
+    newmark_with_radius(1),          newmark_with_radius(0.8),
+    newmark_with_radius(0.3),        {.beta = 0.36, .gamma = 0.7},
+    {.beta = 0.3, .gamma = 0.5},     {.beta = 0.4, .gamma = 0.6, .alpha_m = 1.2},
+    {.beta = 1, .gamma = 1, .s = 2}, {.beta = 0.6, .gamma = 0.8, .alpha_m = 0.9, .s = 1.3}};
 
 TEST(NewmarkEnergy, ClosedFormIsTheChangeOfTheKineticEnergyLessTheWorkOfInertia) {
-  for (const NewmarkParameters& weights : sets)
+  for (const Integrator& weights : sets)
     for (const bool disturbed : {false, true}) {
       Springs springs(weights, disturbed);
       time_test::run(springs.simulation, Springs::dt, 9);
@@ -140,9 +141,9 @@ TEST(NewmarkEnergy, WrongWeightShows) {
 }
 
 TEST(NewmarkEnergy, DampedFamilyLosesASquareBesideWhatItKeepsAndExchanges) {
-  std::vector<NewmarkParameters> family{{.beta = 0.4, .gamma = 0.6, .alpha_m = 1.1}};
+  std::vector<Integrator> family{{.beta = 0.4, .gamma = 0.6, .alpha_m = 1.1}};
   for (const PetscReal rho : {1.0, 0.9, 0.5, 0.0}) family.push_back(newmark_with_radius(rho));
-  for (const NewmarkParameters& weights : family)
+  for (const Integrator& weights : family)
     for (const bool disturbed : {false, true}) {
       Springs springs(weights, disturbed);
       time_test::run(springs.simulation, Springs::dt, 30);

@@ -4,7 +4,6 @@
 #include <functional>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/time/newmark.hpp>
 #include <impact/time/step_control.hpp>
 #include <impact/time/step_hooks.hpp>
 #include <impact/time/types.hpp>
@@ -186,12 +185,55 @@ inline Equations linear_equations(Mat M, Mat K) {
               }};
 }
 
+/// Gives a TS with inertia the acceleration that balances the forces at the start: M a = -F(t, u, v, 0), with
+/// M = (J(shift) - J(0))/shift at a shift where mass and stiffness are of like size; rows without mass get a
+/// = 0.
+inline void start(Simulation& simulation) {
+  if (!integrator_of(simulation.ts).inertia || acceleration(simulation.ts) != nullptr) return;
+  PetscReal dt = 0;
+  check(TSGetTimeStep(simulation.ts, &dt));
+  const PetscReal shift = 4 / (dt * dt);
+  Handle<Vec> a, force, diagonal;
+  Handle<Mat> mass;
+  Handle<KSP> ksp;
+  for (Handle<Vec>* vec : {&a, &force, &diagonal}) check(VecDuplicate(simulation.u, vec->out()));
+  check(VecZeroEntries(a));
+  simulation.equations.residual(simulation.time(), simulation.u, simulation.v, a, force);
+  check(VecScale(force, -1));
+  simulation.equations.jacobian(simulation.u, 0, shift, simulation.J);
+  check(MatDuplicate(simulation.J, MAT_COPY_VALUES, mass.out()));
+  simulation.equations.jacobian(simulation.u, 0, 0, simulation.J);
+  check(MatAXPY(mass, -1, simulation.J, SAME_NONZERO_PATTERN));
+  check(MatScale(mass, 1 / shift));
+  check(MatGetDiagonal(mass, diagonal));
+  PetscInt rows = 0;
+  PetscScalar *d = nullptr, *f = nullptr;
+  check(VecGetLocalSize(diagonal, &rows));
+  check(VecGetArray(diagonal, &d));
+  check(VecGetArray(force, &f));
+  for (PetscInt i = 0; i < rows; ++i)
+    if (d[i] == 0) d[i] = 1, f[i] = 0;
+  check(VecRestoreArray(force, &f));
+  check(VecRestoreArray(diagonal, &d));
+  check(MatDiagonalSet(mass, diagonal, INSERT_VALUES));
+  PC pc = nullptr;
+  check(KSPCreate(PETSC_COMM_WORLD, ksp.out()));
+  check(KSPSetOperators(ksp, mass, mass));
+  check(KSPSetType(ksp, KSPCG));
+  check(KSPGetPC(ksp, &pc));
+  check(PCSetType(pc, PCJACOBI));
+  check(KSPSetTolerances(ksp, 1e-14, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(KSPSolve(ksp, force, a));
+  set_acceleration(simulation.ts, a);
+}
+
 /// Runs to t_end in steps of dt with the options given so far.
 inline void run(Simulation& simulation, PetscReal dt, PetscReal t_end) {
   check(TSSetTimeStep(simulation.ts, dt));
   check(TSSetMaxTime(simulation.ts, t_end));
   check(TSSetMaxSteps(simulation.ts, 1000000));
   set_time_options(simulation.ts);
+  start(simulation);
   solve_in_time(simulation.ts);
 }
 

@@ -138,7 +138,7 @@ TEST(StepControl, GivesUpAfterTheAllowedTriesAndKeepsTheState) {
   hooks.guess = [&](TS ts, const Attempt&, Vec) {
     u = entry(simulation.u, 0);
     v = entry(simulation.v, 0);
-    a = entry(newmark_acceleration(ts), 0);
+    a = entry(acceleration(ts), 0);
   };
   watched.watch(std::move(hooks));
   run(simulation, 0.1, 1);
@@ -148,7 +148,7 @@ TEST(StepControl, GivesUpAfterTheAllowedTriesAndKeepsTheState) {
   EXPECT_NEAR(simulation.time(), 0.2, 1e-15);
   EXPECT_EQ(entry(simulation.u, 0), u);
   EXPECT_EQ(entry(simulation.v, 0), v);
-  EXPECT_EQ(entry(newmark_acceleration(simulation.ts), 0), a);
+  EXPECT_EQ(entry(acceleration(simulation.ts), 0), a);
   EXPECT_NEAR(a, -(u + u * u * u), 1e-9); // the acceleration of t = 0.2, not of a failed try
 }
 
@@ -202,7 +202,7 @@ TEST(StepControl, RestartInTheMiddleOfGrowthIsBitwise) {
   check(VecCopy(from.v, to.v));
   check(TSSetTime(to.ts, from.time()));
   check(TSSetStepNumber(to.ts, steps));
-  newmark_set_acceleration(to.ts, newmark_acceleration(from.ts));
+  set_acceleration(to.ts, acceleration(from.ts));
   EXPECT_FALSE(step_control_state(from.ts).at_limit);
   EXPECT_GT(step_control_state(from.ts).easy_steps, 0);
   set_step_control_state(to.ts, step_control_state(from.ts));

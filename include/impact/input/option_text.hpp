@@ -11,15 +11,6 @@
 /// made of.
 namespace impact {
 
-/// What an option row says of itself, in `-help` and in the reference page.
-struct OptionNote {
-  std::string about;         ///< meaning, one phrase
-  std::string fallback = ""; ///< default as text; "" = none
-  std::string unit = "";     ///< SI unit of a quantity, "1" for a pure number, "" when it is no quantity
-  std::string symbol = "";   ///< in the paper or in src/theory.md
-  std::string equation = ""; ///< the paper's equation
-};
-
 /// Words that stand for a number, such as auto and inf.
 using NumberWords = std::vector<std::pair<std::string, double>>;
 

@@ -17,8 +17,8 @@ int edit_distance(std::string_view a, std::string_view b);
 /// beginning; empty when there is none.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates, int limit);
 
-/// Names joined by ", ".
-std::string join(const std::vector<std::string>& names);
+/// Names with `between` between them.
+std::string join(const std::vector<std::string>& names, const std::string& between = ", ");
 
 /// Parts between commas without blanks around them; none for a blank text.
 std::vector<std::string> split_list(std::string_view text);

@@ -6,12 +6,23 @@
 /// solution.
 namespace impact {
 
+/// How the solve for a scalar field ended.
+struct ScalarOutcome {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt newton = 0, linear = 0;
+  std::string cause = {}; ///< of a failure, where there is more to say than its reason
+};
+
 /// Raises the absolute tolerance to the norm of 1e-15 of `sizes`: the terms summed in each row. Collective.
 void allow_rounding(SNES snes, Vec sizes);
 
 /// Why the solve ended: SNES_DIVERGED_LINE_SEARCH in place of a convergence that says nothing about the
 /// residual, SNES_CONVERGED_FNORM_ABS where a line search found no smaller one than rounding allows.
 SNESConvergedReason reason_by_residual(SNES snes);
+
+/// cg + icc, in blocks of the ranks, for the linear solver of a scalar field whose options bear `prefix`:
+/// before they are read.
+void set_scalar_solver_defaults(KSP ksp, const char* prefix);
 
 /// The linear solver that `snes` has: "preonly + lu by mumps".
 std::string linear_solver_text(SNES snes);

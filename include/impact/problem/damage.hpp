@@ -2,6 +2,7 @@
 #include <impact/kernel/damage.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
@@ -21,11 +22,6 @@ struct DamageStep {
   const std::vector<double>* phi_n = nullptr; ///< local [node]
 };
 
-struct DamageOutcome {
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  PetscInt newton = 0, linear = 0;
-};
-
 class DamageProblem {
 public:
   /// Rows "drive" (and "damage_history" for DamageBounds::history, added here) of the table are read and
@@ -35,7 +31,7 @@ public:
 
   /// Solves for phi at t_{n+1} from the trial half of "drive"; phi (local, ghosts consistent) holds the guess
   /// on entry. Collective.
-  DamageOutcome solve(const DamageStep& step, std::vector<double>& phi);
+  ScalarOutcome solve(const DamageStep& step, std::vector<double>& phi);
 
   /// What the rate of phi dissipated in the last solve, per volume at the points: the sum over sub-steps.
   const std::vector<double>& dissipated() const { return dissipated_; }
@@ -71,7 +67,7 @@ private:
   void start_substep(TS ts);
   void finish_substep(TS ts);
   void substep_residual(TS ts, Vec x, Vec rate, Vec f);
-  DamageOutcome solve_substeps(const DamageStep& step, std::vector<double>& phi);
+  ScalarOutcome solve_substeps(const DamageStep& step, std::vector<double>& phi);
 
   const Discretisation& d_;
   StateTable& state_;

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/kernel/frame.hpp>
 #include <impact/material/point_law.hpp>
+#include <impact/math/index.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
@@ -27,12 +28,8 @@ struct Discretisation {
   double thickness = 1; ///< multiplies integrals of plane problems in what is reported
 
   int dim() const { return mesh.dim(); }
-  const PointLaw& law(const CellGroup& group) const {
-    return materials[static_cast<std::size_t>(group.material)].law;
-  }
-  std::size_t node_values(int components) const {
-    return static_cast<std::size_t>(mesh.node_count() * components);
-  }
+  const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
+  std::size_t node_values(int components) const { return at(mesh.node_count() * components); }
   bool has_damage() const;
   bool has_fatigue() const;
   bool has_viscosity() const;

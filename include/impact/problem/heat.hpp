@@ -3,6 +3,7 @@
 #include <impact/kernel/heat.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
@@ -26,12 +27,6 @@ struct HeatStep {
   Vec displacement = nullptr; ///< u as the contacts read it; with motion
 };
 
-struct HeatOutcome {
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  PetscInt newton = 0, linear = 0;
-  std::string cause; ///< of a failure, where there is more to say than its reason
-};
-
 class HeatProblem {
 public:
   /// Reads the row "theta" and the trial half of "history" of the table. With HeatForm::energy and motion
@@ -48,7 +43,7 @@ public:
   /// Solves for the temperature at t_{n+1}; theta (local, ghosts consistent) holds the guess on entry. With
   /// -heat_ts_dt in equal sub-steps of that length at most, over which motion and damage go on evenly.
   /// Collective.
-  HeatOutcome solve(const HeatStep& step, std::vector<double>& theta);
+  ScalarOutcome solve(const HeatStep& step, std::vector<double>& theta);
 
   /// Whether it balances the energy with the work of microforces, of prescribed ones too.
   bool takes_work_of_damage() const { return settings_.form == HeatForm::energy; }
@@ -88,9 +83,9 @@ private:
 
   const std::vector<double>& theta_at_start() const; ///< of the window
   void check_substeps();
-  HeatOutcome solve_window(std::vector<double>& theta);
-  void refuse_below_zero(HeatOutcome& outcome) const;
-  HeatOutcome solve_substeps(int count, std::vector<double>& theta);
+  ScalarOutcome solve_window(std::vector<double>& theta);
+  void refuse_below_zero(ScalarOutcome& outcome) const;
+  ScalarOutcome solve_substeps(int count, std::vector<double>& theta);
   void find_regions();
   void build_matrix();
   void begin_contacts();

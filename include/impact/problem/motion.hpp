@@ -64,6 +64,7 @@ public:
 
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
+  const MotionStep& step() const { return step_; }
 
   /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Collective.
   /// Returns false on all ranks when a cell lost its meaning anywhere.

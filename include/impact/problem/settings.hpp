@@ -39,7 +39,7 @@ struct CouplingScenario {
   double max_dalpha = 0;     ///< largest increment of the plastic strain
   double max_dtheta = 0;     ///< largest change of the temperature
   double max_closing = 1;    ///< largest depth in facets at which a contact may close; 0: no limit
-  bool report_error = false; ///< evaluate Coupling::single_pass_error
+  bool report_error = false; ///< evaluate StepRecord::internal_of_next_pass
   double dt = 0;             ///< -ts_dt
   double crack_level = 0.9;  ///< phi from which a node counts as cracked
   std::string length_unit = "m";

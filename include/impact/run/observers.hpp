@@ -1,9 +1,9 @@
 #pragma once
-#include <impact/problem/coupling.hpp>
-#include <impact/run/field_output.hpp>
-#include <impact/run/history_file.hpp>
-#include <impact/run/ledger.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/balance/ledger.hpp>
+#include <impact/io/field_output.hpp>
+#include <impact/io/history_file.hpp>
+#include <impact/scenario/scenario.hpp>
+#include <impact/solve/step_record.hpp>
 #include <optional>
 #include <vector>
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 #include <impact/mesh/mesh.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <vector>
 
 /// The body of a rigid obstacle with mass (`-contact_<id>_rigid_mass`): one cell that stands by itself in the

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <optional>
 #include <string>
 
@@ -26,8 +26,5 @@ private:
 /// nothing moves when it is one of this folder. Says so. Collective.
 void set_earlier_run_aside(MPI_Comm comm, const Scenario& scenario,
                            const std::optional<std::string>& resumed);
-
-/// Where checkpoints go when nothing else is said.
-std::string default_checkpoint_dir(const Scenario& scenario);
 
 } // namespace impact

@@ -1,6 +1,6 @@
 #pragma once
 #include <chrono>
-#include <impact/run/ledger.hpp>
+#include <impact/balance/ledger.hpp>
 #include <impact/run/observers.hpp>
 #include <string>
 

@@ -4,7 +4,7 @@
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <memory>
 #include <vector>
 

@@ -2,7 +2,7 @@
 #include <functional>
 #include <impact/mesh/state_table.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <impact/time/step_hooks.hpp>
 
 /// One run from a validated scenario to its last output.

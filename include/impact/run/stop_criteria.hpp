@@ -1,8 +1,8 @@
 #pragma once
 #include <impact/input/condition.hpp>
-#include <impact/run/checkpoint.hpp>
-#include <impact/run/history_file.hpp>
-#include <impact/run/scenario.hpp>
+#include <impact/io/checkpoint.hpp>
+#include <impact/io/history_file.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <string>
 #include <vector>
 

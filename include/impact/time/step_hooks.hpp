@@ -26,8 +26,13 @@ struct Verdict {
 /// time_mailbox.
 struct StepHooks {
   std::function<void(TS, const Attempt&)> before_attempt = {};
+  /// With inertia: u_tilde = u_n + dt v and v = v_n on entry; the step goes on from what they are afterwards.
+  /// A shock that changes v changes u_tilde by dt times that.
+  std::function<void(TS, const Attempt&, Vec u_tilde, Vec v)> predict = {};
   /// u holds the default guess of the nonlinear solve and may be changed.
   std::function<void(TS, const Attempt&, Vec u)> guess = {};
+  /// After a converged solve, before the step is judged: v and a may be changed, u must not.
+  std::function<void(TS, Vec u, Vec v, Vec a)> correct = {};
   /// Iterations that the control calls the step's effort; without it the iterations of the TS's SNES.
   std::function<PetscInt(TS)> effort = {};
   /// Part of the limits on its increments that the solved step used up, 1 at the limit: dt follows it from

@@ -1,0 +1,47 @@
+#pragma once
+#include <impact/mesh/state_table.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/solve/step_record.hpp>
+#include <span>
+#include <vector>
+
+/// What the cells of bodies store and lose: integrals over them, of each material. Of plane problems per unit
+/// thickness where nothing else is said.
+namespace impact {
+
+/// The rows that these integrals read; null where the run has no such physics.
+struct BodyRows {
+  StateRow &history, &drive;
+  const StateRow *phi, *theta, *fatigue;
+  explicit BodyRows(StateTable& state);
+};
+
+/// Of one material, times the thickness. The order of the numbers is that in which they go over ranks.
+struct MaterialEnergies {
+  double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, fatigue = 0, thermal = 0, entropy = 0;
+  double momentum[3] = {0, 0, 0};
+};
+
+struct Energies {
+  std::vector<MaterialEnergies> of; ///< [material]
+  MaterialEnergies total;           ///< without momentum
+  double phi_max = 0, alpha_max = 0, theta_max = 0, fatigue_max = 0;
+};
+
+/// Of the state at t_n, or of that at t_{n+1} in the trial halves. `v` null: nothing moves. Collective.
+Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial);
+
+/// Lost in a step by the rate of damage and by the exchange of damage and flow.
+struct DamageLosses {
+  std::vector<double> by_damage, by_exchange; ///< [material]
+  double least = 0;                           ///< smallest at a point, per volume; at most 0
+};
+/// Needs phi. Collective.
+DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step);
+
+/// What the unilateral stress stores in a step, at the damage `phi` that its force saw, [node]. `drive_n`:
+/// the driving energies of t_n. Collective.
+double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std::span<const double> phi,
+                              const std::vector<double>& drive_n);
+
+} // namespace impact

@@ -1,0 +1,122 @@
+#pragma once
+#include <impact/balance/energies.hpp>
+#include <impact/balance/heat_book.hpp>
+#include <impact/balance/reactions.hpp>
+#include <impact/balance/work.hpp>
+#include <optional>
+#include <string>
+
+/// The balance sheet of a run: energies, dissipation and work since t = 0, per material and total, and two
+/// checks.
+///   balance            change of the kinetic energy, integrator's own loss by its weights
+///   (Integrator::energy) and work of the forces that the motion solves really balanced: they add up to zero.
+///   balance_first_law  stored energy + dissipation - external work - start: first order in dt (staggering).
+///   With heat: stored energy with the thermal one + what no equation of heat takes up (the integrator's
+///   loss) - external work - heat supplied - start; rounding with HeatForm::energy.
+/// Both relative to the largest energy or work so far. Plane problems: times the thickness.
+namespace impact {
+
+/// What is kept beside the columns that every run has.
+struct LedgerChoice {
+  bool materials = false;      ///< energies and dissipations of each material as columns
+  bool coupling_error = false; ///< how far the last pass was from the next one
+  bool unilateral = false;     ///< of the steps (StepRecord)
+};
+
+class Ledger {
+public:
+  /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
+  Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool moves = true, LedgerChoice choice = {});
+
+  /// Energies and forces of the start, whose first step is dt long. u, v, a at t = 0. Collective.
+  void start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a);
+  /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
+  void resume(Vec u, Vec v);
+  /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
+  /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Collective.
+  void book(const StepRecord& step, Vec u, Vec v, Vec a);
+  /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
+  void unbook() { energies_ = energies_before_; }
+
+  /// Columns of the history file in the order of the option reference; names as in options/README.md.
+  void append(HistoryFile::Row& row) const;
+  /// Those of contact heat and of materials, which stand further back.
+  void append_contact_heat(HistoryFile::Row& row) const;
+  void append_materials(HistoryFile::Row& row) const;
+  /// The balance sheet since t = 0, total and of each material, for the end of the log.
+  std::string report() const;
+
+  double balance() const;
+  double balance_first_law() const;
+  /// The first law's residual, a gain positive, and with it `gain`, which closes it.
+  double energy_error() const;
+  /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
+  double energy_scale() const;
+  const Energies& energies() const { return energies_; }
+
+private:
+  // Totals since t = 0, one global row, so that a restart continues them.
+  enum Total {
+    viscous,
+    damage,
+    plastic_dissipation,
+    friction,
+    numerical, ///< the integrator's loss without what it keeps, and rigid bodies' without inertia
+    kept,      ///< energy that the integrator holds (IntegratorEnergy::kept)
+    kept_at_start,
+    grown,        ///< part of that (IntegratorEnergy::grown)
+    exchange,     ///< part of `numerical`, of any sign (IntegratorEnergy::exchange)
+    unbalanced,   ///< work of what Newton's method left of the balances
+    contact_loss, ///< of the contact-stabilised and of the conserving update
+    external,
+    damage_work, ///< part of `external`
+    contact_work,
+    identity,
+    start_energy,
+    scale,
+    fatigue_loss,
+    contact_store, ///< energy of contact as the last step left it
+    closing,       ///< by the unilateral stress of broken points
+    least,         ///< smallest dissipation of a step at a point, per volume; at most 0
+    count
+  };
+  /// Dissipated since t = 0 in one material.
+  enum Loss { viscous_loss, damage_loss, plastic_loss, fatigue_part, losses };
+  /// A line of the sheet: what a run has, of all bodies and of each material.
+  struct Line;
+
+  double& sum(Total which) const { return totals_.trial[which]; }
+  double& lost_in(std::size_t material, Loss which) const {
+    return losses_.trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
+  }
+  void measure(Vec u, Vec v, bool trial);
+  void book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u);
+  void book_points(const StepRecord& step, double work_unilateral);
+  void book_damage(const StepRecord& step);
+  void book_scale();
+  double unilateral_energy(std::span<const double> phi) const;
+  void find_coupling_error(const StepRecord& step);
+  /// Energy that contact gave by itself, or beside it closing cracks and the integrator; not negative
+  /// (theory.md, 11).
+  double gain() const;
+  double stored() const;
+  double dissipated() const;
+  double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
+  void append_energies(HistoryFile::Row& row) const;
+  std::vector<Line> sheet() const;
+
+  // Members beyond twelve: the books of one sheet, each with its own rows of the table.
+  MotionProblem& motion_;
+  StateTable& state_;
+  BodyRows rows_;
+  bool inertia_, moves_, prescribes_damage_;
+  LedgerChoice choice_;
+  StateRow &totals_, &losses_;
+  ForceBook forces_;
+  Reactions reactions_;
+  std::optional<HeatBook> heat_;
+  Energies energies_, energies_before_;
+  double coupling_error_ = 0;
+};
+
+} // namespace impact

@@ -1,0 +1,64 @@
+#pragma once
+#include <impact/problem/motion.hpp>
+#include <impact/solve/step_record.hpp>
+#include <vector>
+
+/// The forces that the motion solves balanced and their work over a step: a force's mean over both ends times
+/// the displacement, but for what acts over the step as a whole (theory.md, 11). Per unit thickness of a
+/// plane problem.
+namespace impact {
+
+/// Work of the velocity's projection at the start of a step, times the thickness.
+struct ShockWork {
+  double contact = 0, supports = 0, rigid = 0; ///< rigid: of what keeps rigid bodies rigid
+};
+
+struct StepWork {
+  double internal = 0;   ///< of the forces of the bodies' stress against them
+  double external = 0;   ///< of loads and supports, as means of both ends
+  double over_step = 0;  ///< of supports, the part that acts over the step as a whole
+  double rigid = 0;      ///< of the supports of rigid bodies
+  double contact = 0;    ///< on the bodies
+  double unilateral = 0; ///< of the unilateral stress of broken points
+  double left = 0;       ///< of what Newton's method left of the balance
+  double inertia = 0;    ///< of what stands for inertia in a run without
+  ShockWork shock;
+  IntegratorEnergy integrator; ///< what the scheme itself does
+};
+
+/// Forces at t_n are rows of the state table, those at t_{n+1} their trial halves.
+class ForceBook {
+public:
+  /// Adds the rows. References must outlive the book.
+  ForceBook(MotionProblem& motion, StateTable& state, bool inertia);
+
+  /// Forces of the start: the half of the first step's work, dt long, that belongs to t = 0. Returns what the
+  /// integrator holds then. Collective.
+  double start(const Integrator& integrator, double dt, Vec u, Vec a);
+  /// After a restart: reactions are not known before the next step.
+  void resume();
+  /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
+  StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
+
+  /// What closes the balance of momentum on prescribed dofs, [node][dim].
+  const std::vector<double>& reactions() const { return reactions_; }
+
+private:
+  ShockWork find_shock(const StepRecord& step) const;
+  IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
+  double take_over_forces(const StepRecord& step, Vec u, Vec a, std::vector<double>& corrected);
+  std::vector<double> close_balance(const StepRecord& step, const std::vector<double>& corrected,
+                                    const std::vector<double>& unilateral);
+  Handle<Vec> global_of(const StateRow& row) const; ///< of t_n
+  double mean_work(const std::vector<double>& du, const StateRow& row) const;
+  bool in_rigid_body(std::size_t dof) const;
+
+  MotionProblem& motion_;
+  const StateRow &u_, &v_, &a_;
+  bool inertia_;
+  StateRow &internal_, &external_, &contact_, &inertia_force_, &left_;
+  StateRow& step_acceleration_; ///< IntegratorStep::f
+  std::vector<double> reactions_;
+};
+
+} // namespace impact

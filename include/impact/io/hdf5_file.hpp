@@ -1,0 +1,93 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <hdf5.h>
+#include <mpi.h>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// HDF5 files whose data sets all ranks write and read by themselves, each its own rows. Failures are
+/// UserError(io) that name the file and the reason. File sizes and offsets are 64 bits wide.
+namespace impact::hdf5 {
+
+/// Owns one HDF5 identifier.
+class Id {
+public:
+  using Close = herr_t (*)(hid_t);
+  Id() = default;
+  Id(hid_t id, Close closer) : id_(id), close_(closer) {}
+  Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Id& operator=(Id&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Id() {
+    if (id_ >= 0) close_(id_);
+  }
+  operator hid_t() const { return id_; }
+
+private:
+  hid_t id_ = -1;
+  Close close_ = nullptr;
+};
+
+/// A file to be read by this rank alone; HDF5 prints nothing of its own while it is open.
+class Reader {
+public:
+  explicit Reader(std::string name);
+  ~Reader();
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  bool has(const std::string& path) const;                      ///< every link on the way exists
+  std::vector<std::string> list(const std::string& path) const; ///< names in a group, sorted; none if missing
+  std::vector<hsize_t> extent(const std::string& path) const;
+  std::vector<double> numbers(const std::string& path) const;
+  std::string text(const std::string& path) const;
+  /// `count` rows (the slowest index) from the row `first` on.
+  std::vector<double> rows(const std::string& path, hsize_t first, hsize_t count) const;
+
+private:
+  template <class T> T checked(T code, const std::string& what) const;
+  void read(const std::string& path, hid_t type, void* to) const;
+
+  std::string name_;
+  H5E_auto2_t printing_ = nullptr;
+  void* printing_data_ = nullptr;
+  Id id_;
+};
+
+enum class Kind { real, integer, character }; ///< 64 bits each; one byte
+
+/// A data set, and the part of this rank: numbers from `first` on, all indices counted. All ranks name the
+/// same sets; a rank with nothing to write gives no bytes. `mine` is called once, when its turn comes, and
+/// its answer read before the next one is asked for. It must not communicate.
+struct DataSet {
+  std::string path; ///< its groups are made
+  Kind kind;
+  std::vector<hsize_t> extent; ///< over all ranks
+  std::uint64_t first = 0;
+  std::function<std::span<const std::byte>()> mine = {};
+};
+
+template <class Numbers> std::span<const std::byte> bytes_of(const Numbers& numbers) {
+  return std::as_bytes(std::span(numbers));
+}
+/// Values that live long enough as data set, of rank 0 alone.
+DataSet whole(MPI_Comm comm, std::string path, const std::string& text);
+DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values);
+
+struct Written {
+  std::uint64_t bytes = 0, checksum = 0; ///< of the whole file, as file_checksum finds them
+};
+
+/// Writes `<name>.tmp`, through to the disk; nothing of it stays after a failure. HDF5 lays the file out on
+/// rank 0 without touching the disk, where it would wait for other ranks or crash at the end of the program
+/// when one of them is refused; then each rank puts its numbers where they belong. Collective. Throws on all
+/// ranks.
+Written write_file(MPI_Comm comm, const std::string& name, const std::vector<DataSet>& sets);
+
+} // namespace impact::hdf5

@@ -1,0 +1,11 @@
+#pragma once
+#include <impact/scenario/scenario.hpp>
+
+namespace impact {
+
+/// The options of a run as a checkpoint holds them, one `-key value` per line: print_scenario, PETSc's
+/// options that choose the time scheme, and the checksums of the mesh and of the tables behind expressions
+/// (as `-mesh_content` and `-function_<id>_content`). Collective.
+std::string restart_options(MPI_Comm comm, const Scenario& scenario);
+
+} // namespace impact

@@ -1,0 +1,95 @@
+#pragma once
+#include <impact/petsc/handle.hpp>
+#include <impact/problem/motion.hpp>
+#include <impact/solve/loose_bodies.hpp>
+#include <impact/solve/newton_hooks.hpp>
+#include <impact/solve/solver_defaults.hpp>
+#include <impact/solve/tangent_reuse.hpp>
+#include <petscts.h>
+
+/// Newton's method for the motion at a given phi and theta: SNES `motion_` on
+///   R(u, a(u)) = 0,   K du = -R,   K = dR/du + mass_shift M                                       (105),
+///   (106)
+/// with a(u) from the integrator of the TS. It takes the first iteration of a step at its guess, keeps a
+/// factorised tangent while that serves, and tries once more with backtracking where the iterates go round in
+/// circles (theory.md, 7).
+namespace impact {
+
+class MotionSolver {
+public:
+  struct Counts {
+    PetscInt newton = 0, linear = 0; ///< of the attempt
+    PetscInt longest = 0;            ///< iterations of the longest solve of the step, refused tries included
+    PetscInt hardest = 0;            ///< tangents of the hardest solve of the attempt
+  };
+
+  /// `reuse`: of the tangent, see TangentReuse; negative: as suits the linear solver. The references must
+  /// outlive the solver. Throws UserError(usage). Collective.
+  MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults, double reuse);
+
+  /// Forgets what another attempt left, matrix factors among it: a resumed run has none from there.
+  void begin_attempt(PetscInt number);
+  /// u with the prescribed values, and the contact candidates near it. Collective.
+  Handle<Vec> imposed(Vec u);
+  /// Takes u, the guess of a step, to its prescribed values `goal`, and where that is worth while through a
+  /// first iteration. Collective.
+  void enter_step(Vec u, Vec goal);
+  /// Lets loose bodies that face nothing yet stride towards what the search sees. Collective.
+  void approach(Vec u);
+  /// Solves from u in at most so many iterations and, unless that is not worth a second way, once more with
+  /// backtracking. Collective.
+  SNESConvergedReason solve(Vec u, PetscReal rtol, PetscInt most_iterations, bool second_way = true);
+  /// Back to where the last solve started. Collective.
+  void restart(Vec u);
+
+  /// Brings the contact candidates near u; true when that changed the matrix. Collective.
+  bool refresh_contact(Vec u);
+  /// Hands the motion's present matrix to the solver; needed when the candidates changed outside a step.
+  void refresh_matrix();
+  /// Drops lagged factors. Collective.
+  void forget_factors();
+
+  SNES snes() const { return snes_; }
+  NewtonHooks& hooks() { return hooks_; }
+  TangentReuse& reuse() { return reuse_; }
+  LooseBodies& loose() { return loose_; } ///< empty with inertia
+  PetscReal rtol() const { return rtol_; }
+  PetscInt most_iterations() const;
+  const Counts& counts() const { return counts_; }
+  /// Solves of this run that were tried once more.
+  long second_ways() const { return second_ways_; }
+  /// A cell lost its meaning in the last solve.
+  bool cell_broke() const { return cell_broke_; }
+  /// The residual that the last solve left.
+  Vec left() const;
+
+  Mailbox& mailbox();
+
+private:
+  void residual(SNES, Vec u, Vec f);
+  void tangent(SNES, Vec u, Mat, Mat);
+  void choose_reuse(double reuse);
+  bool first_iteration(Vec u, Vec ahead, double part);
+  void add_jump(Vec u, Vec ahead, double part, Vec r);
+  bool linear_step(Vec u, Vec r, Vec step);
+  SNESConvergedReason newton(Vec u, PetscInt most);
+  SNESConvergedReason backtrack(Vec u, PetscInt most);
+  bool has_second_way() const;
+  bool balanced(Vec u);
+
+  TS ts_;
+  MotionProblem& motion_;
+  LooseBodies loose_;
+  TangentReuse reuse_{0};
+  NewtonHooks hooks_;
+  Handle<SNES> snes_;
+  Handle<Vec> residual_, start_;
+  PetscReal rtol_ = 0; // as the options say
+  Counts counts_;
+  PetscInt tangents_ = 0, iterations_ = 0; // of one solve, both its ways
+  long second_ways_ = 0;
+  bool second_way_first_ = false; // in the next try of a step
+  bool cell_broke_ = false;
+};
+
+} // namespace impact

@@ -1,0 +1,40 @@
+#pragma once
+#include <impact/mesh/matrix_format.hpp>
+#include <impact/problem/discretisation.hpp>
+#include <impact/problem/settings.hpp>
+#include <optional>
+#include <petscsnes.h>
+#include <string>
+
+/// Which solver the motion has where the options say nothing: preonly + MUMPS up to 1e5 dofs in the plane,
+/// 2e4 in space, beyond them gmres + gamg; cg + jacobi where steps resolve waves and the tangent is
+/// symmetric. The scalar fields have theirs in petsc/field_solver.hpp.
+namespace impact {
+
+/// Which linear solver and tangent are used where the options say nothing; `reason` is
+/// printed.
+struct SolverDefaults {
+  bool direct = true, multigrid = false, symmetric = false;
+  MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
+  double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
+  bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
+  std::string reason;
+};
+/// What forces other than those of the cells ask of the linear solver.
+struct SolverDemands {
+  bool closes_gaps = false; ///< contacts, by weights that spoil the condition for an iterative method
+  bool frictional = false;  ///< the tangent of sliding is not symmetric
+  bool rigid = false;       ///< nor is that of rigid bodies that turn
+  bool unsymmetric = false; ///< any of these, or a follower pressure
+};
+/// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
+SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
+                             double dt, SolverDemands demands = {},
+                             std::optional<MatrixFormat> matrix = std::nullopt);
+
+/// Gives the motion's solver its defaults and reads its options. `full_steps`: no line search; `shell`: its
+/// matrix is one, whose preconditioner sees the bulk alone. Throws UserError(usage) for choices that cannot
+/// work. Collective.
+void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell);
+
+} // namespace impact

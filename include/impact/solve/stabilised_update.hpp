@@ -1,0 +1,60 @@
+#pragma once
+#include <impact/mesh/state_table.hpp>
+#include <impact/solve/motion_solver.hpp>
+#include <impact/time/step_hooks.hpp>
+#include <impact/time/types.hpp>
+
+/// What impacts change of an integrator's step (theory.md, 7). The contact-stabilised update (P. Deuflhard,
+/// R. Krause, S. Ertel, Int. J. Numer. Meth. Engng 73 (2008) 1274) projects the velocity at the start of a
+/// step on what contact admits and lets the contact force F act over the step as a whole:
+///   w = arg min |w - u_tilde|_M / 2  over what the gradients of the start admit,   v_n += (w - u_tilde)/dt
+///   a -= a_c,  v += dt (2 beta - gamma) a_c   with M a_c = F / (2 beta)
+/// The second line also holds for the unilateral stress of broken points, which acts like a contact. From
+/// rigid bodies the update takes out what keeps them rigid, so that their acceleration is that by the forces.
+namespace impact {
+
+class StabilisedUpdate {
+public:
+  /// `stabilise`: contact is stabilised; `unilateral`: the unilateral stress acts over the step as a whole.
+  /// Both want inertia. The references must outlive the object. Collective.
+  StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& solver, StateTable& state, bool stabilise,
+                   bool unilateral);
+
+  bool stabilised() const { return stabilise_; }
+  bool unilateral() const { return unilateral_; }
+  bool corrects() const { return stabilise_ || unilateral_ || !motion_.rigid().empty(); }
+  /// Factors of the two forces in the balance of the step.
+  double contact_scale() const { return stabilise_ ? integrator_of(ts_).share() : 1; }
+  double unilateral_scale() const { return unilateral_ ? integrator_of(ts_).share() : 1; }
+
+  /// The hooks of the same names. `contact_force`: on the bodies, that the step balanced. Collective.
+  void predict(const Attempt& attempt, Vec u_tilde, Vec v);
+  void correct(Vec contact_force, Vec u, Vec v, Vec a);
+
+  /// Impulse over dt that the projection put on the bodies; zero elsewhere.
+  Vec shock() const { return shock_; }
+  /// What `correct` took out of the acceleration.
+  Vec acceleration() const { return acceleration_; }
+  /// Forces at the end of the step, `unilateral` among them, where that acts apart.
+  const ForceParts& forces() const { return forces_; }
+
+private:
+  void take_out_step_forces(Vec contact_force, Vec u, Vec v, Vec a);
+  void take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a);
+  bool project(const Attempt& attempt, Vec goal, Vec u_tilde, Vec v);
+  SNESConvergedReason minimise(double dt, Vec goal, Vec w);
+  void warn(double t_n, SNESConvergedReason reason);
+  KSP projection_solver();
+
+  TS ts_;
+  MotionProblem& motion_;
+  MotionSolver& solver_;
+  StateTable& state_;
+  bool stabilise_, unilateral_;
+  Handle<KSP> projection_ksp_; // where the motion's own solver needs a definite matrix
+  bool warned_ = false;
+  Handle<Vec> shock_, acceleration_;
+  ForceParts forces_;
+};
+
+} // namespace impact

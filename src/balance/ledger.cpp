@@ -1,0 +1,218 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/balance/ledger.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
+
+namespace impact {
+
+namespace {
+
+bool prescribes_damage(MotionProblem& motion) {
+  const auto& conditions = motion.boundary().conditions();
+  return motion.discretisation().has_damage() &&
+         std::any_of(conditions.begin(), conditions.end(),
+                     [](const auto& bc) { return bc.type == BcType::damage; });
+}
+
+StateRow& add_numbers(StateTable& state, const char* name, std::size_t count) {
+  return state.add({name, Support::global, static_cast<int>(count)}, count);
+}
+
+double contact_energy(MotionProblem& motion, Vec u) {
+  double energy = 0;
+  for (ContactInterface& contact : motion.contacts()) energy += contact.measures(u).energy;
+  return energy;
+}
+
+} // namespace
+
+Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool moves, LedgerChoice choice)
+    : motion_(motion), state_(state), rows_(state), inertia_(inertia), moves_(moves),
+      prescribes_damage_(prescribes_damage(motion)), choice_(choice),
+      totals_(add_numbers(state, "ledger_totals", Total::count)),
+      losses_(add_numbers(state, "ledger_materials",
+                          motion.discretisation().materials.size() * static_cast<std::size_t>(losses))),
+      forces_(motion, state, inertia), reactions_(motion, state) {
+  energies_.of.resize(motion_.discretisation().materials.size());
+  if (motion_.discretisation().has_heat()) heat_.emplace(motion_, state, moves);
+}
+
+void Ledger::measure(Vec u, Vec v, bool trial) {
+  energies_ = find_energies(motion_.discretisation(), rows_, u, inertia_ ? v : nullptr, trial);
+}
+
+void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  measure(u, v, false);
+  sum(contact_store) = contact_energy(motion_, u);
+  sum(start_energy) = stored();
+  if (heat_) heat_->start(energies_.total.entropy);
+  sum(scale) = std::abs(sum(start_energy));
+  sum(kept) = d.thickness * forces_.start(integrator, dt, u, a);
+  sum(kept_at_start) = sum(kept);
+  sum(start_energy) = stored();
+  std::vector<double> local = d.displacement.make_local();
+  d.displacement.to_local(u, local);
+  reactions_.find(forces_.reactions(), local);
+}
+
+void Ledger::resume(Vec u, Vec v) {
+  forces_.resume();
+  measure(u, v, false);
+}
+
+void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
+  const Timed timed(Event::balances);
+  const Discretisation& d = motion_.discretisation();
+  const double w = d.thickness;
+  energies_before_ = energies_;
+  const StepWork work = forces_.book(step, u, v, a, sum(grown) / w);
+  const double work_internal = w * work.internal;
+  const double work_external = w * work.external + w * work.over_step + w * work.rigid + work.shock.supports;
+  const double work_contact = w * work.contact;
+  const double work_unilateral = w * work.unilateral;
+  const double work_left = w * work.left;
+  measure(u, v, true);
+  const double kinetic_change = energies_.total.kinetic - energies_before_.total.kinetic;
+  // Without inertia the arms of a rigid body's forces belong to the end of the step, and their work to no
+  // one.
+  const double of_arms = inertia_ ? 0 : w * work.rigid + w * work.inertia;
+  sum(external) += work_external;
+  book_contact(work, work_contact, step.stabilised, u);
+  const double loss = w * work.integrator.loss, keeps = w * work.integrator.kept;
+  sum(numerical) += loss - (keeps - sum(kept));
+  sum(kept) = keeps;
+  sum(grown) = w * work.integrator.grown;
+  sum(exchange) += w * work.integrator.exchange;
+  sum(unbalanced) += work_left;
+  sum(identity) += kinetic_change + loss + work_internal + work_unilateral - work_external - work_contact -
+                   work.shock.contact - work.shock.rigid - work_left + of_arms;
+  book_points(step, work_unilateral);
+  if (choice_.coupling_error) find_coupling_error(step);
+  if (heat_) heat_->book(step, w);
+  book_scale();
+  std::vector<double> u_local = d.displacement.make_local();
+  d.displacement.to_local(u, u_local);
+  reactions_.find(forces_.reactions(), u_local);
+}
+
+// What contact takes from bodies and obstacles, and neither keeps nor rubs into heat: the stabilised update
+// closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
+void Ledger::book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u) {
+  const double store = contact_energy(motion_, u);
+  double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));
+  for (const ContactInterface& contact : motion_.contacts()) {
+    const ObstacleWork of_obstacle = contact.obstacle_work(u, stabilised);
+    const double rubbed = contact.friction_loss(u);
+    sum(external) += of_obstacle.force + of_obstacle.shock;
+    sum(friction) += rubbed;
+    sum(contact_loss) += contact.released_energy(u);
+    taken += of_obstacle.force + of_obstacle.shock - rubbed;
+  }
+  if (stabilised) sum(contact_loss) += taken;
+  sum(contact_store) = store;
+  sum(contact_work) += work_contact;
+}
+
+void Ledger::book_points(const StepRecord& step, double work_unilateral) {
+  const double w = motion_.discretisation().thickness;
+  if (step.unilateral) sum(closing) += work_unilateral - w * unilateral_energy(step.phi);
+  const MotionProblem::Increments& increments = *step.increments;
+  sum(viscous) += w * increments.viscous_dissipation;
+  sum(plastic_dissipation) += w * increments.plastic_dissipation;
+  sum(least) = std::min(sum(least), increments.least_dissipation);
+  for (std::size_t m = 0; m < increments.viscous_part.size(); ++m) {
+    lost_in(m, viscous_loss) += w * increments.viscous_part[m];
+    lost_in(m, plastic_loss) += w * increments.plastic_part[m];
+  }
+  if (rows_.phi) book_damage(step);
+  sum(least) = std::min(sum(least), step.least_fatigue);
+  for (std::size_t m = 0; m < step.fatigue_dissipation.size(); ++m) {
+    lost_in(m, fatigue_part) += w * step.fatigue_dissipation[m];
+    sum(fatigue_loss) += w * step.fatigue_dissipation[m];
+  }
+}
+
+void Ledger::book_damage(const StepRecord& step) {
+  const double w = motion_.discretisation().thickness;
+  const DamageLosses lost = find_damage_losses(motion_.discretisation(), rows_, step);
+  sum(least) = std::min(sum(least), lost.least);
+  for (std::size_t m = 0; m < lost.by_damage.size(); ++m) {
+    sum(damage) += w * lost.by_damage[m];
+    sum(plastic_dissipation) += w * lost.by_exchange[m];
+    lost_in(m, damage_loss) += w * lost.by_damage[m];
+    lost_in(m, plastic_loss) += w * lost.by_exchange[m];
+  }
+  const double work = w * step.prescribed_damage_work;
+  sum(damage_work) += work;
+  sum(external) += work;
+}
+
+// Not times the thickness.
+double Ledger::unilateral_energy(std::span<const double> phi) const {
+  if (!heat_) return find_unilateral_energy(motion_.discretisation(), rows_, phi, rows_.drive.committed);
+  // At the temperature that the force saw, too.
+  const std::vector<double> flow = rows_.history.trial, driving = rows_.drive.trial;
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  const Handle<Vec> u_n = layout.make_global();
+  layout.to_global(state_.row("u").committed, u_n);
+  MotionProblem::Increments unused;
+  motion_.advance(u_n, unused);
+  const std::vector<double> before = rows_.drive.trial;
+  rows_.history.trial = flow;
+  rows_.drive.trial = driving;
+  return find_unilateral_energy(motion_.discretisation(), rows_, phi, before);
+}
+
+// On free dofs the change of the internal forces is the residual of a next pass, elsewhere that of the
+// reactions.
+void Ledger::find_coupling_error(const StepRecord& step) {
+  PetscReal change = 0, size = 0;
+  const Handle<Vec> difference = motion_.discretisation().displacement.make_global();
+  check(VecWAXPY(difference, -1, step.forces->internal, step.internal_of_next_pass));
+  check(VecNorm(difference, NORM_2, &change));
+  check(VecNorm(step.forces->internal, NORM_2, &size));
+  coupling_error_ = size > 0 ? change / size : 0;
+}
+
+void Ledger::book_scale() {
+  sum(scale) = std::max({sum(scale), std::abs(stored() - sum(kept)), std::abs(sum(external)),
+                         std::abs(sum(start_energy) - sum(kept_at_start))});
+  if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
+}
+
+double Ledger::stored() const {
+  const MaterialEnergies& total = energies_.total;
+  return total.kinetic + total.elastic + total.plastic + total.fracture + total.fatigue + total.thermal +
+         sum(contact_store) + sum(kept);
+}
+
+double Ledger::dissipated() const {
+  const double lost = sum(numerical) + sum(contact_loss);
+  // The rest is thermal energy; of closing cracks where the heat balance takes the work of the stress.
+  if (heat_) return state_.find("stress") ? lost : lost + sum(closing);
+  return lost + sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +
+         sum(closing);
+}
+
+double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(scale) + 1e-300; }
+
+double Ledger::balance() const { return sum(identity) / energy_scale(); }
+
+double Ledger::balance_first_law() const {
+  return (stored() + dissipated() - sum(external) - heat_supplied() - sum(start_energy)) / energy_scale();
+}
+
+double Ledger::gain() const {
+  const double lost = sum(contact_loss) + sum(closing) + sum(numerical);
+  return std::max({0.0, -sum(contact_loss), -std::max(lost, lost + sum(kept) - sum(kept_at_start))});
+}
+
+double Ledger::energy_error() const {
+  const double gained = gain() / energy_scale();
+  const double residual = balance_first_law();
+  return residual > -gained ? std::max(0.0, residual) + gained : residual;
+}
+
+} // namespace impact

@@ -1,0 +1,229 @@
+#include <algorithm>
+#include <impact/balance/work.hpp>
+#include <impact/petsc/error.hpp>
+
+namespace impact {
+
+namespace {
+
+// Sum over the owned dofs of a . b; both local arrays.
+double dot(const Mesh& mesh, const std::vector<double>& a, const std::vector<double>& b) {
+  // A rank may have no nodes at all.
+  const auto components = a.size() / static_cast<std::size_t>(std::max(mesh.node_count(), 1));
+  double sum = 0;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    if (!mesh.owned(node)) continue;
+    for (std::size_t k = 0; k < components; ++k) {
+      const std::size_t i = static_cast<std::size_t>(node) * components + k;
+      sum += a[i] * b[i];
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  return sum;
+}
+
+StateRow& add_force(StateTable& state, const Discretisation& d, const char* name) {
+  return state.add({name, Support::vertex, d.dim()}, d.node_values(d.dim()));
+}
+
+std::vector<double> local_of(const Discretisation& d, Vec force) {
+  std::vector<double> local = d.displacement.make_local();
+  if (force) d.displacement.to_local(force, local);
+  return local;
+}
+
+} // namespace
+
+ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
+    : motion_(motion), u_(state.row("u")), v_(state.row("v")), a_(state.row("a")), inertia_(inertia),
+      internal_(add_force(state, motion.discretisation(), "force_internal")),
+      external_(add_force(state, motion.discretisation(), "force_external")),
+      contact_(add_force(state, motion.discretisation(), "force_contact")),
+      inertia_force_(add_force(state, motion.discretisation(), "force_inertia")),
+      left_(add_force(state, motion.discretisation(), "force_left")),
+      step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")) {}
+
+Handle<Vec> ForceBook::global_of(const StateRow& row) const {
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  Handle<Vec> values = layout.make_global();
+  layout.to_global(row.committed, values);
+  return values;
+}
+
+double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
+  std::vector<double> mean(row.trial.size());
+  for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = 0.5 * (row.committed[i] + row.trial[i]);
+  return dot(motion_.discretisation().mesh, du, mean);
+}
+
+bool ForceBook::in_rigid_body(std::size_t dof) const {
+  const std::vector<int>& body = motion_.rigid().body_of_node();
+  return !body.empty() && body[dof / static_cast<std::size_t>(motion_.discretisation().dim())] >= 0;
+}
+
+double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  ForceParts parts;
+  motion_.parts(u, parts);
+  d.displacement.to_local(parts.internal, internal_.trial);
+  d.displacement.to_local(parts.external, external_.trial);
+  double kept = 0;
+  if (inertia_) {
+    // M a_0 balances these forces on the free dofs, contact apart.
+    const Handle<Vec> Ma = d.displacement.make_global();
+    motion_.mass_multiply(a, Ma);
+    d.displacement.to_local(Ma, inertia_force_.trial);
+    kept = integrator.kept_at_start(dt, a, Ma);
+  }
+  const std::vector<double> loads = external_.trial, unilateral = local_of(d, parts.unilateral);
+  reactions_ = internal_.trial;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step.
+    if (!inertia_ || motion_.boundary().fixed_mask()[i])
+      external_.trial[i] = inertia_force_.trial[i] + internal_.trial[i];
+    reactions_[i] += unilateral[i] - loads[i];
+  }
+  return kept;
+}
+
+void ForceBook::resume() { reactions_ = motion_.discretisation().displacement.make_local(); }
+
+// dt times the forces S of the projection strike the bodies at the start of a step. M (v_start - v_n) is that
+// on free dofs; what it is beside that comes from supports, and in rigid bodies also from what keeps them so.
+ShockWork ForceBook::find_shock(const StepRecord& step) const {
+  const Discretisation& d = motion_.discretisation();
+  ShockWork shock;
+  double size = 0;
+  check(VecNorm(step.contact_shock, NORM_INFINITY, &size));
+  if (size == 0) return shock;
+  const Handle<Vec> u_n = global_of(u_), v_n = global_of(v_), mean = d.displacement.make_global(),
+                    jump = d.displacement.make_global(), beside = d.displacement.make_global();
+  check(VecWAXPY(jump, -1, v_n, step.start_velocity));
+  motion_.mass_multiply(jump, beside);
+  check(VecAXPY(beside, -step.dt, step.contact_shock));
+  check(VecWAXPY(mean, 0.5, jump, v_n));
+  const std::vector<double> speed = local_of(d, mean), force = local_of(d, step.contact_shock);
+  std::vector<double> other = local_of(d, beside), held = other;
+  for (std::size_t i = 0; i < speed.size(); ++i) {
+    if (!motion_.boundary().fixed_mask()[i]) held[i] = 0;
+    if (!in_rigid_body(i)) other[i] = 0;
+  }
+  const double of_bodies = d.thickness * step.dt * motion_.rigid().strike_power(step.contact_shock, u_n, v_n);
+  shock.contact = d.thickness * step.dt * dot(d.mesh, speed, force);
+  shock.supports = d.thickness * dot(d.mesh, speed, held) + of_bodies;
+  shock.rigid = d.thickness * dot(d.mesh, speed, other) - of_bodies;
+  return shock;
+}
+
+// The scheme's own energy; the inertia that the step balanced goes into its row.
+IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a,
+                                                   double grown) {
+  const Discretisation& d = motion_.discretisation();
+  const Integrator& weights = step.integrator;
+  const Handle<Vec> du = global_of(u_), a_n = global_of(a_), df = global_of(step_acceleration_),
+                    struck = global_of(v_), lag = d.displacement.make_global(),
+                    f = d.displacement.make_global();
+  const auto times_mass = [&](Vec of) {
+    Handle<Vec> force = d.displacement.make_global();
+    motion_.mass_multiply(of, force);
+    return force;
+  };
+  check(VecAYPX(du, -1, u));
+  check(VecAXPY(f, 2 * weights.beta, step.contact_acceleration));
+  check(VecAYPX(df, -1, f));
+  check(VecAYPX(struck, -1, step.start_velocity));
+  d.displacement.to_local(f, step_acceleration_.trial);
+  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), Mf = times_mass(f), Mdf = times_mass(df);
+  d.displacement.to_global(inertia_force_.committed, lag);
+  check(VecAXPY(lag, -1, Ma_n));
+  const IntegratorEnergy energy = weights.energy({.dt = step.dt,
+                                                  .du = du,
+                                                  .v_start = step.start_velocity,
+                                                  .v = v,
+                                                  .a_n = a_n,
+                                                  .a = a,
+                                                  .f = f,
+                                                  .df = df,
+                                                  .Ma_n = Ma_n,
+                                                  .Ma = Ma,
+                                                  .Mf = Mf,
+                                                  .Mdf = Mdf,
+                                                  .lag = lag,
+                                                  .struck = struck,
+                                                  .grown = grown});
+  check(VecAXPBY(Ma, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
+  d.displacement.to_local(Ma, inertia_force_.trial);
+  return energy;
+}
+
+// Forces at t_{n+1} as the motion solve used them: frozen phi, committed history. `corrected` becomes what
+// acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it in M a_c.
+// That is the force of stabilised contact less that of closing cracks; of rigid bodies also what keeps them
+// rigid, and the reactions there. Returns the work of the supports of rigid bodies.
+double ForceBook::take_over_forces(const StepRecord& step, Vec u, Vec a, std::vector<double>& corrected) {
+  const Discretisation& d = motion_.discretisation();
+  d.displacement.to_local(step.forces->internal, internal_.trial);
+  d.displacement.to_local(step.forces->external, external_.trial);
+  d.displacement.to_local(step.contact_force, contact_.trial);
+  d.displacement.to_local(step.left, left_.trial);
+  if (!inertia_) return motion_.book_rigid_reactions(u, nullptr, 1);
+  const double beta = step.integrator.beta, alpha_m = step.integrator.alpha_m;
+  Handle<Vec> a_eq = global_of(a_), force = d.displacement.make_global();
+  motion_.mass_multiply(step.contact_acceleration, force);
+  check(VecScale(force, step.stabilised || step.unilateral ? 2 * beta : alpha_m));
+  d.displacement.to_local(force, corrected);
+  check(VecScale(a_eq, 1 - alpha_m));
+  check(VecAXPY(a_eq, alpha_m, a));
+  check(VecAXPY(a_eq, alpha_m, step.contact_acceleration));
+  return motion_.book_rigid_reactions(u, a_eq, 2 * beta / alpha_m);
+}
+
+// What closes the balance on held dofs is the support's: a mean of both ends, and of what acts over the step
+// a part that does so too, which is returned.
+std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::vector<double>& corrected,
+                                             const std::vector<double>& unilateral) {
+  const bool parted = step.stabilised || step.unilateral;
+  std::vector<double> over_step(corrected.size(), 0.0);
+  reactions_.resize(over_step.size());
+  for (std::size_t i = 0; i < over_step.size(); ++i) {
+    const double contact = contact_.trial[i],
+                 of_step = corrected[i] + unilateral[i] - (step.stabilised ? contact : 0),
+                 at_end = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] -
+                          (step.stabilised ? 0 : contact);
+    reactions_[i] = at_end + of_step;
+    if (in_rigid_body(i)) {
+      left_.trial[i] = 0; // holds resultants
+      if (!inertia_) inertia_force_.trial[i] = external_.trial[i] + contact_.trial[i];
+    }
+    if (!motion_.boundary().fixed_mask()[i]) continue;
+    external_.trial[i] += parted ? at_end : reactions_[i];
+    if (parted) over_step[i] = of_step;
+  }
+  return over_step;
+}
+
+StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double grown) {
+  const Discretisation& d = motion_.discretisation();
+  StepWork work;
+  if (inertia_) {
+    work.integrator = find_integrator_energy(step, u, v, a, grown);
+    work.shock = find_shock(step);
+  }
+  std::vector<double> corrected = d.displacement.make_local();
+  work.rigid = take_over_forces(step, u, a, corrected);
+  // m tau- of broken points acts over the step as a whole, like the stabilised contact.
+  const std::vector<double> unilateral = local_of(d, step.forces->unilateral);
+  const std::vector<double> over_step = close_balance(step, corrected, unilateral);
+  std::vector<double> du = local_of(d, u);
+  for (std::size_t i = 0; i < du.size(); ++i) du[i] -= u_.committed[i];
+  work.internal = mean_work(du, internal_);
+  work.external = mean_work(du, external_);
+  work.over_step = dot(d.mesh, du, over_step);
+  work.contact = step.stabilised ? dot(d.mesh, du, contact_.trial) : mean_work(du, contact_);
+  work.unilateral = dot(d.mesh, du, unilateral);
+  work.left = mean_work(du, left_);
+  if (!inertia_) work.inertia = mean_work(du, inertia_force_);
+  return work;
+}
+
+} // namespace impact

@@ -1,0 +1,242 @@
+#include "checkpoint_folder.hpp"
+#include "entities.hpp"
+#include <algorithm>
+#include <impact/io/durable_file.hpp>
+#include <impact/io/watchdog.hpp>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/handle.hpp>
+#include <impact/petsc/log.hpp>
+#include <petscsf.h>
+#include <sstream>
+
+namespace impact {
+
+namespace {
+
+/// One line per checkpointed row: what a run must have to be continued from it.
+std::string row_list(const StateTable& table) {
+  constexpr const char* supports[] = {"vertex", "cell_point", "facet_point", "global"};
+  std::ostringstream text;
+  for (const auto& row : table.rows())
+    if (row->checkpointed)
+      text << row->name << " (" << supports[static_cast<int>(row->support)] << ", " << row->components
+           << (row->surface.empty() ? "" : ", " + row->surface) << ")\n";
+  return text.str();
+}
+
+std::string row_path(const StateRow& row) {
+  std::string name = row.name;
+  std::replace(name.begin(), name.end(), '/', '_');
+  return "/state/" + name;
+}
+
+std::string key_path(const Entities& set) {
+  std::string name = set.name;
+  std::replace(name.begin(), name.end(), '/', '_');
+  return "/keys/" + name;
+}
+
+const Entities& set_of(const StateRow& row, const std::vector<Entities>& sets) {
+  const std::string name = entities_name(row);
+  return *std::find_if(sets.begin(), sets.end(), [&](const Entities& set) { return set.name == name; });
+}
+
+/// A row in the order of its entities. The buffer is that of all rows, one after the other.
+hdf5::DataSet state_set(const CheckpointState& state, const StateRow& row, const Entities& set,
+                        std::vector<double>& buffer) {
+  const std::size_t width = row_width(state.mesh, state.groups, row);
+  return {row_path(row),
+          hdf5::Kind::real,
+          {set.total, width},
+          set.first * width,
+          [&state, &row, &set, &buffer, width] {
+            buffer.assign(set.own * width, 0.0);
+            for_each_place(state.mesh, state.groups, row, false, [&](const RowPlace& place) {
+              for (std::size_t i = 0; i < place.count; ++i)
+                buffer[place.entity * width + i] = row.committed[place.at + i * place.stride];
+            });
+            return hdf5::bytes_of(buffer);
+          }};
+}
+
+/// The mesh of the run as its file had it, before it was refined, distributed and ordered.
+struct StoredMesh {
+  std::string groups;    // lines of dimension, tag and name
+  std::vector<double> x; // [node][3]
+  std::vector<std::int64_t>
+      blocks; // of each: dimension, nodes of an element, numbers of groups and nodes, both
+
+  explicit StoredMesh(const GmshFile& mesh) : x(mesh.x) {
+    for (const GmshGroup& group : mesh.groups)
+      groups += std::to_string(group.dim) + " " + std::to_string(group.tag) + " " + group.name + "\n";
+    for (const GmshBlock& block : mesh.blocks) {
+      blocks.insert(blocks.end(), {block.dim, block.nodes, static_cast<std::int64_t>(block.groups.size()),
+                                   static_cast<std::int64_t>(block.node.size())});
+      blocks.insert(blocks.end(), block.groups.begin(), block.groups.end());
+      blocks.insert(blocks.end(), block.node.begin(), block.node.end());
+    }
+  }
+};
+
+GmshFile stored_mesh(const hdf5::Reader& file) {
+  GmshFile mesh;
+  mesh.x = file.numbers("/mesh/nodes");
+  std::istringstream groups(file.text("/mesh/groups"));
+  for (GmshGroup group; groups >> group.dim >> group.tag;) {
+    groups.get(); // the blank before the name
+    std::getline(groups, group.name);
+    mesh.groups.push_back(group);
+  }
+  const std::vector<double> blocks = file.numbers("/mesh/blocks");
+  auto at = blocks.begin();
+  const auto next = [&] { return static_cast<int>(*at++); };
+  const auto list = [&](int count) {
+    std::vector<int> numbers(static_cast<std::size_t>(count));
+    std::generate(numbers.begin(), numbers.end(), next);
+    return numbers;
+  };
+  while (at != blocks.end()) {
+    const int dim = next(), nodes = next(), groups_of_block = next(), length = next();
+    GmshBlock block{dim, nodes, list(groups_of_block), {}};
+    block.node = list(length);
+    mesh.dim = std::max(mesh.dim, dim);
+    mesh.blocks.push_back(std::move(block));
+  }
+  return mesh;
+}
+
+/// From the entities as stored, each rank a slab of them, to those of this rank, ghosts included. Collective.
+/// Throws UserError(io) for another mesh.
+Handle<PetscSF> from_stored(MPI_Comm comm, const std::string& file, const Entities& set, PetscLayout* slabs) {
+  std::vector<PetscInt> place;
+  bool found = true;
+  agree_on_errors(comm, [&] {
+    const std::vector<double> known = hdf5::Reader(file).numbers(key_path(set));
+    place = find_keys(known, set.keys);
+    found =
+        known.size() == 2 * set.total && std::find(place.begin(), place.end(), PetscInt{-1}) == place.end();
+  });
+  if (!all_ranks_agree(comm, found))
+    throw UserError(ExitCode::io,
+                    "cannot use checkpoint " + file +
+                        ": it belongs to another mesh; give the mesh, scale and refinement of its run");
+  Handle<PetscSF> sf;
+  check(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, static_cast<PetscInt>(set.total), 1, slabs));
+  check(PetscSFCreate(comm, sf.out()));
+  check(PetscSFSetGraphLayout(sf, *slabs, static_cast<PetscInt>(place.size()), nullptr, PETSC_COPY_VALUES,
+                              place.data()));
+  return sf;
+}
+
+void read_row(const CheckpointState& state, const std::string& file, const Entities& set, PetscSF sf,
+              PetscLayout slabs, StateRow& row) {
+  const std::size_t width = row_width(state.mesh, state.groups, row);
+  PetscInt begin = 0, end = 0;
+  check(PetscLayoutGetRange(slabs, &begin, &end));
+  std::vector<double> slab, mine(set.keys.size() / 2 * width);
+  agree_on_errors(state.mesh.comm(), [&] {
+    slab = hdf5::Reader(file).rows(row_path(row), static_cast<hsize_t>(begin),
+                                   static_cast<hsize_t>(end - begin));
+    if (slab.size() != static_cast<std::size_t>(end - begin) * width)
+      throw UserError(ExitCode::io,
+                      "cannot use checkpoint " + file + ": row " + row.name + " has another size");
+  });
+  MPI_Datatype entity = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(static_cast<int>(width), MPI_DOUBLE, &entity);
+  MPI_Type_commit(&entity);
+  check(PetscSFBcastBegin(sf, entity, slab.data(), mine.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(sf, entity, slab.data(), mine.data(), MPI_REPLACE));
+  MPI_Type_free(&entity);
+  for_each_place(state.mesh, state.groups, row, true, [&](const RowPlace& place) {
+    for (std::size_t i = 0; i < place.count; ++i)
+      row.committed[place.at + i * place.stride] = mine[place.entity * width + i];
+  });
+  if (row.has_trial) row.trial = row.committed;
+}
+
+} // namespace
+
+CheckpointWriter::CheckpointWriter(const CheckpointState& state, CheckpointFolder folder)
+    : state_(state), folder_(std::move(folder)) {}
+
+CheckpointWriter::~CheckpointWriter() = default;
+
+std::string CheckpointWriter::write(const CheckpointValues& values) {
+  const MPI_Comm comm = state_.mesh.comm();
+  Checkpoint checkpoint{{}, values, row_list(state_.table), {}};
+  on_rank_zero(comm, [&] {
+    make_directories(folder_.dir);
+    checkpoint.file = next_checkpoint_file(folder_.dir);
+  });
+  checkpoint.file = broadcast(comm, checkpoint.file);
+
+  if (entities_.empty()) entities_ = entities_of(state_.mesh, state_.table);
+  std::vector<double> buffer;
+  std::vector<hdf5::DataSet> sets;
+  for (const Entities& set : entities_)
+    sets.push_back({key_path(set), hdf5::Kind::real, {set.total, 2}, 2 * set.first, [&set] {
+                      return std::as_bytes(std::span(set.keys).first(2 * set.own));
+                    }});
+  for (const auto& row : state_.table.rows())
+    if (row->checkpointed) sets.push_back(state_set(state_, *row, set_of(*row, entities_), buffer));
+  std::optional<StoredMesh> mesh;
+  if (state_.file != nullptr) {
+    mesh.emplace(*state_.file);
+    sets.push_back(hdf5::whole(comm, "/mesh/nodes", mesh->x));
+    sets.push_back(hdf5::whole(comm, "/mesh/groups", mesh->groups));
+    sets.push_back({"/mesh/blocks", hdf5::Kind::integer, {mesh->blocks.size()}, 0, [&mesh] {
+                      return hdf5::bytes_of(mesh->blocks);
+                    }});
+  }
+  double megabytes = 0;
+  for (const hdf5::DataSet& set : sets)
+    megabytes +=
+        8e-6 * static_cast<double>(set.extent.size() > 1 ? set.extent[0] * set.extent[1] : set.extent[0]);
+  const Watchdog watchdog(folder_.patience + megabytes,
+                          "cannot write checkpoint " + checkpoint.file +
+                              ": the write does not end (-checkpoint_patience); look at the disk, then "
+                              "-restart auto goes on from the one before");
+  const hdf5::Written written = hdf5::write_file(comm, checkpoint.file, sets);
+  on_rank_zero(comm, [&] {
+    publish_checkpoint(checkpoint, written);
+    remove_old_checkpoints(folder_);
+  });
+  return checkpoint.file;
+}
+
+void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
+  const Timed timed(Event::checkpoint_read);
+  const MPI_Comm comm = state.mesh.comm();
+  const auto in_line = [](std::string lines) {
+    lines.resize(lines.empty() ? 0 : lines.size() - 1);
+    for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos;) lines.replace(at, 1, "; ");
+    return lines;
+  };
+  if (const std::string wanted = row_list(state.table); checkpoint.rows != wanted)
+    throw UserError(ExitCode::io, "cannot use checkpoint " + checkpoint.file + ": it holds " +
+                                      in_line(checkpoint.rows) + "; this run needs " + in_line(wanted) +
+                                      "; restart with the physics of its run");
+  for (const Entities& set : entities_of(state.mesh, state.table)) {
+    PetscLayout slabs = nullptr;
+    const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);
+    for (const auto& row : state.table.rows())
+      if (row->checkpointed && entities_name(*row) == set.name)
+        read_row(state, checkpoint.file, set, sf, slabs, *row);
+    check(PetscLayoutDestroy(&slabs));
+  }
+}
+
+std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoint& checkpoint) {
+  std::optional<GmshFile> mesh;
+  int found = 0;
+  on_rank_zero(comm, [&] {
+    const hdf5::Reader file(checkpoint.file);
+    if (file.has("/mesh/blocks")) mesh = stored_mesh(file);
+    found = mesh ? 1 : 0;
+  });
+  MPI_Bcast(&found, 1, MPI_INT, 0, comm);
+  if (found == 1 && !mesh) mesh.emplace();
+  return mesh;
+}
+
+} // namespace impact

@@ -1,0 +1,239 @@
+#include "checkpoint_folder.hpp"
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <impact/io/durable_file.hpp>
+#include <set>
+#include <sstream>
+
+// Which files of a directory count as checkpoints: numbers, manifests, checksums.
+namespace impact {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr const char* format = "impact checkpoint 4";
+
+fs::path manifest_of(const fs::path& file) { return fs::path(file).replace_extension(".manifest"); }
+
+std::string name_of(long number) {
+  char name[48];
+  std::snprintf(name, sizeof name, "checkpoint_%06ld.h5", number);
+  return name;
+}
+
+// -1 for names that are not ours.
+long number_of(const std::string& name) {
+  const std::string head = "checkpoint_";
+  long number = -1;
+  if (!name.starts_with(head)) return -1;
+  std::from_chars(name.data() + head.size(), name.data() + name.size(), number);
+  return number;
+}
+
+std::vector<std::string> names_in(const std::string& dir) {
+  std::vector<std::string> names;
+  std::error_code error;
+  fs::directory_iterator entries(dir, error);
+  if (error == std::errc::no_such_file_or_directory) return names;
+  if (error) throw UserError(ExitCode::io, "cannot read directory " + dir + ": " + error.message());
+  for (const auto& entry : entries) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Checkpoint files that have a manifest, newest first.
+std::vector<std::string> with_manifest(const std::string& dir) {
+  std::vector<long> numbers;
+  for (const std::string& name : names_in(dir))
+    if (number_of(name) >= 0 && name.ends_with(".manifest")) numbers.push_back(number_of(name));
+  std::sort(numbers.rbegin(), numbers.rend());
+  std::vector<std::string> files;
+  for (const long n : numbers) files.push_back((fs::path(dir) / name_of(n)).string());
+  return files;
+}
+
+std::string digits(double value) {
+  char text[40];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr}; // the shortest that gives the same bits
+}
+
+std::string manifest_text(const Checkpoint& c, const hdf5::Written& written) {
+  std::ostringstream text;
+  const auto block = [&](const std::string& key, const std::string& value) {
+    text << key << ' ' << value.size() << '\n' << value << '\n';
+  };
+  text << format << "\nfile " << fs::path(c.file).filename().string() << "\nsize " << written.bytes
+       << "\nchecksum " << to_hex(written.checksum) << "\nstep " << c.values.step << "\ntime "
+       << digits(c.values.time) << '\n';
+  block("rows", c.rows);
+  for (const auto& [name, value] : c.values.numbers)
+    text << "number " << name << ' ' << digits(value) << '\n';
+  for (const auto& [name, value] : c.values.texts) block("text " + name, value);
+  return text.str() + "manifest " + to_hex(checksum(text.str())) + "\n";
+}
+
+/// What a manifest says that was found undamaged.
+struct Manifest {
+  Checkpoint checkpoint; // its file name without a folder
+  std::uint64_t size = 0;
+  std::string checksum;
+};
+
+double number_in(const std::string& text) {
+  double value = 0;
+  std::from_chars(text.data(), text.data() + text.size(), value);
+  return value;
+}
+
+Manifest parsed(const std::string& text) {
+  Manifest manifest;
+  Checkpoint& c = manifest.checkpoint;
+  std::istringstream in(text);
+  const auto block = [&] {
+    std::size_t size = 0;
+    in >> size;
+    in.get();
+    std::string value(size, '\0');
+    in.read(value.data(), static_cast<std::streamsize>(size));
+    return value;
+  };
+  std::string key, name, value;
+  std::getline(in, value);
+  while (in >> key && key != "manifest") {
+    if (key == "rows") {
+      c.rows = block();
+    } else if (key == "text") {
+      in >> name;
+      c.values.texts[name] = block();
+    } else if (key == "number") {
+      in >> name >> value;
+      c.values.numbers[name] = number_in(value);
+    } else {
+      in >> value;
+      if (key == "file") c.file = value;
+      if (key == "size") manifest.size = std::stoull(value);
+      if (key == "checksum") manifest.checksum = value;
+      if (key == "step") c.values.step = std::stol(value);
+      if (key == "time") c.values.time = number_in(value);
+    }
+  }
+  return manifest;
+}
+
+/// Why a file cannot be trusted, empty when size, checksum and manifest agree; `manifest` becomes its text.
+std::string fault_of(const std::string& file, std::string& manifest) {
+  try {
+    if (!fs::exists(file)) return "there is no such file";
+    if (!fs::exists(manifest_of(file))) return "it has no manifest, so it was not finished";
+    manifest = read_file(manifest_of(file).string());
+    const std::size_t own = manifest.rfind("manifest ");
+    if (manifest.starts_with("impact checkpoint ") && !manifest.starts_with(std::string(format) + "\n"))
+      return "it was written by another version of impact (" + manifest.substr(7, manifest.find('\n') - 7) +
+             ", this one reads " + (format + 7) + ")";
+    if (own == std::string::npos ||
+        manifest.substr(own) != "manifest " + to_hex(checksum(manifest.substr(0, own))) + "\n")
+      return "its manifest is damaged";
+    const Manifest said = parsed(manifest);
+    if (said.checkpoint.file != fs::path(file).filename().string())
+      return "its manifest belongs to another file";
+    std::uint64_t size = 0;
+    const std::uint64_t sum = file_checksum(file, size);
+    if (said.size != size)
+      return "it has " + std::to_string(size) + " bytes instead of " + std::to_string(said.size);
+    if (said.checksum != to_hex(sum)) return "its content does not have the checksum of the manifest";
+    return {};
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+/// The checkpoint of that name and manifest of rank 0 on all ranks. Collective.
+Checkpoint shared(MPI_Comm comm, const std::string& file, const std::string& manifest) {
+  Checkpoint checkpoint = parsed(broadcast(comm, manifest)).checkpoint;
+  checkpoint.file = broadcast(comm, file);
+  return checkpoint;
+}
+
+} // namespace
+
+std::string next_checkpoint_file(const std::string& dir) {
+  long last = 0;
+  for (const std::string& name : names_in(dir)) last = std::max(last, number_of(name));
+  return (fs::path(dir) / name_of(last + 1)).string();
+}
+
+void publish_checkpoint(const Checkpoint& checkpoint, const hdf5::Written& written) {
+  rename_file(checkpoint.file + ".tmp", checkpoint.file);
+  // Makes both names last. Had the disk only the manifest after a crash, the checkpoint would count as
+  // damaged and the one before, which is removed later, as the newest.
+  replace_file(manifest_of(checkpoint.file).string(), manifest_text(checkpoint, written));
+}
+
+void remove_old_checkpoints(const CheckpointFolder& folder) {
+  std::vector<std::string> files = with_manifest(folder.dir);
+  std::set<std::string> stays;
+  files.resize(std::min(files.size(), static_cast<std::size_t>(std::max(1, folder.keep))));
+  for (const std::string& file : files)
+    stays.insert({fs::path(file).filename().string(), manifest_of(file).filename().string()});
+  // The manifest goes first: without it the rest does not count, whatever happens in between.
+  std::error_code ignored;
+  for (const bool manifests : {true, false})
+    for (const std::string& name : names_in(folder.dir))
+      if (number_of(name) >= 0 && !stays.contains(name) && name.ends_with(".manifest") == manifests)
+        fs::remove(fs::path(folder.dir) / name, ignored);
+}
+
+std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& dir) {
+  std::string found, manifest, damaged;
+  on_rank_zero(comm, [&] {
+    for (const std::string& file : with_manifest(dir)) {
+      const std::string fault = fault_of(file, manifest);
+      if (fault.empty()) {
+        found = file;
+        return;
+      }
+      damaged += "checkpoint " + file + " is not used: " + fault + "\n";
+    }
+    if (damaged.empty()) return;
+    std::string all = damaged.substr(0, damaged.size() - 1);
+    for (std::size_t at = 0; (at = all.find('\n', at)) != std::string::npos;) all.replace(at, 1, "; ");
+    throw UserError(ExitCode::io, "no usable checkpoint in " + dir + ": " + all +
+                                      "; restore one of them, or remove them to start anew");
+  });
+  Checkpoint checkpoint = shared(comm, found, manifest);
+  std::istringstream lines(broadcast(comm, damaged));
+  for (std::string line; std::getline(lines, line);) checkpoint.warnings.push_back(line);
+  if (checkpoint.file.empty()) return std::nullopt;
+  return checkpoint;
+}
+
+Checkpoint open_checkpoint(MPI_Comm comm, const std::string& file) {
+  std::string manifest;
+  on_rank_zero(comm, [&] {
+    if (const std::string fault = fault_of(file, manifest); !fault.empty())
+      throw UserError(ExitCode::io,
+                      "cannot use checkpoint " + file + ": " + fault +
+                          "; name another one, or use -restart auto for the newest undamaged one");
+  });
+  return shared(comm, file, manifest);
+}
+
+int retire_checkpoints(MPI_Comm comm, const std::string& dir, const std::string& resumed) {
+  int count = 0;
+  on_rank_zero(comm, [&] {
+    std::error_code error;
+    const bool here = !resumed.empty() && fs::equivalent(fs::path(resumed).parent_path() / ".", dir, error);
+    const long last = here ? number_of(fs::path(resumed).filename().string()) : -1;
+    for (const std::string& file : with_manifest(dir)) {
+      if (number_of(fs::path(file).filename().string()) <= last) continue;
+      rename_durably(manifest_of(file).string(), manifest_of(file).string() + ".old");
+      ++count;
+    }
+  });
+  MPI_Bcast(&count, 1, MPI_INT, 0, comm);
+  return count;
+}
+
+} // namespace impact

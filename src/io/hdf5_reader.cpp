@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <impact/io/hdf5_file.hpp>
+#include <impact/petsc/error.hpp>
+
+namespace impact::hdf5 {
+
+namespace {
+
+// The entry nearest to the cause; HDF5 puts the system's words there for failed reads.
+std::string innermost_reason() {
+  std::string reason;
+  const auto collect = [](unsigned, const H5E_error2_t* entry, void* out) -> herr_t {
+    if (entry->desc != nullptr && entry->desc[0] != '\0') *static_cast<std::string*>(out) = entry->desc;
+    return 0;
+  };
+  H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, collect, &reason);
+  const std::string mark = "error message = '";
+  if (const auto at = reason.find(mark); at != std::string::npos) {
+    const auto from = at + mark.size();
+    return reason.substr(from, reason.find('\'', from) - from);
+  }
+  return reason.empty() ? "HDF5 gives no reason" : reason;
+}
+
+hsize_t product(const std::vector<hsize_t>& extent) {
+  hsize_t size = 1;
+  for (const hsize_t n : extent) size *= n;
+  return size;
+}
+
+} // namespace
+
+template <class T> T Reader::checked(T code, const std::string& what) const {
+  if (code < 0)
+    throw UserError(ExitCode::io, "cannot read " + name_ + ": " + what + ": " + innermost_reason());
+  return code;
+}
+
+Reader::Reader(std::string name) : name_(std::move(name)) {
+  H5Eget_auto2(H5E_DEFAULT, &printing_, &printing_data_);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  id_ = Id(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
+  if (id_ >= 0) return;
+  const std::string reason = innermost_reason();
+  H5Eset_auto2(H5E_DEFAULT, printing_, printing_data_);
+  throw UserError(ExitCode::io, "cannot read " + name_ + ": open: " + reason);
+}
+
+Reader::~Reader() {
+  id_ = Id();
+  H5Eset_auto2(H5E_DEFAULT, printing_, printing_data_);
+}
+
+bool Reader::has(const std::string& path) const {
+  for (std::size_t at = path.find('/', 1);; at = path.find('/', at + 1)) {
+    if (H5Lexists(id_, path.substr(0, at).c_str(), H5P_DEFAULT) <= 0) return false;
+    if (at == std::string::npos) return true;
+  }
+}
+
+std::vector<std::string> Reader::list(const std::string& path) const {
+  std::vector<std::string> names;
+  if (!has(path)) return names;
+  const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  const Id group(checked(H5Gopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Gclose);
+  checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), path);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<hsize_t> Reader::extent(const std::string& path) const {
+  const Id set(checked(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Dclose);
+  const Id space(checked(H5Dget_space(set), path), H5Sclose);
+  std::vector<hsize_t> extent(static_cast<std::size_t>(checked(H5Sget_simple_extent_ndims(space), path)));
+  H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+  return extent;
+}
+
+void Reader::read(const std::string& path, hid_t type, void* to) const {
+  const Id set(checked(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Dclose);
+  checked(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to), path);
+}
+
+std::vector<double> Reader::numbers(const std::string& path) const {
+  std::vector<double> values(product(extent(path)));
+  if (!values.empty()) read(path, H5T_NATIVE_DOUBLE, values.data());
+  return values;
+}
+
+std::string Reader::text(const std::string& path) const {
+  std::string text(product(extent(path)), '\0');
+  if (!text.empty()) read(path, H5T_NATIVE_CHAR, text.data());
+  return text;
+}
+
+std::vector<double> Reader::rows(const std::string& path, hsize_t first, hsize_t count) const {
+  std::vector<hsize_t> slab = extent(path), start(slab.size(), 0);
+  if (slab.empty() || first + count > slab[0])
+    throw UserError(ExitCode::io, "cannot read " + name_ + ": " + path + ": too short");
+  start[0] = first;
+  slab[0] = count;
+  std::vector<double> values(product(slab));
+  if (values.empty()) return values;
+  const Id set(checked(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Dclose);
+  const Id space(checked(H5Dget_space(set), path), H5Sclose);
+  const Id memory(checked(H5Screate_simple(static_cast<int>(slab.size()), slab.data(), nullptr), path),
+                  H5Sclose);
+  checked(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, slab.data(), nullptr), path);
+  checked(H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), path);
+  return values;
+}
+
+} // namespace impact::hdf5

@@ -1,0 +1,111 @@
+#include "classes.hpp"
+#include <impact/mesh/mesh.hpp>
+#include <impact/petsc/error.hpp>
+
+/// What the rows of the option tables demand of each other and of the mesh, asked of a whole Scenario.
+namespace impact {
+
+namespace {
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+/// Throws UserError(usage) by the first rule that speaks, of those about absence or of the others.
+template <class Struct>
+void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target, const std::string& prefix,
+               const Scenario& scenario, bool of_absence) {
+  using Of = typename OptionRule<Struct>::Of;
+  for (const OptionRow<Struct>& row : rows) {
+    if (row.rules.empty() || row.given(target) == of_absence) continue;
+    for (const OptionRule<Struct>& rule : row.rules) {
+      std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
+      if (words.empty()) continue;
+      if (rule.of == Of::value) words.insert(0, " \"" + row.text(target) + "\": ");
+      if (of_absence) words.insert(0, ": missing; ");
+      replace_all(words, "<>", "-" + prefix);
+      replace_all(words, "{material}", scenario.materials.front().id);
+      for (const OptionRow<Struct>& other : rows)
+        replace_all(words, "{" + other.name + "}", other.text(target));
+      throw UserError(ExitCode::usage, "-" + prefix + row.name + words);
+    }
+  }
+}
+
+void ask_all_rules(const Scenario& scenario, bool of_absence) {
+  for_each_class([&](const auto& table) {
+    for (const auto& one : scenario.*table.member)
+      ask_rules(table.rows, one, table.word + "_" + one.id + "_", scenario, of_absence);
+    if (!of_absence && table.check) table.check(scenario);
+  });
+  ask_rules(global_rows(), scenario, "", scenario, of_absence);
+  for (const OptionGroup& group : global_groups())
+    if (!of_absence && group.check) group.check(scenario);
+}
+
+std::string groups_text(const std::vector<Group>& groups) {
+  std::vector<std::string> text;
+  for (int dim = 3; dim >= 0; --dim) {
+    std::vector<std::string> names;
+    for (const Group& group : groups)
+      if (group.dim == dim) names.push_back(group.name);
+    if (!names.empty()) text.push_back(join(names) + " (" + std::to_string(dim) + "D)");
+  }
+  return text.empty() ? "none" : join(text, "; ");
+}
+
+/// `dim`: that the group must have, 0 for any.
+void check_group(const std::string& option, const std::string& name, int dim,
+                 const std::vector<Group>& groups) {
+  const auto found =
+      std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == name; });
+  const std::string has = "; mesh has: " + groups_text(groups);
+  if (found == groups.end())
+    throw UserError(ExitCode::data, option + " \"" + name + "\": no such physical group" + has);
+  if (dim != 0 && found->dim != dim)
+    throw UserError(ExitCode::data, option + " \"" + name + "\": is a group of dimension " +
+                                        std::to_string(found->dim) + "; allowed: dimension " +
+                                        std::to_string(dim) + has);
+}
+
+template <class Struct>
+void check_on_mesh(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
+                   const std::string& prefix, const std::vector<Group>& groups, int dim) {
+  for (const OptionRow<Struct>& row : rows) {
+    const std::string option = "-" + prefix + row.name, text = row.text(target);
+    if (row.group_dimension && !text.empty())
+      if (const int wanted = row.group_dimension(target, dim); wanted >= 0)
+        for (const std::string& name : split_list(text)) check_group(option, name, wanted, groups);
+    if (row.misfit && row.given(target))
+      if (const std::string why = row.misfit(target, dim); !why.empty())
+        throw UserError(ExitCode::data, option + " \"" + text + "\": " + why);
+  }
+}
+
+} // namespace
+
+void complete_and_check(Scenario& scenario) {
+  if (scenario.materials.empty())
+    throw UserError(ExitCode::usage,
+                    "-materials: missing; allowed: a comma list of ids, one for each material");
+  ask_all_rules(scenario, true);
+  for_each_class([&](const auto& table) {
+    if (table.complete)
+      for (auto& one : scenario.*table.member) table.complete(one, scenario);
+  });
+  for (const OptionGroup& group : global_groups())
+    if (group.complete) group.complete(scenario);
+  ask_all_rules(scenario, false);
+}
+
+void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int dim) {
+  check_on_mesh(global_rows(), scenario, "", groups, dim);
+  for_each_class([&](const auto& table) {
+    for (const auto& one : scenario.*table.member)
+      check_on_mesh(table.rows, one, table.word + "_" + one.id + "_", groups, dim);
+  });
+  check_obstacle_motion(scenario, dim);
+}
+
+} // namespace impact

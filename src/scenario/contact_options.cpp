@@ -1,0 +1,167 @@
+#include "classes.hpp"
+
+/// The options of contacts, -contact_<id>_...
+namespace impact {
+
+namespace {
+
+using Contact = ContactScenario;
+using ContactRows = std::vector<OptionRow<Contact>>;
+
+const std::string rigid_sides = "plane, rigid_sphere, rigid_cylinder";
+
+void add_sides(ContactRows& rows) {
+  const auto is_facets = [](const Contact&, int dim) { return dim - 1; };
+  Rows row(rows);
+  row.text("secondary", &Contact::secondary, "name of a boundary", "boundary whose points are checked")
+      .required()
+      .refused([](const Contact& c) { return Contact::rigid_name(c.secondary); },
+               "a rigid body is the primary side; exchange the two sides")
+      .group_dimension = is_facets;
+  row.text("primary", &Contact::primary, "name of a boundary, " + rigid_sides,
+           "boundary that they meet, the same one again (a surface folds on itself, or several bodies under "
+           "one name meet), or a rigid body")
+      .required()
+      .group_dimension = [](const Contact& c, int dim) { return c.rigid() ? -1 : dim - 1; };
+  row.point("plane_point", &Contact::plane_point, "m", "a point of the rigid plane");
+  row.point("plane_normal", &Contact::plane_normal, "1", "normal of the rigid plane, away from its body")
+      .refused(
+          [](const Contact& c) {
+            return c.primary == "plane" &&
+                   std::all_of(c.plane_normal, c.plane_normal + 3, [](double n) { return n == 0; });
+          },
+          "has no direction; allowed: a vector of any length but 0");
+  row.point("centre", &Contact::centre, "m", "of the rigid sphere, or a point on the axis of the cylinder");
+  row.point("axis", &Contact::axis, "1", "of the rigid cylinder; in the plane along z");
+  row.number("radius", &Contact::radius, "m", not_negative,
+             "of the rigid sphere or cylinder, outside of which the bodies are");
+}
+
+void add_methods(ContactRows& rows) {
+  Rows row(rows);
+  row.choice("method", &Contact::method,
+             "constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: mortar, gpts "
+             "where both sides share nodes",
+             "auto", ContactMethod::automatic, "gpts", ContactMethod::gauss_points, "mortar",
+             ContactMethod::mortar);
+  row.choice("multipliers", &Contact::multipliers,
+             "of the mortar: the shape functions, or functions biorthogonal to them on facets that are "
+             "covered as a whole; auto: standard in the plane, dual in space",
+             "auto", MultiplierSpace::automatic, "standard", MultiplierSpace::standard, "dual",
+             MultiplierSpace::dual);
+  row.choice("enforce", &Contact::enforce,
+             "augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; auto: "
+             "semismooth with mortar, else auglag",
+             "auto", Enforcement::automatic, "auglag", Enforcement::auglag, "penalty", Enforcement::penalty,
+             "semismooth", Enforcement::semismooth)
+      .notation("(74)-(79)");
+  row.number("friction", &Contact::friction, "1 mu", not_negative, "Coulomb's coefficient of friction");
+}
+
+void add_heat(ContactRows& rows) {
+  Rows row(rows);
+  row.number("conductance", &Contact::conductance, "W/(m^2.K) h_c (83')", not_negative,
+             "heat that passes a closed place, per current area and temperature; 0: insulated")
+      .refused([](const Contact&, const Scenario& s) { return !s.has_heat() && s.physics.empty(); },
+               "no material has a heat capacity; give -material_{material}_c_v, or remove it");
+  row.number("conductance_exponent", &Contact::conductance_exponent, "1 m (83')", not_negative,
+             "m of h = h_c (p/p_0)^m, 0.95 of rough metals; 0: h = h_c");
+  row.number("conductance_pressure", &Contact::conductance_pressure, "Pa p_0 (83')", positive,
+             "p_0 of h = h_c (p/p_0)^m, of rough metals the hardness of the softer one")
+      .otherwise("required with _conductance_exponent")
+      .needed([](const Contact& c) { return c.conductance_exponent > 0; },
+              "allowed: a pressure > 0; <>conductance_exponent needs it");
+  row.number(
+      "friction_heat_split", &Contact::friction_heat_split, "1 (84')", or_auto(fraction),
+      "part of the frictional heat that enters the secondary side; auto: 0.5, or 1 against a rigid body");
+  row.expression("temperature", &Contact::temperature, "K", positive,
+                 "of the rigid body over t; left out: it is insulated")
+      .needed([](const Contact& c) { return c.rigid() && c.conductance > 0; },
+              "allowed: an expression of t; a rigid body that conducts needs one")
+      .refused([](const Contact& c) { return !c.rigid(); },
+               "`{primary}` is a boundary, whose temperature is solved for; allowed: with " + rigid_sides +
+                   " as the primary");
+}
+
+void add_penalties(ContactRows& rows) {
+  Rows row(rows);
+  row.number("penalty", &Contact::penalty, "N/m^3 epsilon_N (75)", or_auto(positive),
+             "starting penalty; auto: 10 E/h, E of the softest body, h the mean secondary facet, with auglag "
+             "more in steps far below h/c_p");
+  row.number("penalty_increment", &Contact::penalty_increment, "N/m^3", or_auto(not_negative),
+             "added when the penalty grows; auto: the starting penalty, or four times its automatic value "
+             "from a start below that");
+  row.number("penalty_max", &Contact::penalty_max, "N/m^3", or_auto(positive),
+             "largest penalty; auto: 1e4 times the automatic one")
+      .refused([](const Contact& c) { return c.penalty > c.penalty_max; },
+               "is less than the starting penalty; allowed: >= {penalty}");
+  row.choice(
+      "penalty_growth", &Contact::growth,
+      "grow when an augmentation closed the gap by less than a factor 4, or at every one (the paper's)",
+      "slow_gap", PenaltyGrowth::on_slow_gap, "always", PenaltyGrowth::every_augmentation);
+  row.number("gap_tol", &Contact::gap_tol, "m (77)-(79)", or_auto(positive),
+             "penetration at which augmentations end; auto: 1e-3 of the secondary facet");
+  row.number("pressure_tol", &Contact::pressure_tol, "1", positive,
+             "augmentations end where they change no multiplier by more than this part of the largest; in "
+             "statics, where single points go on sharing a force otherwise, no force on a node by this part "
+             "of the largest")
+      .otherwise("1e-2");
+}
+
+/// A contact whose update of velocities excludes the stabilised one; null: none.
+const Contact* conserving(const Scenario& scenario) {
+  for (const Contact& contact : scenario.contacts)
+    if (contact.impact == ImpactUpdate::conserving) return &contact;
+  return nullptr;
+}
+
+void add_detection(ContactRows& rows) {
+  Rows row(rows);
+  row.count("points", &Contact::points, 1, 5, "Gauss points per secondary facet and direction")
+      .otherwise("2");
+  row.number("search_radius", &Contact::search_radius, "m", or_auto(positive),
+             "facets are looked at as pairs up to this distance; auto: what can meet in a step, by the sizes "
+             "of the facets and how far they move; overlaps are seen up to 0.8 of the smallest facet deep");
+  row.choice("initial", &Contact::initial,
+             "bodies that overlap at the start: secondary nodes move out without stress, by _initial_tol at "
+             "most; refused; left so",
+             "adjust", InitialOverlap::adjust, "error", InitialOverlap::error, "allow",
+             InitialOverlap::allow);
+  row.number("initial_tol", &Contact::initial_tol, "m", or_auto(not_negative),
+             "deepest overlap that is moved apart; auto: 1e-3 of the secondary facet");
+  row.choice(
+         "impact", &Contact::impact,
+         "treatment of the shock at touch; auto: stabilised, but none where another contact is conserving or "
+         "nothing has a stiffness; conserving: a penalty whose work is exact, in the trapezoidal rule",
+         "auto", ImpactUpdate::automatic, "stabilised", ImpactUpdate::stabilised, "conserving",
+         ImpactUpdate::conserving, "none", ImpactUpdate::none)
+      .refused(
+          [](const Contact& c, const Scenario& s) {
+            return c.impact == ImpactUpdate::stabilised && conserving(s) != nullptr;
+          },
+          [](const Contact&, const Scenario& s) {
+            return "changes the integrator that the update of contact " + conserving(s)->id +
+                   " conserves energy with; allowed beside conserving: conserving, none";
+          });
+}
+
+} // namespace
+
+OptionClass<ContactScenario> contact_class() {
+  OptionClass<Contact> table{"contact", "contacts", "Contact",
+                             "The secondary side carries the points that must not enter the primary one: "
+                             "take the finer, softer or smaller side.",
+                             &Scenario::contacts};
+  add_sides(table.rows);
+  add_obstacle(table.rows);
+  add_methods(table.rows);
+  add_heat(table.rows);
+  add_penalties(table.rows);
+  add_detection(table.rows);
+  table.complete = [](Contact& contact, const Scenario&) {
+    if (contact.rigid_mass > 0 && contact.rigid()) contact.carrier = "obstacle_" + contact.id;
+  };
+  return table;
+}
+
+} // namespace impact

@@ -1,0 +1,215 @@
+#include "classes.hpp"
+#include <cmath>
+
+/// The options of the coupling of motion, damage and heat, of their solution, and of the damage and heat
+/// equations.
+namespace impact {
+
+namespace {
+
+/// Half of an unsymmetric matrix would be taken for all of it without a word: why it would be, "" = not.
+std::string asymmetry(const Scenario& scenario) {
+  const auto reason = [](const std::string& what, const std::string& allowed) {
+    return "needs a symmetric tangent, that of " + what + " is not; allowed: " + allowed +
+           "choose -motion_mat_type aij";
+  };
+  if (scenario.matrix != MatrixFormat::sbaij) return "";
+  if (const auto [what, allowed] = unsymmetric_force(scenario); !what.empty())
+    return reason(what, allowed + "; ");
+  if (scenario.tangent == TangentChoice::symmetric) return "";
+  for (const MaterialScenario& material : scenario.materials) {
+    const bool flows = material.law.model == Model::j2, fbar = material.law.locking == Locking::fbar;
+    if (flows || fbar)
+      return reason("-material_" + material.id + (flows ? "_model j2" : "_locking fbar"),
+                    "elastic materials without F-bar; add -motion_tangent symmetric, or ");
+  }
+  return "";
+}
+
+/// Only the solve with bounds keeps some laws in theirs: which one it is that needs it, "" = none.
+std::string needs_vi(const Scenario& scenario) {
+  for (const MaterialScenario& material : scenario.materials) {
+    const bool damages = scenario.solves("damage") && material.law.damage != Damage::none;
+    if (damages && material.law.damage == Damage::at1)
+      return "-material_" + material.id + "_damage at1 from damage below 0";
+    if (damages && material.law.ge == Degradation::ductile)
+      return "-material_" + material.id + "_ge ductile from damage above 1";
+  }
+  return "";
+}
+
+// Fatigue drives phi beyond 1, where its energy has a kink.
+const MaterialScenario* tiring(const Scenario& scenario) {
+  for (const MaterialScenario& material : scenario.materials)
+    if (scenario.any_fatigue() && material.law.fatigue_a > 0) return &material;
+  return nullptr;
+}
+
+bool beyond_clip(const Scenario& s) { return s.damage.bounds != DamageBounds::clip && tiring(s) != nullptr; }
+
+const ContactScenario* with_mass(const Scenario& s) {
+  for (const ContactScenario& contact : s.contacts)
+    if (contact.rigid_mass > 0) return &contact;
+  return nullptr;
+}
+
+/// A wrong power of ten in the length of sub-steps makes a step that does not end.
+template <class Length> void limit_substeps(OptionRow<Scenario>& row, Length length) {
+  const auto count = [=](const Scenario& s) {
+    return length(s) > 0 && s.time.dt > 0 ? s.time.dt / length(s) : 0;
+  };
+  row.barred([=](const Scenario& s) { return count(s) > s.time.most_substeps; },
+             [=](const Scenario& s) {
+               return ": makes " + number_text(std::round(count(s))) +
+                      " sub-steps in each step of -ts_dt; allowed: at most " +
+                      number_text(s.time.most_substeps) +
+                      " (-ts_substeps); take longer ones, a shorter -ts_dt, or raise -ts_substeps";
+             });
+}
+
+void add_passes(std::vector<OptionRow<Scenario>>& rows) {
+  using Coupling = CouplingScenario;
+  Rows row(rows, RestartKey::free, &Scenario::coupling);
+  row.count("coupling_snes_max_it", &Coupling::max_it, 1, "largest number of passes in a step")
+      .otherwise("1; with -ts_type static and damage or thermal expansion 200, not counting passes in which "
+                 "a crack grows");
+  row.number("coupling_snes_atol", &Coupling::atol, "1", positive,
+             "passes end when phi changes less than this anywhere, and the temperature less than this part "
+             "of itself")
+      .otherwise("1e-4");
+  row.number("coupling_theta_tol", &Coupling::theta_tol, "1", positive,
+             "passes end when the temperature changes less than this part of its largest value, where a "
+             "material expands with it")
+      .otherwise("-coupling_snes_atol");
+  row.flag("coupling_error", &Coupling::report_error,
+           "column coupling_error: nodal forces that the phi and theta of the end of a step would change, "
+           "over those that the last pass balanced; costs one residual in a step");
+  row.choice(
+      "coupling_relaxation", &Coupling::relaxation,
+      "what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi itself",
+      "aitken", PassRelaxation::aitken, "none", PassRelaxation::none);
+}
+
+void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
+  Rows row(rows, RestartKey::guarded, &Scenario::damage);
+  row.choice("damage_form", &DamageScenario::form,
+             "damage equation as it stands, or divided by its rate coefficient (the paper's)", "multiplied",
+             DamageForm::multiplied, "divided", DamageForm::divided)
+      .notation("(111)");
+  row.number("damage_theta", &DamageScenario::theta, "1 theta", {0, 1, true, false},
+             "time weight of the damage equation: 1 backward Euler, 0.5 trapezoid");
+  limit_substeps(row.number("damage_ts_dt", &DamageScenario::substep, "s", positive,
+                            "the damage equation takes sub-steps of that length at most, with form "
+                            "multiplied and theta 1; their own method is chosen by -damage_ts_type")
+                     .otherwise("none"),
+                 [](const Scenario& s) { return s.damage.substep; });
+  row.choice("damage_bounds", &DamageScenario::bounds,
+             "how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
+             "afterwards, not at all",
+             "vi", DamageBounds::vi, "history", DamageBounds::history, "clip", DamageBounds::clip, "none",
+             DamageBounds::none)
+      .barred(
+          [](const Scenario& s) { return !needs_vi(s).empty(); },
+          [](const Scenario& s) { return ": only the bounds of vi keep " + needs_vi(s) + "; allowed: vi"; })
+      .refused(beyond_clip, [](const Scenario& s) {
+        return "lets the fatigue of -material_" + tiring(s)->id +
+               "_fatigue_a drive phi beyond 1; allowed with fatigue: vi, clip";
+      });
+}
+
+void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
+  Rows row(rows, RestartKey::free);
+  row.choice("motion_tangent", &Scenario::tangent,
+             "derivative of the residual, or its symmetric part (auto: where the linear solver needs it)",
+             "auto", TangentChoice::automatic, "consistent", TangentChoice::consistent, "symmetric",
+             TangentChoice::symmetric);
+  row.choice("motion_mat_type", &Scenario::matrix,
+             "matrix of motion: all entries, or the blocks on and above the diagonal, which need a symmetric "
+             "tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi and none (auto: the "
+             "blocks where the program chooses conjugate gradients and nothing hinders)",
+             "auto", std::nullopt, "aij", MatrixFormat::aij, "sbaij", MatrixFormat::sbaij)
+      .refused([](const Scenario& s) { return !asymmetry(s).empty(); }, asymmetry);
+  Rows(rows, RestartKey::free, &Scenario::coupling)
+      .number("motion_reuse_tangent", &CouplingScenario::reuse, "1", {0, 1, false, false},
+              "the tangent serves on while an iteration with it leaves at most this part of the residual; 0: "
+              "full Newton")
+      .otherwise("0.1 with a direct solver, else 0");
+  row.choice("contact_operator", &Scenario::contact_operator,
+             "contact terms in the matrix, or beside it as an operator", "assembled",
+             ContactOperator::assembled, "shell", ContactOperator::shell)
+      .refused([](const Scenario& s) { return with_mass(s) != nullptr; },
+               [](const Scenario& s) {
+                 return "not with the rigid body of -contact_" + with_mass(s)->id +
+                        "_rigid_mass; allowed: assembled, the default";
+               });
+}
+
+/// Whether motion waits for what damage and heat make of its solution.
+bool iterates(const Scenario& scenario) {
+  return scenario.has_damage() ||
+         (scenario.has_heat() &&
+          std::any_of(scenario.materials.begin(), scenario.materials.end(), [](const auto& material) {
+            return material.law.alpha_t != 0 || material.law.softening != Softening::none;
+          }));
+}
+
+void complete_coupling(Scenario& scenario) {
+  CouplingScenario& coupling = scenario.coupling;
+  if (coupling.max_it == 0) { // not given
+    coupling.follow_cracks = scenario.has_motion() && !scenario.has_inertia() && iterates(scenario);
+    coupling.max_it = coupling.follow_cracks ? 200 : 1;
+  }
+  coupling.moves = scenario.has_motion();
+  coupling.crack_level = scenario.crack_level;
+  coupling.length_unit = scenario.units.length == -3 ? "mm" : "m";
+  const auto& steps = scenario.time.table_dts;
+  coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
+}
+
+} // namespace
+
+OptionGroup coupling_options() {
+  OptionGroup group{
+      "Coupling and damage",
+      "Motion and damage are solved in turn, each with the other one frozen; each such turn is a pass."};
+  add_passes(group.rows);
+  add_damage_equation(group.rows);
+  add_matrix(group.rows);
+  group.complete = complete_coupling;
+  return group;
+}
+
+OptionGroup heat_options() {
+  OptionGroup group{"Heat",
+                    "Solved after motion and damage in each pass, where materials have a heat capacity."};
+  Rows row(group.rows, RestartKey::guarded, &Scenario::heat);
+  row.choice("heat_form", &HeatScenario::form,
+             "which balance is solved: that of entropy never loses any (second law), that of internal energy "
+             "closes the first law to rounding; they differ by the error of the time step",
+             "entropy", HeatForm::entropy, "energy", HeatForm::energy)
+      .notation("(45')");
+  row.number("heat_theta", &HeatScenario::theta, "1 theta", {0.5, 1, false, false},
+             "time weight of the heat balance: 1 backward Euler, 0.5 trapezoid");
+  limit_substeps(row.number("heat_ts_dt", &HeatScenario::substep, "s", positive,
+                            "heat takes sub-steps of that length at most, over which motion and damage go on "
+                            "evenly; not where heat passes contacts")
+                     .otherwise("none"),
+                 [](const Scenario& s) { return s.heat.substep; });
+  return group;
+}
+
+std::pair<std::string, std::string> unsymmetric_force(const Scenario& scenario) {
+  for (const MaterialScenario& material : scenario.materials)
+    if (material.law.model == Model::rigid)
+      return {"-material_" + material.id + "_model rigid", "other models"};
+  for (const BoundaryCondition& bc : scenario.bcs)
+    if (bc.type == BcType::pressure) return {"-bc_" + bc.id + "_type pressure", "dead loads"};
+  for (const ContactScenario& contact : scenario.contacts) {
+    if (contact.rigid_mass > 0)
+      return {"-contact_" + contact.id + "_rigid_mass", "rigid bodies that move as told"};
+    if (contact.friction > 0) return {"-contact_" + contact.id + "_friction", "no friction"};
+  }
+  return {};
+}
+
+} // namespace impact

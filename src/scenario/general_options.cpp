@@ -1,0 +1,92 @@
+#include "classes.hpp"
+#include <impact/petsc/error.hpp>
+
+/// The options of the whole run and of its mesh.
+namespace impact {
+
+OptionGroup general_options() {
+  OptionGroup group{"General", ""};
+  Rows row(group.rows, RestartKey::free);
+  row.text("title", &Scenario::title, "text", "printed at the head of the log and of the outputs");
+  row.text("output_dir", &Scenario::output_dir, "path",
+           "everything that a run writes goes below it; made if missing");
+  row.flag("output_overwrite", &Scenario::overwrite,
+           "a run that starts anew replaces what an earlier one left in its folder, instead of moving it to "
+           "earlier_1, earlier_2, ..");
+  row.restart = RestartKey::frozen;
+  row.choice("units", &Scenario::units, "system of bare numbers and of everything that is written", "SI",
+             *unit_system("SI"), "mm_t_s_MPa", *unit_system("mm_t_s_MPa"), "mm_kg_ms_GPa",
+             *unit_system("mm_kg_ms_GPa"));
+  row.count("dim", &Scenario::dim, 2, 3, "expected dimension of the mesh").otherwise("from the mesh").misfit =
+      [](const Scenario& s, int dim) {
+        return s.dim == dim ? std::string()
+                            : "the mesh has dimension " + std::to_string(dim) +
+                                  "; allowed: its dimension, or leave it out";
+      };
+  row.choice("plane", &Scenario::plane,
+             "kind of a 2D problem: a body that cannot expand along z, a sheet that may, or a ring, where x "
+             "is the radius",
+             "strain", PlaneMode::strain, "stress", PlaneMode::stress, "axisymmetric",
+             PlaneMode::axisymmetric)
+      .refused([](const Scenario& s) { return s.dim == 3; },
+               "the problem has three dimensions; allowed with -dim 2")
+      .misfit = [](const Scenario&, int dim) {
+    return dim == 3 ? "the mesh has dimension 3; allowed: plane meshes" : "";
+  };
+  row.restart = RestartKey::guarded;
+  row.list("physics", &Scenario::physics,
+           "balances that are solved; of what is left out, options and conditions have no effect, and "
+           "without motion bodies stay where they are",
+           {"motion", "damage", "heat"})
+      .otherwise("motion, and what has data of damage and heat");
+  row.number("thickness", &Scenario::thickness, "m", positive,
+             "of a plane problem; forces and energies are for it");
+  row.restart = RestartKey::free;
+  row.flag("dry_run", &Scenario::dry_run, "check everything, print the resolved input and the reports, stop");
+  row.flag("options_strict", &Scenario::strict,
+           "options of PETSc's that the solvers of this run do not read are refused, not only told");
+  row.flag("test_restep", &Scenario::restep,
+           "every step is solved, refused and solved again: a test of the program");
+  group.check = [](const Scenario& s) {
+    const auto refuse = [&](const std::string& what) {
+      throw UserError(ExitCode::usage, "-physics \"" + what + "; give -material_" + s.materials.front().id +
+                                           (what.starts_with("heat") ? "_c_v" : "_damage"));
+    };
+    if (s.solves("heat") && !s.physics.empty() && !s.has_heat())
+      refuse("heat\": no material has a heat capacity");
+    if (!s.has_motion() && !s.has_heat() && !s.has_damage()) refuse("damage\": no material has damage");
+  };
+  return group;
+}
+
+OptionGroup mesh_options() {
+  OptionGroup group{
+      "Mesh", "`-mesh_set_<name> value` sets the constant `<name>` of a .geo file to a number or one word. A "
+              ".geo file is a program: gmsh runs shell commands that stand in it (`SystemCall`), so take "
+              "none from people you do not trust."};
+  Rows row(group.rows, RestartKey::frozen, &Scenario::mesh);
+  auto& file = row.file("mesh", &MeshScenario::file,
+                        "a .msh file (4.1), or a .geo file from which gmsh makes one; a restart goes on with "
+                        "the mesh in its checkpoint")
+                   .required();
+  // A restart takes the mesh from its checkpoint and may do without the file.
+  file.read = [existing = file.read](Scenario& s, const GivenOption& option, const OptionContext& context) {
+    const std::string restart = option_text("restart").value_or("none");
+    try {
+      existing(s, option, context);
+    } catch (const UserError&) {
+      if (restart == "none" || option.text.empty()) throw;
+      s.mesh.file = option.text;
+    }
+  };
+  row.number("mesh_scale", &MeshScenario::scale, "1", positive, "factor of all coordinates of the file");
+  row.count("dm_refine", &MeshScenario::refine, 0, 10, "uniform refinements after reading");
+  row.restart = RestartKey::free;
+  row.number("mesh_cells", &MeshScenario::most_cells, "1", positive, "most cells that -dm_refine may make")
+      .otherwise("2e6");
+  row.number("mesh_wall", &MeshScenario::patience, "1", not_negative,
+             "seconds on the clock after which gmsh is stopped; 0: never");
+  return group;
+}
+
+} // namespace impact

@@ -1,0 +1,121 @@
+#include "classes.hpp"
+
+/// The options of damage, its split, its degradation, and of fatigue.
+namespace impact {
+
+namespace {
+
+using Material = MaterialScenario;
+using Law = MaterialParameters;
+using MaterialRows = std::vector<OptionRow<Material>>;
+
+/// A predicate of the law of materials whose damage is solved for.
+template <class When> auto damaging(When when) {
+  return [=](const Material& m, const Scenario& s) {
+    return s.solves("damage") && m.law.damage != Damage::none && when(m.law);
+  };
+}
+
+bool needs_damage_data(const Material& m, const Scenario& s) {
+  return (s.has_motion() || s.solves("damage")) && m.law.damage != Damage::none;
+}
+
+void add_crack(MaterialRows& rows) {
+  Rows row(rows, RestartKey::guarded, &Material::law);
+  row.choice("damage", &Law::damage,
+             "crack model: at2 damages from the start, at1 is elastic up to sqrt(3 E G_c/(8 gamma))", "none",
+             Damage::none, "at2", Damage::at2, "at1", Damage::at1)
+      .notation("(56)");
+  row.number("Gc", &Law::Gc, "N/m G_c (56)", {0, 1e9, true, false}, "Griffith's fracture energy")
+      .otherwise("required with damage")
+      .needed(needs_damage_data, "<>damage needs it");
+  row.number("gamma", &Law::gamma, "m gamma (56)", {0, 1e3, true, false},
+             "width of the phase layer: a crack is exp(-|x|/gamma) with at2, (1 - |x|/2 gamma)^2 with at1")
+      .otherwise("required with damage")
+      .needed(needs_damage_data, "<>damage needs it");
+  row.number("c", &Law::c, "m^2/(N.s) c (63)", or_word(positive, "inf", unbounded),
+             "damage rate; inf: rate-independent");
+  row.number("zeta", &Law::zeta, "1 zeta (63)", not_negative, "exponent in the damage rate");
+  row.number("delta", &Law::delta, "1 delta (63)", fraction,
+             "shift in the damage rate: (1 + delta - phi)^zeta / c");
+  row.number("fatigue_a", &Law::fatigue_a, "m^2 a (F1)", not_negative,
+             "growth of the fatigue variable with the stress power of damaged material; 0: no fatigue");
+  row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative, "viscous stress 2 b_d dC/dt");
+  row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too");
+}
+
+void add_split(MaterialRows& rows) {
+  const auto spectral = [](auto when) {
+    return [=](const Material& m, const Scenario& s) {
+      return damaging([](const Law& law) { return law.split == Split::spectral; })(m, s) && when(m, s);
+    };
+  };
+  const std::string remedy = "; choose volumetric";
+  Rows(rows)
+      .choice("split", &Material::split,
+              "which energy drives damage: spectral, only that of principal stretches above 1 and of "
+              "dilation; volumetric, all but volumetric compression, or none, all (the paper's run), so that "
+              "shear drives it in compression too; auto: spectral where that is possible, in elastic bodies "
+              "with 0 <= nu < 0.45 without heat, plane stress or a cure of locking, else volumetric",
+              "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
+              Split::spectral)
+      .notation("g_e2 (49)")
+      .refused(spectral([](const Material& m, const Scenario&) { return m.law.model == Model::j2; }),
+               "the return map wants one factor for the whole deviator, the split has two; allowed: "
+               "<>model elastic" +
+                   remedy)
+      .refused(spectral([](const Material& m, const Scenario&) { return m.law.locking != Locking::none; }),
+               "not available with <>locking, which shares the volume between points; allowed: none" + remedy)
+      .refused(spectral([](const Material& m, const Scenario& s) { return s.has_heat() && m.law.c_v != 0; }),
+               "the heat balance does not know its entropy; allowed: runs without heat" + remedy)
+      .refused(spectral([](const Material&, const Scenario& s) { return s.plane == PlaneMode::stress; }),
+               "not available with -plane stress; allowed: strain, axisymmetric, or meshes in space" + remedy)
+      .refused(spectral([](const Material& m, const Scenario&) { return 3 * m.law.K < 2 * m.law.G; }),
+               "with nu < 0 its tensile part can be negative; allowed: nu >= 0" + remedy);
+}
+
+void add_degradation(MaterialRows& rows) {
+  Rows row(rows, RestartKey::guarded, &Material::law);
+  row.choice("ge", &Law::ge, "degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c)",
+             "quadratic", Degradation::quadratic, "cubic", Degradation::cubic, "ductile",
+             Degradation::ductile)
+      .notation("g_e1 (49)")
+      .refused(
+          damaging([](const Law& law) { return law.ge == Degradation::ductile && law.model != Model::j2; }),
+          "nothing damages without plastic strain; allowed with <>model j2; choose quadratic or cubic");
+  row.number("cubic_s", &Law::cubic_s, "1 s", {0, 2, true, false},
+             "slope of the cubic degradation at phi = 0")
+      .otherwise("1e-4");
+  row.number("alpha_c", &Law::alpha_c, "1 alpha_c", {0, 1e3, true, false},
+             "plastic strain at which the ductile degradation is quadratic")
+      .otherwise("required with ge ductile")
+      .needed([](const Material& m,
+                 const Scenario& s) { return needs_damage_data(m, s) && m.law.ge == Degradation::ductile; },
+              "<>ge ductile needs it");
+  row.choice("gp", &Law::gp, "degradation of the plastic energy: 1 or g_e1", "one", PlasticDegradation::one,
+             "ge", PlasticDegradation::ge)
+      .notation("g_p (54)");
+  row.number("plastic_threshold", &Law::plastic_threshold, "J/m^3 W_0", not_negative,
+             "plastic energy H_0 that does not drive damage, with gp ge: the drive is <H_0 - W_0>")
+      .refused(damaging([](const Law& law) { return law.softening != Softening::none; }),
+               "not available with <>softening, whose plastic energy is a sum over the steps; allowed: 0, or "
+               "softening none")
+      .refused(damaging([](const Law& law) { return law.gp != PlasticDegradation::ge; }),
+               "has no effect, plastic energy drives damage only with <>gp ge; add it, or remove this");
+  row.choice("damage_gradient", &Law::damage_gradient, "gradient of phi in the crack energy", "spatial",
+             DamageGradient::spatial, "material", DamageGradient::material)
+      .notation("(56)");
+  row.number("residual_stiffness", &Law::residual_stiffness, "1 k", {0, 1, false, true},
+             "part of the stiffness that stays in a crack")
+      .otherwise("1e-6");
+}
+
+} // namespace
+
+void add_damage(std::vector<OptionRow<MaterialScenario>>& rows) {
+  add_crack(rows);
+  add_split(rows);
+  add_degradation(rows);
+}
+
+} // namespace impact

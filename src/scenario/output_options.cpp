@@ -1,0 +1,146 @@
+#include "classes.hpp"
+#include <impact/input/condition.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/scenario/columns.hpp>
+
+/// The options of what a run writes, -output_<id>_..., -probe_<id>_..., -measure_<id>_..., and of what ends
+/// it, -stop_<id>_when.
+namespace impact {
+
+namespace {
+
+using Output = OutputScenario;
+
+std::vector<std::string> all_fields() {
+  std::vector<std::string> names;
+  for (const FieldNote& field : field_notes()) names.emplace_back(field.name);
+  return names;
+}
+
+template <class List, class Is> bool any(const List& list, Is is) {
+  return std::any_of(list.begin(), list.end(), is);
+}
+
+/// All fields that the physics has, but for the acceleration.
+std::vector<std::string> usual_fields(const Scenario& s) {
+  const bool moves = s.has_motion(), touch = moves && !s.contacts.empty();
+  const bool flows = any(s.materials, [](const auto& m) { return m.law.model == Model::j2; });
+  const bool rubs = any(s.contacts, [](const auto& c) { return c.friction > 0; });
+  std::vector<std::string> fields;
+  const auto add = [&](bool there, std::initializer_list<const char*> names) {
+    if (there) fields.insert(fields.end(), names.begin(), names.end());
+  };
+  add(moves, {"u"});
+  add(s.has_inertia(), {"v"});
+  add(s.has_damage(), {"phi"});
+  add(s.has_heat(), {"theta"});
+  add(moves, {"stress", "von_mises", "pressure"});
+  add(moves && flows, {"alpha"});
+  add(s.any_fatigue(), {"fatigue"});
+  add(touch, {"contact_pressure", "contact_gap", "contact_status"});
+  add(touch && rubs, {"contact_traction", "contact_slip"});
+  return fields;
+}
+
+void complete_output(Output& output, const Scenario& scenario) {
+  const bool table = output.type == Output::Type::csv;
+  if (output.dt == 0 && output.every == 0 && output.cycles == 0 && output.times.empty()) output.every = 1;
+  if (output.file.empty()) output.file = table ? "history.csv" : output.id + ".xdmf";
+  if (!table && output.fields.empty()) output.fields = usual_fields(scenario);
+}
+
+void check_files(const Scenario& scenario) {
+  std::map<std::string, std::string> writer;
+  for (const Output& output : scenario.outputs)
+    if (const auto [at, fresh] = writer.emplace(output.file, output.id); !fresh)
+      throw UserError(ExitCode::usage, "-output_" + output.id + "_file \"" + output.file +
+                                           "\": is written by output " + at->second +
+                                           " already; choose another name");
+}
+
+/// Displacements, where nothing else is said.
+template <class Struct> void complete_fields(Struct& one, const Scenario&) {
+  if (one.fields.empty()) one.fields = {"u"};
+}
+
+const std::string about_fields =
+    "what is written; contact fields are of its surface, the gap nan beyond its reach";
+
+} // namespace
+
+OptionClass<OutputScenario> output_class() {
+  OptionClass<Output> table{"output", "outputs", "Output",
+                            "Without `_dt`, `_every`, `_cycles` and `_times` every accepted step is written. "
+                            "The history has a row for each step, unless `_cycles` says otherwise.",
+                            &Scenario::outputs};
+  Rows row(table.rows, RestartKey::free);
+  row.choice("type", &Output::type, "fields for ParaView, or the history table", "xdmf", Output::Type::xdmf,
+             "csv", Output::Type::csv);
+  row.list("fields", &Output::fields, "what an xdmf output holds", all_fields())
+      .otherwise("all that the physics has, without a")
+      .barred([](const Output& output) { return output.type == Output::Type::csv; },
+              ": has no meaning for type csv; the columns of the history are fixed, use -probes and "
+              "-measures");
+  row.number("dt", &Output::dt, "s", positive, "written at the first step at or after each multiple");
+  row.count("every", &Output::every, 1, "written every so many steps");
+  row.count("cycles", &Output::cycles, 1,
+            "written in the middle and at the end of every so many cycles of -ts_period, the history too")
+      .refused([](const Output&, const Scenario& s) { return s.time.period == 0; },
+               "counts the cycles of a load whose period is not given; add -ts_period, or remove it");
+  row.numbers("times", &Output::times, "s", not_negative, "times that are hit exactly and written");
+  row.text("file", &Output::file, "file name", "name below -output_dir").otherwise("<id>.xdmf, history.csv");
+  table.complete = complete_output;
+  table.check = check_files;
+  return table;
+}
+
+OptionClass<ProbeScenario> probe_class() {
+  using Probe = ProbeScenario;
+  OptionClass<Probe> table{"probe", "probes", "Probes",
+                           "Values at a material point, as columns `probe_<id>_<field>` of the history.",
+                           &Scenario::probes};
+  Rows row(table.rows, RestartKey::free);
+  row.point("at", &Probe::at, "m", "reference coordinates").required();
+  row.text("on", &Probe::region, "name of a region", "region, where two bodies meet")
+      .otherwise("any")
+      .group_dimension = [](const Probe&, int dim) { return dim; };
+  row.list("fields", &Probe::fields, about_fields, all_fields()).otherwise("u");
+  table.complete = complete_fields<Probe>;
+  return table;
+}
+
+OptionClass<MeasureScenario> measure_class() {
+  using Measure = MeasureScenario;
+  OptionClass<Measure> table{"measure", "measures", "Measures",
+                             "Values over a group, as columns `measure_<id>_<field>` of the history.",
+                             &Scenario::measures};
+  Rows row(table.rows, RestartKey::free);
+  row.text("on", &Measure::on, "name of a group", "group of the mesh").required().group_dimension =
+      [](const Measure&, int) { return 0; };
+  row.list("fields", &Measure::fields, about_fields, all_fields()).otherwise("u");
+  row.choice("of", &Measure::of, "what is taken of the values", "mean", Measure::Of::mean, "min",
+             Measure::Of::min, "max", Measure::Of::max, "sum", Measure::Of::sum);
+  table.complete = complete_fields<Measure>;
+  return table;
+}
+
+OptionClass<StopScenario> stop_class() {
+  OptionClass<StopScenario> table{
+      "stop", "stops", "Stops",
+      "A run ends with exit status 0, a checkpoint and its last output when one of these holds at the end of "
+      "a step. `peak(x)` is the largest value that x has had since t = 0, for any x; t is the time, `&&` and "
+      "`||` join comparisons.",
+      &Scenario::stops};
+  Rows(table.rows, RestartKey::free)
+      .text("when", &StopScenario::when, "condition on columns by name",
+            "what ends the run, as in reaction_top_y < 0.1*peak(reaction_top_y): an expression of columns of "
+            "the history and of parameters")
+      .required();
+  // Columns are known when the run starts, the grammar is now.
+  table.finish = [](const StopScenario& stop, OptionContext& context) {
+    Condition("-stop_" + stop.id + "_when", stop.when, context.names.parameters);
+  };
+  return table;
+}
+
+} // namespace impact

@@ -1,0 +1,161 @@
+#include "classes.hpp"
+#include <impact/scenario/columns.hpp>
+
+/// The option tables as text: the echo of a run, `-help`, and the reference page.
+namespace impact {
+
+const std::vector<OptionGroup>& global_groups() {
+  static const std::vector<OptionGroup> groups = {general_options(),   mesh_options(), coupling_options(),
+                                                  heat_options(),      time_options(), balance_options(),
+                                                  checkpoint_options()};
+  return groups;
+}
+
+const std::vector<OptionRow<Scenario>>& global_rows() {
+  static const std::vector<OptionRow<Scenario>> rows = [] {
+    std::vector<OptionRow<Scenario>> all;
+    for (const OptionGroup& group : global_groups())
+      all.insert(all.end(), group.rows.begin(), group.rows.end());
+    return all;
+  }();
+  return rows;
+}
+
+namespace {
+
+template <class Struct>
+std::string class_text(const OptionClass<Struct>& table, const Scenario& scenario, bool as_typed) {
+  std::vector<std::string> ids;
+  std::string lines;
+  for (const Struct& one : scenario.*table.member) {
+    ids.push_back(one.id);
+    if constexpr (requires { one.options; })
+      for (const auto& [name, text, said] : one.options)
+        lines += option_line(option_name(table, one.id, name), as_typed && !said.empty() ? said : text);
+    else
+      for (const OptionRow<Struct>& row : table.rows)
+        if (const std::string text = row.text(one); !text.empty())
+          lines += option_line(option_name(table, one.id, row.name), text);
+  }
+  return ids.empty() ? "" : option_line(table.registry, join(ids, ",")) + lines;
+}
+
+/// One row of the reference: full option name and what is said of it.
+struct Entry {
+  std::string key, allowed;
+  OptionNote note;
+};
+struct Section {
+  std::string title, about;
+  std::vector<Entry> entries;
+};
+
+template <class Struct>
+std::vector<Entry> entries(const std::vector<OptionRow<Struct>>& rows, const std::string& prefix) {
+  std::vector<Entry> all;
+  for (const OptionRow<Struct>& row : rows) {
+    const bool number = row.range.low > -unbounded || row.range.high < unbounded;
+    std::string allowed = number ? interval_text(row.range, row.note.unit, {}) : "";
+    if (!row.allowed.empty()) allowed += (allowed.empty() ? "" : ", ") + row.allowed;
+    if (allowed.empty()) allowed = "number";
+    std::string key = prefix + row.name;
+    if (row.name.empty()) key.pop_back();
+    all.push_back({key, allowed, row.note});
+  }
+  return all;
+}
+
+template <class Struct> Section section(const OptionClass<Struct>& table) {
+  Section result{table.title, table.about, {}};
+  result.entries.push_back(
+      {"-" + table.registry, "comma list of ids or none", {"declares the ids below", "", "", "", ""}});
+  if (table.inherits)
+    result.entries.push_back(
+        {"-" + table.word + "_<id>_like",
+         "id of another " + table.word,
+         {"takes over its options, which the " + table.word + "'s own ones then override", "", "", "", ""}});
+  for (Entry& entry : entries(table.rows, "-" + table.word + "_<id>_"))
+    result.entries.push_back(std::move(entry));
+  return result;
+}
+
+const char* const about_solvers =
+    "Every solver of PETSc is reached by its prefix: `-motion_ksp_type`, `-damage_pc_type`, "
+    "`-uzawa_snes_max_it`, `-coupling_snes_monitor`. The prefixes are `motion_`, "
+    "`damage_`, `heat_`, and `coupling_`, `uzawa_` for the passes. A name that PETSc does not know is "
+    "refused before the run starts, one that no solver of the run has read after the first step (told, "
+    "when it is an option of a field's own solver or stands in an options file). Fragments to "
+    "add on the command line are in `options/solver`. `-motion_snes_atol` (1e-12 E h^(d-1) of the softest "
+    "material) and `-motion_snes_rtol` (1e-10 of the first residual) hold for each body on its own; no "
+    "length of a step ends a solve (`_snes_stol` is 0).";
+
+/// In the order in which a run is thought out.
+std::vector<Section> sections() {
+  std::vector<Section> all, classes;
+  for (const OptionGroup& group : global_groups())
+    all.push_back({group.title, group.about, entries(group.rows, "-")});
+  for_each_class([&](const auto& table) { classes.push_back(section(table)); });
+  constexpr int before_classes = 2, of_physics = 6; // general and mesh; the classes down to contact
+  all.insert(all.begin() + before_classes, classes.begin(), classes.begin() + of_physics);
+  all.insert(all.end(), classes.begin() + of_physics, classes.end());
+  all.push_back({"Solvers", about_solvers, {}});
+  return all;
+}
+
+std::string in_table(std::string text) {
+  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+  return text;
+}
+
+std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
+
+} // namespace
+
+std::string print_scenario(const Scenario& scenario, bool as_typed) {
+  std::string lines;
+  for (const OptionRow<Scenario>& row : global_rows())
+    if (const std::string text = row.text(scenario); !text.empty()) lines += option_line(row.name, text);
+  for (const auto& [name, value] : scenario.mesh.set) lines += option_line("mesh_set_" + name, value);
+  for_each_class([&](const auto& table) { lines += class_text(table, scenario, as_typed); });
+  return lines;
+}
+
+std::string option_help() {
+  std::string text = "Options of impact (values may carry a unit: -material_beam_E \"72 GPa\")\n";
+  for (const Section& section : sections()) {
+    text += "\n" + section.title + (section.about.empty() ? "" : ": " + section.about) + "\n";
+    for (const Entry& entry : section.entries) {
+      const OptionNote& note = entry.note;
+      text += "  " + entry.key + " <" + (note.fallback.empty() ? "" : "default: " + note.fallback + "; ") +
+              entry.allowed + ">: " + note.about;
+      if (!note.unit.empty()) text += " [" + note.unit + "]";
+      if (!note.symbol.empty() || !note.equation.empty())
+        text += " (" + note.symbol + (note.symbol.empty() || note.equation.empty() ? "" : " ") +
+                note.equation + ")";
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+std::string option_reference() {
+  std::string page;
+  for (const Section& section : sections()) {
+    page += (page.empty() ? "### " : "\n### ") + section.title + "\n\n";
+    if (!section.about.empty()) page += section.about + "\n";
+    if (section.entries.empty()) continue;
+    page += std::string(section.about.empty() ? "" : "\n") +
+            "| option | default | allowed | SI unit | meaning | symbol |\n|---|---|---|---|---|---|\n";
+    for (const Entry& entry : section.entries) {
+      const OptionNote& note = entry.note;
+      std::string symbol = note.symbol;
+      if (!note.equation.empty()) symbol += (symbol.empty() ? "" : " ") + note.equation;
+      page += "| " + code(entry.key) + " | " + in_table(note.fallback) + " | " + in_table(entry.allowed) +
+              " | " + (note.unit == "1" ? "" : note.unit) + " | " + in_table(note.about) + " | " + symbol +
+              " |\n";
+    }
+  }
+  return page + "\n" + column_reference();
+}
+
+} // namespace impact

@@ -1,0 +1,119 @@
+#include "classes.hpp"
+#include <algorithm>
+
+/// The options of the time scheme and of its steps.
+namespace impact {
+
+namespace {
+
+/// What PETSc's integrator reads itself: checked and listed here, handed over as a plain number.
+void add_of_petsc(std::vector<OptionRow<Scenario>>& rows, RestartKey restart, const std::string& name,
+                  const std::string& quantity, const Interval& range, const std::string& fallback,
+                  const std::string& about) {
+  OptionRow<Scenario>& row = Rows(rows, restart).number(name, &Scenario::thickness, quantity, range, about);
+  const bool whole = quantity.empty();
+  const int least = whole ? static_cast<int>(range.low) : 0;
+  if (whole) row.range = any_number;
+  row.allowed = whole ? "whole number >= " + std::to_string(least) : "";
+  row.read = [=, unit = row.note.unit](Scenario& s, const GivenOption& option, const OptionContext& context) {
+    s.time.of_petsc[name] = whole ? read_count(option, least, std::numeric_limits<int>::max())
+                                  : read_number(option, unit, range, {}, context.units);
+  };
+  row.text = [=](const Scenario& s) {
+    const auto found = s.time.of_petsc.find(name);
+    return found == s.time.of_petsc.end() ? std::string() : number_text(found->second);
+  };
+  row.otherwise(fallback);
+}
+
+void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
+  using Coupling = CouplingScenario;
+  Rows row(rows, RestartKey::guarded, &Scenario::time);
+  Rows limit(rows, RestartKey::free, &Scenario::coupling);
+  row.choice("ts_type", &TimeScenario::type, "Newmark's method, or no inertia (t is the load factor)",
+             "newmark", "newmark", "static", "static")
+      .notation("(97)-(98)");
+  row.restart = RestartKey::free;
+  row.number("ts_dt", &TimeScenario::dt, "s Delta t", positive,
+             "time step; after a cut it grows back up to this")
+      .otherwise("required without -ts_times")
+      .needed([](const Scenario& s) { return s.time.table_times.empty() || s.time.table_dts.empty(); },
+              "allowed: a time step > 0; or give -ts_times and -ts_dts");
+  limit.number("ts_adapt_dphi", &Coupling::max_dphi, "1", {0, 1},
+               "largest growth of phi in a step: dt shrinks down to a thousandth of -ts_dt while a crack "
+               "runs faster; 0: no limit");
+  limit.number("ts_adapt_dalpha", &Coupling::max_dalpha, "1", not_negative,
+               "largest growth of the plastic strain at a point in a step, likewise; 0: no limit");
+  limit.number("ts_adapt_dtheta", &Coupling::max_dtheta, "K", not_negative,
+               "largest change of the temperature at a node in a step, likewise; 0: no limit");
+  limit.number("ts_adapt_closing", &Coupling::max_closing, "1", not_negative,
+               "with inertia: a step in which the bodies, at their present speeds, would go deeper into each "
+               "other than this many mean secondary facets is cut before it is solved; 0: no limit");
+  row.number("ts_period", &TimeScenario::period, "s", positive,
+             "of a cyclic load: steps hit the ends and the middles of its cycles exactly")
+      .otherwise("none");
+  row.number("ts_max_time", &TimeScenario::max_time, "s", positive, "end of the run")
+      .otherwise("required without -ts_times")
+      .needed([](const Scenario& s) { return s.time.table_times.empty() || s.time.table_dts.empty(); },
+              "allowed: the end of the run, > 0");
+  row.count("ts_max_steps", &TimeScenario::max_steps, 1, "largest number of steps").otherwise("no limit");
+  row.number("ts_substeps", &TimeScenario::most_substeps, "1", {1},
+             "most sub-steps in a step that -damage_ts_dt and -heat_ts_dt may make")
+      .otherwise("1e5");
+}
+
+void add_table(std::vector<OptionRow<Scenario>>& rows) {
+  const std::string pair = "allowed: -ts_times and -ts_dts together, or neither";
+  Rows row(rows, RestartKey::free, &Scenario::time);
+  row.numbers("ts_times", &TimeScenario::table_times, "s", not_negative,
+              "times between which the steps of -ts_dts hold, one more than these")
+      .needed([](const Scenario& s) { return !s.time.table_dts.empty(); }, pair)
+      .refused(
+          [](const Scenario& s) {
+            const auto& times = s.time.table_times;
+            return std::adjacent_find(times.begin(), times.end(), std::greater_equal()) != times.end();
+          },
+          "not increasing; allowed: increasing times");
+  row.numbers("ts_dts", &TimeScenario::table_dts, "s", positive, "time steps between the times of -ts_times")
+      .needed([](const Scenario& s) { return !s.time.table_times.empty(); }, pair)
+      .refused([](const Scenario& s) { return s.time.table_times.size() != s.time.table_dts.size() + 1; },
+               [](const Scenario& s) {
+                 return std::to_string(s.time.table_dts.size()) + " steps for " +
+                        std::to_string(s.time.table_times.size()) +
+                        " times; allowed: one step less than times";
+               });
+}
+
+} // namespace
+
+OptionGroup time_options() {
+  OptionGroup group{"Time", "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly."};
+  add_scheme_and_limits(group.rows);
+  add_table(group.rows);
+  const auto add = [&](RestartKey restart, const auto&... said) {
+    add_of_petsc(group.rows, restart, said...);
+  };
+  constexpr RestartKey scheme = RestartKey::guarded, free = RestartKey::free;
+  add(scheme, "ts_newmark_rho", "1 rho (97)-(98)", fraction, "1",
+      "spectral radius at infinite frequency: 1 damps nothing, 0 most; sets beta and gamma");
+  add(scheme, "ts_newmark_beta", "1 beta", Interval{0, 1, true}, "1/4",
+      "Newmark's beta, without -ts_newmark_rho");
+  add(scheme, "ts_newmark_gamma", "1 gamma", Interval{0.5, 2}, "1/2",
+      "Newmark's gamma, without -ts_newmark_rho");
+  add(free, "ts_adapt_grow", "1", Interval{1}, "1.5", "factor of the step after enough easy ones");
+  add(free, "ts_adapt_easy_steps", "", Interval{1}, "4", "easy steps in a row before the step grows");
+  add(free, "ts_adapt_easy_its", "", Interval{0}, "10", "most iterations of an easy step");
+  add(free, "ts_adapt_scale_solve_failed", "1", fraction, "0.5", "factor of the step after a failed try");
+  add(free, "ts_adapt_dt_min", "s", positive, "1e-10 of -ts_dt", "shortest step");
+  add(free, "ts_adapt_dt_max", "s", positive, "-ts_dt", "longest step");
+  add(free, "ts_max_reject", "", Interval{0}, "10", "refused tries of a step after which the run gives up");
+  group.complete = [](Scenario& s) {
+    TimeScenario& time = s.time;
+    if (time.table_times.empty() || time.table_dts.empty()) return;
+    if (time.dt == 0) time.dt = *std::max_element(time.table_dts.begin(), time.table_dts.end());
+    if (time.max_time == 0) time.max_time = time.table_times.back();
+  };
+  return group;
+}
+
+} // namespace impact

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <impact/solve/augmentation.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+Augmentation::Augmentation(TS ts, MotionProblem& motion, MotionSolver& solver)
+    : motion_(motion), solver_(solver),
+      inertia_(integrator_of(ts).inertia), shell_{[this](PetscInt number, Vec u) { return pass(number, u); },
+                                                  &time_mailbox(ts), false},
+      contact_force_(motion.discretisation().displacement.make_global()),
+      left_(motion.discretisation().displacement.make_global()) {
+  check(SNESCreate(motion_.discretisation().mesh.comm(), snes_.out()));
+  check(SNESSetOptionsPrefix(snes_, "uzawa_"));
+  make_pass_shell(snes_, shell_);
+  // The tolerances of gap and pressure belong to each contact: a pass changes 1 until all of them are met.
+  check(SNESSetTolerances(snes_, 0.5, 0, 0, 30, PETSC_DEFAULT));
+  check(SNESSetFromOptions(snes_));
+}
+
+void Augmentation::begin_attempt() {
+  passes_ = 0;
+  failure_.clear();
+}
+
+SNESConvergedReason Augmentation::solve(Vec u, PetscReal rtol) {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  rtol_ = rtol;
+  check(SNESSolve(snes_, nullptr, u));
+  check(SNESGetConvergedReason(snes_, &reason));
+  if (reason < 0 && failure_.empty()) failure_ = std::string("uzawa: ") + SNESConvergedReasons[reason];
+  return reason;
+}
+
+void Augmentation::meet(Vec u) {
+  motion_.contacts().meet(!solver_.loose().empty(), first_touch_);
+  motion_.contacts().start_newton(u);
+}
+
+PassResult Augmentation::pass(PetscInt number, Vec u) {
+  PassResult result;
+  result.inner = solve_pass(number, u);
+  passes_ += 1;
+  if (result.inner < 0) {
+    explain(result.inner);
+    return result;
+  }
+  check(VecCopy(solver_.left(), left_));
+  // Of the present multipliers and of the places that the solve knew: both may change below.
+  check(VecSet(contact_force_, 0));
+  ContactSet& contacts = motion_.contacts();
+  contacts.add_forces(u, -1, contact_force_);
+  // A body that moved beyond the skin may touch facets that the list did not hold.
+  const bool kept = !solver_.refresh_contact(u);
+  if (number == 1) contacts.start_augmentation();
+  const ContactReview review = contacts.review(u);
+  const bool converged = review.converged && kept && !rough_;
+  result.change = converged ? 0 : 1;
+  if (converged) return result;
+  // Multipliers change only where another solve follows, and not by penalties of places that it did not know.
+  if (first_touch_) {
+    first_touch_ = !kept || !review.settled;
+    if (first_touch_) return result;
+  }
+  contacts.augment(u);
+  contacts.meet(!solver_.loose().empty(), false);
+  rough_ = !inertia_ && contacts.demands().augments;
+  return result;
+}
+
+// The motion at the multipliers of this pass.
+SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
+  LooseBodies& loose = solver_.loose();
+  solver_.refresh_contact(u);
+  solver_.approach(u);
+  // What presses nothing yet is brought to rest on penalties, roughly: their forces grow with the way, and
+  // the semismooth method, whose gaps close at once, begins from the pressures that they find.
+  const ContactDemands demands = motion_.contacts().demands();
+  if (number == 1)
+    first_touch_ = (demands.closes_gaps || demands.augments) && !loose.empty() && !loose.rest(u);
+  meet(u);
+  // Before the last augmentation a residual that falls to a tenth is exact enough.
+  rough_ = first_touch_ || (number > 1 && rough_);
+  constexpr PetscInt enough = 10; // for a first touch, or it has the wrong way
+  const PetscInt most = solver_.most_iterations();
+  const PetscReal rough = std::max<PetscReal>(rtol_, 0.1);
+  SNESConvergedReason reason =
+      solver_.solve(u, rough_ ? rough : rtol_, first_touch_ ? std::min(most, enough) : most, !first_touch_);
+  if (first_touch_ && reason < 0) {
+    first_touch_ = rough_ = false;
+    loose.start_attempt();
+    solver_.restart(u);
+    meet(u);
+    reason = solver_.solve(u, rtol_, most);
+  }
+  if (rough_ && reason >= 0 && !first_touch_ && motion_.contacts().review(u).converged) {
+    rough_ = false;
+    reason = solver_.solve(u, rtol_, most);
+  }
+  return reason;
+}
+
+void Augmentation::explain(SNESConvergedReason reason) {
+  failure_ = std::string("motion: ") + SNESConvergedReasons[reason];
+  if (reason == SNES_DIVERGED_LOCAL_MIN) failure_ += " (Newton's method does not come to rest)";
+  if (const std::string adrift = solver_.loose().adrift(); !adrift.empty()) failure_ += " (" + adrift + ")";
+  if (reason != SNES_DIVERGED_LINEAR_SOLVE) return;
+  // Factors of a singular matrix must not serve the next try.
+  solver_.forget_factors();
+  if (!inertia_ && !motion_.rigid().empty())
+    failure_ += " (a rigid body that contact alone holds must be pressed from the first iteration: "
+                "-contact_<id>_enforce semismooth, or prescribe its motion)";
+}
+
+} // namespace impact

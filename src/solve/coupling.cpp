@@ -1,0 +1,319 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <impact/petsc/forget.hpp>
+#include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/solve/coupling.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+// Whether m tau- of broken points acts like a contact. Not in sheets, whose thickness gives way: compression
+// is never more than 1 + 4G/3K times as stiff as tension there.
+bool has_unilateral_stress(const Fields& fields) {
+  const Discretisation& d = fields.motion.discretisation();
+  return fields.damage && d.frame != Frame::plane_stress &&
+         std::any_of(d.materials.begin(), d.materials.end(), [](const MaterialAssignment& m) {
+           return m.law.parameters.damage != Damage::none && m.law.parameters.split != Split::none;
+         });
+}
+
+bool exchanges(const Discretisation& d) {
+  return std::any_of(d.materials.begin(), d.materials.end(),
+                     [](const MaterialAssignment& m) { return m.law.exchanges(); });
+}
+
+} // namespace
+
+Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings,
+                   const SolverDefaults& defaults, bool stabilise_contact)
+    : ts_(ts), fields_(fields), settings_(settings), solver_(ts, fields.motion, defaults, settings.reuse),
+      augmentation_(ts, fields.motion, solver_),
+      update_(ts, fields.motion, solver_, fields.state,
+              stabilise_contact && integrator_of(ts).inertia && !fields.motion.contacts().empty(),
+              integrator_of(ts).inertia && has_unilateral_stress(fields)),
+      phi_passes_(fields.motion.discretisation().mesh, settings_),
+      limits_(settings_, integrator_of(ts).inertia),
+      shell_{[this](PetscInt number, Vec u) { return pass(number, u); }, &time_mailbox(ts), true,
+             [this](PetscInt passes, PetscReal change) { give_up(passes, change); }} {
+  const Discretisation& d = fields_.motion.discretisation();
+  pass_.u = d.displacement.make_local();
+  if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
+  if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
+  if (fields_.heat || exchanges(d)) pass_.dissipation.resize(point_offsets(d.groups, 1).back());
+  if (fields_.state.find("fatigue")) fatigue_.emplace(d, fields_.state);
+  SNES snes = nullptr;
+  check(TSGetSNES(ts_, &snes));
+  check(SNESSetOptionsPrefix(snes, "coupling_"));
+  make_pass_shell(snes, shell_);
+  check(SNESSetTolerances(snes, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
+}
+
+void Coupling::give_up(PetscInt passes, PetscReal change) {
+  char text[160];
+  std::snprintf(text, sizeof(text), "%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)",
+                static_cast<int>(passes), settings_.follow_cracks ? " in which phi does not grow" : "",
+                pass_.changing, change);
+  failure_ = text;
+}
+
+// What an attempt holds fixed in all its passes; phi and theta are those of the pass.
+MotionStep Coupling::frozen_step() const {
+  MotionStep step;
+  if (fields_.damage) step.phi = &pass_.phi;
+  if (fields_.heat) step.theta = &pass_.theta;
+  step.contact_scale = update_.contact_scale();
+  step.unilateral_scale = update_.unilateral_scale();
+  return step;
+}
+
+void Coupling::before_attempt(const Attempt& attempt) {
+  StateTable& state = fields_.state;
+  state.rollback();
+  counts_ = {};
+  pass_.number = 0;
+  failure_.clear();
+  solver_.begin_attempt(attempt.number);
+  augmentation_.begin_attempt();
+  limits_.begin(attempt.dt);
+  if (fields_.damage) {
+    pass_.phi = state.row("phi").committed;
+    phi_passes_.begin(state.row("phi"));
+  }
+  if (fields_.heat) {
+    fields_.heat->begin(attempt.t_n, attempt.t);
+    pass_.theta = state.row("theta").committed;
+  }
+  MotionStep step = frozen_step();
+  step.t_n = attempt.t_n;
+  step.t = attempt.t;
+  step.dt = attempt.dt;
+  step.u_n = &state.row("u").committed;
+  step.stabilised = update_.stabilised();
+  step.mass_shift = integrator_of(ts_).mass_shift(attempt.dt);
+  fields_.motion.begin(step);
+  fields_.motion.balance().forget();
+}
+
+void Coupling::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
+  if (update_.stabilised()) update_.predict(attempt, u_tilde, v);
+}
+
+// The last increment, scaled: prescribed nodes do not jump ahead of their neighbours, and unlike dt v_n it
+// does not follow the alternation of v that an undamped integrator keeps at frequencies far above 1/dt.
+void Coupling::guess(const Attempt& attempt, Vec u) {
+  std::vector<double> local = fields_.state.row("u").committed;
+  const std::vector<double>& rate = fields_.state.row("mean_rate").committed;
+  for (std::size_t i = 0; i < local.size(); ++i) local[i] += attempt.dt * rate[i];
+  fields_.motion.discretisation().displacement.to_global(local, u);
+}
+
+void Coupling::correct(Vec u, Vec v, Vec a) { update_.correct(augmentation_.contact_force(), u, v, a); }
+
+void Coupling::forget_factors() {
+  solver_.forget_factors();
+  if (fields_.damage) fields_.damage->forget_factors();
+  if (fields_.heat) fields_.heat->forget_factors();
+}
+
+void Coupling::refuse(PassResult& result, SNESConvergedReason reason, std::string cause) {
+  result.inner = reason;
+  failure_ = std::move(cause);
+}
+
+PassResult Coupling::pass(PetscInt number, Vec u) {
+  const InStage stage(Stage::motion);
+  PassResult result;
+  pass_.number = number;
+  if (number > 1 && fields_.damage) phi_passes_.relax(number, fields_.state.row("phi"), pass_.phi);
+  if (number > 1 && fields_.heat) pass_.theta = fields_.state.row("theta").trial;
+  if (settings_.moves && !motion_pass(u, result)) return result;
+  if (!advance_points(u, result)) return result;
+  if (fields_.damage || fields_.heat) fields_.motion.discretisation().displacement.to_local(u, pass_.u);
+  if (fields_.damage) damage_pass(result);
+  if (fatigue_ && result.inner >= 0) fatigue_pass(result);
+  if (fields_.heat && result.inner >= 0) heat_pass(u, result);
+  return result;
+}
+
+bool Coupling::motion_pass(Vec u, PassResult& result) {
+  if (pass_.number == 1) {
+    const Handle<Vec> goal = solver_.imposed(u);
+    if (std::string refusal = limits_.closing(fields_.motion.contacts(), goal); !refusal.empty()) {
+      refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+      return false;
+    }
+    solver_.enter_step(u, goal);
+  }
+  // As long as the next pass moves the crack on, a residual that falls by ten is exact enough.
+  const bool rough = phi_passes_.far_from_rest() && fields_.motion.contacts().empty();
+  const SNESConvergedReason reason =
+      augmentation_.solve(u, rough ? std::max<PetscReal>(0.1, solver_.rtol()) : solver_.rtol());
+  if (reason < 0) refuse(result, reason, augmentation_.failure());
+  return reason >= 0;
+}
+
+// Plastic flow and what drives damage and heat, at the points.
+bool Coupling::advance_points(Vec u, PassResult& result) {
+  HeatRows rows = fields_.heat ? fields_.heat->rows() : HeatRows{};
+  if (!pass_.dissipation.empty()) rows.dissipation = &pass_.dissipation;
+  std::fill(pass_.dissipation.begin(), pass_.dissipation.end(), 0.0);
+  const bool changes = settings_.moves || fields_.damage;
+  if (changes && !fields_.motion.advance(u, pass_.increments, rows)) {
+    refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "the law failed at the solution");
+    return false;
+  }
+  const Discretisation& d = fields_.motion.discretisation();
+  std::string refusal =
+      limits_.plastic_strain(d.mesh.comm(), fields_.state.row("history"), history_alpha(d.frame));
+  if (!refusal.empty()) refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+  return result.inner >= 0;
+}
+
+void Coupling::damage_pass(PassResult& result) {
+  const InStage stage(Stage::damage);
+  StateRow& phi = fields_.state.row("phi");
+  const MotionStep& step = fields_.motion.step();
+  phi.trial = pass_.phi;
+  const ScalarOutcome outcome = fields_.damage->solve(
+      {.t = step.t, .dt = step.dt, .u = &pass_.u, .u_n = step.u_n, .phi_n = &phi.committed}, phi.trial);
+  counts_.damage += outcome.newton;
+  counts_.damage_linear += outcome.linear;
+  if (outcome.reason < 0)
+    return refuse(result, outcome.reason, std::string("damage: ") + SNESConvergedReasons[outcome.reason]);
+  for (std::size_t i = 0; i < pass_.dissipation.size(); ++i)
+    pass_.dissipation[i] += fields_.damage->dissipated()[i];
+  const PhiPasses::Change change = phi_passes_.note(pass_.phi, phi);
+  result.inner = outcome.reason;
+  result.change = change.of_pass;
+  result.counts = !(settings_.follow_cracks && change.gained);
+  pass_.changing = "phi";
+  phi_passes_.report(pass_.number, phi);
+  if (std::string refusal = limits_.damage(change.growth); !refusal.empty())
+    refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+}
+
+void Coupling::fatigue_pass(PassResult& result) {
+  const MotionStep& step = fields_.motion.step();
+  FatigueStep fatigue{step.dt, &pass_.u, step.u_n, &fields_.state.row("phi").trial};
+  if (fields_.heat) {
+    fatigue.theta = &pass_.theta;
+    fatigue.theta_n = &fields_.state.row("theta").committed;
+  }
+  if (!fatigue_->advance(fatigue))
+    refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
+}
+
+void Coupling::heat_pass(Vec u, PassResult& result) {
+  const InStage stage(Stage::heat);
+  StateRow& theta = fields_.state.row("theta");
+  HeatStep step;
+  if (settings_.moves) {
+    step.u = &pass_.u;
+    step.u_n = fields_.motion.step().u_n;
+    step.displacement = u;
+  }
+  if (fields_.damage) {
+    step.phi = &fields_.state.row("phi").trial;
+    step.phi_n = &fields_.state.row("phi").committed;
+  }
+  if (!pass_.dissipation.empty()) step.dissipation = &pass_.dissipation;
+  const ScalarOutcome outcome = fields_.heat->solve(step, theta.trial);
+  counts_.heat += outcome.newton;
+  counts_.heat_linear += outcome.linear;
+  if (outcome.reason < 0) {
+    std::string cause = outcome.cause.empty() ? SNESConvergedReasons[outcome.reason] : outcome.cause;
+    if (outcome.cause.empty() && outcome.reason == SNES_DIVERGED_FUNCTION_DOMAIN)
+      cause += " (0 K or less at a point of a cell, or values that are no numbers)";
+    return refuse(result, outcome.reason, "heat: " + cause);
+  }
+  const MPI_Comm comm = fields_.motion.discretisation().mesh.comm();
+  result.inner = outcome.reason;
+  if (std::string refusal = limits_.temperature(comm, theta); !refusal.empty())
+    refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+  // What no equation reads needs no second pass.
+  if (fields_.motion.discretisation().temperature_moves()) compare_temperatures(theta, result);
+}
+
+// Relative to the temperature: a ten-thousandth of it strains a metal by less than 1e-6.
+void Coupling::compare_temperatures(const StateRow& theta, PassResult& result) {
+  double change_and_size[2] = {0, 0};
+  for (std::size_t i = 0; i < theta.trial.size(); ++i) {
+    change_and_size[0] = std::max(change_and_size[0], std::abs(theta.trial[i] - pass_.theta[i]));
+    change_and_size[1] = std::max(change_and_size[1], theta.trial[i]);
+  }
+  max_over_ranks(fields_.motion.discretisation().mesh.comm(), change_and_size);
+  // The shell compares with the tolerance of phi.
+  const PetscReal change = change_and_size[0] / change_and_size[1],
+                  scale = settings_.theta_tol > 0 ? settings_.atol / settings_.theta_tol : 1;
+  if (scale * change <= result.change) return;
+  result.change = scale * change;
+  pass_.changing = "the temperature";
+}
+
+std::string Coupling::failure_text() const {
+  const std::string cell = solver_.cell_broke() ? fields_.motion.broken_text() : "";
+  return cell.empty() ? failure_ : cell;
+}
+
+StepCounts Coupling::counts() const {
+  StepCounts counts = counts_;
+  const MotionSolver::Counts& motion = solver_.counts();
+  counts.newton = motion.newton;
+  counts.linear = motion.linear;
+  counts.longest = motion.longest;
+  counts.hardest = motion.hardest;
+  counts.uzawa = augmentation_.passes();
+  counts.passes = pass_.number;
+  return counts;
+}
+
+StepRecord Coupling::record(Vec u) {
+  MotionProblem& motion = fields_.motion;
+  StepRecord record;
+  record.dt = motion.step().dt;
+  record.integrator = integrator_of(ts_);
+  if (record.integrator.inertia) record.start_velocity = start_velocity(ts_);
+  record.counts = counts();
+  record.stabilised = update_.stabilised();
+  record.unilateral = update_.unilateral();
+  if (!record.unilateral) motion.parts(u, forces_);
+  record.forces = record.unilateral ? &update_.forces() : &forces_;
+  record.contact_force = augmentation_.contact_force();
+  record.left = augmentation_.left();
+  record.contact_shock = update_.shock();
+  record.contact_acceleration = update_.acceleration();
+  record.increments = &pass_.increments;
+  record.phi = pass_.phi;
+  record.dissipation = pass_.dissipation;
+  if (const DamageProblem* damage = fields_.damage) {
+    record.damage_dissipation = damage->dissipated();
+    const bool in_heat = fields_.heat && fields_.heat->takes_work_of_damage();
+    record.prescribed_damage_work = in_heat ? 0 : damage->prescribed_work();
+  }
+  if (fatigue_) {
+    record.fatigue_dissipation = fatigue_->dissipated();
+    record.least_fatigue = fatigue_->least_dissipation();
+  }
+  if (const HeatProblem* heat = fields_.heat) {
+    record.heat_supplied = heat->supplied();
+    record.contact_heat = heat->contact_heat();
+    record.entropy_supplied = heat->entropy_supplied();
+  }
+  if (settings_.report_error) {
+    const std::vector<double> phi = pass_.phi, theta = pass_.theta;
+    if (fields_.damage) pass_.phi = fields_.state.row("phi").trial;
+    if (fields_.heat) pass_.theta = fields_.state.row("theta").trial;
+    motion.parts(u, next_);
+    pass_.phi = phi;
+    pass_.theta = theta;
+    record.internal_of_next_pass = next_.internal;
+  }
+  return record;
+}
+
+} // namespace impact

@@ -1,0 +1,259 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/kernel/measure.hpp>
+#include <impact/mesh/bodies.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/rigid_motion.hpp>
+#include <impact/solve/loose_bodies.hpp>
+
+namespace impact {
+
+namespace {
+
+// What a body may approach by beyond its gap, in units of the shortest facet of its contacts.
+constexpr double bite = 0.25;
+// A body counts as balanced when its resultant has fallen to this part of the largest one of the solve.
+constexpr double balanced = 0.05;
+// Least stiffness of the hold over E times the size of the body: motions that nothing feels get a pivot.
+constexpr double least_stiffness = 1e-7;
+
+double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 * p.K + p.G); }
+
+// [local node] reference volume (area in the plane, of the full ring with its symmetry), all ranks' shares.
+std::vector<double> nodal_volumes(const Discretisation& d) {
+  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
+  std::vector<double> volume(d.node_values(1));
+  for (const CellGroup& group : d.groups) {
+    PointLaw unit = d.law(group);
+    unit.parameters.rho = 1;
+    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
+      constexpr int dim = Cell::dim, nodes = Cell::nodes;
+      for (int b = 0; b < group.batch_count; ++b) {
+        const Gathered<Cell, dim> x(group, b, X);
+        std::array<Batch, at(nodes * nodes)> m{};
+        mass_matrix<Cell, frame>(unit, x.data(), m.data());
+        std::array<Batch, at(nodes)> sum{};
+        for (std::size_t i = 0; i < m.size(); ++i) sum[i / at(nodes)] += m[i];
+        scatter_add<Cell, 1>(group, b, sum.data(), volume.data());
+      }
+    });
+  }
+  const Handle<Vec> total = d.scalar.make_global();
+  d.scalar.add_to_global(volume, total);
+  d.scalar.to_local(total, volume);
+  return volume;
+}
+
+} // namespace
+
+LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary, const ContactSet& contacts,
+                         const RigidBodies& rigid)
+    : d_(&d), contacts_(&contacts), fixed_(boundary.fixed_mask()) {
+  if (contacts.empty()) return;
+  const Bodies bodies = find_bodies(d.mesh, d.scalar);
+  std::vector<int> place(at(bodies.count), -1);
+  for (const FreeBody& free : find_free_bodies(d, boundary, contacts, rigid)) {
+    if (std::any_of(rigid.bodies().begin(), rigid.bodies().end(),
+                    [&](const RigidBody& r) { return r.component == free.number; }))
+      continue; // its unknowns are few, and are pressed from the first iteration or not held
+    place[at(free.number)] = static_cast<int>(bodies_.size());
+    Body body;
+    body.name = describe(free, d.dim());
+    body.centre = free.centre;
+    body.size = free.size;
+    bodies_.push_back(std::move(body));
+  }
+  if (bodies_.empty()) return;
+  std::vector<int> loose;
+  for (int body : bodies.of_node) loose.push_back(place[at(body)]);
+  measure(loose);
+}
+
+void LooseBodies::measure(const std::vector<int>& loose) {
+  const Mesh& mesh = d_->mesh;
+  const auto dim = at(d_->dim());
+  const std::vector<double> volume = nodal_volumes(*d_);
+  std::vector<char> surface(loose.size(), 0);
+  std::vector<double> facet(bodies_.size(), HUGE_VAL);
+  for (std::size_t c = 0; c < contacts_->size(); ++c) {
+    const ContactSettings& settings = (*contacts_)[c].settings();
+    std::vector<int> meets(bodies_.size(), 0);
+    for (const std::string& side : {settings.secondary, settings.primary}) {
+      if (ContactSettings::rigid_name(side)) continue;
+      const ContactSurface facets = make_surface(mesh, settings.id, side);
+      for (std::size_t i = 0; i < facets.local.size(); ++i) {
+        const auto node = at(facets.local[i]);
+        surface[node] = 1;
+        if (loose[node] < 0) continue;
+        const auto b = at(loose[node]);
+        meets[b] = 1;
+        facet[b] = std::min(facet[b], facets.length[i / at(facets.corners)]);
+      }
+    }
+    MPI_Allreduce(MPI_IN_PLACE, meets.data(), static_cast<int>(meets.size()), MPI_INT, MPI_MAX, mesh.comm());
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      if (meets[b]) bodies_[b].contacts.push_back(c);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, facet.data(), static_cast<int>(facet.size()), MPI_DOUBLE, MPI_MIN, mesh.comm());
+  std::vector<double> sums(2 * bodies_.size(), 0.0);
+  for (std::size_t node = 0; node < loose.size(); ++node) {
+    if (loose[node] < 0 || !mesh.owned(static_cast<int>(node))) continue;
+    const auto b = at(loose[node]);
+    nodes_.push_back({static_cast<int>(node), loose[node], volume[node], surface[node] != 0});
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) {
+      const double arm = mesh.coordinates()[dim * node + k] - bodies_[b].centre[k];
+      square += arm * arm;
+    }
+    sums[2 * b] += volume[node];
+    sums[2 * b + 1] += volume[node] * square;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
+  double modulus = HUGE_VAL;
+  for (const MaterialAssignment& m : d_->materials)
+    if (!m.law.rigid()) modulus = std::min(modulus, youngs_modulus(m.law.parameters));
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = bodies_[b];
+    body.facet = facet[b];
+    body.volume = sums[2 * b];
+    body.inertia = sums[2 * b + 1];
+    body.floor = least_stiffness * modulus / (body.size * body.size);
+  }
+}
+
+void LooseBodies::start_solve() {
+  stride_ = 1;
+  limited_ = false;
+  norm_ = HUGE_VAL;
+  for (Body& body : bodies_) body.blind = 0;
+}
+
+void LooseBodies::start_attempt() {
+  for (Body& body : bodies_) body.weight = body.largest = body.now = 0;
+}
+
+double LooseBodies::approach_of(Body& body, const std::vector<ContactInterface::Reach>& reach) const {
+  // What presses already is not enough: the nearest of the other contacts is to come.
+  double nearest = HUGE_VAL, stiffness = 0;
+  bool presses = false;
+  for (std::size_t c : body.contacts) {
+    presses = presses || reach[c].presses;
+    if (reach[c].presses) continue;
+    // What does not face anything yet may go half the way to what the search sees.
+    nearest = std::min({nearest, std::max(0.0, reach[c].gap), reach[c].distance / 2});
+    stiffness += reach[c].stiffness;
+  }
+  body.pressed = presses;
+  if (nearest == HUGE_VAL && presses) nearest = 0;
+  const double least = bite * body.facet;
+  // Nothing lies opposite as far as the search sees: longer strides.
+  if (nearest == HUGE_VAL) return least * std::exp2(body.blind++);
+  body.blind = 0;
+  // Surfaces that lie on each other without a pressure: as deep as the penalty would let them.
+  const double force = body.now * body.volume;
+  return nearest + (stiffness > 0 && force > 0 ? std::min(least, force / stiffness) : least);
+}
+
+void LooseBodies::weigh(Vec u, Vec r) {
+  // A step that was cut and did good may be longer the next time.
+  PetscReal norm = 0;
+  check(VecNorm(r, NORM_2, &norm));
+  stride_ = limited_ && norm <= norm_ ? 2 * stride_ : 1;
+  norm_ = norm;
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  const auto dim = at(d_->dim());
+  // Force and moment about the centre, of each body.
+  std::vector<double> sums(6 * bodies_.size(), 0.0), local = d_->displacement.make_local();
+  d_->displacement.to_local(r, local);
+  for (const Node& node : nodes_) {
+    const auto first = dim * at(node.local);
+    double* of = &sums[6 * at(node.body)];
+    std::array<double, 3> f{}, x{};
+    for (std::size_t k = 0; k < dim; ++k) {
+      f[k] = local[first + k];
+      x[k] = d_->mesh.coordinates()[first + k] - bodies_[at(node.body)].centre[k];
+      of[k] += f[k];
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+      of[3 + k] += x[(k + 1) % 3] * f[(k + 2) % 3] - x[(k + 2) % 3] * f[(k + 1) % 3];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
+                d_->mesh.comm());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = bodies_[b];
+    const double* of = &sums[6 * b];
+    const double force = std::hypot(of[0], of[1], of[2]) / body.volume,
+                 moment = d_->frame == Frame::axisymmetric
+                              ? 0
+                              : body.size * std::hypot(of[3], of[4], of[5]) / body.inertia;
+    body.now = std::max(force, moment);
+    body.largest = std::max(body.largest, body.now);
+    body.approach = approach_of(body, reach);
+    body.weight = // (H2)
+        body.largest > 0 ? std::max(body.floor, body.now / body.approach * (body.now / body.largest))
+                         : body.floor;
+  }
+}
+
+void LooseBodies::add_to(Mat K) const {
+  const int dim = d_->dim();
+  for (const Node& node : nodes_)
+    for (int k = 0; k < dim; ++k) {
+      if (fixed_[at(dim * node.local + k)]) continue;
+      const PetscInt row = dim * d_->mesh.global_node()[at(node.local)] + k;
+      check(MatSetValue(K, row, row, bodies_[at(node.body)].weight * node.volume, ADD_VALUES));
+    }
+  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
+}
+
+bool LooseBodies::sees_only(Vec u) const {
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+    return std::all_of(body.contacts.begin(), body.contacts.end(),
+                       [&](std::size_t c) { return std::isinf(reach[c].gap); }) &&
+           std::any_of(body.contacts.begin(), body.contacts.end(),
+                       [&](std::size_t c) { return std::isfinite(reach[c].distance); });
+  });
+}
+
+bool LooseBodies::rest(Vec u) const {
+  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+    return std::any_of(body.contacts.begin(), body.contacts.end(),
+                       [&](std::size_t c) { return reach[c].presses; });
+  });
+}
+
+double LooseBodies::part_of(Vec du) { // (H3)
+  std::vector<double> local = d_->displacement.make_local();
+  d_->displacement.to_local(du, local);
+  const auto dim = at(d_->dim());
+  double most = 0; // over what is allowed
+  for (const Node& node : nodes_) {
+    const Body& body = bodies_[at(node.body)];
+    if (!node.on_surface) continue;
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) square += std::pow(local[dim * at(node.local) + k], 2);
+    most = std::max(most, std::sqrt(square) / (2 * stride_ * body.approach));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, d_->mesh.comm());
+  limited_ = most > 1;
+  return limited_ ? 1 / most : 1;
+}
+
+bool LooseBodies::unbalanced() const {
+  return std::any_of(bodies_.begin(), bodies_.end(),
+                     [](const Body& body) { return body.now > balanced * body.largest; });
+}
+
+std::string LooseBodies::adrift() const {
+  std::string text;
+  for (const Body& body : bodies_)
+    if (!body.pressed && body.now > balanced * body.largest)
+      text += (text.empty() ? "" : "; ") + body.name + " meets nothing that holds it against its load";
+  return text;
+}
+
+} // namespace impact

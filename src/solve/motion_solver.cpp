@@ -1,0 +1,317 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/petsc/callback.hpp>
+#include <impact/petsc/forget.hpp>
+#include <impact/solve/motion_solver.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+PetscInt most_of(SNES snes) {
+  PetscInt most = 0;
+  check(SNESGetTolerances(snes, nullptr, nullptr, nullptr, &most, nullptr));
+  return most;
+}
+
+void set_tolerances(SNES snes, PetscReal rtol, PetscInt most) {
+  check(SNESSetTolerances(snes, PETSC_DEFAULT, rtol, PETSC_DEFAULT, most, PETSC_DEFAULT));
+}
+
+LooseBodies loose_bodies(TS ts, MotionProblem& motion) {
+  if (integrator_of(ts).inertia) return {};
+  return {motion.discretisation(), motion.boundary(), motion.contacts(), motion.rigid()};
+}
+
+} // namespace
+
+MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults, double reuse)
+    : ts_(ts), motion_(motion), loose_(loose_bodies(ts, motion)), hooks_(ts, motion, loose_, reuse_),
+      residual_(motion.discretisation().displacement.make_global()),
+      start_(motion.discretisation().displacement.make_global()) {
+  check(SNESCreate(motion_.discretisation().mesh.comm(), snes_.out()));
+  check(SNESSetOptionsPrefix(snes_, "motion_"));
+  check(SNESSetFunction(snes_, residual_, Callback<&MotionSolver::residual>::call, this));
+  refresh_matrix();
+  check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
+  // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish.
+  const ContactDemands demands = motion_.contacts().demands();
+  const bool full_steps = demands.closes_gaps || demands.frictional || !loose_.empty();
+  set_motion_solver(snes_, defaults, full_steps, motion_.jacobian() != motion_.matrix());
+  check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
+  hooks_.install(snes_);
+  choose_reuse(reuse);
+}
+
+// An iteration with MUMPS costs a third of one that factorises before (2D, 5e3 dofs). Gaps that the linear
+// solves close need directions of the iterate, though: 4 iterations with full Newton, 15 without (patch
+// test); and what contact alone holds has another mass in each matrix (H2).
+void MotionSolver::choose_reuse(double reuse) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  PetscBool factorises = PETSC_FALSE;
+  check(SNESGetKSP(snes_, &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
+  if (reuse >= 0)
+    reuse_ = TangentReuse(reuse);
+  else if (factorises && !motion_.contacts().demands().closes_gaps && loose_.empty())
+    reuse_ = TangentReuse(0.1);
+}
+
+Mailbox& MotionSolver::mailbox() { return time_mailbox(ts_); }
+
+PetscInt MotionSolver::most_iterations() const { return most_of(snes_); }
+
+Vec MotionSolver::left() const {
+  Vec left = nullptr;
+  check(SNESGetFunction(snes_, &left, nullptr, nullptr));
+  return left;
+}
+
+void MotionSolver::residual(SNES, Vec u, Vec f) {
+  const Vec a = rates_at(ts_, u).a_m;
+  if (motion_.residual(u, integrator_of(ts_).inertia ? a : nullptr, f)) return;
+  cell_broke_ = true;
+  check(SNESSetFunctionDomainError(snes_));
+}
+
+void MotionSolver::tangent(SNES, Vec u, Mat, Mat) {
+  const PetscReal mass_shift = rates_at(ts_, u).da_du;
+  if (!loose_.empty()) {
+    loose_.weigh(u, left());
+    if (loose_.unbalanced()) reuse_.forget();
+  }
+  if (reuse_.serves(snes_, motion_.step().dt, mass_shift)) return;
+  tangents_ += 1;
+  const bool sound = motion_.tangent(u, mass_shift);
+  if (!loose_.empty()) loose_.add_to(motion_.matrix());
+  if (sound) return;
+  reuse_.forget();
+  cell_broke_ = true;
+  check(SNESSetJacobianDomainError(snes_));
+}
+
+void MotionSolver::refresh_matrix() {
+  reuse_.forget();
+  check(SNESSetJacobian(snes_, motion_.jacobian(), motion_.matrix(), Callback<&MotionSolver::tangent>::call,
+                        this));
+}
+
+void MotionSolver::forget_factors() { impact::forget_factors(snes_); }
+
+bool MotionSolver::refresh_contact(Vec u) {
+  if (!motion_.update_contact(u)) return false;
+  // Another pattern: a new matrix, and the solver's factors with it.
+  forget_factors();
+  refresh_matrix();
+  return true;
+}
+
+void MotionSolver::begin_attempt(PetscInt number) {
+  counts_ = {.longest = number > 1 ? counts_.longest : 0};
+  if (number <= 1) second_way_first_ = false;
+  reuse_.forget();
+  cell_broke_ = false;
+  loose_.start_attempt();
+}
+
+Handle<Vec> MotionSolver::imposed(Vec u) {
+  Handle<Vec> goal = motion_.discretisation().displacement.make_global();
+  check(VecCopy(u, goal));
+  motion_.impose(goal);
+  refresh_contact(goal);
+  return goal;
+}
+
+// Prescribed nodes that jump ahead of their neighbours leave the whole increment to one layer of cells, and a
+// search for the smallest residual shortens the steps of slender bodies, whose linear answer stretches them
+// before the next iteration turns it. So the first iteration stands at the guess, takes the prescribed nodes
+// along and goes all the way.
+void MotionSolver::enter_step(Vec u, Vec goal) {
+  const Discretisation& d = motion_.discretisation();
+  const Handle<Vec> ahead = d.displacement.make_global();
+  motion_.rigid().retract(u);
+  check(VecWAXPY(ahead, -1, u, goal));
+  PetscReal largest = 0;
+  check(VecNorm(ahead, NORM_INFINITY, &largest));
+  // A jump below that strains the layer by so little that its answer is linear too.
+  const double small = 1e-7 * d.mesh.smallest_edge();
+  if (largest <= small) check(VecCopy(goal, u));
+  // What nothing holds yet has no such answer: its steps are limited ones (H3).
+  hooks_.conduct.goes_on = loose_.empty() && (largest > small || line_search_of(snes_) == SNESLINESEARCHL2) &&
+                           first_iteration(u, largest > small ? ahead.get() : nullptr, small / largest);
+  if (!hooks_.conduct.goes_on) check(VecCopy(goal, u));
+}
+
+// K_ff du_f = -r - K_fc du_c at u, where `ahead` is du_c, or null. False where there is nothing to do, or the
+// answer is no better than the guess: the energy's slope along the step, zero at the end if all was linear,
+// is still as large as at its start.
+bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  refresh_contact(u);
+  motion_.contacts().start_newton(u);
+  const Handle<Vec> r = layout.make_global(), other = layout.make_global(), step = layout.make_global(),
+                    start = layout.make_global();
+  PetscReal atol = 0, slope[2] = {0, 0}, norm[2] = {0, 0};
+  check(SNESGetTolerances(snes_, &atol, nullptr, nullptr, nullptr, nullptr));
+  hooks_.conduct.iterate = u;
+  tangents_ = 0;
+  check(VecCopy(u, start));
+  check(SNESComputeFunction(snes_, u, r));
+  if (ahead != nullptr) add_jump(u, ahead, part, r);
+  motion_.balance().start();
+  motion_.balance().judge(r, atol, rtol_);
+  if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
+  check(VecNorm(r, NORM_2, &norm[0]));
+  check(SNESMonitor(snes_, 0, norm[0])); // that of the next iteration follows, under the number 0 too
+  if (!linear_step(u, r, step)) return cell_broke_ = false;
+  check(VecAXPY(u, -1, step));
+  motion_.impose(u);
+  if (motion_.contacts().demands().closes_gaps) {
+    check(VecWAXPY(other, -1, start, u));
+    motion_.contacts().after_newton_step(start, other, u, false);
+    return true;
+  }
+  check(SNESComputeFunction(snes_, u, other));
+  check(VecDot(r, step, &slope[0]));
+  check(VecDot(other, step, &slope[1]));
+  check(VecNorm(other, NORM_2, &norm[1]));
+  if (cell_broke_ || !(std::abs(slope[1]) < std::abs(slope[0]))) return cell_broke_ = false;
+  if (norm[1] > reuse_.reduction() * norm[0]) reuse_.forget();
+  return true;
+}
+
+// r += K_fc du_c: a difference of the residual over a small `part` of du_c, whatever makes it up.
+void MotionSolver::add_jump(Vec u, Vec ahead, double part, Vec r) {
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  const Handle<Vec> start = layout.make_global(), there = layout.make_global(), here = layout.make_global();
+  check(VecCopy(u, start));
+  check(VecAXPY(u, part, ahead));
+  check(SNESComputeFunction(snes_, u, there));
+  check(VecCopy(r, here));
+  if (hooks_.closes_gaps()) {
+    hooks_.add_gaps(u, there);
+    hooks_.add_gaps(start, here);
+  }
+  check(VecCopy(start, u));
+  check(VecAXPY(there, -1, here));
+  check(VecAXPY(r, 1 / part, there));
+}
+
+bool MotionSolver::linear_step(Vec u, Vec r, Vec step) {
+  KSP ksp = nullptr;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  PetscInt linear = 0;
+  check(SNESComputeJacobian(snes_, u, motion_.jacobian(), motion_.matrix()));
+  check(SNESGetKSP(snes_, &ksp));
+  check(KSPSetOperators(ksp, motion_.jacobian(), motion_.matrix()));
+  check(KSPSolve(ksp, r, step));
+  check(KSPGetConvergedReason(ksp, &reason));
+  check(KSPGetIterationNumber(ksp, &linear));
+  counts_.newton += 1;
+  counts_.linear += linear;
+  return reason >= 0 && !cell_broke_;
+}
+
+SNESConvergedReason MotionSolver::solve(Vec u, PetscReal rtol, PetscInt most, bool second_way) {
+  const PetscInt most_by_options = most_iterations();
+  set_tolerances(snes_, rtol, most);
+  check(VecCopy(u, start_));
+  iterations_ = hooks_.conduct.goes_on ? 1 : 0;
+  const bool contact = !motion_.contacts().empty(), other_way = has_second_way();
+  SNESConvergedReason reason = SNES_DIVERGED_MAX_IT;
+  if (!second_way_first_) {
+    hooks_.conduct.watched = contact && other_way;
+    hooks_.conduct.follows_sliding = true;
+    reason = newton(u, most);
+    hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
+  }
+  const bool lost =
+      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
+  if (lost && other_way && second_way) {
+    // With contact both ways together take no more than one may; what has nothing left for the second one
+    // begins the next try of the step with it.
+    if (const PetscInt rest = contact ? most - iterations_ : most; rest > 0) reason = backtrack(u, rest);
+    if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
+  }
+  counts_.longest = std::max(counts_.longest, iterations_);
+  set_tolerances(snes_, rtol_, most_by_options);
+  return reason;
+}
+
+void MotionSolver::restart(Vec u) {
+  cell_broke_ = false;
+  check(VecCopy(start_, u));
+}
+
+bool MotionSolver::has_second_way() const {
+  const std::string search = line_search_of(snes_);
+  return !search.empty() && search != SNESLINESEARCHBT;
+}
+
+// Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
+// states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle. An
+// active set that does not come to rest: multipliers outside Newton's method do not change it.
+SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
+  const std::string first = line_search_of(snes_);
+  SNESLineSearch search = nullptr;
+  ++second_ways_;
+  check(SNESGetLineSearch(snes_, &search));
+  motion_.contacts().fall_back();
+  check(VecCopy(start_, u));
+  motion_.contacts().start_newton(u);
+  reuse_.forget();
+  check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  const SNESConvergedReason reason = newton(u, most);
+  check(SNESLineSearchSetType(search, first.c_str()));
+  return reason;
+}
+
+// One SNESSolve of at most so many iterations, a first one among them where the solve goes on from that.
+SNESConvergedReason MotionSolver::newton(Vec u, PetscInt most) {
+  tangents_ = hooks_.conduct.goes_on ? 1 : 0;
+  hooks_.conduct.iterate = u;
+  set_tolerances(snes_, PETSC_DEFAULT, std::max<PetscInt>(most - tangents_, 0));
+  loose_.start_solve();
+  check(SNESSolve(snes_, nullptr, u));
+  hooks_.conduct.goes_on = false;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  PetscInt iterations = 0, linear = 0;
+  check(SNESGetConvergedReason(snes_, &reason));
+  check(SNESGetIterationNumber(snes_, &iterations));
+  check(SNESGetLinearSolveIterations(snes_, &linear));
+  // No reason but a residual within its tolerance counts. A line search that found none smaller may have met
+  // its rounding, which the last tangent told.
+  if (reason > 0 && !motion_.balance().holds()) reason = SNES_DIVERGED_LINE_SEARCH;
+  if (reason == SNES_DIVERGED_LINE_SEARCH && !cell_broke_ && balanced(u))
+    reason = SNES_CONVERGED_FNORM_RELATIVE;
+  counts_.newton += iterations;
+  counts_.linear += linear;
+  counts_.hardest = std::max(counts_.hardest, tangents_);
+  iterations_ += iterations;
+  return reason;
+}
+
+bool MotionSolver::balanced(Vec u) {
+  PetscReal atol = 0, rtol = 0;
+  check(SNESGetTolerances(snes_, &atol, &rtol, nullptr, nullptr, nullptr));
+  check(SNESComputeFunction(snes_, u, residual_));
+  motion_.balance().judge(residual_, atol, rtol);
+  return motion_.balance().holds() && motion_.contacts().gaps_left(u, motion_.balance().force()).closed;
+}
+
+// What faces what is found between the Newton solves, so that a stride is one iteration.
+void MotionSolver::approach(Vec u) {
+  if (loose_.empty()) return;
+  const PetscInt most = most_iterations();
+  for (PetscInt stride = 0; stride < most && loose_.sees_only(u); ++stride) {
+    const SNESConvergedReason reason = newton(u, 1);
+    set_tolerances(snes_, PETSC_DEFAULT, most);
+    if (reason != SNES_DIVERGED_MAX_IT) return;
+    refresh_contact(u);
+  }
+}
+
+} // namespace impact

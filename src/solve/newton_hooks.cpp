@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/petsc/callback.hpp>
+#include <impact/solve/newton_hooks.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+// A residual within this multiple of its tolerance is near the solution.
+constexpr double near_balance = 10;
+
+} // namespace
+
+std::string line_search_of(SNES snes) {
+  SNESLineSearch search = nullptr;
+  SNESLineSearchType type = nullptr;
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchGetType(search, &type));
+  return type ? type : "";
+}
+
+NewtonHooks::NewtonHooks(TS ts, MotionProblem& motion, LooseBodies& loose, TangentReuse& reuse)
+    : motion_(motion), loose_(loose), reuse_(reuse), mailbox_(time_mailbox(ts)),
+      bare_residual_(motion.discretisation().displacement.make_global()) {}
+
+void NewtonHooks::install(SNES snes) {
+  // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
+  // was nearly zero by any factor.
+  if (motion_.contacts().demands().closes_gaps || !loose_.empty())
+    check(SNESSetDivergenceTolerance(snes, -1));
+  SNESLineSearch search = nullptr;
+  KSP ksp = nullptr;
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchSetPostCheck(search, Callback<&NewtonHooks::after_step>::call, this));
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPSetPreSolve(ksp, Callback<&NewtonHooks::before_linear_solve>::call, this));
+  check(KSPSetPostSolve(ksp, Callback<&NewtonHooks::after_linear_solve>::call, this));
+  check(SNESSetConvergenceTest(snes, Callback<&NewtonHooks::test>::call, this, nullptr));
+}
+
+// The step y led from x to the iterate w, where the residual is evaluated next.
+void NewtonHooks::after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed) {
+  const ContactDemands demands = motion_.contacts().demands();
+  const bool rigid = !motion_.rigid().empty();
+  if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
+  if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
+    check(VecWAXPY(w, -part, y, x));
+    *changed = PETSC_TRUE;
+  }
+  if (demands.reverses) {
+    check(VecWAXPY(w, -1, y, x));
+    *changed = PETSC_TRUE;
+  }
+  // Not w, unless a body turned, but the residual there.
+  if (demands.closes_gaps || rigid) *changed = PETSC_TRUE;
+  const Handle<Vec> step = motion_.discretisation().displacement.make_global();
+  check(VecWAXPY(step, -1, x, w));
+  motion_.rigid().retract(w);
+  if (motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding)) reuse_.forget();
+}
+
+bool NewtonHooks::closes_gaps() const {
+  const ContactDemands demands = motion_.contacts().demands();
+  return demands.closes_gaps || demands.reverses;
+}
+
+void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
+  if (!closes_gaps()) return;
+  check(VecCopy(rhs, bare_residual_));
+  add_gaps(conduct.iterate, rhs);
+}
+
+void NewtonHooks::after_linear_solve(KSP, Vec rhs, Vec du) {
+  if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
+  if (motion_.rigid().empty()) return;
+  motion_.rigid().place(conduct.iterate);
+  motion_.rigid().expand(du);
+}
+
+void NewtonHooks::add_gaps(Vec u, Vec f) {
+  Vec gaps = f;
+  Handle<Vec> apart; // the residual holds forces on rigid bodies already as those on their unknowns
+  if (!motion_.rigid().empty()) {
+    apart = motion_.discretisation().displacement.make_global();
+    gaps = apart;
+  }
+  motion_.contacts().add_gaps(u, motion_.step().contact_scale, gaps);
+  if (!apart) return;
+  motion_.rigid().place(u);
+  motion_.rigid().reduce(apart);
+  check(VecAXPY(f, 1, apart));
+}
+
+void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal norm,
+                       SNESConvergedReason* reason) {
+  ForceBalance& balance = motion_.balance();
+  if (it == 0) {
+    if (!conduct.goes_on) balance.start();
+    watch_.start(line_search_of(snes) == SNESLINESEARCHBASIC);
+    near_ = 0;
+    open_ = HUGE_VAL;
+  }
+  *reason = balance.test(snes, it, norm);
+  Vec u = nullptr;
+  check(SNESGetSolution(snes, &u));
+  if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
+      *reason > 0)
+    *reason = SNES_CONVERGED_ITERATING;
+  if (*reason == SNES_CONVERGED_ITERATING && conduct.watched && gives_up(norm))
+    *reason = SNES_DIVERGED_LOCAL_MIN;
+}
+
+// Whether nothing is left open that another iteration closes.
+bool NewtonHooks::gaps_settle(Vec u) {
+  const double before = open_;
+  const auto [closed, open] = motion_.contacts().gaps_left(u, motion_.balance().force());
+  open_ = open;
+  return closed || (open_ > before / 2 && open_ <= most_open);
+}
+
+bool NewtonHooks::gives_up(PetscReal norm) {
+  // Newton's method passes the last decade in an iteration or two, unless rounding is as large, or there are
+  // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
+  constexpr int most_near = 6;
+  watch_.note(norm);
+  if (motion_.balance().ratio() <= near_balance) ++near_;
+  return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
+}
+
+} // namespace impact

@@ -1,0 +1,133 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <impact/petsc/error.hpp>
+#include <impact/solve/solver_defaults.hpp>
+
+namespace impact {
+
+namespace {
+
+double longitudinal_speed(const MaterialParameters& p) { return std::sqrt((p.K + 4 * p.G / 3) / p.rho); }
+
+std::string option_text(const char* name) {
+  char text[128] = "";
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsGetString(nullptr, nullptr, name, text, sizeof(text), &set));
+  return set ? text : "";
+}
+
+int ranks_of(KSP ksp) {
+  int ranks = 1;
+  MPI_Comm_size(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), &ranks);
+  return ranks;
+}
+
+// Before the options are read.
+void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
+  const bool half = defaults.matrix == MatrixFormat::sbaij;
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  if (defaults.direct) {
+    check(KSPSetType(ksp, KSPPREONLY));
+    check(PCSetType(pc, half ? PCCHOLESKY : PCLU));
+    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  } else if (defaults.multigrid) {
+    check(KSPSetType(ksp, KSPGMRES));
+    // The blocks of bjacobi are factorised like the matrix of one rank: a symmetric format by ICC.
+    check(PCSetType(pc, !half ? PCGAMG : ranks_of(ksp) == 1 ? PCICC : PCBJACOBI));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, half ? 10000 : 1000));
+  } else {
+    check(KSPSetType(ksp, KSPCG));
+    check(PCSetType(pc, PCJACOBI));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
+  }
+}
+
+// Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
+void check_preconditioner(KSP ksp, MatrixFormat matrix) {
+  if (matrix != MatrixFormat::sbaij) return;
+  PC pc = nullptr;
+  PCType type = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(PCGetType(pc, &type));
+  const int ranks = ranks_of(ksp);
+  const std::string name = type ? type : PCNONE;
+  if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE) return;
+  if (name == PCICC && ranks == 1) return;
+  throw UserError(ExitCode::usage, "-motion_pc_type \"" + name +
+                                       "\": cannot work with -motion_mat_type sbaij; allowed: cholesky, " +
+                                       (ranks == 1 ? "icc, " : "") +
+                                       "bjacobi, jacobi, none; choose one of them, or -motion_mat_type aij");
+}
+
+} // namespace
+
+SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, bool inertia, double dt,
+                             SolverDemands demands, std::optional<MatrixFormat> matrix) {
+  SolverDefaults choice;
+  const auto dofs = d.mesh.global_node_count() * d.dim();
+  double speed = 0;
+  for (const MaterialAssignment& m : d.materials)
+    if (m.law.parameters.rho > 0 && !m.law.rigid())
+      speed = std::max(speed, longitudinal_speed(m.law.parameters));
+  choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
+  char text[160];
+  const bool small = dofs <= (d.dim() == 2 ? 100000 : 20000);
+  if (choice.resolves_waves() && !d.has_viscosity() && !demands.frictional && !demands.rigid &&
+      !(demands.closes_gaps && small)) {
+    choice.direct = false;
+    choice.symmetric = true;
+    std::snprintf(text, sizeof(text), "dt is %.3g times h/c_p", choice.cfl);
+  } else if (small) {
+    std::snprintf(text, sizeof(text), "%lld dofs", static_cast<long long>(dofs));
+  } else {
+    choice.direct = false;
+    choice.multigrid = true;
+    std::snprintf(text, sizeof(text), "%lld dofs", static_cast<long long>(dofs));
+  }
+  choice.reason = text;
+  const std::string ksp = option_text("-motion_ksp_type"), pc = option_text("-motion_pc_type");
+  // A preconditioner that only improves a guess wants a Krylov method around it.
+  const bool exact = pc.empty() || pc == "lu" || pc == "cholesky";
+  if (ksp.empty() && !exact && choice.direct) choice.direct = false, choice.multigrid = true;
+  if (!ksp.empty()) choice.symmetric = ksp == "cg" || ksp == "minres";
+  if (!ksp.empty() || !pc.empty()) choice.reason = "chosen by options";
+  if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
+  // Products and assembly of the half take less than half the time of a run with conjugate gradients.
+  const bool own = ksp.empty() && pc.empty() && !choice.direct && !choice.multigrid;
+  choice.matrix = matrix.value_or(own && choice.symmetric && !demands.unsymmetric ? MatrixFormat::sbaij
+                                                                                  : MatrixFormat::aij);
+  return choice;
+}
+
+void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell) {
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  SNESLineSearch search = nullptr;
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPGetPC(ksp, &pc));
+  set_linear_solver(ksp, defaults);
+  if (shell) {
+    // The preconditioner sees the bulk alone: a direct "solve" with it would solve the wrong system, and
+    // GAMG's smoothers must not take the shell for their matrix.
+    if (defaults.direct) check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+    check(KSPSetType(ksp, KSPGMRES));
+    check(PCSetUseAmat(pc, PETSC_FALSE));
+  }
+  // Secant search for the smallest residual norm along the step. Backtracking stalls where the volume is
+  // stiff (Cook's membrane, nu 0.4999: no convergence in 25 iterations, against 4), the search for a zero of
+  // the energy's slope where a crack opens.
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  check(SNESSetFromOptions(snes));
+  check_preconditioner(ksp, defaults.matrix);
+  PetscBool preonly = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &preonly));
+  if (shell && preonly)
+    throw UserError(ExitCode::usage,
+                    "-motion_ksp_type preonly: not with -contact_operator shell, whose preconditioner "
+                    "does not see the contact; use gmres, or -contact_operator assembled");
+}
+
+} // namespace impact

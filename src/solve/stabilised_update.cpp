@@ -1,0 +1,196 @@
+#include <impact/petsc/callback.hpp>
+#include <impact/petsc/log.hpp>
+#include <impact/solve/stabilised_update.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+// The projection as a SNES problem: shift M (w - goal) + s R_contact(w) = 0.
+struct Projection {
+  MotionProblem& motion;
+  double shift;
+  Vec goal;
+  Mailbox& letters;
+
+  void residual(SNES, Vec w, Vec f) { motion.projection_residual(w, goal, shift, f); }
+  void tangent(SNES, Vec w, Mat, Mat) { motion.projection_tangent(w, shift); }
+  Mailbox& mailbox() { return letters; }
+};
+
+// For a scope contacts are those of the projection.
+class ProjectedContacts {
+public:
+  explicit ProjectedContacts(ContactSet& contacts) : contacts_(contacts) { contacts_.begin_projection(); }
+  ProjectedContacts(const ProjectedContacts&) = delete;
+  ProjectedContacts& operator=(const ProjectedContacts&) = delete;
+  ~ProjectedContacts() { contacts_.end_projection(); }
+
+private:
+  ContactSet& contacts_;
+};
+
+} // namespace
+
+StabilisedUpdate::StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& solver, StateTable& state,
+                                   bool stabilise, bool unilateral)
+    : ts_(ts), motion_(motion), solver_(solver), state_(state), stabilise_(stabilise),
+      unilateral_(unilateral), shock_(motion.discretisation().displacement.make_global()),
+      acceleration_(motion.discretisation().displacement.make_global()) {}
+
+void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
+  const InStage stage(Stage::motion);
+  check(VecSet(acceleration_, 0));
+  if (stabilise_ || unilateral_) take_out_step_forces(contact_force, u, v, a);
+  if (!motion_.rigid().empty()) take_out_rigidity(contact_force, u, v, a);
+}
+
+// The forces that act over the step as a whole: of contact, and of what is crushed.
+void StabilisedUpdate::take_out_step_forces(Vec contact_force, Vec u, Vec v, Vec a) {
+  const Handle<Vec> force = motion_.discretisation().displacement.make_global();
+  PetscReal size = 0;
+  if (stabilise_) check(VecCopy(contact_force, force));
+  if (unilateral_) {
+    motion_.parts(u, forces_);
+    check(VecAXPY(force, -1, forces_.unilateral));
+  }
+  check(VecNorm(force, NORM_INFINITY, &size));
+  if (size == 0) return;
+  const Integrator& p = integrator_of(ts_);
+  check(VecScale(force, 1 / (2 * p.beta)));
+  motion_.mass_solve(force, acceleration_);
+  check(VecAXPY(a, -1, acceleration_));
+  check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), acceleration_));
+}
+
+void StabilisedUpdate::take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a) {
+  // What remains of the acceleration is that by the forces, the contact's only where it is not stabilised.
+  const Discretisation& d = motion_.discretisation();
+  const Integrator& p = integrator_of(ts_);
+  ForceParts forces;
+  motion_.parts(u, forces);
+  if (!stabilise_) check(VecAXPY(forces.external, 1, contact_force));
+  const Handle<Vec> kept = d.displacement.make_global(), before = d.displacement.make_global(),
+                    taken = d.displacement.make_global();
+  check(VecCopy(a, kept));
+  motion_.rigid().accelerate(forces.external, kept);
+  d.displacement.to_global(state_.row("a").committed, before);
+  // a_m = alpha_m a + (1 - alpha_m) a_n is what the forces give.
+  check(VecAXPBYPCZ(taken, -1 / p.alpha_m, (1 - p.alpha_m) / p.alpha_m, 0, kept, before));
+  check(VecAXPY(taken, 1, a));
+  motion_.rigid().keep_bodies_only(taken);
+  check(VecAXPY(a, -1, taken));
+  check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), taken));
+  check(VecAXPY(acceleration_, 1, taken));
+}
+
+void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
+  const InStage stage(Stage::motion);
+  const Discretisation& d = motion_.discretisation();
+  check(VecSet(shock_, 0));
+  const ProjectedContacts projected(motion_.contacts());
+  RigidBodies& rigid = motion_.rigid();
+  // Rigid bodies: among rigid motions, and only what contact changes counts.
+  const Handle<Vec> predictor = d.displacement.make_global(), start = d.displacement.make_global();
+  check(VecCopy(u_tilde, predictor));
+  if (!rigid.empty()) {
+    rigid.test_in_the_middle(false);
+    rigid.retract(u_tilde);
+  }
+  check(VecCopy(u_tilde, start));
+  solver_.refresh_contact(u_tilde);
+  const bool strikes =
+      motion_.contacts().review(u_tilde).penetration > 0 && project(attempt, predictor, u_tilde, v);
+  if (!strikes) check(VecCopy(start, u_tilde));
+  if (!rigid.empty()) {
+    rigid.test_in_the_middle(true);
+    if (!strikes) rigid.put_change(u_tilde, start, predictor);
+  }
+  motion_.balance().forget();
+}
+
+// Projects u_tilde; false, with u_tilde undefined, where that does not converge: without projection the step
+// is still energy decaying, only less smooth.
+bool StabilisedUpdate::project(const Attempt& attempt, Vec goal, Vec u_tilde, Vec v) {
+  const double dt = attempt.dt;
+  if (const SNESConvergedReason reason = minimise(dt, goal, u_tilde); reason < 0) {
+    warn(attempt.t_n, reason);
+    return false;
+  }
+  motion_.contacts().keep_shock(u_tilde, shock_);
+  // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  const Handle<Vec> force = layout.make_global(), gain = layout.make_global(); // gain: of v, over dt
+  check(VecCopy(shock_, force));
+  motion_.mass_solve(force, gain);
+  motion_.rigid().strike(shock_, gain);
+  check(VecAXPY(v, dt, gain));
+  check(VecWAXPY(u_tilde, dt * dt, gain, goal));
+  return true;
+}
+
+// Takes w to the projection of `goal`, with the contact's own enforcement.
+SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
+  const Discretisation& d = motion_.discretisation();
+  Projection problem{motion_, integrator_of(ts_).mass_shift(dt), goal, time_mailbox(ts_)};
+  const Handle<Vec> f = d.displacement.make_global();
+  Handle<SNES> snes;
+  solver_.reuse().forget();
+  motion_.balance().forget();
+  check(SNESCreate(d.mesh.comm(), snes.out()));
+  check(SNESSetKSP(snes, projection_solver()));
+  check(SNESSetFunction(snes, f, Callback<&Projection::residual>::call, &problem));
+  check(SNESSetJacobian(snes, motion_.jacobian(), motion_.matrix(), Callback<&Projection::tangent>::call,
+                        &problem));
+  check(SNESSetTolerances(snes, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
+  // Full steps: the problem is convex, and a search for a smaller residual stalls where a point opens or
+  // closes.
+  SNESLineSearch search = nullptr;
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  solver_.hooks().install(snes);
+  solver_.hooks().conduct.iterate = w;
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  motion_.contacts().start_augmentation();
+  for (int pass = 0; pass < 10; ++pass) {
+    check(SNESSolve(snes, nullptr, w));
+    check(SNESGetConvergedReason(snes, &reason));
+    if (reason <= 0) break;
+    bool converged = true;
+    for (ContactInterface& contact : motion_.contacts()) converged = contact.review(w).converged && converged;
+    if (converged) break;
+    for (ContactInterface& contact : motion_.contacts()) contact.augment(w);
+  }
+  return reason;
+}
+
+void StabilisedUpdate::warn(double t_n, SNESConvergedReason reason) {
+  if (!warned_)
+    check(PetscPrintf(motion_.discretisation().mesh.comm(),
+                      "impact: the predictor of the step from t = %.10g could not be projected on the "
+                      "contact (%s); it is taken as it is, here and wherever that happens again\n",
+                      t_n, SNESConvergedReasons[reason]));
+  warned_ = true;
+}
+
+// The motion's own solver, unless that needs a definite matrix: a pressed point on a vertex makes it
+// indefinite.
+KSP StabilisedUpdate::projection_solver() {
+  KSP ksp = nullptr;
+  PetscBool definite = PETSC_FALSE;
+  check(SNESGetKSP(solver_.snes(), &ksp));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(ksp), &definite, KSPCG, KSPMINRES, ""));
+  if (!definite) return ksp;
+  if (!projection_ksp_) {
+    PC pc = nullptr;
+    check(KSPCreate(motion_.discretisation().mesh.comm(), projection_ksp_.out()));
+    check(KSPSetType(projection_ksp_, KSPGMRES));
+    check(KSPSetTolerances(projection_ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+    check(KSPGetPC(projection_ksp_, &pc));
+    check(PCSetType(pc, PCJACOBI)); // mass and a few penalties: well conditioned by its diagonal
+  }
+  return projection_ksp_;
+}
+
+} // namespace impact

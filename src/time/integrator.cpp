@@ -1,0 +1,86 @@
+#include <cmath>
+#include <impact/petsc/error.hpp>
+#include <impact/time/integrator.hpp>
+#include <limits>
+
+namespace impact {
+
+Integrator newmark_with_radius(PetscReal rho) {
+  const PetscReal alpha_m = 2 / (1 + rho);
+  return {.beta = alpha_m * alpha_m / 4, .gamma = alpha_m - 0.5, .alpha_m = alpha_m};
+}
+
+Integrator::Coefficients Integrator::coefficients(PetscReal dt) const {
+  return {.chi1 = 1 / (beta * dt * dt),
+          .chi3 = s / (2 * beta) - 1,
+          .chi4 = gamma / (beta * dt),
+          .chi6 = dt * (1 - s * gamma / (2 * beta))};
+}
+
+// With z the amplification and y = (z - 1)/(z + 1) the oscillator a + omega^2 u = 0 gives
+//   4 y^2 (1 + (2 alpha_m - 1) y) + (omega dt)^2 (1 + y) (1 + b y + c y^2) = 0,
+// whose roots have no positive real part under the conditions of Hurwitz, all linear in (omega dt)^2.
+PetscReal Integrator::stability_limit() const {
+  const PetscReal b = 2 * gamma + s - 2, c = 4 * beta - 2 * gamma - s + 1;
+  PetscReal square = std::numeric_limits<PetscReal>::infinity();
+  const auto at_least_zero = [&](PetscReal constant, PetscReal slope) {
+    if (constant < 0) square = 0;
+    if (slope < 0) square = std::min(square, std::max<PetscReal>(-constant / slope, 0));
+  };
+  at_least_zero(4 * (2 * alpha_m - 1), c);
+  at_least_zero(4, b + c);
+  at_least_zero(1 + b, 0);
+  at_least_zero(4 * (2 + b - 2 * alpha_m), 4 * beta * b);
+  return std::sqrt(square);
+}
+
+namespace {
+
+PetscReal dot(Vec x, Vec y) {
+  PetscReal value = 0;
+  check(VecDot(x, y, &value));
+  return value;
+}
+
+} // namespace
+
+// With kappa = beta - gamma/2, delta = gamma - 1/2, mu = alpha_m - 1, da = a - a_n:
+//   du = dt (v_start + v)/2 + kappa dt^2 da + (s - 1)/2 dt^2 a_n,   v - v_start = dt ((a_n + a)/2 + delta da
+//   + f).
+IntegratorEnergy Integrator::energy(const IntegratorStep& step) const {
+  const PetscReal kappa = beta - gamma / 2, delta = gamma - 0.5, mu = alpha_m - 1, dt = step.dt;
+  const PetscReal square_n = dot(step.a_n, step.Ma_n), square = dot(step.a, step.Ma),
+                  mixed = dot(step.a_n, step.Ma),
+                  of_change = square - 2 * mixed + square_n; // da . M da
+  const PetscReal v_da = dot(step.v, step.Ma) - dot(step.v, step.Ma_n),
+                  start_da = dot(step.v_start, step.Ma) - dot(step.v_start, step.Ma_n),
+                  du_da = dot(step.du, step.Ma) - dot(step.du, step.Ma_n);
+  const PetscReal f_a = dot(step.f, step.Ma), f_a_n = dot(step.f, step.Ma_n), f_f = dot(step.f, step.Mf);
+  IntegratorEnergy e;
+  e.loss = kappa * dt * dt * ((square - square_n) / 2 + f_a - f_a_n) - delta * dt * (start_da + v_da) / 2 +
+           (mu * du_da + dot(step.du, step.lag)) / 2; // (N1)
+  if (s != 1) {
+    e.loss += (s - 1) / 2 * dt * dt * ((square_n + mixed) / 2 + f_a_n);
+    return e;
+  }
+  const PetscReal whole = square + 2 * f_a + f_f, whole_n = square_n + 2 * f_a_n + f_f; // with f
+  const PetscReal theta = kappa / 2 * ((mu - 0.5) * (mu - 0.5) + 1.5 * mu) + mu / 8 * (2 * mu * mu + delta);
+  const PetscReal df_df = dot(step.df, step.Mdf), df_a_n = dot(step.df, step.Ma_n),
+                  df_da = dot(step.df, step.Ma) - df_a_n, df_lag = dot(step.df, step.lag),
+                  sigma = (0.5 + delta + 2 * kappa) / 2; // 4 times, over mu
+  e.grown = theta * dt * dt * df_df;
+  e.kept = kappa / 2 * dt * dt * whole - mu / 2 * dt * v_da +
+           mu / 8 * dt * dt * (whole + whole_n + (2 * kappa + delta - 0.5) * of_change) - e.grown; // (N2)
+  e.exchange = -dt * dt *
+                   ((kappa + mu / 2) * (df_a_n + dot(step.df, step.Mf) - df_df / 2) - df_lag / 4 +
+                    sigma * (mu * (df_da + df_df) + df_lag)) +
+               e.grown - step.grown + dt / 2 * dot(step.struck, step.lag); // (N3)
+  return e;
+}
+
+PetscReal Integrator::kept_at_start(PetscReal dt, Vec a, Vec Ma) const {
+  if (s != 1) return 0;
+  return (beta - gamma / 2 + (alpha_m - 1) / 2) / 2 * dt * dt * dot(a, Ma);
+}
+
+} // namespace impact
