@@ -1,43 +1,51 @@
+#include <algorithm>
+#include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
 
 namespace impact {
 
-bool Discretisation::has_damage() const {
+namespace {
+
+template <class Test> bool any_law(const Discretisation& d, Test&& test) {
+  return std::any_of(d.materials.begin(), d.materials.end(),
+                     [&](const MaterialAssignment& m) { return test(m.law); });
+}
+
+} // namespace
+
+double Discretisation::softest_modulus() const {
+  double softest = HUGE_VAL;
   for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.damage != Damage::none) return true;
-  return false;
+    if (const MaterialParameters& p = m.law.parameters; !m.law.rigid())
+      softest = std::min(softest, 9 * p.K * p.G / (3 * p.K + p.G));
+  return softest;
+}
+
+bool Discretisation::has_damage() const {
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.damage != Damage::none; });
 }
 
 bool Discretisation::has_fatigue() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.fatigues()) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.fatigues(); });
 }
 
 bool Discretisation::has_viscosity() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.b_d > 0) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.b_d > 0; });
 }
 
 bool Discretisation::has_plasticity() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.model == Model::j2) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.model == Model::j2; });
 }
 
 bool Discretisation::has_heat() const {
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.c_v > 0) return true;
-  return false;
+  return any_law(*this, [](const PointLaw& law) { return law.parameters.c_v > 0; });
 }
 
 bool Discretisation::temperature_moves() const {
-  if (!has_heat()) return false;
-  for (const MaterialAssignment& m : materials)
-    if (m.law.parameters.alpha_t != 0 || m.law.softens()) return true;
-  return false;
+  return has_heat() &&
+         any_law(*this, [](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
 }
 
 std::size_t point_values(const CellGroup& group, int components) {
@@ -71,7 +79,7 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
       }
     }
   int clash[2] = {first, second};
-  MPI_Allreduce(MPI_IN_PLACE, clash, 2, MPI_INT, MPI_MAX, mesh.comm());
+  max_over_ranks(mesh.comm(), clash);
   if (clash[0] >= 0)
     throw UserError(ExitCode::data, "-material_" + materials[at(clash[0])].law.parameters.id +
                                         "_region and -material_" + materials[at(clash[1])].law.parameters.id +

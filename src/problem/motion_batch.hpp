@@ -16,34 +16,31 @@ struct MotionFields {
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
 template <class Cell, Frame frame> struct MotionBatch {
-  static constexpr std::size_t vector_size = at(Cell::nodes * Cell::dim);
-  std::array<Batch, vector_size> X, u, u_n, accel;
-  std::array<Batch, at(Cell::nodes)> phi, theta;
+  Batches<Cell::nodes * Cell::dim> X, u, u_n, accel;
+  Batches<Cell::nodes> phi, theta;
   PointValues<Cell, history_size(frame)> history;
   PointValues<Cell, drive_size> drive;
   MotionInput in;
 
-  MotionBatch(const CellGroup& group, int batch, const MotionFields& fields, std::size_t history_offset,
-              std::size_t drive_offset = 0) {
-    const auto read = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
+  MotionBatch(const CellBatch<Cell, frame>& batch, const MotionFields& fields) {
+    const auto nodal = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
       if (field == nullptr) return nullptr;
-      gather<Cell, components>(group, batch, field->data(), values.data());
+      gather<Cell, components>(batch.group, batch.number, field->data(), values.data());
       return values.data();
     };
-    in.X = read.template operator()<Cell::dim>(fields.X, X);
-    in.u = read.template operator()<Cell::dim>(fields.u, u);
-    in.u_n = read.template operator()<Cell::dim>(fields.u_n, u_n);
-    in.accel = read.template operator()<Cell::dim>(fields.accel, accel);
-    in.phi = read.template operator()<1>(fields.phi, phi);
-    in.theta = read.template operator()<1>(fields.theta, theta);
-    if (fields.history != nullptr) {
-      history.load(*fields.history, history_offset, batch);
-      in.history = history.data();
-    }
-    if (fields.drive != nullptr) {
-      drive.load(*fields.drive, drive_offset, batch);
-      in.drive = drive.data();
-    }
+    const auto points = [&](const std::vector<double>* row, auto& values) -> const Batch* {
+      if (row == nullptr) return nullptr;
+      batch.load(*row, values);
+      return values.data();
+    };
+    in.X = nodal.template operator()<Cell::dim>(fields.X, X);
+    in.u = nodal.template operator()<Cell::dim>(fields.u, u);
+    in.u_n = nodal.template operator()<Cell::dim>(fields.u_n, u_n);
+    in.accel = nodal.template operator()<Cell::dim>(fields.accel, accel);
+    in.phi = nodal.template operator()<1>(fields.phi, phi);
+    in.theta = nodal.template operator()<1>(fields.theta, theta);
+    in.history = points(fields.history, history);
+    in.drive = points(fields.drive, drive);
     in.dt = fields.dt;
     in.unilateral = fields.unilateral;
   }

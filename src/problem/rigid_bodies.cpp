@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <limits>
+#include <span>
 
 /// Motion of rigid bodies: what a solve and a step need. Set-up: rigid_bodies_setup.cpp.
 namespace impact {
@@ -53,7 +55,8 @@ template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight w
     }
   }
   static_assert(sizeof(Sums) == 12 * sizeof(double));
-  MPI_Allreduce(MPI_IN_PLACE, total.data(), static_cast<int>(12 * total.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  const std::span<double> all(reinterpret_cast<double*>(total.data()), 12 * total.size());
+  sum_over_ranks(comm_, all);
   return total;
 }
 
@@ -196,8 +199,9 @@ void RigidBodies::place(Vec u) {
   }
 }
 
-void RigidBodies::reduce(Vec f, const std::vector<double>* acceleration) {
+void RigidBodies::reduce(Vec u, Vec f, const std::vector<double>* acceleration) {
   if (empty()) return;
+  place(u);
   std::vector<Sums> total = sums_of(Weight::one, f);
   if (acceleration != nullptr) {
     const std::vector<Sums> inertia =
@@ -225,8 +229,9 @@ void RigidBodies::reduce(Vec f, const std::vector<double>* acceleration) {
   if (acceleration != nullptr || !dynamic_) forces_ = std::move(total);
 }
 
-void RigidBodies::expand(Vec du) const {
+void RigidBodies::expand(Vec u, Vec du) {
   if (empty()) return;
+  place(u);
   std::vector<double> change(6 * bodies_.size(), 0.0);
   {
     const Owned values(du);
@@ -238,7 +243,7 @@ void RigidBodies::expand(Vec du) const {
           change[6 * b + 3 + at(k)] = values[slot_row_[b][1] + k];
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  sum_over_ranks(comm_, change);
   set_nodes(du, [&](std::size_t i, double* mine) {
     const auto b = at(body_[i]);
     double mode[6];
@@ -251,7 +256,8 @@ void RigidBodies::expand(Vec du) const {
   });
 }
 
-void RigidBodies::add_tangent(double mass_shift, Mat K) const {
+void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
+  place(u);
   const int width = dim_ + reduction_.rotations();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (slot_row_[b][0] < 0) continue;
@@ -344,11 +350,10 @@ double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acce
     check(VecCopy(f, other));
     return other;
   }();
-  place(u);
   std::vector<Sums> kept = forces_;
   std::vector<double> still;
   if (acceleration == nullptr) still.assign(at(dim_) * body_of_node_.size(), 0.0);
-  reduce(copy, acceleration != nullptr ? acceleration : &still);
+  reduce(u, copy, acceleration != nullptr ? acceleration : &still);
   double work = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidPlace& place = reduction_.bodies()[b];

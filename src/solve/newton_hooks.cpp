@@ -74,9 +74,7 @@ void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
 
 void NewtonHooks::after_linear_solve(KSP, Vec rhs, Vec du) {
   if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
-  if (motion_.rigid().empty()) return;
-  motion_.rigid().place(conduct.iterate);
-  motion_.rigid().expand(du);
+  motion_.rigid().expand(conduct.iterate, du);
 }
 
 void NewtonHooks::add_gaps(Vec u, Vec f) {
@@ -88,8 +86,7 @@ void NewtonHooks::add_gaps(Vec u, Vec f) {
   }
   motion_.contacts().add_gaps(u, motion_.step().contact_scale, gaps);
   if (!apart) return;
-  motion_.rigid().place(u);
-  motion_.rigid().reduce(apart);
+  motion_.rigid().reduce(u, apart);
   check(VecAXPY(f, 1, apart));
 }
 

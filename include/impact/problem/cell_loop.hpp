@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 #include <impact/problem/discretisation.hpp>
+#include <optional>
 #include <span>
 
 /// The loop over batches of cells: gather, kernel, scatter, with the shape and the frame as compile-time
@@ -73,6 +74,12 @@ template <int n> void mask(const Batch* free, Batch* K) {
     for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
 }
 
+template <int n> Batch trace(const Batch* K) {
+  Batch sum = K[0];
+  for (int i = 1; i < n; ++i) sum += K[i * n + i];
+  return sum;
+}
+
 /// One batch of the loop below. Fields are local arrays [node][components], rows
 /// [group][batch][point][component] [lane].
 template <class Cell_, Frame frame_> struct CellBatch {
@@ -127,5 +134,6 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
   }
 }
 inline constexpr auto all_laws = [](const PointLaw&) { return true; };
+inline constexpr auto deformable = [](const PointLaw& law) { return !law.rigid(); };
 
 } // namespace impact

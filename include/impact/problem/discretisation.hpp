@@ -30,6 +30,7 @@ struct Discretisation {
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
   std::size_t node_values(int components) const { return at(mesh.node_count() * components); }
+  double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
   bool has_damage() const;
   bool has_fatigue() const;
   bool has_viscosity() const;

@@ -1,11 +1,7 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
-#include <impact/mesh/sparse_assembly.hpp>
-#include <impact/petsc/handle.hpp>
-#include <impact/problem/boundary_data.hpp>
-#include <impact/problem/discretisation.hpp>
 #include <impact/problem/force_balance.hpp>
-#include <impact/problem/rigid_bodies.hpp>
+#include <impact/problem/mass.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
 #include <string>
@@ -52,6 +48,7 @@ struct ForceParts {
   Handle<Vec> unilateral; ///< of m tau-, which `internal` then lacks; null where it acts like the rest
 };
 
+// Members beyond twelve: what is given at construction, and the work arrays of three evaluations.
 class MotionProblem {
 public:
   /// `rigid` may be null: no rigid bodies. Without `solved` bodies stay where they are: nothing but the
@@ -66,8 +63,8 @@ public:
   void begin(const MotionStep& step);
   const MotionStep& step() const { return step_; }
 
-  /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Collective.
-  /// Returns false on all ranks when a cell lost its meaning anywhere.
+  /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Returns false on
+  /// all ranks when a cell lost its meaning anywhere. Collective.
   bool residual(Vec u, Vec a, Vec f);
   /// Tangent of R with mass_shift times the mass; prescribed rows and columns carry the mean diagonal.
   /// Collective.
@@ -79,9 +76,6 @@ public:
 
   /// Imposes the prescribed values of time t on u, and on rigid bodies the nearest rigid motion. Collective.
   void impose(Vec u) const;
-  /// Rigid bodies, empty where there are none. What they reduce must be reduced about the same state: place
-  /// first.
-  RigidBodies& rigid() { return *rigid_; }
   /// Work of the reactions of rigid bodies' prescribed motion in the attempt, and these into their row;
   /// acceleration: that of the balance, or null without inertia; factor: what of the missing force acts over
   /// the step. Collective.
@@ -100,11 +94,8 @@ public:
 
   /// Parts of the residual at u, prescribed rows included. Collective.
   void parts(Vec u, ForceParts& parts);
-  /// y = M x, prescribed rows included. Collective.
-  void mass_multiply(Vec x, Vec y);
-  /// Solves M x = b on free dofs (prescribed entries of x keep their values, their columns lifted).
-  /// Collective.
-  void mass_solve(Vec b, Vec x);
+  void mass_multiply(Vec x, Vec y) { mass_.multiply(x, y); }
+  void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
 
   /// Projection of a predictor on the admissible set: residual shift M (w - u_tilde) + s R_contact(w) and its
   /// tangent, which takes the place of the motion's in matrix(). Collective.
@@ -114,6 +105,9 @@ public:
   const Discretisation& discretisation() const { return d_; }
   const BoundaryData& boundary() const { return boundary_; }
   ContactSet& contacts() { return contacts_; }
+  const ContactSet& contacts() const { return contacts_; }
+  /// Empty where there are none.
+  RigidBodies& rigid() { return *rigid_; }
   /// Which cell broke most, of all ranks: "cell inverted (J=-2) at x=(0,1) in material a"; empty without any.
   /// Collective.
   std::string broken_text() const;
@@ -132,15 +126,11 @@ private:
                  std::vector<double>& r);
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   void add_pressure_tangent(const std::vector<double>& u);
-  void note_broken(const CellGroup& group, int batch, int bad, const Batch& min_J);
+  bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
   void rebuild_matrix();
-  void build_mass();
-  double add_mass(SparseAssembly& assembly, double factor, bool masked) const;
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);
   void make_shell();
-  void zero_fixed(Vec f) const;
-  bool rigid_cells(const CellGroup& group) const { return d_.law(group).rigid(); }
 
   const Discretisation& d_;
   StateTable& state_;
@@ -148,28 +138,21 @@ private:
   ContactSet& contacts_;
   RigidBodies no_bodies_;
   RigidBodies* rigid_;
-  bool symmetric_;
+  bool symmetric_, solved_;
   ContactOperator operator_;
   MatrixFormat format_;
-  bool solved_;
+  MotionRows rows_;
+  MassMatrix mass_;
+  StateRow &history_, &drive_;
   MotionStep step_;
   std::optional<SparseAssembly> assembly_;
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
-  std::vector<double> dead_load_, body_; // of the step's time
-  bool has_body_force_ = false;
-  std::vector<double> free_;                    // 1 on free dofs, 0 on prescribed ones and in rigid bodies
-  std::vector<int> owned_fixed_;                // owned local prescribed dofs
-  std::vector<int> identity_, massless_;        // owned dofs without a row: in the tangent; of the mass alone
-  std::vector<char> no_row_;                    // 1 on prescribed dofs and in rigid bodies [node][dim]
-  std::vector<std::vector<char>> held_batches_; // [group][batch]: has prescribed dofs
-  std::vector<std::size_t> history_offset_, drive_offset_, dissipation_offset_, stress_offset_;
+  std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
   const std::vector<CellGroup> no_groups_;
   BrokenCell broken_;
   double reference_force_ = 0;
-  Handle<Mat> mass_, mass_free_; // consistent mass; with prescribed rows and columns as identity
-  Handle<KSP> mass_solver_;
   ForceBalance balance_;
-  Handle<Vec> work_, cells_diagonal_, diagonal_;
+  Handle<Vec> cells_diagonal_, diagonal_;
   Handle<Mat> shell_;         // with ContactOperator::shell
   Handle<Vec> linearised_at_; // where the shell's contact tangent is taken
 };

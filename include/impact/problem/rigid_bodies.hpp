@@ -88,17 +88,16 @@ public:
   void put_change(Vec u, Vec from, Vec to) const;
   /// Zero on all other nodes.
   void keep_bodies_only(Vec f) const;
-  /// Sets the state about which reduce, expand and add_tangent work. Collective.
-  void place(Vec u);
-  /// Forces of a residual, f [node][dim], with `acceleration` (local, or null) also inertia, become those on
-  /// the unknowns of the bodies, zero where these are prescribed. Collective.
-  void reduce(Vec f, const std::vector<double>* acceleration = nullptr);
-  /// Change of the unknowns becomes that of the nodes. Collective.
-  void expand(Vec du) const;
-  /// Inertia and the turning of the arms of the forces that the last `reduce` with `acceleration` saw, by
-  /// MatSetValues; the caller assembles. `symmetric`: of that the symmetric part, and test functions of the
-  /// middle of the step on both sides.
-  void add_tangent(double mass_shift, Mat K) const;
+  /// Forces of a residual at u, f [node][dim], with `acceleration` (local, or null) also inertia, become
+  /// those on the unknowns of the bodies, zero where these are prescribed. Collective.
+  void reduce(Vec u, Vec f, const std::vector<double>* acceleration = nullptr);
+  /// Change of the unknowns about u becomes that of the nodes. Collective.
+  void expand(Vec u, Vec du);
+  /// At u: inertia and the turning of the arms of the forces that the last `reduce` with `acceleration` saw,
+  /// by MatSetValues; the caller assembles. Comes before the tangents of contacts, whose reduction to the
+  /// bodies' unknowns is that of the last u. `symmetric`: of that the symmetric part, and test functions of
+  /// the middle of the step on both sides. Collective.
+  void add_tangent(Vec u, double mass_shift, Mat K);
   /// Trial functions take the place of the test functions, so that contact tangents stay symmetric.
   void use_symmetric_tangent(bool symmetric) { symmetric_ = symmetric; }
 
@@ -132,6 +131,7 @@ private:
   std::vector<Sums> sums_of(Weight weight, Vec f) const;
   std::vector<RigidPose> poses(const std::vector<Sums>& of_u) const;
   template <class Field> void set_nodes(Vec u, Field&& field) const;
+  void place(Vec u);
   RigidPose admissible(std::size_t body, RigidPose pose) const;
   Vector3 rotation_data(const RigidBody& body, double t) const;
   bool turns_as_told(const RigidBody& body) const;

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-/// What watches accepted steps: field files, the history file, probes and measures. Reads committed state
+/// Watchers of accepted steps: field files, the history file, probes and measures. Reads committed state
 /// only.
 namespace impact {
 

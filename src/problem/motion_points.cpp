@@ -1,0 +1,63 @@
+#include "motion_batch.hpp"
+#include <algorithm>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <impact/problem/motion.hpp>
+
+/// The law at the solution: trial history, what drives damage, and what heat takes from the motion.
+namespace impact {
+
+bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
+  const Timed timed(Event::motion_points);
+  d_.displacement.to_local(u, u_);
+  const std::size_t materials = d_.materials.size();
+  std::vector<double> lost(3 + 2 * materials, 0.0);
+  // The unilateral stress of broken points acts over the step as a whole: not in the stress of its end, and
+  // twice in what does work over the step.
+  const bool apart = heat.stress && step_.unilateral_scale != 1;
+  double least = 0;
+  bool sound = true;
+  for_each_batch(d_, deformable, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    const PointLaw& law = batch.law;
+    MotionFields fields = step_fields(u_, nullptr, law);
+    fields.unilateral = apart ? 0 : 1;
+    if (law.softens()) fields.drive = &drive_.committed;
+    const MotionBatch<Cell, frame> cells(batch, fields);
+    PointValues<Cell, history_size(frame)> next;
+    PointValues<Cell, drive_size> driving;
+    PointValues<Cell, 1> dissipation;
+    PointValues<Cell, gradient_size(frame)> stress;
+    StepSums step;
+    const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
+                        heat.stress ? stress.data() : nullptr};
+    Batch* const trial = keeps_history(law) ? next.data() : nullptr;
+    if (apart && heat.step_stress) {
+      MotionInput in = cells.in;
+      in.unilateral = 2;
+      StepSums unused;
+      motion_advance<Cell, frame>(law, in, trial, nullptr, unused, {nullptr, stress.data()});
+      batch.store(stress, *heat.step_stress);
+    }
+    const CellStatus status = motion_advance<Cell, frame>(law, cells.in, trial, driving.data(), step, feed);
+    sound = batch.broken(status.bad) == 0 && sound;
+    if (keeps_history(law)) batch.store(next, history_.trial);
+    batch.store(driving, drive_.trial);
+    if (heat.dissipation) batch.store(dissipation, *heat.dissipation);
+    if (heat.stress) batch.store(stress, *heat.stress);
+    if (heat.step_stress && !apart) batch.store(stress, *heat.step_stress);
+    const double plastic = batch.sum(step.plastic_dissipation), viscous = batch.sum(step.viscous_dissipation);
+    lost[0] += plastic;
+    lost[1] += viscous;
+    lost[2] += batch.sum(step.plastic_work);
+    lost[3 + batch.material()] += plastic;
+    lost[3 + materials + batch.material()] += viscous;
+    for (int l = 0; l < batch.used(); ++l) least = std::min(least, step.least_dissipation[l]);
+  });
+  sum_over_ranks(d_.mesh.comm(), lost);
+  const auto part = lost.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
+  sums = {lost[0], lost[1], lost[2], min_over_ranks(d_.mesh.comm(), least), {part, half}, {half, lost.end()}};
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+} // namespace impact

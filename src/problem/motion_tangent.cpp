@@ -1,0 +1,110 @@
+#include "motion_batch.hpp"
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <impact/problem/motion.hpp>
+#include <impact/problem/surface_load.hpp>
+
+/// Tangent of the balance of momentum (106): cells, follower pressures, contact and rigid bodies.
+namespace impact {
+
+void MotionProblem::rebuild_matrix() {
+  const Timed timed(Event::motion_matrix);
+  std::vector<std::pair<PetscInt, PetscInt>> extra;
+  if (operator_ != ContactOperator::shell) extra = contacts_.couplings(); // else none is in the matrix
+  const auto own = rigid_->couplings();
+  extra.insert(extra.end(), own.begin(), own.end());
+  assembly_.reset();
+  assembly_.emplace(d_.displacement, d_.mesh, solved_ ? d_.groups : no_groups_, extra, format_);
+  const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
+  check(MatSetNearNullSpace(matrix(), modes));
+}
+
+void MotionProblem::make_shell() {
+  PetscInt rows = 0;
+  linearised_at_ = d_.displacement.make_global();
+  check(VecGetLocalSize(linearised_at_, &rows));
+  check(MatCreateShell(d_.mesh.comm(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, this, shell_.out()));
+  PetscErrorCode (*apply)(Mat, Vec, Vec) = [](Mat shell, Vec x, Vec y) -> PetscErrorCode {
+    MotionProblem* self = nullptr;
+    if (const PetscErrorCode code = MatShellGetContext(shell, &self); code != 0) return code;
+    Mailbox mailbox; // what is thrown here ends the linear solve and, with it, the step's callback
+    return mailbox.guarded([&] { self->multiply(x, y); });
+  };
+  check(MatShellSetOperation(shell_, MATOP_MULT, reinterpret_cast<void (*)()>(apply)));
+}
+
+void MotionProblem::multiply(Vec x, Vec y) {
+  check(MatMult(matrix(), x, y));
+  contacts_.apply_jacobian(linearised_at_, step_.contact_scale, x, y);
+}
+
+bool MotionProblem::update_contact(Vec u) {
+  const bool changed = contacts_.update_search(u);
+  if (operator_ == ContactOperator::shell) return false;
+  if (changed) rebuild_matrix();
+  return changed;
+}
+
+void MotionProblem::add_pressure_tangent(const std::vector<double>& u) {
+  for (const LoadedFacets& load : boundary_.pressures())
+    add_follower_pressure_tangent(
+        load.facets, d_.frame, X_, u, [&](const double* x) { return -boundary_.pressure(load, x, step_.t); },
+        rows_.none, d_.mesh.global_node(), matrix());
+}
+
+bool MotionProblem::tangent(Vec u, double mass_shift) {
+  const Timed timed(Event::motion_tangent);
+  broken_ = {};
+  d_.displacement.to_local(u, u_);
+  bool sound = true;
+  double diagonal = 0;
+  assembly_->zero();
+  for_each_batch(d_, deformable, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    constexpr int n = Cell::nodes * Cell::dim;
+    MotionBatch<Cell, frame> cells(batch, step_fields(u_, nullptr, batch.law));
+    cells.in.mass_shift = mass_shift;
+    cells.in.symmetric = symmetric_;
+    Batches<n * n> K;
+    const CellStatus status = motion_tangent<Cell, frame>(batch.law, cells.in, nullptr, K.data());
+    sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
+    if (rows_.held_batches[at(batch.number_of_group)][at(batch.number)])
+      mask<n>(batch.template gather<Cell::dim>(rows_.free).data(), K.data());
+    diagonal += batch.sum(trace<n>(K.data()));
+    assembly_->add(batch.number_of_group, batch.number, K.data());
+  });
+  close_tangent(u, true, diagonal, mass_shift);
+  return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+void MotionProblem::projection_tangent(Vec w, double shift) {
+  const Timed timed(Event::motion_tangent);
+  assembly_->zero();
+  close_tangent(w, false, mass_.add_to(*assembly_, shift, true), shift);
+}
+
+// The cells' part, whose diagonal sums up to `diagonal` on this rank, is added.
+void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double mass_shift) {
+  assembly_->finish();
+  check(MatGetDiagonal(matrix(), cells_diagonal_));
+  if (!contacts_.empty() || !boundary_.pressures().empty() || !rigid_->empty()) {
+    rigid_->add_tangent(u, mass_shift, matrix());
+    if (pressures) add_pressure_tangent(u_);
+    if (shell_)
+      check(VecCopy(u, linearised_at_));
+    else
+      contacts_.add_jacobian(u, step_.contact_scale, matrix());
+    check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
+  }
+  check(MatGetDiagonal(matrix(), diagonal_));
+  balance_.note_tangent(u, cells_diagonal_, diagonal_);
+  // Prescribed rows were masked out; the mean of the cells' other diagonals keeps the condition of the
+  // matrix.
+  double sums[2] = {diagonal, -static_cast<double>(rows_.massless.size())};
+  sum_over_ranks(d_.mesh.comm(), sums);
+  const double free_dofs = sums[1] + static_cast<double>(d_.mesh.global_node_count() * d_.dim());
+  assembly_->set_diagonal(rows_.of_identity, free_dofs > 0 && sums[0] > 0 ? sums[0] / free_dofs : 1.0);
+}
+
+} // namespace impact
