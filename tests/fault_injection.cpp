@@ -108,10 +108,16 @@ int rename(const char* from, const char* to) noexcept {
   return fails(to) ? -1 : real(from, to);
 }
 
-PetscErrorCode SNESTSFormFunction(SNES snes, Vec x, Vec f, void* context) {
-  static const auto real = original<PetscErrorCode(SNES, Vec, Vec, void*)>("SNESTSFormFunction");
-  if (const PetscErrorCode code = real(snes, x, f, context); code != 0 || sound_evaluations < 0) return code;
-  if (sound_evaluations == 0) return SNESSetFunctionDomainError(snes);
+PetscErrorCode SNESComputeFunction(SNES snes, Vec x, Vec f) {
+  static const auto real = original<PetscErrorCode(SNES, Vec, Vec)>("SNESComputeFunction");
+  const char* prefix = nullptr;
+  SNESGetOptionsPrefix(snes, &prefix);
+  const PetscErrorCode code = real(snes, x, f);
+  if (code != 0 || sound_evaluations < 0 || !prefix || std::strcmp(prefix, "motion_") != 0) return code;
+  if (sound_evaluations == 0) {
+    SNESSetFunctionDomainError(snes);
+    return VecSetInf(f); // as PETSc tells all ranks
+  }
   --sound_evaluations;
   return PetscErrorCode(0);
 }
