@@ -1,27 +1,14 @@
 #include "language.hpp"
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <impact/input/condition.hpp>
+#include <impact/input/spelling.hpp>
 #include <map>
 #include <memory>
 
 namespace impact {
 
 namespace {
-
-bool name_character(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-
-/// Where `peak` stands as a name of its own in the text, from `from` on; npos where it does not.
-std::size_t find_peak(const std::string& text, std::size_t from = 0) {
-  const std::string word = "peak";
-  for (std::size_t at = text.find(word, from); at != std::string::npos; at = text.find(word, at + 1)) {
-    const std::size_t end = at + word.size();
-    if ((at == 0 || !name_character(text[at - 1])) && (end == text.size() || !name_character(text[end])))
-      return at;
-  }
-  return std::string::npos;
-}
 
 /// Names under which the peaks stand in the text; no column is called so.
 std::string peak_name(std::size_t index) { return "peak_" + std::to_string(index) + "_"; }
@@ -55,7 +42,7 @@ Condition::Condition(std::string key, std::string text,
 /// The text with each peak(argument) replaced by a name.
 std::string Condition::take_peaks() {
   std::string rest = text_;
-  for (std::size_t at = 0; (at = find_peak(rest, at)) != std::string::npos;) {
+  for (std::size_t at = 0; (at = find_word(rest, "peak", at)) != std::string::npos;) {
     const std::size_t open = rest.find_first_not_of(" \t", at + 4);
     std::size_t end = open;
     int depth = 0;
@@ -66,7 +53,7 @@ std::string Condition::take_peaks() {
     if (open == std::string::npos || rest[open] != '(' || end >= rest.size())
       refuse_expression(key_, text_, "peak takes an argument in brackets; allowed: peak(name)");
     const std::string argument = rest.substr(open + 1, end - open - 1);
-    if (find_peak(argument) != std::string::npos)
+    if (find_word(argument, "peak") != std::string::npos)
       refuse_expression(key_, text_, "a peak in a peak; allowed: peak(name)");
     const std::string name = peak_name(peak_texts_.size());
     peak_texts_.push_back(argument);
