@@ -24,6 +24,14 @@ double largest_of(const std::vector<double>& nodal, const ContactNodes& nodes, c
 struct Largest {
   double penetration = 0, unsettled = 0, multiplier = 0, weight = 0, gap = 0, change = 0;
 
+  void see(const Constraint& c, double eps, double deepest) {
+    penetration = std::max(penetration, -c.gap);
+    weight = std::max(weight, c.weight);
+    if (!c.active) return;
+    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
+    gap = std::max(gap, std::min(std::abs(c.gap), c.pressure / eps));
+    if (c.gap < deepest) unsettled = 1;
+  }
   void note(const std::vector<double>& now, const std::vector<double>& before) {
     for (std::size_t i = 0; i < now.size(); ++i) change = std::max(change, std::abs(now[i] - before[i]));
   }
@@ -62,7 +70,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   const bool by_force = at_rest_ && method().augments();
   const auto visitor = [&](const Constraint& c) {
     if (c.active) ++active;
-    largest.penetration = std::max(largest.penetration, -c.gap);
+    largest.see(c, penalty, deepest);
     const double p = std::max(0.0, c.pressure), before = multiplier[at(c.index)];
     lambda[at(c.index)] = p;
     const std::size_t n = c.gradient.size();
@@ -81,10 +89,6 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
       traction[i] = t[a];
       if (c.slides) act(-t[a], -friction_.tractions()[i], c.slip_gradient.subspan(n * a, n));
     }
-    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
-    if (c.active) largest.gap = std::max(largest.gap, std::min(std::abs(c.gap), c.pressure / penalty));
-    if (c.active && c.gap < deepest) largest.unsettled = 1;
-    largest.weight = std::max(largest.weight, c.weight);
   };
   constraints_->visit(values, by_force ? Derivatives::first : Derivatives::none, visitor);
   constraints_->share(lambda, 1);

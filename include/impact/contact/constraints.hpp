@@ -7,7 +7,9 @@
 
 /// The gap constraints of one contact in an attempt at a step: what its form finds, with gaps and gradients
 /// from where the step takes them (step_rule.cpp), no slip where supports hold both sides, and the pressure
-/// of the enforcement. All parts of the contact visit the constraints through here.
+/// of the enforcement. All parts of the contact visit the constraints through here; more functions and
+/// members than usual, because what a visit brings depends on the form, the step, the supports and the
+/// enforcement.
 namespace impact {
 
 /// Where a step takes gaps and gradients (theory.md, motion in time).
