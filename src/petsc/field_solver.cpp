@@ -25,6 +25,15 @@ SNESConvergedReason reason_by_residual(SNES snes) {
   return reason;
 }
 
+ScalarOutcome solve_field(SNES snes, Vec x, Mailbox& mailbox) {
+  ScalarOutcome outcome;
+  mailbox.deliver(SNESSolve(snes, nullptr, x));
+  outcome.reason = reason_by_residual(snes);
+  check(SNESGetIterationNumber(snes, &outcome.newton));
+  check(SNESGetLinearSolveIterations(snes, &outcome.linear));
+  return outcome;
+}
+
 void set_scalar_solver_defaults(KSP ksp, const char* prefix) {
   PC pc = nullptr;
   check(KSPSetType(ksp, KSPCG));

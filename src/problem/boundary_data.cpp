@@ -5,6 +5,7 @@
 #include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <map>
 
@@ -72,8 +73,8 @@ int plane_axis(const Mesh& mesh, const std::vector<int>& nodes) {
       low[at(k)] = std::min(low[at(k)], x);
       high[at(k)] = std::max(high[at(k)], x);
     }
-  MPI_Allreduce(MPI_IN_PLACE, low.data(), 3, MPI_DOUBLE, MPI_MIN, mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, high.data(), 3, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  min_over_ranks(mesh.comm(), low);
+  max_over_ranks(mesh.comm(), high);
   const double tolerance = 1e-8 * mesh.smallest_edge();
   for (int k = 0; k < dim; ++k)
     if (high[at(k)] - low[at(k)] <= tolerance) return k;
@@ -229,9 +230,7 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
           .push_back(std::move(load));
     }
   }
-  if (!force_area_.empty())
-    MPI_Allreduce(MPI_IN_PLACE, force_area_.data(), static_cast<int>(force_area_.size()), MPI_DOUBLE, MPI_SUM,
-                  mesh.comm());
+  if (!force_area_.empty()) sum_over_ranks(mesh.comm(), force_area_);
 }
 
 double BoundaryData::prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const {

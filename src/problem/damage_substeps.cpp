@@ -1,3 +1,4 @@
+#include <impact/petsc/callback.hpp>
 #include <impact/problem/damage.hpp>
 #include <petscts.h>
 
@@ -15,23 +16,10 @@ void DamageProblem::make_substeps() {
   check(TSSetType(substeps_, TSBEULER));
   check(TSSetTimeStep(substeps_, settings_.substep));
   check(TSSetApplicationContext(substeps_, this));
-  check(TSSetIFunction(
-      substeps_, nullptr,
-      [](TS ts, PetscReal, Vec x, Vec rate, Vec f, void* self) {
-        auto& problem = *static_cast<DamageProblem*>(self);
-        return problem.mailbox_.guarded([&] { problem.substep_residual(ts, x, rate, f); });
-      },
-      this));
-  check(TSSetIJacobian(
-      substeps_, matrix(), matrix(),
-      [](TS, PetscReal, Vec x, Vec, PetscReal shift, Mat, Mat, void* self) {
-        auto& problem = *static_cast<DamageProblem*>(self);
-        return problem.mailbox_.guarded([&] {
-          problem.step_.dt = 1 / shift;
-          problem.tangent(x);
-        });
-      },
-      this));
+  check(TSSetIFunction(substeps_, nullptr, Callback<&DamageProblem::substep_residual>::call, this));
+  check(TSSetIJacobian(substeps_, field_.matrix(), field_.matrix(),
+                       Callback<&DamageProblem::substep_tangent>::call, this));
+  // Its context is the application's, not an argument.
   check(TSSetPreStep(substeps_, [](TS ts) -> PetscErrorCode {
     DamageProblem* self = nullptr;
     if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
@@ -44,8 +32,8 @@ void DamageProblem::make_substeps() {
   }));
   SNES snes = nullptr;
   check(TSGetSNES(substeps_, &snes));
-  check(SNESSetType(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS));
-  set_tolerances(snes);
+  field_.prepare(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS, reference_,
+                 1e-9, 100);
   if (bounded_at_once_) take_full_steps(snes);
   check(TSSetExactFinalTime(substeps_, TS_EXACTFINALTIME_MATCHSTEP));
   check(TSSetFromOptions(substeps_));
@@ -58,11 +46,7 @@ void DamageProblem::start_substep(TS ts) {
   d_.scalar.to_local(x, substep_start_);
   step_.phi_n = &substep_start_;
   if (settings_.bounds != DamageBounds::vi) return;
-  std::vector<double> low = substep_start_, high(low.size(), 1.0);
-  for (std::size_t i = 0; i < low.size(); ++i)
-    if (free_[i] == 0) high[i] = low[i];
-  d_.scalar.to_global(low, lower_);
-  d_.scalar.to_global(high, upper_);
+  set_bounds(substep_start_, substep_start_);
   SNES snes = nullptr;
   check(TSGetSNES(ts, &snes));
   check(SNESVISetVariableBounds(snes, lower_, upper_));
@@ -78,7 +62,7 @@ void DamageProblem::finish_substep(TS ts) {
   book_rate(substep_start_, substep_end_, end - start);
 }
 
-void DamageProblem::substep_residual(TS ts, Vec x, Vec, Vec f) {
+void DamageProblem::substep_residual(TS ts, PetscReal, Vec x, Vec, Vec f) {
   // The rate is (x - start)/(theta dt) at the stage of a theta method.
   PetscReal dt = 0, theta = 1;
   PetscBool is_theta = PETSC_FALSE;
@@ -86,7 +70,12 @@ void DamageProblem::substep_residual(TS ts, Vec x, Vec, Vec f) {
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ts), TSTHETA, &is_theta));
   if (is_theta) check(TSThetaGetTheta(ts, &theta));
   step_.dt = theta * dt;
-  residual(x, f);
+  residual(nullptr, x, f);
+}
+
+void DamageProblem::substep_tangent(TS, PetscReal, Vec x, Vec, PetscReal shift, Mat J, Mat P) {
+  step_.dt = 1 / shift;
+  tangent(nullptr, x, J, P);
 }
 
 ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<double>& phi) {
@@ -96,13 +85,13 @@ ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   dt = std::min<PetscReal>(substep_, step.dt);
   phi = *step.phi_n;
   boundary_.set_damage(step.t, phi);
-  d_.scalar.to_global(phi, solution_);
+  d_.scalar.to_global(phi, field_.solution());
   check(TSSetTime(substeps_, 0));
   check(TSSetStepNumber(substeps_, 0));
   check(TSSetTimeStep(substeps_, dt));
   check(TSSetMaxTime(substeps_, step.dt));
   check(TSSetMaxSteps(substeps_, PETSC_MAX_INT));
-  const PetscErrorCode code = TSSolve(substeps_, solution_);
+  const PetscErrorCode code = TSSolve(substeps_, field_.solution());
   TSConvergedReason reason = TS_CONVERGED_ITERATING;
   check(TSGetConvergedReason(substeps_, &reason));
   if (reason < 0) {
@@ -114,7 +103,7 @@ ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   check(TSGetSNESIterations(substeps_, &outcome.newton));
   check(TSGetKSPIterations(substeps_, &outcome.linear));
   outcome.reason = SNES_CONVERGED_ITS;
-  d_.scalar.to_local(solution_, phi);
+  d_.scalar.to_local(field_.solution(), phi);
   if (settings_.bounds == DamageBounds::clip || settings_.bounds == DamageBounds::vi)
     for (std::size_t i = 0; i < phi.size(); ++i) phi[i] = std::min(1.0, std::max(phi[i], (*step.phi_n)[i]));
   book_energy(*step.phi_n, phi);

@@ -5,6 +5,7 @@
 #include <impact/mesh/bodies.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/deep_overlap.hpp>
 
 namespace impact {
@@ -70,7 +71,7 @@ std::vector<Simplex> simplices(const Discretisation& d, const std::vector<int>& 
 std::vector<int> bodies_of(const Discretisation& d, const Bodies& bodies, const std::string& side) {
   std::vector<int> holds(at(bodies.count), 0);
   for (int node : d.mesh.nodes(side)) holds[at(bodies.of_node[at(node)])] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, holds.data(), bodies.count, MPI_INT, MPI_MAX, d.mesh.comm());
+  max_over_ranks(d.mesh.comm(), holds);
   return holds;
 }
 
@@ -161,7 +162,7 @@ void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
               inside(d.dim(), cells[at(c)], x))
             deep = i;
       }
-      MPI_Allreduce(MPI_IN_PLACE, &deep, 1, MPI_INT, MPI_MIN, d.mesh.comm());
+      deep = min_over_ranks(d.mesh.comm(), deep);
       if (deep == static_cast<int>(places.size() / 3)) continue;
       char where[120];
       std::snprintf(where, sizeof where, d.dim() == 2 ? "(%.4g, %.4g)" : "(%.4g, %.4g, %.4g)",

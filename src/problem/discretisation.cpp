@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
 
 namespace impact {
@@ -78,7 +79,7 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
       }
     }
   int clash[2] = {first, second};
-  MPI_Allreduce(MPI_IN_PLACE, clash, 2, MPI_INT, MPI_MAX, mesh.comm());
+  max_over_ranks(mesh.comm(), clash);
   if (clash[0] >= 0)
     throw UserError(ExitCode::data, "-material_" + materials[at(clash[0])].law.parameters.id +
                                         "_region and -material_" + materials[at(clash[1])].law.parameters.id +

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/force_balance.hpp>
 
 namespace impact {
@@ -50,7 +51,7 @@ ForceBalance::ForceBalance(const Discretisation& d) : dim_(d.dim()), comm_(d.mes
     part_of_node_.push_back(bodies.of_node[node[i]] * static_cast<int>(d.materials.size()) + material[i]);
     number[at(part_of_node_.back())] = 1;
   }
-  MPI_Allreduce(MPI_IN_PLACE, number.data(), static_cast<int>(number.size()), MPI_INT, MPI_MAX, comm_);
+  max_over_ranks(comm_, number);
   for (int& n : number) n = n > 0 ? parts_++ : -1;
   for (int& part : part_of_node_) part = number[at(part)];
 
@@ -64,7 +65,7 @@ ForceBalance::ForceBalance(const Discretisation& d) : dim_(d.dim()), comm_(d.mes
         sizes[1] = std::max(sizes[1], std::abs(coordinates[at(table.connectivity[i]) * dim + k] -
                                                coordinates[at(table.connectivity[i / n * n]) * dim + k]));
   }
-  MPI_Allreduce(MPI_IN_PLACE, sizes, 2, MPI_DOUBLE, MPI_MAX, comm_);
+  max_over_ranks(comm_, sizes);
   extent_ = sizes[0];
   largest_cell_ = sizes[1];
   const auto parts = at(parts_);
@@ -114,7 +115,7 @@ void ForceBalance::judge(Vec f, double atol, double rtol) {
     for (std::size_t k = dim * i; k < dim * (i + 1); ++k)
       sums_[at(part_of_node_[i])] += values[k] * values[k];
   check(VecRestoreArrayRead(f, &values));
-  MPI_Allreduce(MPI_IN_PLACE, sums_.data(), 2 * parts_, MPI_DOUBLE, MPI_SUM, comm_);
+  sum_over_ranks(comm_, sums_);
   if (first_ < 0) {
     first_ = 0;
     for (std::size_t p = 0; p < parts; ++p) first_ += sums_[p];

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <limits>
+#include <span>
 
 /// Motion of rigid bodies: what a solve and a step need. Set-up: rigid_bodies_setup.cpp.
 namespace impact {
@@ -53,7 +55,8 @@ template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight w
     }
   }
   static_assert(sizeof(Sums) == 12 * sizeof(double));
-  MPI_Allreduce(MPI_IN_PLACE, total.data(), static_cast<int>(12 * total.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  const std::span<double> all(reinterpret_cast<double*>(total.data()), 12 * total.size());
+  sum_over_ranks(comm_, all);
   return total;
 }
 
@@ -240,7 +243,7 @@ void RigidBodies::expand(Vec u, Vec du) {
           change[6 * b + 3 + at(k)] = values[slot_row_[b][1] + k];
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, change.data(), static_cast<int>(change.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  sum_over_ranks(comm_, change);
   set_nodes(du, [&](std::size_t i, double* mine) {
     const auto b = at(body_[i]);
     double mode[6];

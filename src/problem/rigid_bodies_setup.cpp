@@ -4,6 +4,7 @@
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/rigid_bodies.hpp>
@@ -19,25 +20,19 @@ bool is_rigid(const Discretisation& d, const CellGroup& group) { return d.law(gr
 
 // int N_a N_b rho over the cells of rigid materials, to a visitor (node a, node b, value).
 template <class Visitor> void visit_masses(const Discretisation& d, Visitor&& visitor) {
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
-  for (const CellGroup& group : d.groups) {
-    if (!is_rigid(d, group)) continue;
-    PointLaw law = d.law(group);
+  const auto rigid = [](const PointLaw& law) { return law.rigid(); };
+  for_each_batch(d, rigid, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    constexpr int nodes = Cell::nodes;
+    PointLaw law = batch.law;
     if (!(law.parameters.rho > 0)) law.parameters.rho = 1; // the volume then weighs
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int nodes = Cell::nodes;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> places(group, b, X);
-        std::array<Batch, at(nodes * nodes)> m{};
-        mass_matrix<Cell, frame>(law, places.data(), m.data());
-        for (int l = 0; l < group.lanes_in_use(b); ++l)
-          for (int i = 0; i < nodes; ++i)
-            for (int j = 0; j < nodes; ++j)
-              visitor(group.node[at((b * nodes + i) * lanes + l)],
-                      group.node[at((b * nodes + j) * lanes + l)], m[at(i * nodes + j)][l]);
-      }
-    });
-  }
+    Batches<nodes * nodes> m{};
+    mass_matrix<Cell, frame>(law, batch.template gather<Cell::dim>(d.mesh.coordinates()).data(), m.data());
+    const int* node = batch_nodes<Cell>(batch.group, batch.number);
+    for (int l = 0; l < batch.used(); ++l)
+      for (int i = 0; i < nodes; ++i)
+        for (int j = 0; j < nodes; ++j)
+          visitor(node[i * lanes + l], node[j * lanes + l], m[at(i * nodes + j)][l]);
+  });
 }
 
 std::string number(double value) {
@@ -97,8 +92,7 @@ void RigidBodies::find_nodes(const Discretisation& d) {
       else
         joined[part] = std::max(joined[part], group.material);
     }
-  for (std::vector<int>* flags : {&rigid, &other, &material, &joined})
-    MPI_Allreduce(MPI_IN_PLACE, flags->data(), parts.count, MPI_INT, MPI_MAX, comm_);
+  for (std::vector<int>* flags : {&rigid, &other, &material, &joined}) max_over_ranks(comm_, *flags);
   const auto id = [&](int m) { return d.materials[at(m)].law.parameters.id; };
   for (std::size_t part = 0; part < count; ++part)
     if (rigid[part] && other[part])
@@ -152,7 +146,7 @@ void RigidBodies::weigh(const Discretisation& d) {
     for (std::size_t k = 0; k < dims; ++k) of_body[k] += mass_[i] * X_[dims * i + k];
     of_body[3] += mass_[i];
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  sum_over_ranks(comm_, sums);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     bodies_[b].mass = sums[4 * b + 3];
     for (std::size_t k = 0; k < dims; ++k) bodies_[b].centre[k] = sums[4 * b + k] / bodies_[b].mass;
@@ -174,7 +168,7 @@ void RigidBodies::weigh(const Discretisation& d) {
       for (std::size_t j = 0; j < dims; ++j) second[9 * at(body_[i]) + 3 * j + k] += Y[j] * first_.back();
     }
   }
-  MPI_Allreduce(MPI_IN_PLACE, second.data(), static_cast<int>(second.size()), MPI_DOUBLE, MPI_SUM, comm_);
+  sum_over_ranks(comm_, second);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     RigidBody& body = bodies_[b];
     Matrix3& E = body.second;
@@ -231,12 +225,12 @@ void RigidBodies::choose_slots(const Discretisation& d) {
     double& low = first[at(body_[i])];
     low = std::min(low, global(i));
   }
-  MPI_Allreduce(MPI_IN_PLACE, first.data(), static_cast<int>(first.size()), MPI_DOUBLE, MPI_MIN, comm_);
+  min_over_ranks(comm_, first);
   for (std::size_t i = 0; i < owned_; ++i) {
     double& low = second[at(body_[i])];
     if (global(i) > first[at(body_[i])]) low = std::min(low, global(i));
   }
-  MPI_Allreduce(MPI_IN_PLACE, second.data(), static_cast<int>(second.size()), MPI_DOUBLE, MPI_MIN, comm_);
+  min_over_ranks(comm_, second);
   slot_row_.assign(bodies_.size(), {-1, -1});
   for (std::size_t i = 0; i < owned_; ++i) {
     const auto b = at(body_[i]);
@@ -266,8 +260,7 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
       std::vector<int> here(bodies_.size(), 0);
       for (int node : nodes)
         if (const int body = body_of_node_[at(node)]; body >= 0) here[at(body)] = on.back() = 1;
-      if (!bodies_.empty())
-        MPI_Allreduce(MPI_IN_PLACE, here.data(), static_cast<int>(here.size()), MPI_INT, MPI_MAX, comm_);
+      if (!bodies_.empty()) max_over_ranks(comm_, here);
       const int axis = bc.type == BcType::symmetry ? plane_axis(d.mesh, nodes) : -1;
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
         if (!here[b]) continue;
@@ -293,7 +286,7 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
         }
       }
     }
-    MPI_Allreduce(MPI_IN_PLACE, &on.back(), 1, MPI_INT, MPI_MAX, comm_);
+    on.back() = max_over_ranks(comm_, on.back());
     if (turns && on.back() == 0)
       throw UserError(ExitCode::data, "-bc_" + bc.id +
                                           "_rz: rotations are for rigid bodies, and no node of " +

@@ -3,7 +3,10 @@
 #include <cstdio>
 #include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
+#include <petscblaslapack.h>
+#include <stdexcept>
 
 namespace impact {
 
@@ -35,7 +38,7 @@ std::string rounded(double value, double scale) {
   return text;
 }
 
-// Eigenvalues by rising size with their unit vectors, of a small symmetric matrix [n][n]: Jacobi's rotations.
+// Eigenvalues by rising size with their unit vectors, of a small symmetric matrix [n][n].
 struct Eigen {
   double value;
   std::vector<double> vector;
@@ -43,42 +46,22 @@ struct Eigen {
 
 std::vector<Eigen> eigen_of(std::vector<double> A, int size) {
   const auto n = at(size);
-  std::vector<double> V(n * n, 0.0); // rows are the vectors
-  double norm = 0;
-  for (std::size_t i = 0; i < n; ++i) V[i * n + i] = 1;
-  for (double entry : A) norm = std::max(norm, std::abs(entry));
-  for (int sweep = 0; sweep < 50; ++sweep) {
-    bool turned = false;
-    for (std::size_t p = 0; p < n; ++p)
-      for (std::size_t q = p + 1; q < n; ++q) {
-        const double off = A[p * n + q];
-        if (std::abs(off) <= 1e-17 * norm) continue;
-        turned = true;
-        const double theta = (A[q * n + q] - A[p * n + p]) / (2 * off);
-        const double t = std::copysign(1 / (std::abs(theta) + std::hypot(theta, 1.0)), theta);
-        const double c = 1 / std::hypot(t, 1.0), s = t * c;
-        for (std::size_t k = 0; k < n; ++k) {
-          const double kp = A[k * n + p], kq = A[k * n + q];
-          A[k * n + p] = c * kp - s * kq;
-          A[k * n + q] = s * kp + c * kq;
-        }
-        for (std::size_t k = 0; k < n; ++k) {
-          const double pk = A[p * n + k], qk = A[q * n + k];
-          A[p * n + k] = c * pk - s * qk;
-          A[q * n + k] = s * pk + c * qk;
-          const double vp = V[p * n + k], vq = V[q * n + k];
-          V[p * n + k] = c * vp - s * vq;
-          V[q * n + k] = s * vp + c * vq;
-        }
-      }
-    if (!turned) break;
-  }
+  std::vector<double> values(n), work(34 * n);
+  const auto order = static_cast<PetscBLASInt>(size), room = static_cast<PetscBLASInt>(work.size());
+  PetscBLASInt failed = 0;
+  LAPACKsyev_("V", "U", &order, A.data(), &order, values.data(), work.data(), &room, &failed);
+  if (failed != 0) throw std::runtime_error("LAPACK finds no eigenvalues of the motions of a body");
   std::vector<Eigen> pairs;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto start = V.begin() + static_cast<std::ptrdiff_t>(i * n);
-    pairs.push_back({A[i * n + i], {start, start + static_cast<std::ptrdiff_t>(n)}});
+    std::vector<double> vector(A.begin() + static_cast<std::ptrdiff_t>(i * n),
+                               A.begin() + static_cast<std::ptrdiff_t>((i + 1) * n));
+    // Of the two directions the one whose largest component is positive.
+    const auto largest = *std::max_element(
+        vector.begin(), vector.end(), [](double x, double y) { return std::abs(x) < std::abs(y) - 1e-9; });
+    if (largest < 0)
+      for (double& component : vector) component = -component;
+    pairs.push_back({values[i], std::move(vector)});
   }
-  std::sort(pairs.begin(), pairs.end(), [](const Eigen& a, const Eigen& b) { return a.value < b.value; });
   return pairs;
 }
 
@@ -163,7 +146,7 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
     for (std::size_t k = 0; k < dim; ++k) of_body[k] += X[node * dim + k];
     of_body[3] += 1;
   }
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), static_cast<int>(sum.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
+  sum_over_ranks(mesh.comm(), sum);
   Geometry g{std::vector<std::array<double, 3>>(count), std::vector<double>(count, 0.0)};
   for (std::size_t b = 0; b < count; ++b)
     for (std::size_t k = 0; k < 3; ++k) g.centre[b][k] = sum[4 * b + k] / sum[4 * b + 3];
@@ -173,7 +156,7 @@ Geometry measure(const Mesh& mesh, const Bodies& bodies) {
     for (std::size_t k = 0; k < dim; ++k) distance = std::hypot(distance, X[node * dim + k] - g.centre[b][k]);
     g.size[b] = std::max(g.size[b], distance);
   }
-  MPI_Allreduce(MPI_IN_PLACE, g.size.data(), bodies.count, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  max_over_ranks(mesh.comm(), g.size);
   return g;
 }
 
@@ -196,7 +179,7 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
   }
-  MPI_Allreduce(MPI_IN_PLACE, gram.data(), static_cast<int>(gram.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  sum_over_ranks(d.mesh.comm(), gram);
   // What is prescribed of a rigid body belongs to its centre of mass.
   for (const RigidBody& body : rigid.bodies()) {
     const auto b = at(body.component);
@@ -222,7 +205,7 @@ std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
     if (group.dim != mesh.dim()) continue;
     std::vector<int> holds(at(bodies.count), 0);
     for (int node : mesh.nodes(group.name)) holds[at(bodies.of_node[at(node)])] = 1;
-    MPI_Allreduce(MPI_IN_PLACE, holds.data(), bodies.count, MPI_INT, MPI_MAX, mesh.comm());
+    max_over_ranks(mesh.comm(), holds);
     for (std::size_t b = 0; b < regions.size(); ++b)
       if (holds[b]) regions[b] += (regions[b].empty() ? "" : ", ") + group.name;
   }
@@ -247,7 +230,7 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, c
           if (!is_rigid[body] || reach.gap <= settings.gap_tol) touched[body] = 1;
         }
   }
-  MPI_Allreduce(MPI_IN_PLACE, touched.data(), bodies.count, MPI_INT, MPI_MAX, d.mesh.comm());
+  max_over_ranks(d.mesh.comm(), touched);
   return touched;
 }
 

@@ -36,9 +36,27 @@ FacetNodes facet_nodes(const FacetTable& facets, int f, int dim, const std::vect
   return n;
 }
 
-void scatter(const FacetNodes& n, int dim, const std::array<double, 12>& f, std::vector<double>& force) {
+// point(nodes, point, its index, its reference position) at all points of each facet, then done(nodes).
+template <class Point, class Done>
+void visit_facets(const FacetTable& facets, int dim, const std::vector<double>& X,
+                  const std::vector<double>* u, Point&& point, Done&& done) {
+  for (int f = 0; f < facets.count(); ++f) {
+    const FacetNodes n = facet_nodes(facets, f, dim, X, u);
+    for (int q = 0; q < n.count; ++q) {
+      const FacetPoint p = facet_point(n.count, q);
+      double x[3] = {0, 0, 0};
+      facet_position(p, n.count, dim, n.X.data(), x);
+      point(n, p, at(f) * points_per_facet + at(q), x);
+    }
+    done(n);
+  }
+}
+
+// force += load, which then is zero.
+void scatter(const FacetNodes& n, int dim, std::array<double, 12>& load, std::vector<double>& force) {
   for (int a = 0; a < n.count; ++a)
-    for (int k = 0; k < dim; ++k) force[at(n.node[at(a)] * dim + k)] += f[at(a * dim + k)];
+    for (int k = 0; k < dim; ++k) force[at(n.node[at(a)] * dim + k)] += load[at(a * dim + k)];
+  load.fill(0);
 }
 
 } // namespace
@@ -47,18 +65,15 @@ void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<
                        const std::function<void(const double* x, double* value)>& traction,
                        std::vector<double>& force) {
   const int dim = dimension(frame);
-  for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dim, X, nullptr);
-    std::array<double, 12> load{};
-    for (int q = 0; q < n.count; ++q) {
-      const FacetPoint p = facet_point(n.count, q);
-      double x[3] = {0, 0, 0}, t[3] = {0, 0, 0};
-      facet_position(p, n.count, dim, n.X.data(), x);
-      traction(x, t);
-      add_dead_traction(p, n.count, frame, n.X.data(), t, load.data());
-    }
-    scatter(n, dim, load, force);
-  }
+  std::array<double, 12> load{};
+  visit_facets(
+      facets, dim, X, nullptr,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
+        double t[3] = {0, 0, 0};
+        traction(x, t);
+        add_dead_traction(p, n.count, frame, n.X.data(), t, load.data());
+      },
+      [&](const FacetNodes& n) { scatter(n, dim, load, force); });
 }
 
 void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -66,17 +81,13 @@ void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vec
                            const std::function<double(const double* x)>& pressure,
                            std::vector<double>& force) {
   const int dim = dimension(frame);
-  for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dim, X, &u);
-    std::array<double, 12> load{};
-    for (int q = 0; q < n.count; ++q) {
-      const FacetPoint p = facet_point(n.count, q);
-      double x[3] = {0, 0, 0};
-      facet_position(p, n.count, dim, n.X.data(), x);
-      add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), nullptr);
-    }
-    scatter(n, dim, load, force);
-  }
+  std::array<double, 12> load{};
+  visit_facets(
+      facets, dim, X, &u,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
+        add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), nullptr);
+      },
+      [&](const FacetNodes& n) { scatter(n, dim, load, force); });
 }
 
 void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -85,87 +96,70 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
                                    const std::vector<char>& fixed, std::span<const PetscInt> global_node,
                                    Mat matrix) {
   const int dim = dimension(frame);
-  for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dim, X, &u);
-    const int dofs = n.count * dim;
-    std::array<double, 12> load{};
-    std::array<double, 144> K{};
-    for (int q = 0; q < n.count; ++q) {
-      const FacetPoint p = facet_point(n.count, q);
-      double x[3] = {0, 0, 0};
-      facet_position(p, n.count, dim, n.X.data(), x);
-      add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), K.data());
-    }
-    std::array<PetscInt, 12> index{};
-    for (int i = 0; i < dofs; ++i) {
-      const int node = n.node[at(i / dim)];
-      const bool held = fixed[at(node * dim + i % dim)] != 0;
-      // A negative index leaves the row and the column out.
-      index[at(i)] = held ? -1 : global_node[at(node)] * dim + i % dim;
-    }
-    check(MatSetValues(matrix, dofs, index.data(), dofs, index.data(), K.data(), ADD_VALUES));
-  }
+  std::array<double, 12> load{};
+  std::array<double, 144> K{};
+  visit_facets(
+      facets, dim, X, &u,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
+        add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), K.data());
+      },
+      [&](const FacetNodes& n) {
+        std::array<PetscInt, 12> row{};
+        for (int i = 0; i < n.count * dim; ++i) {
+          const int node = n.node[at(i / dim)];
+          const bool held = fixed[at(node * dim + i % dim)] != 0;
+          row[at(i)] = held ? -1 : global_node[at(node)] * dim + i % dim; // negative: left out
+        }
+        check(
+            MatSetValues(matrix, n.count * dim, row.data(), n.count * dim, row.data(), K.data(), ADD_VALUES));
+        K.fill(0);
+      });
 }
-
-namespace {
-
-std::size_t point_index(int f, int q) { return at(f) * points_per_facet + at(q); }
-
-} // namespace
 
 void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                           const std::function<void(std::size_t index, const double* x)>& body) {
-  const int dim = dimension(frame);
-  for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dim, X, nullptr);
-    for (int q = 0; q < n.count; ++q) {
-      double x[3] = {0, 0, 0};
-      facet_position(facet_point(n.count, q), n.count, dim, n.X.data(), x);
-      body(point_index(f, q), x);
-    }
-  }
+  visit_facets(
+      facets, dimension(frame), X, nullptr,
+      [&](const FacetNodes&, const FacetPoint&, std::size_t i, const double* x) { body(i, x); },
+      [](const FacetNodes&) {});
 }
 
 double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                         const SurfaceHeat& heat, const std::vector<double>& theta, double weight,
                         std::vector<double>& load) {
   double total = 0;
-  for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dimension(frame), X, nullptr);
-    for (int q = 0; q < n.count; ++q) {
-      const FacetPoint p = facet_point(n.count, q);
-      double temperature = 0;
-      for (int a = 0; a < n.count; ++a) temperature += p.N[a] * theta[at(n.node[at(a)])];
-      const std::size_t i = point_index(f, q);
-      const double in = weight * reference_area(p, n.count, frame, n.X.data()) *
-                        (heat.inflow[i] - heat.coefficient[i] * temperature);
-      for (int a = 0; a < n.count; ++a) load[at(n.node[at(a)])] += p.N[a] * in;
-      total += in;
-    }
-  }
+  visit_facets(
+      facets, dimension(frame), X, nullptr,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t i, const double*) {
+        double temperature = 0;
+        for (int a = 0; a < n.count; ++a) temperature += p.N[a] * theta[at(n.node[at(a)])];
+        const double in = weight * reference_area(p, n.count, frame, n.X.data()) *
+                          (heat.inflow[i] - heat.coefficient[i] * temperature);
+        for (int a = 0; a < n.count; ++a) load[at(n.node[at(a)])] += p.N[a] * in;
+        total += in;
+      },
+      [](const FacetNodes&) {});
   return total;
 }
 
 void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                               const SurfaceHeat& heat, double weight, const std::vector<char>& held,
                               std::span<const PetscInt> global_node, Mat matrix) {
-  for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dimension(frame), X, nullptr);
-    std::array<double, 16> K{};
-    std::array<PetscInt, 4> index{};
-    for (int q = 0; q < n.count; ++q) {
-      const FacetPoint p = facet_point(n.count, q);
-      const double h =
-          weight * reference_area(p, n.count, frame, n.X.data()) * heat.coefficient[point_index(f, q)];
-      for (int a = 0; a < n.count; ++a)
-        for (int b = 0; b < n.count; ++b) K[at(a * n.count + b)] += h * p.N[a] * p.N[b];
-    }
-    for (int a = 0; a < n.count; ++a) {
-      const auto node = at(n.node[at(a)]);
-      index[at(a)] = held[node] ? -1 : global_node[node]; // negative: left out
-    }
-    check(MatSetValues(matrix, n.count, index.data(), n.count, index.data(), K.data(), ADD_VALUES));
-  }
+  std::array<double, 16> K{};
+  visit_facets(
+      facets, dimension(frame), X, nullptr,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t i, const double*) {
+        const double h = weight * reference_area(p, n.count, frame, n.X.data()) * heat.coefficient[i];
+        for (int a = 0; a < n.count; ++a)
+          for (int b = 0; b < n.count; ++b) K[at(a * n.count + b)] += h * p.N[a] * p.N[b];
+      },
+      [&](const FacetNodes& n) {
+        std::array<PetscInt, 4> row{};
+        for (std::size_t a = 0; a < at(n.count); ++a)
+          row[a] = held[at(n.node[a])] ? -1 : global_node[at(n.node[a])]; // negative: left out
+        check(MatSetValues(matrix, n.count, row.data(), n.count, row.data(), K.data(), ADD_VALUES));
+        K.fill(0);
+      });
 }
 
 } // namespace impact

@@ -3,6 +3,7 @@
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/solve/loose_bodies.hpp>
@@ -18,27 +19,19 @@ constexpr double balanced = 0.05;
 // Least stiffness of the hold over E times the size of the body: motions that nothing feels get a pivot.
 constexpr double least_stiffness = 1e-7;
 
-double youngs_modulus(const MaterialParameters& p) { return 9 * p.K * p.G / (3 * p.K + p.G); }
-
 // [local node] reference volume (area in the plane, of the full ring with its symmetry), all ranks' shares.
 std::vector<double> nodal_volumes(const Discretisation& d) {
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
   std::vector<double> volume(d.node_values(1));
-  for (const CellGroup& group : d.groups) {
-    PointLaw unit = d.law(group);
+  for_each_batch(d, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    constexpr int nodes = Cell::nodes;
+    PointLaw unit = batch.law;
     unit.parameters.rho = 1;
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim, nodes = Cell::nodes;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> x(group, b, X);
-        std::array<Batch, at(nodes * nodes)> m{};
-        mass_matrix<Cell, frame>(unit, x.data(), m.data());
-        std::array<Batch, at(nodes)> sum{};
-        for (std::size_t i = 0; i < m.size(); ++i) sum[i / at(nodes)] += m[i];
-        scatter_add<Cell, 1>(group, b, sum.data(), volume.data());
-      }
-    });
-  }
+    Batches<nodes * nodes> m{};
+    mass_matrix<Cell, frame>(unit, batch.template gather<Cell::dim>(d.mesh.coordinates()).data(), m.data());
+    Batches<nodes> sum{};
+    for (std::size_t i = 0; i < m.size(); ++i) sum[i / at(nodes)] += m[i];
+    batch.template scatter<1>(sum.data(), volume);
+  });
   const Handle<Vec> total = d.scalar.make_global();
   d.scalar.add_to_global(volume, total);
   d.scalar.to_local(total, volume);
@@ -91,11 +84,11 @@ void LooseBodies::measure(const std::vector<int>& loose) {
         facet[b] = std::min(facet[b], facets.length[i / at(facets.corners)]);
       }
     }
-    MPI_Allreduce(MPI_IN_PLACE, meets.data(), static_cast<int>(meets.size()), MPI_INT, MPI_MAX, mesh.comm());
+    max_over_ranks(mesh.comm(), meets);
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       if (meets[b]) bodies_[b].contacts.push_back(c);
   }
-  MPI_Allreduce(MPI_IN_PLACE, facet.data(), static_cast<int>(facet.size()), MPI_DOUBLE, MPI_MIN, mesh.comm());
+  min_over_ranks(mesh.comm(), facet);
   std::vector<double> sums(2 * bodies_.size(), 0.0);
   for (std::size_t node = 0; node < loose.size(); ++node) {
     if (loose[node] < 0 || !mesh.owned(static_cast<int>(node))) continue;
@@ -109,10 +102,8 @@ void LooseBodies::measure(const std::vector<int>& loose) {
     sums[2 * b] += volume[node];
     sums[2 * b + 1] += volume[node] * square;
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, mesh.comm());
-  double modulus = HUGE_VAL;
-  for (const MaterialAssignment& m : d_->materials)
-    if (!m.law.rigid()) modulus = std::min(modulus, youngs_modulus(m.law.parameters));
+  sum_over_ranks(mesh.comm(), sums);
+  const double modulus = d_->softest_modulus();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     body.facet = facet[b];
@@ -178,8 +169,7 @@ void LooseBodies::weigh(Vec u, Vec r) {
     for (std::size_t k = 0; k < 3; ++k)
       of[3 + k] += x[(k + 1) % 3] * f[(k + 2) % 3] - x[(k + 2) % 3] * f[(k + 1) % 3];
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM,
-                d_->mesh.comm());
+  sum_over_ranks(d_->mesh.comm(), sums);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     const double* of = &sums[6 * b];
@@ -238,7 +228,7 @@ double LooseBodies::part_of(Vec du) { // (H3)
     for (std::size_t k = 0; k < dim; ++k) square += std::pow(local[dim * at(node.local) + k], 2);
     most = std::max(most, std::sqrt(square) / (2 * stride_ * body.approach));
   }
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, d_->mesh.comm());
+  most = max_over_ranks(d_->mesh.comm(), most);
   limited_ = most > 1;
   return limited_ ? 1 / most : 1;
 }

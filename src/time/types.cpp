@@ -1,6 +1,7 @@
 #include "control.hpp"
 #include "step_data.hpp"
 #include <algorithm>
+#include <impact/petsc/ranks.hpp>
 #include <impact/time/types.hpp>
 #include <memory>
 #include <stdexcept>
@@ -45,8 +46,7 @@ bool judge(TS ts, StepData& data) {
     throw std::logic_error("a refused step needs a factor between 0 and 1");
   constexpr PetscReal accepted = 2;
   PetscReal factor = verdict.accept ? accepted : verdict.factor;
-  MPI_Allreduce(MPI_IN_PLACE, &factor, 1, MPIU_REAL, MPIU_MIN,
-                PetscObjectComm(reinterpret_cast<PetscObject>(ts)));
+  factor = min_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), factor);
   if (factor == accepted) return true;
   ts->time_step *= factor;
   return false;

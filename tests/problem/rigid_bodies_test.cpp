@@ -109,7 +109,7 @@ TEST(RigidBodies, TheTangentIsTheDerivativeOfTheResidual) {
       Handle<Vec> du = run.d.displacement.make_global();
       check(VecCopy(y, du));
       check(MatMult(run.motion->matrix(), y, product));
-      run.rigid.expand(du);
+      run.rigid.expand(u, du);
       // Rows without an unknown are identities.
       std::vector<double> rows = run.d.displacement.make_local();
       run.d.displacement.to_local(product, rows);

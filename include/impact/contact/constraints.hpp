@@ -18,14 +18,6 @@ enum class StepRule {
   start       ///< the projection of its velocity: linear gaps with the gradients of the start
 };
 
-/// What an evaluation saw, on this rank, without a reduction.
-struct ContactStatus {
-  int active = 0;           ///< active constraints
-  double penetration = 0;   ///< largest -g
-  bool finite = true;       ///< false: a coordinate is not a number
-  bool search_holds = true; ///< false: something moved so far that the candidate list may miss a facet
-};
-
 class Constraints {
 public:
   /// Mesh and layout must outlive it. `mean_length`: of the secondary facets.
@@ -76,10 +68,9 @@ public:
   std::vector<double> place_of_gradients(const std::vector<double>& u) const;
 
   /// All constraints that face something at the displacement u of nodes().
-  ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
-                      const ConstraintVisitor& visitor) const;
-  ContactStatus visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor) const {
-    return visit(nodes().displacement(u), derivatives, visitor);
+  void visit(const std::vector<double>& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
+  void visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor) const {
+    visit(nodes().displacement(u), derivatives, visitor);
   }
   /// Second variations over the same constraints, as the step takes them; factors are used up.
   void visit_curvature(const std::vector<double>& u, std::vector<double>& of_gap,

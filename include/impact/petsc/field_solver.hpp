@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/petsc/error.hpp>
 #include <petscsnes.h>
 #include <string>
 
@@ -12,6 +13,9 @@ struct ScalarOutcome {
   PetscInt newton = 0, linear = 0;
   std::string cause = {}; ///< of a failure, where there is more to say than its reason
 };
+
+/// Solves for x; rethrows what a callback left in `mailbox`. Collective.
+ScalarOutcome solve_field(SNES snes, Vec x, Mailbox& mailbox);
 
 /// Raises the absolute tolerance to the norm of 1e-15 of `sizes`: the terms summed in each row. Collective.
 void allow_rounding(SNES snes, Vec sizes);

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 #include <impact/problem/discretisation.hpp>
+#include <optional>
 #include <span>
 
 /// The loop over batches of cells: gather, kernel, scatter, with the shape and the frame as compile-time

@@ -1,13 +1,10 @@
 #pragma once
 #include <impact/kernel/damage.hpp>
-#include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>
-#include <impact/problem/discretisation.hpp>
+#include <impact/problem/scalar_field.hpp>
 #include <impact/problem/settings.hpp>
-#include <optional>
 
 /// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1. The
 /// unconstrained solution comes first; where it keeps the bounds it is the answer, else the variational
@@ -22,6 +19,7 @@ struct DamageStep {
   const std::vector<double>* phi_n = nullptr; ///< local [node]
 };
 
+// Members beyond twelve: solvers of three kinds, bounds and bookings of one step.
 class DamageProblem {
 public:
   /// Rows "drive" (and "damage_history" for DamageBounds::history, added here) of the table are read and
@@ -41,56 +39,58 @@ public:
   /// Microforces of the start of a run at displacement u, local [node][dim]. Collective.
   void start(const std::vector<double>& u);
 
-  Mat matrix() const { return assembly_->matrix(); }
   /// The solver of the bounded equation, where there is one, else that of the unbounded one.
   SNES snes() const { return bounded_ ? bounded_ : unconstrained_; }
   /// Drops what its linear solvers keep. Collective.
   void forget_factors();
 
+  Mailbox& mailbox() { return mailbox_; }
+
 private:
-  void residual(Vec x, Vec f);
-  void microforces(const std::vector<double>& phi, double dt, std::vector<double>& force);
+  void residual(SNES, Vec x, Vec f);
+  void tangent(SNES, Vec x, Mat, Mat);
+  Handle<SNES> make_solver(bool bounded);
+  template <class Body> bool visit_batches(Vec x, Body&& body);
   bool assemble_forces(Vec x, Vec f);
+  void microforces(const std::vector<double>& phi, double dt, std::vector<double>& force);
   void keep_held(std::vector<double>& force) const;
   double held_work(const std::vector<double>& force, const std::vector<double>& from,
                    const std::vector<double>& to) const;
   void book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt);
   void book_energy(const std::vector<double>& from, const std::vector<double>& to);
   std::vector<SNES> solvers() const;
-  void tangent(Vec x);
-  template <class Output> bool evaluate(Vec x, bool with_tangent, Output&& output);
   void raise_history();
-  void set_tolerances(SNES snes);
   static void take_full_steps(SNES snes);
-  bool within_bounds(Vec x) const;
+  void set_bounds(const std::vector<double>& phi_n, const std::vector<double>& phi);
+  void clip();
+  bool within_bounds() const;
+  ScalarOutcome solve_bounded(double start_norm);
   void make_substeps();
   void start_substep(TS ts);
   void finish_substep(TS ts);
-  void substep_residual(TS ts, Vec x, Vec rate, Vec f);
+  void substep_residual(TS ts, PetscReal, Vec x, Vec, Vec f);
+  void substep_tangent(TS, PetscReal, Vec x, Vec, PetscReal shift, Mat, Mat);
   ScalarOutcome solve_substeps(const DamageStep& step, std::vector<double>& phi);
 
   const Discretisation& d_;
-  StateTable& state_;
   const BoundaryData& boundary_;
   DamageScenario settings_;
+  ScalarField field_;
   DamageStep step_;
   Mailbox mailbox_;
-  std::vector<double> X_, x_, r_;
-  std::vector<double> free_; ///< 1 where phi is solved for, 0 where prescribed or without damage
-  std::vector<int> owned_held_;
-  std::vector<std::size_t> drive_offset_;
-  std::vector<std::size_t> flow_offset_;    ///< of the row "history", plastic
-  std::vector<std::size_t> history_offset_; ///< of the row "damage_history"
-  std::optional<SparseAssembly> assembly_;
+  StateRow &phi_, &drive_, &flow_;
+  StateRow* worn_ = nullptr;       ///< row "fatigue"
+  StateRow* history_ = nullptr;    ///< with DamageBounds::history
+  StateRow* microforce_ = nullptr; ///< on nodes with prescribed phi, of the energy alone
+  std::vector<double> x_, r_;
   Handle<SNES> unconstrained_, bounded_;
   Handle<TS> substeps_; ///< when -damage_ts_dt asks for sub-steps
   PetscReal substep_ = 0;
   std::vector<double> substep_start_, substep_end_;
   std::vector<double> dissipated_;
-  StateRow* microforce_ = nullptr; ///< on nodes with prescribed phi, of the energy alone
-  bool prescribes_ = false;        ///< phi of any node
+  bool prescribes_ = false; ///< phi of any node
   double work_ = 0;
-  Handle<Vec> solution_, residual_, diagonal_, lower_, upper_;
+  Handle<Vec> lower_, upper_;
   double residual_tol_ = 0; // absolute, as the options say
   double reference_ = 0;
   bool bounded_at_once_ = false;

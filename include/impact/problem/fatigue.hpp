@@ -33,10 +33,9 @@ public:
 
 private:
   const Discretisation& d_;
-  StateTable& state_;
-  std::vector<double> X_, dissipated_;
+  StateRow &fatigue_, &history_;
+  std::vector<double> dissipated_;
   double least_ = 0;
-  std::vector<std::size_t> offset_, history_offset_;
 };
 
 } // namespace impact

@@ -1,16 +1,12 @@
 #pragma once
 #include <impact/contact/contact_heat.hpp>
 #include <impact/kernel/heat.hpp>
-#include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/problem/boundary_data.hpp>
-#include <impact/problem/discretisation.hpp>
+#include <impact/problem/heat_loads.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/problem/scalar_field.hpp>
 #include <impact/problem/settings.hpp>
-#include <impact/problem/surface_load.hpp>
-#include <optional>
 #include <string>
 
 /// The heat balance of one step: SNES `heat_` for the temperature at t_{n+1} with displacement and damage
@@ -27,6 +23,7 @@ struct HeatStep {
   Vec displacement = nullptr; ///< u as the contacts read it; with motion
 };
 
+// Members beyond twelve: the frozen data of a window, and what is booked of it.
 class HeatProblem {
 public:
   /// Reads the row "theta" and the trial half of "history" of the table. With HeatForm::energy and motion
@@ -60,72 +57,52 @@ public:
   /// Drops lagged factors. Collective.
   void forget_factors();
 
-private:
-  struct Region { ///< of a heat source: lanes of the cells that lie in it
-    int condition;
-    struct Cells {
-      int group, batch;
-      Batch inside;
-    };
-    std::vector<Cells> cells;
-    std::vector<double> source[2]; ///< [cells][point][lane] at t_n and t_{n+1}
-  };
-  struct Surface {
-    const LoadedFacets* load;
-    SurfaceHeat heat[2]; ///< at t_n and t_{n+1}
-  };
+  Mailbox& mailbox() { return mailbox_; }
 
+private:
   /// Part of the step that is being solved, 0 to 1: all of it without sub-steps.
   struct Window {
     double begin = 0, end = 1;
     bool whole() const { return begin == 0 && end == 1; }
   };
 
+  static std::vector<char> held_nodes(const BoundaryData& boundary);
   const std::vector<double>& theta_at_start() const; ///< of the window
-  void check_substeps();
   ScalarOutcome solve_window(std::vector<double>& theta);
   void refuse_below_zero(ScalarOutcome& outcome) const;
   ScalarOutcome solve_substeps(int count, std::vector<double>& theta);
-  void find_regions();
-  void build_matrix();
+  void make_matrix();
   void begin_contacts();
   bool assemble_residual(const std::vector<double>& theta, Vec solution, Vec f);
-  void evaluate_loads(double t, int end);
-  template <class Body> bool for_each_batch(const std::vector<double>& theta, Body&& body);
+  template <class Body> bool visit_batches(const std::vector<double>& theta, Body&& body);
   bool make_constant_part();
-  bool add_residual(const std::vector<double>& theta, std::vector<double>& r);
-  void residual(Vec x, Vec f);
-  void tangent(Vec x);
+  void residual(SNES, Vec x, Vec f);
+  void tangent(SNES, Vec x, Mat, Mat);
   void book();
 
   const Discretisation& d_;
-  StateTable& state_;
   const BoundaryData& boundary_;
   HeatScenario settings_;
+  HeatLoads loads_;
+  ScalarField field_;
   HeatStep step_;
   Window window_;
   double t_n_ = 0, t_ = 0; ///< of the window
-  std::vector<double> theta_before_;
   Mailbox mailbox_;
-  std::vector<Region> regions_;
-  std::vector<Surface> surfaces_;
-  std::vector<double> X_, x_, r_, constant_;
-  std::vector<double> points_; ///< like rows of the table
-  std::vector<double> free_;   ///< 0 where the temperature is prescribed
-  std::vector<char> held_;
-  std::vector<int> owned_held_;
-  std::vector<double> step_stress_; // HeatRows
-  std::vector<std::size_t> history_offset_, drive_offset_, dissipation_offset_, stress_offset_, point_offset_;
-  std::vector<double> supplied_, load_supplied_;
-  std::vector<double> load_; ///< nodal heat of the loads at t_n and of the sources
+  StateRow &theta_, &history_, &drive_;
+  StateRow *worn_ = nullptr, *stress_ = nullptr; // rows "fatigue"; "stress", of the energy form with motion
+  std::vector<double> theta_before_, x_, r_, constant_;
+  std::vector<double> points_;                   ///< like rows of the table
+  std::vector<double> step_stress_;              // HeatRows
+  std::vector<double> supplied_, load_supplied_; ///< load_supplied_: by what the temperature does not change
+  std::vector<double> load_;                     ///< its nodal heat
   double entropy_supplied_ = 0;
   double residual_tol_ = 0; ///< absolute, as the options say
-  bool moves_, flows_;
+  bool flows_;
   std::vector<ContactHeat> contacts_;
   std::vector<ContactHeat::Heat> contact_heat_;
-  std::optional<SparseAssembly> assembly_;
   Handle<SNES> snes_;
-  Handle<Vec> solution_, residual_, diagonal_, held_nodes_;
+  Handle<Vec> held_nodes_;
 };
 
 } // namespace impact

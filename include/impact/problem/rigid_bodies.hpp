@@ -93,10 +93,10 @@ public:
   void reduce(Vec u, Vec f, const std::vector<double>* acceleration = nullptr);
   /// Change of the unknowns about u becomes that of the nodes. Collective.
   void expand(Vec u, Vec du);
-  /// At u: inertia and the turning of the arms of the forces that the last `reduce` with `acceleration` saw, by
-  /// MatSetValues; the caller assembles. Comes before the tangents of contacts, whose reduction to the bodies'
-  /// unknowns is that of the last u. `symmetric`: of that the symmetric part, and test functions of the middle
-  /// of the step on both sides. Collective.
+  /// At u: inertia and the turning of the arms of the forces that the last `reduce` with `acceleration` saw,
+  /// by MatSetValues; the caller assembles. Comes before the tangents of contacts, whose reduction to the
+  /// bodies' unknowns is that of the last u. `symmetric`: of that the symmetric part, and test functions of
+  /// the middle of the step on both sides. Collective.
   void add_tangent(Vec u, double mass_shift, Mat K);
   /// Trial functions take the place of the test functions, so that contact tangents stay symmetric.
   void use_symmetric_tangent(bool symmetric) { symmetric_ = symmetric; }

@@ -1,0 +1,120 @@
+#include <algorithm>
+#include <impact/kernel/heat.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/heat_loads.hpp>
+
+namespace impact {
+
+namespace {
+
+// Where the lanes of a batch begin in an array [group][batch][lane].
+template <class Cell, Frame frame> std::size_t first_lane(const CellBatch<Cell, frame>& batch) {
+  return batch.first_point / at(Cell::points) + at(batch.number) * lanes;
+}
+
+} // namespace
+
+HeatLoads::HeatLoads(const Discretisation& d, const BoundaryData& boundary)
+    : d_(d), boundary_(boundary), X_(d.mesh.coordinates().begin(), d.mesh.coordinates().end()) {
+  for (int c : boundary_.heat_sources()) {
+    std::vector<PetscInt> cells;
+    for (const std::string& name : boundary_.conditions()[at(c)].on) {
+      const auto more = d_.mesh.region_cells(name);
+      cells.insert(cells.end(), more.begin(), more.end());
+    }
+    std::sort(cells.begin(), cells.end());
+    Source& source = sources_.emplace_back();
+    source.condition = c;
+    std::size_t points = 0;
+    for (const CellGroup& group : d_.groups) {
+      points += point_values(group, 1);
+      for (int b = 0; b < group.batch_count; ++b)
+        for (int l = 0; l < lanes; ++l)
+          source.inside.push_back(
+              l < group.lanes_in_use(b) &&
+              std::binary_search(cells.begin(), cells.end(), group.cell_point[at(b * lanes + l)]));
+    }
+    for (std::vector<double>& value : source.value) value.assign(points, 0.0);
+  }
+  for (const LoadedFacets& load : boundary_.heat_fluxes()) {
+    Surface& surface = surfaces_.emplace_back(Surface{&load, {}});
+    for (SurfaceHeat& heat : surface.heat) {
+      heat.inflow.resize(at(load.facets.count()) * points_per_facet);
+      heat.coefficient.resize(heat.inflow.size());
+    }
+  }
+}
+
+void HeatLoads::evaluate(double t_n, double t, double theta) {
+  if (theta < 1) evaluate(t_n, 0);
+  evaluate(t, 1);
+}
+
+void HeatLoads::evaluate(double t, int end) {
+  for (Source& source : sources_)
+    for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+      const auto X = batch.template gather<Cell::dim>(X_);
+      PointValues<Cell, 1> value{};
+      for (std::size_t q = 0; q < value.size; ++q)
+        for (std::size_t l = 0; l < lanes; ++l) {
+          if (!source.inside[first_lane(batch) + l]) continue;
+          double x[3] = {0, 0, 0};
+          for (std::size_t a = 0; a < at(Cell::nodes); ++a)
+            for (std::size_t k = 0; k < at(Cell::dim); ++k)
+              x[k] += shape_table<Cell>.N[q][a] * X.value[a * at(Cell::dim) + k][static_cast<int>(l)];
+          value.value[q].set(static_cast<int>(l), boundary_.heat_value(source.condition, x, t));
+        }
+      batch.store(value, source.value[end]);
+    });
+  for (Surface& surface : surfaces_) {
+    const int c = surface.load->condition;
+    const bool convects = boundary_.conditions()[at(c)].type == BcType::convection;
+    SurfaceHeat& heat = surface.heat[end];
+    for_each_facet_point(surface.load->facets, d_.frame, X_, [&](std::size_t i, const double* x) {
+      heat.coefficient[i] = convects ? boundary_.heat_coefficient(c, x, t) : 0.0;
+      heat.inflow[i] = convects ? heat.coefficient[i] * boundary_.ambient_temperature(c, x, t)
+                                : boundary_.heat_value(c, x, t);
+    });
+  }
+}
+
+void HeatLoads::add_start(double theta, double dt, const std::vector<double>& theta_n,
+                          std::vector<double>& load, std::vector<double>& supplied) const {
+  const double weight[2] = {(1 - theta) * dt, theta * dt};
+  for (const Source& source : sources_)
+    for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+      const auto inside = source.inside.begin() + static_cast<std::ptrdiff_t>(first_lane(batch));
+      if (std::none_of(inside, inside + lanes, [](char in) { return in != 0; })) return;
+      const auto X = batch.template gather<Cell::dim>(X_);
+      const auto before = batch.template load<1>(source.value[0]),
+                 now = batch.template load<1>(source.value[1]);
+      Batches<Cell::points> heat;
+      for (std::size_t q = 0; q < heat.size(); ++q)
+        for (int l = 0; l < lanes; ++l)
+          heat[q].set(l, weight[0] * before.value[q][l] + weight[1] * now.value[q][l]);
+      Batches<Cell::nodes> r{};
+      Batch sum = 0;
+      heat_source<Cell, frame>(X.data(), heat.data(), r.data(), sum);
+      batch.template scatter<1>(r.data(), load);
+      supplied[at(source.condition)] += batch.sum(sum);
+    });
+  if (theta == 1) return;
+  for (const Surface& surface : surfaces_)
+    supplied[at(surface.load->condition)] +=
+        add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[0], theta_n, weight[0], load);
+}
+
+void HeatLoads::add_end(double weight, const std::vector<double>& temperature, std::vector<double>& load,
+                        std::vector<double>& supplied) const {
+  for (const Surface& surface : surfaces_)
+    supplied[at(surface.load->condition)] +=
+        add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[1], temperature, weight, load);
+}
+
+void HeatLoads::add_tangent(double weight, const std::vector<char>& held, Mat matrix) const {
+  for (const Surface& surface : surfaces_)
+    add_surface_heat_tangent(surface.load->facets, d_.frame, X_, surface.heat[1], weight, held,
+                             d_.mesh.global_node(), matrix);
+}
+
+} // namespace impact
