@@ -1,16 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/constraints.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
 
 Constraints::Constraints(const Mesh& mesh, const FieldLayout& layout, std::unique_ptr<ContactForm> form,
                          double mean_length, bool frictional)

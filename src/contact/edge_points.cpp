@@ -1,12 +1,12 @@
 #include <impact/contact/edge_points.hpp>
 #include <impact/contact/point_form_impl.hpp>
+#include <impact/math/index.hpp>
 
 namespace impact {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Point2<double> point_at(const std::vector<double>& x, int node) {
   return {x[at(2 * node)], x[at(2 * node + 1)]};

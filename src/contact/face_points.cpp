@@ -1,13 +1,12 @@
 #include <impact/contact/face_points.hpp>
 #include <impact/contact/point_form_impl.hpp>
+#include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // A foot belongs to a triangle if no part of it is below minus this; beyond the sides of the whole surface
 // contact goes on by this part of a triangle.

@@ -2,17 +2,12 @@
 #include <array>
 #include <cmath>
 #include <impact/contact/interface.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 
 /// Forces and tangents of a ContactInterface, and which method gives its pressures.
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
 
 ObstaclePose ContactInterface::pose() const {
   return rigid_side_.pose(settings_, time_, totals(totals_->committed).obstacle);

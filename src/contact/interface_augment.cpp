@@ -2,14 +2,13 @@
 #include <cmath>
 #include <impact/contact/interface.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 /// Augmentation of a ContactInterface, and its totals after an accepted step.
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Largest component of sums at the nodes, [node][dim] of the contact's nodes. Collective.
 double largest_of(const std::vector<double>& nodal, const ContactNodes& nodes, const FieldLayout& layout) {

@@ -3,6 +3,7 @@
 #include <impact/contact/interface.hpp>
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <limits>
 
@@ -11,8 +12,6 @@
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Rubbing {
   std::array<double, 3> t{}, s{}; // traction on the secondary side, per current area; slip

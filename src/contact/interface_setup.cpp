@@ -5,14 +5,13 @@
 #include <impact/contact/interface.hpp>
 #include <impact/contact/mortar_form.hpp>
 #include <impact/contact/resolve_settings.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 /// Construction of a ContactInterface and the overlap at the start.
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::unique_ptr<ContactForm> make_form(const FormRequest& request) {
   if (request.settings.method == ContactMethod::mortar) return std::make_unique<MortarForm>(request);

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/mortar_form.hpp>
+#include <impact/math/index.hpp>
 #include <numbers>
 
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Where less of a weight than this part is covered, sides do not meet.
 constexpr double least_common_part = 1e-6;

@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/mortar_form.hpp>
+#include <impact/math/index.hpp>
 
 /// Which primary facets a secondary facet of a MortarForm faces, and which functions it takes.
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Facets face each other when their normals oppose and the primary is not farther away than this part of the
 // secondary's longest side: a step behind the surface must not count as an open gap beside the closed one.

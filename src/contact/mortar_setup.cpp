@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/mortar_form.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
 #include <numbers>
@@ -9,8 +10,6 @@
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Point2<double> point_at(const std::vector<double>& x, int node) {
   return {x[at(2 * node)], x[at(2 * node + 1)]};

@@ -1,15 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/mortar_form.hpp>
+#include <impact/math/index.hpp>
 
-/// Slip of a MortarForm: what lay opposite at the start of a step, and the tangential motion since.
+/// Slip of a MortarForm (81'), (81''): what lay opposite at the start of a step, and the tangential motion
+/// since.
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
 
 void MortarForm::visit_slip_block(int facet, std::span<const int> slots, std::span<const double> block,
                                   const BlockVisitor& visitor) const {

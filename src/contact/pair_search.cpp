@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/pair_search.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool all_finite(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });

@@ -1,12 +1,11 @@
 #include <impact/contact/pair_search.hpp>
+#include <impact/math/index.hpp>
 #include <impact/mesh/bodies.hpp>
 
 /// Pairs of a PairSearch whose facets belong to one body: which of them may touch (self_contact.hpp).
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // What lies deeper behind a facet of a surface that may meet itself, in units of the facet, is another part
 // of a body, unless it came there within the step.

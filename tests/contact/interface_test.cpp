@@ -315,7 +315,7 @@ TEST(ContactInterface, FreeFlightIsFollowedByContactWhenTheBodiesMeet) {
   b.gap = 3;
   Rig rig(PETSC_COMM_WORLD, b, bodies_apart);
   Handle<Vec> u = rig.at(rest);
-  EXPECT_EQ(rig.contact.add_residual(u, 1, rig.layout.make_global()).active, 0);
+  EXPECT_EQ(rig.contact.measures(u).active, 0);
   EXPECT_TRUE(rig.contact.review(u).converged);
   EXPECT_TRUE(std::isnan(rig.contact.measures(u).gap_min));
   u = rig.at(sink(2.9));

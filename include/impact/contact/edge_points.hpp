@@ -1,7 +1,8 @@
 #pragma once
 #include <impact/contact/point_form.hpp>
 
-/// Points of edges in the plane: each faces the nearest place of the primary surface (contact_pair.hpp).
+/// Points of edges in the plane: each faces the nearest place of the primary surface (71')
+/// (contact_pair.hpp).
 namespace impact {
 
 struct EdgePoints {

@@ -3,7 +3,7 @@
 #include <impact/kernel/face_ray.hpp>
 
 /// Points of faces in space: each faces the triangle of the primary surface that lies along the normal of its
-/// own face (face_ray.hpp).
+/// own face (71'') (face_ray.hpp).
 namespace impact {
 
 struct FacePoints {

@@ -11,11 +11,11 @@
 #include <vector>
 
 /// Mortar contact, one constraint per secondary node, evaluated by the owner of the node from all the facets
-/// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 over all pairs of
-/// facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not cover counts
-/// zero. Against a rigid body the gap is its distance, integrated by points on the secondary facets: exact
-/// for a plane. Which primary facets a secondary facet faces, and which functions Phi are dual, is chosen by
-/// update and stays fixed in between.
+/// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 (80') over all
+/// pairs of facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not
+/// cover counts zero. Against a rigid body the gap is its distance, integrated by points on the secondary
+/// facets: exact for a plane. Which primary facets a secondary facet faces, and which functions Phi are dual,
+/// is chosen by update and stays fixed in between.
 namespace impact {
 
 class MortarForm : public ContactForm {

@@ -10,9 +10,9 @@
 /// The rigid plane, sphere or cylinder of a contact as its forms see it: one that moves as told, or one that
 /// moves as a rigid body of the mesh does (theory.md, contact). Of the nodes of such a carrier dim + 1 that
 /// span the space are its corners: whatever the obstacle carries along, places and directions, is an affine
-/// function of theirs, exact for rigid motions. Gaps and slips are then functions of the secondary nodes and
-/// the corners, so that inertia, finite rotation, prescribed components, checkpoints and the move to other
-/// ranks are those of any rigid body. One that moves as told has no corners.
+/// function of theirs, exact for rigid motions (71'''). Gaps and slips are then functions of the secondary
+/// nodes and the corners, so that inertia, finite rotation, prescribed components, checkpoints and the move
+/// to other ranks are those of any rigid body. One that moves as told has no corners.
 namespace impact {
 
 class Obstacle {
