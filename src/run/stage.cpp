@@ -66,9 +66,14 @@ template <class Problem> Problem* pointer(std::optional<Problem>& problem) {
 
 } // namespace
 
+StepRows::StepRows(StateTable& state)
+    : u(state.row("u")), v(state.row("v")), a(state.row("a")), mean_rate(state.row("mean_rate")),
+      prescribed_velocity(state.row("prescribed_velocity")), phi(state.find("phi")),
+      theta(state.find("theta")) {}
+
 RunStage::RunStage(MPI_Comm comm, const Scenario& s, const GmshFile* kept)
     : scenario(s), setup(build_setup(comm, s, kept)), d(setup->discretisation), state(setup->state),
-      inertia(s.has_inertia()), solver(choose(s, *setup)),
+      rows(state), inertia(s.has_inertia()), solver(choose(s, *setup)),
       motion(d, state, setup->boundary, setup->contacts, solver.symmetric, s.contact_operator, solver.matrix,
              &setup->rigid, s.has_motion()),
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
@@ -105,9 +110,9 @@ void RunStage::set_state(const Checkpoint* resume) {
   } else {
     set_initial_state(scenario, *setup);
   }
-  d.displacement.to_global(state.row("u").committed, u);
-  d.displacement.to_global(state.row("v").committed, v);
-  d.displacement.to_global(state.row("a").committed, a);
+  d.displacement.to_global(rows.u.committed, u);
+  d.displacement.to_global(rows.v.committed, v);
+  d.displacement.to_global(rows.a.committed, a);
   check(TS2SetSolution(ts, u, v));
   motion.update_contact(u);
   coupling.motion_solver().refresh_matrix();
@@ -142,7 +147,7 @@ void RunStage::report_solvers() {
 
 void RunStage::start() {
   coupling.start(u, a);
-  if (inertia) d.displacement.to_local(a, state.row("a").trial);
+  if (inertia) d.displacement.to_local(a, rows.a.trial);
   setup->contacts.advance(u, u, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts, &dt));
@@ -181,19 +186,19 @@ StepHooks RunStage::hooks() {
 
 void RunStage::check_prescribed_data(const Attempt& attempt) const {
   const BoundaryData& boundary = setup->boundary;
-  const std::vector<double>& v_n = state.row("prescribed_velocity").committed;
-  std::vector<double> unused = state.row("u").committed;
+  const std::vector<double>&u_n = rows.u.committed, &v_n = rows.prescribed_velocity.committed;
+  std::vector<double> unused = u_n;
   agree_on_errors(d.mesh.comm(), [&] {
     setup->rigid.require_agreement(attempt.t_n, attempt.t);
-    boundary.require_agreement(attempt.t_n, attempt.t, state.row("u").committed, v_n);
-    boundary.set_displacement(attempt.t_n, attempt.t, state.row("u").committed, v_n, unused);
+    boundary.require_agreement(attempt.t_n, attempt.t, u_n, v_n);
+    boundary.set_displacement(attempt.t_n, attempt.t, u_n, v_n, unused);
     boundary.set_exact_velocity(attempt.t_n, attempt.t, v_n, unused);
-    if (const StateRow* phi = state.find("phi")) {
-      unused = phi->committed;
+    if (rows.phi) {
+      unused = rows.phi->committed;
       boundary.set_damage(attempt.t, unused);
     }
-    if (const StateRow* theta = state.find("theta")) {
-      unused = theta->committed;
+    if (rows.theta) {
+      unused = rows.theta->committed;
       boundary.set_temperature(attempt.t, unused);
     }
   });
@@ -202,18 +207,18 @@ void RunStage::check_prescribed_data(const Attempt& attempt) const {
 void RunStage::accept(const Attempt& attempt) {
   Vec u_new = nullptr, v_new = nullptr;
   check(TS2GetSolution(ts, &u_new, &v_new));
-  StateRow& row = state.row("u");
-  d.displacement.to_local(u_new, row.trial);
-  d.displacement.to_local(v_new, state.row("v").trial);
-  d.displacement.to_local(inertia ? acceleration(ts) : a.get(), state.row("a").trial);
-  std::vector<double>& rate = state.row("mean_rate").trial;
-  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = (row.trial[i] - row.committed[i]) / attempt.dt;
+  d.displacement.to_local(u_new, rows.u.trial);
+  d.displacement.to_local(v_new, rows.v.trial);
+  d.displacement.to_local(inertia ? acceleration(ts) : a.get(), rows.a.trial);
+  std::vector<double>& rate = rows.mean_rate.trial;
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    rate[i] = (rows.u.trial[i] - rows.u.committed[i]) / attempt.dt;
   setup->rigid.advance(u_new);
-  StateRow& prescribed = state.row("prescribed_velocity");
-  setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, prescribed.committed, prescribed.trial);
+  setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, rows.prescribed_velocity.committed,
+                                     rows.prescribed_velocity.trial);
   if (!setup->contacts.empty()) {
     Handle<Vec> u_n = d.displacement.make_global();
-    d.displacement.to_global(row.committed, u_n);
+    d.displacement.to_global(rows.u.committed, u_n);
     setup->contacts.advance(u_n, u_new, attempt.dt);
   }
   state.commit();

@@ -9,6 +9,13 @@
 /// depend on each other. A start and a restart build it by one call, and so would a change of the mesh.
 namespace impact {
 
+/// The rows of the table that the steps of the motion carry along; damage and temperature may be null.
+struct StepRows {
+  StateRow &u, &v, &a, &mean_rate, &prescribed_velocity;
+  const StateRow *phi, *theta;
+  explicit StepRows(StateTable& state);
+};
+
 // Members beyond twelve: the parts stand side by side for those who drive and watch the run.
 struct RunStage {
   /// `kept`: the file of the mesh that a checkpoint holds. Prints what the run is made of. Collective. Throws
@@ -41,6 +48,7 @@ struct RunStage {
   std::unique_ptr<Setup> setup;
   const Discretisation& d;
   StateTable& state;
+  StepRows rows;
   bool inertia;
   SolverDefaults solver;
   MotionProblem motion;
