@@ -10,8 +10,11 @@
 #include <impact/run/stop_requests.hpp>
 #include <impact/scenario/scenario.hpp>
 #include <string>
+
 #ifdef IMPACT_FAULT_INJECTION
-#include "fault_injection.hpp"
+namespace impact {
+StepProbe fault_probe(); // tests/fault_injection.cpp: the tests' own program
+}
 #endif
 
 namespace {

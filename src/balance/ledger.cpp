@@ -19,12 +19,6 @@ StateRow& add_numbers(StateTable& state, const char* name, std::size_t count) {
   return state.add({name, Support::global, static_cast<int>(count)}, count);
 }
 
-double contact_energy(MotionProblem& motion, Vec u) {
-  double energy = 0;
-  for (ContactInterface& contact : motion.contacts()) energy += contact.measures(u).energy;
-  return energy;
-}
-
 } // namespace
 
 Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool moves, LedgerChoice choice)
@@ -45,7 +39,7 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
-  sum(contact_store) = contact_energy(motion_, u);
+  sum(contact_store) = motion_.contacts().energy(u);
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));
@@ -97,10 +91,10 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   reactions_.find(forces_.reactions(), u_local);
 }
 
-// What contact takes from bodies and obstacles, and neither keeps nor rubs into heat: the stabilised update
-// closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
+// Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
+// update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
 void Ledger::book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u) {
-  const double store = contact_energy(motion_, u);
+  const double store = motion_.contacts().energy(u);
   double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));
   for (const ContactInterface& contact : motion_.contacts()) {
     const ObstacleWork of_obstacle = contact.obstacle_work(u, stabilised);

@@ -1,15 +1,8 @@
-#include <algorithm>
 #include <cstdio>
 #include <impact/balance/ledger.hpp>
 
 // The ledger as columns of the history, and as the sheet at the end of the log.
 namespace impact {
-
-namespace {
-
-bool frictional(MotionProblem& motion) { return motion.contacts().demands().frictional; }
-
-} // namespace
 
 void Ledger::append(HistoryFile::Row& row) const {
   append_energies(row);
@@ -34,7 +27,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
                             {"dissipated_viscous", d.has_viscosity(), sum(viscous)},
                             {"dissipated_damage", d.has_damage(), sum(damage)},
                             {"dissipated_plastic", d.has_plasticity(), sum(plastic_dissipation)},
-                            {"dissipated_friction", frictional(motion_), sum(friction)},
+                            {"dissipated_friction", motion_.contacts().demands().frictional, sum(friction)},
                             {"dissipated_fatigue", d.has_fatigue(), sum(fatigue_loss)},
                             {"energy_contact", contact, sum(contact_store)},
                             {"dissipated_contact", contact && inertia_, sum(contact_loss)},
@@ -120,7 +113,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           lost("dissipated: damage", d.has_damage(), damage, damage_loss),
           lost("dissipated: plastic", d.has_plasticity(), plastic_dissipation, plastic_loss),
           lost("dissipated: fatigue", d.has_fatigue(), fatigue_loss, fatigue_part),
-          {"dissipated: friction", frictional(motion_), sum(friction)},
+          {"dissipated: friction", motion_.contacts().demands().frictional, sum(friction)},
           {"dissipated: contact", contact && inertia_, sum(contact_loss)},
           {"dissipated: closing cracks" + (state_.find("stress") ? became : ""), choice_.unilateral,
            sum(closing)},

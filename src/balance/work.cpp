@@ -178,8 +178,8 @@ double ForceBook::take_over_forces(const StepRecord& step, Vec u, Vec a, std::ve
   return motion_.book_rigid_reactions(u, a_eq, 2 * beta / alpha_m);
 }
 
-// What closes the balance on held dofs is the support's: a mean of both ends, and of what acts over the step
-// a part that does so too, which is returned.
+// The support supplies what closes the balance on held dofs: a mean of both ends, and of what acts over the
+// step a part that does so too, which is returned.
 std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::vector<double>& corrected,
                                              const std::vector<double>& unilateral) {
   const bool parted = step.stabilised || step.unilateral;

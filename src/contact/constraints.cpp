@@ -1,20 +1,11 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/constraints.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-bool all_finite(const std::vector<double>& x) {
-  return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
-}
-
-} // namespace
 
 Constraints::Constraints(const Mesh& mesh, const FieldLayout& layout, std::unique_ptr<ContactForm> form,
                          double mean_length, bool frictional)
@@ -46,19 +37,14 @@ void Constraints::fetch_fixed() {
                });
 }
 
-ContactStatus Constraints::visit(const std::vector<double>& u, Derivatives derivatives,
-                                 const ConstraintVisitor& visitor) const {
+void Constraints::visit(const std::vector<double>& u, Derivatives derivatives,
+                        const ConstraintVisitor& visitor) const {
   const Timed timed(Event::contact_forces);
-  ContactStatus seen;
-  seen.finite = all_finite(u);
-  seen.search_holds = form_->pairs_hold(nodes().current(u));
   std::vector<double> held;
   const bool holds = supported_ && frictional_;
   if (holds) derivatives = std::max(derivatives, Derivatives::first);
   const ConstraintVisitor pressed = [&](Constraint& c) {
     law_->press(c);
-    if (c.active) ++seen.active;
-    seen.penetration = std::max(seen.penetration, -c.gap);
     if (holds) hold_slip(u, c, held);
     visitor(c);
   };
@@ -68,7 +54,6 @@ ContactStatus Constraints::visit(const std::vector<double>& u, Derivatives deriv
     visit_followed(u, derivatives, pressed);
   else
     form_->visit(u, derivatives, pressed);
-  return seen;
 }
 
 // On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike, nothing

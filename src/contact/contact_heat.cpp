@@ -1,12 +1,11 @@
 #include <cmath>
 #include <impact/contact/contact_heat.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double split_of(const ContactSettings& settings) {
   if (!std::isnan(settings.friction_heat_split)) return settings.friction_heat_split;

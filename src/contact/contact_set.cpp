@@ -16,20 +16,6 @@ ContactDemands ContactSet::demands() const {
   return all;
 }
 
-void ContactSet::begin_attempt(double t, double mass_shift, bool stabilised) {
-  for (ContactInterface& contact : contacts_) contact.set_time(t, mass_shift, stabilised);
-}
-
-bool ContactSet::update_search(Vec u) {
-  bool changed = false;
-  for (ContactInterface& contact : contacts_) changed = contact.update_search(u) || changed;
-  return changed;
-}
-
-void ContactSet::forget_search() {
-  for (ContactInterface& contact : contacts_) contact.forget_search();
-}
-
 NodePairs ContactSet::couplings() const {
   NodePairs all;
   for (const ContactInterface& contact : contacts_) {
@@ -37,36 +23,6 @@ NodePairs ContactSet::couplings() const {
     all.insert(all.end(), pairs.begin(), pairs.end());
   }
   return all;
-}
-
-void ContactSet::advance(Vec u_n, Vec u, double dt) {
-  for (ContactInterface& contact : contacts_) contact.advance(u_n, u, dt);
-}
-
-void ContactSet::add_forces(Vec u, double scale, Vec r) const {
-  for (const ContactInterface& contact : contacts_) contact.add_residual(u, scale, r);
-}
-
-void ContactSet::add_jacobian(Vec u, double scale, Mat K) const {
-  for (const ContactInterface& contact : contacts_) contact.add_tangent(u, scale, K);
-}
-
-void ContactSet::apply_jacobian(Vec u, double scale, Vec du, Vec y) const {
-  for (const ContactInterface& contact : contacts_) contact.multiply(u, scale, du, y);
-}
-
-void ContactSet::start_newton(Vec u) {
-  for (ContactInterface& contact : contacts_) contact.start_newton(u);
-}
-
-bool ContactSet::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
-  bool other = false;
-  for (ContactInterface& contact : contacts_) other = contact.after_newton_step(u, du, next, follow) || other;
-  return other;
-}
-
-void ContactSet::add_gaps(Vec u, double scale, Vec r) const {
-  for (const ContactInterface& contact : contacts_) contact.add_gaps(u, scale, r);
 }
 
 GapsLeft ContactSet::gaps_left(Vec u, double force) const {
@@ -79,19 +35,6 @@ GapsLeft ContactSet::gaps_left(Vec u, double force) const {
   return all;
 }
 
-void ContactSet::fall_back() {
-  for (ContactInterface& contact : contacts_)
-    if (contact.demands().closes_gaps) contact.fall_back();
-}
-
-void ContactSet::meet(bool loose, bool first_touch) {
-  for (ContactInterface& contact : contacts_) contact.meet(loose, first_touch);
-}
-
-void ContactSet::start_augmentation() {
-  for (ContactInterface& contact : contacts_) contact.start_augmentation();
-}
-
 ContactReview ContactSet::review(Vec u) const {
   ContactReview all;
   for (const ContactInterface& contact : contacts_) {
@@ -101,25 +44,6 @@ ContactReview ContactSet::review(Vec u) const {
     all.penetration = std::max(all.penetration, report.penetration);
   }
   return all;
-}
-
-void ContactSet::augment(Vec u) {
-  for (ContactInterface& contact : contacts_) contact.augment(u);
-}
-
-void ContactSet::begin_projection() {
-  for (ContactInterface& contact : contacts_) contact.begin_projection();
-}
-
-void ContactSet::end_projection() {
-  for (ContactInterface& contact : contacts_) contact.end_projection();
-}
-
-void ContactSet::keep_shock(Vec w, Vec shock) {
-  for (ContactInterface& contact : contacts_) {
-    contact.add_residual(w, -0.5, shock);
-    contact.keep_shock(w);
-  }
 }
 
 std::vector<ContactInterface::Reach> ContactSet::reach(Vec u) const {

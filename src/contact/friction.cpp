@@ -2,15 +2,10 @@
 #include <cmath>
 #include <impact/contact/friction.hpp>
 #include <impact/kernel/contact_pair.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
 
 Tangential Friction::held(const Constraint& c) const {
   Tangential t{};

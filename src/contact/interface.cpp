@@ -2,17 +2,12 @@
 #include <array>
 #include <cmath>
 #include <impact/contact/interface.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 
 /// Forces and tangents of a ContactInterface, and which method gives its pressures.
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
 
 ObstaclePose ContactInterface::pose() const {
   return rigid_side_.pose(settings_, time_, totals(totals_->committed).obstacle);
@@ -89,13 +84,13 @@ void ContactInterface::set_rigid_nodes(const RigidReduction& reduction, const st
 
 NodePairs ContactInterface::couplings() const { return rigid_nodes_.reduced(node_couplings(), nodes()); }
 
-ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
+void ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const std::vector<double> values = nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const std::size_t m = constraints_->dim();
   const bool exact = constraints_->works_exactly();
   const double factor = exact ? 2 * scale : scale;
-  const ContactStatus status = constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
+  constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     const std::size_t n = c.gradient.size();
     for (std::size_t i = 0; i < n; ++i)
@@ -107,7 +102,6 @@ ContactStatus ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   });
   nodes().exchange.add(f, r);
   if (exact) check(VecAXPY(r, -scale, last_force_));
-  return status;
 }
 
 void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
@@ -161,13 +155,13 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, TangentS
 
 // The tangent, df/du times scale, in blocks over the dofs of nodes: what stiffness and friction make of the
 // gradients, then the second variations.
-ContactStatus ContactInterface::visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const {
+void ContactInterface::visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const {
   const Timed timed(Event::contact_tangent);
   const std::vector<double> values = nodes().displacement(u);
   TangentSpace space;
   std::vector<double> of_gap(constraints_->count(), 0.0);
   std::vector<Tangential> of_slip(frictional() ? of_gap.size() : 0, Tangential{});
-  const ContactStatus status = constraints_->visit(values, Derivatives::tangent, [&](const Constraint& c) {
+  constraints_->visit(values, Derivatives::tangent, [&](const Constraint& c) {
     if (!c.active) return;
     tangent_block(c, scale, space);
     visitor(c.node, space.block);
@@ -177,10 +171,9 @@ ContactStatus ContactInterface::visit_tangent(Vec u, double scale, const BlockVi
     of_slip[at(c.index)] = {scale * c.weight * t[0], scale * c.weight * t[1]};
   });
   constraints_->visit_curvature(values, of_gap, of_slip, visitor);
-  return status;
 }
 
-ContactStatus ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
+void ContactInterface::add_tangent(Vec u, double scale, Mat K) const {
   const ContactNodes& nodes = this->nodes();
   const auto add = [&](std::span<const PetscInt> rows, std::span<const double> block) {
     const auto n = static_cast<PetscInt>(rows.size()); // PETSc leaves out those with a negative index
@@ -238,7 +231,7 @@ void ContactInterface::meet(bool loose, bool first_touch) {
 }
 
 void ContactInterface::fall_back() {
-  fallen_back_ = true;
+  fallen_back_ = fallen_back_ || method().closes_gaps();
   use_method();
 }
 

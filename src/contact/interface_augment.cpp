@@ -2,14 +2,13 @@
 #include <cmath>
 #include <impact/contact/interface.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 /// Augmentation of a ContactInterface, and its totals after an accepted step.
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // Largest component of sums at the nodes, [node][dim] of the contact's nodes. Collective.
 double largest_of(const std::vector<double>& nodal, const ContactNodes& nodes, const FieldLayout& layout) {
@@ -20,6 +19,33 @@ double largest_of(const std::vector<double>& nodal, const ContactNodes& nodes, c
   check(VecNorm(sum, NORM_INFINITY, &largest));
   return largest;
 }
+
+// What an augmentation sees at its worst.
+struct Largest {
+  double penetration = 0, unsettled = 0, multiplier = 0, weight = 0, gap = 0, change = 0;
+
+  void see(const Constraint& c, double eps, double deepest) {
+    penetration = std::max(penetration, -c.gap);
+    weight = std::max(weight, c.weight);
+    if (!c.active) return;
+    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
+    gap = std::max(gap, std::min(std::abs(c.gap), c.pressure / eps));
+    if (c.gap < deepest) unsettled = 1;
+  }
+  void note(const std::vector<double>& now, const std::vector<double>& before) {
+    for (std::size_t i = 0; i < now.size(); ++i) change = std::max(change, std::abs(now[i] - before[i]));
+  }
+  AugmentReport over_ranks(int active, MPI_Comm comm) {
+    MPI_Allreduce(MPI_IN_PLACE, this, sizeof *this / sizeof(double), MPI_DOUBLE, MPI_MAX, comm);
+    AugmentReport report;
+    MPI_Allreduce(&active, &report.active, 1, MPI_INT, MPI_SUM, comm);
+    report.penetration = penetration;
+    report.largest_gap = gap;
+    report.multiplier = multiplier;
+    report.settled = unsettled == 0;
+    return report;
+  }
+};
 
 } // namespace
 
@@ -36,15 +62,15 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   // A constraint that faces nothing carries nothing.
   lambda.assign(multiplier.size(), 0.0);
   traction.assign(tangents * lambda.size(), 0.0);
-  AugmentReport report;
   const std::vector<double> values = nodes().displacement(u);
   // What the pressures do to the bodies, and what their change does.
   std::vector<double> force(values.size(), 0.0), change(force);
-  struct Largest { // over all ranks
-    double penetration = 0, unsettled = 0, multiplier = 0, weight = 0, gap = 0, change = 0;
-  } largest;
+  Largest largest;
+  int active = 0;
   const bool by_force = at_rest_ && method().augments();
   const auto visitor = [&](const Constraint& c) {
+    if (c.active) ++active;
+    largest.see(c, penalty, deepest);
     const double p = std::max(0.0, c.pressure), before = multiplier[at(c.index)];
     lambda[at(c.index)] = p;
     const std::size_t n = c.gradient.size();
@@ -63,29 +89,15 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
       traction[i] = t[a];
       if (c.slides) act(-t[a], -friction_.tractions()[i], c.slip_gradient.subspan(n * a, n));
     }
-    // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
-    if (c.active) largest.gap = std::max(largest.gap, std::min(std::abs(c.gap), c.pressure / penalty));
-    if (c.active && c.gap < deepest) largest.unsettled = 1;
-    largest.weight = std::max(largest.weight, c.weight);
   };
-  const ContactStatus status =
-      constraints_->visit(values, by_force ? Derivatives::first : Derivatives::none, visitor);
+  constraints_->visit(values, by_force ? Derivatives::first : Derivatives::none, visitor);
   constraints_->share(lambda, 1);
   if (friction_.acts()) constraints_->share(traction, tangents);
   if (constraints_->form().switched()) largest.unsettled = 1;
-  largest.penetration = status.penetration;
-  for (std::size_t i = 0; i < lambda.size(); ++i) {
-    largest.multiplier = std::max(largest.multiplier, lambda[i]);
-    largest.change = std::max(largest.change, std::abs(lambda[i] - multiplier[i]));
-  }
-  for (std::size_t i = 0; i < traction.size(); ++i)
-    largest.change = std::max(largest.change, std::abs(traction[i] - friction_.tractions()[i]));
-  MPI_Allreduce(MPI_IN_PLACE, &largest, sizeof largest / sizeof(double), MPI_DOUBLE, MPI_MAX, mesh_->comm());
-  MPI_Allreduce(&status.active, &report.active, 1, MPI_INT, MPI_SUM, mesh_->comm());
-  report.penetration = largest.penetration;
-  report.largest_gap = largest.gap;
-  report.multiplier = largest.multiplier;
-  report.settled = largest.unsettled == 0;
+  for (double p : lambda) largest.multiplier = std::max(largest.multiplier, p);
+  largest.note(lambda, multiplier);
+  if (friction_.acts()) largest.note(traction, friction_.tractions());
+  AugmentReport report = largest.over_ranks(active, mesh_->comm());
   // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
   const double negligible = 1e-9 * penalty * settings_.search_radius;
   const auto relative = [](double part, double of) { return part > 0 ? part / of : 0; };

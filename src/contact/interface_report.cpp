@@ -3,6 +3,7 @@
 #include <impact/contact/interface.hpp>
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <limits>
 
@@ -12,7 +13,31 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+struct Rubbing {
+  std::array<double, 3> t{}, s{}; // traction on the secondary side, per current area; slip
+  bool slides = false;
+};
+
+Rubbing rubbing_at(const Constraint& c, const Friction& friction, std::size_t d) {
+  Rubbing rubbing;
+  rubbing.slides = c.active;
+  if (!friction.rubs(c)) return rubbing;
+  const double* kept = friction.slip(c);
+  rubbing.slides = friction.state(c) == Friction::slides;
+  const Tangential traction = friction.traction(c).value;
+  const std::size_t n = d * c.node.size();
+  for (std::size_t a = 0; a < d - 1; ++a) {
+    // What a translation of the secondary side slips: the direction times the covered part.
+    std::array<double, 3> along{};
+    for (std::size_t i = 0; i < d * c.share.size(); ++i) along[i % d] += c.slip_gradient[n * a + i];
+    const double square = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
+    for (std::size_t k = 0; k < d; ++k) {
+      rubbing.t[k] -= traction[a] / c.stretch * along[k];
+      if (square > 0) rubbing.s[k] += kept[a] / square * along[k];
+    }
+  }
+  return rubbing;
+}
 
 } // namespace
 
@@ -185,24 +210,7 @@ ContactFields ContactInterface::nodal_fields(Vec u) const {
   for (std::vector<double>& values : sum) values.assign(faces.size(), 0.0);
   const auto directions = friction_.acts() ? Derivatives::first : Derivatives::none;
   constraints_->visit(nodes.displacement(u), directions, [&](const Constraint& c) {
-    std::array<double, 3> t{}, s{};
-    bool slides = c.active;
-    if (friction_.rubs(c)) {
-      const double* kept = friction_.slip(c);
-      slides = friction_.state(c) == Friction::slides;
-      const Tangential traction = friction_.traction(c).value;
-      const std::size_t n = d * c.node.size();
-      for (std::size_t a = 0; a < d - 1; ++a) {
-        // What a translation of the secondary side slips: the direction times the covered part.
-        std::array<double, 3> along{};
-        for (std::size_t i = 0; i < d * c.share.size(); ++i) along[i % d] += c.slip_gradient[n * a + i];
-        const double square = along[0] * along[0] + along[1] * along[1] + along[2] * along[2];
-        for (std::size_t k = 0; k < d; ++k) {
-          t[k] -= traction[a] / c.stretch * along[k];
-          if (square > 0) s[k] += kept[a] / square * along[k];
-        }
-      }
-    }
+    const Rubbing rubbing = rubbing_at(c, friction_, d);
     for (std::size_t a = 0; a < c.share.size(); ++a) {
       const double weight = c.weight * c.share[a];
       const std::size_t i = d * at(c.node[a]);
@@ -210,10 +218,10 @@ ContactFields ContactInterface::nodal_fields(Vec u) const {
       sum[of_all][i + weighed_pressure] += weight * c.pressure / c.stretch;
       sum[of_all][i + weighed_gap] += weight * c.distance();
       if (c.active) sum[of_state][i] += weight;
-      if (slides) sum[of_state][i + 1] += weight;
+      if (rubbing.slides) sum[of_state][i + 1] += weight;
       for (std::size_t k = 0; k < d; ++k) {
-        sum[of_traction][i + k] += weight * t[k];
-        sum[of_slip][i + k] += c.active ? weight * s[k] : 0;
+        sum[of_traction][i + k] += weight * rubbing.t[k];
+        sum[of_slip][i + k] += c.active ? weight * rubbing.s[k] : 0;
       }
     }
   });

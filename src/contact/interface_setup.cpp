@@ -1,10 +1,11 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/contact/face_point_form.hpp>
-#include <impact/contact/gauss_point_form.hpp>
+#include <impact/contact/edge_points.hpp>
+#include <impact/contact/face_points.hpp>
 #include <impact/contact/interface.hpp>
 #include <impact/contact/mortar_form.hpp>
 #include <impact/contact/resolve_settings.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 /// Construction of a ContactInterface and the overlap at the start.
@@ -12,18 +13,9 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-std::unique_ptr<ContactForm> make_form(const Mesh& mesh, const FieldLayout& layout,
-                                       const ContactSettings& settings, Frame frame, double mean_length,
-                                       ContactSurface secondary, const ContactSurface& primary) {
-  if (settings.method == ContactMethod::mortar)
-    return std::make_unique<MortarForm>(mesh, layout, settings, frame, secondary, primary);
-  const double hold_gap = std::min(settings.gap_tol, 1e-3 * mean_length);
-  if (mesh.dim() == 2)
-    return std::make_unique<GaussPointForm>(mesh, layout, settings, frame, std::move(secondary), primary,
-                                            hold_gap);
-  return std::make_unique<FacePointForm>(mesh, layout, settings, std::move(secondary), primary, hold_gap);
+std::unique_ptr<ContactForm> make_form(const FormRequest& request) {
+  if (request.settings.method == ContactMethod::mortar) return std::make_unique<MortarForm>(request);
+  return request.mesh.dim() == 2 ? make_edge_point_form(request) : make_face_point_form(request);
 }
 
 } // namespace
@@ -38,17 +30,18 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   settings_ = std::move(resolved.settings);
   warnings_ = std::move(resolved.warnings);
   rigid_side_ = RigidSide(settings_, mesh, secondary);
+  const double length = resolved.mean_length;
   constraints_.emplace(mesh, displacement,
-                       make_form(mesh, displacement, settings_, environment.frame, resolved.mean_length,
-                                 std::move(secondary), primary),
-                       resolved.mean_length, frictional());
+                       make_form({mesh, displacement, settings_, environment.frame, std::move(secondary),
+                                  primary, std::min(settings_.gap_tol, 1e-3 * length)}),
+                       length, frictional());
   declare_state(state);
   method_ = make_enforcement(settings_, rows_, constraints_->conserving());
   fallback_ = method_->fallback();
   if (method_->has_multipliers()) inertia_penalty_ = resolved.inertia_penalty;
   use_method();
   ContactForm& form = constraints_->form();
-  if (!settings_.carrier.empty()) form.carry(ObstacleCarrier(mesh, settings_.carrier, pose().obstacle));
+  if (!settings_.carrier.empty()) form.carry(Obstacle(mesh, settings_.carrier, pose().obstacle));
   form.begin_attempt(pose(), nullptr);
   const Handle<Vec> at_rest = displacement.make_global();
   update_search(at_rest);

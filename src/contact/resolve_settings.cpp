@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/contact/resolve_settings.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <limits>
 
@@ -15,7 +16,6 @@ std::string contact_number(double value) {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 bool automatic(double value) { return std::isnan(value); }
 
 UserError usage(const ContactSettings& settings, const std::string& key, const std::string& text) {

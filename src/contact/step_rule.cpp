@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/constraints.hpp>
+#include <impact/math/index.hpp>
 
 /// Contact in a step (theory.md, motion in time): forces along the gradients at its middle, where a turn of
 /// both bodies, however far, is an infinitesimal one of the mean configuration: du = spin x (x_n +
@@ -10,8 +11,6 @@
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 // An overlap at the start of a step that the step closes, in mean secondary facets.
 constexpr double small_overlap = 2e-3;

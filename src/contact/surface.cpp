@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/surface.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
 #include <numbers>
@@ -9,8 +10,6 @@
 namespace impact {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::string boundary_names(const Mesh& mesh) {
   std::string names;

@@ -165,11 +165,7 @@ private:
 bool names_value(const std::string& message, const std::string& value) {
   if (value.empty()) return false;
   const std::string in = lower_case(message), word = lower_case(value);
-  const auto part_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
-  for (std::size_t at = in.find(word); at != std::string::npos; at = in.find(word, at + 1)) {
-    const std::size_t end = at + word.size();
-    if ((at == 0 || !part_of_word(in[at - 1])) && (end == in.size() || !part_of_word(in[end]))) return true;
-  }
+  if (find_word(in, word) != std::string::npos) return true;
   char* rest = nullptr;
   const double number = std::strtod(word.c_str(), &rest);
   if (*rest != '\0') return false;

@@ -54,16 +54,28 @@ std::string join(const std::vector<std::string>& names, const std::string& betwe
   return text;
 }
 
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
+  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
+  return text;
+}
+
+std::size_t find_word(std::string_view text, std::string_view word, std::size_t from) {
+  const auto part_of_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; };
+  for (std::size_t at = text.find(word, from); at != std::string_view::npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !part_of_word(text[at - 1])) && (end == text.size() || !part_of_word(text[end])))
+      return at;
+  }
+  return std::string_view::npos;
+}
+
 std::vector<std::string> split_list(std::string_view text) {
   std::vector<std::string> parts;
-  const auto blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; };
-  if (std::all_of(text.begin(), text.end(), blank)) return parts;
+  if (trim(text).empty()) return parts;
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
-    std::string_view part = text.substr(begin, end - begin);
-    while (!part.empty() && blank(part.front())) part.remove_prefix(1);
-    while (!part.empty() && blank(part.back())) part.remove_suffix(1);
-    parts.emplace_back(part);
+    parts.emplace_back(trim(text.substr(begin, end - begin)));
     begin = end + 1;
   }
   return parts;

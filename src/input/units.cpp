@@ -3,6 +3,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <stdexcept>
 #include <string>
@@ -164,12 +165,6 @@ private:
   std::string_view text_;
   std::size_t at_ = 0;
 };
-
-std::string_view trim(std::string_view text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
-  return text;
-}
 
 std::size_t skip_digits(std::string_view text, std::size_t at) {
   while (at < text.size() && std::isdigit(static_cast<unsigned char>(text[at]))) ++at;

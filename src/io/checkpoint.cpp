@@ -45,18 +45,14 @@ const Entities& set_of(const StateRow& row, const std::vector<Entities>& sets) {
 hdf5::DataSet state_set(const CheckpointState& state, const StateRow& row, const Entities& set,
                         std::vector<double>& buffer) {
   const std::size_t width = row_width(state.mesh, state.groups, row);
-  return {row_path(row),
-          hdf5::Kind::real,
-          {set.total, width},
-          set.first * width,
-          [&state, &row, &set, &buffer, width] {
-            buffer.assign(set.own * width, 0.0);
-            for_each_place(state.mesh, state.groups, row, false, [&](const RowPlace& place) {
-              for (std::size_t i = 0; i < place.count; ++i)
-                buffer[place.entity * width + i] = row.committed[place.at + i * place.stride];
-            });
-            return hdf5::bytes_of(buffer);
-          }};
+  return hdf5::rows(row_path(row), hdf5::Kind::real, set.slab, width, [&state, &row, &set, &buffer, width] {
+    buffer.assign(set.slab.own * width, 0.0);
+    for_each_place(state.mesh, state.groups, row, false, [&](const RowPlace& place) {
+      for (std::size_t i = 0; i < place.count; ++i)
+        buffer[place.entity * width + i] = row.committed[place.at + i * place.stride];
+    });
+    return hdf5::bytes_of(buffer);
+  });
 }
 
 /// The mesh of the run as its file had it, before it was refined, distributed and ordered.
@@ -113,15 +109,15 @@ Handle<PetscSF> from_stored(MPI_Comm comm, const std::string& file, const Entiti
   agree_on_errors(comm, [&] {
     const std::vector<double> known = hdf5::Reader(file).numbers(key_path(set));
     place = find_keys(known, set.keys);
-    found =
-        known.size() == 2 * set.total && std::find(place.begin(), place.end(), PetscInt{-1}) == place.end();
+    found = known.size() == 2 * set.slab.all &&
+            std::find(place.begin(), place.end(), PetscInt{-1}) == place.end();
   });
   if (!all_ranks_agree(comm, found))
     throw UserError(ExitCode::io,
                     "cannot use checkpoint " + file +
                         ": it belongs to another mesh; give the mesh, scale and refinement of its run");
   Handle<PetscSF> sf;
-  check(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, static_cast<PetscInt>(set.total), 1, slabs));
+  check(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, static_cast<PetscInt>(set.slab.all), 1, slabs));
   check(PetscSFCreate(comm, sf.out()));
   check(PetscSFSetGraphLayout(sf, *slabs, static_cast<PetscInt>(place.size()), nullptr, PETSC_COPY_VALUES,
                               place.data()));
@@ -174,9 +170,8 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
   std::vector<double> buffer;
   std::vector<hdf5::DataSet> sets;
   for (const Entities& set : entities_)
-    sets.push_back({key_path(set), hdf5::Kind::real, {set.total, 2}, 2 * set.first, [&set] {
-                      return std::as_bytes(std::span(set.keys).first(2 * set.own));
-                    }});
+    sets.push_back(hdf5::rows(key_path(set), hdf5::Kind::real, set.slab, 2,
+                              [&set] { return std::as_bytes(std::span(set.keys).first(2 * set.slab.own)); }));
   for (const auto& row : state_.table.rows())
     if (row->checkpointed) sets.push_back(state_set(state_, *row, set_of(*row, entities_), buffer));
   std::optional<StoredMesh> mesh;
@@ -231,7 +226,7 @@ std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoin
   int found = 0;
   on_rank_zero(comm, [&] {
     const hdf5::Reader file(checkpoint.file);
-    if (file.has("/mesh/blocks")) mesh = stored_mesh(file);
+    if (file.has("/mesh")) mesh = stored_mesh(file);
     found = mesh ? 1 : 0;
   });
   MPI_Bcast(&found, 1, MPI_INT, 0, comm);

@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <impact/io/durable_file.hpp>
+#include <iomanip>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -59,67 +61,34 @@ std::string digits(double value) {
   return {text, std::to_chars(text, text + sizeof text, value).ptr}; // the shortest that gives the same bits
 }
 
+/// A manifest holds, by key, name and sum of its file and all that the run wants to find again.
+using Entries = std::map<std::string, std::string>;
+
 std::string manifest_text(const Checkpoint& c, const hdf5::Written& written) {
+  Entries entries{{"file", fs::path(c.file).filename().string()},
+                  {"size", std::to_string(written.bytes)},
+                  {"checksum", to_hex(written.checksum)},
+                  {"step", std::to_string(c.values.step)},
+                  {"time", digits(c.values.time)},
+                  {"rows", c.rows}};
+  for (const auto& [name, value] : c.values.texts) entries["text:" + name] = value;
   std::ostringstream text;
-  const auto block = [&](const std::string& key, const std::string& value) {
-    text << key << ' ' << value.size() << '\n' << value << '\n';
-  };
-  text << format << "\nfile " << fs::path(c.file).filename().string() << "\nsize " << written.bytes
-       << "\nchecksum " << to_hex(written.checksum) << "\nstep " << c.values.step << "\ntime "
-       << digits(c.values.time) << '\n';
-  block("rows", c.rows);
-  for (const auto& [name, value] : c.values.numbers)
-    text << "number " << name << ' ' << digits(value) << '\n';
-  for (const auto& [name, value] : c.values.texts) block("text " + name, value);
+  text << format << '\n';
+  for (const auto& [key, value] : entries) text << std::quoted(key) << ' ' << std::quoted(value) << '\n';
   return text.str() + "manifest " + to_hex(checksum(text.str())) + "\n";
 }
 
-/// What a manifest says that was found undamaged.
-struct Manifest {
-  Checkpoint checkpoint; // its file name without a folder
-  std::uint64_t size = 0;
-  std::string checksum;
-};
+Entries entries_of(const std::string& manifest) {
+  Entries entries;
+  std::istringstream in(manifest.substr(manifest.find('\n') + 1));
+  for (std::string key, value; in >> std::quoted(key) >> std::quoted(value);) entries[key] = value;
+  return entries;
+}
 
 double number_in(const std::string& text) {
   double value = 0;
   std::from_chars(text.data(), text.data() + text.size(), value);
   return value;
-}
-
-Manifest parsed(const std::string& text) {
-  Manifest manifest;
-  Checkpoint& c = manifest.checkpoint;
-  std::istringstream in(text);
-  const auto block = [&] {
-    std::size_t size = 0;
-    in >> size;
-    in.get();
-    std::string value(size, '\0');
-    in.read(value.data(), static_cast<std::streamsize>(size));
-    return value;
-  };
-  std::string key, name, value;
-  std::getline(in, value);
-  while (in >> key && key != "manifest") {
-    if (key == "rows") {
-      c.rows = block();
-    } else if (key == "text") {
-      in >> name;
-      c.values.texts[name] = block();
-    } else if (key == "number") {
-      in >> name >> value;
-      c.values.numbers[name] = number_in(value);
-    } else {
-      in >> value;
-      if (key == "file") c.file = value;
-      if (key == "size") manifest.size = std::stoull(value);
-      if (key == "checksum") manifest.checksum = value;
-      if (key == "step") c.values.step = std::stol(value);
-      if (key == "time") c.values.time = number_in(value);
-    }
-  }
-  return manifest;
 }
 
 /// Why a file cannot be trusted, empty when size, checksum and manifest agree; `manifest` becomes its text.
@@ -135,14 +104,13 @@ std::string fault_of(const std::string& file, std::string& manifest) {
     if (own == std::string::npos ||
         manifest.substr(own) != "manifest " + to_hex(checksum(manifest.substr(0, own))) + "\n")
       return "its manifest is damaged";
-    const Manifest said = parsed(manifest);
-    if (said.checkpoint.file != fs::path(file).filename().string())
-      return "its manifest belongs to another file";
+    Entries said = entries_of(manifest);
+    if (said["file"] != fs::path(file).filename().string()) return "its manifest belongs to another file";
     std::uint64_t size = 0;
     const std::uint64_t sum = file_checksum(file, size);
-    if (said.size != size)
-      return "it has " + std::to_string(size) + " bytes instead of " + std::to_string(said.size);
-    if (said.checksum != to_hex(sum)) return "its content does not have the checksum of the manifest";
+    if (said["size"] != std::to_string(size))
+      return "it has " + std::to_string(size) + " bytes instead of " + said["size"];
+    if (said["checksum"] != to_hex(sum)) return "its content does not have the checksum of the manifest";
     return {};
   } catch (const std::exception& error) {
     return error.what();
@@ -151,8 +119,14 @@ std::string fault_of(const std::string& file, std::string& manifest) {
 
 /// The checkpoint of that name and manifest of rank 0 on all ranks. Collective.
 Checkpoint shared(MPI_Comm comm, const std::string& file, const std::string& manifest) {
-  Checkpoint checkpoint = parsed(broadcast(comm, manifest)).checkpoint;
-  checkpoint.file = broadcast(comm, file);
+  Checkpoint checkpoint{broadcast(comm, file), {}, {}, {}};
+  CheckpointValues& values = checkpoint.values;
+  for (const auto& [key, value] : entries_of(broadcast(comm, manifest))) {
+    if (key == "step") values.step = std::stol(value);
+    if (key == "time") values.time = number_in(value);
+    if (key == "rows") checkpoint.rows = value;
+    if (key.starts_with("text:")) values.texts[key.substr(5)] = value;
+  }
   return checkpoint;
 }
 
@@ -205,8 +179,7 @@ std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& di
   Checkpoint checkpoint = shared(comm, found, manifest);
   std::istringstream lines(broadcast(comm, damaged));
   for (std::string line; std::getline(lines, line);) checkpoint.warnings.push_back(line);
-  if (checkpoint.file.empty()) return std::nullopt;
-  return checkpoint;
+  return checkpoint.file.empty() ? std::nullopt : std::optional(checkpoint);
 }
 
 Checkpoint open_checkpoint(MPI_Comm comm, const std::string& file) {

@@ -20,7 +20,7 @@ void add_key(std::uint64_t identity, double* key) {
   key[1] += static_cast<double>(combined(identity, 1) >> 24);
 }
 
-/// Of each cell of the rank a number made of the coordinates of its nodes and the names of its regions.
+/// Gives each cell of the rank a number made of the coordinates of its nodes and the names of its regions.
 std::vector<std::uint64_t> cell_identities(const Mesh& mesh) {
   std::vector<std::uint64_t> identity(static_cast<std::size_t>(mesh.cell_count()), 0);
   const auto of = [&](PetscInt point) -> std::uint64_t& {
@@ -70,18 +70,6 @@ std::vector<std::size_t> vertex_order(const Mesh& mesh) {
   return place;
 }
 
-Entities counted(MPI_Comm comm, std::string name, std::size_t own, std::vector<double> keys) {
-  Entities set{std::move(name), own, 0, own, std::move(keys)};
-  std::uint64_t mine = own, before = 0, all = 0;
-  MPI_Exscan(&mine, &before, 1, MPI_UINT64_T, MPI_SUM, comm);
-  MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  set.first = rank == 0 ? 0 : before;
-  set.total = all;
-  return set;
-}
-
 } // namespace
 
 std::string entities_name(const StateRow& row) {
@@ -109,10 +97,10 @@ std::vector<Entities> entities_of(const Mesh& mesh, const StateTable& table) {
   for (std::size_t n = 0; n < place.size(); ++n) std::copy_n(&nodes[2 * n], 2, &vertex_keys[2 * place[n]]);
   for (std::size_t c = 0; c < cells.size(); ++c) add_key(cells[c], &cell_keys[2 * c]);
   std::vector<Entities> sets;
-  sets.push_back(
-      counted(comm, "vertex", static_cast<std::size_t>(mesh.owned_node_count()), std::move(vertex_keys)));
-  sets.push_back(counted(comm, "cell", cells.size(), std::move(cell_keys)));
-  sets.push_back(counted(comm, "global", rank == 0 ? 1 : 0, {1, 1}));
+  const auto owned = static_cast<std::size_t>(mesh.owned_node_count());
+  sets.push_back({"vertex", {comm, owned}, std::move(vertex_keys)});
+  sets.push_back({"cell", {comm, cells.size()}, std::move(cell_keys)});
+  sets.push_back({"global", {comm, rank == 0 ? 1U : 0U}, {1, 1}});
   for (const auto& row : table.rows()) {
     const std::string name = entities_name(*row);
     if (!row->checkpointed || row->support != Support::facet_point ||
@@ -126,7 +114,7 @@ std::vector<Entities> entities_of(const Mesh& mesh, const StateTable& table) {
       add_key(combined(static_cast<std::uint64_t>(node[0]), static_cast<std::uint64_t>(node[1])),
               &keys[2 * (k / corners)]);
     }
-    sets.push_back(counted(comm, name, facets.point.size(), std::move(keys)));
+    sets.push_back({name, {comm, facets.point.size()}, std::move(keys)});
   }
   return sets;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <impact/io/hdf5_file.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <string>
@@ -14,7 +15,7 @@ namespace impact {
 /// is global.
 struct Entities {
   std::string name;
-  std::size_t own = 0, first = 0, total = 0; ///< of this rank; the place of its first one among all; of all
+  hdf5::Slab slab; ///< of those that this rank writes
   /// [entity][2]: numbers made of the coordinates and regions of the cells around it. Integers below 2^53, so
   /// that sums over ranks are exact in any order.
   std::vector<double> keys;

@@ -34,19 +34,6 @@ std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   return list;
 }
 
-/// What this rank has of a list that goes over all ranks, in their order. Collective.
-struct Slab {
-  std::uint64_t first = 0, mine = 0, all = 0;
-
-  Slab(MPI_Comm comm, std::size_t count) : mine(count) {
-    MPI_Exscan(&mine, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
-    MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
-    int rank = 0;
-    MPI_Comm_rank(comm, &rank);
-    if (rank == 0) first = 0;
-  }
-};
-
 /// The rows of the nodes that this rank owns, which it holds in their global order, or of all its cells;
 /// widened with zeros from `components` to `width`.
 std::vector<double> rows_of(const Mesh& mesh, bool nodes, std::span<const double> values, int components,
@@ -63,12 +50,6 @@ std::vector<double> rows_of(const Mesh& mesh, bool nodes, std::span<const double
   return rows;
 }
 
-hdf5::DataSet table(std::string path, hdf5::Kind kind, const Slab& slab, std::uint64_t width) {
-  hdf5::DataSet set{std::move(path), kind, {slab.all}, slab.first * width};
-  if (width > 1) set.extent.push_back(width);
-  return set;
-}
-
 std::string without_extension(const std::string& path) {
   return path.ends_with(".xdmf") ? path.substr(0, path.size() - 5) : path;
 }
@@ -78,7 +59,7 @@ std::string without_extension(const std::string& path) {
 /// The mesh as the file of it holds it. The sums of its parts tell distributions apart: another one has
 /// another numbering and needs its own file.
 struct FieldMesh {
-  Slab nodes, cells, numbers; // the last of the topology
+  hdf5::Slab nodes, cells, numbers; // the last of the topology
   bool mixed;
   std::vector<double> points;
   std::vector<std::int64_t> topology;
@@ -109,15 +90,15 @@ void FieldOutput::write_mesh(const FieldMesh& stored, const FieldFile& request) 
       stored.mixed || stored.cells.all == 0 ? 1 : stored.numbers.all / stored.cells.all;
   const std::vector<double> cell_count{static_cast<double>(stored.cells.all)};
   std::vector<hdf5::DataSet> sets{
-      table("/geometry", hdf5::Kind::real, stored.nodes, 3),
-      table("/topology", hdf5::Kind::integer, stored.mixed ? stored.numbers : stored.cells, width),
+      hdf5::rows("/geometry", hdf5::Kind::real, stored.nodes, 3,
+                 [&] { return hdf5::bytes_of(stored.points); }),
+      hdf5::rows("/topology", hdf5::Kind::integer, stored.mixed ? stored.numbers : stored.cells, width,
+                 [&] { return hdf5::bytes_of(stored.topology); }),
       hdf5::whole(comm, "/cells", stored.entry.cell_type), hdf5::whole(comm, "/cell_count", cell_count),
       hdf5::whole(comm, "/checksum", stored.sum)};
-  sets[0].mine = [&] { return hdf5::bytes_of(stored.points); };
-  sets[1].mine = [&] { return hdf5::bytes_of(stored.topology); };
   if (stored.entry.regions) {
-    sets.push_back(table("/region", hdf5::Kind::integer, stored.cells, 1));
-    sets.back().mine = [&] { return hdf5::bytes_of(request.region); };
+    sets.push_back(hdf5::rows("/region", hdf5::Kind::integer, stored.cells, 1,
+                              [&] { return hdf5::bytes_of(request.region); }));
     sets.push_back(hdf5::whole(comm, "/regions", request.regions));
   }
   const std::string name = broadcast(comm, series_->next_mesh_name());
@@ -177,7 +158,7 @@ void FieldOutput::write(double time, const std::vector<Field>& fields) {
   if (!all_ranks_agree(comm, good))
     throw std::logic_error("field output: a field has a wrong size or an impossible name");
 
-  const Slab nodes(comm, static_cast<std::size_t>(mesh_->owned_node_count())),
+  const hdf5::Slab nodes(comm, static_cast<std::size_t>(mesh_->owned_node_count())),
       cells(comm, static_cast<std::size_t>(mesh_->cell_count()));
   XdmfFrame frame{time, {}, series_->mesh, {}};
   std::vector<double> rows; // of one field after the other
@@ -185,12 +166,11 @@ void FieldOutput::write(double time, const std::vector<Field>& fields) {
   for (const Field& field : fields) {
     const int width = stored_width(field.components);
     frame.fields.push_back({field.name, field.on_nodes, width});
-    sets.push_back(table((field.on_nodes ? "/node/" : "/cell/") + field.name, hdf5::Kind::real,
-                         field.on_nodes ? nodes : cells, static_cast<std::uint64_t>(width)));
-    sets.back().mine = [&, width] {
-      rows = rows_of(*mesh_, field.on_nodes, field.values, field.components, width);
-      return hdf5::bytes_of(rows);
-    };
+    sets.push_back(hdf5::rows((field.on_nodes ? "/node/" : "/cell/") + field.name, hdf5::Kind::real,
+                              field.on_nodes ? nodes : cells, static_cast<std::uint64_t>(width), [&, width] {
+                                rows = rows_of(*mesh_, field.on_nodes, field.values, field.components, width);
+                                return hdf5::bytes_of(rows);
+                              }));
   }
   const std::vector<double> times{time};
   std::string name, sum;

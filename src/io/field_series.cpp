@@ -22,8 +22,8 @@ std::string file_of_frame(int number) {
 
 std::string file_of_mesh(int number) { return "mesh_" + std::to_string(number) + ".h5"; }
 
-/// What the name of a file in our folder says: "000012.h5", "mesh_0.h5", or one of these with the ending of a
-/// file that was not finished or set aside. Other names have the number -1.
+/// The name of a file in our folder is "000012.h5" or "mesh_0.h5", or one of these with the ending of a file
+/// that was not finished or set aside. Other names have the number -1.
 struct OwnName {
   bool mesh = false, finished = false;
   int number = -1;

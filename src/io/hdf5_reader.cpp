@@ -51,12 +51,7 @@ Reader::~Reader() {
   H5Eset_auto2(H5E_DEFAULT, printing_, printing_data_);
 }
 
-bool Reader::has(const std::string& path) const {
-  for (std::size_t at = path.find('/', 1);; at = path.find('/', at + 1)) {
-    if (H5Lexists(id_, path.substr(0, at).c_str(), H5P_DEFAULT) <= 0) return false;
-    if (at == std::string::npos) return true;
-  }
-}
+bool Reader::has(const std::string& path) const { return H5Lexists(id_, path.c_str(), H5P_DEFAULT) > 0; }
 
 std::vector<std::string> Reader::list(const std::string& path) const {
   std::vector<std::string> names;

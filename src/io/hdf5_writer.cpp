@@ -9,7 +9,8 @@ namespace impact::hdf5 {
 
 namespace {
 
-/// What HDF5 writes of a file beside the numbers in its data sets: words of eight bytes by their number.
+/// HDF5 writes these parts of a file beside the numbers in its data sets: words of eight bytes by their
+/// number.
 using Words = std::map<std::uint64_t, std::uint64_t>;
 
 template <class Use> void for_each_word(std::uint64_t at, std::size_t bytes, Use&& use) {
@@ -150,20 +151,40 @@ std::uint64_t write_own_part(const DurableFile& out, const std::vector<DataSet>&
 
 } // namespace
 
-DataSet whole(MPI_Comm comm, std::string path, const std::string& text) {
+Slab::Slab(MPI_Comm comm, std::size_t rows) : own(rows) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  DataSet set{std::move(path), Kind::character, {text.size()}};
-  if (rank == 0) set.mine = [&text] { return bytes_of(text); };
+  MPI_Exscan(&own, &first, 1, MPI_UINT64_T, MPI_SUM, comm);
+  MPI_Allreduce(&own, &all, 1, MPI_UINT64_T, MPI_SUM, comm);
+  if (rank == 0) first = 0;
+}
+
+DataSet rows(std::string path, Kind kind, const Slab& slab, std::uint64_t width,
+             std::function<std::span<const std::byte>()> mine) {
+  DataSet set{std::move(path), kind, {slab.all}, slab.first * width, std::move(mine)};
+  if (width > 1) set.extent.push_back(width);
   return set;
 }
 
-DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values) {
+namespace {
+
+template <class Values>
+DataSet of_rank_zero(MPI_Comm comm, std::string path, Kind kind, const Values& values) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
-  DataSet set{std::move(path), Kind::real, {values.size()}};
+  DataSet set{std::move(path), kind, {values.size()}};
   if (rank == 0) set.mine = [&values] { return bytes_of(values); };
   return set;
+}
+
+} // namespace
+
+DataSet whole(MPI_Comm comm, std::string path, const std::string& text) {
+  return of_rank_zero(comm, std::move(path), Kind::character, text);
+}
+
+DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values) {
+  return of_rank_zero(comm, std::move(path), Kind::real, values);
 }
 
 Written write_file(MPI_Comm comm, const std::string& name, const std::vector<DataSet>& sets) {

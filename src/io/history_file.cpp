@@ -72,7 +72,7 @@ void HistoryFile::resume(long last_step) {
   out_->resize(length_);
 }
 
-// What was written of a refused row is cut off again.
+// The part of a refused row that was written is cut off again.
 void HistoryFile::append(const std::string& text) {
   try {
     out_->write(length_, text.data(), text.size());

@@ -11,7 +11,7 @@ namespace impact {
 
 namespace {
 
-// What a signal handler may touch has to be there beforehand.
+// A signal handler may touch nothing that is not there beforehand.
 std::array<char, 1024> last_words{};
 
 void give_up(int) {

@@ -20,29 +20,16 @@ struct ElementKind {
 
 // Element types of gmsh's manual, section "MSH file format".
 ElementKind kind_of(std::int64_t type) {
-  switch (type) {
-  case 15:
-    return {0, 1};
-  case 1:
-    return {1, 2};
-  case 2:
-    return {2, 3};
-  case 3:
-    return {2, 4};
-  case 4:
-    return {3, 4};
-  case 5:
-    return {3, 8};
-  case 6:
-  case 7:
+  static const std::map<std::int64_t, ElementKind> known = {{15, {0, 1}}, {1, {1, 2}}, {2, {2, 3}},
+                                                            {3, {2, 4}},  {4, {3, 4}}, {5, {3, 8}}};
+  if (const auto found = known.find(type); found != known.end()) return found->second;
+  if (type == 6 || type == 7)
     throw UserError(ExitCode::data,
                     "prisms or pyramids; allowed are triangles, quadrilaterals, tetrahedra and hexahedra");
-  default:
-    if (type >= 8 && type <= 140)
-      throw UserError(ExitCode::data, "elements of second or higher order (gmsh type " +
-                                          std::to_string(type) + "); mesh with first order (gmsh -order 1)");
-    garbled("unknown element type " + std::to_string(type));
-  }
+  if (type >= 8 && type <= 140)
+    throw UserError(ExitCode::data, "elements of second or higher order (gmsh type " + std::to_string(type) +
+                                        "); mesh with first order (gmsh -order 1)");
+  garbled("unknown element type " + std::to_string(type));
 }
 
 // Reads numbers one by one, ASCII or binary, and never past the end.
@@ -80,12 +67,11 @@ public:
     return static_cast<std::size_t>(n);
   }
   std::string quoted() {
-    while (p_ < end_ && *p_ != '"' && *p_ != '\n') ++p_;
-    if (p_ >= end_ || *p_++ != '"') garbled("a name without quotes in $PhysicalNames");
-    const char* begin = p_;
-    while (p_ < end_ && *p_ != '"' && *p_ != '\n') ++p_;
-    if (p_ >= end_ || *p_ != '"') garbled("a name without closing quotes in $PhysicalNames");
-    return std::string(begin, p_++);
+    const std::string rest = line();
+    const std::size_t open = rest.find('"'), close = rest.find('"', open + 1);
+    if (open == std::string::npos) garbled("a name without quotes in $PhysicalNames");
+    if (close == std::string::npos) garbled("a name without closing quotes in $PhysicalNames");
+    return rest.substr(open + 1, close - open - 1);
   }
   void skip_section(const std::string& name) {
     const std::string mark = "$End" + name;
@@ -131,41 +117,35 @@ public:
   Reader(const char* begin, const char* end) : in_(begin, end) {}
 
   GmshFile read() {
-    bool formatted = false, nodes = false, elements = false;
+    bool formatted = false;
     for (in_.skip_blanks(); !in_.done(); in_.skip_blanks()) {
       const std::string head = in_.line();
       if (head.empty() || head[0] != '$')
         garbled("no section where one is expected; is this a mesh file of gmsh?");
       const std::string name = head.substr(1);
-      if (name == "MeshFormat") {
-        read_format();
-        formatted = true;
-      } else if (!formatted) {
-        garbled("no $MeshFormat at the head; is this a mesh file of gmsh?");
-      } else if (name == "PhysicalNames") {
-        read_names();
-      } else if (name == "Entities") {
-        read_entities();
-      } else if (name == "PartitionedEntities") {
-        throw UserError(ExitCode::data,
-                        "a partitioned mesh; write it unpartitioned, the program partitions by itself");
-      } else if (name == "Nodes") {
-        version4_ ? read_nodes4() : read_nodes2();
-        nodes = true;
-      } else if (name == "Elements") {
-        if (!nodes) garbled("$Elements before $Nodes");
-        version4_ ? read_elements4() : read_elements2();
-        elements = true;
-      } else {
-        in_.skip_section(name);
-      }
+      formatted = formatted || name == "MeshFormat";
+      if (!formatted) garbled("no $MeshFormat at the head; is this a mesh file of gmsh?");
+      read_section(name);
     }
-    if (!elements) garbled("no $Elements; the file is cut or no mesh");
+    if (!elements_) garbled("no $Elements; the file is cut or no mesh");
     return std::move(file_);
   }
   bool version4() const { return version4_; }
 
 private:
+  void read_section(const std::string& name) {
+    if (name == "PartitionedEntities")
+      throw UserError(ExitCode::data,
+                      "a partitioned mesh; write it unpartitioned, the program partitions by itself");
+    if (name == "Elements" && !nodes_) garbled("$Elements before $Nodes");
+    if (name == "MeshFormat") return read_format();
+    if (name == "PhysicalNames") return read_names();
+    if (name == "Entities") return read_entities();
+    if (name == "Nodes") return version4_ ? read_nodes4() : read_nodes2();
+    if (name == "Elements") return version4_ ? read_elements4() : read_elements2();
+    in_.skip_section(name);
+  }
+
   void read_format() {
     const double version = in_.ascii_number();
     const std::int64_t type = in_.ascii_integer(), data_size = in_.ascii_integer();
@@ -228,6 +208,7 @@ private:
     if (node_of_tag_.size() != total)
       garbled("$Nodes announces " + std::to_string(total) + " nodes, but has " +
               std::to_string(node_of_tag_.size()));
+    nodes_ = true;
     in_.expect_end("Nodes");
   }
   void read_nodes2() {
@@ -237,6 +218,7 @@ private:
       add_node(in_.integer());
       for (int i = 0; i < 3; ++i) file_.x.push_back(in_.number());
     }
+    nodes_ = true;
     in_.expect_end("Nodes");
   }
 
@@ -272,8 +254,8 @@ private:
   GmshBlock& block(ElementKind kind, const std::vector<int>& tags) {
     GmshBlock b{kind.dim, kind.nodes, {}, {}};
     for (const int tag : tags) b.groups.push_back(group(kind.dim, tag));
-    if (file_.blocks.empty() || file_.blocks.back().nodes != b.nodes || file_.blocks.back().dim != b.dim ||
-        file_.blocks.back().groups != b.groups)
+    const GmshBlock* last = file_.blocks.empty() ? nullptr : &file_.blocks.back();
+    if (!last || last->nodes != b.nodes || last->dim != b.dim || last->groups != b.groups)
       file_.blocks.push_back(std::move(b));
     return file_.blocks.back();
   }
@@ -298,6 +280,7 @@ private:
     }
     if (seen != total)
       garbled("$Elements announces " + std::to_string(total) + " elements, but has " + std::to_string(seen));
+    elements_ = true;
     in_.expect_end("Elements");
   }
   void read_elements2() {
@@ -322,12 +305,13 @@ private:
       GmshBlock& out = block(kind, tags);
       for (int a = 0; a < kind.nodes; ++a) out.node.push_back(node(in_.integer()));
     }
+    elements_ = true;
     in_.expect_end("Elements");
   }
 
   Cursor in_;
   GmshFile file_;
-  bool version4_ = true;
+  bool version4_ = true, nodes_ = false, elements_ = false; // what has been read
   std::map<std::pair<int, int>, std::string> names_;
   std::map<std::pair<int, std::int64_t>, std::vector<int>> physical_of_entity_;
   std::unordered_map<std::int64_t, int> node_of_tag_;

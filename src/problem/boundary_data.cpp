@@ -88,15 +88,23 @@ double integral(const Expression& rate, const double* x, int dim, double t0, dou
   return sum;
 }
 
+// body(number, condition, group) for all groups of the conditions whose type is wanted.
+template <class Wanted, class Body>
+void BoundaryData::visit_groups(const Mesh& mesh, Wanted&& wanted, Body&& body) const {
+  for (std::size_t c = 0; c < conditions_.size(); ++c)
+    if (const BoundaryCondition& bc = conditions_[c]; wanted(bc.type))
+      for (const std::string& name : bc.on) body(static_cast<int>(c), bc, require_group(mesh, bc, name));
+}
+
 BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
                            std::span<const int> body_of_node)
     : dim_(mesh.dim()), node_count_(mesh.node_count()), smallest_edge_(mesh.smallest_edge()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
-      fixed_mask_(at(node_count_ * dim_), 0), damage_mask_(at(node_count_), 0),
-      temperature_condition_(at(node_count_), -1), force_area_(conditions_.size(), 0.0) {
+      fixed_mask_(at(node_count_ * dim_), 0), force_area_(conditions_.size(), 0.0) {
   resolve_fixed(mesh, body_of_node);
   resolve_loads(mesh);
-  resolve_temperatures(mesh);
+  damage_condition_ = resolve_held(mesh, BcType::damage);
+  temperature_condition_ = resolve_held(mesh, BcType::temperature);
   agree_on_errors(mesh.comm(), [&] {
     for (double t : {0.0, t_end}) require_agreement(0, t, {}, {});
   });
@@ -125,63 +133,46 @@ void BoundaryData::require_agreement(double t0, double t1, const std::vector<dou
     const double* x = &x_[at(shared.node * dim_)];
     compare(shared.first, shared.second,
             conditions_[at(shared.first)].type == BcType::damage ? "phi" : "temperatures", shared.node,
-            heat_value(shared.first, x, t1), heat_value(shared.second, x, t1), 1);
+            scalar_value(shared.first, x, t1), scalar_value(shared.second, x, t1), 1);
   }
 }
 
-void BoundaryData::resolve_temperatures(const Mesh& mesh) {
-  for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
-    const BoundaryCondition& bc = conditions_[at(c)];
-    if (bc.type != BcType::temperature) continue;
-    for (const std::string& name : bc.on) {
-      require_group(mesh, bc, name);
-      for (int node : mesh.nodes(name)) {
-        int& holder = temperature_condition_[at(node)];
-        if (holder < 0) holder = c;
-        if (holder != c) shared_values_.push_back({node, holder, c});
-      }
-    }
-  }
+// [node] the first condition of this type on it; others must agree.
+std::vector<int> BoundaryData::resolve_held(const Mesh& mesh, BcType type) {
+  std::vector<int> holder(at(node_count_), -1);
+  visit_groups(
+      mesh, [type](BcType other) { return other == type; },
+      [&](int c, const BoundaryCondition&, const Group& group) {
+        for (int node : mesh.nodes(group.name)) {
+          int& first = holder[at(node)];
+          if (first < 0) first = c;
+          if (first != c) shared_values_.push_back({node, first, c});
+        }
+      });
+  return holder;
 }
 
 void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_node) {
   std::map<int, FixedDof> chosen;
-  std::map<int, int> damaged; // node, condition
-  for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
-    const BoundaryCondition& bc = conditions_[at(c)];
-    if (!prescribes_motion(bc.type) && bc.type != BcType::damage) continue;
-    for (const std::string& name : bc.on) {
-      require_group(mesh, bc, name);
-      const std::vector<int> nodes = mesh.nodes(name);
-      int axis = -1;
-      if (bc.type == BcType::symmetry) {
-        axis = plane_axis(mesh, nodes);
-        if (axis < 0)
-          throw UserError(ExitCode::data,
-                          "-bc_" + bc.id + "_type symmetry: group \"" + name +
-                              "\" is not a plane normal to a coordinate axis; prescribe the components"
-                              " by -bc_" +
-                              bc.id + "_ux .. instead");
-      }
-      for (int node : nodes) {
-        if (bc.type == BcType::damage) {
-          const auto [where, inserted] = damaged.emplace(node, c);
-          if (inserted) damage_nodes_.emplace_back(node, c);
-          if (where->second != c) shared_values_.push_back({node, where->second, c});
-          damage_mask_[at(node)] = 1;
-          continue;
-        }
-        if (!body_of_node.empty() && body_of_node[at(node)] >= 0) continue;
-        for (int k = 0; k < dim_; ++k) {
-          const bool held = bc.type == BcType::fix || k == axis || bc.component[k].has_value();
-          if (!held) continue;
-          const FixedDof mine{node * dim_ + k, c, k};
-          const auto [where, inserted] = chosen.emplace(mine.dof, mine);
-          if (!inserted && where->second.condition != c) shared_dofs_.emplace_back(where->second, mine);
-        }
+  visit_groups(mesh, prescribes_motion, [&](int c, const BoundaryCondition& bc, const Group& group) {
+    const std::vector<int> nodes = mesh.nodes(group.name);
+    const int axis = bc.type == BcType::symmetry ? plane_axis(mesh, nodes) : -1;
+    if (bc.type == BcType::symmetry && axis < 0)
+      throw UserError(ExitCode::data,
+                      "-bc_" + bc.id + "_type symmetry: group \"" + group.name +
+                          "\" is not a plane normal to a coordinate axis; prescribe the components"
+                          " by -bc_" +
+                          bc.id + "_ux .. instead");
+    for (int node : nodes) {
+      if (!body_of_node.empty() && body_of_node[at(node)] >= 0) continue;
+      for (int k = 0; k < dim_; ++k) {
+        if (bc.type != BcType::fix && k != axis && !bc.component[k]) continue;
+        const FixedDof mine{node * dim_ + k, c, k};
+        const auto [where, inserted] = chosen.emplace(mine.dof, mine);
+        if (!inserted && where->second.condition != c) shared_dofs_.emplace_back(where->second, mine);
       }
     }
-  }
+  });
   for (const auto& [dof, fixed] : chosen) {
     fixed_.push_back(fixed);
     fixed_mask_[at(dof)] = 1;
@@ -189,47 +180,41 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
 }
 
 void BoundaryData::resolve_loads(const Mesh& mesh) {
-  for (int c = 0; c < static_cast<int>(conditions_.size()); ++c) {
-    const BoundaryCondition& bc = conditions_[at(c)];
+  const auto loads = [](BcType type) {
+    return type == BcType::body_force || type == BcType::traction || type == BcType::pressure ||
+           type == BcType::force || type == BcType::heat_flux || type == BcType::convection;
+  };
+  visit_groups(mesh, loads, [&](int c, const BoundaryCondition& bc, const Group& group) {
     if (bc.type == BcType::body_force) {
-      for (const std::string& name : bc.on) {
-        require_group(mesh, bc, name);
-        for (int node : mesh.nodes(name)) body_nodes_.emplace_back(node, c);
-      }
-      continue;
+      for (int node : mesh.nodes(group.name)) body_nodes_.emplace_back(node, c);
+      return;
     }
-    const bool thermal = bc.type == BcType::heat_flux || bc.type == BcType::convection;
-    if (bc.type != BcType::traction && bc.type != BcType::pressure && bc.type != BcType::force && !thermal)
-      continue;
-    for (const std::string& name : bc.on) {
-      const Group& group = require_group(mesh, bc, name);
-      if (bc.type == BcType::force && group.dim < dim_ - 1) {
-        if (require_group(mesh, bc, bc.on.front()).dim != group.dim)
-          throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + bc.on.front() + "," + name +
-                                              "\": points, lines and boundaries share no force; "
-                                              "give each a condition of its own");
-        const std::vector<double> shares = mesh.node_shares(name);
-        for (int node = 0; node < node_count_; ++node)
-          if (const double share = shares[at(node)]; share > 0) {
-            nodal_forces_.push_back({node, c, share});
-            force_area_[at(c)] += share;
-          }
-        continue;
-      }
-      if (group.dim != dim_ - 1)
-        throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + name + "\": a load acts on a boundary (" +
-                                            std::to_string(dim_ - 1) + "D), this group is " +
-                                            std::to_string(group.dim) +
-                                            "D; mesh has: " + available_groups(mesh));
-      if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", name);
-      LoadedFacets load{c, mesh.facets(name)};
-      for (int f = 0; f < load.facets.count(); ++f) force_area_[at(c)] += facet_area(mesh, load.facets, f);
-      (thermal                       ? heat_fluxes_
-       : bc.type == BcType::pressure ? pressures_
-                                     : tractions_)
-          .push_back(std::move(load));
+    if (bc.type == BcType::force && group.dim < dim_ - 1) {
+      if (require_group(mesh, bc, bc.on.front()).dim != group.dim)
+        throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + bc.on.front() + "," + group.name +
+                                            "\": points, lines and boundaries share no force; "
+                                            "give each a condition of its own");
+      const std::vector<double> shares = mesh.node_shares(group.name);
+      for (int node = 0; node < node_count_; ++node)
+        if (const double share = shares[at(node)]; share > 0) {
+          nodal_forces_.push_back({node, c, share});
+          force_area_[at(c)] += share;
+        }
+      return;
     }
-  }
+    if (group.dim != dim_ - 1)
+      throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + group.name +
+                                          "\": a load acts on a boundary (" + std::to_string(dim_ - 1) +
+                                          "D), this group is " + std::to_string(group.dim) +
+                                          "D; mesh has: " + available_groups(mesh));
+    if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", group.name);
+    LoadedFacets load{c, mesh.facets(group.name)};
+    for (int f = 0; f < load.facets.count(); ++f) force_area_[at(c)] += facet_area(mesh, load.facets, f);
+    (is_thermal(bc.type)           ? heat_fluxes_
+     : bc.type == BcType::pressure ? pressures_
+                                   : tractions_)
+        .push_back(std::move(load));
+  });
   if (!force_area_.empty()) sum_over_ranks(mesh.comm(), force_area_);
 }
 
@@ -295,17 +280,9 @@ void BoundaryData::set_initial_rates(double dt, std::vector<double>& v, std::vec
   }
 }
 
-void BoundaryData::set_damage(double t, std::vector<double>& phi) const {
-  for (const auto& [node, c] : damage_nodes_) {
-    const BoundaryCondition& bc = conditions_[at(c)];
-    phi[at(node)] = (*bc.value)(&x_[at(node * dim_)], dim_, t);
-  }
-}
-
-void BoundaryData::set_temperature(double t, std::vector<double>& theta) const {
-  for (std::size_t node = 0; node < theta.size(); ++node)
-    if (const int c = temperature_condition_[node]; c >= 0)
-      theta[node] = heat_value(c, &x_[node * at(dim_)], t);
+void BoundaryData::set_held(const std::vector<int>& holder, double t, std::vector<double>& field) const {
+  for (std::size_t node = 0; node < field.size(); ++node)
+    if (const int c = holder[node]; c >= 0) field[node] = scalar_value(c, &x_[node * at(dim_)], t);
 }
 
 std::vector<int> BoundaryData::heat_sources() const {
@@ -315,12 +292,12 @@ std::vector<int> BoundaryData::heat_sources() const {
   return sources;
 }
 
-double BoundaryData::heat_value(int condition, const double* x, double t) const {
+double BoundaryData::scalar_value(int condition, const double* x, double t) const {
   return (*conditions_[at(condition)].value)(x, dim_, t);
 }
 
 double BoundaryData::ambient_temperature(int condition, const double* x, double t) const {
-  const double value = heat_value(condition, x, t);
+  const double value = scalar_value(condition, x, t);
   if (value > 0) return value;
   throw UserError(ExitCode::data, "-bc_" + conditions_[at(condition)].id + "_value: " +
                                       std::to_string(value) + " K around the body at t=" + std::to_string(t) +

@@ -28,8 +28,9 @@ std::vector<char> held_nodes(const Discretisation& d, const BoundaryData& bounda
   const Handle<Vec> sum = d.scalar.make_global();
   d.scalar.add_to_global(touched, sum);
   d.scalar.to_local(sum, touched);
-  std::vector<char> held = boundary.fixed_damage_mask();
-  for (std::size_t i = 0; i < held.size(); ++i) held[i] = held[i] || touched[i] == 0;
+  std::vector<char> held;
+  for (std::size_t i = 0; i < touched.size(); ++i)
+    held.push_back(boundary.damage_condition()[i] >= 0 || touched[i] == 0);
   return held;
 }
 
@@ -80,8 +81,9 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
   if (settings_.bounds == DamageBounds::history)
     history_ = &state.add({"damage_history", Support::cell_point, 1}, points);
   microforce_ = &state.add({"force_damage", Support::vertex, 1}, d_.node_values(1));
-  const auto& held = boundary_.fixed_damage_mask();
-  prescribes_ = !all_ranks_agree(d_.mesh.comm(), std::find(held.begin(), held.end(), 1) == held.end());
+  prescribes_ = !all_ranks_agree(d_.mesh.comm(), std::all_of(boundary_.damage_condition().begin(),
+                                                             boundary_.damage_condition().end(),
+                                                             [](int condition) { return condition < 0; }));
   field_.build_matrix();
   unconstrained_ = make_solver(false);
   check(SNESGetTolerances(unconstrained_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));

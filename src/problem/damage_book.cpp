@@ -34,7 +34,7 @@ double DamageProblem::held_work(const std::vector<double>& force, const std::vec
 
 void DamageProblem::keep_held(std::vector<double>& force) const {
   for (std::size_t i = 0; i < force.size(); ++i)
-    if (!boundary_.fixed_damage_mask()[i]) force[i] = 0;
+    if (boundary_.damage_condition()[i] < 0) force[i] = 0;
 }
 
 // The rate's part of a step or sub-step.
@@ -80,7 +80,7 @@ void DamageProblem::start(const std::vector<double>& u) {
     return m.law.parameters.damage != Damage::none && std::isfinite(m.law.parameters.c);
   });
   for (std::size_t i = 0; i < force.size(); ++i)
-    if (!boundary_.fixed_damage_mask()[i])
+    if (boundary_.damage_condition()[i] < 0)
       force[i] = at_once && !field_.held()[i] ? std::min(force[i], 0.0) : 0;
 }
 

@@ -62,7 +62,7 @@ void HeatLoads::evaluate(double t, int end) {
           for (int a = 0; a < nodes; ++a)
             for (int k = 0; k < dim; ++k)
               x[k] += batch.group.shape->N[q * nodes + a] * X.value[a * dim + k][static_cast<int>(l)];
-          value.value[q].set(static_cast<int>(l), boundary_.heat_value(source.condition, x, t));
+          value.value[q].set(static_cast<int>(l), boundary_.scalar_value(source.condition, x, t));
         }
       batch.store(value, source.value[end]);
     });
@@ -73,7 +73,7 @@ void HeatLoads::evaluate(double t, int end) {
     for_each_facet_point(surface.load->facets, d_.frame, X_, [&](std::size_t i, const double* x) {
       heat.coefficient[i] = convects ? boundary_.heat_coefficient(c, x, t) : 0.0;
       heat.inflow[i] = convects ? heat.coefficient[i] * boundary_.ambient_temperature(c, x, t)
-                                : boundary_.heat_value(c, x, t);
+                                : boundary_.scalar_value(c, x, t);
     });
   }
 }

@@ -2,12 +2,11 @@
 #include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/problem/boundary_data.hpp>
 #include <impact/problem/rigid_bodies.hpp>
-#include <limits>
 #include <span>
 
-/// Motion of rigid bodies: what a solve and a step need. Set-up: rigid_bodies_setup.cpp.
+/// Motion of rigid bodies: what a solve and a step need. Set-up: rigid_bodies_setup.cpp; what conditions
+/// prescribe: rigid_data.cpp; their reactions: rigid_book.cpp.
 namespace impact {
 
 namespace {
@@ -22,7 +21,11 @@ Matrix3 inertia_of(const Matrix3& A, const Matrix3& E, const Matrix3& B) {
   return J;
 }
 
-Vector3 times_inverse(const Matrix3& J, const Vector3& x) { return inverse(J) * x; }
+// Angular velocity by the angular momentum L; of plane bodies about the axis alone.
+Vector3 spin_by(int dim, const RigidBody& body, const Matrix3& R, const Vector3& L) {
+  if (dim == 2) return {0, 0, L[2] / (body.second[0] + body.second[4])};
+  return inverse(inertia_of(R, body.second, R)) * L;
+}
 
 // Entries of an owned vector, opened for reading.
 class Owned {
@@ -65,6 +68,10 @@ std::vector<RigidBodies::Sums> RigidBodies::sums_of(Weight weight, Vec f) const 
   return sums(weight, [&](std::size_t i, int k) { return values[row_[i] + k]; });
 }
 
+std::vector<RigidBodies::Sums> RigidBodies::mass_sums(const std::vector<double>& field) const {
+  return sums(Weight::mass, [&](std::size_t i, int k) { return field[at(dim_ * node_[i] + k)]; });
+}
+
 std::vector<RigidPose> RigidBodies::poses(const std::vector<Sums>& of_u) const {
   std::vector<RigidPose> result(bodies_.size());
   for (std::size_t b = 0; b < result.size(); ++b) {
@@ -92,67 +99,12 @@ Vector3 RigidBodies::arm(std::size_t place) const {
   return Y;
 }
 
-// Rotation components as the conditions say them at time t: angles, or what velocities add since t_n.
-Vector3 RigidBodies::rotation_data(const RigidBody& body, double t) const {
-  Vector3 value{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const int c = body.held[3 + k];
-    if (c < 0) continue;
-    const BoundaryCondition& bc = conditions_[at(c)];
-    if (!bc.rotation[k]) continue;
-    value[k] = bc.type == BcType::velocity ? integral(*bc.rotation[k], body.centre.data(), dim_, t_n_, t)
-                                           : (*bc.rotation[k])(body.centre.data(), dim_, t);
-  }
-  return value;
-}
-
-// All components of the rotation are prescribed, as rotations from the reference configuration.
-bool RigidBodies::turns_as_told(const RigidBody& body) const {
-  for (std::size_t k = dim_ == 3 ? 0 : 2; k < 3; ++k) {
-    const int c = body.held[3 + k];
-    if (c == RigidBody::free_motion) return false;
-    if (c >= 0 && conditions_[at(c)].type == BcType::velocity) return false;
-  }
-  return true;
-}
-
-RigidPose RigidBodies::admissible(std::size_t b, RigidPose pose) const {
-  const RigidBody& body = bodies_[b];
-  for (std::size_t k = 0; k < at(dim_); ++k) {
-    const int c = body.held[k];
-    if (c == RigidBody::free_motion) continue;
-    const BoundaryCondition* bc = c < 0 ? nullptr : &conditions_[at(c)];
-    if (bc == nullptr || !bc->component[k])
-      pose.moved[k] = 0;
-    else if (bc->type == BcType::velocity)
-      pose.moved[k] = start_[b].moved[k] + integral(*bc->component[k], body.centre.data(), dim_, t_n_, t_);
-    else
-      pose.moved[k] = (*bc->component[k])(body.centre.data(), dim_, t_);
-  }
-  if (turns_as_told(body)) {
-    pose.turned = rotation_of(rotation_data(body, t_));
-    return pose;
-  }
-  // Rotation of the step by components: 2 tan(angle/2), which is what moments at the middle of the step do
-  // work on.
-  bool held = false;
-  Vector3 c = cayley_vector(pose.turned * transposed(start_[b].turned));
-  const Vector3 end = rotation_data(body, t_), begin = rotation_data(body, t_n_);
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (body.held[3 + k] == RigidBody::free_motion) continue;
-    held = true;
-    c[k] = 2 * std::tan((end[k] - begin[k]) / 2);
-  }
-  if (held) pose.turned = cayley(c) * start_[b].turned;
-  return pose;
-}
-
 void RigidBodies::begin(double t_n, double t, const std::vector<double>& u_n, bool dynamic) {
   if (empty()) return;
   t_n_ = t_n;
   t_ = t;
   dynamic_ = dynamic;
-  start_ = poses(sums(Weight::mass, [&](std::size_t i, int k) { return u_n[at(dim_ * node_[i] + k)]; }));
+  start_ = poses(mass_sums(u_n));
   now_ = start_;
 }
 
@@ -204,12 +156,8 @@ void RigidBodies::reduce(Vec u, Vec f, const std::vector<double>* acceleration) 
   place(u);
   std::vector<Sums> total = sums_of(Weight::one, f);
   if (acceleration != nullptr) {
-    const std::vector<Sums> inertia =
-        sums(Weight::mass, [&](std::size_t i, int k) { return (*acceleration)[at(dim_ * node_[i] + k)]; });
-    for (std::size_t b = 0; b < total.size(); ++b) {
-      for (std::size_t k = 0; k < 3; ++k) total[b].sum[k] += inertia[b].sum[k];
-      for (std::size_t k = 0; k < 9; ++k) total[b].moment[k] += inertia[b].moment[k];
-    }
+    const std::vector<Sums> inertia = mass_sums(*acceleration);
+    for (std::size_t b = 0; b < total.size(); ++b) total[b].add(inertia[b]);
   }
   set_nodes(f, [&](std::size_t, double* mine) { std::fill(mine, mine + dim_, 0.0); });
   double* values = nullptr;
@@ -319,7 +267,7 @@ void RigidBodies::strike(Vec f, Vec gain) const {
       moment[k] = 0;
       for (std::size_t j = 0; j < 3; ++j) J[3 * k + j] = J[3 * j + k] = j == k ? 1 : 0;
     }
-    const Vector3 spin = times_inverse(J, moment);
+    const Vector3 spin = inverse(J) * moment;
     std::copy(spin.begin(), spin.end(), rate[b].begin() + 3);
   }
   set_nodes(gain, [&](std::size_t i, double* mine) {
@@ -327,63 +275,6 @@ void RigidBodies::strike(Vec f, Vec gain) const {
     const Vector3 turning = cross(second_half(rate[b]), start_[b].turned * arm(i));
     for (int k = 0; k < dim_; ++k) mine[k] = rate[b][at(k)] + turning[at(k)];
   });
-}
-
-double RigidBodies::strike_power(Vec f, Vec u, Vec v) const {
-  if (empty()) return 0;
-  const std::vector<Sums> total = sums_of(Weight::one, f);
-  const std::vector<RigidMotionState> moves = motion(u, v);
-  double power = 0;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Vector3 moment = axial(total[b].moment * transposed(start_[b].turned));
-    for (std::size_t k = 0; k < 6; ++k)
-      if (bodies_[b].held[k] >= 0) power -= moves[b].velocity[k] * (k < 3 ? total[b].sum[k] : moment[k - 3]);
-  }
-  return power;
-}
-
-double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {
-  if (empty()) return 0;
-  const Handle<Vec> copy = [&] {
-    Handle<Vec> other;
-    check(VecDuplicate(f, other.out()));
-    check(VecCopy(f, other));
-    return other;
-  }();
-  std::vector<Sums> kept = forces_;
-  std::vector<double> still;
-  if (acceleration == nullptr) still.assign(at(dim_) * body_of_node_.size(), 0.0);
-  reduce(u, copy, acceleration != nullptr ? acceleration : &still);
-  double work = 0;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const RigidPlace& place = reduction_.bodies()[b];
-    const Vector3 moment = axial(forces_[b].moment * transposed(place.test));
-    const Vector3 turn = cayley_vector(now_[b].turned * transposed(start_[b].turned));
-    for (std::size_t k = 0; k < 6; ++k) {
-      const std::size_t entry = 7 * b + 1 + k;
-      const double before = row_state_->committed[entry];
-      double& now = row_state_->trial[entry];
-      now = 0;
-      if (bodies_[b].held[k] == RigidBody::free_motion || (k < 3 && k >= at(dim_))) continue;
-      now = factor * (k < 3 ? forces_[b].sum[k] : moment[k - 3]);
-      const double way = k < 3 ? now_[b].moved[k] - start_[b].moved[k] : turn[k - 3];
-      work += (dynamic_ ? now : (now + before) / 2) * way;
-    }
-  }
-  forces_ = std::move(kept);
-  return work;
-}
-
-const double* RigidBodies::reactions(int body) const { return &row_state_->trial[7 * at(body) + 1]; }
-
-double RigidBodies::angle(int body) const { return row_state_->trial[7 * at(body)]; }
-
-void RigidBodies::advance(Vec u) {
-  if (empty()) return;
-  const std::vector<RigidPose> pose = poses(sums_of(Weight::mass, u));
-  for (std::size_t b = 0; b < bodies_.size(); ++b)
-    row_state_->trial[7 * b] =
-        row_state_->committed[7 * b] + rotation_vector(pose[b].turned * transposed(start_[b].turned))[2];
 }
 
 std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {
@@ -395,15 +286,10 @@ std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {
     const Matrix3& R = pose[b].turned;
     result[b].pose = pose[b];
     result[b].spin = axial(speed[b].moment * transposed(R));
-    const Vector3 w = times_inverse(inertia_of(R, bodies_[b].second, R), result[b].spin);
+    const Vector3 w = spin_by(dim_, bodies_[b], R, result[b].spin);
     for (std::size_t k = 0; k < 3; ++k) {
       result[b].velocity[k] = speed[b].sum[k] / bodies_[b].mass;
       result[b].velocity[3 + k] = w[k];
-    }
-    if (dim_ == 2) {
-      const Matrix3& E = bodies_[b].second;
-      result[b].velocity[3] = result[b].velocity[4] = 0;
-      result[b].velocity[5] = result[b].spin[2] / (E[0] + E[4]);
     }
   }
   return result;
@@ -459,7 +345,7 @@ void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<dou
     if (dim_ == 2)
       free = {0, 0, free[2] / (body.second[0] + body.second[4])};
     else
-      free = times_inverse(inertia_of(R, body.second, R), free);
+      free = inverse(inertia_of(R, body.second, R)) * free;
     for (std::size_t k = 0; k < 3; ++k) rate[b][3 + k] = held[k] ? spin[k] : free[k];
   }
   for (std::size_t i = 0; i < node_.size(); ++i) {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/input/units.hpp>
 #include <impact/kernel/measure.hpp>
 #include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
@@ -297,34 +296,6 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     for (std::size_t k = 0; k < 6; ++k)
       reduction_.bodies()[b].held[k] = bodies_[b].held[k] != RigidBody::free_motion;
-}
-
-void RigidBodies::require_agreement(double t_n, double t) const {
-  static constexpr const char* names[6] = {"ux", "uy", "uz", "rx", "ry", "rz"};
-  for (const Shared& at_both : shared_) {
-    const RigidBody& body = bodies_[at_both.body];
-    const std::size_t k = at_both.component;
-    const BoundaryCondition &first = conditions_[at(at_both.first)], &other = conditions_[at(at_both.other)];
-    const auto data = [&](const BoundaryCondition& of) -> const std::optional<Expression>& {
-      return k < 3 ? of.component[k] : of.rotation[k - 3];
-    };
-    const auto rate = [](const BoundaryCondition& of) { return of.type == BcType::velocity; };
-    // Of two velocities the values, of a velocity and a place what they change in the step.
-    const bool changes = rate(first) != rate(other);
-    const auto value = [&](const BoundaryCondition& of) {
-      if (!data(of)) return 0.0;
-      const double* x = body.centre.data();
-      if (changes && rate(of)) return integral(*data(of), x, dim_, t_n, t);
-      return (*data(of))(x, dim_, t) - (changes ? (*data(of))(x, dim_, t_n) : 0.0);
-    };
-    const double one = value(first), two = value(other);
-    const double rounding = changes ? 1e-12 * body.length : 0;
-    if (std::abs(one - two) > 1e-9 * std::max(std::abs(one), std::abs(two)) + rounding)
-      throw UserError(ExitCode::data, "-bc_" + first.id + " and -bc_" + other.id + " prescribe different " +
-                                          names[k] + " (" + number_text(one) + ", " + number_text(two) +
-                                          " at t=" + number_text(t) + ") of the rigid body " + body.name +
-                                          "; leave the component out of one of them");
-  }
 }
 
 void RigidBodies::declare_state(StateTable& table) {

@@ -116,7 +116,7 @@ int follow_cracks(const Mesh& mesh, const FieldLayout& layout, const std::vector
   for (Crack& crack : known) crack.joined = crack.there;
   if (any == 0) return 0;
   const Search search(mesh, layout, cracked);
-  std::vector<int> sizes = search.sizes(); // of the bodies that are nobody's yet, else 0
+  std::vector<int> sizes = search.sizes(); // 0 once a body is somebody's
   for (Crack& crack : known) {
     if (!crack.there) {
       // The first of the largest ones has the smallest coordinates.

@@ -45,17 +45,20 @@ std::string history_file_name(const Scenario& scenario) {
 
 HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger,
                                  StateTable& state, const FieldSource& source)
-    : scenario_(scenario), motion_(motion), ledger_(ledger), state_(state), source_(source) {
+    : scenario_(scenario), motion_(motion), ledger_(ledger), v_(state.row("v")), phi_(state.find("phi")),
+      source_(source) {
   for (const OutputScenario& output : scenario_.outputs)
     if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
-  for (const MaterialAssignment& m : motion_.discretisation().materials) {
-    std::vector<int>& nodes = nodes_of_material_.emplace_back();
-    if (m.law.parameters.damage == Damage::none) continue;
-    state_.add(StateRow{"crack_" + m.id, Support::global, 4 * scenario_.crack_tips},
-               static_cast<std::size_t>(4 * scenario_.crack_tips));
-    for (const std::string& region : m.regions) {
-      const std::vector<int> more = motion_.discretisation().mesh.nodes(region);
-      nodes.insert(nodes.end(), more.begin(), more.end());
+  const Discretisation& d = motion_.discretisation();
+  for (std::size_t m = 0; m < d.materials.size(); ++m) {
+    const auto& [law, regions, id, points] = d.materials[m];
+    if (law.parameters.damage == Damage::none) continue;
+    const int numbers = 4 * scenario_.crack_tips;
+    cracks_.push_back(
+        {m, {}, state.add({"crack_" + id, Support::global, numbers}, static_cast<std::size_t>(numbers))});
+    for (const std::string& region : regions) {
+      const std::vector<int> more = d.mesh.nodes(region);
+      cracks_.back().nodes.insert(cracks_.back().nodes.end(), more.begin(), more.end());
     }
   }
   for (const ProbeScenario& probe : scenario_.probes)
@@ -145,7 +148,7 @@ void HistoryObserver::append_rigid_bodies(HistoryFile::Row& row, const Snapshot&
   const Discretisation& d = motion_.discretisation();
   const auto dim = static_cast<std::size_t>(d.dim());
   const Handle<Vec> v = d.displacement.make_global();
-  d.displacement.to_global(state_.row("v").committed, v);
+  d.displacement.to_global(v_.committed, v);
   const std::vector<RigidMotionState> motion = rigid.motion(snapshot.u, v);
   for (std::size_t b = 0; b < motion.size(); ++b) {
     const std::string id = "rigid_" + rigid.bodies()[b].name + "_";
@@ -163,22 +166,19 @@ void HistoryObserver::append_rigid_bodies(HistoryFile::Row& row, const Snapshot&
 
 void HistoryObserver::append_cracks(HistoryFile::Row& row) {
   const Discretisation& d = motion_.discretisation();
-  const StateRow* phi = state_.find("phi");
-  if (!phi) return;
-  if (phi_before_.empty()) phi_before_ = phi->committed;
-  for (std::size_t m = 0; m < d.materials.size(); ++m) {
+  if (!phi_) return;
+  if (phi_before_.empty()) phi_before_ = phi_->committed;
+  for (const auto& [m, nodes, kept] : cracks_) {
     const MaterialParameters& p = d.materials[m].law.parameters;
-    if (p.damage == Damage::none) continue;
-    StateRow& kept = state_.row("crack_" + d.materials[m].id); // of each crack a flag and its origin
     std::vector<Crack> cracks(kept.committed.size() / 4);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
       cracks[i].there = kept.committed[4 * i] != 0;
       std::copy_n(&kept.committed[4 * i + 1], 3, cracks[i].origin.begin());
     }
     std::vector<char> cracked(d.node_values(1), 0);
-    for (int node : nodes_of_material_[m])
+    for (int node : nodes)
       cracked[static_cast<std::size_t>(node)] =
-          phi->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
+          phi_->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
     const int count = follow_cracks(d.mesh, d.scalar, cracked, phi_before_, cracks);
     row.emplace_back("crack_" + d.materials[m].id + "_count", count);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
@@ -195,7 +195,7 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
     row.emplace_back("crack_" + d.materials[m].id + "_measure",
                      ledger_.energies().of[m].fracture / (p.Gc * d.thickness));
   }
-  phi_before_ = phi->committed;
+  phi_before_ = phi_->committed;
 }
 
 void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const {

@@ -1,5 +1,5 @@
 #include <cmath>
-#include <impact/math/rotation.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/obstacle_body.hpp>
 #include <numbers>
@@ -7,8 +7,6 @@
 namespace impact {
 
 namespace {
-
-using Point = std::array<double, 3>;
 
 // How large a cell is whose inertia does not matter: beside the mesh, or beside a ball, which hides it.
 constexpr double part_of_the_box = 0.1, part_of_the_radius = 0.5;
@@ -36,31 +34,34 @@ std::array<double, 2> inertia_of(const ContactScenario& c, int dim) {
 
 // A triangle has int rho Y Y^T = m/12 sum Y_a Y_a^T over its corners, a tetrahedron m/20: equilateral ones
 // with the circumradius 1 have m/8 and m/15 times the unit matrix.
-std::vector<Point> triangle(const Point& centre, double radius) {
+std::vector<Vector3> triangle(const Vector3& centre, double radius) {
   const double half = std::sqrt(0.75) * radius;
   return {{centre[0] - half, centre[1] - radius / 2, 0},
           {centre[0] + half, centre[1] - radius / 2, 0},
           {centre[0], centre[1] + radius, 0}};
 }
 
+Vector3 normalised(Vector3 a) {
+  const double size = std::hypot(a[0], a[1], a[2]);
+  for (double& component : a) component /= size;
+  return a;
+}
+
 // With the circumradii `along` and `across` a direction.
-std::vector<Point> tetrahedron(const Point& centre, const Point& direction, double along, double across) {
-  Point a = direction, b{};
-  const double length = std::hypot(a[0], a[1], a[2]);
+std::vector<Vector3> tetrahedron(const Vector3& centre, const Vector3& direction, double along,
+                                 double across) {
+  const Vector3 a = normalised(direction);
   std::size_t least = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    a[k] /= length;
+  for (std::size_t k = 0; k < 3; ++k)
     if (std::abs(a[k]) < std::abs(a[least])) least = k;
-  }
+  Vector3 b{};
   b[least] = 1;
-  b = cross(a, b);
-  const double size = std::hypot(b[0], b[1], b[2]);
-  for (double& component : b) component /= size;
-  const Point c = cross(a, b);
-  std::vector<Point> corners;
+  b = normalised(cross(a, b));
+  const Vector3 c = cross(a, b);
+  std::vector<Vector3> corners;
   for (const auto& [x, y, z] :
        std::array<std::array<double, 3>, 4>{{{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}}}) {
-    Point X = centre;
+    Vector3 X = centre;
     for (std::size_t k = 0; k < 3; ++k)
       X[k] += (along * x * a[k] + across * (y * b[k] + z * c[k])) / std::numbers::sqrt3;
     corners.push_back(X);
@@ -68,17 +69,10 @@ std::vector<Point> tetrahedron(const Point& centre, const Point& direction, doub
   return corners;
 }
 
-double volume(const std::vector<Point>& corner, PlaneMode plane) {
-  const auto side = [&](std::size_t i) {
-    Point d = corner[i];
-    for (std::size_t k = 0; k < 3; ++k) d[k] -= corner[0][k];
-    return d;
-  };
-  const Point normal = cross(side(1), side(2));
-  if (corner.size() == 4) {
-    const Point up = side(3);
-    return (normal[0] * up[0] + normal[1] * up[1] + normal[2] * up[2]) / 6;
-  }
+double volume(const std::vector<Vector3>& corner, PlaneMode plane) {
+  const auto side = [&](std::size_t i) { return minus(corner[i], corner[0]); };
+  const Vector3 normal = cross(side(1), side(2));
+  if (corner.size() == 4) return dot(normal, side(3)) / 6;
   const double around = plane == PlaneMode::axisymmetric
                             ? 2 * std::numbers::pi * (corner[0][0] + corner[1][0] + corner[2][0]) / 3
                             : 1;
@@ -95,11 +89,12 @@ ObstacleBody obstacle_body(const ContactScenario& contact, int dim, PlaneMode pl
                            const std::array<double, 6>& box) {
   const double *place = is_plane(contact) ? contact.plane_point : contact.centre,
                *axis = is_plane(contact) ? contact.plane_normal : contact.axis;
-  const Point centre = {place[0], place[1], dim == 3 ? place[2] : 0}, direction = {axis[0], axis[1], axis[2]};
+  const Vector3 centre = {place[0], place[1], dim == 3 ? place[2] : 0},
+                direction = {axis[0], axis[1], axis[2]};
   const double mass = contact.rigid_mass;
   ObstacleBody body;
   body.cell.region = contact.carrier;
-  std::vector<Point>& corner = body.cell.corner;
+  std::vector<Vector3>& corner = body.cell.corner;
   const bool rotates =
       plane != PlaneMode::axisymmetric && !(is_plane(contact) && std::isnan(contact.rigid_inertia));
   if (!rotates) {

@@ -62,7 +62,7 @@ fs::path free_folder(const fs::path& dir) {
     if (fs::path folder = dir / ("earlier_" + std::to_string(n)); !fs::exists(folder)) return folder;
 }
 
-// What the run writes, by names below its folder.
+// The run writes these, by names below its folder.
 std::vector<fs::path> own_files(const Scenario& s) {
   std::vector<fs::path> names{history_file_name(s)};
   if (default_checkpoint_dir(s) == s.checkpoint.dir) names.insert(names.begin(), "checkpoints");

@@ -35,6 +35,9 @@ std::string restart_options(MPI_Comm comm, const Scenario& scenario) {
   lines += content_line(comm, "mesh_content", scenario.mesh.file);
   for (const FunctionScenario& function : scenario.functions)
     lines += content_line(comm, "function_" + function.id + "_content", function.file);
+  for (const MaterialScenario& material : scenario.materials)
+    if (const std::string& table = material.hardening_table; !table.empty())
+      lines += content_line(comm, "material_" + material.id + "_hardening_content", table);
   return lines;
 }
 

@@ -1,9 +1,8 @@
+#include "initial_overlap.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/mesh/shifted_mesh.hpp>
 #include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/obstacle_body.hpp>
@@ -142,6 +141,23 @@ Frame frame_of(PlaneMode plane) {
                                           : Frame::plane_strain;
 }
 
+// Every pair is looked at in each residual and couples its nodes in the matrix.
+void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
+  constexpr double many = 30;
+  const double pairs = contact.pairs_per_facet();
+  if (contact.settings().rigid() || pairs == 0) return;
+  const std::string& id = contact.id();
+  check(PetscPrintf(comm, "contact %s: %.3g candidate pairs per secondary facet\n", id.c_str(), pairs));
+  if (pairs > many)
+    check(PetscPrintf(
+        comm,
+        "impact: contact %s: more than %g pairs per facet make steps slow: the facets of one side are "
+        "far larger than those of the other, or -contact_%s_search_radius is\n",
+        id.c_str(), many, id.c_str()));
+}
+
+} // namespace
+
 std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<ObstacleBody>& obstacles) {
   Discretisation d =
       discretise(std::move(mesh), assign_materials(s, obstacles), frame_of(s.plane), s.thickness);
@@ -156,118 +172,21 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
   return setup;
 }
 
-// What the overlap at the start of one contact has moved so far, [local node][dim].
-struct Adjusted {
-  std::vector<double> total;
-
-  void add(const std::vector<double>& shift) {
-    total.resize(shift.size(), 0.0);
-    for (std::size_t i = 0; i < shift.size(); ++i) total[i] += shift[i];
-  }
-};
-
-// A restart on other ranks must find the same coordinates: sums of shifts agree but for rounding, so that the
-// last digits are left away.
-void round_off(std::vector<double>& shift, double tolerance) {
-  const double quantum = std::exp2(std::floor(std::log2(1e-7 * tolerance)));
-  for (double& value : shift) value = quantum * std::round(value / quantum);
-}
-
-void report(const ContactSettings& contact, const Adjusted& adjusted, const Mesh& mesh) {
-  if (adjusted.total.empty()) return;
-  const auto dim = static_cast<std::size_t>(mesh.dim());
-  int count = 0;
-  double farthest = 0;
-  for (int node = 0; node < mesh.node_count(); ++node) {
-    double square = 0;
-    for (std::size_t k = 0; k < dim; ++k) {
-      const double way = adjusted.total[static_cast<std::size_t>(node) * dim + k];
-      square += way * way;
-    }
-    if (square > 0 && mesh.owned(node)) ++count;
-    farthest = std::max(farthest, std::sqrt(square));
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, mesh.comm());
-  PetscPrintf(mesh.comm(),
-              "impact: contact %s: %d nodes of `%s` overlapped `%s` and were moved out, by up to %.4g; "
-              "no stress comes of it\n",
-              contact.id.c_str(), count, contact.secondary.c_str(), contact.primary.c_str(), farthest);
-}
-
-// Moves the secondary nodes of contacts that overlap at the start out of their primaries, contact by contact,
-// and builds everything on the mesh that this makes. What is moved may overlap something else, a little, or a
-// curved surface by the square of the way: more than one round.
-void adjust_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacles,
-                     std::unique_ptr<Setup>& setup) {
-  constexpr int rounds = 5;
-  std::vector<Adjusted> adjusted(setup->contacts.size());
-  for (int round = 1, moved = 1; moved > 0; ++round) {
-    moved = 0;
-    for (std::size_t i = 0; i < adjusted.size(); ++i) {
-      InitialOverlapReport overlap = setup->contacts[i].initial_overlap();
-      if (overlap.nodes == 0) continue;
-      const ContactSettings& contact = setup->contacts[i].settings();
-      if (round > rounds)
-        throw UserError(ExitCode::data,
-                        "-contact_" + contact.id + "_initial adjust: " + std::to_string(overlap.nodes) +
-                            " nodes of `" + contact.secondary + "` still overlap `" + contact.primary +
-                            "` after " + std::to_string(rounds) + " moves" +
-                            (adjusted.size() > 1 ? ", perhaps those of one contact into the bodies of another"
-                                                 : "; the surface of `" + contact.primary +
-                                                       "` is too coarse or too sharp there") +
-                            "; part the surfaces in the mesh");
-      round_off(overlap.shift, contact.initial_tol);
-      adjusted[i].add(overlap.shift);
-      moved += overlap.nodes;
-      try {
-        setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
-      } catch (const UserError& error) { // of all ranks
-        char way[32];
-        std::snprintf(way, sizeof way, "%.4g", overlap.deepest);
-        throw UserError(error.code(), "-contact_" + contact.id + "_initial adjust: moves " +
-                                          std::to_string(overlap.nodes) + " nodes of `" + contact.secondary +
-                                          "` by up to " + way + ", more than its cells have room for (" +
-                                          error.what() +
-                                          "); part the bodies in the mesh, or exchange the two sides");
-      }
-    }
-  }
-  for (std::size_t i = 0; i < adjusted.size(); ++i)
-    report(setup->contacts[i].settings(), adjusted[i], setup->discretisation.mesh);
-}
-
-// Every pair is looked at in each residual and couples its nodes in the matrix.
-void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
-  constexpr double many = 30;
-  const double pairs = contact.pairs_per_facet();
-  if (contact.settings().rigid() || pairs == 0) return;
-  const std::string& id = contact.id();
-  PetscPrintf(comm, "contact %s: %.3g candidate pairs per secondary facet\n", id.c_str(), pairs);
-  if (pairs > many)
-    PetscPrintf(
-        comm,
-        "impact: contact %s: more than %g pairs per facet make steps slow: the facets of one side are "
-        "far larger than those of the other, or -contact_%s_search_radius is\n",
-        id.c_str(), many, id.c_str());
-}
-
-} // namespace
-
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, const GmshFile* kept) {
   std::vector<ObstacleBody> obstacles;
   GmshFile file = kept != nullptr ? *kept : GmshFile{};
   Mesh mesh = make_mesh(comm, s, obstacles, file, kept != nullptr);
   std::unique_ptr<Setup> setup = build_on(std::move(mesh), s, obstacles);
   for (const ContactInterface& contact : setup->contacts)
-    for (const std::string& warning : contact.warnings()) PetscPrintf(comm, "impact: %s\n", warning.c_str());
-  adjust_overlaps(s, obstacles, setup);
+    for (const std::string& warning : contact.warnings())
+      check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
+  adjust_initial_overlaps(s, obstacles, setup);
   if (s.has_motion()) refuse_deep_overlaps(setup->discretisation, setup->contacts);
   for (const ContactInterface& contact : setup->contacts) report_pairs(contact, comm);
   if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))
-      PetscPrintf(comm, "impact: %s\n", warning.c_str());
+      check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
   setup->file = std::move(file);
   return setup;
 }
@@ -281,57 +200,6 @@ bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {
   }
   MPI_Allreduce(MPI_IN_PLACE, &deformable, 1, MPI_INT, MPI_MAX, setup.discretisation.mesh.comm());
   return deformable == 0;
-}
-
-void set_initial_state(const Scenario& s, Setup& setup) {
-  const Discretisation& d = setup.discretisation;
-  StateTable& state = setup.state;
-  const auto dim = static_cast<std::size_t>(d.dim());
-  std::vector<double>&u = state.row("u").trial, &v = state.row("v").trial, &a = state.row("a").trial;
-  const auto X = d.mesh.coordinates();
-  // Unless told otherwise bodies start at their reference temperature, the first material's where they meet.
-  if (s.has_heat())
-    for (std::size_t m = s.materials.size(); m-- > 0;)
-      for (const std::string& region : s.materials[m].regions)
-        for (int node : d.mesh.nodes(region))
-          state.row("theta").trial[static_cast<std::size_t>(node)] = s.materials[m].law.theta0;
-  for (const InitialCondition& ic : s.ics)
-    for (const std::string& name : ic.on) {
-      const bool all = s.physics.empty(); // else what belongs to physics left out is passed over
-      if (ic.phi && !state.find("phi") && all)
-        throw UserError(ExitCode::data, "-ic_" + ic.id + "_phi: no material has damage");
-      if (ic.theta && !state.find("theta") && all)
-        throw UserError(ExitCode::data, "-ic_" + ic.id + "_theta: no material has a heat capacity (_c_v)");
-      const std::vector<int> nodes = d.mesh.nodes(name);
-      agree_on_errors(d.mesh.comm(), [&] {
-        for (int node : nodes) {
-          const double* x = &X[static_cast<std::size_t>(node) * dim];
-          for (std::size_t k = 0; k < dim; ++k) {
-            const std::size_t i = static_cast<std::size_t>(node) * dim + k;
-            if (ic.u[k]) u[i] = (*ic.u[k])(x, d.dim(), 0);
-            if (ic.v[k]) v[i] = (*ic.v[k])(x, d.dim(), 0);
-          }
-          if (ic.phi && state.find("phi"))
-            state.row("phi").trial[static_cast<std::size_t>(node)] = (*ic.phi)(x, d.dim(), 0);
-          if (ic.theta && state.find("theta"))
-            state.row("theta").trial[static_cast<std::size_t>(node)] = (*ic.theta)(x, d.dim(), 0);
-        }
-      });
-    }
-  // What the first guess extrapolates by: prescribed nodes do not run ahead of their neighbours.
-  std::vector<double> rate = v;
-  agree_on_errors(d.mesh.comm(), [&] {
-    setup.boundary.set_displacement(0, 0, u, v, u);
-    setup.boundary.set_initial_rates(s.time.dt, v, a);
-    if (state.find("phi")) setup.boundary.set_damage(0, state.row("phi").trial);
-    if (state.find("theta")) setup.boundary.set_temperature(0, state.row("theta").trial);
-  });
-  setup.rigid.set_initial(s.time.dt, u, v);
-  state.row("prescribed_velocity").trial = v;
-  for (std::size_t i = 0; i < v.size(); ++i)
-    if (!setup.boundary.fixed_mask()[i]) rate[i] = v[i];
-  state.row("mean_rate").trial = std::move(rate);
-  state.commit();
 }
 
 } // namespace impact

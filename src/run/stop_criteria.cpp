@@ -1,7 +1,7 @@
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <impact/input/spelling.hpp>
+#include <impact/input/units.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/stop_criteria.hpp>
 #include <map>
@@ -58,11 +58,10 @@ void StopCriteria::check_names(const HistoryFile::Row& row) const {
     for (const std::string& name : criterion.names()) {
       if (find_column(row, name) != nullptr) continue;
       const std::string near = nearest_name(name, columns, 3);
-      std::string all;
-      for (const std::string& column : columns) all += (all.empty() ? "" : " ") + column;
-      throw UserError(ExitCode::usage,
-                      criterion.key() + " \"" + criterion.text() + "\": the history has no column '" + name +
-                          "'" + (near.empty() ? "" : "; did you mean " + near + "?") + "; it has: " + all);
+      throw UserError(ExitCode::usage, criterion.key() + " \"" + criterion.text() +
+                                           "\": the history has no column '" + name + "'" +
+                                           (near.empty() ? "" : "; did you mean " + near + "?") +
+                                           "; it has: " + join(columns, " "));
     }
 }
 
@@ -83,9 +82,7 @@ void StopCriteria::store(CheckpointValues& values) const {
   for (Condition& criterion : criteria_)
     for (std::size_t i = 0; i < criterion.peaks().size(); ++i) {
       if (std::isnan(criterion.peaks()[i])) continue;
-      std::array<char, 40> digits;
-      const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), criterion.peaks()[i]);
-      lines += std::string(digits.data(), end.ptr) + " " + criterion.peak_texts()[i] + "\n";
+      lines += number_text(criterion.peaks()[i]) + " " + criterion.peak_texts()[i] + "\n";
     }
   if (!lines.empty()) values.texts[stored_name] = lines;
 }

@@ -22,13 +22,18 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
     for (const OptionRule<Struct>& rule : row.rules) {
       std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
       if (words.empty()) continue;
-      if (rule.of == Of::value) words.insert(0, " \"" + row.text(target) + "\": ");
-      if (of_absence) words.insert(0, ": missing; ");
       replace_all(words, "<>", "-" + prefix);
       replace_all(words, "{material}", scenario.materials.front().id);
       for (const OptionRow<Struct>& other : rows)
         replace_all(words, "{" + other.name + "}", other.text(target));
-      throw UserError(ExitCode::usage, "-" + prefix + row.name + words);
+      for (const OptionRow<Scenario>& other : global_rows())
+        replace_all(words, "{" + other.name + "}", other.text(scenario));
+      const std::string key = rule.of == Of::other ? "" : "-" + prefix + row.name;
+      throw UserError(ExitCode::usage, key +
+                                           (of_absence             ? ": missing; "
+                                            : rule.of == Of::value ? " \"" + row.text(target) + "\": "
+                                                                   : "") +
+                                           words);
     }
   }
 }

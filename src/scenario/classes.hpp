@@ -47,13 +47,18 @@ OptionClass<StopScenario> stop_class();
 const std::vector<OptionGroup>& global_groups();
 const std::vector<OptionRow<Scenario>>& global_rows();
 
-/// Calls visit(class) for each class, in the order in which they are read: what expressions are made of
-/// first, then the laws, which say what physics there is.
-template <class Visit> void for_each_class(const Visit& visit) {
+/// All classes in the order in which they are read: what expressions are made of first, then the laws, which
+/// say what physics there is.
+inline const auto& all_classes() {
   static const auto classes =
       std::tuple(parameter_class(), function_class(), material_class(), boundary_class(), initial_class(),
                  contact_class(), output_class(), probe_class(), measure_class(), stop_class());
-  std::apply([&](const auto&... one) { (visit(one), ...); }, classes);
+  return classes;
+}
+
+/// Calls visit(class) for each class.
+template <class Visit> void for_each_class(const Visit& visit) {
+  std::apply([&](const auto&... one) { (visit(one), ...); }, all_classes());
 }
 
 /// "tip" and "gap_tol": contact_tip_gap_tol.

@@ -26,33 +26,6 @@ std::string asymmetry(const Scenario& scenario) {
   return "";
 }
 
-/// Only the solve with bounds keeps some laws in theirs: which one it is that needs it, "" = none.
-std::string needs_vi(const Scenario& scenario) {
-  for (const MaterialScenario& material : scenario.materials) {
-    const bool damages = scenario.solves("damage") && material.law.damage != Damage::none;
-    if (damages && material.law.damage == Damage::at1)
-      return "-material_" + material.id + "_damage at1 from damage below 0";
-    if (damages && material.law.ge == Degradation::ductile)
-      return "-material_" + material.id + "_ge ductile from damage above 1";
-  }
-  return "";
-}
-
-// Fatigue drives phi beyond 1, where its energy has a kink.
-const MaterialScenario* tiring(const Scenario& scenario) {
-  for (const MaterialScenario& material : scenario.materials)
-    if (scenario.any_fatigue() && material.law.fatigue_a > 0) return &material;
-  return nullptr;
-}
-
-bool beyond_clip(const Scenario& s) { return s.damage.bounds != DamageBounds::clip && tiring(s) != nullptr; }
-
-const ContactScenario* with_mass(const Scenario& s) {
-  for (const ContactScenario& contact : s.contacts)
-    if (contact.rigid_mass > 0) return &contact;
-  return nullptr;
-}
-
 /// A wrong power of ten in the length of sub-steps makes a step that does not end.
 template <class Length> void limit_substeps(OptionRow<Scenario>& row, Length length) {
   const auto count = [=](const Scenario& s) {
@@ -107,14 +80,7 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
              "how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
              "afterwards, not at all",
              "vi", DamageBounds::vi, "history", DamageBounds::history, "clip", DamageBounds::clip, "none",
-             DamageBounds::none)
-      .barred(
-          [](const Scenario& s) { return !needs_vi(s).empty(); },
-          [](const Scenario& s) { return ": only the bounds of vi keep " + needs_vi(s) + "; allowed: vi"; })
-      .refused(beyond_clip, [](const Scenario& s) {
-        return "lets the fatigue of -material_" + tiring(s)->id +
-               "_fatigue_a drive phi beyond 1; allowed with fatigue: vi, clip";
-      });
+             DamageBounds::none);
 }
 
 void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
@@ -136,12 +102,7 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
       .otherwise("0.1 with a direct solver, else 0");
   row.choice("contact_operator", &Scenario::contact_operator,
              "contact terms in the matrix, or beside it as an operator", "assembled",
-             ContactOperator::assembled, "shell", ContactOperator::shell)
-      .refused([](const Scenario& s) { return with_mass(s) != nullptr; },
-               [](const Scenario& s) {
-                 return "not with the rigid body of -contact_" + with_mass(s)->id +
-                        "_rigid_mass; allowed: assembled, the default";
-               });
+             ContactOperator::assembled, "shell", ContactOperator::shell);
 }
 
 /// Whether motion waits for what damage and heat make of its solution.

@@ -16,6 +16,17 @@ template <class When> auto damaging(When when) {
   };
 }
 
+/// A predicate of the law of materials whose damage only the bounds of vi keep in its own.
+template <class When> auto unbounded_but_for_vi(When when) {
+  return [=](const Material& m, const Scenario& s) {
+    return s.damage.bounds != DamageBounds::vi && damaging(when)(m, s);
+  };
+}
+
+bool tires_beyond_bounds(const Material&, const Scenario& s) {
+  return s.any_fatigue() && s.damage.bounds != DamageBounds::vi && s.damage.bounds != DamageBounds::clip;
+}
+
 bool needs_damage_data(const Material& m, const Scenario& s) {
   return (s.has_motion() || s.solves("damage")) && m.law.damage != Damage::none;
 }
@@ -25,7 +36,9 @@ void add_crack(MaterialRows& rows) {
   row.choice("damage", &Law::damage,
              "crack model: at2 damages from the start, at1 is elastic up to sqrt(3 E G_c/(8 gamma))", "none",
              Damage::none, "at2", Damage::at2, "at1", Damage::at1)
-      .notation("(56)");
+      .notation("(56)")
+      .denied(unbounded_but_for_vi([](const Law& law) { return law.damage == Damage::at1; }),
+              "-damage_bounds: only the bounds of vi keep <>damage at1 from damage below 0; allowed: vi");
   row.number("Gc", &Law::Gc, "N/m G_c (56)", {0, 1e9, true, false}, "Griffith's fracture energy")
       .otherwise("required with damage")
       .needed(needs_damage_data, "<>damage needs it");
@@ -39,7 +52,10 @@ void add_crack(MaterialRows& rows) {
   row.number("delta", &Law::delta, "1 delta (63)", fraction,
              "shift in the damage rate: (1 + delta - phi)^zeta / c");
   row.number("fatigue_a", &Law::fatigue_a, "m^2 a (F1)", not_negative,
-             "growth of the fatigue variable with the stress power of damaged material; 0: no fatigue");
+             "growth of the fatigue variable with the stress power of damaged material; 0: no fatigue")
+      .denied(tires_beyond_bounds, // its energy has a kink there
+              "-damage_bounds \"{damage_bounds}\": lets the fatigue of <>fatigue_a drive phi beyond 1; "
+              "allowed with fatigue: vi, clip");
   row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative, "viscous stress 2 b_d dC/dt");
   row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too");
 }
@@ -97,6 +113,8 @@ void add_degradation(MaterialRows& rows) {
       .notation("g_p (54)");
   row.number("plastic_threshold", &Law::plastic_threshold, "J/m^3 W_0", not_negative,
              "plastic energy H_0 that does not drive damage, with gp ge: the drive is <H_0 - W_0>")
+      .denied(unbounded_but_for_vi([](const Law& law) { return law.ge == Degradation::ductile; }),
+              "-damage_bounds: only the bounds of vi keep <>ge ductile from damage above 1; allowed: vi")
       .refused(damaging([](const Law& law) { return law.softening != Softening::none; }),
                "not available with <>softening, whose plastic energy is a sum over the steps; allowed: 0, or "
                "softening none")

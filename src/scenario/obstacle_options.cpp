@@ -33,7 +33,10 @@ void add_mass(std::vector<OptionRow<Contact>>& rows) {
                "`{primary}` is a boundary of the mesh; allowed: with plane, rigid_sphere, rigid_cylinder as "
                "the primary; a meshed body has the mass of its material")
       .refused([](const Contact&, const Scenario& s) { return s.has_heat(); },
-               "not available with heat; allowed: runs without; mesh the body, or prescribe its motion");
+               "not available with heat; allowed: runs without; mesh the body, or prescribe its motion")
+      .denied([](const Contact&, const Scenario& s) { return s.contact_operator == ContactOperator::shell; },
+              "-contact_operator \"shell\": not with the rigid body of <>rigid_mass; allowed: assembled, the "
+              "default");
   row.number("rigid_inertia", &Contact::rigid_inertia, "kg.m^2 J", or_auto(positive),
              "its moment of inertia about any axis through its centre; auto: 2/5 M R^2 of a sphere, M R^2/2 "
              "of a cylinder about its axis, also in the plane; a plane does not turn");

@@ -138,49 +138,49 @@ void try_petsc_options(MPI_Comm comm, const Scenario& s) {
 }
 
 UnreadOptions::UnreadOptions(MPI_Comm comm, const Scenario& s) : comm_(comm), strict_(s.strict) {
-  std::string text;
+  std::vector<std::string> useless;
   for (const GivenOption& option : unread_options()) {
     const std::string field = field_of(option.key);
     const bool there = field == "damage" ? s.has_damage() : field == "heat" ? s.has_heat() : s.has_motion();
     if (field.empty() || there)
       pending_.insert(option.key);
     else
-      text += (text.empty() ? "" : ", ") + option.key;
+      useless.push_back(option.key);
   }
-  if (text.empty()) return;
+  if (useless.empty()) return;
   if (strict_)
     throw UserError(ExitCode::usage,
-                    "of fields that this run does not solve: " + text + " (-options_strict)");
+                    "of fields that this run does not solve: " + join(useless) + " (-options_strict)");
   check(PetscPrintf(comm, "impact: without effect, for this run does not solve these fields: %s\n",
-                    text.c_str()));
+                    join(useless).c_str()));
 }
 
 void UnreadOptions::judge(const std::vector<std::string>& solved) {
   if (pending_.empty()) return;
   solved_.insert(solved.begin(), solved.end());
   std::set<std::string> left;
-  for (const GivenOption& option : unread_options())
-    if (pending_.count(option.key)) left.insert(option.key);
-  pending_ = left;
-  std::string refused, told;
-  for (const std::string& key : left) {
-    const std::string field = field_of(key);
-    if (!field.empty() && !solved_.count(field)) continue;
-    pending_.erase(key);
+  std::vector<std::string> refused, told;
+  for (const GivenOption& option : unread_options()) {
+    if (!pending_.count(option.key)) continue;
+    const std::string field = field_of(option.key);
+    if (!field.empty() && !solved_.count(field)) {
+      left.insert(option.key);
+      continue;
+    }
     // -motion_ksp_rtol is right where the program chose another solver; a solver's part may be misspelt.
     const bool right =
-        !field.empty() && KnownOptions::get().solver().count(lower_case(key).substr(field.size() + 2));
-    std::string& text = strict_ || (!right && on_command_line(key.substr(1))) ? refused : told;
-    text += (text.empty() ? "" : ", ") + key;
+        !field.empty() && KnownOptions::get().solver().count(lower_case(option.key).substr(field.size() + 2));
+    const bool wrong = strict_ || (!right && on_command_line(option.key.substr(1)));
+    (wrong ? refused : told).push_back(option.key);
   }
-  refused = broadcast(comm_, refused);
-  if (!refused.empty())
+  pending_ = left;
+  if (const std::string text = broadcast(comm_, join(refused)); !text.empty())
     throw UserError(ExitCode::usage,
-                    "nothing in this run reads " + refused +
+                    "nothing in this run reads " + text +
                         ": the solvers that it chose have no such option, or no part of that "
                         "name; see -motion_snes_view; remove it");
   if (!told.empty())
-    check(PetscPrintf(comm_, "impact: nothing in this run reads %s: without effect\n", told.c_str()));
+    check(PetscPrintf(comm_, "impact: nothing in this run reads %s: without effect\n", join(told).c_str()));
 }
 
 } // namespace impact

@@ -10,47 +10,35 @@ namespace impact {
 
 namespace {
 
-using Values = std::map<std::string, std::string>;
+/// What an option was and is; empty where it was or is not given.
+struct Change {
+  std::optional<std::string> before, now;
+};
+using Changes = std::map<std::string, Change>;
 
-Values values_of(const std::string& lines) {
-  Values values;
+/// Puts the options of `lines` into a half of all changes.
+void collect(const std::string& lines, std::optional<std::string> Change::*half, Changes& changes) {
   std::istringstream in(lines);
   for (std::string line; std::getline(in, line);) {
     if (line.size() < 2 || line[0] != '-') continue;
-    const std::size_t blank = line.find(' ');
-    std::string value = blank == std::string::npos ? "" : line.substr(blank + 1);
+    const std::size_t blank = std::min(line.find(' '), line.size());
+    std::string value = line.substr(std::min(blank + 1, line.size()));
     if (value.size() > 1 && value.front() == '"' && value.back() == '"')
       value = value.substr(1, value.size() - 2);
-    values[line.substr(1, blank == std::string::npos ? blank : blank - 1)] = value;
+    changes[line.substr(1, blank - 1)].*half = value;
   }
-  return values;
 }
 
-std::string text_of(const Values& values, const std::string& key) {
-  const auto found = values.find(key);
-  return found == values.end() ? "(not given)" : "\"" + found->second + "\"";
+std::string quoted(const std::optional<std::string>& value) {
+  return value ? "\"" + *value + "\"" : "(not given)";
 }
 
-bool same(const std::string& key, const std::string& a, const std::string& b) {
-  const bool path = key == "mesh" || (key.starts_with("function_") && key.ends_with("_file"));
+bool is_changed(const std::string& key, const Change& change) {
+  // A check of the mesh's dimension may come and go; the checkpoint has the mesh of a file that is gone.
+  if (!change.before || !change.now) return key != "dim" && !key.ends_with("_content");
+  const bool path = key == "mesh" || key.ends_with("_table"); // of functions and of hardening
   const auto name = [](const std::string& text) { return std::filesystem::path(text).filename(); };
-  return path ? name(a) == name(b) : a == b;
-}
-
-/// Keys whose values differ, in alphabetical order.
-std::vector<std::string> changed_keys(const Values& before, const Values& now) {
-  std::set<std::string> keys;
-  for (const Values* values : {&before, &now})
-    for (const auto& [key, value] : *values) keys.insert(key);
-  std::vector<std::string> changed;
-  for (const std::string& key : keys) {
-    const auto a = before.find(key), b = now.find(key);
-    const bool both = a != before.end() && b != now.end();
-    if (key == "dim" && !both) continue;          // a check of the mesh that was added or dropped
-    if (key == "mesh_content" && !both) continue; // the file is gone: its mesh is in the checkpoint
-    if (!both || !same(key, a->second, b->second)) changed.push_back(key);
-  }
-  return changed;
+  return path ? name(*change.before) != name(*change.now) : change.before != change.now;
 }
 
 bool covers(const std::string& entry, const std::string& key) {
@@ -72,15 +60,12 @@ std::string allowed_entries(const std::vector<std::string>& names) {
     for_each_class([&](const auto& table) { one_of_many |= name.starts_with(table.word + "_"); });
     entries.insert(one_of_many ? name.substr(0, name.find('_', name.find('_') + 1)) : name);
   }
-  std::string list;
-  for (const std::string& entry : entries) list += (list.empty() ? "" : ", ") + entry;
-  return list;
+  return join({entries.begin(), entries.end()});
 }
 
-void check_entries(const std::vector<std::string>& allow, const Values& before, const Values& now) {
+void check_entries(const std::vector<std::string>& allow, const Changes& changes) {
   std::vector<std::string> names;
-  for (const Values* values : {&before, &now})
-    for (const auto& [key, value] : *values) names.push_back(key);
+  for (const auto& [key, change] : changes) names.push_back(key);
   for (const std::string& entry : allow) {
     const bool fits = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
       return covers(bare(entry), lower_case(name));
@@ -109,35 +94,35 @@ RestartKey restart_key(const std::string& name) {
 std::vector<std::string> check_restart_options(const std::string& stored, const std::string& now,
                                                const std::vector<std::string>& allow,
                                                const std::string& checkpoint) {
-  const Values before = values_of(stored), after = values_of(now);
-  check_entries(allow, before, after);
-  std::vector<std::string> notes;
-  std::string refused, names;
-  for (const std::string& key : changed_keys(before, after)) {
+  Changes changes;
+  collect(stored, &Change::before, changes);
+  collect(now, &Change::now, changes);
+  check_entries(allow, changes);
+  std::vector<std::string> notes, refused, names;
+  for (const auto& [key, change] : changes) {
     const RestartKey kind = restart_key(key);
-    if (kind == RestartKey::free) continue;
-    const std::string change =
+    if (kind == RestartKey::free || !is_changed(key, change)) continue;
+    const std::string said =
         key == "mesh_content" ? "the file of -mesh has changed; the run would go on with the mesh of before"
-                              : text_of(after, key) + " instead of " + text_of(before, key);
+                              : quoted(change.now) + " instead of " + quoted(change.before);
     if (kind == RestartKey::frozen)
-      throw UserError(ExitCode::usage, "-" + key + ": " + change + " in checkpoint " + checkpoint +
+      throw UserError(ExitCode::usage, "-" + key + ": " + said + " in checkpoint " + checkpoint +
                                            "; mesh, dimension and units cannot change on restart; "
                                            "give the old value, or start anew without -restart");
-    const bool allowed = std::any_of(allow.begin(), allow.end(), [&](const std::string& entry) {
-      return covers(bare(entry), lower_case(key));
-    });
-    if (allowed) {
-      notes.push_back("restart with a changed option: -" + key + " " + change);
-      continue;
+    if (std::any_of(allow.begin(), allow.end(), [&, name = key](const std::string& entry) {
+          return covers(bare(entry), lower_case(name));
+        })) {
+      notes.push_back("restart with a changed option: -" + key + " " + said);
+    } else {
+      refused.push_back("-" + key + ": " + said);
+      names.push_back(key);
     }
-    refused += (refused.empty() ? "-" : "; -") + key + ": " + change;
-    names += (names.empty() ? "" : ",") + key;
   }
   if (!refused.empty())
-    throw UserError(ExitCode::usage, refused + " in checkpoint " + checkpoint +
+    throw UserError(ExitCode::usage, join(refused, "; ") + " in checkpoint " + checkpoint +
                                          "; the physics of a run changes on restart only with "
                                          "-restart_allow " +
-                                         names);
+                                         join(names, ","));
   return notes;
 }
 

@@ -20,19 +20,6 @@ struct OptionNote {
   std::string fallback; ///< default as text, that of the struct unless it is said
 };
 
-/// Numbers that an option takes, and words that stand for some.
-struct AllowedNumbers {
-  AllowedNumbers(const Interval& numbers, NumberWords named = {}) : range(numbers), words(std::move(named)) {}
-  AllowedNumbers(double low, double high = unbounded, bool open_low = false, bool open_high = false)
-      : range{low, high, open_low, open_high} {}
-  Interval range;
-  NumberWords words;
-};
-inline AllowedNumbers or_word(const Interval& range, const std::string& word, double value) {
-  return {range, {{word, value}}};
-}
-inline AllowedNumbers or_auto(const Interval& range) { return or_word(range, "auto", std::nan("")); }
-
 /// One reason to refuse a run. `words` are empty while there is none. In them `<>` stands for the beginning
 /// that all options of this id have, as `-contact_tip_`, and `{name}` for the text of the row of that name;
 /// `{material}` for the id of the first material.
@@ -40,7 +27,8 @@ template <class Struct> struct OptionRule {
   enum class Of {
     absence, ///< the option is not given: `-key: missing; words`
     value,   ///< it is: `-key "text": words`
-    key      ///< it is: `-key` and the words at once
+    key,     ///< it is: `-key` and the words at once
+    other    ///< it is, and contradicts another option: the words alone
   } of;
   std::function<std::string(const Struct&, const Scenario&)> words;
 };
@@ -89,6 +77,10 @@ template <class Struct> struct OptionRow {
   template <class When, class Words> OptionRow& barred(When when, Words words) {
     return add(Of::key, when, words);
   }
+  /// The option must not be given beside another one, which the words name.
+  template <class When, class Words> OptionRow& denied(When when, Words words) {
+    return add(Of::other, when, words);
+  }
 
 private:
   template <class Function> static auto ask(const Function& f, const Struct& target, const Scenario& all) {
@@ -112,11 +104,6 @@ private:
 /// In the place of a unit that another option decides.
 inline const std::string by_type = "by type";
 
-/// Whether the text of a list takes back what an earlier file had put into it.
-inline bool empties(const GivenOption& option, const std::vector<std::string>& choices = {}) {
-  return option.text == "none" && std::find(choices.begin(), choices.end(), "none") == choices.end();
-}
-
 /// Makes rows and adds them to a list. `part` leads from the struct to what holds the members (nothing: they
 /// are its own).
 template <class Struct, class Part = std::identity> class Rows {
@@ -129,88 +116,38 @@ public:
 
   RestartKey restart; ///< of the rows from here on
 
-  /// `quantity`: SI unit, symbol and equation, as in "Pa E (52)-(53)". A default that is not allowed stands
-  /// for an option that is not given, where no word does.
+  /// Of all rows: `name` and `place` of the option, and what it is `about`. `quantity`: SI unit, symbol and
+  /// equation, as in "Pa E (52)-(53)".
   template <class Sub>
   Row& number(const std::string& name, double Sub::*place, const std::string& quantity,
               const AllowedNumbers& allowed, const std::string& about) {
-    const Interval range = allowed.range;
-    NumberWords words = allowed.words;
     const double fallback = at(place)(std::as_const(example_));
-    if (words.empty() && !range.contains(fallback)) words = {{"", fallback}};
-    return add(
-        name, place, quantity, range, words.empty() ? "" : words[0].first, about,
-        [=, unit = unit_of(quantity)](double& value, const GivenOption& option,
-                                      const OptionContext& context) {
-          value = read_number(option, unit, range, words, context.units);
-        },
-        [=](double value) { return number_or_word(value, words); });
+    return add(name, place, number_kind(unit_of(quantity), allowed, fallback), about, quantity);
   }
-
-  /// A whole number; one below the range is the struct's way of saying "not given".
   template <class Sub>
   Row& count(const std::string& name, int Sub::*place, int low, int high, const std::string& about) {
-    const std::string bounds = high == std::numeric_limits<int>::max()
-                                   ? " >= " + std::to_string(low)
-                                   : ", " + std::to_string(low) + " to " + std::to_string(high);
-    return add(
-        name, place, "", {}, "whole number" + bounds, about,
-        [=](int& value, const GivenOption& option, const OptionContext&) {
-          value = read_count(option, low, high);
-        },
-        [=](int value) { return value < low ? std::string() : std::to_string(value); });
+    return add(name, place, count_kind(low, high), about);
   }
   template <class Sub>
   Row& count(const std::string& name, int Sub::*place, int low, const std::string& about) {
     return count(name, place, low, std::numeric_limits<int>::max(), about);
   }
-
   template <class Sub> Row& flag(const std::string& name, bool Sub::*place, const std::string& about) {
-    return add(
-        name, place, "", {}, "on, off", about,
-        [](bool& value, const GivenOption& option, const OptionContext&) { value = read_flag(option); },
-        [](bool value) { return value ? "on" : "off"; });
+    return add(name, place, flag_kind(), about);
   }
-
   template <class Sub>
   Row& text(const std::string& name, std::string Sub::*place, const std::string& allowed,
             const std::string& about) {
-    return add(
-        name, place, "", {}, allowed, about,
-        [=](std::string& value, const GivenOption& option, const OptionContext&) {
-          if (option.text.empty()) refuse_option(option, "a value is missing; allowed: " + allowed);
-          value = option.text;
-        },
-        std::identity());
+    return add(name, place, text_kind(allowed), about);
   }
-
-  /// An existing file, resolved (find_input_file).
   template <class Sub> Row& file(const std::string& name, std::string Sub::*place, const std::string& about) {
-    return add(
-        name, place, "", {}, "path of a file", about,
-        [](std::string& value, const GivenOption& option, const OptionContext& context) {
-          value = find_input_file(context.comm, option);
-        },
-        std::identity());
+    return add(name, place, file_kind(), about);
   }
-
   template <class Value> using Choices = std::vector<std::pair<std::string, Value>>;
   template <class Value, class Sub>
   Row& choice(const std::string& name, Value Sub::*place, const std::string& about,
               const std::type_identity_t<Choices<Value>>& choices) {
-    std::vector<std::string> names;
-    for (const auto& [word, value] : choices) names.push_back(word);
-    return add(
-        name, place, "", {}, join(names), about,
-        [=](Value& value, const GivenOption& option, const OptionContext&) {
-          const auto chosen = std::find(names.begin(), names.end(), read_choice(option, names));
-          value = choices[static_cast<std::size_t>(chosen - names.begin())].second;
-        },
-        [=](const Value& value) {
-          for (const auto& [word, meaning] : choices)
-            if (meaning == value) return word;
-          return std::string();
-        });
+    return add(name, place, choice_kind(choices), about);
   }
   /// The choices one after the other: word, value, word, value, ..
   template <class Value, class Sub, class... Rest>
@@ -220,61 +157,28 @@ public:
     add_choices(choices, word, rest...);
     return choice(name, place, about, choices);
   }
-
-  /// A comma list of names; of `choices`, where there are some.
   template <class Sub>
   Row& list(const std::string& name, std::vector<std::string> Sub::*place, const std::string& about,
             const std::vector<std::string>& choices = {}) {
-    return add(
-        name, place, "", {}, "comma list of " + (choices.empty() ? "names" : join(choices)), about,
-        [=](std::vector<std::string>& value, const GivenOption& option, const OptionContext&) {
-          value = empties(option, choices) ? std::vector<std::string>() : read_list(option, choices);
-        },
-        [](const std::vector<std::string>& value) { return join(value, ","); });
+    return add(name, place, list_kind(choices, true), about);
   }
-
-  /// A comma list of groups of the mesh, required; `dimension` as OptionRow::group_dimension.
+  /// Groups of the mesh, required; `dimension` as OptionRow::group_dimension.
   template <class Sub, class Dimension>
   Row& groups(const std::string& name, std::vector<std::string> Sub::*place, const std::string& about,
               Dimension dimension) {
-    Row& row = list(name, place, about).required();
-    row.read = [at = at(place)](Struct& target, const GivenOption& option, const OptionContext&) {
-      at(target) = read_list(option, {});
-    };
+    Row& row = add(name, place, list_kind({}, false), about).required();
     row.group_dimension = dimension;
     return row;
   }
-
-  /// A comma list of quantities; an empty vector means "not given".
   template <class Sub>
   Row& numbers(const std::string& name, std::vector<double> Sub::*place, const std::string& quantity,
                const Interval& range, const std::string& about) {
-    return add(
-        name, place, quantity, range, "comma list", about,
-        [=, unit = unit_of(quantity)](std::vector<double>& value, const GivenOption& option,
-                                      const OptionContext& context) {
-          value = empties(option) ? std::vector<double>() : read_numbers(option, unit, range, context.units);
-        },
-        numbers_text);
+    return add(name, place, numbers_kind(unit_of(quantity), range), about, quantity);
   }
-
-  /// A point or direction; two components are enough in plane problems.
   template <class Sub>
   Row& point(const std::string& name, double (Sub::*place)[3], const std::string& quantity,
              const std::string& about) {
-    return add(
-        name, place, quantity, {}, "x,y or x,y,z", about,
-        [unit = unit_of(quantity)](double(&value)[3], const GivenOption& option,
-                                   const OptionContext& context) {
-          std::vector<double> read = read_numbers(option, unit, any_number, context.units);
-          if (read.size() < 2 || read.size() > 3)
-            refuse_option(option, "two or three numbers expected; allowed: x,y or x,y,z");
-          read.resize(3, 0.);
-          std::copy(read.begin(), read.end(), value);
-        },
-        [](const double(&x)[3]) {
-          return numbers_text({x[0], x[1], x[2]});
-        });
+    return add(name, place, point_kind(unit_of(quantity)), about, quantity);
   }
 
   /// An expression. Its unit and range may be functions of what has been read before; `quantity` and
@@ -282,16 +186,15 @@ public:
   template <class Place, class UnitOf, class RangeOf>
   Row& expression(const std::string& name, Place place, const std::string& quantity,
                   const Interval& documented, const std::string& about, UnitOf unit, RangeOf range) {
-    return add(
-        name, std::identity(), quantity, documented, "expression", about,
-        [at = at(place), unit, range](Struct& target, const GivenOption& option,
-                                      const OptionContext& context) {
-          at(target) = read_expression(option, unit(target), context, range(target));
-        },
-        [at = at(place)](const Struct& target) {
-          const std::optional<Expression>& value = at(target);
-          return value ? value->text() : std::string();
-        });
+    const auto read = [=](const GivenOption&, const OptionContext&) { return std::optional<Expression>(); };
+    const auto text = [](const std::optional<Expression>& value) { return value ? value->text() : ""; };
+    Row& row = add(name, place, OptionKind<std::optional<Expression>>{"expression", documented, read, text},
+                   about, quantity);
+    row.read = [at = at(place), unit, range](Struct& target, const GivenOption& option,
+                                             const OptionContext& context) {
+      at(target) = read_expression(option, unit(target), context, range(target));
+    };
+    return row;
   }
   template <class Place>
   Row& expression(const std::string& name, Place place, const std::string& quantity, const Interval& range,
@@ -337,6 +240,14 @@ private:
     return quantity == by_type ? quantity : quantity.substr(0, quantity.find(' '));
   }
 
+  // Points are plain arrays where they are kept.
+  template <class Value> static void assign(Value& place, Value value) { place = std::move(value); }
+  static void assign(double (&place)[3], const std::array<double, 3>& value) {
+    std::copy(value.begin(), value.end(), place);
+  }
+  template <class Value> static const Value& plain(const Value& value) { return value; }
+  static std::array<double, 3> plain(const double (&value)[3]) { return std::to_array(value); }
+
   template <class Value, class... Rest>
   static void add_choices(Choices<Value>& choices, const char* word, const std::type_identity_t<Value>& value,
                           const Rest&... rest) {
@@ -344,20 +255,22 @@ private:
     if constexpr (sizeof...(rest) > 0) add_choices(choices, rest...);
   }
 
-  template <class Place, class Read, class Text>
-  Row& add(const std::string& name, Place place, const std::string& quantity, const Interval& range,
-           const std::string& allowed, const std::string& about, Read set, Text get) {
+  template <class Place, class Value>
+  Row& add(const std::string& name, Place place, const OptionKind<Value>& kind, const std::string& about,
+           const std::string& quantity = "") {
     Row& row = list_.emplace_back();
     row.name = name;
-    row.range = range;
-    row.allowed = allowed;
+    row.range = kind.range;
+    row.allowed = kind.allowed;
     row.restart = restart;
     row.note.about = about;
     row.note.unit = unit_of(quantity);
     if (quantity != row.note.unit) row.notation(quantity.substr(row.note.unit.size() + 1));
-    row.read = [at = at(place), set](Struct& target, const GivenOption& option,
-                                     const OptionContext& context) { set(at(target), option, context); };
-    row.text = [at = at(place), get](const Struct& target) { return std::string(get(at(target))); };
+    row.read = [at = at(place), read = kind.read](Struct& target, const GivenOption& option,
+                                                  const OptionContext& context) {
+      assign(at(target), read(option, context));
+    };
+    row.text = [at = at(place), get = kind.text](const Struct& target) { return get(plain(at(target))); };
     return row.otherwise(row.text(example_));
   }
 

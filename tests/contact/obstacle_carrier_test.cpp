@@ -232,11 +232,11 @@ TEST(ObstacleCarrier, StandsWhereTheBodyCarriesIt) {
   c.cell = Shape::hex8;
   const CarriedRig rig(c, CarriedRig::settings_of(c));
   const RigidObstacle at_rest = {RigidObstacle::Shape::cylinder, CarriedRig::centre(c), {0.6, 0, 0.8}, 2};
-  ObstacleCarrier carrier(rig.mesh, "obstacle", at_rest);
-  ASSERT_EQ(carrier.count(), 4);
+  Obstacle carrier(rig.mesh, "obstacle", at_rest);
+  ASSERT_EQ(carrier.nodes().size(), 4U);
   carrier.locate(rig.contact.nodes());
   const std::vector<double> u = rig.contact.nodes().displacement(rig.global(rig.motion(1)));
-  const RigidObstacle now = carrier.obstacle(u);
+  const RigidObstacle now = carrier.at(u);
   const Vector3 turned = rotation_of({0.2, -0.3, 0.4}) * Vector3{0.6, 0, 0.8};
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_NEAR(now.direction[k], turned[k], 1e-14);

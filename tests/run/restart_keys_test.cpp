@@ -9,9 +9,11 @@ using namespace scenario_options;
 using impact::ExitCode;
 using impact::RestartKey;
 
-const std::string stored = "-units SI\n-mesh /old/place/beam.msh\n-mesh_set_n 5\n-materials beam\n"
-                           "-material_beam_E 7e10\n-bcs clamp,push\n-bc_push_uy \"0.1*sin(2*pi*t) + 1\"\n"
-                           "-ts_dt 0.1\n-checkpoint_every 3\n-motion_tangent auto\n-outputs vis\n";
+const std::string stored =
+    "-units SI\n-mesh /old/place/beam.msh\n-mesh_set_n 5\n-materials beam\n"
+    "-material_beam_E 7e10\n-bcs clamp,push\n-bc_push_uy \"0.1*sin(2*pi*t) + 1\"\n"
+    "-function_load_table /old/place/load.csv\n-material_beam_hardening_table /old/k.csv\n"
+    "-ts_dt 0.1\n-checkpoint_every 3\n-motion_tangent auto\n-outputs vis\n";
 
 std::string with_change(const std::string& key, const std::string& value) {
   std::istringstream in(stored);
@@ -40,7 +42,10 @@ bool holds(const std::string& text, const std::string& part) { return text.find(
 TEST(RestartKeys, TheSameOptionsPass) {
   EXPECT_EQ(compare(stored).error, "");
   EXPECT_TRUE(compare(stored).notes.empty());
-  EXPECT_EQ(compare(with_change("mesh", "/new/place/beam.msh")).error, "");
+  for (const auto& [key, value] : {std::pair("mesh", "/new/place/beam.msh"),
+                                   {"function_load_table", "/new/place/load.csv"},
+                                   {"material_beam_hardening_table", "/new/k.csv"}})
+    EXPECT_EQ(compare(with_change(key, value)).error, "") << key;
 }
 
 TEST(RestartKeys, FreeOptionsPassChangedAddedAndRemoved) {

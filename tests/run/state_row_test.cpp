@@ -122,7 +122,7 @@ TEST(StateRow, ANewRowSurvivesACheckpointAndTheMoveToOtherRanks) {
   int ranks = 1, rank = 0;
   MPI_Comm_size(PETSC_COMM_WORLD, &ranks);
   MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
-  const CheckpointValues values{0.5, 7, {}, {{"options", ""}}};
+  const CheckpointValues values{0.5, 7, {{"options", ""}}};
 
   WithDummies all(PETSC_COMM_WORLD, dir);
   all.fill_trial(1);
@@ -158,7 +158,7 @@ TEST(StateRow, ACheckpointWithoutTheNewRowIsRefused) {
   WithDummies run(PETSC_COMM_WORLD, dir);
   run.fill_trial(1);
   run.table.commit();
-  CheckpointWriter(run.state(), {dir, 2}).write({0.5, 7, {}, {}});
+  CheckpointWriter(run.state(), {dir, 2}).write({0.5, 7, {}});
   WithDummies more(PETSC_COMM_WORLD, dir);
   more.table.add({"dummy_later", Support::vertex, 1}, more.d.node_values(1));
   try {

@@ -5,8 +5,9 @@
 #include <span>
 #include <vector>
 
-/// What the cells of bodies store and lose: integrals over them, of each material. Of plane problems per unit
-/// thickness where nothing else is said.
+/// Energies that the cells of bodies store and lose, E_m = sum over the cells of material m of int e dV_0,
+/// with the densities of kernel/measure.hpp (theory.md, 11). They are per unit thickness in plane problems
+/// where nothing else is said.
 namespace impact {
 
 /// The rows that these integrals read; null where the run has no such physics.
@@ -16,7 +17,7 @@ struct BodyRows {
   explicit BodyRows(StateTable& state);
 };
 
-/// Of one material, times the thickness. The order of the numbers is that in which they go over ranks.
+/// The energies of one material, times the thickness. Ranks add them up in the order of the members.
 struct MaterialEnergies {
   double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, fatigue = 0, thermal = 0, entropy = 0;
   double momentum[3] = {0, 0, 0};
@@ -28,7 +29,8 @@ struct Energies {
   double phi_max = 0, alpha_max = 0, theta_max = 0, fatigue_max = 0;
 };
 
-/// Of the state at t_n, or of that at t_{n+1} in the trial halves. `v` null: nothing moves. Collective.
+/// Integrates over the state at t_n, or that at t_{n+1} in the trial halves. `v` null: nothing moves.
+/// Collective.
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial);
 
 /// Lost in a step by the rate of damage and by the exchange of damage and flow.
@@ -39,7 +41,7 @@ struct DamageLosses {
 /// Needs phi. Collective.
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step);
 
-/// What the unilateral stress stores in a step, at the damage `phi` that its force saw, [node]. `drive_n`:
+/// The unilateral stress stores this in a step, at the damage `phi` that its force saw, [node]. `drive_n`:
 /// the driving energies of t_n. Collective.
 double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std::span<const double> phi,
                               const std::vector<double>& drive_n);

@@ -16,11 +16,11 @@
 /// Both relative to the largest energy or work so far. Plane problems: times the thickness.
 namespace impact {
 
-/// What is kept beside the columns that every run has.
+/// Choices beside the columns that every run has.
 struct LedgerChoice {
   bool materials = false;      ///< energies and dissipations of each material as columns
   bool coupling_error = false; ///< how far the last pass was from the next one
-  bool unilateral = false;     ///< of the steps (StepRecord)
+  bool unilateral = false;     ///< as StepRecord says of each step
 };
 
 class Ledger {
@@ -67,7 +67,7 @@ private:
     grown,        ///< part of that (IntegratorEnergy::grown)
     exchange,     ///< part of `numerical`, of any sign (IntegratorEnergy::exchange)
     unbalanced,   ///< work of what Newton's method left of the balances
-    contact_loss, ///< of the contact-stabilised and of the conserving update
+    contact_loss, ///< by the contact-stabilised and the conserving update
     external,
     damage_work, ///< part of `external`
     contact_work,

@@ -4,7 +4,7 @@
 #include <impact/problem/motion.hpp>
 #include <vector>
 
-/// What supports do to bodies, and how their nodes move: of each condition the force and, on rigid bodies,
+/// Supports act on bodies, and their nodes move: each condition has its force and, on rigid bodies,
 /// the moment, of plane problems for the whole thickness; means over the condition's nodes.
 namespace impact {
 

@@ -14,12 +14,12 @@ struct ShockWork {
 };
 
 struct StepWork {
-  double internal = 0;   ///< of the forces of the bodies' stress against them
+  double internal = 0;   ///< the bodies' stress does it against them
   double external = 0;   ///< of loads and supports, as means of both ends
   double over_step = 0;  ///< of supports, the part that acts over the step as a whole
-  double rigid = 0;      ///< of the supports of rigid bodies
+  double rigid = 0;      ///< supports of rigid bodies do it
   double contact = 0;    ///< on the bodies
-  double unilateral = 0; ///< of the unilateral stress of broken points
+  double unilateral = 0; ///< the unilateral stress of broken points does it
   double left = 0;       ///< of what Newton's method left of the balance
   double inertia = 0;    ///< of what stands for inertia in a run without
   ShockWork shock;
@@ -40,7 +40,7 @@ public:
   /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
   StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
 
-  /// What closes the balance of momentum on prescribed dofs, [node][dim].
+  /// These forces close the balance of momentum on prescribed dofs, [node][dim].
   const std::vector<double>& reactions() const { return reactions_; }
 
 private:

@@ -7,7 +7,9 @@
 
 /// The gap constraints of one contact in an attempt at a step: what its form finds, with gaps and gradients
 /// from where the step takes them (step_rule.cpp), no slip where supports hold both sides, and the pressure
-/// of the enforcement. All parts of the contact visit the constraints through here.
+/// of the enforcement. All parts of the contact visit the constraints through here; more functions and
+/// members than usual, because what a visit brings depends on the form, the step, the supports and the
+/// enforcement.
 namespace impact {
 
 /// Where a step takes gaps and gradients (theory.md, motion in time).
@@ -16,14 +18,6 @@ enum class StepRule {
   exact_work, ///< energy-conserving: both along the gradients at the middle of the step
   middle,     ///< stabilised: gaps of the end along the gradients at the middle
   start       ///< the projection of its velocity: linear gaps with the gradients of the start
-};
-
-/// What an evaluation saw, on this rank, without a reduction.
-struct ContactStatus {
-  int active = 0;           ///< active constraints
-  double penetration = 0;   ///< largest -g
-  bool finite = true;       ///< false: a coordinate is not a number
-  bool search_holds = true; ///< false: something moved so far that the candidate list may miss a facet
 };
 
 class Constraints {
@@ -76,10 +70,9 @@ public:
   std::vector<double> place_of_gradients(const std::vector<double>& u) const;
 
   /// All constraints that face something at the displacement u of nodes().
-  ContactStatus visit(const std::vector<double>& u, Derivatives derivatives,
-                      const ConstraintVisitor& visitor) const;
-  ContactStatus visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor) const {
-    return visit(nodes().displacement(u), derivatives, visitor);
+  void visit(const std::vector<double>& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
+  void visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor) const {
+    visit(nodes().displacement(u), derivatives, visitor);
   }
   /// Second variations over the same constraints, as the step takes them; factors are used up.
   void visit_curvature(const std::vector<double>& u, std::vector<double>& of_gap,

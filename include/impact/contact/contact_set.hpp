@@ -30,44 +30,71 @@ public:
   ContactInterface& operator[](std::size_t i) { return contacts_[i]; }
   const ContactInterface& operator[](std::size_t i) const { return contacts_[i]; }
 
-  ContactDemands demands() const;
-
   /// As of ContactInterface, of all contacts. Collective, all of these.
-  void begin_attempt(double t, double mass_shift, bool stabilised);
-  bool update_search(Vec u);
-  void forget_search();
+  ContactDemands demands() const;
+  void begin_attempt(double t, double mass_shift, bool stabilised) {
+    each([&](auto& contact) { contact.set_time(t, mass_shift, stabilised); });
+  }
+  bool update_search(Vec u) {
+    return any([&](auto& contact) { return contact.update_search(u); });
+  }
+  void forget_search() {
+    each([](auto& contact) { contact.forget_search(); });
+  }
   NodePairs couplings() const;
-  void advance(Vec u_n, Vec u, double dt);
+  void advance(Vec u_n, Vec u, double dt) {
+    each([&](auto& contact) { contact.advance(u_n, u, dt); });
+  }
 
   /// r += scale times minus the forces on the bodies.
-  void add_forces(Vec u, double scale, Vec r) const;
+  void add_forces(Vec u, double scale, Vec r) const {
+    for (const auto& contact : contacts_) contact.add_residual(u, scale, r);
+  }
   /// K += scale times the derivative of what add_forces adds; the caller assembles.
-  void add_jacobian(Vec u, double scale, Mat K) const;
+  void add_jacobian(Vec u, double scale, Mat K) const {
+    for (const auto& contact : contacts_) contact.add_tangent(u, scale, K);
+  }
   /// y += the same times du, without a matrix.
-  void apply_jacobian(Vec u, double scale, Vec du, Vec y) const;
+  void apply_jacobian(Vec u, double scale, Vec du, Vec y) const {
+    for (const auto& contact : contacts_) contact.multiply(u, scale, du, y);
+  }
 
-  /// Before Newton's method starts from u.
-  void start_newton(Vec u);
-  /// After its step from u to `next`, du before anything was done to its end. With `follow` also what slides
-  /// is followed. True when the next linear solve needs a matrix of its own.
-  bool after_newton_step(Vec u, Vec du, Vec next, bool follow);
-  /// r += what the right-hand side of a linear solve holds beside the residual.
-  void add_gaps(Vec u, double scale, Vec r) const;
+  void start_newton(Vec u) {
+    each([&](auto& contact) { contact.start_newton(u); });
+  }
+  bool after_newton_step(Vec u, Vec du, Vec next, bool follow) {
+    return any([&](auto& contact) { return contact.after_newton_step(u, du, next, follow); });
+  }
+  void add_gaps(Vec u, double scale, Vec r) const {
+    for (const auto& contact : contacts_) contact.add_gaps(u, scale, r);
+  }
   GapsLeft gaps_left(Vec u, double force) const;
-  /// Augmentations take the place of updates within Newton's method for the rest of the attempt.
-  void fall_back();
-  void meet(bool loose, bool first_touch);
+  void fall_back() {
+    each([](auto& contact) { contact.fall_back(); });
+  }
+  void meet(bool loose, bool first_touch) {
+    each([&](auto& contact) { contact.meet(loose, first_touch); });
+  }
 
-  void start_augmentation();
+  void start_augmentation() {
+    each([](auto& contact) { contact.start_augmentation(); });
+  }
   ContactReview review(Vec u) const;
-  void augment(Vec u);
+  void augment(Vec u) {
+    each([&](auto& contact) { contact.augment(u); });
+  }
 
-  /// The projection of a velocity begins: gaps are linear, without friction, multipliers start from zero; all
-  /// is put back at its end.
-  void begin_projection();
-  void end_projection();
+  void begin_projection() {
+    each([](auto& contact) { contact.begin_projection(); });
+  }
+  void end_projection() {
+    each([](auto& contact) { contact.end_projection(); });
+  }
   /// The projection ended at w: shock += half its forces.
-  void keep_shock(Vec w, Vec shock);
+  void keep_shock(Vec w, Vec shock) {
+    add_forces(w, -0.5, shock);
+    each([&](auto& contact) { contact.keep_shock(w); });
+  }
 
   /// [contact]
   std::vector<ContactInterface::Reach> reach(Vec u) const;
@@ -77,6 +104,15 @@ public:
   ContactFields nodal_fields(Vec u) const;
 
 private:
+  template <class Call> void each(Call&& call) {
+    for (ContactInterface& contact : contacts_) call(contact);
+  }
+  template <class Call> bool any(Call&& call) { // which all are asked
+    bool found = false;
+    for (ContactInterface& contact : contacts_) found = call(contact) || found;
+    return found;
+  }
+
   std::deque<ContactInterface> contacts_; // which do not move
 };
 

@@ -9,7 +9,7 @@
 /// How gaps become pressures, and what makes the pressures right within and between the solves of the motion
 /// (theory.md, contact). One file per method in src/contact/enforcement. The potential of a constraint and
 /// its pressure are
-///   psi(g, lambda) = (p^2 - lambda^2) / (2 eps),  p = -dpsi/dg = <lambda - eps g>   (105)
+///   psi(g, lambda) = (p^2 - lambda^2) / (2 eps),  p = -dpsi/dg = <lambda - eps g>   (75')
 /// An enforcement of one's own derives from EnforcementMethod, or from one of the methods, and is handed to
 /// the contact as ContactSettings::own_enforcement: nothing else asks which method is on.
 namespace impact {

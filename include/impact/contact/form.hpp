@@ -1,8 +1,7 @@
 #pragma once
 #include <impact/contact/constraint.hpp>
-#include <impact/contact/obstacle_carrier.hpp>
+#include <impact/contact/obstacle.hpp>
 #include <impact/contact/pair_search.hpp>
-#include <impact/contact/rigid_side.hpp>
 #include <impact/contact/settings.hpp>
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/mesh/state_table.hpp>
@@ -21,13 +20,26 @@ inline PairSearch::Primary what_it_meets(const ContactSettings& settings) {
                                                   : PairSearch::Primary::other;
 }
 
+/// Of what a form is made.
+struct FormRequest {
+  const Mesh& mesh; ///< must outlive the form, as the layout
+  const FieldLayout& layout;
+  const ContactSettings& settings; ///< without automatic values
+  Frame frame;
+  ContactSurface secondary;
+  const ContactSurface& primary; ///< empty against the rigid body of the settings
+  double hold_gap;               ///< by which the gap of what a point is tied to may differ from the nearest
+};
+
 class ContactForm {
 public:
+  explicit ContactForm(const FormRequest& request)
+      : settings_(request.settings), obstacle_(request.mesh.dim()) {}
   virtual ~ContactForm() = default;
   /// The rigid obstacle moves as a body of the mesh does. Before the first update.
-  void carry(ObstacleCarrier carrier) {
-    carrier_ = std::move(carrier);
-    search_.add_nodes(carrier_.nodes());
+  void carry(Obstacle obstacle) {
+    obstacle_ = std::move(obstacle);
+    search_.add_nodes(obstacle_.nodes());
   }
 
   /// A row that holds so many numbers per constraint, [constraint][component], and its length.
@@ -39,10 +51,10 @@ public:
     release();
     if (u_n) {
       search_.begin_attempt(u_n);
-      if (list_restored()) carrier_.locate(nodes());
+      if (list_restored()) obstacle_.locate(nodes());
       anchor(u_n);
     }
-    pose_ = pose;
+    obstacle_.begin_attempt(pose);
   }
   /// Slip counts from u and from the rigid body's present place from now on. Collective.
   virtual void anchor(Vec u) = 0;
@@ -91,25 +103,65 @@ public:
 protected:
   /// What was kept fixed during the solves of the last attempt is free again.
   virtual void release() = 0;
-  bool carried() const { return !carrier_.empty(); }
+  bool rigid() const { return settings_.rigid(); }
+  bool frictional() const { return settings_.friction > 0; }
   /// A rigid plane has directions of its own.
-  bool on_plane() const {
-    return search_.meets_rigid() && pose_.obstacle.shape == RigidObstacle::Shape::plane;
-  }
-  /// The rigid obstacle at the displacement u of nodes().
-  RigidObstacle obstacle_at(const std::vector<double>& u) const {
-    return carried() ? carrier_.obstacle(u) : pose_.obstacle;
-  }
+  bool on_plane() const { return rigid() && obstacle_.plane(); }
   PairSearch::Outcome update_pairs(Vec u) {
     const PairSearch::Outcome outcome = search_.update(u);
-    if (outcome != PairSearch::Outcome::kept) carrier_.locate(nodes());
+    if (outcome != PairSearch::Outcome::kept) obstacle_.locate(nodes());
     return outcome;
   }
 
+  /// Places in nodes() of the corners of a secondary facet, and of the facet of a candidate pair.
+  const int* secondary_slots(int facet) const {
+    return &nodes().secondary[static_cast<std::size_t>(nodes().corners * facet)];
+  }
+  const int* primary_slots(int candidate) const {
+    const int facet = search_.candidates().facet[static_cast<std::size_t>(candidate)];
+    return &nodes().primary[static_cast<std::size_t>(nodes().corners * facet)];
+  }
+  /// Global nodes of the facet of a candidate pair, of which one with fewer than four repeats the last.
+  const std::array<PetscInt, 4>& primary_nodes(int candidate) const {
+    const Candidates& list = search_.candidates();
+    return list.primary[static_cast<std::size_t>(list.facet[static_cast<std::size_t>(candidate)])].node;
+  }
+  /// Different corners of that facet.
+  int primary_corners(int candidate) const {
+    const int* slot = primary_slots(candidate);
+    return nodes().corners == 2 ? 2 : slot[3] == slot[2] ? 3 : 4;
+  }
+  /// Corners of a facet at coordinates x [node][d] of nodes(); or at a displacement, seen from a node.
+  template <std::size_t n, std::size_t d>
+  static std::array<std::array<double, d>, n> corners_at(const int* slot, const std::vector<double>& x) {
+    std::array<std::array<double, d>, n> corner;
+    for (std::size_t a = 0; a < n; ++a)
+      std::copy_n(&x[d * static_cast<std::size_t>(slot[a])], d, corner[a].begin());
+    return corner;
+  }
+  template <std::size_t n, std::size_t d>
+  std::array<std::array<double, d>, n> corners_from(int origin, const int* slot,
+                                                    const std::vector<double>& u) const {
+    std::array<std::array<double, d>, n> corner;
+    for (std::size_t a = 0; a < n; ++a) corner[a] = nodes().place<d>(slot[a], origin, u);
+    return corner;
+  }
+
+  ContactSettings settings_;
   PairSearch search_;
-  ObstaclePose pose_;
-  ObstacleCarrier carrier_; ///< empty: the obstacle, where there is one, moves as told
+  Obstacle obstacle_;
   bool switched_ = false;
+};
+
+/// Nodes of a constraint, each once, in the order in which they came.
+struct NodePlaces {
+  std::vector<int> node;
+
+  std::size_t operator()(int n) {
+    const auto place = static_cast<std::size_t>(std::find(node.begin(), node.end(), n) - node.begin());
+    if (place == node.size()) node.push_back(n);
+    return place;
+  }
 };
 
 } // namespace impact

@@ -123,6 +123,8 @@ public:
   /// works; true on all ranks when the set of pairs, hence the matrix pattern, changed. Collective: one
   /// reduction when nothing moved far.
   bool update_search(Vec u);
+  /// False: something moved so far that the pairs may miss a facet. Collective.
+  bool search_holds(Vec u) const { return constraints_->form().pairs_hold(nodes().current(u)); }
   /// The next update_search builds the pairs afresh, as a restarted run does.
   void forget_search() { constraints_->form().forget(); }
   /// Pairs of global nodes that the candidates of this rank may couple, sorted, each once.
@@ -138,10 +140,10 @@ public:
   double closed_within_step(Vec u, double least) const { return constraints_->closed_within_step(u, least); }
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
-  ContactStatus add_residual(Vec u, double scale, Vec r) const;
+  void add_residual(Vec u, double scale, Vec r) const;
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
   /// whose forces stand along the gradients at its middle. Collective.
-  ContactStatus add_tangent(Vec u, double scale, Mat K) const;
+  void add_tangent(Vec u, double scale, Mat K) const;
   /// y += scale (df/du) du without a matrix. Collective.
   void multiply(Vec u, double scale, Vec du, Vec y) const;
 
@@ -232,7 +234,7 @@ private:
   void declare_state(StateTable& state);
   void use_new_nodes(); // of the form
   ObstaclePose pose() const;
-  ContactStatus visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
+  void visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
   struct TangentSpace { // kept between constraints
     std::vector<double> block, row;
   };

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <impact/contact/form.hpp>
-#include <impact/contact/settings.hpp>
+#include <impact/contact/hold.hpp>
 #include <impact/kernel/face_slip.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/kernel/mortar_face.hpp>
@@ -11,19 +11,17 @@
 #include <vector>
 
 /// Mortar contact, one constraint per secondary node, evaluated by the owner of the node from all the facets
-/// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 over all pairs of
-/// facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not cover counts
-/// zero. Against a rigid body the gap is its distance, integrated by points on the secondary facets: exact
-/// for a plane. Which primary facets a secondary facet faces, and which functions Phi are dual, is chosen by
-/// update and stays fixed in between.
+/// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 (80') over all
+/// pairs of facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not
+/// cover counts zero. Against a rigid body the gap is its distance, integrated by points on the secondary
+/// facets: exact for a plane. Which primary facets a secondary facet faces, and which functions Phi are dual,
+/// is chosen by update and stays fixed in between.
 namespace impact {
 
 class MortarForm : public ContactForm {
 public:
-  /// Mesh and layout must outlive the form. Throws UserError(data): more than two edges meet in a node.
-  /// Collective.
-  MortarForm(const Mesh& mesh, const FieldLayout& layout, const ContactSettings& settings, Frame frame,
-             const ContactSurface& secondary, const ContactSurface& primary);
+  /// Throws UserError(data): more than two edges meet in a node. Collective.
+  explicit MortarForm(const FormRequest& request);
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
@@ -55,7 +53,7 @@ private:
     FaceWeights onto; // likewise: D = M, of the facet on its own place at the start
     std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole facet is covered,
     bool whole = false;                          // as it is taken to be,
-    int changes = 0;                             // after so many changes of mind in this attempt
+    Switches changes;                            // from one kind to the other
   };
   struct Incident {
     int facet, corner;
@@ -66,39 +64,29 @@ private:
     std::vector<Incident> facets;
     double weight = 0;
   };
-  // Nodes that lay opposite at the start of the step: of a primary facet, or, on a round rigid body, the
-  // places of the secondary facet itself, which that body carries along.
-  template <std::size_t corners, std::size_t dim> struct Opposite {
+  // Nodes of the primary facet that lay opposite at the start of the step; none of a rigid body, which
+  // carries along the places of the secondary facet itself.
+  template <std::size_t corners> struct Opposite {
     std::array<PetscInt, corners> node{}; // global
-    std::array<int, corners> slot{};      // in nodes(), -1: not there, or a place
-    bool carried = false;
-    std::array<std::array<double, dim>, corners> place{}; // where carried
+    std::array<int, corners> slot{};      // in nodes(), -1: not there
 
-    bool found() const { return carried || *std::min_element(slot.begin(), slot.end()) >= 0; }
     void locate(const ContactNodes& nodes) {
-      for (std::size_t b = 0; b < corners; ++b) slot[b] = carried ? -1 : nodes.slot(node[b]);
+      for (std::size_t b = 0; b < corners; ++b) slot[b] = nodes.slot(node[b]);
     }
   };
+  template <std::size_t corners> bool found(const Opposite<corners>& opposite) const {
+    return rigid() || *std::min_element(opposite.slot.begin(), opposite.slot.end()) >= 0;
+  }
   // What lay opposite an edge of the node at the start of the step.
   struct Anchor {
     int facet = -1;
-    Opposite<2, 2> opposite;
+    Opposite<2> opposite;
     SlipAnchor pair;
   };
   // What lay opposite a facet at the start of the step.
   struct FacetAnchor {
-    Opposite<4, 3> opposite;
+    Opposite<4> opposite;
     FaceAnchor pair;
-  };
-  // Nodes of a constraint, each once, in the order in which they came.
-  struct NodePlaces {
-    std::vector<int> node;
-
-    std::size_t operator()(int n) {
-      const auto place = static_cast<std::size_t>(std::find(node.begin(), node.end(), n) - node.begin());
-      if (place == node.size()) node.push_back(n);
-      return place;
-    }
   };
   // Slip of a constraint while a visit gathers its nodes.
   struct SlipRows {
@@ -113,25 +101,31 @@ private:
   };
   using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
 
+  template <std::size_t n>
+  static double distance(const std::array<double, n>& a, const std::array<double, n>& b) {
+    double square = 0;
+    for (std::size_t k = 0; k < n; ++k) square += (a[k] - b[k]) * (a[k] - b[k]);
+    return std::sqrt(square);
+  }
+  std::array<double, 4> measure(int facet, const std::vector<double>& X);
   void find_facets(const Mesh& mesh, const ContactSurface& secondary);
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
-  void anchor_on_round(const std::vector<double>& x);
+  void anchor_on_round();
   void anchor_edges(const Facing& facing, const std::vector<double>& x);
   void anchor_faces(const Facing& facing, const std::vector<double>& x);
   void locate_anchors();
-  // Corners of a facet at coordinates, or as seen from the first corner of a secondary facet.
-  FaceCorners secondary_face(int facet, const std::vector<double>& x) const;
-  FaceCorners primary_face(int candidate, const std::vector<double>& x) const;
-  std::array<Point2<double>, 2> secondary_edge(int facet, const std::vector<double>& x) const;
-  std::array<Point2<double>, 2> primary_edge(int candidate, const std::vector<double>& x) const;
-  const int* secondary_slots(int facet) const;
-  const int* primary_slots(int candidate) const;
-  int primary_corners(int candidate) const;
-  // Both facets of a pair at the displacement u, seen from the secondary's first corner.
-  void place_edges(int facet, int candidate, const std::vector<double>& u, std::array<Point2<double>, 2>& s,
-                   std::array<Point2<double>, 2>& p) const;
-  void place_faces(int facet, int candidate, const std::vector<double>& u, FaceCorners& s,
-                   FaceCorners& p) const;
+  FaceCorners secondary_face(int facet, const std::vector<double>& x) const {
+    return corners_at<4, 3>(secondary_slots(facet), x);
+  }
+  FaceCorners primary_face(int candidate, const std::vector<double>& x) const {
+    return corners_at<4, 3>(primary_slots(candidate), x);
+  }
+  std::array<Point2<double>, 2> secondary_edge(int facet, const std::vector<double>& x) const {
+    return corners_at<2, 2>(secondary_slots(facet), x);
+  }
+  std::array<Point2<double>, 2> primary_edge(int candidate, const std::vector<double>& x) const {
+    return corners_at<2, 2>(primary_slots(candidate), x);
+  }
 
   FaceView view(int facet, int candidate, const std::vector<double>& x) const;
   bool opposed(int facet, int candidate, const std::vector<double>& x) const;
@@ -149,26 +143,20 @@ private:
   bool active(const Node& node, const std::vector<double>& u, const Presses& presses,
               const Facing& facing) const;
   std::vector<int> covering(int facet, const std::vector<double>& x, const Facing& facing) const;
+  std::vector<Piece> pieces_at(const std::vector<double>& u, bool with_gradient,
+                               std::vector<std::size_t>& first) const;
+  FaceWeights weights_at(int facet, int candidate, const std::vector<double>& u) const;
   MortarFacePair pair_at(int facet, int candidate, const std::vector<double>& u, bool with_gradient) const;
-  // The secondary edge and the primary one of an anchor at u, seen from the secondary's first node.
-  // Places of what lay opposite, seen from a secondary node.
-  template <std::size_t corners, std::size_t dim>
-  std::array<std::array<double, dim>, corners> place_opposite(const Opposite<corners, dim>& opposite,
-                                                              int facet, int origin,
-                                                              const std::vector<double>& u) const {
-    std::array<std::array<double, dim>, corners> p;
-    for (std::size_t b = 0; b < corners; ++b)
-      if (opposite.carried && carried())
-        p[b] = carrier_.place<dim>(nodes(), facet, static_cast<int>(b), origin, u);
-      else if (!opposite.carried)
-        p[b] = nodes().place<dim>(opposite.slot[b], origin, u);
-      else
-        for (std::size_t k = 0; k < dim; ++k) {
-          const std::size_t i = dim * static_cast<std::size_t>(origin) + k;
-          p[b][k] = opposite.place[b][k] + pose_.moved[k] - nodes().X[i] - u[i];
-        }
+  // Places of what lay opposite a facet at u, seen from a secondary node.
+  template <std::size_t n, std::size_t d>
+  std::array<std::array<double, d>, n> place_opposite(const Opposite<n>& opposite, int facet, int origin,
+                                                      const std::vector<double>& u) const {
+    if (!rigid()) return corners_from<n, d>(origin, opposite.slot.data(), u);
+    std::array<std::array<double, d>, n> p;
+    for (std::size_t b = 0; b < n; ++b) p[b] = obstacle_.place<d>(nodes(), facet, b, origin, u);
     return p;
   }
+  // The secondary edge and the primary one of an anchor at u, seen from the secondary's first node.
   void place_anchor(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots,
                     std::array<Point2<double>, 2>& s, std::array<Point2<double>, 2>& p) const;
   Slip slip_at(const Anchor& anchor, const std::vector<double>& u, std::array<int, 4>& slots) const;
@@ -182,12 +170,13 @@ private:
   // Slip and its gradient.
   void add_slip(std::size_t number, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
                 Constraint& c) const;
-  std::array<Point3, 2> plane_tangents() const; // of one with mass: in the reference configuration
   void add_plane_slip(const Node& owner, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
                       Constraint& c) const;
-  // Of an edge's or a face's slip: the derivatives by what lay opposite become those by the carrier.
-  void visit_slip_block(int facet, bool carried_along, std::span<const int> slots,
-                        std::span<const double> block, const BlockVisitor& visitor) const;
+  // Weights of the corners of a facet in the mean over a node's constraint.
+  std::array<double, 4> weights_of(const Incident& incident, const Node& owner) const;
+  // Of an edge's or a face's slip: what a rigid body carries along has derivatives by its carrier.
+  void visit_slip_block(int facet, std::span<const int> slots, std::span<const double> block,
+                        const BlockVisitor& visitor) const;
   void visit_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
                             const BlockVisitor& visitor) const;
   void visit_plane_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
@@ -201,7 +190,7 @@ private:
   MortarFacePair obstacle_gaps(int facet, const RigidObstacle& obstacle, const std::vector<double>& u) const;
   // Nodes behind those of the secondary facet in the gradient of a pair.
   std::span<const int> opposite_slots(int candidate) const {
-    if (candidate < 0) return carrier_.slots();
+    if (candidate < 0) return obstacle_.slots();
     return {primary_slots(candidate), corners_};
   }
   // [corner] nodal areas of a secondary facet at u.
@@ -209,7 +198,6 @@ private:
 
   int dim_;
   std::size_t corners_; // stored per facet
-  ContactSettings settings_;
   Frame frame_;
   std::vector<Facet> facets_; // of the nodes owned by this rank
   std::vector<Node> owned_;
@@ -218,7 +206,7 @@ private:
   Facing facing_;
   std::vector<std::vector<Anchor>> anchors_;            // [owned node] in the plane, empty without friction
   std::vector<std::vector<FacetAnchor>> facet_anchors_; // [facet] in space, likewise
-  std::vector<int> switches_;                           // [facet] in this attempt
+  std::vector<Switches> switches_;                      // [facet] of its pairs
 };
 
 } // namespace impact

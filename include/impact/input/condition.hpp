@@ -1,6 +1,5 @@
 #pragma once
 #include <functional>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,29 +17,33 @@ public:
   /// expression.
   Condition(std::string key, std::string text,
             const std::vector<std::pair<std::string, double>>& parameters = {});
-  Condition(Condition&&) noexcept;
-  Condition& operator=(Condition&&) noexcept;
-  ~Condition();
 
+  const std::string& key() const { return key_; }
+  const std::string& text() const { return text_; }
   /// The names that are looked up, each once.
-  std::vector<std::string> names() const;
-
+  const std::vector<std::string>& names() const { return names_; }
   /// Texts of the arguments of peak(), in order; for each the largest value since it was first noted, not a
   /// number before that.
-  const std::vector<std::string>& peak_texts() const;
-  std::vector<double>& peaks();
+  const std::vector<std::string>& peak_texts() const { return peak_texts_; }
+  std::vector<double>& peaks() { return peaks_; }
 
   /// Raises the peaks with the present values; a value that is not a number leaves them as they are.
   void note(const Value& value);
   /// Whether it holds for the present values and peaks. A comparison with what is not a number never holds.
   bool holds(const Value& value) const;
 
-  const std::string& key() const;
-  const std::string& text() const;
-
 private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  using Function = std::function<double(const Value&)>;
+
+  std::string take_peaks();
+  Function compile(const std::string& expression,
+                   const std::vector<std::pair<std::string, double>>& parameters);
+
+  std::string key_, text_;
+  std::vector<std::string> names_, peak_texts_;
+  std::vector<double> peaks_;
+  std::vector<Function> peaked_; ///< the arguments of peak()
+  Function whole_;               ///< in which the peaks have names of their own
 };
 
 } // namespace impact

@@ -23,4 +23,11 @@ std::string join(const std::vector<std::string>& names, const std::string& betwe
 /// Parts between commas without blanks around them; none for a blank text.
 std::vector<std::string> split_list(std::string_view text);
 
+/// Without the blanks around it.
+std::string_view trim(std::string_view text);
+
+/// Where `word` stands by itself, with no letter, digit or underscore beside it, from `from` on; npos where
+/// it does not.
+std::size_t find_word(std::string_view text, std::string_view word, std::size_t from = 0);
+
 } // namespace impact

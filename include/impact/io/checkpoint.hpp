@@ -20,11 +20,10 @@
 /// read the file.
 namespace impact {
 
-/// What a run wants to find again beside the state table.
+/// A run wants to find these again beside the state table.
 struct CheckpointValues {
   double time = 0;
   long step = 0;
-  std::map<std::string, double> numbers;    ///< names without blanks
   std::map<std::string, std::string> texts; ///< e.g. the resolved options
 };
 
@@ -33,7 +32,7 @@ struct CheckpointState {
   const Mesh& mesh;
   const std::vector<CellGroup>& groups;
   StateTable& table;
-  const GmshFile* file = nullptr; ///< of the mesh, on rank 0: with it a restart needs no other
+  const GmshFile* file = nullptr; ///< the mesh file, on rank 0: with it a restart needs no other
 };
 
 struct CheckpointFolder {
@@ -47,7 +46,7 @@ struct CheckpointFolder {
 struct Checkpoint {
   std::string file;
   CheckpointValues values;
-  std::string rows;                  ///< of the state table: a line each
+  std::string rows;                  ///< the rows of the state table: a line each
   std::vector<std::string> warnings; ///< newer ones that were damaged: file and reason
 };
 
@@ -56,7 +55,7 @@ struct Entities;
 /// Writes the checkpoints of a run on one mesh, all of whose rows are in the table at the first one.
 class CheckpointWriter {
 public:
-  /// What `state` refers to must outlive this.
+  /// The objects that `state` refers to must outlive the writer.
   CheckpointWriter(const CheckpointState& state, CheckpointFolder folder);
   ~CheckpointWriter();
   CheckpointWriter(const CheckpointWriter&) = delete;

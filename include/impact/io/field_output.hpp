@@ -56,7 +56,7 @@ public:
   /// The last time in the files, -infinity without one; equal on all ranks.
   double last_time() const { return last_time_; }
 
-  /// What the user should know about the files that were resumed (empty: nothing), equal on all ranks.
+  /// Tells the user what happened to the files that were resumed (empty: nothing), equal on all ranks.
   const std::string& warning() const { return warning_; }
 
 private:

@@ -42,7 +42,7 @@ public:
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  bool has(const std::string& path) const;                      ///< every link on the way exists
+  bool has(const std::string& path) const;                      ///< whose group exists
   std::vector<std::string> list(const std::string& path) const; ///< names in a group, sorted; none if missing
   std::vector<hsize_t> extent(const std::string& path) const;
   std::vector<double> numbers(const std::string& path) const;
@@ -60,6 +60,12 @@ private:
   Id id_;
 };
 
+/// The part of this rank in rows that go over all ranks, in their order. The constructor is collective.
+struct Slab {
+  std::uint64_t first = 0, own = 0, all = 0;
+  Slab(MPI_Comm comm, std::size_t rows);
+};
+
 enum class Kind { real, integer, character }; ///< 64 bits each; one byte
 
 /// A data set, and the part of this rank: numbers from `first` on, all indices counted. All ranks name the
@@ -73,15 +79,18 @@ struct DataSet {
   std::function<std::span<const std::byte>()> mine = {};
 };
 
-template <class Numbers> std::span<const std::byte> bytes_of(const Numbers& numbers) {
-  return std::as_bytes(std::span(numbers));
-}
-/// Values that live long enough as data set, of rank 0 alone.
+/// Rows of `width` numbers each.
+DataSet rows(std::string path, Kind kind, const Slab& slab, std::uint64_t width,
+             std::function<std::span<const std::byte>()> mine);
+/// Values that live long enough, of rank 0 alone.
 DataSet whole(MPI_Comm comm, std::string path, const std::string& text);
 DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values);
 
+template <class Numbers> std::span<const std::byte> bytes_of(const Numbers& numbers) {
+  return std::as_bytes(std::span(numbers));
+}
 struct Written {
-  std::uint64_t bytes = 0, checksum = 0; ///< of the whole file, as file_checksum finds them
+  std::uint64_t bytes = 0, checksum = 0; ///< size and sum of the file, as file_checksum finds them
 };
 
 /// Writes `<name>.tmp`, through to the disk; nothing of it stays after a failure. HDF5 lays the file out on

@@ -125,7 +125,7 @@ template <class T> std::array<T, 8> gap_gradient(const std::array<double, 2>& N,
 std::array<double, 64> gap_hessian(const std::array<double, 2>& N, const PrimaryEdge<double>& edge,
                                    const Foot<double>& foot);
 
-/// Nominal pressure p = <lambda - eps g> (105).
+/// Nominal pressure p = <lambda - eps g> (75').
 inline double contact_pressure(double lambda, double eps, double gap) {
   const double p = lambda - eps * gap;
   return p > 0 ? p : 0;

@@ -42,8 +42,9 @@ public:
   const std::vector<FixedDof>& fixed() const { return fixed_; }
   /// [local node * dim + k] 1 where the displacement is prescribed.
   const std::vector<char>& fixed_mask() const { return fixed_mask_; }
-  /// [local node] 1 where phi is prescribed.
-  const std::vector<char>& fixed_damage_mask() const { return damage_mask_; }
+  /// [local node] the condition that prescribes phi or the temperature, -1 without one.
+  const std::vector<int>& damage_condition() const { return damage_condition_; }
+  const std::vector<int>& temperature_condition() const { return temperature_condition_; }
 
   /// Sets the prescribed entries of u (local [node][dim]) at time t1. velocity and acceleration data are
   /// integrated from t0, starting with u_n and the prescribed velocity v_n of those dofs (Gauss-Legendre, 5
@@ -55,21 +56,21 @@ public:
   /// Velocity at t1 of dofs with acceleration data, integrated from v_n at t0 (the row
   /// "prescribed_velocity").
   void set_exact_velocity(double t0, double t1, const std::vector<double>& v_n, std::vector<double>& v) const;
-  void set_damage(double t, std::vector<double>& phi) const;
+  void set_damage(double t, std::vector<double>& phi) const { set_held(damage_condition_, t, phi); }
+  void set_temperature(double t, std::vector<double>& theta) const {
+    set_held(temperature_condition_, t, theta);
+  }
   /// Throws UserError(data), on the ranks that hold such a node, where two conditions prescribe different
   /// values at t1 for one node; arguments as for set_displacement, empty vectors for zeros.
   void require_agreement(double t0, double t1, const std::vector<double>& u_n,
                          const std::vector<double>& v_n) const;
 
-  /// [local node] the condition that prescribes its temperature, -1 without one.
-  const std::vector<int>& temperature_condition() const { return temperature_condition_; }
-  void set_temperature(double t, std::vector<double>& theta) const;
   /// Facets with a heat flux or a convection, and the condition of regions with a heat source.
   const std::vector<LoadedFacets>& heat_fluxes() const { return heat_fluxes_; }
   std::vector<int> heat_sources() const;
   /// Scalar (flux inwards, temperature around, source) and coefficient of a thermal condition at a reference
   /// point.
-  double heat_value(int condition, const double* x, double t) const;
+  double scalar_value(int condition, const double* x, double t) const;
   double ambient_temperature(int condition, const double* x, double t) const; ///< of a convection, K
   double heat_coefficient(int condition, const double* x, double t) const;
 
@@ -86,7 +87,9 @@ public:
 private:
   void resolve_fixed(const Mesh& mesh, std::span<const int> body_of_node);
   void resolve_loads(const Mesh& mesh);
-  void resolve_temperatures(const Mesh& mesh);
+  std::vector<int> resolve_held(const Mesh& mesh, BcType type);
+  void set_held(const std::vector<int>& holder, double t, std::vector<double>& field) const;
+  template <class Wanted, class Body> void visit_groups(const Mesh& mesh, Wanted&& wanted, Body&& body) const;
   double prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const;
 
   int dim_, node_count_;
@@ -94,11 +97,10 @@ private:
   std::vector<double> x_;
   std::vector<BoundaryCondition> conditions_;
   std::vector<FixedDof> fixed_;
-  std::vector<char> fixed_mask_, damage_mask_;
-  std::vector<std::pair<int, int>> damage_nodes_; ///< node, condition
-  std::vector<std::pair<int, int>> body_nodes_;   ///< node, condition
+  std::vector<char> fixed_mask_;
+  std::vector<std::pair<int, int>> body_nodes_; ///< node, condition
   std::vector<LoadedFacets> tractions_, pressures_, heat_fluxes_;
-  std::vector<int> temperature_condition_;
+  std::vector<int> damage_condition_, temperature_condition_;
   struct SharedValue {
     int node, first, second;
   };

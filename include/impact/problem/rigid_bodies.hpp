@@ -125,14 +125,25 @@ private:
   struct Sums {
     Vector3 sum{};
     Matrix3 moment{};
+    void add(const Sums& other) {
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += other.sum[k];
+      for (std::size_t k = 0; k < 9; ++k) moment[k] += other.moment[k];
+    }
+  };
+  /// What holds a component of a body's motion: nothing; or zero, or data over t of a place or a rate.
+  struct Hold {
+    bool held = false, rate = false;
+    const Expression* data = nullptr;
   };
   enum class Weight { mass, one };
   template <class Value> std::vector<Sums> sums(Weight weight, Value&& value) const;
+  std::vector<Sums> mass_sums(const std::vector<double>& field) const; ///< local [node][dim]
   std::vector<Sums> sums_of(Weight weight, Vec f) const;
   std::vector<RigidPose> poses(const std::vector<Sums>& of_u) const;
   template <class Field> void set_nodes(Vec u, Field&& field) const;
   void place(Vec u);
   RigidPose admissible(std::size_t body, RigidPose pose) const;
+  Hold hold(const RigidBody& body, std::size_t component) const;
   Vector3 rotation_data(const RigidBody& body, double t) const;
   bool turns_as_told(const RigidBody& body) const;
   Vector3 arm(std::size_t place) const;

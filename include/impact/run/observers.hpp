@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-/// What watches accepted steps: field files, the history file, probes and measures. Reads committed state
+/// Watchers of accepted steps: field files, the history file, probes and measures. Reads committed state
 /// only.
 namespace impact {
 
@@ -101,13 +101,19 @@ private:
   const Scenario& scenario_;
   MotionProblem& motion_;
   const Ledger& ledger_;
-  StateTable& state_;
+  const StateRow& v_;
+  const StateRow* phi_;
   const FieldSource& source_;
   std::optional<HistoryFile> file_;
   int cycles_ = 0; ///< of -ts_period between rows; 0: a row for each step
   std::vector<Located> probes_;
-  std::vector<double> phi_before_;                  ///< [local node] of the row before
-  std::vector<std::vector<int>> nodes_of_material_; ///< local; empty without damage
+  std::vector<double> phi_before_; ///< [local node] of the row before
+  struct CracksOf {
+    std::size_t material;
+    std::vector<int> nodes; ///< local
+    StateRow& kept;         ///< of each crack a flag and its origin
+  };
+  std::vector<CracksOf> cracks_; ///< of each material with damage
 };
 
 } // namespace impact

@@ -4,17 +4,8 @@
 #include <impact/run/observers.hpp>
 #include <string>
 
-/// What a run says on the terminal: the set-up, one line per accepted step with the estimated finish, the
-/// summary.
+/// A line on the terminal for each accepted step, with the estimated finish.
 namespace impact {
-
-/// Mesh, groups, materials. Collective.
-void report_setup(const Scenario& scenario, const Discretisation& discretisation);
-
-/// A line for each solver, and the memory; `factors`: the motion is solved by factors, whose size is
-/// estimated. Collective.
-void report_solvers(const Discretisation& discretisation, const std::vector<std::string>& solvers,
-                    bool factors);
 
 class Progress {
 public:

@@ -4,11 +4,12 @@
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
+#include <impact/run/obstacle_body.hpp>
 #include <impact/scenario/scenario.hpp>
 #include <memory>
 #include <vector>
 
-/// What a scenario describes, built on the ranks at hand: mesh, laws, state, boundary data and contacts.
+/// All that hangs on a mesh: laws, state, boundary data and contacts of a scenario, on the ranks at hand.
 namespace impact {
 
 struct Setup {
@@ -20,8 +21,15 @@ struct Setup {
   GmshFile file; ///< of the mesh, on rank 0
 };
 
-/// Its parts refer to each other, so it does not move. `file`: the mesh that a checkpoint holds, on rank 0,
-/// in place of the one that the scenario names. Collective. Throws UserError.
+/// The one way from a mesh to all that hangs on it, at the start, on a restart and after nodes have moved.
+/// Its parts refer to each other, so it does not move. `obstacles`: the bodies of rigid obstacles with mass,
+/// cells of the mesh already. Collective. Throws UserError.
+std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& scenario,
+                                const std::vector<ObstacleBody>& obstacles);
+
+/// Reads the mesh of a scenario, builds on it, moves apart what overlaps and may be moved, and refuses what
+/// no run can start from. `file`: the mesh that a checkpoint holds, on rank 0, in place of the one that the
+/// scenario names. Collective. Throws UserError.
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario, const GmshFile* file = nullptr);
 
 /// Whether neither side of a contact can deform. Collective.

@@ -3,7 +3,7 @@
 
 namespace impact {
 
-/// Augmented Lagrangian: after every solve lambda <- <lambda - eps g> (105), 0 where a constraint faces
+/// Augmented Lagrangian: after every solve lambda <- <lambda - eps g> (75'), 0 where a constraint faces
 /// nothing; then the penalty grows by its rule, which the settings name.
 class AugmentedLagrangian : public EnforcementMethod {
 public:

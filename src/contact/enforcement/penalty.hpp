@@ -3,7 +3,7 @@
 
 namespace impact {
 
-/// p = <-eps g>: multipliers stay zero, what is left of the gap is p / eps.
+/// p = <-eps g> (75'): multipliers stay zero, what is left of the gap is p / eps.
 class Penalty : public EnforcementMethod {
 public:
   using EnforcementMethod::EnforcementMethod;

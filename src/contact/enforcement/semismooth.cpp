@@ -4,6 +4,7 @@
 #include <cmath>
 #include <impact/contact/constraints.hpp>
 #include <impact/contact/friction.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
@@ -18,8 +19,6 @@ constexpr double newton_weight = 1000;
 constexpr double activity_weight = 1e-3;
 // The method has converged when its active gaps are less than this part of a facet.
 constexpr double newton_gap = 1e-11;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 } // namespace
 
@@ -41,7 +40,7 @@ double Semismooth::stiffness(const Constraint& c) const {
 
 // Newton's method on |q| t = mu p q, q = t + c s, with t = mu p q/|q| in its matrix (Hueber, Stadler and
 // Wohlmuth 2008): the new t = mu p m + k (1 - m m)(s + ds), m = q/|q|, k = c mu p/(|q| - mu p), which at the
-// solution is mu p/|s|. Where sliding sets in it acts as if it stuck.
+// solution is mu p/|s| (82''). Where sliding sets in it acts as if it stuck.
 double Semismooth::turn_stiffness(const Constraint& c, const Traction& t) const {
   const double limit = std::hypot(t.value[0], t.value[1]), weight = slip_weight(), stick = stiffness(c);
   return t.excess * stick > weight * limit ? weight * limit / t.excess : stick;

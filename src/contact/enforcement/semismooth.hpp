@@ -6,7 +6,7 @@ namespace impact {
 /// Semismooth Newton method, or primal-dual active set (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci.
 /// Comput. 30 (2008)): p = lambda where lambda - c g > 0 (active), else 0. The linear solves make the active
 /// gaps vanish, with the weight gamma, and multipliers follow every iterate,
-///   lambda <- lambda - gamma (g + dg.du)
+///   lambda <- lambda - gamma (g + dg.du)   (77'')
 /// The converged state does not know c and gamma.
 class Semismooth : public EnforcementMethod {
 public:

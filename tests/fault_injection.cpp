@@ -81,6 +81,20 @@ template <class Function> Function* original(const char* name) {
 } // namespace
 
 // These stand before the library's functions for every part of the program.
+namespace {
+
+PetscErrorCode (*motion_residual)(SNES, Vec, Vec, void*) = nullptr;
+
+PetscErrorCode faulty_residual(SNES snes, Vec x, Vec f, void* context) {
+  if (const PetscErrorCode code = motion_residual(snes, x, f, context); code != 0 || sound_evaluations < 0)
+    return code;
+  if (sound_evaluations == 0) return SNESSetFunctionDomainError(snes);
+  --sound_evaluations;
+  return PetscErrorCode(0);
+}
+
+} // namespace
+
 extern "C" {
 
 ssize_t write(int file, const void* data, size_t bytes) {
@@ -108,12 +122,16 @@ int rename(const char* from, const char* to) noexcept {
   return fails(to) ? -1 : real(from, to);
 }
 
-PetscErrorCode SNESTSFormFunction(SNES snes, Vec x, Vec f, void* context) {
-  static const auto real = original<PetscErrorCode(SNES, Vec, Vec, void*)>("SNESTSFormFunction");
-  if (const PetscErrorCode code = real(snes, x, f, context); code != 0 || sound_evaluations < 0) return code;
-  if (sound_evaluations == 0) return SNESSetFunctionDomainError(snes);
-  --sound_evaluations;
-  return PetscErrorCode(0);
+// The residual of the motion is given to its solver through here.
+PetscErrorCode SNESSetFunction(SNES snes, Vec f, PetscErrorCode (*residual)(SNES, Vec, Vec, void*),
+                               void* context) {
+  static const auto real =
+      original<PetscErrorCode(SNES, Vec, PetscErrorCode(*)(SNES, Vec, Vec, void*), void*)>("SNESSetFunction");
+  const char* prefix = nullptr;
+  if (const PetscErrorCode code = SNESGetOptionsPrefix(snes, &prefix); code != 0) return code;
+  if (prefix == nullptr || std::string(prefix) != "motion_") return real(snes, f, residual, context);
+  motion_residual = residual;
+  return real(snes, f, faulty_residual, context);
 }
 
 } // extern "C"

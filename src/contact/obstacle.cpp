@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/contact/obstacle_carrier.hpp>
+#include <impact/contact/obstacle.hpp>
 #include <impact/math/rotation.hpp>
 #include <impact/petsc/error.hpp>
 
@@ -8,7 +8,7 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 struct Corner {
   std::array<double, 3> X{};
@@ -17,19 +17,19 @@ struct Corner {
 
 // All nodes of a region on all ranks, by their coordinates: the same order for every partition.
 std::vector<Corner> nodes_of(const Mesh& mesh, const std::string& region) {
-  const auto dim = at(mesh.dim());
+  const auto dim = index(mesh.dim());
   std::vector<double> mine;
   for (int node : mesh.nodes(region)) {
     if (!mesh.owned(node)) continue;
-    mine.insert(mine.end(), {0, 0, 0, static_cast<double>(mesh.global_node()[at(node)])});
-    std::copy_n(&mesh.coordinates()[dim * at(node)], dim, mine.end() - 4);
+    mine.insert(mine.end(), {0, 0, 0, static_cast<double>(mesh.global_node()[index(node)])});
+    std::copy_n(&mesh.coordinates()[dim * index(node)], dim, mine.end() - 4);
   }
   int ranks = 0, size = static_cast<int>(mine.size());
   MPI_Comm_size(mesh.comm(), &ranks);
-  std::vector<int> sizes(at(ranks)), first(at(ranks) + 1, 0);
+  std::vector<int> sizes(index(ranks)), first(index(ranks) + 1, 0);
   MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, mesh.comm());
   for (std::size_t r = 0; r < sizes.size(); ++r) first[r + 1] = first[r] + sizes[r];
-  std::vector<double> all(at(first.back()));
+  std::vector<double> all(index(first.back()));
   MPI_Allgatherv(mine.data(), size, MPI_DOUBLE, all.data(), sizes.data(), first.data(), MPI_DOUBLE,
                  mesh.comm());
   std::vector<Corner> nodes;
@@ -80,13 +80,13 @@ std::vector<Corner> widest(const std::vector<Corner>& nodes, std::size_t count) 
 
 } // namespace
 
-ObstacleCarrier::ObstacleCarrier(const Mesh& mesh, const std::string& region, const RigidObstacle& at_rest)
-    : dim_(at(mesh.dim())), corners_(mesh.dim() == 2 ? 2 : 4), at_rest_(at_rest) {
+Obstacle::Obstacle(const Mesh& mesh, const std::string& region, const RigidObstacle& at_rest)
+    : dim_(index(mesh.dim())), corners_(mesh.dim() == 2 ? 2 : 4), pose_{at_rest, {}} {
   const std::vector<Corner> corners = widest(nodes_of(mesh, region), dim_ + 1);
   if (corners.empty())
     throw UserError(ExitCode::data, "region " + region + ": spans no space; an obstacle cannot move with it");
   // The pole of a cylinder in space would turn with it.
-  if (dim_ == 3 && at_rest.shape == RigidObstacle::Shape::cylinder) at_rest_.outward = {};
+  if (dim_ == 3 && at_rest.shape == RigidObstacle::Shape::cylinder) pose_.obstacle.outward = {};
   Matrix3 edges = unit_matrix; // columns
   for (std::size_t b = 0; b < dim_; ++b)
     for (std::size_t k = 0; k < dim_; ++k) edges[3 * k + b] = corners[b + 1].X[k] - corners[0].X[k];
@@ -100,27 +100,27 @@ ObstacleCarrier::ObstacleCarrier(const Mesh& mesh, const std::string& region, co
   shares_.place[0] = 1;
   for (std::size_t k = 0; k < dim_; ++k)
     for (std::size_t b = 0; b <= dim_; ++b)
-      shares_.place[b] += axis_[k][b] * (at_rest_.point[k] - corners[0].X[k]);
-  shares_.direction = of_direction(at_rest_.direction);
+      shares_.place[b] += axis_[k][b] * (pose_.obstacle.point[k] - corners[0].X[k]);
+  shares_.direction = of_direction(pose_.obstacle.direction);
 }
 
-ObstacleCarrier::Weights ObstacleCarrier::of_direction(const std::array<double, 3>& at_rest) const {
+Obstacle::Weights Obstacle::of_direction(const std::array<double, 3>& at_rest) const {
   Weights weights{};
   for (std::size_t k = 0; k < dim_; ++k)
     for (std::size_t b = 0; b <= dim_; ++b) weights[b] += at_rest[k] * axis_[k][b];
   return weights;
 }
 
-void ObstacleCarrier::locate(const ContactNodes& nodes) {
+void Obstacle::locate(const ContactNodes& nodes) {
   slot_.clear();
   for (PetscInt node : node_) slot_.push_back(nodes.slot(node));
 }
 
-RigidObstacle ObstacleCarrier::obstacle(const std::vector<double>& u) const {
-  RigidObstacle now = at_rest_;
+RigidObstacle Obstacle::at(const std::vector<double>& u) const {
+  RigidObstacle now = pose_.obstacle;
   for (std::size_t b = 0; b < slot_.size(); ++b)
     for (std::size_t k = 0; k < dim_; ++k) {
-      const double moved = u[dim_ * at(slot_[b]) + k];
+      const double moved = u[dim_ * index(slot_[b]) + k];
       now.point[k] += shares_.place[b] * moved;
       now.pole[k] += shares_.place[b] * moved;
       now.direction[k] += shares_.direction[b] * moved;
@@ -128,69 +128,101 @@ RigidObstacle ObstacleCarrier::obstacle(const std::vector<double>& u) const {
   return now;
 }
 
-void ObstacleCarrier::anchor(const ContactNodes& nodes, const std::vector<double>& x) {
+CarriedFunction Obstacle::gap(const RigidObstacle& now, const std::array<double, 3>& x) const {
+  if (carried()) return carried_gap(now, x);
+  const ObstacleGap gap = gap_to(now, x); // whose direction is a unit vector and stays
+  CarriedFunction f;
+  f.value = gap.gap;
+  f.by_place = gap.normal;
+  f.place_place = gap.curvature;
+  return f;
+}
+
+std::array<std::array<double, 3>, 2> Obstacle::tangents() const {
+  const std::array<double, 3>& n = pose_.obstacle.direction;
+  if (dim_ == 2) return {{{-n[1], n[0], 0}, {}}};
+  return tangents_of(n);
+}
+
+void Obstacle::anchor(const ContactNodes& nodes, const std::vector<double>& x) {
+  pose_.moved = {};
+  start_.resize(dim_ * nodes.secondary.size());
+  for (std::size_t i = 0; i < start_.size(); ++i)
+    start_[i] = x[dim_ * index(nodes.secondary[i / dim_]) + i % dim_];
+  if (!carried()) return;
   // Places are brought back to the reference configuration, where their weights are known.
   std::array<double, 3> centre{};
   Matrix3 turned{}; // columns: where the axes x, y, z point
   for (std::size_t b = 0; b < slot_.size(); ++b)
     for (std::size_t k = 0; k < dim_; ++k) {
-      const double coordinate = x[dim_ * at(slot_[b]) + k];
+      const double coordinate = x[dim_ * index(slot_[b]) + k];
       centre[k] += shares_.place[b] * coordinate;
       for (std::size_t j = 0; j < dim_; ++j) turned[3 * k + j] += axis_[j][b] * coordinate;
     }
-  const std::size_t facets = nodes.secondary.size() / corners_;
-  carried_.assign(corners_ * facets, Weights{});
-  for (std::size_t i = 0; i < carried_.size(); ++i) {
-    carried_[i] = shares_.place;
+  carried_.assign(nodes.secondary.size(), shares_.place);
+  for (std::size_t i = 0; i < carried_.size(); ++i)
     for (std::size_t j = 0; j < dim_; ++j) {
       double along = 0;
-      for (std::size_t k = 0; k < dim_; ++k)
-        along += turned[3 * k + j] * (x[dim_ * at(nodes.secondary[i]) + k] - centre[k]);
+      for (std::size_t k = 0; k < dim_; ++k) along += turned[3 * k + j] * (start_[dim_ * i + k] - centre[k]);
       for (std::size_t b = 0; b <= dim_; ++b) carried_[i][b] += along * axis_[j][b];
     }
-  }
 }
 
-ObstacleCarrier::PlaneSlip ObstacleCarrier::slip(const ContactNodes& nodes, int facet,
-                                                 std::span<const double> weight,
-                                                 const std::array<double, 3>& tangent_at_rest,
-                                                 const std::vector<double>& u) const {
-  PlaneSlip slip;
-  slip.shares.direction = of_direction(tangent_at_rest);
-  std::array<double, 3> t = tangent_at_rest, q{};
+void Obstacle::add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
+                        const std::array<double, 3>& tangent, const std::vector<double>& u, double& value,
+                        PlaneSlip& slip) const {
+  const int* secondary = &nodes.secondary[corners_ * index(facet)];
+  slip = {};
+  if (!carried()) {
+    for (std::size_t a = 0; a < weight.size(); ++a)
+      for (std::size_t k = 0; k < dim_; ++k) {
+        const std::size_t i = dim_ * index(secondary[a]) + k;
+        value += weight[a] * tangent[k] * (nodes.X[i] + u[i] - nodes.start[i] - pose_.moved[k]);
+      }
+    slip.function.by_place = tangent;
+    return;
+  }
+  slip.shares.direction = of_direction(tangent);
+  std::array<double, 3> t = tangent, q{};
   const auto seen = [&](int slot, std::size_t k) { // from the first corner of the facet
-    const std::size_t i = dim_ * at(slot) + k, o = dim_ * at(nodes.secondary[corners_ * at(facet)]) + k;
+    const std::size_t i = dim_ * index(slot) + k, o = dim_ * index(secondary[0]) + k;
     return (nodes.X[i] - nodes.X[o]) + (u[i] - u[o]);
   };
   for (std::size_t a = 0; a < weight.size(); ++a) {
-    const Weights& opposite = carried(facet, static_cast<int>(a));
+    const Weights& opposite = carried_[corners_ * index(facet) + a];
     for (std::size_t b = 0; b <= dim_; ++b) slip.shares.place[b] += weight[a] * opposite[b];
-    for (std::size_t k = 0; k < dim_; ++k)
-      q[k] += weight[a] * seen(nodes.secondary[corners_ * at(facet) + a], k);
+    for (std::size_t k = 0; k < dim_; ++k) q[k] += weight[a] * seen(secondary[a], k);
   }
   for (std::size_t b = 0; b < slot_.size(); ++b)
     for (std::size_t k = 0; k < dim_; ++k) {
       q[k] -= slip.shares.place[b] * seen(slot_[b], k);
-      t[k] += slip.shares.direction[b] * u[dim_ * at(slot_[b]) + k];
+      t[k] += slip.shares.direction[b] * u[dim_ * index(slot_[b]) + k];
     }
   slip.function = carried_product(q, t);
-  return slip;
+  value += slip.function.value;
 }
 
-void ObstacleCarrier::add_gradient(const CarriedFunction& f, std::span<const double> shape,
-                                   const Shares& shares, double factor, double* gradient) const {
+void Obstacle::add_gradient(const CarriedFunction& f, std::span<const double> shape, const Shares& shares,
+                            double factor, double* gradient) const {
   for (std::size_t a = 0; a < shape.size(); ++a)
     for (std::size_t k = 0; k < dim_; ++k) gradient[dim_ * a + k] += factor * shape[a] * f.by_place[k];
   gradient += dim_ * shape.size();
-  for (std::size_t b = 0; b <= dim_; ++b) {
+  for (std::size_t b = 0; b < slot_.size(); ++b) {
     const std::array<double, 3> g = gradient_by(f, {-shares.place[b], shares.direction[b]});
     for (std::size_t k = 0; k < dim_; ++k) gradient[dim_ * b + k] += factor * g[k];
   }
 }
 
-void ObstacleCarrier::add_hessian(const CarriedFunction& f, std::span<const double> shape,
-                                  const Shares& shares, double factor, double* block) const {
-  const std::size_t count = shape.size() + dim_ + 1, n = dim_ * count;
+void Obstacle::add_hessian(const CarriedFunction& f, std::span<const double> shape, const Shares& shares,
+                           double factor, double* block) const {
+  const std::size_t count = shape.size() + slot_.size(), n = dim_ * count;
+  if (!carried()) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j)
+        block[n * i + j] +=
+            factor * shape[i / dim_] * shape[j / dim_] * f.place_place[3 * (i % dim_) + j % dim_];
+    return;
+  }
   const auto share = [&](std::size_t node) -> CarriedShare {
     if (node < shape.size()) return {shape[node], 0};
     return {-shares.place[node - shape.size()], shares.direction[node - shape.size()]};
@@ -204,17 +236,16 @@ void ObstacleCarrier::add_hessian(const CarriedFunction& f, std::span<const doub
     }
 }
 
-void ObstacleCarrier::chain(int facet, const double* by_places, double* by_corners) const {
-  std::fill(by_corners, by_corners + dim_ * (dim_ + 1), 0.0);
+void Obstacle::chain(int facet, const double* by_places, double* by_corners) const {
+  std::fill(by_corners, by_corners + dim_ * slot_.size(), 0.0);
   for (std::size_t l = 0; l < corners_; ++l)
-    for (std::size_t b = 0; b <= dim_; ++b)
+    for (std::size_t b = 0; b < slot_.size(); ++b)
       for (std::size_t k = 0; k < dim_; ++k)
-        by_corners[dim_ * b + k] += carried(facet, static_cast<int>(l))[b] * by_places[dim_ * l + k];
+        by_corners[dim_ * b + k] += carried_[corners_ * index(facet) + l][b] * by_places[dim_ * l + k];
 }
 
-void ObstacleCarrier::chain_block(int facet, std::span<const double> block,
-                                  std::vector<double>& chained) const {
-  const std::size_t half = dim_ * corners_, m = 2 * half, n = half + dim_ * (dim_ + 1);
+void Obstacle::chain_block(int facet, std::span<const double> block, std::vector<double>& chained) const {
+  const std::size_t half = dim_ * corners_, m = 2 * half, n = half + dim_ * slot_.size();
   std::vector<double> rows(m * n); // columns chained
   for (std::size_t i = 0; i < m; ++i) {
     std::copy_n(&block[m * i], half, &rows[n * i]);
@@ -223,11 +254,11 @@ void ObstacleCarrier::chain_block(int facet, std::span<const double> block,
   chained.assign(n * n, 0.0);
   std::copy_n(rows.begin(), half * n, chained.begin());
   for (std::size_t l = 0; l < corners_; ++l)
-    for (std::size_t b = 0; b <= dim_; ++b)
+    for (std::size_t b = 0; b < slot_.size(); ++b)
       for (std::size_t k = 0; k < dim_; ++k)
         for (std::size_t j = 0; j < n; ++j)
           chained[n * (half + dim_ * b + k) + j] +=
-              carried(facet, static_cast<int>(l))[b] * rows[n * (half + dim_ * l + k) + j];
+              carried_[corners_ * index(facet) + l][b] * rows[n * (half + dim_ * l + k) + j];
 }
 
 } // namespace impact

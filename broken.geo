@@ -1,2 +1,0 @@
-Point(1) = {0, 0, 0};
-nonsense

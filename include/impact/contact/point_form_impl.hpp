@@ -1,0 +1,353 @@
+#pragma once
+#include <algorithm>
+#include <impact/contact/point_form.hpp>
+
+/// What PointForm does with the points of any geometry; included where a geometry stands.
+namespace impact {
+
+template <class G>
+PointForm<G>::PointForm(const FormRequest& request)
+    : ContactForm(request), secondary_(request.secondary), frame_(request.frame),
+      points_(G::make_points(secondary_, request.settings, request.frame)), hold_gap_(request.hold_gap) {
+  const FieldLayout& layout = request.layout;
+  holds_.resize(points_.weight.size());
+  if (frictional()) {
+    anchors_.resize(points_.weight.size());
+    map_ = G::make_maps(secondary_, points_);
+  }
+  search_ = PairSearch(request.mesh, layout, secondary_.node, secondary_.X, request.primary,
+                       {settings_.search_radius, settings_.local_search}, what_it_meets(settings_));
+  std::vector<double> area = layout.make_local();
+  for (int f = 0; f < secondary_.count(); ++f)
+    for (int q = 0; q < points_.per_facet; ++q)
+      for (std::size_t a = 0; a < corners; ++a) {
+        const std::size_t number = points_.index(f, q);
+        area[dim * at(secondary_.local[corners * at(f) + a])] +=
+            points_.weight[number] * points_.shape[number][a];
+      }
+  const Handle<Vec> sum = layout.make_global();
+  layout.add_to_global(area, sum);
+  layout.to_local(sum, area);
+  for (int node = 0; node < request.mesh.node_count(); ++node) nodal_area_.push_back(area[dim * at(node)]);
+}
+
+template <class G>
+std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string& name, int components) const {
+  StateRow row{name, Support::facet_point, components};
+  row.surface = settings_.secondary;
+  return {row, at(components) * points_.weight.size()};
+}
+
+template <class G> void PointForm<G>::anchor(Vec u) {
+  search_.set_start(u);
+  if (anchors_.empty()) return;
+  const std::vector<double>& x = nodes().start;
+  if (rigid()) obstacle_.anchor(nodes(), x);
+  if (on_plane()) return;
+  const std::vector<double> moved = nodes().displacement(u);
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const std::size_t number = points_.index(f, q);
+      Anchor& anchor = anchors_[number];
+      anchor = {};
+      if (points_.weight[number] == 0) continue;
+      // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
+      const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
+      anchor.valid = rigid() || seen.candidate >= 0;
+      if (!anchor.valid) continue;
+      anchor.pair = G::pair_of(points_.shape[number], rigid() ? nullptr : &seen);
+      if (rigid()) continue;
+      std::copy_n(primary_nodes(seen.candidate).begin(), corners, anchor.node.begin());
+      const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
+      if constexpr (dim == 3)
+        G::start(facet.corner, corners_at<corners, dim>(other, x), map_[at(f)], anchor.pair);
+      else
+        G::start(corners_from<corners, dim>(mine[0], mine, moved),
+                 corners_from<corners, dim>(mine[0], other, moved), map_[at(f)], anchor.pair);
+    }
+  }
+  locate_anchors();
+}
+
+template <class G> void PointForm<G>::locate_anchors() {
+  for (Anchor& anchor : anchors_)
+    for (std::size_t b = 0; b < corners; ++b) anchor.slot[b] = nodes().slot(anchor.node[b]);
+}
+
+template <class G> void PointForm<G>::locate_holds() {
+  const Candidates& list = search_.candidates();
+  for (int f = 0; f < secondary_.count(); ++f)
+    for (int q = 0; q < points_.per_facet; ++q) {
+      Hold& hold = holds_[points_.index(f, q)];
+      hold.candidate = -1;
+      if (hold.node[0] < 0) continue;
+      for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
+        if (primary_nodes(c) == hold.node) hold.candidate = c;
+    }
+}
+
+template <class G> PairSearch::Outcome PointForm<G>::update(Vec u, const Presses& presses) {
+  const PairSearch::Outcome outcome = update_pairs(u);
+  if (outcome != PairSearch::Outcome::kept) {
+    locate_anchors();
+    if (!rigid()) locate_holds();
+  }
+  if (!rigid()) tie(nodes().current(u), presses);
+  return outcome;
+}
+
+template <class G> NodePairs PointForm<G>::couplings() const {
+  NodePairs pairs;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const std::vector<PetscInt> primary = search_.primary_nodes(f);
+    for (PetscInt p : primary)
+      for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a)
+        pairs.emplace_back(secondary_.node[corners * at(f) + a], p);
+    // Friction couples the facet that a point lay on at the start of the step with the one that it is on now.
+    if (!anchors_.empty()) add_pairs_among(primary, pairs);
+  }
+  sort_unique(pairs);
+  return pairs;
+}
+
+template <class G> void PointForm<G>::tie(const std::vector<double>& x, const Presses& presses) {
+  switched_ = false;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const std::size_t number = points_.index(f, q);
+      if (points_.weight[number] == 0) continue;
+      const ShapeValues& shape = points_.shape[number];
+      Hold& hold = holds_[number];
+      const Seen before = face(facet, shape, x, hold);
+      Hold next;
+      next.switches = hold.switches;
+      const auto stays = [&](const Seen& seen, const Seen& near) {
+        return G::within(seen, G::hold.overlap) && std::abs(seen.foot.gap - near.foot.gap) <= hold_gap_;
+      };
+      if (const Seen near = hold.switches.exhausted() ? Seen{} : nearest(facet, shape, x);
+          near.candidate >= 0 &&
+          std::abs(near.foot.gap) <= hold_range * G::size_of(near, secondary_.length[at(f)])) {
+        Seen still;
+        if (hold.candidate >= 0 && held(facet, shape, x, hold, still) && stays(still, near)) {
+          next = hold;
+        } else if (stays(look(facet, shape, near.candidate, near.part, x), near)) {
+          next.candidate = near.candidate;
+          next.part = near.part;
+          next.node = primary_nodes(near.candidate);
+        }
+      }
+      const Seen after = face(facet, shape, x, next);
+      const auto pressing = [&](const Seen& seen) {
+        return seen.candidate >= 0 && presses(static_cast<int>(number), seen.foot.gap);
+      };
+      if (pressing(before) || pressing(after)) {
+        double turn = 0;
+        for (std::size_t k = 0; k < dim; ++k) turn += std::abs(after.foot.normal[k] - before.foot.normal[k]);
+        if ((before.candidate >= 0) != (after.candidate >= 0) || turn > 1e-10 ||
+            std::abs(after.foot.gap - before.foot.gap) > 1e-9 * hold_gap_) {
+          switched_ = true;
+          next.switches.note();
+        }
+      }
+      hold = next;
+    }
+  }
+}
+
+template <class G>
+template <class Visitor>
+void PointForm<G>::visit_points(const std::vector<double>& u, Visitor&& visitor) const {
+  const std::vector<double> x = nodes().current(u);
+  const RigidObstacle obstacle = obstacle_.at(u);
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x);
+    const Corners near = corners_from<corners, dim>(secondary_slots(f)[0], secondary_slots(f), u);
+    const double stretch = G::stretch(facet.corner, near, secondary_, f);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const std::size_t number = points_.index(f, q);
+      if (points_.weight[number] == 0) continue;
+      const Place here = place_on(facet.corner, points_.shape[number]);
+      Seen seen;
+      CarriedFunction to_obstacle;
+      if (rigid()) {
+        to_obstacle = obstacle_.gap(obstacle, in_space(here));
+        if (!G::faces(to_obstacle, facet.normal)) continue;
+        seen.foot.gap = to_obstacle.value;
+      } else {
+        seen = face(facet, points_.shape[number], x, holds_[number]);
+        if (seen.candidate < 0) continue;
+        sharpen(f, number, u, seen);
+      }
+      Constraint c;
+      c.index = static_cast<int>(number);
+      c.weight = points_.weight[number];
+      c.stretch = stretch;
+      if (frame_ == Frame::axisymmetric)
+        c.stretch *= here[0] / place_on(corners_at<corners, dim>(secondary_slots(f), nodes().X),
+                                        points_.shape[number])[0];
+      c.gap = seen.foot.gap;
+      c.share = share_of(number, f);
+      visitor(c, f, seen, to_obstacle);
+    }
+  }
+}
+
+template <class G>
+void PointForm<G>::visit(const std::vector<double>& u, Derivatives derivatives,
+                         const ConstraintVisitor& visitor) const {
+  const bool with_gradient = derivatives != Derivatives::none;
+  Workspace w;
+  visit_points(u, [&](Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
+    NodePlaces& place = w.place;
+    place.node.clear();
+    for (std::size_t a = 0; a < c.share.size(); ++a) place(secondary_slots(f)[a]);
+    for (std::size_t b = 0; seen.candidate >= 0 && b < corners; ++b) place(primary_slots(seen.candidate)[b]);
+    for (int slot : obstacle_.slots()) place.node.push_back(slot);
+    SlipPlaces places;
+    c.slides = slip_places(f, at(c.index), u, places);
+    for (std::size_t b = corners; c.slides && !rigid() && b < 2 * corners; ++b) place(places.slot[b]);
+    if (with_gradient) add_gap_gradient(f, seen, to_obstacle, u, w, c);
+    if (c.slides) add_slip(f, places, u, with_gradient, w, c);
+    c.node = place.node;
+    visitor(c);
+  });
+}
+
+template <class G>
+void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
+                                    const std::vector<double>& u, Workspace& w, Constraint& c) const {
+  w.gradient.assign(dim * w.place.node.size(), 0.0);
+  if (rigid()) {
+    obstacle_.add_gradient(to_obstacle, c.share, obstacle_.shares(), 1, w.gradient.data());
+  } else {
+    const Row of_facets = gap_gradient(facet, at(c.index), u, seen);
+    for (std::size_t a = 0; a < 2 * corners; ++a) {
+      const int slot = a < corners ? secondary_slots(facet)[a] : primary_slots(seen.candidate)[a - corners];
+      const std::size_t place = dim * w.place(slot);
+      for (std::size_t k = 0; k < dim; ++k) w.gradient[place + k] += of_facets[dim * a + k];
+    }
+  }
+  c.gradient = w.gradient;
+}
+
+// False without friction or where nothing lay opposite. A plane has directions of its own and needs no
+// places.
+template <class G>
+bool PointForm<G>::slip_places(int facet, std::size_t number, const std::vector<double>& u,
+                               SlipPlaces& places) const {
+  if (anchors_.empty() || nodes().start.empty()) return false;
+  if (on_plane()) return true;
+  const Anchor& anchor = anchors_[number];
+  if (!anchor.valid) return false;
+  if (!rigid() && *std::min_element(anchor.slot.begin(), anchor.slot.end()) < 0) return false;
+  const int* slot = secondary_slots(facet);
+  places.s = corners_from<corners, dim>(slot[0], slot, u);
+  std::copy_n(slot, corners, places.slot.begin());
+  if (!rigid()) {
+    places.p = corners_from<corners, dim>(slot[0], anchor.slot.data(), u);
+    std::copy_n(anchor.slot.begin(), corners, places.slot.begin() + corners);
+    return true;
+  }
+  for (std::size_t a = 0; a < corners; ++a) places.p[a] = obstacle_.place<dim>(nodes(), facet, a, slot[0], u);
+  return true;
+}
+
+template <class G>
+void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const std::vector<double>& u,
+                            bool with_gradient, Workspace& w, Constraint& c) const {
+  const std::size_t n = dim * w.place.node.size();
+  w.slip_gradient.assign((dim - 1) * n, 0.0);
+  std::array<Row, dim - 1> rows{};
+  if (on_plane()) {
+    const auto tangents = obstacle_.tangents();
+    for (std::size_t e = 0; e < dim - 1; ++e) {
+      Obstacle::PlaneSlip slip;
+      obstacle_.add_slip(nodes(), facet, c.share, tangents[e], u, c.slip[e], slip);
+      obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
+    }
+  } else {
+    G::add_slips(places.s, places.p, map_[at(facet)], anchors_[at(c.index)].pair, with_gradient, c.slip,
+                 rows);
+  }
+  for (std::size_t e = 0; !on_plane() && with_gradient && e < dim - 1; ++e) {
+    const auto add = [&](std::size_t place, const double* value) {
+      for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[n * e + dim * place + k] += value[k];
+    };
+    const std::size_t half = dim * corners;
+    for (std::size_t a = 0; a < (rigid() ? corners : 2 * corners); ++a)
+      add(w.place(places.slot[a]), &rows[e][dim * a]);
+    std::array<double, dim*(dim + 1)> by_carrier;
+    obstacle_.chain(facet, &rows[e][half], by_carrier.data());
+    for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
+      add(w.place(obstacle_.slots()[b]), &by_carrier[dim * b]);
+  }
+  c.slip_gradient = w.slip_gradient;
+}
+
+template <class G>
+void PointForm<G>::visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+                                   const BlockVisitor& visitor) const {
+  std::vector<int> node;
+  std::vector<double> block, chained;
+  visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
+    const double of_gap = factors.of_gap(c.index);
+    const Tangential of_slip = factors.of_slip(c.index);
+    const int* secondary = secondary_slots(f);
+    SlipPlaces places;
+    const bool slips = of_slip != Tangential{} && slip_places(f, at(c.index), u, places);
+    if (rigid() && (of_gap != 0 || slips)) {
+      node.assign(secondary, secondary + c.share.size());
+      node.insert(node.end(), obstacle_.slots().begin(), obstacle_.slots().end());
+      const std::size_t n = dim * node.size();
+      block.assign(n * n, 0.0);
+      obstacle_.add_hessian(to_obstacle, c.share, obstacle_.shares(), of_gap, block.data());
+      for (std::size_t e = 0; slips && on_plane() && e < dim - 1; ++e) {
+        Obstacle::PlaneSlip slip;
+        double value = 0;
+        obstacle_.add_slip(nodes(), f, c.share, obstacle_.tangents()[e], u, value, slip);
+        obstacle_.add_hessian(slip.function, c.share, slip.shares, of_slip[e], block.data());
+      }
+      visitor(node, block);
+    } else if (of_gap != 0) {
+      Matrix hessian{};
+      add_gap_hessian(f, at(c.index), u, seen, of_gap, hessian);
+      node.assign(secondary, secondary + corners);
+      node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + corners);
+      visitor(node, hessian);
+    }
+    if (!slips || on_plane()) return;
+    Matrix hessian{};
+    G::add_slip_hessian(places.s, places.p, map_[at(f)], anchors_[at(c.index)].pair, of_slip, hessian);
+    if (!rigid()) return visitor(places.slot, hessian);
+    node.assign(secondary, secondary + corners);
+    node.insert(node.end(), obstacle_.slots().begin(), obstacle_.slots().end());
+    obstacle_.chain_block(f, hessian, chained);
+    visitor(node, chained);
+  });
+}
+
+template <class G>
+void PointForm<G>::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
+  std::vector<int> node;
+  std::vector<double> share;
+  visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction&) {
+    node.assign(secondary_slots(f), secondary_slots(f) + c.share.size());
+    share.assign(c.share.begin(), c.share.end());
+    if (seen.candidate >= 0) {
+      const auto opposite = G::shares_of(seen);
+      node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + corners);
+      share.insert(share.end(), opposite.begin(), opposite.end());
+    }
+    Meeting meeting;
+    meeting.index = c.index;
+    meeting.area = c.weight;
+    meeting.secondary = c.share.size();
+    meeting.node = node;
+    meeting.share = share;
+    visitor(meeting);
+  });
+}
+
+} // namespace impact

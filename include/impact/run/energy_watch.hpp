@@ -1,0 +1,31 @@
+#pragma once
+#include <impact/run/stage.hpp>
+#include <string>
+
+/// A run warns, cuts steps or ends when more energy comes from nowhere or is lost than -energy_tol allows,
+/// and ends beyond -energy_stop (theory.md, 11).
+namespace impact {
+
+class EnergyWatch {
+public:
+  /// Adds its row to the table: steps in a row beyond each of the two bounds. The stage must outlive it.
+  explicit EnergyWatch(RunStage& stage);
+
+  /// Judges the step to t that the ledger has booked; `before` is the error that it had until then. Throws
+  /// UserError(solver). Collective.
+  Verdict judge(double before, double t);
+  /// Says what there is to say of the balance at the end. Collective.
+  void report_end(double t) const;
+
+private:
+  bool beyond(std::size_t which, double bound);
+  std::string text(double t, const char* option, double bound) const;
+  std::string remedy() const;
+
+  RunStage& stage_;
+  StateRow& steps_beyond_; ///< [bound]: -energy_tol, -energy_stop
+  double least_; ///< energy of bodies strained by 1e-7: below it the first law is one of rounding errors
+  std::string warning_; ///< the first one
+};
+
+} // namespace impact

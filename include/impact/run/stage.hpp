@@ -1,0 +1,64 @@
+#pragma once
+#include <impact/balance/ledger.hpp>
+#include <impact/io/checkpoint.hpp>
+#include <impact/run/observers.hpp>
+#include <impact/run/setup.hpp>
+#include <impact/solve/coupling.hpp>
+
+/// All that hangs on one mesh: state, problems, integrator, solvers, balances, in the order in which they
+/// depend on each other. A start and a restart build it by one call, and so would a change of the mesh.
+namespace impact {
+
+/// The rows of the table that the steps of the motion carry along; damage and temperature may be null.
+struct StepRows {
+  StateRow &u, &v, &a, &mean_rate, &prescribed_velocity;
+  const StateRow *phi, *theta;
+  explicit StepRows(StateTable& state);
+};
+
+// Members beyond twelve: the parts stand side by side for those who drive and watch the run.
+struct RunStage {
+  /// `kept`: the file of the mesh that a checkpoint holds. Prints what the run is made of. Collective. Throws
+  /// UserError.
+  RunStage(MPI_Comm comm, const Scenario& scenario, const GmshFile* kept);
+  RunStage(const RunStage&) = delete;
+  RunStage& operator=(const RunStage&) = delete;
+
+  /// The state at t = 0, or that of a checkpoint, in the table and in the integrator; all rows are there.
+  /// Collective.
+  void set_state(const Checkpoint* resume);
+  /// Prints which solvers work and where contact begins. Collective.
+  void report_solvers();
+  /// Forces, accelerations and energies at t = 0, or as a checkpoint has them. Collective.
+  void start();
+  void resume();
+
+  /// The solvers' part of the hooks around a step.
+  StepHooks hooks();
+  /// A user's expression may lack a value at the nodes of some ranks alone: tried out where all of them can
+  /// agree. Collective.
+  void check_prescribed_data(const Attempt& attempt) const;
+  /// Takes the step over that the integrator has accepted, up to the commit of the table. Collective.
+  void accept(const Attempt& attempt);
+  /// A resumed run builds its list of candidates afresh and factors anew: so does one that has written a
+  /// checkpoint, or they would part by round-off.
+  void forget_what_a_restart_lacks();
+
+  const Scenario& scenario;
+  std::unique_ptr<Setup> setup;
+  const Discretisation& d;
+  StateTable& state;
+  StepRows rows;
+  bool inertia;
+  SolverDefaults solver;
+  MotionProblem motion;
+  std::optional<DamageProblem> damage;
+  std::optional<HeatProblem> heat;
+  Handle<TS> ts;
+  Coupling coupling;
+  Ledger ledger;
+  FieldSource source;
+  Handle<Vec> u, v, a;
+};
+
+} // namespace impact

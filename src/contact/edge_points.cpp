@@ -1,0 +1,210 @@
+#include <impact/contact/edge_points.hpp>
+#include <impact/contact/point_form_impl.hpp>
+#include <impact/math/index.hpp>
+
+namespace impact {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+Point2<double> point_at(const std::vector<double>& x, int node) {
+  return {x[at(2 * node)], x[at(2 * node + 1)]};
+}
+
+// Order of two edges by their reference coordinates: of two equal distances every number of ranks takes the
+// same edge, which global node numbers would not give.
+bool precedes(const std::vector<double>& X, const int* a, const int* b) {
+  for (int i = 0; i < 2; ++i)
+    if (const Point2<double> x = point_at(X, a[i]), y = point_at(X, b[i]); x != y) return x < y;
+  return false;
+}
+
+PrimaryEdge<double> edge_of(const ContactNodes& nodes, int primary, const std::vector<double>& x) {
+  const int *p = &nodes.primary[at(2 * primary)], *neighbour = &nodes.neighbour[at(2 * primary)];
+  PrimaryEdge<double> edge{point_at(x, p[0]), point_at(x, p[1])};
+  edge.has_previous = neighbour[0] >= 0;
+  edge.has_next = neighbour[1] >= 0;
+  if (edge.has_previous) edge.previous = point_at(x, neighbour[0]);
+  if (edge.has_next) edge.next = point_at(x, neighbour[1]);
+  return edge;
+}
+
+// Whether a surface that may meet itself could touch here, by the normals and the depth; true for others.
+bool may_meet(const PairSearch& search, const Foot<double>& foot, const Point2<double>& normal,
+              double depth) {
+  return !search.meets_itself() ||
+         (foot.gap > -depth && detail::dot(foot.normal, normal) < -least_opposition);
+}
+
+std::array<double, 2> shape_of(const ShapeValues& shape) { return {shape[0], shape[1]}; }
+
+} // namespace
+
+FormPoints EdgePoints::make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame) {
+  const SurfacePoints made = impact::make_points(surface, settings.id, settings.points, frame);
+  FormPoints points{made.per_facet, {}, made.weight, std::vector<int>(surface.length.size(), 2)};
+  for (std::size_t i = 0; i < made.weight.size(); ++i)
+    points.shape.push_back({made.shape[2 * i], made.shape[2 * i + 1], 0, 0});
+  return points;
+}
+
+bool EdgePoints::faces(const CarriedFunction& gap, const Point2<double>& normal) {
+  Foot<double> foot;
+  foot.part = FootPart::edge;
+  foot.normal = {gap.by_place[0], gap.by_place[1]};
+  foot.gap = gap.value;
+  return retraction(foot, normal, infinity) < infinity;
+}
+
+EdgePoints::Pair EdgePoints::pair_of(const ShapeValues& shape, const Seen* seen) {
+  const std::array<double, 2> N = shape_of(shape);
+  return {{N, seen != nullptr ? shares_of(*seen) : N}, 0};
+}
+
+void EdgePoints::add_slips(const Corners& s, const Corners& p, const Map&, const Pair& pair, bool,
+                           Tangential& value, std::array<std::array<double, 8>, 1>& rows) {
+  const Slip slip = slip_of(s, p, pair.anchor);
+  value[0] = slip.value - pair.start;
+  rows[0] = slip.gradient;
+}
+
+void EdgePoints::add_slip_hessian(const Corners& s, const Corners& p, const Map&, const Pair& pair,
+                                  const Tangential& factor, std::array<double, 64>& hessian) {
+  const std::array<double, 64> H = slip_hessian(s, p, pair.anchor);
+  for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor[0] * H[i];
+}
+
+template <>
+EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate, int,
+                                     const std::vector<double>& x) const {
+  Seen seen;
+  seen.candidate = candidate;
+  seen.edge = edge_of(nodes(), search_.candidates().facet[at(candidate)], x);
+  seen.foot = foot_on_line(place_on(facet.corner, shape), seen.edge);
+  return seen;
+}
+
+template <>
+EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& shape,
+                                        const std::vector<double>& x) const {
+  const Point2<double> here = place_on(facet.corner, shape);
+  double nearest = infinity;
+  Seen best;
+  const Candidates& list = search_.candidates();
+  for (int c = list.offset[at(facet.number)]; c < list.offset[at(facet.number + 1)]; ++c) {
+    const PrimaryEdge<double> edge = edge_of(nodes(), list.facet[at(c)], x);
+    const Foot<double> foot = closest_point(here, edge);
+    const double distance = retraction(foot, facet.normal, search_.radius());
+    if (!may_meet(search_, foot, facet.normal, search_.depth(facet.number))) continue;
+    if (!(distance < nearest || (distance == nearest && distance < infinity &&
+                                 precedes(nodes().X, primary_slots(c), primary_slots(best.candidate)))))
+      continue;
+    nearest = distance;
+    best = {c, 0, foot, edge};
+  }
+  if (best.candidate >= 0 && !search_.counts(best.candidate)) best.candidate = -1;
+  return best;
+}
+
+template <>
+bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x,
+                         const Hold& hold, Seen& seen) const {
+  seen = look(facet, shape, hold.candidate, 0, x);
+  const Foot<double>& foot = seen.foot;
+  // An iterate that flies off altogether, or over an open end, is judged as a point that nothing holds.
+  const bool goes_on = foot.xi < 0 ? seen.edge.has_previous : seen.edge.has_next;
+  return !(std::abs(foot.xi) > (goes_on ? 1 + EdgePoints::hold.limit : 1.0)) &&
+         retraction(foot, facet.normal, search_.radius()) < infinity &&
+         may_meet(search_, foot, facet.normal, search_.depth(facet.number));
+}
+
+template <>
+EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& shape,
+                                       const std::vector<double>& x) const {
+  Seen first;
+  if (nodes().start.empty()) return first;
+  const Point2<double> here = place_on(facet.corner, shape),
+                       before =
+                           place_on(corners_at<2, 2>(secondary_slots(facet.number), nodes().start), shape);
+  double earliest = infinity;
+  const double depth = search_.depth(facet.number);
+  const Candidates& list = search_.candidates();
+  for (int c = list.offset[at(facet.number)]; c < list.offset[at(facet.number + 1)]; ++c) {
+    const Seen seen = look(facet, shape, c, 0, x);
+    const Foot<double>& foot = seen.foot;
+    if (!(foot.gap < -depth) || !(retraction(foot, facet.normal, infinity) < infinity)) continue;
+    if (!may_meet(search_, foot, facet.normal, infinity)) continue;
+    // Positions between the start and now are taken as straight in time.
+    const PrimaryEdge<double> edge_n = edge_of(nodes(), list.facet[at(c)], nodes().start);
+    const double gap_n = foot_on_line(before, edge_n).gap;
+    if (gap_n < -depth) continue;
+    const double part = gap_n > 0 ? gap_n / (gap_n - foot.gap) : 0;
+    auto between = [part](const Point2<double>& from, const Point2<double>& to) {
+      return Point2<double>{from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};
+    };
+    const PrimaryEdge<double> then{between(edge_n.x0, seen.edge.x0), between(edge_n.x1, seen.edge.x1)};
+    if (!(std::abs(foot_on_line(between(before, here), then).xi) <= 1 + 1e-6)) continue;
+    if (!(part < earliest ||
+          (part == earliest && precedes(nodes().X, primary_slots(c), primary_slots(first.candidate)))))
+      continue;
+    earliest = part;
+    first = seen;
+  }
+  if (first.candidate >= 0 && !search_.counts(first.candidate)) first.candidate = -1;
+  return first;
+}
+
+template <>
+void EdgePointForm::sharpen(int facet, std::size_t number, const std::vector<double>& u, Seen& seen) const {
+  if (seen.foot.part != FootPart::edge) return;
+  const int* primary = primary_slots(seen.candidate);
+  const auto p = corners_from<2, 2>(primary[0], primary, u);
+  seen.foot =
+      foot_on_line(place_on(corners_from<2, 2>(primary[0], secondary_slots(facet), u), points_.shape[number]),
+                   PrimaryEdge<double>{p[0], p[1]});
+}
+
+template <>
+EdgePointForm::Row EdgePointForm::gap_gradient(int, std::size_t number, const std::vector<double>&,
+                                               const Seen& seen) const {
+  return impact::gap_gradient(shape_of(points_.shape[number]), seen.foot);
+}
+
+template <>
+void EdgePointForm::add_gap_hessian(int, std::size_t number, const std::vector<double>&, const Seen& seen,
+                                    double factor, Matrix& hessian) const {
+  const std::array<double, 64> H = gap_hessian(shape_of(points_.shape[number]), seen.edge, seen.foot);
+  for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor * H[i];
+}
+
+template <>
+void EdgePointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x);
+    for (std::size_t a = 0; a < 2; ++a) {
+      const Point2<double>& place = facet.corner[a];
+      CarriedFunction gap;
+      if (rigid()) {
+        gap = obstacle_.gap(obstacle_.reference(), in_space(place));
+        if (!EdgePoints::faces(gap, facet.normal)) continue;
+      } else {
+        const Seen seen = nearest(facet, a == 0 ? ShapeValues{1, 0, 0, 0} : ShapeValues{0, 1, 0, 0}, x);
+        if (seen.candidate < 0) continue;
+        gap.value = seen.foot.gap;
+        gap.by_place = in_space(seen.foot.normal);
+      }
+      // Coordinates that were meant to touch differ by rounding of their own size.
+      if (-gap.value > 1e-9 * (secondary_.length[at(f)] + std::hypot(place[0], place[1])))
+        visitor(secondary_slots(f)[a], -gap.value, gap.by_place);
+    }
+  }
+}
+
+template class PointForm<EdgePoints>;
+
+std::unique_ptr<ContactForm> make_edge_point_form(const FormRequest& request) {
+  return std::make_unique<EdgePointForm>(request);
+}
+
+} // namespace impact

@@ -1,0 +1,219 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/mortar_form.hpp>
+#include <impact/math/index.hpp>
+
+/// Which primary facets a secondary facet of a MortarForm faces, and which functions it takes.
+namespace impact {
+
+namespace {
+
+// Facets face each other when their normals oppose and the primary is not farther away than this part of the
+// secondary's longest side: a step behind the surface must not count as an open gap beside the closed one.
+constexpr double farthest = 0.5;
+// Two facets over the same place count as layers, one behind the other, from this common part on.
+constexpr double least_common_part = 1e-6;
+// Dual functions are negative somewhere: over a part of a facet they may turn a gap into an overlap. Covered
+// parts that sum to more than this are the whole facet.
+constexpr double whole_facet = 1 - 1e-6;
+
+} // namespace
+
+void MortarForm::set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi) {
+  facet.face.phi = phi;
+  for (std::size_t a = 0; a < 2; ++a) std::copy_n(phi[a].begin(), 2, facet.edge.phi[a].begin());
+}
+
+void MortarForm::choose_functions(const Facing& facing, const std::vector<double>& x) {
+  if (settings_.multipliers != MultiplierSpace::dual) return;
+  const std::array<std::array<double, 4>, 4> standard = {
+      {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    double part = 0;
+    for (int candidate : facing[at(f)]) part += view(f, candidate, x).part;
+    Facet& facet = facets_[at(f)];
+    const bool whole = part > whole_facet;
+    if (whole == facet.whole || facet.changes.exhausted()) continue;
+    facet.whole = whole;
+    facet.changes.note();
+    set_functions(facet, whole ? facet.dual : standard);
+  }
+}
+
+double MortarForm::size_of(int facet, const std::vector<double>& x) const {
+  if (dim_ == 2) {
+    const auto edge = secondary_edge(facet, x);
+    return distance(edge[0], edge[1]);
+  }
+  const FaceCorners corner = secondary_face(facet, x);
+  double longest = 0;
+  for (std::size_t a = 0; a < 4; ++a) longest = std::max(longest, distance(corner[a], corner[(a + 1) % 4]));
+  return longest;
+}
+
+bool MortarForm::opposed(int facet, int candidate, const std::vector<double>& x) const {
+  if (dim_ == 2) {
+    const auto s = secondary_edge(facet, x), p = primary_edge(candidate, x);
+    return detail::dot(detail::right_normal(s[0], s[1]), detail::right_normal(p[0], p[1])) <
+           -least_opposition;
+  }
+  const Point3 n = face_normal(secondary_face(facet, x)), m = face_normal(primary_face(candidate, x));
+  return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < -least_opposition;
+}
+
+FaceView MortarForm::view(int facet, int candidate, const std::vector<double>& x) const {
+  if (dim_ == 3)
+    return view_face(facets_[at(facet)].corners, secondary_face(facet, x), primary_corners(candidate),
+                     primary_face(candidate, x));
+  const CoveredPart<double> part = covered_part(secondary_edge(facet, x), primary_edge(candidate, x));
+  const double mean = (part.gap_begin + part.gap_end) / 2;
+  if (part.end > part.begin)
+    return {(part.end - part.begin) / 2, std::min(part.gap_begin, part.gap_end),
+            std::max(part.gap_begin, part.gap_end), mean};
+  // Judged by the nearest end.
+  const double end = part.end < -1 ? part.gap_end : part.gap_begin;
+  return {0, end, end, mean};
+}
+
+bool MortarForm::share_a_node(int candidate, int other) const {
+  const int *a = primary_slots(candidate), *b = primary_slots(other);
+  return std::any_of(a, a + corners_,
+                     [&](int slot) { return std::find(b, b + corners_, slot) != b + corners_; });
+}
+
+bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,
+                        const std::vector<double>& x) const {
+  return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
+    if (dim_ == 2) {
+      const auto s = secondary_edge(facet, x);
+      const CoveredPart<double> a = covered_part(s, primary_edge(candidate, x)),
+                                b = covered_part(s, primary_edge(other, x));
+      return std::min(a.end, b.end) - std::max(a.begin, b.begin) > least_common_part;
+    }
+    // Neighbours on the same surface do not hide each other.
+    return !share_a_node(candidate, other) &&
+           common_part(facets_[at(facet)].corners, secondary_face(facet, x), primary_corners(candidate),
+                       primary_face(candidate, x), primary_corners(other),
+                       primary_face(other, x)) > least_common_part;
+  });
+}
+
+bool MortarForm::came_through(int facet, int candidate) const {
+  return !nodes().start.empty() && opposed(facet, candidate, nodes().start) &&
+         view(facet, candidate, nodes().start).largest > -search_.depth(facet);
+}
+
+MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
+  Facing facing(facets_.size());
+  const Candidates& list = search_.candidates();
+  std::vector<std::pair<double, int>> pairs; // distance, candidate
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    const double size = size_of(f, x);
+    pairs.clear();
+    for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c) {
+      if (!opposed(f, c, x)) continue;
+      const FaceView seen = view(f, c, x);
+      if (seen.smallest < farthest * size && (seen.largest > -search_.depth(f) || came_through(f, c)))
+        pairs.emplace_back(std::abs(seen.mean), c);
+    }
+    // Of two layers over the same part the nearer one counts.
+    std::sort(pairs.begin(), pairs.end());
+    for (const auto& [distance, candidate] : pairs)
+      if (!hidden(f, candidate, facing[at(f)], x)) facing[at(f)].push_back(candidate);
+    std::erase_if(facing[at(f)], [&](int candidate) { return !search_.counts(candidate); });
+    std::sort(facing[at(f)].begin(), facing[at(f)].end());
+  }
+  return facing;
+}
+
+std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, const Facing& facing) const {
+  std::vector<int> list;
+  for (int c : facing[at(facet)])
+    if (view(facet, c, x).part > 1e-12) list.push_back(c);
+  return list;
+}
+
+PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
+  const PairSearch::Outcome outcome = update_pairs(u);
+  if (rigid()) return outcome;
+  const std::vector<double> moved = nodes().displacement(u), x = nodes().current(moved);
+  switched_ = false;
+  Facing next = facing_at(x);
+  if (outcome != PairSearch::Outcome::kept) {
+    locate_anchors();
+    // Candidates have other numbers now: what faced is forgotten, and the caller solves again anyway.
+    facing_ = std::move(next);
+    choose_functions(facing_, x);
+    return outcome;
+  }
+  for (std::size_t f = 0; f < facets_.size(); ++f)
+    if (switches_[f].exhausted()) next[f] = facing_[f];
+  for (const Node& node : owned_) {
+    const bool changed = std::any_of(node.facets.begin(), node.facets.end(), [&](const Incident& i) {
+      return next[at(i.facet)] != facing_[at(i.facet)];
+    });
+    if (!changed || !(active(node, moved, presses, facing_) || active(node, moved, presses, next))) continue;
+    // Only pairs that cover something now make a difference.
+    for (const Incident& i : node.facets)
+      if (next[at(i.facet)] != facing_[at(i.facet)] &&
+          covering(i.facet, x, next) != covering(i.facet, x, facing_)) {
+        switched_ = true;
+        switches_[at(i.facet)].note();
+      }
+  }
+  facing_ = std::move(next);
+  choose_functions(facing_, x);
+  return outcome;
+}
+
+bool MortarForm::active(const Node& node, const std::vector<double>& u, const Presses& presses,
+                        const Facing& facing) const {
+  double gap = 0;
+  bool covered = false;
+  for (const Incident& incident : node.facets)
+    for (int c : facing[at(incident.facet)]) {
+      const MortarFacePair pair = pair_at(incident.facet, c, u, false);
+      covered = covered || pair.covered;
+      gap += pair.gap[at(incident.corner)];
+    }
+  return covered && presses(node.local, gap / node.weight);
+}
+
+void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
+  for (const Node& owner : owned_)
+    for (const Incident& incident : owner.facets) {
+      const int f = incident.facet, corner = incident.corner;
+      const int slot = secondary_slots(f)[corner];
+      Point3 here{};
+      std::copy_n(&x[at(dim_ * slot)], at(dim_), here.begin());
+      const double size = size_of(f, x) + std::abs(here[0]) + std::abs(here[1]) + std::abs(here[2]);
+      if (rigid()) {
+        const ObstacleGap seen = gap_to(obstacle_.reference(), here);
+        if (-seen.gap > 1e-9 * size) visitor(slot, -seen.gap, seen.normal);
+        continue;
+      }
+      for (int candidate : facing_[at(f)]) {
+        double gap = 0;
+        std::array<double, 3> n{};
+        if (dim_ == 2) {
+          const auto s = secondary_edge(f, x);
+          const CoveredPart<double> part = covered_part(s, primary_edge(candidate, x));
+          // The node is an end of the edge; the primary edge that reaches it speaks for it.
+          if (!(part.end > part.begin) || !(corner == 0 ? part.begin <= -1 : part.end >= 1)) continue;
+          gap = corner == 0 ? part.gap_begin : part.gap_end;
+          const Point2<double> normal = detail::right_normal(s[0], s[1]);
+          n = {normal[0], normal[1], 0};
+        } else {
+          const FaceCorners s = secondary_face(f, x);
+          if (!corner_gap(facets_[at(f)].corners, s, corner, primary_corners(candidate),
+                          primary_face(candidate, x), gap))
+            continue;
+          n = face_normal(s);
+        }
+        // Coordinates that were meant to touch differ by rounding of their own size.
+        if (-gap > 1e-9 * size) visitor(slot, -gap, {-n[0], -n[1], -n[2]});
+      }
+    }
+}
+
+} // namespace impact

@@ -1,0 +1,190 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/contact/mortar_form.hpp>
+#include <impact/math/index.hpp>
+#include <impact/petsc/error.hpp>
+#include <map>
+#include <numbers>
+
+/// Construction of a MortarForm: its facets, their functions and tangents, points against a rigid body.
+namespace impact {
+
+namespace {
+
+Point2<double> point_at(const std::vector<double>& x, int node) {
+  return {x[at(2 * node)], x[at(2 * node + 1)]};
+}
+
+Point3 point3_at(const std::vector<double>& x, int node) {
+  return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
+}
+
+} // namespace
+
+MortarForm::MortarForm(const FormRequest& request)
+    : ContactForm(request), dim_(request.mesh.dim()), corners_(at(request.secondary.corners)),
+      frame_(request.frame), node_count_(at(request.mesh.node_count())) {
+  const Mesh& mesh = request.mesh;
+  const FieldLayout& layout = request.layout;
+  const ContactSurface& secondary = request.secondary;
+  find_facets(mesh, secondary);
+  std::vector<PetscInt> nodes;
+  for (const Facet& facet : facets_)
+    nodes.insert(nodes.end(), facet.node.begin(), facet.node.begin() + secondary.corners);
+  std::vector<PetscInt> wanted = nodes;
+  sort_unique(wanted);
+  const Handle<Vec> coordinates = layout.make_global();
+  layout.to_global(std::vector<double>(mesh.coordinates().begin(), mesh.coordinates().end()), coordinates);
+  const std::vector<double> all =
+      NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, wanted).gather(coordinates);
+  std::vector<double> X;
+  for (PetscInt node : nodes) {
+    const auto place = dim_ * (std::lower_bound(wanted.begin(), wanted.end(), node) - wanted.begin());
+    X.insert(X.end(), all.begin() + place, all.begin() + place + dim_);
+  }
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    const Facet& facet = facets_[at(f)];
+    const std::array<double, 4> area = measure(f, X);
+    for (int a = 0; a < facet.corners; ++a)
+      if (facet.owned[at(a)] >= 0) owned_[at(facet.owned[at(a)])].weight += area[at(a)];
+  }
+  std::vector<double> area = layout.make_local();
+  for (const Node& node : owned_) area[at(dim_ * node.local)] = node.weight;
+  const Handle<Vec> owned_area = layout.make_global();
+  layout.to_global(area, owned_area);
+  layout.to_local(owned_area, area);
+  for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
+  if (dim_ == 3 && frictional()) find_tangents(X);
+  search_ = PairSearch(mesh, layout, nodes, X, request.primary,
+                       {settings_.search_radius, settings_.local_search}, what_it_meets(settings_));
+  facing_.resize(facets_.size());
+  switches_.resize(facets_.size());
+}
+
+// Reference sizes and functions of a facet whose corners are in X [facet][corner][dim]; its nodal areas.
+std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
+  Facet& facet = facets_[at(f)];
+  std::array<double, 4> area{}; // both kinds of functions have the integrals of N
+  if (dim_ == 2) {
+    const Point2<double> a = point_at(X, 2 * f), b = point_at(X, 2 * f + 1);
+    MortarEdge& edge = facet.edge;
+    edge.length = distance(a, b);
+    if (frame_ == Frame::axisymmetric) edge.ring = {2 * std::numbers::pi * a[0], 2 * std::numbers::pi * b[0]};
+    const auto phi = dual_functions(edge);
+    for (std::size_t i = 0; i < 2; ++i) std::copy(phi[i].begin(), phi[i].end(), facet.dual[i].begin());
+    for (std::size_t i = 0; i < 2; ++i) area[i] = edge.length * (2 * edge.ring[i] + edge.ring[1 - i]) / 6;
+  } else {
+    FaceCorners corner;
+    for (int a = 0; a < 4; ++a) corner[at(a)] = point3_at(X, 4 * f + a);
+    facet.face = make_mortar_face(facet.corners, corner, false);
+    facet.dual = make_mortar_face(facet.corners, corner, true).phi;
+    area = nodal_areas(facet.corners, corner);
+  }
+  if (rigid()) { // which covers everything
+    // To a round obstacle a node counts nearer than it is, by h^2/12R in each direction of the surface: the
+    // dual functions of a facet of the side h take the integral of x^2 for -h^2/6.
+    if (settings_.multipliers == MultiplierSpace::dual) set_functions(facet, facet.dual);
+    facet.points = dim_ == 2 ? points_of(facet.edge) : points_of(facet.face);
+    for (const FacetPoint& point : facet.points)
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b < 4; ++b) facet.onto.D[a][b] += point.weight[a] * point.shape[b];
+    facet.onto.M = facet.onto.D;
+  }
+  return area;
+}
+
+void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) {
+  std::map<PetscInt, int> mine; // global node: local node, where owned
+  for (int local = 0; local < mesh.node_count(); ++local)
+    if (mesh.owned(local)) mine.emplace(mesh.global_node()[at(local)], local);
+  std::map<PetscInt, int> number; // global node: place in owned_
+  bool branches = false;
+  for (const std::array<PetscInt, 4>& nodes : facets_at_owned_nodes(mesh, secondary)) {
+    Facet facet;
+    facet.node = nodes;
+    facet.corners = secondary.corners == 2 ? 2 : nodes[3] == nodes[2] ? 3 : 4;
+    for (int a = 0; a < facet.corners; ++a) {
+      const auto found = mine.find(nodes[at(a)]);
+      if (found == mine.end()) continue;
+      const auto [place, is_new] = number.try_emplace(nodes[at(a)], static_cast<int>(owned_.size()));
+      if (is_new) owned_.push_back({found->second, {}, 0});
+      std::vector<Incident>& incident = owned_[at(place->second)].facets;
+      // Two edges that leave a node, or arrive there, are a branch.
+      for (const Incident& other : incident) branches = branches || (dim_ == 2 && other.corner == a);
+      incident.push_back({static_cast<int>(facets_.size()), a});
+      facet.owned[at(a)] = place->second;
+    }
+    facets_.push_back(facet);
+  }
+  if (!all_ranks_agree(mesh.comm(), !branches))
+    throw UserError(ExitCode::data,
+                    "contact " + settings_.id + ": more than two edges of `" + settings_.secondary +
+                        "` meet in a node; name a surface without branches, or use -contact_" + settings_.id +
+                        "_method gpts");
+}
+
+void MortarForm::find_tangents(const std::vector<double>& X) {
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    FaceCorners corner;
+    for (int a = 0; a < 4; ++a) std::copy_n(&X[at(3 * (4 * f + a))], 3, corner[at(a)].begin());
+    facets_[at(f)].map = make_face_map(facets_[at(f)].corners, corner);
+  }
+  for (Node& node : owned_) {
+    Point3 n{};
+    for (const Incident& incident : node.facets) {
+      const Facet& facet = facets_[at(incident.facet)];
+      double area = 0;
+      for (double part : facet.face.area) area += part;
+      for (std::size_t k = 0; k < 3; ++k) n[k] += area * facet.map.normal[k];
+    }
+    const double length = std::hypot(n[0], n[1], n[2]);
+    if (!(length > 0)) n = facets_[at(node.facets[0].facet)].map.normal; // both sides of a sheet
+    if (length > 0)
+      for (double& component : n) component /= length;
+    const std::array<Point3, 2> tangents = tangents_of(n);
+    for (Incident& incident : node.facets)
+      incident.turn = turned_into(facets_[at(incident.facet)].map, n, tangents);
+  }
+}
+
+std::pair<StateRow, std::size_t> MortarForm::constraint_row(const std::string& name, int components) const {
+  return {StateRow{name, Support::vertex, components}, at(components) * node_count_};
+}
+
+std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarEdge& edge) {
+  // Three Gauss points: exact up to degree five, and for a plane whatever the ring.
+  std::vector<FacetPoint> points;
+  for (const auto& [xi, weight] : std::array<std::array<double, 2>, 3>{
+           {{-std::sqrt(0.6), 5.0 / 9}, {0, 8.0 / 9}, {std::sqrt(0.6), 5.0 / 9}}}) {
+    FacetPoint point;
+    const std::array<double, 2> N = {(1 - xi) / 2, (1 + xi) / 2};
+    const double area = weight * edge.length / 2 * (edge.ring[0] * N[0] + edge.ring[1] * N[1]);
+    for (std::size_t a = 0; a < 2; ++a) {
+      point.shape[a] = N[a];
+      point.weight[a] = area * (edge.phi[a][0] * N[0] + edge.phi[a][1] * N[1]);
+    }
+    points.push_back(point);
+  }
+  return points;
+}
+
+std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarFace& face) {
+  // Exact up to degree four.
+  const TriangleRule rule = triangle_rule(3);
+  std::vector<FacetPoint> points;
+  for (int t = 0; t < face.triangles(); ++t) {
+    const auto corner = triangle_weights(face.corners, t);
+    for (std::size_t q = 0; q < rule.part.size(); ++q) {
+      FacetPoint point;
+      for (std::size_t u = 0; u < 3; ++u)
+        for (std::size_t a = 0; a < 4; ++a) point.shape[a] += rule.part[q][u] * corner[u][a];
+      for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = 0; b < 4; ++b)
+          point.weight[a] += rule.weight[q] * face.area[at(t)] * face.phi[a][b] * point.shape[b];
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+} // namespace impact

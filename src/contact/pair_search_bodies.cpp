@@ -1,0 +1,115 @@
+#include <impact/contact/pair_search.hpp>
+#include <impact/math/index.hpp>
+#include <impact/mesh/bodies.hpp>
+
+/// Pairs of a PairSearch whose facets belong to one body: which of them may touch (self_contact.hpp).
+namespace impact {
+
+namespace {
+
+// What lies deeper behind a facet of a surface that may meet itself, in units of the facet, is another part
+// of a body, unless it came there within the step.
+constexpr double self_depth = 0.5;
+
+} // namespace
+
+bool PairSearch::find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary) {
+  const Bodies bodies = find_bodies(*mesh_, *layout_);
+  std::vector<double> number = layout_->make_local();
+  for (std::size_t i = 0; i < bodies.of_node.size(); ++i) number[at(dim_) * i] = bodies.of_node[i];
+  Handle<Vec> of_node = layout_->make_global();
+  layout_->to_global(number, of_node);
+  const std::vector<double> body = static_.gather(of_node);
+  std::vector<int> has(at(2 * bodies.count), 0); // [body][side]
+  const auto body_at = [&](int slot, int side) {
+    const auto b = static_cast<int>(body[at(dim_ * slot)]);
+    has[at(2 * b + side)] = 1;
+    return b;
+  };
+  for (std::size_t f = 0; f < primary.size(); ++f) body_at(primary_slot_[at(corners_) * f], 1);
+  for (std::size_t f = 0; f < secondary.node.size() / 4; ++f) {
+    std::array<double, 12> x;
+    std::copy_n(&secondary.x[12 * f], 12, x.begin());
+    shapes_.push_back(facet_shape(dim_, x, body_at(secondary_slot_[at(corners_) * f], 0)));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, has.data(), 2 * bodies.count, MPI_INT, MPI_MAX, mesh_->comm());
+  bool both = false;
+  for (std::size_t b = 0; b < has.size(); b += 2) both = both || (has[b] != 0 && has[b + 1] != 0);
+  if (both)
+    body_ = std::move(of_node);
+  else
+    shapes_.clear();
+  return both;
+}
+
+void PairSearch::prepare_self_contact(const SearchSecondary& secondary,
+                                      const std::vector<SearchFacet>& primary) {
+  std::vector<FacetShape> own;
+  for (const SearchFacet& facet : primary) own.push_back(facet_shape(dim_, facet.x, 0));
+  self_ = SelfContact(mesh_->comm(), dim_, own);
+  // The body's other side, as far as it can matter.
+  list_.candidates = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
+  const Handle<Vec> rest = layout_->make_global();
+  fetch_nodes(rest);
+  const std::vector<double> node_body = list_.nodes.exchange.gather(body_);
+  for (std::size_t f = 0; f < shapes_.size(); ++f) {
+    depth_.push_back(self_depth * shapes_[f].size);
+    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+      const int p = list_.candidates.facet[at(c)];
+      FacetShape other = candidate_shape(p, list_.nodes.X);
+      other.body = static_cast<int>(node_body[at(dim_ * list_.nodes.primary[at(corners_ * p)])]);
+      depth_[f] = std::min(depth_[f], SelfContact::thickness(shapes_[f], other));
+    }
+  }
+}
+
+FacetShape PairSearch::candidate_shape(int primary, const std::vector<double>& x) const {
+  std::array<double, 12> corner{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    const int slot = list_.nodes.primary[at(corners_ * primary) + std::min(a, at(corners_ - 1))];
+    for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = x[at(dim_ * slot) + k];
+  }
+  return facet_shape(dim_, corner, 0);
+}
+
+void PairSearch::drop_neighbours(Vec u) {
+  // Facets of one body whose normals enclose less than 60 degrees must turn by as much as that before they
+  // can oppose each other, which moves their nodes by a large part of the skin.
+  constexpr double alike = 0.5;
+  const std::vector<double> body = list_.nodes.exchange.gather(body_), now = list_.nodes.current(u);
+  const auto primaries = static_cast<int>(list_.candidates.primary.size());
+  std::vector<FacetShape> reference, current;
+  for (int p = 0; p < primaries; ++p) {
+    reference.push_back(candidate_shape(p, list_.nodes.X));
+    reference.back().body = static_cast<int>(body[at(dim_ * list_.nodes.primary[at(corners_ * p)])]);
+    current.push_back(candidate_shape(p, now));
+  }
+  Candidates kept;
+  kept.offset.push_back(0);
+  list_.counts.clear();
+  for (std::size_t f = 0; f < shapes_.size(); ++f) {
+    std::array<double, 12> corner{};
+    for (std::size_t a = 0; a < 4; ++a) {
+      const int slot = list_.nodes.secondary[at(corners_) * f + std::min(a, at(corners_ - 1))];
+      for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = now[at(dim_ * slot) + k];
+    }
+    const std::array<double, 3> n = facet_shape(dim_, corner, 0).normal;
+    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+      const int p = list_.candidates.facet[at(c)];
+      const FacetShape& other = reference[at(p)];
+      const std::array<double, 3>& m = current[at(p)].normal;
+      const bool turned = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > alike;
+      if ((turned && other.body == shapes_[f].body) ||
+          !SelfContact::may_touch(shapes_[f], other, 2 * radius_))
+        continue;
+      kept.facet.push_back(p);
+      if (kind_ == Primary::itself) list_.counts.push_back(self_.is_secondary(shapes_[f], other) ? 1 : 0);
+    }
+    kept.offset.push_back(static_cast<int>(kept.facet.size()));
+  }
+  // The numbers of the primaries, and the nodes that were fetched for them, stay.
+  kept.primary = std::move(list_.candidates.primary);
+  list_.candidates = std::move(kept);
+}
+
+} // namespace impact

@@ -1,0 +1,87 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/input/units.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/problem/boundary_data.hpp>
+#include <impact/problem/rigid_bodies.hpp>
+
+/// What the conditions prescribe of rigid bodies.
+namespace impact {
+
+RigidBodies::Hold RigidBodies::hold(const RigidBody& body, std::size_t k) const {
+  const int c = body.held[k];
+  if (c < 0) return {c != RigidBody::free_motion};
+  const BoundaryCondition& bc = conditions_[at(c)];
+  const std::optional<Expression>& data = k < 3 ? bc.component[k] : bc.rotation[k - 3];
+  return {true, bc.type == BcType::velocity, data ? &*data : nullptr};
+}
+
+// Rotation components as the conditions say them at time t: angles, or what velocities add since t_n.
+Vector3 RigidBodies::rotation_data(const RigidBody& body, double t) const {
+  const double* x = body.centre.data();
+  Vector3 value{};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (const auto [held, rate, data] = hold(body, 3 + k); data)
+      value[k] = rate ? integral(*data, x, dim_, t_n_, t) : (*data)(x, dim_, t);
+  return value;
+}
+
+// All components of the rotation are prescribed, as rotations from the reference configuration.
+bool RigidBodies::turns_as_told(const RigidBody& body) const {
+  for (std::size_t k = dim_ == 3 ? 3 : 5; k < 6; ++k)
+    if (const Hold on = hold(body, k); !on.held || on.rate) return false;
+  return true;
+}
+
+RigidPose RigidBodies::admissible(std::size_t b, RigidPose pose) const {
+  const RigidBody& body = bodies_[b];
+  const double* x = body.centre.data();
+  for (std::size_t k = 0; k < at(dim_); ++k)
+    if (const auto [held, rate, data] = hold(body, k); held)
+      pose.moved[k] = !data  ? 0
+                      : rate ? start_[b].moved[k] + integral(*data, x, dim_, t_n_, t_)
+                             : (*data)(x, dim_, t_);
+  if (turns_as_told(body)) {
+    pose.turned = rotation_of(rotation_data(body, t_));
+    return pose;
+  }
+  // Rotation of the step by components: 2 tan(angle/2), which is what moments at the middle of the step do
+  // work on.
+  bool any = false;
+  Vector3 c = cayley_vector(pose.turned * transposed(start_[b].turned));
+  const Vector3 end = rotation_data(body, t_), begin = rotation_data(body, t_n_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!hold(body, 3 + k).held) continue;
+    any = true;
+    c[k] = 2 * std::tan((end[k] - begin[k]) / 2);
+  }
+  if (any) pose.turned = cayley(c) * start_[b].turned;
+  return pose;
+}
+
+void RigidBodies::require_agreement(double t_n, double t) const {
+  static constexpr const char* names[6] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+  for (const auto& [b, k, one, two] : shared_) {
+    const RigidBody& body = bodies_[b];
+    const BoundaryCondition &first = conditions_[at(one)], &other = conditions_[at(two)];
+    const auto rate = [](const BoundaryCondition& of) { return of.type == BcType::velocity; };
+    // Of two velocities the values, of a velocity and a place what they change in the step.
+    const bool changes = rate(first) != rate(other);
+    const auto value = [&, component = k](const BoundaryCondition& of) {
+      const auto& data = component < 3 ? of.component[component] : of.rotation[component - 3];
+      if (!data) return 0.0;
+      const double* x = body.centre.data();
+      if (changes && rate(of)) return integral(*data, x, dim_, t_n, t);
+      return (*data)(x, dim_, t) - (changes ? (*data)(x, dim_, t_n) : 0.0);
+    };
+    const double here = value(first), there = value(other);
+    const double rounding = changes ? 1e-12 * body.length : 0;
+    if (std::abs(here - there) > 1e-9 * std::max(std::abs(here), std::abs(there)) + rounding)
+      throw UserError(ExitCode::data, "-bc_" + first.id + " and -bc_" + other.id + " prescribe different " +
+                                          names[k] + " (" + number_text(here) + ", " + number_text(there) +
+                                          " at t=" + number_text(t) + ") of the rigid body " + body.name +
+                                          "; leave the component out of one of them");
+  }
+}
+
+} // namespace impact

@@ -1,0 +1,104 @@
+#include <cmath>
+#include <cstdio>
+#include <impact/petsc/error.hpp>
+#include <impact/run/energy_watch.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+// So many steps in a row beyond a bound are no start of a run.
+constexpr int many_steps = 5;
+
+} // namespace
+
+EnergyWatch::EnergyWatch(RunStage& stage)
+    : stage_(stage), steps_beyond_(stage.state.add({"energy_watch", Support::global, 2}, 2)),
+      least_(1e-2 * stage.motion.reference_force() * stage.d.mesh.smallest_edge() * stage.d.thickness *
+             static_cast<double>(stage.d.mesh.global_cell_count())) {}
+
+// Consecutive steps: what the first steps of a run miss is soon small beside what is stored.
+bool EnergyWatch::beyond(std::size_t which, double bound) {
+  const bool is =
+      stage_.ledger.energy_scale() >= least_ && bound > 0 && std::abs(stage_.ledger.energy_error()) > bound;
+  steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + 1 : 0;
+  return is;
+}
+
+Verdict EnergyWatch::judge(double before, double t) {
+  const Scenario& s = stage_.scenario;
+  const MPI_Comm comm = stage_.d.mesh.comm();
+  const double residual = stage_.ledger.energy_error();
+  const bool past_stop = beyond(1, s.energy_stop), past_tol = beyond(0, s.energy_tol);
+  // A run without inertia may lose the energy of a crack that ran within a step: no store takes it up.
+  const bool must_close = stage_.inertia || residual > 0;
+  if (past_stop && steps_beyond_.trial[1] >= many_steps && must_close) {
+    check(PetscPrintf(comm, "impact: %s\n", text(t, "energy_stop", s.energy_stop).c_str()));
+    throw UserError(ExitCode::solver, "stopped by -energy_stop: this is no solution; " + remedy() +
+                                          " (-energy_stop 0 goes on)");
+  }
+  if (!past_tol) return {};
+  const std::string said = text(t, "energy_tol", s.energy_tol);
+  if (s.energy_action == Scenario::EnergyAction::warn) {
+    if (steps_beyond_.trial[0] < many_steps || !warning_.empty()) return {};
+    warning_ = said;
+    check(PetscPrintf(comm, "impact: WARNING: %s; %s\n", said.c_str(), remedy().c_str()));
+    return {};
+  }
+  if (std::abs(residual) <= std::abs(before)) return {};
+  check(PetscPrintf(comm, "impact: %s\n", said.c_str()));
+  if (s.energy_action == Scenario::EnergyAction::stop)
+    throw UserError(ExitCode::solver,
+                    "stopped by -energy_action stop; take smaller steps or more coupling passes");
+  stage_.ledger.unbook();
+  return {false, 0.5};
+}
+
+void EnergyWatch::report_end(double t) const {
+  const Scenario& s = stage_.scenario;
+  const MPI_Comm comm = stage_.d.mesh.comm();
+  const double left = stage_.ledger.energy_error();
+  if (!warning_.empty())
+    check(PetscPrintf(comm, "impact: WARNING, first of its kind: %s; at the end %.3g\n", warning_.c_str(),
+                      left));
+  else if (s.energy_tol > 0 && std::abs(left) > s.energy_tol && stage_.ledger.energy_scale() >= least_)
+    check(PetscPrintf(comm, "impact: WARNING: %s; %s\n", text(t, "energy_tol", s.energy_tol).c_str(),
+                      remedy().c_str()));
+}
+
+std::string EnergyWatch::text(double t, const char* option, double bound) const {
+  const double residual = stage_.ledger.energy_error(), scale = stage_.ledger.energy_scale();
+  char text[240];
+  std::snprintf(
+      text, sizeof(text),
+      "energy balance: first-law residual %.3g exceeds -%s %.3g at t = %.10g: %.4g of energy %s since "
+      "t = 0, the largest is %.4g",
+      std::abs(residual), option, bound, t, std::abs(residual) * scale, residual > 0 ? "gained" : "lost",
+      scale);
+  return text;
+}
+
+std::string EnergyWatch::remedy() const {
+  const bool inertia = stage_.inertia, damage = stage_.d.has_damage();
+  const bool gained = stage_.ledger.energy_error() > 0;
+  const int passes = stage_.scenario.coupling.max_it;
+  const bool few = damage && passes < 10;
+  if (!inertia && !gained && damage)
+    return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
+           "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
+  std::string text = gained ? "likely the steps are too long for what changes its stiffness in them"
+                            : "likely the steps are too long";
+  if (few)
+    text += ", or damage lags behind the motion in " + std::to_string(passes) + " pass" +
+            (passes == 1 ? "" : "es");
+  text += ": take a shorter -ts_dt";
+  if (few) text += ", -coupling_snes_max_it 50";
+  // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, N3).
+  if (inertia && gained)
+    text += integrator_of(stage_.ts).alpha_m > 1 && !stage_.setup->contacts.empty() ? ", -ts_newmark_rho 1"
+                                                                                    : ", -ts_newmark_rho 0.5";
+  return text;
+}
+
+} // namespace impact

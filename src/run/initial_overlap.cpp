@@ -1,0 +1,90 @@
+#include "initial_overlap.hpp"
+#include <cmath>
+#include <cstdio>
+#include <impact/mesh/shifted_mesh.hpp>
+
+namespace impact {
+
+namespace {
+
+// What the overlap at the start of one contact has moved so far, [local node][dim].
+struct Adjusted {
+  std::vector<double> total;
+
+  void add(const std::vector<double>& shift) {
+    total.resize(shift.size(), 0.0);
+    for (std::size_t i = 0; i < shift.size(); ++i) total[i] += shift[i];
+  }
+};
+
+// A restart on other ranks must find the same coordinates: sums of shifts agree but for rounding, so that the
+// last digits are left away.
+void round_off(std::vector<double>& shift, double tolerance) {
+  const double quantum = std::exp2(std::floor(std::log2(1e-7 * tolerance)));
+  for (double& value : shift) value = quantum * std::round(value / quantum);
+}
+
+void report(const ContactSettings& contact, const Adjusted& adjusted, const Mesh& mesh) {
+  if (adjusted.total.empty()) return;
+  const auto dim = static_cast<std::size_t>(mesh.dim());
+  int count = 0;
+  double farthest = 0;
+  for (int node = 0; node < mesh.node_count(); ++node) {
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) {
+      const double way = adjusted.total[static_cast<std::size_t>(node) * dim + k];
+      square += way * way;
+    }
+    if (square > 0 && mesh.owned(node)) ++count;
+    farthest = std::max(farthest, std::sqrt(square));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  check(PetscPrintf(mesh.comm(),
+                    "impact: contact %s: %d nodes of `%s` overlapped `%s` and were moved out, by up to %.4g; "
+                    "no stress comes of it\n",
+                    contact.id.c_str(), count, contact.secondary.c_str(), contact.primary.c_str(), farthest));
+}
+
+} // namespace
+
+void adjust_initial_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacles,
+                             std::unique_ptr<Setup>& setup) {
+  constexpr int rounds = 5;
+  std::vector<Adjusted> adjusted(setup->contacts.size());
+  for (int round = 1, moved = 1; moved > 0; ++round) {
+    moved = 0;
+    for (std::size_t i = 0; i < adjusted.size(); ++i) {
+      InitialOverlapReport overlap = setup->contacts[i].initial_overlap();
+      if (overlap.nodes == 0) continue;
+      const ContactSettings& contact = setup->contacts[i].settings();
+      if (round > rounds)
+        throw UserError(ExitCode::data,
+                        "-contact_" + contact.id + "_initial adjust: " + std::to_string(overlap.nodes) +
+                            " nodes of `" + contact.secondary + "` still overlap `" + contact.primary +
+                            "` after " + std::to_string(rounds) + " moves" +
+                            (adjusted.size() > 1 ? ", perhaps those of one contact into the bodies of another"
+                                                 : "; the surface of `" + contact.primary +
+                                                       "` is too coarse or too sharp there") +
+                            "; part the surfaces in the mesh");
+      round_off(overlap.shift, contact.initial_tol);
+      adjusted[i].add(overlap.shift);
+      moved += overlap.nodes;
+      try {
+        setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);
+      } catch (const UserError& error) { // of all ranks
+        char way[32];
+        std::snprintf(way, sizeof way, "%.4g", overlap.deepest);
+        throw UserError(error.code(), "-contact_" + contact.id + "_initial adjust: moves " +
+                                          std::to_string(overlap.nodes) + " nodes of `" + contact.secondary +
+                                          "` by up to " + way + ", more than its cells have room for (" +
+                                          error.what() +
+                                          "); part the bodies in the mesh, or exchange the two sides");
+      }
+    }
+  }
+  for (std::size_t i = 0; i < adjusted.size(); ++i)
+    report(setup->contacts[i].settings(), adjusted[i], setup->discretisation.mesh);
+}
+
+} // namespace impact

@@ -1,0 +1,239 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <impact/input/database.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/shared_cores.hpp>
+#include <impact/run/setup_report.hpp>
+#include <vector>
+
+namespace impact {
+
+namespace {
+
+// The choice of a locking cure, and a word where there is none: for each material and shape, once.
+void report_locking(const Scenario& s, const Discretisation& d) {
+  if (!s.has_motion() || s.plane == PlaneMode::stress) return;
+  const std::size_t shapes = known_shapes().size();
+  std::vector<int> found(d.materials.size() * shapes, 0);
+  for (const CellGroup& group : d.groups)
+    found[static_cast<std::size_t>(group.material) * shapes +
+          static_cast<std::size_t>(index_of(group.shape))] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, d.mesh.comm());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const auto& [law, regions, id, points] = d.materials[i / shapes];
+    const MaterialParameters& p = law.parameters;
+    const Shape shape = known_shapes()[i % shapes];
+    const bool simplex = shape->simplex();
+    if (!found[i]) continue;
+    if (!simplex && p.locking != Locking::none)
+      check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),
+                        shape->names.plural, p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
+    // Cells that have a choice of cures lock at the user's will.
+    if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
+    check(PetscPrintf(
+        d.mesh.comm(),
+        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
+        shape->names.plural,
+        law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
+        !simplex          ? "another -material_<id>_split"
+        : shape->dim == 2 ? "quadrilaterals (Recombine Surface in the .geo)"
+                          : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
+  }
+}
+
+// Cells or facets of the mesh over all ranks, in the reference configuration; of a plane problem times its
+// thickness, of an axisymmetric one as rings.
+struct Extent {
+  double count = 0, size = 0, narrowest = HUGE_VAL, widest = 0; // width: edge of a cell of this size
+  double length = 0;                                            // longest side of the box around them
+};
+
+Extent extent_of(const Discretisation& d, const std::vector<PetscInt>& points, double corners = 1) {
+  const DM dm = d.mesh.dm();
+  PetscSection layout = nullptr;
+  Vec coordinates = nullptr;
+  check(DMGetCoordinateSection(dm, &layout));
+  check(DMGetCoordinatesLocal(dm, &coordinates));
+  double sums[2] = {0, 0};
+  double most[8]; // -narrowest, widest, -x and x of the corners
+  std::fill(std::begin(most), std::end(most), -HUGE_VAL);
+  for (const PetscInt point : points) {
+    PetscReal size = 0, centre[3] = {0, 0, 0};
+    check(DMPlexComputeCellGeometryFVM(dm, point, &size, centre, nullptr));
+    const double width = std::pow(corners * size, 1.0 / d.dim());
+    constexpr double pi = 3.14159265358979323846;
+    sums[0] += 1;
+    sums[1] += size * (d.frame == Frame::axisymmetric ? 2 * pi * centre[0] : d.thickness);
+    most[0] = std::max(most[0], -width);
+    most[1] = std::max(most[1], width);
+    PetscInt n = 0;
+    PetscScalar* x = nullptr;
+    check(DMPlexVecGetClosure(dm, layout, coordinates, point, &n, &x));
+    for (PetscInt i = 0; i < n; ++i) {
+      double* const side = most + 2 + i % d.dim();
+      side[0] = std::max(side[0], -x[i]);
+      side[3] = std::max(side[3], x[i]);
+    }
+    check(DMPlexVecRestoreClosure(dm, layout, coordinates, point, &n, &x));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+  MPI_Allreduce(MPI_IN_PLACE, most, 8, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  return {sums[0], sums[1], -most[0], most[1],
+          std::max({most[2] + most[5], most[3] + most[6], most[4] + most[7]})};
+}
+
+void report_groups(const Discretisation& d) {
+  for (const int dim : {d.dim(), d.dim() - 1}) {
+    std::string text;
+    char entry[160];
+    for (const Group& group : d.mesh.groups()) {
+      if (group.dim != dim) continue;
+      const Extent extent =
+          extent_of(d, dim == d.dim() ? d.mesh.region_cells(group.name) : d.mesh.facets(group.name).point);
+      std::snprintf(entry, sizeof entry, "%s%.80s %.0f (%.4g)", text.empty() ? "" : ", ", group.name.c_str(),
+                    extent.count, extent.size);
+      text += entry;
+    }
+    if (!text.empty())
+      check(PetscPrintf(d.mesh.comm(), "%s: %s\n",
+                        dim == d.dim() ? dim == 3 || d.frame == Frame::axisymmetric
+                                             ? "regions, their cells (and volume)"
+                                             : "regions, their cells (and area times thickness)"
+                                       : "boundaries, their facets (and size)",
+                        text.c_str()));
+  }
+}
+
+// The numbers of a material in the user's words, and in the run's units where these had others.
+std::string values_text(const Scenario& s, const std::string& id) {
+  std::string text;
+  for (const MaterialScenario& material : s.materials)
+    for (const auto& [name, value, said] : material.options)
+      if (const auto literal = split_literal(said); literal && material.id == id)
+        text += ", " + name + " " + said +
+                (parse_number(literal->number) == parse_number(value) ? "" : " (" + value + ")");
+  return text;
+}
+
+void report_material(const Scenario& s, const Discretisation& d, const MaterialAssignment& m) {
+  const MPI_Comm comm = d.mesh.comm();
+  const MaterialParameters& p = m.law.parameters;
+  std::vector<PetscInt> cells;
+  for (const std::string& region : m.regions)
+    for (const PetscInt cell : d.mesh.region_cells(region)) cells.push_back(cell);
+  // Half a square, a sixth of a cube.
+  const auto shapes = known_shapes();
+  const bool simplex = std::all_of(shapes.begin(), shapes.end(),
+                                   [&](Shape shape) { return shape->simplex() || !d.mesh.has_shape(shape); });
+  const Extent extent = extent_of(d, cells, simplex ? (d.dim() == 2 ? 2 : 6) : 1);
+  const std::string damage =
+      p.damage == Damage::none
+          ? ""
+          : std::string(p.damage == Damage::at2 ? " with at2 damage" : " with at1 damage") +
+                (p.split == Split::spectral     ? ", spectral split"
+                 : p.split == Split::volumetric ? ", volumetric split"
+                                                : ", no split");
+  check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", m.id.c_str(),
+                    m.law.rigid()          ? "rigid"
+                    : p.model == Model::j2 ? "j2"
+                                           : "elastic",
+                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, m.id).c_str(),
+                    p.rho * extent.size, extent.narrowest, extent.widest));
+  if (p.damage != Damage::none) {
+    // A crack is a row of broken cells and what stands beside it (Bourdin, Francfort, Marigo 2008, 8.1).
+    check(PetscPrintf(
+        comm, "material %s: gamma is %.3g to %.3g cells wide; a crack along the narrowest takes %.3g Gc\n",
+        m.id.c_str(), p.gamma / extent.widest, p.gamma / extent.narrowest,
+        1 + (p.damage == Damage::at1 ? 0.375 : 0.5) * extent.narrowest / p.gamma));
+    // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
+    if (p.gamma < 2 * (1 - 1e-6) * extent.narrowest)
+      check(PetscPrintf(comm,
+                        "impact: WARNING: -material_%s_gamma %.4g is %.3g times its narrowest cell %.4g: a "
+                        "crack wants at least 2, or it takes more than Gc; refine where it will run\n",
+                        m.id.c_str(), p.gamma, p.gamma / extent.narrowest, extent.narrowest));
+    if (p.gamma > extent.length)
+      check(
+          PetscPrintf(comm,
+                      "impact: WARNING: -material_%s_gamma %.4g is %.3g times the size %.4g of its body: no "
+                      "crack has room in it; is the unit right?\n",
+                      m.id.c_str(), p.gamma, p.gamma / extent.length, extent.length));
+  }
+  if (s.has_inertia() && !m.law.rigid() && p.rho > 0) {
+    const double speed = std::sqrt((p.K + 4 * p.G / 3) / p.rho);
+    check(PetscPrintf(comm, "material %s: h/c_p from %.3g, c_p %.6g\n", m.id.c_str(),
+                      extent.narrowest / speed, speed));
+  }
+}
+
+// An output or a checkpoint behind the end never comes.
+void report_late(MPI_Comm comm, const Scenario& s) {
+  const double end = s.time.max_time, least = end * (1 + 1e-9);
+  double steps = s.time.max_steps > 0 ? s.time.max_steps : HUGE_VAL;
+  if (s.time.dt > 0) steps = std::min(steps, std::max(1.0, end / s.time.dt));
+  const auto tell = [&](const std::string& option, double value, double limit) {
+    if (limit > 0 && value > limit)
+      check(PetscPrintf(
+          comm, "impact: WARNING: -%s %.10g lies behind the end, -ts_max_time %.10g, about %.0f steps\n",
+          option.c_str(), value, end, steps));
+  };
+  const auto latest = [](const std::vector<double>& times) {
+    return times.empty() ? 0 : *std::max_element(times.begin(), times.end());
+  };
+  for (const OutputScenario& output : s.outputs) {
+    const std::string key = "output_" + output.id;
+    tell(key + "_times", latest(output.times), least);
+    tell(key + "_dt", output.dt, least);
+    tell(key + "_every", output.every, steps);
+    tell(key + "_cycles", output.cycles, s.time.period > 0 ? end / s.time.period : 0);
+  }
+  tell("ts_dt", s.time.dt, least);
+  tell("ts_period", s.time.period, least);
+  tell("ts_times", latest(s.time.table_times), least);
+  tell("checkpoint_every", s.checkpoint.every, steps);
+}
+
+} // namespace
+
+void report_setup(const Scenario& s, const Discretisation& d) {
+  const MPI_Comm comm = d.mesh.comm();
+  int ranks = 1;
+  const int threads = threads_per_rank();
+  MPI_Comm_size(comm, &ranks);
+  check(PetscPrintf(comm, "impact: %s\n", s.title.empty() ? "(no title)" : s.title.c_str()));
+  check(PetscPrintf(comm,
+                    "mesh %s: %lld nodes, %lld cells, shortest edge %.4g; %d rank%s, %d thread%s each\n",
+                    s.mesh.file.c_str(), static_cast<long long>(d.mesh.global_node_count()),
+                    static_cast<long long>(d.mesh.global_cell_count()), d.mesh.smallest_edge(), ranks,
+                    ranks == 1 ? "" : "s", threads, threads == 1 ? "" : "s"));
+  report_groups(d);
+  for (const MaterialAssignment& m : d.materials) report_material(s, d, m);
+  if (s.has_heat())
+    for (const MaterialAssignment& m : d.materials)
+      check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",
+                        m.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
+                        m.law.parameters.alpha_t, m.law.parameters.theta0));
+  report_locking(s, d);
+  report_late(comm, s);
+  if (!s.has_motion()) check(PetscPrintf(comm, "no motion: bodies stay where they are\n"));
+}
+
+void report_solvers(const Discretisation& d, const std::vector<std::string>& solvers, bool factors) {
+  const MPI_Comm comm = d.mesh.comm();
+  for (const std::string& solver : solvers) check(PetscPrintf(comm, "%s\n", solver.c_str()));
+  PetscLogDouble bytes = 0;
+  check(PetscMemoryGetCurrentUsage(&bytes));
+  MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MAX, comm);
+  char text[100] = "";
+  if (factors) {
+    // MUMPS on quadrilaterals (5,200 and 46,000 dofs) and hexahedra (2,200 and 15,000): within a quarter.
+    const double n = static_cast<double>(d.mesh.global_node_count()) * d.dim();
+    const double entries = d.dim() == 2 ? 10 * n * std::log2(n) : 38 * std::pow(n, 4.0 / 3);
+    std::snprintf(text, sizeof text, "; the factors of the motion take about %.3g MB in all",
+                  12e-6 * entries);
+  }
+  check(
+      PetscPrintf(comm, "memory: %.3g MB on the fullest rank before the first step%s\n", 1e-6 * bytes, text));
+}
+
+} // namespace impact

@@ -1,0 +1,227 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
+#include <impact/run/setup_report.hpp>
+#include <impact/run/stage.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+bool conserves(const Scenario& s) {
+  return std::any_of(s.contacts.begin(), s.contacts.end(), [](const ContactSettings& contact) {
+    return contact.impact == ImpactUpdate::conserving;
+  });
+}
+
+// The contact-stabilised update is for all that has inertia and stiffness, at any length of the steps.
+bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
+  if (s.contacts.empty() || !s.has_inertia()) return false;
+  const bool conserve = conserves(s), automatic = solver.cfl > 0 && !conserve;
+  const bool stabilise = std::any_of(s.contacts.begin(), s.contacts.end(), [&](const ContactSettings& c) {
+    return c.impact == ImpactUpdate::stabilised || (c.impact == ImpactUpdate::automatic && automatic);
+  });
+  check(PetscPrintf(comm, "impact update: %s (dt is %.3g times h/c_p)\n",
+                    stabilise        ? "contact-stabilised"
+                    : conserve       ? "energy-conserving"
+                    : solver.cfl > 0 ? "none, as asked"
+                                     : "none: nothing has a stiffness",
+                    solver.cfl));
+  return stabilise;
+}
+
+Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
+  Handle<TS> ts;
+  check(TSCreate(comm, ts.out()));
+  check(TSSetProblemType(ts, TS_NONLINEAR));
+  check(TSSetType(ts, s.has_motion() ? s.time.type.c_str() : "static"));
+  check(TSSetTimeStep(ts, s.time.dt));
+  if (s.time.max_time > 0) check(TSSetMaxTime(ts, s.time.max_time));
+  check(TSSetMaxSteps(ts, s.time.max_steps > 0 ? s.time.max_steps : PETSC_MAX_INT));
+  return ts;
+}
+
+SolverDefaults choose(const Scenario& s, Setup& setup) {
+  SolverDemands demands;
+  demands.closes_gaps = setup.contacts.demands().closes_gaps;
+  demands.frictional = setup.contacts.demands().frictional;
+  demands.rigid = !setup.rigid.empty();
+  demands.unsymmetric = !unsymmetric_force(s).first.empty();
+  SolverDefaults solver =
+      choose_solver(setup.discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
+  report_setup(s, setup.discretisation);
+  return solver;
+}
+
+template <class Problem, class... Given> std::optional<Problem> made_if(bool there, Given&&... given) {
+  return there ? std::optional<Problem>(std::in_place, std::forward<Given>(given)...) : std::nullopt;
+}
+
+template <class Problem> Problem* pointer(std::optional<Problem>& problem) {
+  return problem ? &*problem : nullptr;
+}
+
+} // namespace
+
+StepRows::StepRows(StateTable& state)
+    : u(state.row("u")), v(state.row("v")), a(state.row("a")), mean_rate(state.row("mean_rate")),
+      prescribed_velocity(state.row("prescribed_velocity")), phi(state.find("phi")),
+      theta(state.find("theta")) {}
+
+RunStage::RunStage(MPI_Comm comm, const Scenario& s, const GmshFile* kept)
+    : scenario(s), setup(build_setup(comm, s, kept)), d(setup->discretisation), state(setup->state),
+      rows(state), inertia(s.has_inertia()), solver(choose(s, *setup)),
+      motion(d, state, setup->boundary, setup->contacts, solver.symmetric, s.contact_operator, solver.matrix,
+             &setup->rigid, s.has_motion()),
+      damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
+      heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, s.heat, s.has_motion(),
+                                &setup->contacts)),
+      ts(make_integrator(comm, s)), coupling(ts, {motion, pointer(damage), pointer(heat), state}, s.coupling,
+                                             solver, stabilises(comm, s, solver)),
+      ledger(motion, state, inertia, s.has_motion(),
+             {s.history_materials, s.coupling.report_error, coupling.unilateral()}),
+      source(motion, state), u(d.displacement.make_global()), v(d.displacement.make_global()),
+      a(d.displacement.make_global()) {
+  for (const ContactInterface& contact : setup->contacts)
+    if (coupling.stabilised() && between_rigid_sides(*setup, contact.settings()))
+      throw UserError(ExitCode::usage,
+                      "-contact_" + contact.id() +
+                          "_impact: the contact-stabilised update leaves the speed of what touches to its "
+                          "stress, and both sides of this contact are rigid; take -contact_" +
+                          contact.id() + "_impact conserving, or none for every contact");
+  set_time_options(ts);
+  if (const Integrator& p = integrator_of(ts);
+      inertia && conserves(s) && (p.alpha_m != 1 || p.beta != 0.25 || p.gamma != 0.5))
+    throw UserError(ExitCode::usage, "-ts_newmark_rho: the energy-conserving contact update "
+                                     "(-contact_<id>_impact conserving) is for the trapezoidal rule; take "
+                                     "-ts_newmark_rho 1");
+}
+
+void RunStage::set_state(const Checkpoint* resume) {
+  double time = 0;
+  if (resume != nullptr) {
+    read_checkpoint(*resume, {d.mesh, d.groups, state});
+    time = resume->values.time;
+    check(TSSetTime(ts, time));
+    check(TSSetStepNumber(ts, static_cast<PetscInt>(resume->values.step)));
+  } else {
+    set_initial_state(scenario, *setup);
+  }
+  d.displacement.to_global(rows.u.committed, u);
+  d.displacement.to_global(rows.v.committed, v);
+  d.displacement.to_global(rows.a.committed, a);
+  check(TS2SetSolution(ts, u, v));
+  motion.update_contact(u);
+  coupling.motion_solver().refresh_matrix();
+  coupling.begin_between_steps(time, u, v);
+}
+
+void RunStage::report_solvers() {
+  const MPI_Comm comm = d.mesh.comm();
+  for (ContactInterface& contact : setup->contacts) {
+    const ContactMeasures at = contact.measures(u);
+    check(PetscPrintf(comm,
+                      std::isnan(at.gap_min)
+                          ? "contact %s: no point faces the other side at the start\n"
+                          : "contact %s: smallest gap at the start %.4g, %d points press\n",
+                      contact.id().c_str(), at.gap_min, at.active));
+  }
+  std::vector<std::string> lines;
+  if (scenario.has_motion())
+    lines.push_back("motion solver: " + linear_solver_text(coupling.motion_solver().snes()) + " (" +
+                    solver.reason + "); tangent " + (solver.symmetric ? "symmetric" : "consistent") +
+                    (solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
+  if (damage) lines.push_back("damage solver: " + linear_solver_text(damage->snes()));
+  if (heat) lines.push_back("heat solver: " + linear_solver_text(heat->snes()));
+  PetscBool factors = PETSC_FALSE;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(SNESGetKSP(coupling.motion_solver().snes(), &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
+  impact::report_solvers(d, lines, scenario.has_motion() && factors);
+}
+
+void RunStage::start() {
+  coupling.start(u, a);
+  if (inertia) d.displacement.to_local(a, rows.a.trial);
+  setup->contacts.advance(u, u, 0);
+  PetscReal dt = 0;
+  check(TSGetTimeStep(ts, &dt));
+  ledger.start(integrator_of(ts), dt, u, v, a);
+  state.commit();
+}
+
+void RunStage::resume() {
+  if (inertia) set_acceleration(ts, a);
+  ledger.resume(u, v);
+  // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
+  // made in its next step.
+  setup->contacts.forget_search();
+}
+
+void RunStage::forget_what_a_restart_lacks() {
+  setup->contacts.forget_search();
+  coupling.forget_factors();
+}
+
+StepHooks RunStage::hooks() {
+  StepHooks hooks;
+  if (coupling.stabilised())
+    hooks.predict = [this](TS, const Attempt& attempt, Vec u_tilde, Vec v_n) {
+      coupling.predict(attempt, u_tilde, v_n);
+    };
+  if (inertia && coupling.corrects())
+    hooks.correct = [this](TS, Vec u_new, Vec v_new, Vec a_new) { coupling.correct(u_new, v_new, a_new); };
+  hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling.guess(attempt, guess); };
+  hooks.effort = [this](TS) { return coupling.counts().hardest; };
+  const CouplingScenario& limits = scenario.coupling;
+  if (limits.max_dphi > 0 || limits.max_dalpha > 0 || limits.max_dtheta > 0)
+    hooks.utilisation = [this](TS) { return coupling.utilisation(); };
+  return hooks;
+}
+
+void RunStage::check_prescribed_data(const Attempt& attempt) const {
+  const BoundaryData& boundary = setup->boundary;
+  const std::vector<double>&u_n = rows.u.committed, &v_n = rows.prescribed_velocity.committed;
+  std::vector<double> unused = u_n;
+  agree_on_errors(d.mesh.comm(), [&] {
+    setup->rigid.require_agreement(attempt.t_n, attempt.t);
+    boundary.require_agreement(attempt.t_n, attempt.t, u_n, v_n);
+    boundary.set_displacement(attempt.t_n, attempt.t, u_n, v_n, unused);
+    boundary.set_exact_velocity(attempt.t_n, attempt.t, v_n, unused);
+    if (rows.phi) {
+      unused = rows.phi->committed;
+      boundary.set_damage(attempt.t, unused);
+    }
+    if (rows.theta) {
+      unused = rows.theta->committed;
+      boundary.set_temperature(attempt.t, unused);
+    }
+  });
+}
+
+void RunStage::accept(const Attempt& attempt) {
+  Vec u_new = nullptr, v_new = nullptr;
+  check(TS2GetSolution(ts, &u_new, &v_new));
+  d.displacement.to_local(u_new, rows.u.trial);
+  d.displacement.to_local(v_new, rows.v.trial);
+  d.displacement.to_local(inertia ? acceleration(ts) : a.get(), rows.a.trial);
+  std::vector<double>& rate = rows.mean_rate.trial;
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    rate[i] = (rows.u.trial[i] - rows.u.committed[i]) / attempt.dt;
+  setup->rigid.advance(u_new);
+  setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, rows.prescribed_velocity.committed,
+                                     rows.prescribed_velocity.trial);
+  if (!setup->contacts.empty()) {
+    Handle<Vec> u_n = d.displacement.make_global();
+    d.displacement.to_global(rows.u.committed, u_n);
+    setup->contacts.advance(u_n, u_new, attempt.dt);
+  }
+  state.commit();
+}
+
+} // namespace impact
