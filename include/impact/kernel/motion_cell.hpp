@@ -288,7 +288,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
 template <class Cell, Frame frame, bool tangent, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
                                                        Batch* K) {
-  const LastDigits<terms> kept;
+  const LastDigits kept;
   return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
                                                                 r, K);
 }
@@ -296,7 +296,7 @@ template <class Cell, Frame frame, bool tangent, Terms terms>
 template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
                                                         Batch* trial_history, Batch* drive, StepSums& sums) {
-  const LastDigits<terms> kept;
+  const LastDigits kept;
   return advance<Cell, frame, false, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
                                                                trial_history, drive, sums, {});
 }
@@ -305,6 +305,7 @@ template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
+  const LastDigits kept;
   return advance<Cell, frame, true, false>(restricted<terms>(law), restricted(in, terms), trial_history,
                                            drive, sums, heat);
 }

@@ -44,14 +44,11 @@ inline MotionInput restricted(MotionInput in, Terms terms) {
   return in;
 }
 
-/// Keeps the digits of elastic bodies as they always were. Products and sums are contracted within one basic
+/// Keeps results as they always were, to the last digit. Products and sums are contracted within one basic
 /// block, and what has to be cleaned up in a scope makes the collection of bad lanes (note) end a block: the
-/// stress behind it rounds products that the block before it uses too. Laws without flow have no other branch
-/// that would.
-template <Terms terms> struct LastDigits {
-  ~LastDigits() {
-    if constexpr (terms == Terms::elastic) asm volatile("");
-  }
+/// stress behind it rounds products that the block before it uses too.
+struct LastDigits {
+  ~LastDigits() { asm volatile(""); }
 };
 
 /// Calls f(constant) for the terms of this law.
