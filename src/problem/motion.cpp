@@ -50,7 +50,8 @@ void MotionProblem::begin(const MotionStep& step) {
           load.facets, d_.frame, X_,
           [&](const double* x, double* value) { boundary_.traction(load, x, step_.t, value); }, dead_load_);
     boundary_.add_nodal_forces(step_.t, dead_load_);
-    if (!boundary_.body_force(step_.t, body_)) body_.clear();
+    has_body_force_ = boundary_.body_force(step_.t, body_);
+    if (!has_body_force_) body_.clear();
     // Follower pressures are evaluated with every residual, where a rank must not fail alone: tried out here.
     std::vector<double> unused(dead_load_.size());
     add_pressures(X_, 1, unused);
@@ -172,7 +173,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   r_ = dead_load_;
   add_pressures(u_, 1, r_);
   set(parts.external);
-  if (!body_.empty()) {
+  if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
     const Handle<Vec> f = d_.displacement.make_global(), Mf = d_.displacement.make_global();
     d_.displacement.to_global(body_, f);
     mass_.multiply(f, Mf);

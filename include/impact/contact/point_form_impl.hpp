@@ -40,7 +40,7 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
 
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
-  if (anchors_.empty()) return;
+  if (!frictional()) return; // all ranks agree on that, not on whether they have points
   const std::vector<double>& x = nodes().start;
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;

@@ -148,6 +148,7 @@ private:
   std::optional<SparseAssembly> assembly_;
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
   std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
+  bool has_body_force_ = false;
   const std::vector<CellGroup> no_groups_;
   BrokenCell broken_;
   double reference_force_ = 0;
