@@ -1,6 +1,5 @@
 #include <impact/contact/pair_search.hpp>
 #include <impact/math/index.hpp>
-#include <impact/mesh/bodies.hpp>
 
 /// Pairs of a PairSearch whose facets belong to one body: which of them may touch (self_contact.hpp).
 namespace impact {
@@ -14,7 +13,7 @@ constexpr double self_depth = 0.5;
 } // namespace
 
 bool PairSearch::find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary) {
-  const Bodies bodies = find_bodies(*mesh_, *layout_);
+  const Bodies bodies = find_bodies(*mesh_);
   std::vector<double> number = layout_->make_local();
   for (std::size_t i = 0; i < bodies.of_node.size(); ++i) number[at(dim_) * i] = bodies.of_node[i];
   Handle<Vec> of_node = layout_->make_global();

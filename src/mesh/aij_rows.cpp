@@ -1,4 +1,4 @@
-#include "matrix_rows.hpp"
+#include "matrix_formats.hpp"
 #include <algorithm>
 #include <impact/petsc/error.hpp>
 
@@ -25,11 +25,10 @@ template <int c> void add_block(const double* from, int nodes, double* to, int s
 }
 
 /// All entries, in PETSc's value arrays: own rows are written there, foreign rows into the message.
-class AijRows : public MatrixRows {
+class AijRows : public SparseAssembly {
 public:
-  AijRows(const FieldLayout& layout, const NodeGraph& graph, const std::vector<CellGroup>& groups);
+  AijRows(const FieldLayout& layout, NodeGraph graph, const std::vector<CellGroup>& groups);
   void add(int group, int batch, const Batch* K) override;
-  void set_diagonal(const std::vector<int>& dofs, double value) override;
 
 private:
   // Where the first of a node's rows stands: slots below `own_slots` at `own`, the others at `rest` (null
@@ -39,37 +38,37 @@ private:
     int own_slots, own_stride, rest_stride;
   };
   Rows rows_of(int node) {
-    const int row = graph_.row_of_node()[at(node)];
+    const int row = graph_.row_of_node[at(node)];
     if (row < 0) { // a ghost row has one list only
-      const int slots = static_cast<int>(graph_.ghost_columns(-1 - row).size());
-      return {elsewhere_.data() + ghost_base_[at(-1 - row)], nullptr, slots, slots * components_, 0};
+      const int slots = static_cast<int>(graph_.ghost_columns[-1 - row].size());
+      return {elsewhere_.data() + at(components_ * components_) * ghost_start_[at(-1 - row)], nullptr, slots,
+              slots * components_, 0};
     }
-    const int slots = graph_.own_columns(row), more = foreign_columns_[at(row)];
+    const int slots = graph_.own_columns[at(row)], more = foreign_columns_[at(row)];
     return {own_ + own_base_[at(row)], more > 0 ? foreign_ + foreign_base_[at(row)] : nullptr, slots,
             slots * components_, more * components_};
   }
-  void lay_messages();
   void borrow() override;
   void give_back() override;
   template <int c> void add_cells(int group, int batch, const Batch* K);
   void add_received(const double* from) override;
+  double& diagonal(int row, int component) override;
 
   Mat foreign_block_ = nullptr;                   // borrowed from the matrix; null on one rank
   std::vector<PetscInt> own_base_, foreign_base_; // [row]
   std::vector<int> foreign_columns_;              // [row]
   double* foreign_ = nullptr;                     // the values of that block between open and close
-  std::vector<std::size_t> ghost_base_;           // [ghost row] into elsewhere_
 };
 
-AijRows::AijRows(const FieldLayout& layout, const NodeGraph& graph, const std::vector<CellGroup>& groups)
-    : MatrixRows(layout, graph, groups) {
+AijRows::AijRows(const FieldLayout& layout, NodeGraph graph, const std::vector<CellGroup>& groups)
+    : SparseAssembly(layout.components(), std::move(graph), groups) {
   const int c = components_;
   std::vector<PetscInt> start{0}, column, merged;
-  for (int r = 0; r < graph_.row_count(); ++r) {
-    const auto list = graph_.columns(r);
+  for (int r = 0; r < graph_.columns.count(); ++r) {
+    const auto list = graph_.columns[r];
     merged.resize(list.size());
-    std::merge(list.begin(), list.begin() + graph_.own_columns(r), list.begin() + graph_.own_columns(r),
-               list.end(), merged.begin());
+    std::merge(list.begin(), list.begin() + graph_.own_columns[at(r)],
+               list.begin() + graph_.own_columns[at(r)], list.end(), merged.begin());
     for (int k = 0; k < c; ++k) {
       for (const PetscInt node : merged)
         for (int j = 0; j < c; ++j) column.push_back(node * c + j);
@@ -82,23 +81,13 @@ AijRows::AijRows(const FieldLayout& layout, const NodeGraph& graph, const std::v
   keep_pattern(layout);
   own_block_ = matrix_;
   if (is_parallel()) check(MatMPIAIJGetSeqAIJ(matrix_, &own_block_, &foreign_block_, nullptr));
-  own_base_ = row_bases(own_block_, graph_.row_count(), c);
-  if (foreign_block_) foreign_base_ = row_bases(foreign_block_, graph_.row_count(), c);
-  for (int r = 0; r < graph_.row_count(); ++r)
-    foreign_columns_.push_back(static_cast<int>(graph_.columns(r).size()) - graph_.own_columns(r));
-  lay_messages();
-}
-
-void AijRows::lay_messages() {
-  const std::size_t block = at(components_ * components_);
-  ghost_base_.push_back(0);
-  for (int g = 0; g < graph_.ghost_row_count(); ++g)
-    ghost_base_.push_back(ghost_base_.back() + block * graph_.ghost_columns(g).size());
-  elsewhere_.resize(ghost_base_.back());
-  std::vector<std::size_t> received_base{0};
-  for (int k = 0; k < static_cast<int>(graph_.received_rows().size()); ++k)
-    received_base.push_back(received_base.back() + block * graph_.received_slots(k).size());
-  messages_.emplace(graph_, matrix_, elsewhere_.data(), ghost_base_, received_base);
+  own_base_ = row_bases(own_block_, graph_.columns.count(), c);
+  if (foreign_block_) foreign_base_ = row_bases(foreign_block_, graph_.columns.count(), c);
+  for (int r = 0; r < graph_.columns.count(); ++r)
+    foreign_columns_.push_back(static_cast<int>(graph_.columns[r].size()) - graph_.own_columns[at(r)]);
+  ghost_start_ = graph_.ghost_columns.start;
+  received_start_ = graph_.received_slots.start;
+  elsewhere_.resize(at(c * c) * ghost_start_.back());
 }
 
 void AijRows::borrow() {
@@ -117,7 +106,7 @@ template <int c> void AijRows::add_cells(int group, int batch, const Batch* K) {
   const int used = cells.lanes_in_use(batch), nodes = cells.shape->nodes;
   const int* node = batch_nodes(cells, batch);
   const std::uint16_t* slots =
-      graph_.slots(group).data() + static_cast<std::ptrdiff_t>(batch) * lanes * nodes * nodes;
+      graph_.slots[at(group)].data() + static_cast<std::ptrdiff_t>(batch) * lanes * nodes * nodes;
   const double* values = reinterpret_cast<const double*>(K);
   for (int a = 0; a < nodes; ++a, values += c * nodes * c * lanes)
     for (int l = 0; l < used; ++l) {
@@ -143,9 +132,9 @@ void AijRows::add(int group, int batch, const Batch* K) {
 
 void AijRows::add_received(const double* from) {
   const int c = components_;
-  for (int k = 0; k < static_cast<int>(graph_.received_rows().size()); ++k) {
-    const int row = graph_.received_rows()[at(k)], own_slots = graph_.own_columns(row);
-    const auto slots = graph_.received_slots(k);
+  for (int k = 0; k < graph_.received_slots.count(); ++k) {
+    const int row = graph_.received_row[at(k)], own_slots = graph_.own_columns[at(row)];
+    const auto slots = graph_.received_slots[k];
     for (int i = 0; i < c; ++i)
       for (const std::uint16_t slot : slots) {
         double* to = slot < own_slots ? own_ + own_base_[at(row)] + (i * own_slots + slot) * c
@@ -156,21 +145,16 @@ void AijRows::add_received(const double* from) {
   }
 }
 
-void AijRows::set_diagonal(const std::vector<int>& dofs, double value) {
-  open();
-  for (const int dof : dofs) {
-    const int row = graph_.row_of_node()[at(dof / components_)], k = dof % components_;
-    const int own_slots = graph_.own_columns(row), slot = graph_.slot(row, graph_.first_node() + row);
-    own_[own_base_[at(row)] + (k * own_slots + slot) * components_ + k] = value;
-  }
-  close();
+double& AijRows::diagonal(int row, int k) {
+  const int own_slots = graph_.own_columns[at(row)], slot = graph_.slot(row, graph_.first_node + row);
+  return own_[own_base_[at(row)] + (k * own_slots + slot) * components_ + k];
 }
 
 } // namespace
 
-std::unique_ptr<MatrixRows> make_aij_rows(const FieldLayout& layout, const NodeGraph& graph,
-                                          const std::vector<CellGroup>& groups) {
-  return std::make_unique<AijRows>(layout, graph, groups);
+std::unique_ptr<SparseAssembly> make_aij_rows(const FieldLayout& layout, NodeGraph graph,
+                                              const std::vector<CellGroup>& groups) {
+  return std::make_unique<AijRows>(layout, std::move(graph), groups);
 }
 
 } // namespace impact

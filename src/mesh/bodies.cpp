@@ -1,98 +1,87 @@
 #include <algorithm>
-#include <cmath>
-#include <impact/mesh/bodies.hpp>
-#include <map>
+#include <impact/math/index.hpp>
+#include <impact/mesh/mesh.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <limits>
 #include <numeric>
-#include <utility>
 
 namespace impact {
 
 namespace {
 
+constexpr int none = std::numeric_limits<int>::max();
+
 class UnionFind {
 public:
   explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::size_t root(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  int root(int i) {
+    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
     return i;
   }
-  // The lower number becomes the root.
-  void join(std::size_t i, std::size_t j) {
-    i = root(i);
-    j = root(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
+  void join(int i, int j) { parent_[at(root(i))] = root(j); }
 
 private:
-  std::vector<std::size_t> parent_;
+  std::vector<int> parent_;
 };
 
-std::vector<double> gather_all(MPI_Comm comm, const std::vector<double>& mine) {
-  int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
-  std::vector<int> counts(static_cast<std::size_t>(ranks)), starts(static_cast<std::size_t>(ranks) + 1, 0);
-  const int count = static_cast<int>(mine.size());
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
-  std::vector<double> all(static_cast<std::size_t>(starts.back()));
-  MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), starts.data(), MPI_DOUBLE, comm);
-  return all;
+// The nodes of this rank that cells join.
+UnionFind pieces_of(const Mesh& mesh, const std::vector<char>& counts) {
+  UnionFind pieces(at(mesh.node_count()));
+  for (const CellTable& table : mesh.cells()) {
+    const auto n = at(node_count(table.shape));
+    for (std::size_t cell = 0; cell < table.connectivity.size(); cell += n) {
+      int first = -1;
+      for (std::size_t i = cell; i < cell + n; ++i) {
+        const int node = table.connectivity[i];
+        if (!counts.empty() && !counts[at(node)]) continue;
+        pieces.join(first < 0 ? node : first, node);
+        first = node;
+      }
+    }
+  }
+  return pieces;
+}
+
+// Gives all nodes of a body the smallest of their values, which goes from rank to rank until none changes.
+void share_smallest(const Mesh& mesh, UnionFind& pieces, std::vector<int>& value) {
+  PetscInt chart_end = 0;
+  check(DMPlexGetChart(mesh.dm(), nullptr, &chart_end));
+  std::vector<int> of_point(at(chart_end), none);
+  const std::span<int> shared = std::span(of_point).subspan(at(mesh.vertex_point(0)), value.size());
+  for (int changed = 1; changed != 0; changed = max_over_ranks(mesh.comm(), changed)) {
+    std::vector<int> smallest(value.size(), none);
+    for (int i = 0; i < mesh.node_count(); ++i) {
+      int& of_piece = smallest[at(pieces.root(i))];
+      of_piece = std::min(of_piece, value[at(i)]);
+    }
+    for (int i = 0; i < mesh.node_count(); ++i) shared[at(i)] = smallest[at(pieces.root(i))];
+    share_points(mesh.dm(), MPI_MIN, of_point);
+    changed = !std::equal(value.begin(), value.end(), shared.begin());
+    std::copy(shared.begin(), shared.end(), value.begin());
+  }
 }
 
 } // namespace
 
-// Each rank joins the nodes of its cells and calls a piece by its lowest global node. A node on a border lies
-// in a piece of its owner and in one of each rank that sees it: these pairs of names, known to all ranks,
-// join the pieces.
-Bodies find_bodies(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& counts) {
-  const auto counting = [&](std::size_t node) { return counts.empty() || counts[node] != 0; };
-  const auto components = static_cast<std::size_t>(layout.components());
-  const auto nodes = static_cast<std::size_t>(mesh.node_count());
-  UnionFind piece(nodes);
-  for (const CellTable& table : mesh.cells()) {
-    const auto n = static_cast<std::size_t>(node_count(table.shape));
-    for (std::size_t cell = 0; cell < table.connectivity.size(); cell += n) {
-      std::size_t first = nodes;
-      for (std::size_t i = cell; i < cell + n; ++i) {
-        const auto node = static_cast<std::size_t>(table.connectivity[i]);
-        if (!counting(node)) continue;
-        if (first == nodes) first = node;
-        piece.join(first, node);
-      }
-    }
-  }
-  std::vector<double> lowest(nodes, HUGE_VAL), name(nodes);
-  for (std::size_t i = 0; i < nodes; ++i) {
-    double& low = lowest[piece.root(i)];
-    low = std::min(low, static_cast<double>(mesh.global_node()[i]));
-  }
-  for (std::size_t i = 0; i < nodes; ++i) name[i] = lowest[piece.root(i)];
-  std::vector<double> owners_name = layout.make_local();
-  for (std::size_t i = 0; i < nodes; ++i) owners_name[components * i] = name[i];
-  const Handle<Vec> owned = layout.make_global();
-  layout.to_global(owners_name, owned);
-  layout.to_local(owned, owners_name);
-  std::vector<std::pair<double, double>> pairs;
-  for (std::size_t i = 0; i < nodes; ++i)
-    if (counting(i)) pairs.emplace_back(name[i], owners_name[components * i]);
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  std::vector<double> flat;
-  for (const auto& [a, b] : pairs) flat.insert(flat.end(), {a, b});
-  flat = gather_all(mesh.comm(), flat);
-
-  std::map<double, std::size_t> number; // of a piece, by rising name
-  for (double a : flat) number.emplace(a, 0);
-  std::size_t next = 0;
-  for (auto& [piece_name, index] : number) index = next++;
-  UnionFind joined(number.size());
-  for (std::size_t i = 0; i < flat.size(); i += 2) joined.join(number.at(flat[i]), number.at(flat[i + 1]));
-  std::map<std::size_t, int> body; // of a root, by rising root
-  for (std::size_t i = 0; i < number.size(); ++i)
-    if (joined.root(i) == i) body.emplace(i, static_cast<int>(body.size()));
-  Bodies bodies{std::vector<int>(nodes, -1), static_cast<int>(body.size())};
-  for (std::size_t i = 0; i < nodes; ++i)
-    if (counting(i)) bodies.of_node[i] = body.at(joined.root(number.at(name[i])));
+Bodies find_bodies(const Mesh& mesh, const std::vector<char>& counts) {
+  UnionFind pieces = pieces_of(mesh, counts);
+  const auto global = mesh.global_node();
+  std::vector<int> lowest(global.begin(), global.end());
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    if (!counts[i]) lowest[i] = none;
+  share_smallest(mesh, pieces, lowest);
+  std::vector<char> first(lowest.size());
+  for (std::size_t i = 0; i < first.size(); ++i)
+    first[i] = lowest[i] == global[i] && mesh.owned(static_cast<int>(i));
+  const auto mine = static_cast<int>(std::count(first.begin(), first.end(), 1));
+  int end = 0;
+  MPI_Scan(&mine, &end, 1, MPI_INT, MPI_SUM, mesh.comm());
+  Bodies bodies{std::vector<int>(lowest.size(), none), sum_over_ranks(mesh.comm(), mine)};
+  for (std::size_t i = 0, number = at(end - mine); i < first.size(); ++i)
+    if (first[i]) bodies.of_node[i] = static_cast<int>(number++);
+  share_smallest(mesh, pieces, bodies.of_node);
+  std::replace(bodies.of_node.begin(), bodies.of_node.end(), none, -1);
   return bodies;
 }
 

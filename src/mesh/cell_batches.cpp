@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/cell_batches.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -10,14 +11,6 @@ std::string place_without_material(const Mesh& mesh, const CellTable& table, std
   const int first = table.connectivity[cell * static_cast<std::size_t>(node_count(table.shape))];
   return "mesh: cell near " + mesh.place(first) + " of " + mesh.regions_of(table.point[cell]) +
          " has no material; give its region one";
-}
-
-// One more than the largest material index of any rank.
-int count_materials(const Mesh& mesh, const std::vector<int>& material_of_cell) {
-  int mine = 0, all = 0;
-  for (const int m : material_of_cell) mine = std::max(mine, m + 1);
-  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_MAX, mesh.comm());
-  return all;
 }
 
 void pack(const CellTable& table, const std::vector<std::size_t>& cells, CellGroup& group) {
@@ -42,7 +35,9 @@ void pack(const CellTable& table, const std::vector<std::size_t>& cells, CellGro
 int CellGroup::lanes_in_use(int batch) const { return std::min(lanes, cell_count - batch * lanes); }
 
 std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell) {
-  const int materials = count_materials(mesh, material_of_cell);
+  int materials = 0;
+  for (const int m : material_of_cell) materials = std::max(materials, m + 1);
+  materials = max_over_ranks(mesh.comm(), materials);
   const auto shapes = static_cast<int>(known_shapes().size());
   // [material][shape][cell of the table of that shape]
   std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(materials * shapes));
@@ -61,14 +56,12 @@ std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& mate
   }
   throw_first(mesh.comm(), ExitCode::data, trouble);
 
-  std::vector<int> used(members.size()), used_anywhere(members.size());
-  std::transform(members.begin(), members.end(), used.begin(),
-                 [](const auto& m) { return m.empty() ? 0 : 1; });
-  MPI_Allreduce(used.data(), used_anywhere.data(), static_cast<int>(used.size()), MPI_INT, MPI_MAX,
-                mesh.comm());
+  std::vector<int> used;
+  for (const auto& cells : members) used.push_back(!cells.empty());
+  max_over_ranks(mesh.comm(), used);
   std::vector<CellGroup> groups;
   for (std::size_t k = 0; k < members.size(); ++k) {
-    if (used_anywhere[k] == 0) continue;
+    if (used[k] == 0) continue;
     CellGroup& group = groups.emplace_back();
     group.shape = known_shapes()[k % known_shapes().size()];
     group.material = static_cast<int>(k) / shapes;

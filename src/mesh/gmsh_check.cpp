@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <sstream>
@@ -8,7 +9,7 @@ namespace impact {
 namespace {
 
 Vector3 X(const GmshFile& file, int node) {
-  const double* x = &file.x[static_cast<std::size_t>(3 * node)];
+  const double* x = &file.x[at(3 * node)];
   return {x[0], x[1], x[2]};
 }
 
@@ -23,9 +24,9 @@ std::string place(const GmshFile& file, int node) {
 
 template <class Body> void for_each_cell(GmshFile& file, Body&& body) {
   for (GmshBlock& block : file.blocks) {
-    const std::size_t n = static_cast<std::size_t>(block.nodes);
-    for (std::size_t k = 0; block.dim == file.dim && k < block.node.size(); k += n)
-      body(&block.node[k], block.nodes);
+    if (block.dim != file.dim) continue;
+    const Shape shape = block.shape();
+    for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) body(&block.node[k], shape);
   }
 }
 
@@ -34,11 +35,11 @@ void check_nodes(GmshFile& file) {
     if (!std::isfinite(file.x[k]))
       unusable("the coordinates of node number " + std::to_string(k / 3 + 1) + " are not finite");
   std::vector<char> used(file.x.size() / 3, 0);
-  for_each_cell(file, [&](const int* node, int n) {
-    for (int a = 0; a < n; ++a) {
-      if (std::count(node, node + n, node[a]) > 1)
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    for (int a = 0; a < shape->nodes; ++a) {
+      if (std::count(node, node + shape->nodes, node[a]) > 1)
         unusable("degenerate cell: a node occurs twice in it, near " + place(file, node[a]));
-      used[static_cast<std::size_t>(node[a])] = 1;
+      used[at(node[a])] = 1;
     }
   });
   if (const auto loose = std::count(used.begin(), used.end(), char{0}); loose > 0)
@@ -58,11 +59,10 @@ void check_nodes(GmshFile& file) {
 
 void check_duplicates(GmshFile& file, bool version4) {
   std::vector<std::array<int, 8>> cells;
-  for_each_cell(file, [&](const int* node, int n) {
+  for_each_cell(file, [&](const int* node, Shape shape) {
     auto& key = cells.emplace_back();
     key.fill(-1);
-    std::copy(node, node + n, key.begin());
-    std::sort(key.begin(), key.begin() + n);
+    std::sort(key.begin(), std::copy(node, node + shape->nodes, key.begin()));
   });
   std::sort(cells.begin(), cells.end());
   const auto twin = std::adjacent_find(cells.begin(), cells.end());
@@ -74,23 +74,25 @@ void check_duplicates(GmshFile& file, bool version4) {
 }
 
 // The other ends of the edges that leave each corner of a cell, in the order of a right-handed frame.
-const std::vector<std::vector<int>>& corner_edges(int dim, int n) {
-  static const std::vector<std::vector<int>> tri = {{1, 2}, {2, 0}, {0, 1}},
-                                             quad = {{1, 3}, {2, 0}, {3, 1}, {0, 2}},
-                                             tet = {{1, 2, 3}, {2, 0, 3}, {0, 1, 3}, {0, 2, 1}},
-                                             hex = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                                    {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-  return dim == 2 ? (n == 3 ? tri : quad) : (n == 4 ? tet : hex);
-}
-
-// The facets of a cell, seen from outside.
-const std::vector<std::vector<int>>& cell_facets(int dim, int n) {
-  static const std::vector<std::vector<int>> tri = {{0, 1}, {1, 2}, {2, 0}},
-                                             quad = {{0, 1}, {1, 2}, {2, 3}, {3, 0}},
-                                             tet = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
-                                             hex = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                                    {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-  return dim == 2 ? (n == 3 ? tri : quad) : (n == 4 ? tet : hex);
+const std::vector<std::vector<int>>& corner_edges(Shape shape) {
+  static std::map<Shape, std::vector<std::vector<int>>> known;
+  auto& edges = known[shape];
+  if (!edges.empty()) return edges;
+  edges.resize(at(shape->nodes));
+  std::map<std::pair<int, int>, int>
+      next; // {corner, other end}: seen from outside, a facet turns to the first
+  for (const CellFacet& facet : shape->facets) {
+    const int n = node_count(facet);
+    for (int a = 0; n > 2 && a < n; ++a)
+      next[{facet[at(a)], facet[at((a + n - 1) % n)]}] = facet[at((a + 1) % n)];
+    if (n > 2) continue;
+    edges[at(facet[0])].insert(edges[at(facet[0])].begin(), facet[1]);
+    edges[at(facet[1])].push_back(facet[0]);
+  }
+  for (const auto& [edge, follower] : next)
+    if (auto& ends = edges[at(edge.first)]; ends.empty())
+      for (int end = edge.second; ends.size() < 3; end = next.at({edge.first, end})) ends.push_back(end);
+  return edges;
 }
 
 // det J at a corner; in the plane with the third direction out of it.
@@ -104,14 +106,14 @@ double corner_determinant(const GmshFile& file, const int* node, std::size_t cor
 
 // Cells whose nodes run the other way round are turned.
 void orient(GmshFile& file) {
-  for_each_cell(file, [&](int* node, int n) {
-    const auto& edges = corner_edges(file.dim, n);
+  for_each_cell(file, [&](int* node, Shape shape) {
+    const auto& edges = corner_edges(shape);
     double sum = 0;
     for (std::size_t a = 0; a < edges.size(); ++a) sum += corner_determinant(file, node, a, edges[a]);
     if (sum >= 0) return;
     ++file.turned_cells;
-    if (file.dim == 2 || n == 4) {
-      std::reverse(node + 1, node + (file.dim == 2 ? n : 3));
+    if (file.dim == 2 || shape->simplex()) {
+      std::reverse(node + 1, node + (file.dim == 2 ? shape->nodes : 3));
     } else {
       std::swap(node[1], node[3]);
       std::swap(node[5], node[7]);
@@ -122,8 +124,8 @@ void orient(GmshFile& file) {
 // Two nodes of a cell in one place, and corners turned inside out: the sides of a bow-tie cross, an arrow
 // points inwards. The map of such a cell folds, though its points of integration may not see it.
 void check_corners(GmshFile& file) {
-  for_each_cell(file, [&](const int* node, int n) {
-    const auto& edges = corner_edges(file.dim, n);
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    const auto& edges = corner_edges(shape);
     double longest = 0;
     const auto edge = [&](std::size_t a, int b) { return length(minus(X(file, node[b]), X(file, node[a]))); };
     for (std::size_t a = 0; a < edges.size(); ++a)
@@ -142,13 +144,12 @@ void check_corners(GmshFile& file) {
 
 // A facet seen from a cell: cyclic order kept, smallest node first. Two cells on the two sides of a facet see
 // it in opposite orders; the same order twice means that one lies on top of the other.
-using FacetKey = std::array<int, 4>;
+using FacetKey = CellFacet;
 
-FacetKey facet_key(const int* node, const std::vector<int>& local) {
-  FacetKey key{-1, -1, -1, -1};
-  std::transform(local.begin(), local.end(), key.begin(), [&](int a) { return node[a]; });
-  const auto end = key.begin() + static_cast<std::ptrdiff_t>(local.size());
-  if (local.size() > 2) std::rotate(key.begin(), std::min_element(key.begin(), end), end);
+FacetKey facet_key(const int* node, CellFacet key) {
+  const auto end = key.begin() + node_count(key);
+  std::transform(key.begin(), end, key.begin(), [&](int a) { return node[a]; });
+  if (end > key.begin() + 2) std::rotate(key.begin(), std::min_element(key.begin(), end), end);
   return key;
 }
 
@@ -190,8 +191,8 @@ void check_hanging_nodes(const GmshFile& file, const std::vector<std::pair<int, 
 
 void check_facets(GmshFile& file) {
   std::vector<FacetKey> facets;
-  for_each_cell(file, [&](const int* node, int n) {
-    for (const auto& local : cell_facets(file.dim, n)) facets.push_back(facet_key(node, local));
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    for (const CellFacet& local : shape->facets) facets.push_back(facet_key(node, local));
   });
   std::sort(facets.begin(), facets.end());
   const auto fold = std::adjacent_find(facets.begin(), facets.end());

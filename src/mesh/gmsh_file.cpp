@@ -14,15 +14,12 @@ namespace {
 
 [[noreturn]] void garbled(const std::string& what) { throw UserError(ExitCode::io, what); }
 
-struct ElementKind {
-  int dim, nodes;
-};
-
-// Element types of gmsh's manual, section "MSH file format".
-ElementKind kind_of(std::int64_t type) {
-  static const std::map<std::int64_t, ElementKind> known = {{15, {0, 1}}, {1, {1, 2}}, {2, {2, 3}},
-                                                            {3, {2, 4}},  {4, {3, 4}}, {5, {3, 8}}};
-  if (const auto found = known.find(type); found != known.end()) return found->second;
+// Elements of a type in gmsh's manual, section "MSH file format", without groups.
+GmshBlock kind_of(std::int64_t type) {
+  if (type == 15) return {0, 1, {}, {}};
+  if (type == 1) return {1, 2, {}, {}};
+  for (const Shape shape : known_shapes())
+    if (shape->names.gmsh == type) return {shape->dim, shape->nodes, {}, {}};
   if (type == 6 || type == 7)
     throw UserError(ExitCode::data,
                     "prisms or pyramids; allowed are triangles, quadrilaterals, tetrahedra and hexahedra");
@@ -251,9 +248,8 @@ private:
     return static_cast<int>(file_.groups.size()) - 1;
   }
 
-  GmshBlock& block(ElementKind kind, const std::vector<int>& tags) {
-    GmshBlock b{kind.dim, kind.nodes, {}, {}};
-    for (const int tag : tags) b.groups.push_back(group(kind.dim, tag));
+  GmshBlock& block(GmshBlock b, const std::vector<int>& tags) {
+    for (const int tag : tags) b.groups.push_back(group(b.dim, tag));
     const GmshBlock* last = file_.blocks.empty() ? nullptr : &file_.blocks.back();
     if (!last || last->nodes != b.nodes || last->dim != b.dim || last->groups != b.groups)
       file_.blocks.push_back(std::move(b));
@@ -268,7 +264,7 @@ private:
     for (std::size_t b = 0; b < blocks; ++b) {
       const int dim = static_cast<int>(in_.integer());
       const std::int64_t entity = in_.integer();
-      const ElementKind kind = kind_of(in_.integer());
+      const GmshBlock kind = kind_of(in_.integer());
       if (kind.dim != dim)
         garbled("an element block of dimension " + std::to_string(dim) + " with elements of another");
       const std::size_t n = in_.count(in_.size());
@@ -298,7 +294,7 @@ private:
         tag_count = in_.integer();
       }
       if (in_.binary) in_.integer();
-      const ElementKind kind = kind_of(type);
+      const GmshBlock kind = kind_of(type);
       std::vector<int> tags;
       for (std::size_t t = in_.count(tag_count); t > 0; --t) tags.push_back(static_cast<int>(in_.integer()));
       tags.resize(tags.empty() || tags[0] == 0 ? 0 : 1);
@@ -318,6 +314,12 @@ private:
 };
 
 } // namespace
+
+Shape GmshBlock::shape() const {
+  for (const Shape shape : known_shapes())
+    if (shape->dim == dim && shape->nodes == nodes) return shape;
+  throw UserError(ExitCode::data, "mesh: no cell has " + std::to_string(nodes) + " nodes");
+}
 
 GmshFile read_gmsh(const std::string& path) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);

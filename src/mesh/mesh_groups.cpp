@@ -1,6 +1,6 @@
-#include "shared_points.hpp"
 #include <algorithm>
 #include <cmath>
+#include <impact/math/index.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/mesh.hpp>
 
@@ -22,47 +22,58 @@ const Group& Mesh::group(const std::string& name) const {
   throw UserError(ExitCode::data, "mesh: no physical group \"" + name + "\"; the mesh has: " + all);
 }
 
-DMLabel Mesh::label(const std::string& name) const {
-  DMLabel found = nullptr;
-  check(DMGetLabel(dm_, name.c_str(), &found));
-  if (!found) throw UserError(ExitCode::data, "mesh: group \"" + name + "\" has no label");
-  return found;
+std::vector<PetscInt> labelled_points(DM dm, const std::string& label, PetscInt value) {
+  Handle<IS> stratum;
+  const PetscInt* point = nullptr;
+  PetscInt size = 0;
+  check(DMGetStratumIS(dm, label.c_str(), value, stratum.out()));
+  if (!stratum) return {};
+  check(ISGetLocalSize(stratum, &size));
+  check(ISGetIndices(stratum, &point));
+  std::vector<PetscInt> points(point, point + size);
+  check(ISRestoreIndices(stratum, &point));
+  std::sort(points.begin(), points.end());
+  return points;
 }
 
-std::vector<PetscInt> Mesh::labelled_points(const std::string& name) const {
-  IS values = nullptr;
-  const PetscInt* value = nullptr;
+void share_points(DM dm, MPI_Op op, std::vector<int>& value) {
+  PetscSF sf = nullptr;
+  PetscInt roots = 0;
+  check(DMGetPointSF(dm, &sf));
+  check(PetscSFGetGraph(sf, &roots, nullptr, nullptr, nullptr));
+  if (roots < 0) return; // the DM lies on one rank
+  std::vector<int> others = value;
+  check(PetscSFReduceBegin(sf, MPI_INT, others.data(), value.data(), op));
+  check(PetscSFReduceEnd(sf, MPI_INT, others.data(), value.data(), op));
+  others = value;
+  check(PetscSFBcastBegin(sf, MPI_INT, others.data(), value.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(sf, MPI_INT, others.data(), value.data(), MPI_REPLACE));
+}
+
+// The label of a group has its dimension as value.
+std::vector<PetscInt> Mesh::points(const std::string& name) const {
+  return labelled_points(dm_, name, group(name).dim);
+}
+
+std::vector<PetscInt> Mesh::owned_points(const std::string& name) const {
+  PetscSF sf = nullptr;
   PetscInt count = 0;
-  std::vector<PetscInt> points;
-  const DMLabel found = label(name);
-  check(DMLabelGetValueIS(found, &values));
-  const Handle<IS> owner(values);
-  check(ISGetLocalSize(values, &count));
-  check(ISGetIndices(values, &value));
-  for (PetscInt v = 0; v < count; ++v) {
-    Handle<IS> stratum;
-    const PetscInt* point = nullptr;
-    PetscInt size = 0;
-    check(DMLabelGetStratumIS(found, value[v], stratum.out()));
-    if (!stratum) continue;
-    check(ISGetLocalSize(stratum, &size));
-    check(ISGetIndices(stratum, &point));
-    points.insert(points.end(), point, point + size);
-    check(ISRestoreIndices(stratum, &point));
-  }
-  check(ISRestoreIndices(values, &value));
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  return points;
+  const PetscInt* leaf = nullptr; // sorted; null: the first ones
+  check(DMGetPointSF(dm_, &sf));
+  check(PetscSFGetGraph(sf, nullptr, &count, &leaf, nullptr));
+  std::vector<PetscInt> owned = points(name);
+  std::erase_if(owned,
+                [&](PetscInt p) { return leaf ? std::binary_search(leaf, leaf + count, p) : p < count; });
+  return owned;
 }
 
 std::vector<PetscInt> Mesh::region_cells(const std::string& name) const {
   if (group(name).dim != dim_)
     throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no region; its dimension must be " +
                                         std::to_string(dim_));
-  std::vector<PetscInt> points = labelled_points(name);
-  std::erase_if(points, [&](PetscInt p) { return p < cell_start_ || p >= cell_start_ + cell_count(); });
-  return points;
+  std::vector<PetscInt> cells = points(name);
+  std::erase_if(cells, [&](PetscInt p) { return p < cell_start_ || p >= cell_start_ + cell_count(); });
+  return cells;
 }
 
 std::string Mesh::regions_of(PetscInt cell_point) const {
@@ -70,7 +81,7 @@ std::string Mesh::regions_of(PetscInt cell_point) const {
   for (const Group& g : groups_) {
     PetscInt value = -1;
     if (g.dim != dim_) continue;
-    check(DMLabelGetValue(label(g.name), cell_point, &value));
+    check(DMGetLabelValue(dm_, g.name.c_str(), cell_point, &value));
     if (value >= 0) names += (names.empty() ? "" : ", ") + g.name;
   }
   return names.empty() ? "no region" : names;
@@ -86,27 +97,20 @@ FacetTable Mesh::facets(const std::string& name) const {
       table.nodes_per_facet = std::max(table.nodes_per_facet, impact::node_count(shape->facets[f]));
   PetscInt start = 0, end = 0;
   check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
-  const std::vector<char> elsewhere = owned_elsewhere();
-  for (const PetscInt point : labelled_points(name)) {
+  for (const PetscInt point : owned_points(name)) {
     if (point < start || point >= end) continue;
-    if (elsewhere[static_cast<std::size_t>(point)])
-      continue; // between two ranks: the owner of the point has it
     const PetscInt* support = nullptr;
     check(DMPlexGetSupport(dm_, point, &support));
     std::vector<int> wanted = closure(point);
     std::sort(wanted.begin(), wanted.end());
-    const CellPlace place_of_cell = table_of_cell_[static_cast<std::size_t>(support[0] - cell_start_)];
-    const CellTable& cells = cells_[static_cast<std::size_t>(place_of_cell.table)];
-    const int* node =
-        &cells.connectivity[static_cast<std::size_t>(place_of_cell.cell * impact::node_count(cells.shape))];
-    for (const CellFacet& facet : cells.shape->facets) {
+    const std::vector<int> node = cell_nodes(support[0]);
+    for (const CellFacet& facet : shape_of(support[0])->facets) {
       std::vector<int> nodes;
-      for (int a = 0; a < impact::node_count(facet); ++a)
-        nodes.push_back(node[facet[static_cast<std::size_t>(a)]]);
+      for (int a = 0; a < impact::node_count(facet); ++a) nodes.push_back(node[at(facet[at(a)])]);
       std::vector<int> sorted = nodes;
       std::sort(sorted.begin(), sorted.end());
       if (sorted != wanted) continue;
-      nodes.resize(static_cast<std::size_t>(table.nodes_per_facet), nodes.back());
+      nodes.resize(at(table.nodes_per_facet), nodes.back());
       table.connectivity.insert(table.connectivity.end(), nodes.begin(), nodes.end());
       table.point.push_back(point);
       table.cell_point.push_back(support[0]);
@@ -119,16 +123,16 @@ void Mesh::require_outside(const std::string& option, const std::string& name) c
   PetscInt chart_end = 0, start = 0, end = 0;
   check(DMPlexGetChart(dm_, nullptr, &chart_end));
   check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
-  std::vector<int> cells(static_cast<std::size_t>(chart_end), 0);
+  std::vector<int> cells(at(chart_end), 0);
   for (PetscInt point = start; point < end; ++point) {
     PetscInt size = 0;
     check(DMPlexGetSupportSize(dm_, point, &size));
-    cells[static_cast<std::size_t>(point)] = static_cast<int>(size);
+    cells[at(point)] = static_cast<int>(size);
   }
-  reduce_to_owners(dm_, MPI_SUM, cells); // the cells of a facet may be on two ranks
+  share_points(dm_, MPI_SUM, cells); // the cells of a facet may be on two ranks
   std::string trouble;
-  for (const PetscInt point : labelled_points(name)) {
-    if (point < start || point >= end || cells[static_cast<std::size_t>(point)] < 2) continue;
+  for (const PetscInt point : points(name)) {
+    if (point < start || point >= end || cells[at(point)] < 2) continue;
     trouble = option + " \"" + name + "\": has a facet inside a body, near " + place(closure(point)[0]) +
               ", with a cell on either side; allowed: facets on the outside of bodies; a traction or a force "
               "acts inside too, and a slit or a contact there wants its nodes twice";
@@ -141,32 +145,27 @@ std::vector<int> Mesh::nodes(const std::string& name) const {
   group(name);
   PetscInt chart_end = 0;
   check(DMPlexGetChart(dm_, nullptr, &chart_end));
-  std::vector<int> marked(static_cast<std::size_t>(chart_end), 0);
-  for (const PetscInt point : labelled_points(name))
-    for (const int n : closure(point)) marked[static_cast<std::size_t>(vertex_point(n))] = 1;
-  reduce_to_owners(dm_, MPI_MAX, marked);
-  copy_from_owners(dm_, MPI_INT, marked);
+  std::vector<int> marked(at(chart_end), 0);
+  for (const PetscInt point : points(name))
+    for (const int n : closure(point)) marked[at(vertex_point(n))] = 1;
+  share_points(dm_, MPI_MAX, marked);
   std::vector<int> result;
   for (int n = 0; n < node_count_; ++n)
-    if (marked[static_cast<std::size_t>(vertex_point(n))] != 0) result.push_back(n);
+    if (marked[at(vertex_point(n))] != 0) result.push_back(n);
   return result;
 }
 
 std::vector<double> Mesh::node_shares(const std::string& name) const {
   const int group_dim = group(name).dim;
-  const std::vector<char> elsewhere = owned_elsewhere();
-  std::vector<double> shares(static_cast<std::size_t>(node_count_), 0.0);
-  for (const PetscInt point : labelled_points(name)) {
-    if (elsewhere[static_cast<std::size_t>(point)] != 0) continue;
+  std::vector<double> shares(at(node_count_), 0.0);
+  for (const PetscInt point : owned_points(name)) {
     const std::vector<int> ends = closure(point);
     double size = 0;
     for (int k = 0; group_dim == 1 && k < dim_; ++k) {
-      const double step = coordinates_[static_cast<std::size_t>(ends.at(1) * dim_ + k)] -
-                          coordinates_[static_cast<std::size_t>(ends.at(0) * dim_ + k)];
+      const double step = coordinates_[at(ends.at(1) * dim_ + k)] - coordinates_[at(ends.at(0) * dim_ + k)];
       size += step * step;
     }
-    for (const int node : ends)
-      shares[static_cast<std::size_t>(node)] += group_dim == 0 ? 1 : std::sqrt(size) / 2;
+    for (const int node : ends) shares[at(node)] += group_dim == 0 ? 1 : std::sqrt(size) / 2;
   }
   return shares;
 }

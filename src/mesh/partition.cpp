@@ -1,5 +1,8 @@
-#include <impact/mesh/partition.hpp>
+#include <algorithm>
+#include <impact/math/index.hpp>
+#include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/log.hpp>
 #include <metis.h>
 #include <numeric>
 #include <petsc/private/partitionerimpl.h>
@@ -75,10 +78,105 @@ PetscErrorCode create(PetscPartitioner self) {
 
 namespace impact {
 
+namespace {
+
+// Makes the partitioner type `metis` known to PETSc (Debian's PETSc is built without METIS). It takes vertex
+// weights from the DM's local section and needs the whole graph on one rank, which is where a file has been
+// read; any other graph is refused with advice to take ptscotch. Equal input gives equal parts.
 void register_metis_partitioner() {
   static bool done = false; // PETSc's list of types is as global
   if (!done) check(PetscPartitionerRegister("metis", create));
   done = true;
+}
+
+// Cost of a cell = its dofs in a section: that is where DMPlex looks for vertex weights.
+Handle<PetscSection> weight_section(DM dm, const PartitionWeights& weights) {
+  PetscInt first = 0, end = 0, chart_first = 0, chart_end = 0, dim = 0;
+  check(DMGetDimension(dm, &dim));
+  check(DMPlexGetHeightStratum(dm, 0, &first, &end));
+  check(DMPlexGetChart(dm, &chart_first, &chart_end));
+  if (chart_end == chart_first) first = end = 0;
+  std::vector<PetscInt> cost(at(chart_end - chart_first), 0); // [point]
+  std::fill(cost.begin() + first, cost.begin() + end, 1);
+  for (const auto& [name, weight] : weights.region)
+    for (const PetscInt cell : labelled_points(dm, name, dim))
+      if (cell >= first && cell < end) cost[at(cell)] = std::max(1, weight);
+  for (const auto& [name, weight] : weights.boundary)
+    for (const PetscInt facet : labelled_points(dm, name, dim - 1)) {
+      const PetscInt* support = nullptr;
+      PetscInt count = 0;
+      check(DMPlexGetSupport(dm, facet, &support));
+      check(DMPlexGetSupportSize(dm, facet, &count));
+      if (count > 0 && support[0] >= first && support[0] < end) cost[at(support[0])] += weight;
+    }
+  Handle<PetscSection> section;
+  check(PetscSectionCreate(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), section.out()));
+  check(PetscSectionSetNumFields(section, 1)); // before the chart, else PETSc 3.18 crashes
+  check(PetscSectionSetChart(section, chart_first, chart_end));
+  for (PetscInt c = first; c < end; ++c) {
+    check(PetscSectionSetDof(section, c, cost[at(c)]));
+    check(PetscSectionSetFieldDof(section, c, 0, cost[at(c)]));
+  }
+  check(PetscSectionSetUp(section));
+  return section;
+}
+
+// DMPlexPermute of PETSc 3.18 leaves the new mesh without the knowledge of which points other ranks share.
+void renumber_shared_points(DM before, IS new_number, DM after) {
+  PetscSF old_sf = nullptr, sf = nullptr;
+  PetscInt roots = 0, leaves = 0;
+  const PetscInt *number = nullptr, *leaf = nullptr;
+  const PetscSFNode* remote = nullptr;
+  check(DMGetPointSF(before, &old_sf));
+  check(PetscSFGetGraph(old_sf, &roots, &leaves, &leaf, &remote));
+  if (roots < 0) return;
+  check(ISGetIndices(new_number, &number));
+  std::vector<PetscInt> root_number(at(roots), -1), local;
+  check(PetscSFBcastBegin(old_sf, MPIU_INT, number, root_number.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(old_sf, MPIU_INT, number, root_number.data(), MPI_REPLACE));
+  std::vector<PetscSFNode> node;
+  for (PetscInt k = 0; k < leaves; ++k) {
+    const PetscInt old = leaf ? leaf[k] : k;
+    local.push_back(number[old]);
+    node.push_back({remote[k].rank, root_number[at(old)]});
+  }
+  check(ISRestoreIndices(new_number, &number));
+  check(DMGetPointSF(after, &sf));
+  check(PetscSFSetGraph(sf, roots, leaves, local.data(), PETSC_COPY_VALUES, node.data(), PETSC_COPY_VALUES));
+}
+
+} // namespace
+
+Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights) {
+  const Timed timed(Event::mesh_partition);
+  register_metis_partitioner();
+  PetscPartitioner partitioner = nullptr;
+  check(DMPlexGetPartitioner(dm, &partitioner));
+  check(PetscPartitionerSetType(partitioner, "metis"));
+  check(PetscPartitionerSetFromOptions(partitioner));
+  check(DMPlexDistributeSetDefault(dm, PETSC_FALSE));
+  check(DMPlexSetPartitionBalance(dm, PETSC_TRUE)); // shares out the nodes between ranks
+  check(DMSetLocalSection(dm, weight_section(dm, weights)));
+  Handle<PetscSF> migration;
+  Handle<DM> moved;
+  PetscSF sf = nullptr;
+  DM parallel = nullptr;
+  check(DMPlexDistribute(dm, 0, &sf, &parallel));
+  if (parallel) {
+    dm = Handle<DM>(parallel);
+    migration = Handle<PetscSF>(sf);
+  }
+  check(DMSetLocalSection(dm, nullptr));
+  return migration;
+}
+
+void order_for_locality(Handle<DM>& dm) {
+  Handle<IS> order;
+  Handle<DM> ordered;
+  check(DMPlexGetOrdering(dm, MATORDERINGRCM, nullptr, order.out()));
+  check(DMPlexPermute(dm, order, ordered.out()));
+  renumber_shared_points(dm, order, ordered);
+  dm = std::move(ordered);
 }
 
 } // namespace impact

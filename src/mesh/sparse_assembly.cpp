@@ -1,27 +1,26 @@
-#include "matrix_rows.hpp"
+#include "matrix_formats.hpp"
 #include <algorithm>
-#include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/error.hpp>
 #include <stdexcept>
 
 namespace impact {
 
-MatrixRows::MatrixRows(const FieldLayout& layout, const NodeGraph& graph,
-                       const std::vector<CellGroup>& groups)
-    : graph_(graph), groups_(groups), components_(layout.components()) {
+SparseAssembly::SparseAssembly(int components, NodeGraph graph, const std::vector<CellGroup>& groups)
+    : graph_(std::move(graph)), groups_(groups), components_(components) {
   if (components_ < 1 || components_ > 3)
     throw std::logic_error("SparseAssembly: 1 to 3 components per node");
 }
 
-void MatrixRows::create(MatType type) {
-  const int rows = graph_.row_count() * components_;
-  check(MatCreate(graph_.comm(), matrix_.out()));
+void SparseAssembly::create(MatType type) {
+  const int rows = graph_.columns.count() * components_;
+  check(MatCreate(graph_.comm, matrix_.out()));
+  check(PetscObjectGetNewTag(reinterpret_cast<PetscObject>(matrix_.get()), &tag_));
   check(MatSetSizes(matrix_, rows, rows, PETSC_DETERMINE, PETSC_DETERMINE));
   check(MatSetBlockSize(matrix_, components_));
   check(MatSetType(matrix_, type));
 }
 
-void MatrixRows::keep_pattern(const FieldLayout& layout) {
+void SparseAssembly::keep_pattern(const FieldLayout& layout) {
   ISLocalToGlobalMapping mapping = nullptr;
   check(DMGetLocalToGlobalMapping(layout.dm(), &mapping));
   check(MatSetLocalToGlobalMapping(matrix_, mapping, mapping));
@@ -30,7 +29,7 @@ void MatrixRows::keep_pattern(const FieldLayout& layout) {
 }
 
 // PETSc's assembly marks the matrix as changed, so that solvers see it; nothing of ours is left to be sent.
-void MatrixRows::close() {
+void SparseAssembly::close() {
   if (!std::exchange(is_open_, false)) return;
   give_back();
   check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
@@ -39,50 +38,59 @@ void MatrixRows::close() {
   check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_FALSE));
 }
 
-void MatrixRows::open() {
+void SparseAssembly::open() {
   if (!std::exchange(is_open_, true)) borrow();
 }
 
-void MatrixRows::zero() {
+void SparseAssembly::zero() {
   close();
   check(MatZeroEntries(matrix_));
   std::fill(elsewhere_.begin(), elsewhere_.end(), 0.0);
 }
 
-void MatrixRows::finish() {
+void SparseAssembly::finish() {
   open();
-  if (messages_->any()) {
-    add_received(messages_->exchange().data());
-    std::fill(elsewhere_.begin(), elsewhere_.end(), 0.0);
-  }
+  if (!graph_.send.empty() || !graph_.receive.empty()) exchange();
   close();
 }
 
-bool MatrixRows::is_parallel() const {
+bool SparseAssembly::is_parallel() const {
   int ranks = 1;
-  MPI_Comm_size(graph_.comm(), &ranks);
+  MPI_Comm_size(graph_.comm, &ranks);
   return ranks > 1;
 }
 
-SparseAssembly::SparseAssembly(const FieldLayout& layout, const Mesh& mesh,
-                               const std::vector<CellGroup>& groups,
-                               const std::vector<std::pair<PetscInt, PetscInt>>& extra, MatrixFormat format)
-    : own_graph_(std::make_unique<NodeGraph>(mesh, groups, extra)),
-      rows_(format == MatrixFormat::sbaij ? make_symmetric_blocks(layout, *own_graph_, groups)
-                                          : make_aij_rows(layout, *own_graph_, groups)) {}
+// The rows for one neighbour stand side by side, so that they are the message.
+void SparseAssembly::exchange() {
+  const std::size_t block = at(components_ * components_);
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(matrix_.get()));
+  std::vector<double> received(block * received_start_.back());
+  std::vector<MPI_Request> requests;
+  const auto post = [&](auto start, const NodeGraph::Neighbour& with, const std::vector<std::size_t>& row,
+                        double* values) {
+    const std::size_t first = row[at(with.first_row)], count = row[at(with.end_row)] - first;
+    start(values + block * first, static_cast<int>(block * count), MPI_DOUBLE, with.rank, tag_, comm,
+          &requests.emplace_back());
+  };
+  for (const auto& from : graph_.receive) post(MPI_Irecv, from, received_start_, received.data());
+  for (const auto& to : graph_.send) post(MPI_Isend, to, ghost_start_, elsewhere_.data());
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  add_received(received.data());
+  std::fill(elsewhere_.begin(), elsewhere_.end(), 0.0);
+}
 
-SparseAssembly::SparseAssembly(const FieldLayout& layout, const NodeGraph& graph,
-                               const std::vector<CellGroup>& groups)
-    : rows_(make_aij_rows(layout, graph, groups)) {}
-
-SparseAssembly::~SparseAssembly() = default;
-
-Mat SparseAssembly::matrix() const { return rows_->matrix(); }
-void SparseAssembly::zero() { rows_->zero(); }
-void SparseAssembly::add(int group, int batch, const Batch* K) { rows_->add(group, batch, K); }
-void SparseAssembly::finish() { rows_->finish(); }
 void SparseAssembly::set_diagonal(const std::vector<int>& dofs, double value) {
-  rows_->set_diagonal(dofs, value);
+  open();
+  for (const int dof : dofs) diagonal(graph_.row_of_node[at(dof / components_)], dof % components_) = value;
+  close();
+}
+
+std::unique_ptr<SparseAssembly> make_assembly(const FieldLayout& layout, const Mesh& mesh,
+                                              const std::vector<CellGroup>& groups,
+                                              const std::vector<std::pair<PetscInt, PetscInt>>& extra,
+                                              MatrixFormat format) {
+  return (format == MatrixFormat::sbaij ? make_symmetric_blocks
+                                        : make_aij_rows)(layout, NodeGraph(mesh, groups, extra), groups);
 }
 
 } // namespace impact

@@ -1,6 +1,6 @@
-#include "matrix_rows.hpp"
-#include "symmetric_product.hpp"
+#include "matrix_formats.hpp"
 #include <algorithm>
+#include <impact/petsc/error.hpp>
 #include <limits>
 #include <stdexcept>
 
@@ -19,11 +19,10 @@ template <int c, bool transposed> void add_block(const double* from, int nodes, 
 
 /// The blocks of node pairs on and above the diagonal alone, each stored once, column by column, and added at
 /// a precomputed place. Of a cell matrix the blocks [a][b] with a <= b are read.
-class SymmetricBlocks : public MatrixRows {
+class SymmetricBlocks : public SparseAssembly {
 public:
-  SymmetricBlocks(const FieldLayout& layout, const NodeGraph& graph, const std::vector<CellGroup>& groups);
+  SymmetricBlocks(const FieldLayout& layout, NodeGraph graph, const std::vector<CellGroup>& groups);
   void add(int group, int batch, const Batch* K) override;
-  void set_diagonal(const std::vector<int>& dofs, double value) override;
 
 private:
   void count_rows();
@@ -36,12 +35,13 @@ private:
   void borrow() override;
   void give_back() override;
   void add_received(const double* from) override;
+  double& diagonal(int row, int component) override;
   template <int c> void add_cells(int group, int batch, const Batch* K);
 
   std::vector<int> diagonal_; // [row] slot of the diagonal
-  // First block of each own row among the own columns, of its foreign columns, of each ghost row. The blocks
-  // of the second and third kind follow each other in elsewhere_.
-  std::vector<std::size_t> own_base_, foreign_base_, ghost_base_;
+  // First block of each own row among the own columns, and of its foreign columns. The blocks of the second
+  // kind and those of ghost rows follow each other in elsewhere_.
+  std::vector<std::size_t> own_base_{0}, foreign_base_{0};
   std::vector<int> first_foreign_;  // [row] slot of the first foreign column above the diagonal
   std::vector<int> ghost_diagonal_; // [ghost row] slot of the diagonal
   // [group][batch][a][lane][b >= a]: twice the block, own ones before those outside; odd where it is that of
@@ -50,50 +50,40 @@ private:
   std::vector<std::uint32_t> received_; // blocks, in the order of the messages
 };
 
-SymmetricBlocks::SymmetricBlocks(const FieldLayout& layout, const NodeGraph& graph,
+SymmetricBlocks::SymmetricBlocks(const FieldLayout& layout, NodeGraph graph,
                                  const std::vector<CellGroup>& groups)
-    : MatrixRows(layout, graph, groups) {
+    : SparseAssembly(layout.components(), std::move(graph), groups) {
   count_rows();
   create_matrix(layout);
   find_places();
-  std::vector<std::size_t> ghost, received{0};
-  const std::size_t size = at(components_ * components_);
-  for (const std::size_t base : ghost_base_) ghost.push_back(size * base);
-  for (int k = 0; k < static_cast<int>(graph_.received_rows().size()); ++k) {
-    const int row = graph_.received_rows()[at(k)];
-    const PetscInt node = graph_.first_node() + row;
-    std::size_t count = 0;
-    for (const std::uint16_t slot : graph_.received_slots(k))
-      if (graph_.columns(row)[slot] >= node) {
-        received_.push_back(place_of_own(row, slot));
-        ++count;
-      }
-    received.push_back(received.back() + size * count);
+  received_start_.push_back(0);
+  for (int k = 0; k < graph_.received_slots.count(); ++k) {
+    const int row = graph_.received_row[at(k)];
+    for (const std::uint16_t slot : graph_.received_slots[k])
+      if (graph_.columns[row][slot] >= graph_.first_node + row) received_.push_back(place_of_own(row, slot));
+    received_start_.push_back(received_.size());
   }
-  messages_.emplace(graph_, matrix_, elsewhere_.data() + size * foreign_base_.back(), ghost, received);
 }
 
 void SymmetricBlocks::count_rows() {
-  own_base_.push_back(0);
-  foreign_base_.push_back(0);
-  ghost_base_.push_back(0);
-  for (int r = 0; r < graph_.row_count(); ++r) {
-    const auto columns = graph_.columns(r);
-    const PetscInt node = graph_.first_node() + r;
-    const int own = graph_.own_columns(r), all = static_cast<int>(columns.size());
+  for (int r = 0; r < graph_.columns.count(); ++r) {
+    const auto columns = graph_.columns[r];
+    const PetscInt node = graph_.first_node + r;
+    const int own = graph_.own_columns[at(r)], all = static_cast<int>(columns.size());
     diagonal_.push_back(graph_.slot(r, node));
     first_foreign_.push_back(
         static_cast<int>(std::lower_bound(columns.begin() + own, columns.end(), node) - columns.begin()));
     own_base_.push_back(own_base_.back() + at(own - diagonal_.back()));
     foreign_base_.push_back(foreign_base_.back() + at(all - first_foreign_.back()));
   }
-  for (int g = 0; g < graph_.ghost_row_count(); ++g) {
-    const auto columns = graph_.ghost_columns(g);
-    const auto diagonal = std::lower_bound(columns.begin(), columns.end(), graph_.ghost_node(g));
+  ghost_start_.push_back(foreign_base_.back());
+  for (int g = 0; g < graph_.ghost_columns.count(); ++g) {
+    const auto columns = graph_.ghost_columns[g];
+    const auto diagonal = std::lower_bound(columns.begin(), columns.end(), graph_.ghost_node[at(g)]);
     ghost_diagonal_.push_back(static_cast<int>(diagonal - columns.begin()));
-    ghost_base_.push_back(ghost_base_.back() + static_cast<std::size_t>(columns.end() - diagonal));
+    ghost_start_.push_back(ghost_start_.back() + at(columns.end() - diagonal));
   }
-  const std::size_t outside = foreign_base_.back() + ghost_base_.back();
+  const std::size_t outside = ghost_start_.back();
   if (own_base_.back() + outside > std::numeric_limits<std::uint32_t>::max() / 2)
     throw std::length_error("a symmetric matrix has too many blocks on a rank");
   elsewhere_.resize(outside * at(components_ * components_));
@@ -101,9 +91,9 @@ void SymmetricBlocks::count_rows() {
 
 void SymmetricBlocks::create_matrix(const FieldLayout& layout) {
   std::vector<PetscInt> start{0}, column;
-  for (int r = 0; r < graph_.row_count(); ++r) {
-    const auto list = graph_.columns(r);
-    column.insert(column.end(), list.begin() + diagonal_[at(r)], list.begin() + graph_.own_columns(r));
+  for (int r = 0; r < graph_.columns.count(); ++r) {
+    const auto list = graph_.columns[r];
+    column.insert(column.end(), list.begin() + diagonal_[at(r)], list.begin() + graph_.own_columns[at(r)]);
     column.insert(column.end(), list.begin() + first_foreign_[at(r)], list.end());
     start.push_back(static_cast<PetscInt>(column.size()));
   }
@@ -118,14 +108,14 @@ void SymmetricBlocks::create_matrix(const FieldLayout& layout) {
 }
 
 std::uint32_t SymmetricBlocks::place_of_own(int row, int slot) const {
-  return static_cast<std::uint32_t>(slot < graph_.own_columns(row)
+  return static_cast<std::uint32_t>(slot < graph_.own_columns[at(row)]
                                         ? own_base_[at(row)] + at(slot - diagonal_[at(row)])
                                         : own_base_.back() + foreign_base_[at(row)] +
                                               at(slot - first_foreign_[at(row)]));
 }
 
 std::uint32_t SymmetricBlocks::place_of_ghost(int row, int slot) const {
-  return static_cast<std::uint32_t>(own_base_.back() + foreign_base_.back() + ghost_base_[at(row)] +
+  return static_cast<std::uint32_t>(own_base_.back() + ghost_start_[at(row)] +
                                     at(slot - ghost_diagonal_[at(row)]));
 }
 
@@ -133,7 +123,7 @@ void SymmetricBlocks::find_places() {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const CellGroup& group = groups_[g];
     const int nodes = node_count(group.shape);
-    const auto slots = graph_.slots(static_cast<int>(g));
+    const auto slots = graph_.slots[g];
     std::vector<std::uint32_t>& places = places_.emplace_back();
     places.reserve(at(group.cell_count) * at(nodes * (nodes + 1) / 2));
     for (int batch = 0; batch < group.batch_count; ++batch)
@@ -143,14 +133,14 @@ void SymmetricBlocks::find_places() {
           const std::uint16_t* slot = &slots[at(batch * lanes + l) * at(nodes * nodes)];
           // What is below the diagonal in one node's row is above it in the other's.
           const auto place = [&](int row_node, int column_node, bool& upper) {
-            const int row = graph_.row_of_node()[at(node[row_node * lanes])];
+            const int row = graph_.row_of_node[at(node[row_node * lanes])];
             const int s = slot[row_node * nodes + column_node];
             if (row < 0) {
               const int diagonal = ghost_diagonal_[at(-1 - row)];
               upper = s >= diagonal;
               return upper ? place_of_ghost(-1 - row, s) : 0;
             }
-            upper = s < graph_.own_columns(row) ? s >= diagonal_[at(row)] : s >= first_foreign_[at(row)];
+            upper = s < graph_.own_columns[at(row)] ? s >= diagonal_[at(row)] : s >= first_foreign_[at(row)];
             return upper ? place_of_own(row, s) : 0;
           };
           for (int b = a; b < nodes; ++b) {
@@ -215,9 +205,9 @@ void SymmetricBlocks::store_foreign_rows() {
   const int c = components_;
   const double* from = elsewhere_.data();
   double block[9];
-  for (int r = 0; r < graph_.row_count(); ++r) {
-    const PetscInt row = graph_.first_node() + r;
-    const auto columns = graph_.columns(r);
+  for (int r = 0; r < graph_.columns.count(); ++r) {
+    const PetscInt row = graph_.first_node + r;
+    const auto columns = graph_.columns[r];
     for (std::size_t k = at(first_foreign_[at(r)]); k < columns.size(); ++k, from += c * c) {
       for (int i = 0; i < c; ++i)
         for (int j = 0; j < c; ++j) block[i * c + j] = from[j * c + i];
@@ -235,21 +225,16 @@ void SymmetricBlocks::add_received(const double* from) {
   store_foreign_rows();
 }
 
-void SymmetricBlocks::set_diagonal(const std::vector<int>& dofs, double value) {
+double& SymmetricBlocks::diagonal(int row, int k) {
   const int c = components_;
-  open();
-  for (const int dof : dofs) {
-    const int row = graph_.row_of_node()[at(dof / c)], k = dof % c;
-    own_[own_base_[at(row)] * at(c * c) + at(k * c + k)] = value;
-  }
-  close();
+  return own_[own_base_[at(row)] * at(c * c) + at(k * c + k)];
 }
 
 } // namespace
 
-std::unique_ptr<MatrixRows> make_symmetric_blocks(const FieldLayout& layout, const NodeGraph& graph,
-                                                  const std::vector<CellGroup>& groups) {
-  return std::make_unique<SymmetricBlocks>(layout, graph, groups);
+std::unique_ptr<SparseAssembly> make_symmetric_blocks(const FieldLayout& layout, NodeGraph graph,
+                                                      const std::vector<CellGroup>& groups) {
+  return std::make_unique<SymmetricBlocks>(layout, std::move(graph), groups);
 }
 
 } // namespace impact

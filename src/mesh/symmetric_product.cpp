@@ -1,4 +1,4 @@
-#include "symmetric_product.hpp"
+#include "matrix_formats.hpp"
 #include <algorithm>
 #include <experimental/simd>
 #include <impact/petsc/error.hpp>

@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <impact/contact/box_tree.hpp>
 #include <impact/math/vector3.hpp>
-#include <impact/mesh/bodies.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -128,7 +127,7 @@ void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
   };
   if (std::none_of(contacts.begin(), contacts.end(), [&](const auto& c) { return matters(c.settings()); }))
     return;
-  const Bodies bodies = find_bodies(d.mesh, d.scalar);
+  const Bodies bodies = find_bodies(d.mesh);
   const std::vector<SimplexPiece> cells = simplices(d, bodies.of_node);
   std::vector<Box> boxes;
   for (const SimplexPiece& cell : cells) {

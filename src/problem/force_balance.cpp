@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/force_balance.hpp>
@@ -44,7 +43,7 @@ ForceBalance::ForceBalance(const Discretisation& d) : dim_(d.dim()), comm_(d.mes
   std::vector<std::size_t> node(at(end - start));
   for (int i = 0; i < mesh.node_count(); ++i)
     if (mesh.owned(i)) node[at(mesh.global_node()[at(i)] - start)] = at(i);
-  const Bodies bodies = find_bodies(mesh, d.scalar);
+  const Bodies bodies = find_bodies(mesh);
   const std::vector<int> material = stiffest_material(d, node);
   std::vector<int> number(at(bodies.count) * d.materials.size(), 0);
   for (std::size_t i = 0; i < node.size(); ++i) {

@@ -28,11 +28,11 @@ double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) 
 void MassMatrix::build() {
   if (all_) return;
   for (const bool masked : {false, true}) {
-    SparseAssembly assembly(d_.displacement, d_.mesh, d_.groups);
-    add_to(assembly, 1, masked);
-    assembly.finish();
-    if (masked) assembly.set_diagonal(rows_.massless, 1.0);
-    Mat shared = assembly.matrix();
+    const auto assembly = make_assembly(d_.displacement, d_.mesh, d_.groups);
+    add_to(*assembly, 1, masked);
+    assembly->finish();
+    if (masked) assembly->set_diagonal(rows_.massless, 1.0);
+    Mat shared = assembly->matrix();
     check(PetscObjectReference(reinterpret_cast<PetscObject>(shared)));
     (masked ? free_ : all_) = Handle<Mat>(shared);
   }

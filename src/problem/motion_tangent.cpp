@@ -15,7 +15,7 @@ void MotionProblem::rebuild_matrix() {
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
-  assembly_.emplace(d_.displacement, d_.mesh, solved_ ? d_.groups : no_groups_, extra, format_);
+  assembly_ = make_assembly(d_.displacement, d_.mesh, solved_ ? d_.groups : no_groups_, extra, format_);
   const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
   check(MatSetNearNullSpace(matrix(), modes));
 }

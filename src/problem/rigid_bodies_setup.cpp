@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/measure.hpp>
-#include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>
@@ -76,7 +75,7 @@ void RigidBodies::find_nodes(const Discretisation& d) {
   const bool any = std::any_of(d.materials.begin(), d.materials.end(),
                                [](const MaterialAssignment& m) { return m.law.rigid(); });
   if (!any) return;
-  const Bodies parts = find_bodies(d.mesh, d.scalar);
+  const Bodies parts = find_bodies(d.mesh);
   // Of each part: has rigid cells, has others, minus the first rigid material.
   const auto count = at(parts.count);
   std::vector<int> rigid(count, 0), other(count, 0), material(count, -std::numeric_limits<int>::max());

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -244,7 +243,7 @@ std::string list_of(const std::vector<std::string>& words) {
 
 std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary,
                                        const ContactSet& contacts, const RigidBodies& rigid) {
-  const Bodies bodies = find_bodies(d.mesh, d.scalar);
+  const Bodies bodies = find_bodies(d.mesh);
   const Geometry geometry = measure(d.mesh, bodies);
   const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry, rigid);
   const auto entries = static_cast<std::ptrdiff_t>(mode_count(d.frame) * mode_count(d.frame));

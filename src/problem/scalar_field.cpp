@@ -13,7 +13,7 @@ ScalarField::ScalarField(const Discretisation& d, const char* prefix, std::vecto
 }
 
 void ScalarField::build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>& extra) {
-  assembly_.emplace(d_.scalar, d_.mesh, d_.groups, extra);
+  assembly_ = make_assembly(d_.scalar, d_.mesh, d_.groups, extra);
 }
 
 void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations) const {

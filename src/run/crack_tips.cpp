@@ -18,7 +18,7 @@ double distance2(const Place& a, const Place& b) {
 class Search {
 public:
   Search(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked)
-      : mesh_(mesh), bodies_(find_bodies(mesh, layout, cracked)) {}
+      : mesh_(mesh), bodies_(find_bodies(mesh, cracked)) {}
 
   int count() const { return bodies_.count; }
   int body(int node) const { return bodies_.of_node[static_cast<std::size_t>(node)]; }

@@ -1,7 +1,7 @@
 #include "initial_overlap.hpp"
 #include <cmath>
 #include <cstdio>
-#include <impact/mesh/shifted_mesh.hpp>
+#include <impact/mesh/mesh.hpp>
 
 namespace impact {
 

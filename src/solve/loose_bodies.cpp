@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/measure.hpp>
-#include <impact/mesh/bodies.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
@@ -45,7 +44,7 @@ LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary, 
                          const RigidBodies& rigid)
     : d_(&d), contacts_(&contacts), fixed_(boundary.fixed_mask()) {
   if (contacts.empty()) return;
-  const Bodies bodies = find_bodies(d.mesh, d.scalar);
+  const Bodies bodies = find_bodies(d.mesh);
   std::vector<int> place(at(bodies.count), -1);
   for (const FreeBody& free : find_free_bodies(d, boundary, contacts, rigid)) {
     if (std::any_of(rigid.bodies().begin(), rigid.bodies().end(),

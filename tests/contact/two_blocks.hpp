@@ -78,7 +78,7 @@ inline Mesh make_blocks(MPI_Comm comm, const TwoBlocks& b, const Partition& part
   check(DMPlexMarkBoundaryFaces(dm, 1, skin));
   if (rank == 0) {
     const int lower = b.layers * b.lower_cells;
-    for (PetscInt c = 0; c < count; ++c) check(DMSetLabelValue(dm, c < lower ? "lower" : "upper", c, 1));
+    for (PetscInt c = 0; c < count; ++c) check(DMSetLabelValue(dm, c < lower ? "lower" : "upper", c, 2));
     auto mark = [&](const char* name, PetscInt cell, int side) {
       const PetscInt* cone = nullptr;
       check(DMPlexGetCone(dm, cell, &cone));

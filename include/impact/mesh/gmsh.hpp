@@ -20,6 +20,9 @@ struct GmshBlock {
   int dim = 0, nodes = 0;  ///< nodes per element
   std::vector<int> groups; ///< indices into GmshFile::groups
   std::vector<int> node;   ///< [element][nodes]
+
+  /// Of cells and facets. Throws UserError(data) where there is none.
+  Shape shape() const;
 };
 
 /// First-order mesh, gmsh's node order (which is VTK's for the shapes that we use).

@@ -39,6 +39,7 @@ struct Group {
   int dim = 0; ///< dim of the mesh: a region; dim - 1: a boundary; 0: points
 };
 
+/// More members and functions than elsewhere: every room asks the mesh, and each answer is one of its own.
 class Mesh {
 public:
   /// Takes a distributed, interpolated DMPlex (overlap 0) with one label per physical group name. A rank may
@@ -58,11 +59,14 @@ public:
   /// Global number of each local node: owned nodes are contiguous on a rank, in the order of PETSc's global
   /// vectors.
   std::span<const PetscInt> global_node() const { return global_node_; }
-  bool owned(int node) const { return owned_[static_cast<std::size_t>(node)] != 0; }
+  bool owned(int node) const {
+    const PetscInt place = global_node_[static_cast<std::size_t>(node)] - first_node_;
+    return place >= 0 && place < owned_node_count_;
+  }
   PetscInt vertex_point(int node) const { return vertex_start_ + node; }
-  PetscInt cell_start() const { return cell_start_; }                        ///< first DMPlex cell point
-  int cell_count() const { return static_cast<int>(table_of_cell_.size()); } ///< on this rank, all shapes
-  bool has_shape(Shape shape) const;                                         ///< on any rank
+  PetscInt cell_start() const { return cell_start_; } ///< first DMPlex cell point
+  int cell_count() const { return cell_count_; }      ///< on this rank, all shapes
+  bool has_shape(Shape shape) const;                  ///< on any rank
 
   const std::vector<Group>& groups() const { return groups_; }
   const Group* find_group(const std::string& name) const;
@@ -90,31 +94,50 @@ public:
   std::string place(int node) const;
 
 private:
-  struct CellPlace {
-    int table, cell;
-  };
   void read_coordinates();
   void number_nodes();
   void read_cells();
   void check_cells() const;
   void measure_edges();
-  DMLabel label(const std::string& name) const;
-  std::vector<PetscInt> labelled_points(const std::string& name) const;
+  Shape shape_of(PetscInt cell) const; // none where a cell of that kind cannot be used
+  std::vector<int> cell_nodes(PetscInt cell) const;
   std::vector<int> closure(PetscInt point) const; // its nodes in the order of DMPlex
-  std::vector<char> owned_elsewhere() const;      // [point] 1: another rank's
+  std::vector<PetscInt> points(const std::string& group) const;
+  std::vector<PetscInt> owned_points(const std::string& group) const;
 
   Handle<DM> dm_;
-  int dim_ = 0, node_count_ = 0, owned_node_count_ = 0;
-  PetscInt vertex_start_ = 0, cell_start_ = 0, global_node_count_ = 0, global_cell_count_ = 0;
+  int dim_ = 0, node_count_ = 0, owned_node_count_ = 0, cell_count_ = 0;
+  PetscInt vertex_start_ = 0, cell_start_ = 0, first_node_ = 0, global_node_count_ = 0,
+           global_cell_count_ = 0;
   std::vector<double> coordinates_;
   std::vector<CellTable> cells_;
-  std::vector<CellPlace> table_of_cell_; // [cell point - cell_start_]
-  std::vector<int> has_shape_;           // [known shape] 1 or 0, equal on all ranks
+  std::vector<int> has_shape_; // [known shape] 1 or 0, equal on all ranks
   std::vector<PetscInt> global_node_;
-  std::vector<char> owned_;
   std::vector<Group> groups_;
   double smallest_edge_ = 0;
 };
+
+/// The same mesh on the same ranks with other reference coordinates; `shift`: [local node][dim], equal on all
+/// ranks that share a node. The coordinates of the mesh's DM change with it, so that the old mesh is of no
+/// more use. Throws UserError(data) where a cell is turned inside out. Collective.
+Mesh shifted_mesh(const Mesh& mesh, const std::vector<double>& shift);
+
+/// The points with a value in a label, sorted; none where there is no such label.
+std::vector<PetscInt> labelled_points(DM dm, const std::string& label, PetscInt value);
+
+/// Values at the points of a DMPlex, [point]: all ranks that share a point get what `op` makes of theirs.
+/// Collective.
+void share_points(DM dm, MPI_Op op, std::vector<int>& value);
+
+/// Bodies: the sets of nodes that cells join, on any ranks.
+struct Bodies {
+  std::vector<int> of_node; ///< [local node]; -1 where a node does not count
+  int count = 0;            ///< over all ranks; a body's number is the same on all of them
+};
+
+/// The bodies of a mesh, or of its nodes that count ([local node], alike on the ranks that share one), by
+/// rising number of their lowest node, which depends on the partition. Collective.
+Bodies find_bodies(const Mesh& mesh, const std::vector<char>& counts = {});
 
 /// Cost of cells, for the partition.
 struct PartitionWeights {
@@ -168,9 +191,5 @@ Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights);
 /// Renumbers the points of each rank so that neighbours stand close in memory (reverse Cuthill-McKee).
 /// Collective.
 void order_for_locality(Handle<DM>& dm);
-
-/// The groups that read_mesh laid down as labels (a label's value is the group's dimension), in the order of
-/// the labels; for a mesh that comes from a checkpoint. Collective.
-std::vector<Group> groups_from_labels(DM dm);
 
 } // namespace impact

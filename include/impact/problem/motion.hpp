@@ -145,7 +145,7 @@ private:
   MassMatrix mass_;
   StateRow &history_, &drive_;
   MotionStep step_;
-  std::optional<SparseAssembly> assembly_;
+  std::unique_ptr<SparseAssembly> assembly_;
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
   std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
   bool has_body_force_ = false;

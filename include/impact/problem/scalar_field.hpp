@@ -50,7 +50,7 @@ private:
   std::vector<char> held_;
   std::vector<double> free_; // 1 where not held
   std::vector<int> owned_held_;
-  std::optional<SparseAssembly> assembly_;
+  std::unique_ptr<SparseAssembly> assembly_;
   Handle<Vec> solution_, residual_, diagonal_;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <impact/kernel/damage.hpp>
 #include <impact/kernel/heat.hpp>
-#include <impact/mesh/matrix_format.hpp>
+#include <impact/mesh/sparse_assembly.hpp>
 #include <string>
 
 /// Choices of the solution method that the user makes by options.

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/mesh/matrix_format.hpp>
+#include <impact/mesh/sparse_assembly.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
