@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <impact/balance/energies.hpp>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <optional>
 

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/damage.hpp>

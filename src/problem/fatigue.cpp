@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/kernel/fatigue.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/kernel/heat.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/heat_loads.hpp>
 

@@ -1,5 +1,5 @@
 #include <cmath>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/mass.hpp>

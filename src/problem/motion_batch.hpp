@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/kernel/motion.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/cell_loop.hpp>
 
 /// What the kernels of motion read of one batch of cells.

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>

@@ -17,7 +17,7 @@ double distance2(const Place& a, const Place& b) {
 
 class Search {
 public:
-  Search(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked)
+  Search(const Mesh& mesh, const std::vector<char>& cracked)
       : mesh_(mesh), bodies_(find_bodies(mesh, cracked)) {}
 
   int count() const { return bodies_.count; }
@@ -109,13 +109,13 @@ private:
 
 } // namespace
 
-int follow_cracks(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked,
-                  const std::vector<double>& before, std::vector<Crack>& known) {
+int follow_cracks(const Mesh& mesh, const std::vector<char>& cracked, const std::vector<double>& before,
+                  std::vector<Crack>& known) {
   int any = std::any_of(cracked.begin(), cracked.end(), [](char flag) { return flag != 0; }) ? 1 : 0;
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, mesh.comm());
   for (Crack& crack : known) crack.joined = crack.there;
   if (any == 0) return 0;
-  const Search search(mesh, layout, cracked);
+  const Search search(mesh, cracked);
   std::vector<int> sizes = search.sizes(); // 0 once a body is somebody's
   for (Crack& crack : known) {
     if (!crack.there) {

@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/observers.hpp>
@@ -69,7 +69,9 @@ std::vector<double> FieldSource::fatigue_means() const {
   std::vector<double> values;
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     const auto X = batch.vectors(d.mesh.coordinates());
-    const Batch mean = batch.kernels.cell_mean(X.data(), batch.load<1>(fatigue).data());
+    const std::vector<Batch> ones(at(batch.group.shape->points), Batch(1.0));
+    const auto integral = batch.kernels.cell_integral;
+    const Batch mean = integral(X.data(), batch.load<1>(fatigue).data()) / integral(X.data(), ones.data());
     for (int l = 0; l < lanes; ++l) values.push_back(mean[l]);
   });
   return values;

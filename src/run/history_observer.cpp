@@ -179,7 +179,7 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
     for (int node : nodes)
       cracked[static_cast<std::size_t>(node)] =
           phi_->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
-    const int count = follow_cracks(d.mesh, d.scalar, cracked, phi_before_, cracks);
+    const int count = follow_cracks(d.mesh, cracked, phi_before_, cracks);
     row.emplace_back("crack_" + d.materials[m].id + "_count", count);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
       const Crack& crack = cracks[i];

@@ -1,6 +1,6 @@
 #include "classes.hpp"
 #include <cmath>
-#include <impact/material/hardening_table.hpp>
+#include <impact/material/hardening.hpp>
 
 /// The options of plastic flow: hardening, its rate and its softening by heat.
 namespace impact {

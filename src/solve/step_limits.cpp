@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <impact/kernel/point_rows.hpp>
+#include <impact/kernel/point_data.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/solve/step_limits.hpp>
@@ -31,7 +31,7 @@ StepLimits::Refusal StepLimits::damage(double growth) {
 
 StepLimits::Refusal StepLimits::plastic_strain(MPI_Comm comm, Frame frame, const StateRow& history) {
   if (settings_.max_dalpha <= 0) return "";
-  const double growth = largest_growth(frame, history.committed, history.trial);
+  const double growth = largest_alpha(frame, history.trial, history.committed);
   return limit("the plastic strain grows", max_over_ranks(comm, growth), "dalpha", settings_.max_dalpha);
 }
 

@@ -2,7 +2,7 @@
 #include <impact/kernel/plane_stress.hpp>
 
 #include <gtest/gtest.h>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 
 using namespace impact;
 using reference::aluminium;

@@ -1,8 +1,7 @@
 #include "reference_cell.hpp"
 
 #include <gtest/gtest.h>
-#include <impact/kernel/damage.hpp>
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 
 using namespace impact;
 using reference::aluminium;

@@ -17,7 +17,7 @@ template <int n>
 Modulus<double, n> complex_modulus(const MaterialParameters& m, const Matrix<double>& F,
                                    const PointInput<double, layout_of<n>>& in) {
   constexpr int d = layout_of<n>;
-  Modulus<double, n> a = zero_modulus<double, n>();
+  Modulus<double, n> a{};
   for (int K = 0; K < n; ++K) {
     const unsigned k = unsigned(row_of<n>(K)), L = unsigned(column_of<n>(K));
     Matrix<Complex> z;

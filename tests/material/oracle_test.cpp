@@ -2,7 +2,7 @@
 #include "oracle_values.hpp"
 
 #include <gtest/gtest.h>
-#include <impact/material/fatigue.hpp>
+#include <impact/material/crack.hpp>
 #include <impact/material/modulus.hpp>
 #include <string>
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "../math/dense_matrix.hpp"
 
-#include <impact/material/hardening_table.hpp>
+#include <impact/material/hardening.hpp>
 #include <impact/material/parameters.hpp>
 
 /// A second, plain implementation of the point law on dense 3x3 arrays, after the reference script of the

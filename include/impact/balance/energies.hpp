@@ -6,8 +6,8 @@
 #include <vector>
 
 /// Energies that the cells of bodies store and lose, E_m = sum over the cells of material m of int e dV_0,
-/// with the densities of kernel/measure.hpp (theory.md, 11). They are per unit thickness in plane problems
-/// where nothing else is said.
+/// with the densities of kernel/cell_kernels.hpp (theory.md, 11). They are per unit thickness in plane
+/// problems where nothing else is said.
 namespace impact {
 
 /// The rows that these integrals read; null where the run has no such physics.

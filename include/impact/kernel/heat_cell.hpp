@@ -1,10 +1,10 @@
 #pragma once
-#include <impact/kernel/heat.hpp>
+#include <impact/kernel/cell_geometry.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/plane_stress.hpp>
-#include <impact/kernel/scalar_cell.hpp>
-#include <impact/material/fatigue.hpp>
+#include <impact/material/crack.hpp>
 
-/// The heat balance of heat.hpp on one batch of cells.
+/// The heat balance on one batch of cells.
 namespace impact {
 
 /// g_v of the volume ratio J_e.
@@ -120,8 +120,7 @@ template <class Cell, Frame frame>
   int bad = 0;
   Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> X;
-    point_geometry<Cell, frame>(in.X, q, X);
+    const auto X = point_geometry<Cell, frame>(in.X, q);
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history),
                               g_n = point_degradations<Cell, frame>(law, in.phi_n, q, in.history_n);
     const Batch theta_n = interpolate<Cell>(in.theta_n, q);
@@ -173,8 +172,7 @@ template <class Cell, Frame frame, bool tangent>
   ScalarCell<Cell, tangent> cell;
   int bad = 0;
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> X;
-    point_geometry<Cell, frame>(in.X, q, X);
+    const auto X = point_geometry<Cell, frame>(in.X, q);
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch theta = interpolate<Cell>(in.theta, q), theta_n = interpolate<Cell>(in.theta_n, q);
     bad |= bits(~(theta > Batch(0.0)));
@@ -235,8 +233,7 @@ int heat_tangent(const PointLaw& law, const HeatInput& in, const Batch* points, 
 template <class Cell, Frame frame>
 void heat_source(const Batch* X, const Batch* source, Batch* r, Batch& sum) {
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> g;
-    point_geometry<Cell, frame>(X, q, g);
+    const auto g = point_geometry<Cell, frame>(X, q);
     const Batch heat = g.weight * source[q];
     for (int a = 0; a < Cell::nodes; ++a) r[a] += shape_table<Cell>.N[q][a] * heat;
     sum += heat;

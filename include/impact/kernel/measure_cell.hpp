@@ -1,9 +1,9 @@
 #pragma once
-#include <impact/kernel/measure.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/plane_stress.hpp>
-#include <impact/material/fatigue.hpp>
+#include <impact/material/crack.hpp>
 
-/// The integrals of measure.hpp over one batch of cells.
+/// The integrals of cell_kernels.hpp over one batch of cells.
 namespace impact {
 
 template <class Cell, Frame frame, bool spectral>
@@ -76,22 +76,10 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
 template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Batch* values) {
   Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> g;
-    point_geometry<Cell, frame>(X, q, g);
+    const auto g = point_geometry<Cell, frame>(X, q);
     sum += g.weight * values[q];
   }
   return sum;
-}
-
-template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* values) {
-  Batch sum = Batch(0.0), volume = sum;
-  for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> g;
-    point_geometry<Cell, frame>(X, q, g);
-    sum += g.weight * values[q];
-    volume += g.weight;
-  }
-  return sum / volume;
 }
 
 template <class Cell, Frame frame>
@@ -103,8 +91,7 @@ template <class Cell, Frame frame>
 void unilateral_energy(const PointLaw& law, const Batch* X, const Batch* phi, const Batch* history_n,
                        const Batch* drive, const Batch* drive_n, Batch& sum) {
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> g;
-    point_geometry<Cell, frame>(X, q, g);
+    const auto g = point_geometry<Cell, frame>(X, q);
     const Batch m = unilateral_part(point_degradations<Cell, frame>(law, phi, q, history_n));
     sum += g.weight * (m * (drive_at(drive, q).minus - drive_at(drive_n, q).minus));
   }
@@ -139,8 +126,7 @@ void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out)
 template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const Batch* X, Batch* M) {
   const auto& N = shape_table<Cell>.N;
   for (int q = 0; q < Cell::points; ++q) {
-    PointGeometry<Cell, frame> g;
-    point_geometry<Cell, frame>(X, q, g);
+    const auto g = point_geometry<Cell, frame>(X, q);
     const Batch w = law.parameters.rho * g.weight;
     for (int a = 0; a < Cell::nodes; ++a)
       for (int b = 0; b < Cell::nodes; ++b) M[a * Cell::nodes + b] += (N[q][a] * N[q][b]) * w;

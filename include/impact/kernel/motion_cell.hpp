@@ -6,7 +6,7 @@
 
 #include <impact/material/modulus.hpp>
 
-/// Residual, tangent and advance of motion.hpp on one batch of cells.
+/// Residual, tangent and advance of the motion on one batch of cells.
 namespace impact {
 
 /// rho N_a N_b a_b into r and shift rho N_a N_b into K.

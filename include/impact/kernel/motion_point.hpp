@@ -2,7 +2,7 @@
 #include <impact/kernel/cell_geometry.hpp>
 #include <impact/kernel/reference_gradient.hpp>
 
-#include <impact/kernel/motion.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/material/point_law.hpp>
 
 /// The law at the points of one batch of cells with the chosen volumetric locking cure.

@@ -39,13 +39,14 @@ inline void set_virgin(Frame frame, std::span<double> row) {
   for (std::size_t i = 0; i < row.size(); ++i) row[i] = i / lanes % size < 3 ? 1 : 0; // A11 A22 A33
 }
 
-/// Largest alpha in a row of histories, at least 0.
-inline double largest_alpha(Frame frame, std::span<const double> row) {
+/// Largest alpha in a row of histories, or its largest growth from another row; at least 0.
+inline double largest_alpha(Frame frame, std::span<const double> row, std::span<const double> from = {}) {
   const auto size = static_cast<std::size_t>(history_size(frame)) * lanes;
   double largest = 0;
   for (std::size_t i = static_cast<std::size_t>(symmetric_size(dimension(frame))) * lanes; i < row.size();
        i += size)
-    for (std::size_t l = 0; l < lanes; ++l) largest = std::max(largest, row[i + l]);
+    for (std::size_t l = i; l < i + lanes; ++l)
+      largest = std::max(largest, row[l] - (from.empty() ? 0 : from[l]));
   return largest;
 }
 

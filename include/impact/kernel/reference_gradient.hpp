@@ -1,7 +1,7 @@
 #pragma once
 #include <impact/element/cells.hpp>
 #include <impact/math/batch.hpp>
-#include <impact/math/unroll.hpp>
+#include <impact/math/index.hpp>
 
 /// Gradients of nodal fields with respect to the reference coordinates xi at all points of a cell at once,
 /// and the transpose, which turns fluxes at the points into nodal forces.

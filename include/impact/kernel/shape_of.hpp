@@ -1,7 +1,6 @@
 #pragma once
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/damage_cell.hpp>
-#include <impact/kernel/fatigue_cell.hpp>
 #include <impact/kernel/heat_cell.hpp>
 #include <impact/kernel/measure_cell.hpp>
 #include <impact/kernel/motion_cell.hpp>
@@ -26,7 +25,6 @@ inline constexpr CellKernels cell_kernels = {
     .stored_energy = stored_energy<Cell, frame>,
     .stored_heat = stored_heat<Cell, frame>,
     .cell_integral = cell_integral<Cell, frame>,
-    .cell_mean = cell_mean<Cell, frame>,
     .plastic_exchange = plastic_exchange<Cell, frame>,
     .unilateral_energy = unilateral_energy<Cell, frame>,
     .cell_output = cell_output<Cell, frame>,

@@ -1,17 +1,59 @@
 #pragma once
-#include <impact/material/cubic_degradation.hpp>
-#include <impact/material/ductile_degradation.hpp>
 #include <impact/material/parameters.hpp>
-#include <impact/material/quadratic_degradation.hpp>
 #include <impact/math/dual.hpp>
 
 /// Degradations of the energies at one point. A degradation law is a function object g(phi, alpha) of any
-/// scalar with g(0) = 1, g(1) = 0, one file each, that says whether it is `convex` (its curvature is never
+/// scalar with g(0) = 1, g(1) = 0 that says whether it is `convex` (its curvature is never
 /// negative) and `ductile` (it looks at alpha); its derivatives with respect to phi are taken here, by dual
 /// numbers. alpha is the plastic strain at the start of the step: a g that followed it within the step would
 /// lower the yield stress by d_alpha g E+ (theory.md, E17). Every law keeps the residual stiffness k: g ->
 /// (1-k) g + k.
 namespace impact {
+
+/// (1 - phi)^2: brittle fracture; damage begins with the load.
+struct QuadraticDegradation {
+  static constexpr bool convex = true, ductile = false;
+
+  template <class T> T operator()(const T& phi, const T&) const {
+    const T x = T(1.0) - phi;
+    return x * x;
+  }
+};
+
+/// (3 - s)(1 - phi)^2 - (2 - s)(1 - phi)^3, slope -s at phi = 0 (Borden et al. 2016): elastic until the
+/// energy outweighs the crack's, then a sudden fall. Concave for phi below 1/2.
+struct CubicDegradation {
+  static constexpr bool convex = false, ductile = false;
+  double s;
+
+  template <class T> T operator()(const T& phi, const T&) const {
+    const T x = T(1.0) - phi;
+    return x * x * (T(3 - s) - (2 - s) * x);
+  }
+};
+
+/// (1 - phi)^{2p}, p = alpha/alpha_c (Ambati, Gerasimov and De Lorenzis 2015): damage waits for plastic flow
+/// and has the quadratic form where alpha reaches alpha_c.
+///
+/// With p < 1/2 it is concave and its slope grows without bound towards phi = 1, with p < 1 its curvature.
+/// For x = 1 - phi below x_0 = 1e-3 it goes on as x_0^{2p} [(2 - 2p) x/x_0 + (2p - 1) (x/x_0)^2], which has
+/// the same value and slope at x_0, still ends at 0, and is finite there and beyond. Nothing changes for
+/// smaller phi: a floor p >= 1/2 would let elastic material damage.
+struct DuctileDegradation {
+  static constexpr bool convex = false, ductile = true;
+  double alpha_c;
+
+  template <class T> T operator()(const T& phi, const T& alpha) const {
+    using V = Value<T>;
+    const T x = T(1.0) - phi, p2 = (2 / alpha_c) * alpha;
+    const auto singular = value(p2) < V(2.0);
+    const T edge = select(singular, T(1e-3), T(1e-9)); // from p = 1 on only the logarithm needs one
+    const auto inside = value(x) > value(edge);
+    const T power = exp(p2 * log(select(inside, x, edge)));
+    const T t = x / edge, q = select(singular, p2, T(2.0));
+    return select(inside, power, power * (t * ((T(2.0) - q) + (q - T(1.0)) * t)));
+  }
+};
 
 template <class T> struct Degraded {
   T g, dg, d2g; ///< value, first and second derivative with respect to phi

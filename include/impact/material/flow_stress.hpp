@@ -1,10 +1,24 @@
 #pragma once
 #include <impact/material/hardening.hpp>
-#include <impact/material/softening.hpp>
 
 /// k = k_0(alpha) f(theta) R(dalpha/dt) (55a), with f at the frozen temperature of the pass and the rate of
 /// the step by backward Euler. R = 1 + c ln(rate/rate_0) above rate_0, 1 below, as in DynELA and Abaqus.
 namespace impact {
+
+/// f(theta), the factor of the temperature on the flow stress (55a): never negative.
+template <class T> T softening(const MaterialParameters& m, const T& theta) {
+  using V = Value<T>;
+  if (m.softening == Softening::none) return T(1.0);
+  if (m.softening == Softening::linear) {
+    const T f = T(1.0) - m.softening_w * (theta - T(m.theta0));
+    return select(value(f) > V(0.0), f, T(0.0));
+  }
+  // T* = 0 below the reference temperature, 1 above that of melting.
+  const T x = (1 / (m.theta_melt - m.theta_ref)) * (theta - T(m.theta_ref));
+  const auto warm = value(x) > V(0.0);
+  const T f = select(warm, T(1.0) - pow(select(warm, x, T(1.0)), m.softening_m), T(1.0));
+  return select(value(f) > V(0.0), f, T(0.0));
+}
 
 template <class T> struct FlowConditions {
   T softening = T(1.0); ///< f(theta)
@@ -26,10 +40,10 @@ template <class T> Hardening<T> rate_factor(const MaterialParameters& m, double 
 }
 
 /// k(alpha) and its slope along alpha = alpha_n + dalpha at the frozen temperature.
-template <class Law = MaterialHardening, class T>
+template <class T>
 Hardening<T> flow_stress(const MaterialParameters& m, const FlowConditions<T>& at, const T& alpha,
                          const T& dalpha) {
-  const Hardening<T> h = hardening<Law>(m, alpha);
+  const Hardening<T> h = hardening(m, alpha);
   if (is_plain(m)) return h;
   const Hardening<T> R = rate_factor(m, at.dt, dalpha);
   return {at.softening * (h.k * R.k), at.softening * (h.dk * R.k + h.k * R.dk)};

@@ -1,6 +1,6 @@
 #pragma once
 #include <impact/material/point_law.hpp>
-#include <impact/math/unroll.hpp>
+#include <impact/math/index.hpp>
 
 /// Spatial moduli a_ijkl with  delta(P) F^T : grad w = grad w_ij a_ijkl grad du_kl, i.e. a_ijkl = c_ijkl +
 /// delta_ik tau_jl (L_v tau = c : d) including the geometric part. Rows and columns are gradient components:
@@ -13,13 +13,6 @@ template <class T, int n> struct Modulus { T c[n][n]; };
 template <int n> inline constexpr int layout_of = n == 9 ? 3 : 2;
 template <int n> inline constexpr int row_of(int I) { return n == 9 ? I / 3 : I == 4 ? 2 : I / 2; }
 template <int n> inline constexpr int column_of(int I) { return n == 9 ? I % 3 : I == 4 ? 2 : I % 2; }
-
-template <class T, int n> Modulus<T, n> zero_modulus() {
-  Modulus<T, n> a;
-  for (int I = 0; I < n; ++I)
-    for (int K = 0; K < n; ++K) a.c[I][K] = T(0.0);
-  return a;
-}
 
 /// What the modulus of the law is made of, so that one pass writes each component once:
 ///   a = volume 1(x)1 - exchange il,jk + shear (ik,jl + il,jk) + B(x)1 + 1(x)B' - n(x)M - M'(x)n + delta_ik
@@ -63,7 +56,7 @@ template <int n, class T, int d> Modulus<T, n> assemble_modulus(const ModulusPar
 /// Closed form of the neo-Hookean/J2 law (theory.md, consistent tangent). pJ = p J; dpJ2 = J^2 dp/dJ of the J
 /// of the point (0 where p is held fixed); zeta and moving_zeta are the F-bar factor J/J_0 of the isochoric
 /// stress (zeta = 1, false otherwise).
-template <int n, class Law = MaterialHardening, class T, int d>
+template <int n, class T, int d>
 ModulusParts<T, d> law_modulus(const MaterialParameters& m, const Return<T, d>& flow, const T& g_e1,
                                const T& ratio, const T& pJ, const T& dpJ2, const T& zeta, bool moving_zeta,
                                bool symmetric) {
@@ -82,7 +75,7 @@ ModulusParts<T, d> law_modulus(const MaterialParameters& m, const Return<T, d>& 
   const T norm = sqrt(dot(flow.trial, flow.trial));
   const T inverse_norm = select(flow.plastic, T(1.0) / norm, T(0.0));
   p.n = inverse_norm * flow.trial;
-  const T d0 = T(1.0) + ratio * flow_stress<Law>(m, flow).dk / ((3 * m.G) * flow.y);
+  const T d0 = T(1.0) + ratio * flow_stress(m, flow).dk / ((3 * m.G) * flow.y);
   const T i0 = T(1.0) / d0, d1 = T(1.0) - flow.scale, Nmu = norm / flow.y;
   const T d2 = (T(1.0) - i0) * ((2.0 / 3) * (Nmu * flow.dbeta));
   const T d3 = i0 - d1 + d2, d4 = (i0 - d1) * Nmu;
@@ -138,7 +131,7 @@ template <int n, class T, int d, class F> Modulus<T, n> dual_modulus(const Tenso
   for (int I = 0; I < tensor_size(d); ++I) h[I] = I < n ? seed<T, n>(H[I], I) : D(H[I]);
   const Kinematics<D, d> k = kinematics(h);
   const Tensor<D, d> P = first_piola(tau_of(h), k.inverse_F);
-  Modulus<T, n> a = zero_modulus<T, n>();
+  Modulus<T, n> a{};
   for (int I = 0; I < n; ++I)
     for (int K = 0; K < n; ++K)
       for (int M = 0; M < n; ++M)

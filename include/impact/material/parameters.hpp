@@ -28,7 +28,7 @@ enum class Locking { none, mean, fbar };      ///< volumetric locking cure on qu
 enum class HardeningKind { voce, power, table, own };
 enum class Softening { none, linear, johnson_cook }; ///< f(theta), a factor on k_0
 
-struct HardeningTable;       // material/hardening_table.hpp
+struct HardeningTable;       // material/hardening.hpp
 struct HardeningFunctions;   // material/hardening.hpp
 struct DegradationFunctions; // material/degradation.hpp
 

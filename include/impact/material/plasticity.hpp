@@ -40,8 +40,8 @@ Return<T, d> predictor(const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
 
 /// Predictor, admissibility, return (theory.md, return mapping). `ratio` = g_p/g_e1, the degraded yield
 /// stress over the degraded modulus. e = F A F^T - 1 and J23 = J^(-2/3) define b_trial = J23 (1 + e). The
-/// multiplier is found on values; one more step in T carries its derivative. Law: the hardening.
-template <class Law = MaterialHardening, class T, int d>
+/// multiplier is found on values; one more step in T carries its derivative.
+template <class T, int d>
 Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
                         const T& ratio, const FlowConditions<T>& at = {}) {
   using V = Value<T>;
@@ -50,7 +50,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
 
   // admissibility
   const T N = m.G * sqrt(dot(out.trial, out.trial)), mu = m.G * out.y;
-  const Hardening<T> start = flow_stress<Law>(m, at, alpha_n, T(0.0));
+  const Hardening<T> start = flow_stress(m, at, alpha_n, T(0.0));
   const V f = value(N) - value((q * ratio) * start.k);
   out.plastic = at.held ? f < f : f > V(0.0);
   if (!any(out.plastic)) return out;
@@ -59,7 +59,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
   const V Nv = value(N), muv = value(mu), a = value(alpha_n), c = value(ratio);
   const FlowConditions<V> conditions{value(at.softening), at.dt, at.held};
   const auto residual = [&](const V& x, V& slope) {
-    const Hardening<V> h = flow_stress<Law>(m, conditions, V(a + q * x), V(q * x));
+    const Hardening<V> h = flow_stress(m, conditions, V(a + q * x), V(q * x));
     slope = V(-2.0) * muv - (2.0 / 3) * (c * h.dk);
     return V(Nv - V(2.0) * muv * x - q * (c * h.k));
   };
@@ -72,7 +72,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
                        residual, noise);
   };
   ScalarRoot<V> root;
-  if (is_steep<Law>(m)) { // k' is infinite at alpha = 0: `first` is 0 there, and the root anywhere above
+  if (is_steep(m)) { // k' is infinite at alpha = 0: `first` is 0 there, and the root anywhere above
     const V noise = V(4e-15) * Nv;
     root = solve(max(first, V(V(1e-6) * high)), V(V(1e-280) * high), &noise);
   } else {
@@ -81,7 +81,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
   V slope;
   residual(root.x, slope);
   const T r = N - 2.0 * (mu * T(root.x)) -
-              q * (ratio * flow_stress<Law>(m, at, T(alpha_n + T(q * root.x)), T(q * root.x)).k);
+              q * (ratio * flow_stress(m, at, T(alpha_n + T(q * root.x)), T(q * root.x)).k);
   const T dbeta = differentiated_root(root.x, r, slope);
   out.failed = root.failed;
   out.dbeta = select(out.plastic, dbeta, T(0.0));
@@ -92,9 +92,8 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
 }
 
 /// The flow stress and its slope where the return ended.
-template <class Law = MaterialHardening, class T, int d>
-Hardening<T> flow_stress(const MaterialParameters& m, const Return<T, d>& flow) {
-  return flow_stress<Law>(m, flow.at, flow.alpha, T(0.81649658092772603273 * flow.dbeta));
+template <class T, int d> Hardening<T> flow_stress(const MaterialParameters& m, const Return<T, d>& flow) {
+  return flow_stress(m, flow.at, flow.alpha, T(0.81649658092772603273 * flow.dbeta));
 }
 
 } // namespace impact

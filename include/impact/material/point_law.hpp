@@ -1,7 +1,6 @@
 #pragma once
 #include <impact/material/crack.hpp>
 #include <impact/material/degradation.hpp>
-#include <impact/material/dissipation.hpp>
 #include <impact/material/elasticity.hpp>
 #include <impact/material/parameters.hpp>
 #include <impact/material/plasticity.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 #include <impact/math/dual.hpp>
-#include <impact/math/unroll.hpp>
+#include <impact/math/index.hpp>
 
 /// Three-dimensional second-order tensors of a scalar T in two layouts. d = 3: full 3x3. d = 2: the plane
 /// layout, where 13, 23, 31, 32 vanish but 33 does not (plane strain, axisymmetry); sums, products and

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/kernel/damage.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/boundary_data.hpp>

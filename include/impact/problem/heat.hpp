@@ -1,6 +1,6 @@
 #pragma once
 #include <impact/contact/contact_heat.hpp>
-#include <impact/kernel/heat.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/heat_loads.hpp>

@@ -1,6 +1,5 @@
 #pragma once
-#include <impact/kernel/damage.hpp>
-#include <impact/kernel/heat.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <string>
 

@@ -1,6 +1,6 @@
 #pragma once
 #include <array>
-#include <impact/mesh/field_layout.hpp>
+#include <impact/mesh/mesh.hpp>
 #include <vector>
 
 /// Cracks and their tips: a crack is a set of nodes with phi above a level that cells join, on any ranks.
@@ -20,7 +20,7 @@ struct Crack {
 /// two that are farthest apart: it began at the one that is nearer to the sides of the box around the mesh,
 /// else the one with the smaller coordinate along the axis on which they differ most. Returns the number of
 /// cracks. Alike on all ranks, for any partition. Collective.
-int follow_cracks(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked,
-                  const std::vector<double>& before, std::vector<Crack>& known);
+int follow_cracks(const Mesh& mesh, const std::vector<char>& cracked, const std::vector<double>& before,
+                  std::vector<Crack>& known);
 
 } // namespace impact
