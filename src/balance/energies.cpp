@@ -129,9 +129,13 @@ DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, c
       auto exchanged = batch.points<1>();
       batch.load(rows.history.trial, flowed);
       batch.load(rows.history.committed, flowed_n);
-      batch.kernels.plastic_exchange(
-          batch.law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
-          exchanged.data());
+      batch.kernels.plastic_exchange(batch.law,
+                                     {.phi = now.data(),
+                                      .phi_n = before.data(),
+                                      .history = flowed.data(),
+                                      .history_n = flowed_n.data(),
+                                      .drive = driving.data()},
+                                     exchanged.data());
       losses.by_exchange[batch.material()] +=
           batch.sum(batch.kernels.cell_integral(X.data(), exchanged.data()));
       for (int q = 0; q < all.size; ++q) all.value[q] += exchanged.value[q];

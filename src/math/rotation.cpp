@@ -1,4 +1,5 @@
 #include <cmath>
+#include <impact/math/index.hpp>
 #include <impact/math/rotation.hpp>
 #include <limits>
 
@@ -7,7 +8,6 @@ namespace impact {
 namespace {
 
 std::size_t at(int i, int j) { return static_cast<std::size_t>(3 * i + j); }
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double norm(const Matrix3& a) {
   double square = 0;
@@ -25,7 +25,8 @@ Matrix3 by_powers(const Vector3& v, double a, double b) {
 
 // Half of the axial vector of the antisymmetric part: sin(angle) along the axis of a rotation.
 Vector3 sine_vector(const Matrix3& R) {
-  return {(R[at(2, 1)] - R[at(1, 2)]) / 2, (R[at(0, 2)] - R[at(2, 0)]) / 2, (R[at(1, 0)] - R[at(0, 1)]) / 2};
+  const Vector3 w = axial(R);
+  return {w[0] / 2, w[1] / 2, w[2] / 2};
 }
 
 } // namespace

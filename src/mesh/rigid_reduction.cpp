@@ -1,13 +1,8 @@
 #include <algorithm>
+#include <impact/math/index.hpp>
 #include <impact/mesh/rigid_reduction.hpp>
 
 namespace impact {
-
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
 
 void RigidReduction::modes(const RigidPlace& body, const Matrix3& of, const double* X, int k,
                            double* mode) const {

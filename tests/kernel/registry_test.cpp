@@ -109,7 +109,9 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
   if (law.exchanges()) {
     Batch exchanged[Cell::points], zero[n];
     for (auto& x : zero) x = 0.0;
-    kernels<Cell, frame>().plastic_exchange(law, {in.phi, zero, trial, in.history, drive}, exchanged);
+    kernels<Cell, frame>().plastic_exchange(
+        law, {.phi = in.phi, .phi_n = zero, .history = trial, .history_n = in.history, .drive = drive},
+        exchanged);
     EXPECT_TRUE(std::isfinite(exchanged[0][0])) << name;
   }
   in.history = trial;

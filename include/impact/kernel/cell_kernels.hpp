@@ -7,6 +7,20 @@
 /// positive).
 namespace impact {
 
+/// Fields of a batch at the end of a step and (_n) at its start: [node][component] of nodal ones,
+/// [point][component] of those of points. Null pointers stand for zero, theta_0 and a virgin history. A
+/// kernel reads what its equation asks for.
+struct CellFields {
+  const Batch* X = nullptr;                             ///< [dim] reference coordinates
+  const Batch *u = nullptr, *u_n = nullptr;             ///< [dim] displacement
+  const Batch *phi = nullptr, *phi_n = nullptr;         ///< damage
+  const Batch *theta = nullptr, *theta_n = nullptr;     ///< temperature
+  const Batch *history = nullptr, *history_n = nullptr; ///< [history_size]; null for Model::elastic
+  const Batch *drive = nullptr, *drive_n = nullptr;     ///< [drive_size]
+  const Batch *fatigue = nullptr, *fatigue_n = nullptr; ///< Fat
+  double dt = 1;
+};
+
 // Momentum balance of one batch of cells in the total Lagrangian form (105):
 //   r_aI = int N_a,J P_iJ + rho N_a N_b a_b dV_0,   P = P_dev + p cof F + F (S_phi + S_d).
 // Volumetric locking (law.parameters.locking): `none` takes p from the J of the point, `mean` from the cell
@@ -15,19 +29,12 @@ namespace impact {
 // 8*IMPACT_LANES-byte aligned. Nothing here allocates, throws or traps: lanes that are marked bad may hold
 // NaN.
 
-struct MotionInput {
-  const Batch* X = nullptr;     ///< [node][dim] reference coordinates
-  const Batch* u = nullptr;     ///< [node][dim] displacement at t_{n+1}
-  const Batch* u_n = nullptr;   ///< [node][dim] at t_n; read only when b_d > 0 (and in the step sums)
+/// History and drive are the committed ones, phi is the frozen damage of the pass; u_n is read only where b_d
+/// > 0 (and in the step sums), drive by laws that soften, in motion_advance. Without a history in plane
+/// stress F_33 is looked for from 1, and the viscous stress is wrong.
+struct MotionInput : CellFields {
   const Batch* accel = nullptr; ///< [node][dim] acceleration minus body force per mass; nullptr = none
-  const Batch* phi = nullptr;   ///< [node] frozen damage of this pass, or nullptr (= 0)
-  const Batch* theta = nullptr; ///< [node] temperature, or nullptr (= theta0)
-  const Batch* history =
-      nullptr; ///< [point][history_size] committed history; may be nullptr for Model::elastic (in plane
-               ///< stress F_33 is then looked for from 1, and the viscous stress is wrong)
-  const Batch* drive = nullptr; ///< [point][drive_size] committed drive; laws that soften, in motion_advance
   bool held = false;            ///< the history is that of u: nothing flows
-  double dt = 1;                ///< step of S_d = 2 b_d (C - C_n)/dt and of the rate in the flow stress
   double unilateral = 1;        ///< factor of the unilateral stress m tau-
   double mass_shift = 0;        ///< tangent += mass_shift rho N_a N_b delta_ik
   bool symmetric = false;       ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
@@ -66,18 +73,9 @@ struct HeatFeed {
 
 enum class DamageForm { multiplied, divided };
 
-struct DamageInput {
-  const Batch* X = nullptr;       ///< [node][dim] reference coordinates
-  const Batch* u = nullptr;       ///< [node][dim] accepted displacement at t_{n+1}
-  const Batch* u_n = nullptr;     ///< [node][dim] at t_n; read only when theta_d < 1
-  const Batch* phi = nullptr;     ///< [node] the iterate
-  const Batch* phi_n = nullptr;   ///< [node] at t_n
-  const Batch* drive = nullptr;   ///< [point][drive_size] at t_{n+1}
-  const Batch* drive_n = nullptr; ///< [point][drive_size] at t_n; read only when theta_d < 1
-  const Batch* fatigue = nullptr; ///< [point] Fat_n, or nullptr (= 0)
-  const Batch* history =
-      nullptr; ///< [point][history_size] at t_n, for the alpha of a ductile degradation; nullptr: alpha = 0
-  double dt = 1;
+/// u is the accepted displacement; u_n and drive_n are read only when theta_d < 1. The history is that at
+/// t_n, for the alpha of a ductile degradation, and fatigue is Fat_n.
+struct DamageInput : CellFields {
   DamageForm form = DamageForm::multiplied;
   double theta_d = 1;  ///< 1 backward Euler, 1/2 trapezoid (the paper)
   bool convex = false; ///< tangent of a concave degradation bent up to positive curvature
@@ -89,18 +87,8 @@ struct DamageInput {
 // S_d = 2 b_d (C - C_n)/dt. In an elastic body 1/2 (S_c + S_c,n) : (C - C_n)/2 is the change of its energy
 // to third order, so that a few steps resolve a cycle; no rotation counts.
 
-struct FatigueInput {
-  const Batch* X = nullptr;         ///< [node][dim] reference coordinates
-  const Batch* u = nullptr;         ///< [node][dim] accepted displacement at t_{n+1}
-  const Batch* u_n = nullptr;       ///< [node][dim] at t_n
-  const Batch* phi = nullptr;       ///< [node] at t_{n+1}
-  const Batch* theta = nullptr;     ///< [node] that the motion solve saw, or nullptr (= theta0)
-  const Batch* theta_n = nullptr;   ///< [node] at t_n; with theta
-  const Batch* history = nullptr;   ///< [point][history_size] at t_{n+1}; nullptr for Model::elastic
-  const Batch* history_n = nullptr; ///< at t_n
-  const Batch* fatigue_n = nullptr; ///< [point] Fat_n
-  double dt = 1;
-};
+/// The temperatures are those that the motion solves saw; Fat_n is read, Fat comes out.
+using FatigueInput = CellFields;
 
 /// Sums over the points, per lane; fatigue_advance adds to them.
 struct FatigueSums {
@@ -132,41 +120,22 @@ inline const HeatPoint& heat_point_at(const Batch* points, int q) {
   return reinterpret_cast<const HeatPoint*>(points)[q];
 }
 
-struct HeatInput {
-  const Batch* X = nullptr;       ///< [node][dim] reference coordinates
-  const Batch* u = nullptr;       ///< [node][dim] accepted displacement at t_{n+1}, or nullptr (= 0)
-  const Batch* u_n = nullptr;     ///< [node][dim] at t_n; with u
-  const Batch* phi = nullptr;     ///< [node] at t_{n+1}, or nullptr (= 0)
-  const Batch* phi_n = nullptr;   ///< [node] at t_n; with phi
-  const Batch* theta = nullptr;   ///< [node] the iterate
-  const Batch* theta_n = nullptr; ///< [node] at t_n
-  const Batch* history = nullptr; ///< [point][history_size] at t_{n+1}; of moved laws that flow in the energy
-                                  ///< form, that exchange or are ductile, and in plane stress
-  const Batch* history_n = nullptr;   ///< at t_n
-  const Batch* fatigue = nullptr;     ///< [point] Fat at t_{n+1}, or nullptr (= 0); with phi
-  const Batch* fatigue_n = nullptr;   ///< at t_n; with fatigue
-  const Batch* drive = nullptr;       ///< [point][drive_size] at t_{n+1}; of laws that soften in the energy
-                                      ///< form, of those that exchange in the entropy form
-  const Batch* drive_n = nullptr;     ///< at t_n
+/// theta is the iterate. The histories are read of moved laws that flow in the energy form, that exchange or
+/// are ductile, and in plane stress; the drives of laws that soften in the energy form, of those that
+/// exchange in the entropy form.
+struct HeatInput : CellFields {
   const Batch* dissipation = nullptr; ///< [point] of the step per volume; nullptr = none
   const Batch* stress = nullptr;   ///< [point][gradient_size] P of the motion at t_{n+1}; energy form with u
   const Batch* stress_n = nullptr; ///< at t_n
-  double dt = 1;
   double theta_h = 1;
   HeatForm form = HeatForm::entropy;
 };
 
 // Integrals over a batch of cells that the ledger and the output read; nothing here enters an equation.
 
-struct EnergyInput {
-  const Batch* X = nullptr;       ///< [node][dim] reference coordinates
-  const Batch* u = nullptr;       ///< [node][dim]
-  const Batch* v = nullptr;       ///< [node][dim] velocity, or nullptr (= 0)
-  const Batch* phi = nullptr;     ///< [node], or nullptr (= 0)
-  const Batch* theta = nullptr;   ///< [node], or nullptr (= theta0)
-  const Batch* history = nullptr; ///< [point][history_size] of the same time as u; nullptr for Model::elastic
-  const Batch* fatigue = nullptr; ///< [point] Fat, or nullptr (= 0); with phi
-  const Batch* drive = nullptr;   ///< [point][drive_size] of that time; read where the law softens
+/// All of one time. The drive is read where the law softens.
+struct EnergyInput : CellFields {
+  const Batch* v = nullptr; ///< [node][dim] velocity, or nullptr (= 0)
 };
 
 /// Sums over the points, per lane; stored_energy adds to them.
@@ -186,13 +155,6 @@ struct HeatSums {
   Batch entropy = 0; ///< int c_V ln(theta/theta_0) + s,   s = 3 alpha_t g_v K/2 (J_e^2 - 1)
 };
 
-/// What damage and flow of a step exchange with the plastic heat, per volume at each point
-/// (PointLaw::plastic_exchange). For laws that exchange anything.
-struct ExchangeInput {
-  const Batch *phi = nullptr, *phi_n = nullptr;         ///< [node]
-  const Batch *history = nullptr, *history_n = nullptr; ///< [point][history_size]
-  const Batch* drive = nullptr;                         ///< [point][drive_size] at t_{n+1}
-};
 /// Averages over the reference volume of each cell.
 struct CellOutput {
   Batch stress[6]; ///< Cauchy stress 11 22 33 12 23 13 (all parts of the motion's stress)
@@ -246,7 +208,9 @@ struct CellKernels {
   /// Integral over the reference volume of each cell of what is given at its points. X [node][dim], values
   /// [point].
   Batch (*cell_integral)(const Batch* X, const Batch* values);
-  void (*plastic_exchange)(const PointLaw&, const ExchangeInput&, Batch* points);
+  /// What damage and flow of a step exchange with the plastic heat, per volume at each point
+  /// (PointLaw::plastic_exchange). For laws that exchange anything.
+  void (*plastic_exchange)(const PointLaw&, const CellFields&, Batch* points);
   /// int m (E^- - E^-_n), per lane: what a step stores by the unilateral part of the stress; sum is added to.
   /// X [node][dim]; phi [node]; history [point][history_size] of t_n, read where g knows alpha; drive,
   /// drive_n [point][drive_size] at t_{n+1} and t_n.

@@ -83,7 +83,7 @@ template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Bat
 }
 
 template <class Cell, Frame frame>
-void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch* points) {
+void plastic_exchange(const PointLaw& law, const CellFields& in, Batch* points) {
   for (int q = 0; q < Cell::points; ++q) points[q] = plastic_exchange_at<Cell, frame>(law, in, q);
 }
 

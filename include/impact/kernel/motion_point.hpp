@@ -36,9 +36,9 @@ inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* 
   return g;
 }
 
-/// PointLaw::plastic_exchange at one point. Input: phi, phi_n, history, history_n and drive.
-template <class Cell, Frame frame, class Input>
-inline Batch plastic_exchange_at(const PointLaw& law, const Input& in, int q) {
+/// PointLaw::plastic_exchange at one point.
+template <class Cell, Frame frame>
+inline Batch plastic_exchange_at(const PointLaw& law, const CellFields& in, int q) {
   const Batch alpha = history_at<frame>(in.history, q).alpha,
               alpha_n = history_at<frame>(in.history_n, q).alpha;
   const Drive& drive = drive_at(in.drive, q);
