@@ -57,24 +57,6 @@ bool EdgePoints::faces(const CarriedFunction& gap, const Point2<double>& normal)
   return retraction(foot, normal, infinity) < infinity;
 }
 
-EdgePoints::Pair EdgePoints::pair_of(const ShapeValues& shape, const Seen* seen) {
-  const std::array<double, 2> N = shape_of(shape);
-  return {{N, seen != nullptr ? shares_of(*seen) : N}, 0};
-}
-
-void EdgePoints::add_slips(const Corners& s, const Corners& p, const Map&, const Pair& pair, bool,
-                           Tangential& value, std::array<std::array<double, 8>, 1>& rows) {
-  const Slip slip = slip_of(s, p, pair.anchor);
-  value[0] = slip.value - pair.start;
-  rows[0] = slip.gradient;
-}
-
-void EdgePoints::add_slip_hessian(const Corners& s, const Corners& p, const Map&, const Pair& pair,
-                                  const Tangential& factor, std::array<double, 64>& hessian) {
-  const std::array<double, 64> H = slip_hessian(s, p, pair.anchor);
-  for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor[0] * H[i];
-}
-
 template <>
 EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate, int,
                                      const std::vector<double>& x) const {
@@ -125,8 +107,8 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
   Seen first;
   if (nodes().start.empty()) return first;
   const Point2<double> here = place_on(facet.corner, shape),
-                       before =
-                           place_on(corners_at<2, 2>(secondary_slots(facet.number), nodes().start), shape);
+                       before = place_on(
+                           corners_at<EdgeCorners>(secondary_slots(facet.number), nodes().start), shape);
   double earliest = infinity;
   const double depth = search_.depth(facet.number);
   const Candidates& list = search_.candidates();
@@ -159,10 +141,10 @@ template <>
 void EdgePointForm::sharpen(int facet, std::size_t number, const std::vector<double>& u, Seen& seen) const {
   if (seen.foot.part != FootPart::edge) return;
   const int* primary = primary_slots(seen.candidate);
-  const auto p = corners_from<2, 2>(primary[0], primary, u);
-  seen.foot =
-      foot_on_line(place_on(corners_from<2, 2>(primary[0], secondary_slots(facet), u), points_.shape[number]),
-                   PrimaryEdge<double>{p[0], p[1]});
+  const auto p = corners_from<EdgeCorners>(primary[0], primary, u);
+  seen.foot = foot_on_line(
+      place_on(corners_from<EdgeCorners>(primary[0], secondary_slots(facet), u), points_.shape[number]),
+      PrimaryEdge<double>{p[0], p[1]});
 }
 
 template <>
@@ -176,29 +158,6 @@ void EdgePointForm::add_gap_hessian(int, std::size_t number, const std::vector<d
                                     double factor, Matrix& hessian) const {
   const std::array<double, 64> H = gap_hessian(shape_of(points_.shape[number]), seen.edge, seen.foot);
   for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor * H[i];
-}
-
-template <>
-void EdgePointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
-  for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
-    for (std::size_t a = 0; a < 2; ++a) {
-      const Point2<double>& place = facet.corner[a];
-      CarriedFunction gap;
-      if (rigid()) {
-        gap = obstacle_.gap(obstacle_.reference(), in_space(place));
-        if (!EdgePoints::faces(gap, facet.normal)) continue;
-      } else {
-        const Seen seen = nearest(facet, a == 0 ? ShapeValues{1, 0, 0, 0} : ShapeValues{0, 1, 0, 0}, x);
-        if (seen.candidate < 0) continue;
-        gap.value = seen.foot.gap;
-        gap.by_place = in_space(seen.foot.normal);
-      }
-      // Coordinates that were meant to touch differ by rounding of their own size.
-      if (-gap.value > 1e-9 * (secondary_.length[at(f)] + std::hypot(place[0], place[1])))
-        visitor(secondary_slots(f)[a], -gap.value, gap.by_place);
-    }
-  }
 }
 
 template class PointForm<EdgePoints>;

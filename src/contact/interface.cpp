@@ -33,7 +33,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   const ObstaclePose now = pose();
   ContactForm& form = constraints_->form();
   form.begin_attempt(now, u_n ? u_n.get() : nullptr);
-  if (form.list_restored()) use_new_nodes();
+  if (form.search().restored()) use_new_nodes();
   const StepRule rule = at_rest_ || !u_n             ? StepRule::none
                         : constraints_->conserving() ? StepRule::exact_work
                         : stabilised                 ? StepRule::middle

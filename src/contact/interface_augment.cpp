@@ -58,7 +58,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
                                         std::vector<double>& traction) const {
   const std::vector<double>& multiplier = rows_.multiplier->trial;
   const std::size_t m = constraints_->dim(), tangents = friction_.acts() ? constraints_->tangents() : 0;
-  const double penalty = method().eps(), deepest = constraints_->form().deepest();
+  const double penalty = method().eps(), deepest = constraints_->form().search().deepest();
   // A constraint that faces nothing carries nothing.
   lambda.assign(multiplier.size(), 0.0);
   traction.assign(tangents * lambda.size(), 0.0);

@@ -146,7 +146,7 @@ ContactInterface::Reach ContactInterface::reach(Vec u) const {
     if (c.active) most[1] = 1;
     if (c.gap < touch) stiffness += c.weight * eps;
   });
-  if (most[0] == -infinity) most[2] = -constraints_->form().nearest_nodes(values);
+  if (most[0] == -infinity) most[2] = -constraints_->form().search().nearest_nodes(values);
   MPI_Allreduce(MPI_IN_PLACE, most.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   MPI_Allreduce(MPI_IN_PLACE, &stiffness, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   return {-most[0], -most[2], most[1] > 0 ? 0 : stiffness, most[1] > 0};

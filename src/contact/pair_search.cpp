@@ -32,13 +32,6 @@ double largest_part(const std::vector<double>& a, const std::vector<double>& b, 
 // move by this part of them until the list is made anew.
 constexpr double local_part = 0.4, local_slack = 0.1;
 
-double longest_side(const double* x, int corners, int dim) {
-  double square = 0;
-  for (int a = 0; a < corners; ++a)
-    square = std::max(square, square_of_move(x + at(dim * a), x + at(dim * ((a + 1) % corners)), dim));
-  return std::sqrt(square);
-}
-
 // Of the nodes [slot].
 double largest_move(const std::vector<double>& a, const std::vector<double>& b, int dim,
                     const std::vector<int>& slots) {
@@ -76,7 +69,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
                        SearchRange range, Primary kind)
     : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), corners_(mesh.dim() == 2 ? 2 : 4),
       secondary_(secondary), primary_(primary.node), kind_(kind), radius_(range.radius),
-      skin_(range.radius / 2), local_(range.local && kind == Primary::other) {
+      local_(range.local && kind == Primary::other) {
   if (kind != Primary::rigid) neighbour_ = surface_neighbours(layout, primary);
   std::vector<PetscInt> nodes = secondary_;
   nodes.insert(nodes.end(), primary_.begin(), primary_.end());
@@ -92,20 +85,9 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   place(secondary_, secondary_X, secondary_slot_);
   place(primary_, primary.X, primary_slot_);
   static_ = NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, nodes);
-  static_slack_.assign(nodes.size(), local_ ? HUGE_VAL : skin_ / 2);
-  smallest_ = HUGE_VAL;
-  const auto measure = [&](const std::vector<double>& X, const std::vector<int>& slot) {
-    for (std::size_t i = 0; i < slot.size(); i += at(corners_)) {
-      const double size = longest_side(&X[at(dim_) * i], corners_, dim_);
-      smallest_ = std::min(smallest_, size);
-      for (std::size_t a = i; local_ && a < i + at(corners_); ++a) {
-        double& slack = static_slack_[at(slot[a])];
-        slack = std::min(slack, local_slack * size);
-      }
-    }
-  };
-  measure(secondary_X, secondary_slot_);
-  measure(primary.X, primary_slot_);
+  static_slack_.assign(nodes.size(), local_ ? HUGE_VAL : skin() / 2);
+  smallest_ = std::min(tighten(secondary_slot_, static_X_, static_slack_),
+                       tighten(primary_slot_, static_X_, static_slack_));
   MPI_Allreduce(MPI_IN_PLACE, &smallest_, 1, MPI_DOUBLE, MPI_MIN, mesh.comm());
   if (kind == Primary::rigid) return;
   const SearchSecondary own = secondary_at(static_X_);
@@ -169,30 +151,42 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   return changed || owed == Outcome::other_pairs ? Outcome::other_pairs : Outcome::rebuilt;
 }
 
-// In the form of the search: four corners, three coordinates.
+std::array<double, 12> PairSearch::in_space(const int* slot, const std::vector<double>& x) const {
+  std::array<double, 12> corner{};
+  for (int a = 0; a < 4; ++a)
+    std::copy_n(&x[at(dim_ * slot[std::min(a, corners_ - 1)])], dim_, &corner[at(3 * a)]);
+  return corner;
+}
+
+double PairSearch::tighten(const std::vector<int>& slot, const std::vector<double>& X,
+                           std::vector<double>& slack) const {
+  double smallest = HUGE_VAL;
+  for (std::size_t i = 0; i < slot.size(); i += at(corners_)) {
+    const double size = longest_side(in_space(&slot[i], X).data(), 4, 3);
+    smallest = std::min(smallest, size);
+    for (std::size_t a = i; local_ && a < i + at(corners_); ++a)
+      slack[at(slot[a])] = std::min(slack[at(slot[a])], local_slack * size);
+  }
+  return smallest;
+}
+
 SearchSecondary PairSearch::secondary_at(const std::vector<double>& x) const {
   SearchSecondary secondary;
-  const std::size_t corners = at(corners_);
-  for (std::size_t f = 0; f < secondary_.size() / corners; ++f)
-    for (std::size_t a = 0; a < 4; ++a) {
-      const std::size_t i = corners * f + std::min(a, corners - 1);
-      secondary.node.push_back(secondary_[i]);
-      for (std::size_t k = 0; k < 3; ++k)
-        secondary.x.push_back(k < at(dim_) ? x[at(dim_ * secondary_slot_[i]) + k] : 0);
-    }
+  for (std::size_t f = 0; f < secondary_.size(); f += at(corners_)) {
+    const std::array<double, 12> corner = in_space(&secondary_slot_[f], x);
+    secondary.x.insert(secondary.x.end(), corner.begin(), corner.end());
+    for (int a = 0; a < 4; ++a) secondary.node.push_back(secondary_[f + at(std::min(a, corners_ - 1))]);
+  }
   return secondary;
 }
 
 std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) const {
   std::vector<SearchFacet> primary(primary_.size() / at(corners_));
   for (std::size_t f = 0; f < primary.size(); ++f) {
+    const std::size_t first = at(corners_) * f;
     primary[f].neighbour = {neighbour_[2 * f], neighbour_[2 * f + 1]};
-    for (std::size_t a = 0; a < 4; ++a) {
-      const std::size_t i = at(corners_) * f + std::min(a, at(corners_ - 1));
-      primary[f].node[a] = primary_[i];
-      for (std::size_t k = 0; k < 3; ++k)
-        primary[f].x[3 * a + k] = k < at(dim_) ? x[at(dim_ * primary_slot_[i]) + k] : 0;
-    }
+    primary[f].x = in_space(&primary_slot_[first], x);
+    for (int a = 0; a < 4; ++a) primary[f].node[at(a)] = primary_[first + at(std::min(a, corners_ - 1))];
   }
   return primary;
 }
@@ -202,7 +196,7 @@ Candidates PairSearch::search(const std::vector<double>& x) const {
   if (local_)
     return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach - smallest_,
                            local_part + local_slack);
-  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin_);
+  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin());
 }
 
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
@@ -245,22 +239,13 @@ void PairSearch::fetch_nodes(Vec u) {
 
 void PairSearch::measure_slack() {
   const ContactNodes& nodes = list_.nodes;
-  list_.slack.assign(nodes.global.size(), local_ ? HUGE_VAL : skin_ / 2);
+  list_.slack.assign(nodes.global.size(), local_ ? HUGE_VAL : skin() / 2);
   if (!local_) return;
   for (std::size_t i = 0; i < secondary_.size(); ++i) {
     double& slack = list_.slack[at(nodes.secondary[i])];
     slack = std::min(slack, static_slack_[at(secondary_slot_[i])]);
   }
-  std::vector<double> X(at(dim_ * corners_));
-  for (std::size_t i = 0; i < nodes.primary.size(); i += at(corners_)) {
-    for (std::size_t j = 0; j < X.size(); ++j)
-      X[j] = nodes.X[at(dim_ * nodes.primary[i + j / at(dim_)]) + j % at(dim_)];
-    const double size = longest_side(X.data(), corners_, dim_);
-    for (std::size_t a = i; a < i + at(corners_); ++a) {
-      double& slack = list_.slack[at(nodes.primary[a])];
-      slack = std::min(slack, local_slack * size);
-    }
-  }
+  tighten(nodes.primary, nodes.X, list_.slack);
 }
 
 double PairSearch::pairs_per_facet() const {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/box_tree.hpp>
 #include <impact/contact/search.hpp>
+#include <impact/contact/surface.hpp>
 #include <numeric>
 #include <utility>
 
@@ -19,20 +20,9 @@ Box box_of(const double* facet) {
   return box;
 }
 
-double size_of(const double* facet) {
-  double square = 0;
-  for (std::size_t a = 0; a < 4; ++a) {
-    const double *x = facet + 3 * a, *y = facet + 3 * ((a + 1) % 4);
-    double side = 0;
-    for (std::size_t k = 0; k < 3; ++k) side += (x[k] - y[k]) * (x[k] - y[k]);
-    square = std::max(square, side);
-  }
-  return std::sqrt(square);
-}
-
 Box grown_box_of(const double* facet, double part) {
   const Box box = box_of(facet);
-  return part > 0 ? box.grown(part * size_of(facet)) : box;
+  return part > 0 ? box.grown(part * longest_side(facet, 4, 3)) : box;
 }
 
 // The boxes of both surfaces of every rank; an empty surface has an inverted box that meets nothing.

@@ -20,6 +20,17 @@ std::string boundary_names(const Mesh& mesh) {
 
 } // namespace
 
+double longest_side(const double* corner, int corners, int dim) {
+  double largest = 0;
+  for (int a = 0; a < corners; ++a) {
+    const double *x = corner + dim * a, *y = corner + dim * ((a + 1) % corners);
+    double square = 0;
+    for (int k = 0; k < dim; ++k) square += (x[k] - y[k]) * (x[k] - y[k]);
+    largest = std::max(largest, square);
+  }
+  return std::sqrt(largest);
+}
+
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group) {
   const Group* found = mesh.find_group(group);
   if (found == nullptr || found->dim != mesh.dim() - 1)
@@ -33,21 +44,15 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
   surface.corners = dim == 2 ? 2 : 4;
   for (int f = 0; f < facets.count(); ++f) {
     const int* nodes = &facets.connectivity[at(facets.nodes_per_facet * f)];
-    double longest = 0;
+    const std::size_t first = surface.X.size();
     for (int a = 0; a < surface.corners; ++a) {
       const int node = nodes[std::min(a, facets.nodes_per_facet - 1)];
-      const int other = nodes[(a + 1) % facets.nodes_per_facet];
       surface.local.push_back(node);
       surface.node.push_back(mesh.global_node()[at(node)]);
-      double square = 0;
-      for (int k = 0; k < dim; ++k) {
-        surface.X.push_back(mesh.coordinates()[at(dim * node + k)]);
-        const double difference = mesh.coordinates()[at(dim * other + k)] - surface.X.back();
-        square += difference * difference;
-      }
-      longest = std::max(longest, std::sqrt(square));
+      const auto place = mesh.coordinates().begin() + dim * node;
+      surface.X.insert(surface.X.end(), place, place + dim);
     }
-    surface.length.push_back(longest);
+    surface.length.push_back(longest_side(&surface.X[first], surface.corners, dim));
     const PetscInt* cone = nullptr;
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
     surface.reversed.push_back(dim != 2 || cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);

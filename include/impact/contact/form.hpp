@@ -31,6 +31,17 @@ struct FormRequest {
   double hold_gap;               ///< by which the gap of what a point is tied to may differ from the nearest
 };
 
+/// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
+struct Opposite {
+  std::array<PetscInt, 4> node{}; ///< global
+  std::array<int, 4> slot{};      ///< in the nodes of the contact, -1: not there
+
+  void locate(const ContactNodes& nodes) {
+    for (std::size_t b = 0; b < 4; ++b) slot[b] = nodes.slot(node[b]);
+  }
+  bool found() const { return *std::min_element(slot.begin(), slot.end()) >= 0; }
+};
+
 class ContactForm {
 public:
   explicit ContactForm(const FormRequest& request)
@@ -51,7 +62,7 @@ public:
     release();
     if (u_n) {
       search_.begin_attempt(u_n);
-      if (list_restored()) obstacle_.locate(nodes());
+      if (search_.restored()) obstacle_.locate(nodes());
       anchor(u_n);
     }
     obstacle_.begin_attempt(pose);
@@ -61,29 +72,16 @@ public:
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
   /// Collective.
   virtual PairSearch::Outcome update(Vec u, const Presses& presses) = 0;
-  /// The next update builds the pairs afresh.
-  void forget() { search_.forget(); }
-  /// True from a begin_attempt that brought the nodes of an earlier list back until the next update.
-  bool list_restored() const { return search_.restored(); }
   /// True when the last update changed what a constraint with pressure faces, on this rank.
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }
+  PairSearch& search() { return search_; }
+  const PairSearch& search() const { return search_; }
   const ContactNodes& nodes() const { return search_.nodes(); }
   /// Pairs of global nodes whose dofs tangents may couple: sorted, each once.
   virtual NodePairs couplings() const = 0;
-  /// False where the coordinates x of nodes() left the range of the pairs.
-  bool pairs_hold(const std::vector<double>& x) const { return search_.holds_for(x); }
-  /// Distance of the nearest nodes of this rank's pairs at the displacement u of nodes(); infinite without
-  /// any.
-  double nearest_nodes(const std::vector<double>& u) const { return search_.nearest_nodes(u); }
-  double pairs_per_facet() const { return search_.pairs_per_facet(); }
   /// Whether it has far more constraints than its surface has nodes.
   virtual bool overdetermined() const { return false; }
-  /// Gap below which a constraint lies deeper than the search can judge, in this step or the next; -infinity
-  /// where it always can.
-  double deepest() const {
-    return search_.meets_rigid() ? -std::numeric_limits<double>::infinity() : -search_.range();
-  }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats.
   virtual void visit(const std::vector<double>& u, Derivatives derivatives,
@@ -131,20 +129,52 @@ protected:
     const int* slot = primary_slots(candidate);
     return nodes().corners == 2 ? 2 : slot[3] == slot[2] ? 3 : 4;
   }
-  /// Corners of a facet at coordinates x [node][d] of nodes(); or at a displacement, seen from a node.
-  template <std::size_t n, std::size_t d>
-  static std::array<std::array<double, d>, n> corners_at(const int* slot, const std::vector<double>& x) {
-    std::array<std::array<double, d>, n> corner;
-    for (std::size_t a = 0; a < n; ++a)
-      std::copy_n(&x[d * static_cast<std::size_t>(slot[a])], d, corner[a].begin());
+  /// Corners of a facet, an array of places, at coordinates x [node][dim] of nodes(); or at a displacement,
+  /// seen from a node.
+  template <class Corners> static Corners corners_at(const int* slot, const std::vector<double>& x) {
+    Corners corner;
+    for (auto& place : corner)
+      std::copy_n(&x[place.size() * static_cast<std::size_t>(*slot++)], place.size(), place.begin());
     return corner;
   }
-  template <std::size_t n, std::size_t d>
-  std::array<std::array<double, d>, n> corners_from(int origin, const int* slot,
-                                                    const std::vector<double>& u) const {
-    std::array<std::array<double, d>, n> corner;
-    for (std::size_t a = 0; a < n; ++a) corner[a] = nodes().place<d>(slot[a], origin, u);
+  template <class Corners>
+  Corners corners_from(int origin, const int* slot, const std::vector<double>& u) const {
+    Corners corner;
+    for (auto& place : corner)
+      place = nodes().place<std::tuple_size_v<typename Corners::value_type>>(*slot++, origin, u);
     return corner;
+  }
+  /// Places of what lay opposite a facet at a displacement, seen from its first corner.
+  template <class Corners>
+  Corners opposite(const Opposite& opposite, int facet, const std::vector<double>& u) const {
+    const int origin = secondary_slots(facet)[0];
+    if (!rigid()) return corners_from<Corners>(origin, opposite.slot.data(), u);
+    Corners corner;
+    for (std::size_t b = 0; b < corner.size(); ++b)
+      corner[b] =
+          obstacle_.place<std::tuple_size_v<typename Corners::value_type>>(nodes(), facet, b, origin, u);
+    return corner;
+  }
+  /// Corners of a secondary facet and of the carrier of the obstacle.
+  std::vector<int> with_carrier(int facet, std::size_t corners) const {
+    std::vector<int> node(secondary_slots(facet), secondary_slots(facet) + corners);
+    node.insert(node.end(), obstacle_.slots().begin(), obstacle_.slots().end());
+    return node;
+  }
+  /// Visits a block over the corners of a facet and what lay opposite: what a rigid body carries along has
+  /// derivatives by its carrier.
+  void visit_slip_block(int facet, const Opposite& opposite, std::span<const double> block,
+                        const BlockVisitor& visitor) const {
+    const auto corners = static_cast<std::size_t>(nodes().corners);
+    std::vector<int> node = with_carrier(facet, corners);
+    std::vector<double> chained;
+    if (rigid()) {
+      obstacle_.chain_block(facet, block, chained);
+      block = chained;
+    } else {
+      node.insert(node.end(), opposite.slot.begin(), opposite.slot.begin() + nodes().corners);
+    }
+    visitor(node, block);
   }
 
   ContactSettings settings_;

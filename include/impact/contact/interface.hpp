@@ -124,9 +124,9 @@ public:
   /// reduction when nothing moved far.
   bool update_search(Vec u);
   /// False: something moved so far that the pairs may miss a facet. Collective.
-  bool search_holds(Vec u) const { return constraints_->form().pairs_hold(nodes().current(u)); }
+  bool search_holds(Vec u) const { return constraints_->form().search().holds_for(nodes().current(u)); }
   /// The next update_search builds the pairs afresh, as a restarted run does.
-  void forget_search() { constraints_->form().forget(); }
+  void forget_search() { constraints_->form().search().forget(); }
   /// Pairs of global nodes that the candidates of this rank may couple, sorted, each once.
   NodePairs couplings() const;
   /// The same of the nodes themselves, where rigid bodies have no unknowns of their own.
@@ -206,7 +206,7 @@ public:
   /// At the secondary nodes, as weighted means of the constraints. Collective.
   ContactFields nodal_fields(Vec u) const;
   /// Pairs of the search per secondary facet that has any. Collective.
-  double pairs_per_facet() const { return constraints_->form().pairs_per_facet(); }
+  double pairs_per_facet() const { return constraints_->form().search().pairs_per_facet(); }
   /// How far the sides are from pressing each other at u. Collective.
   struct Reach {
     double gap = 0;       ///< smallest one, infinite where nothing faces

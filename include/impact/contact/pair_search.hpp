@@ -6,6 +6,7 @@
 #include <impact/contact/surface.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -61,6 +62,8 @@ struct SearchRange {
   bool local = false;
 };
 
+/// More members than usual: the facets that never change, the list that one search found, what the attempt at
+/// a step began with, and what a surface that may meet itself needs beside.
 class PairSearch {
 public:
   enum class Outcome { kept, rebuilt, other_pairs };
@@ -109,7 +112,11 @@ public:
   /// How deep any facet is seen that did not move within the step: the radius; by local sizes, that of the
   /// smallest facets on both sides.
   double range() const;
-  bool meets_rigid() const { return kind_ == Primary::rigid; }
+  /// Gap below which a place lies deeper than the search can judge, in this step or the next; -infinity where
+  /// it always can.
+  double deepest() const {
+    return kind_ == Primary::rigid ? -std::numeric_limits<double>::infinity() : -range();
+  }
   bool meets_itself() const { return kind_ == Primary::itself; }
   /// Whether this facet is the secondary one of its pair with the candidate (a place in candidates().facet):
   /// always, unless the surface may meet itself.
@@ -139,6 +146,11 @@ private:
     double reach = 0;             // most motion within a step for which the list holds every facet
     bool outdated = true;
   };
+  // A facet with these nodes, at coordinates x [node][dim], in the form of the search.
+  std::array<double, 12> in_space(const int* slot, const std::vector<double>& x) const;
+  // Lets the nodes of facets move by no more than their facets allow; the smallest of these. X: [node][dim].
+  double tighten(const std::vector<int>& slot, const std::vector<double>& X,
+                 std::vector<double>& slack) const;
   // Facets at the coordinates x of the static nodes.
   SearchSecondary secondary_at(const std::vector<double>& x) const;
   std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
@@ -149,8 +161,8 @@ private:
   void prepare_self_contact(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   // Leaves of the candidates those that may touch; needs nodes_ of them all.
   void drop_neighbours(Vec u);
-  FacetShape candidate_shape(int primary, const std::vector<double>& x) const;
   void fetch_nodes(Vec u);
+  double skin() const { return radius_ / 2; }
   void fetch_start();
 
   const Mesh* mesh_ = nullptr;
@@ -165,7 +177,7 @@ private:
   std::vector<double> static_slack_;               // [node] what it may move by until the list is made anew
   Handle<Vec> u_n_;                                // at the start of the step; absent: unknown
   Primary kind_ = Primary::rigid;
-  double radius_ = 0, skin_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
+  double radius_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
   bool local_ = false;
   List list_;
   std::optional<List> found_;        // by the attempt, where it has searched since

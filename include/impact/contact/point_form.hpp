@@ -3,6 +3,9 @@
 #include <cmath>
 #include <impact/contact/form.hpp>
 #include <impact/contact/hold.hpp>
+#include <impact/kernel/face_ray.hpp>
+#include <impact/kernel/face_slip.hpp>
+#include <impact/math/index.hpp>
 #include <memory>
 
 /// Contact at Gauss points of the secondary facets: one gap constraint at every point, to what lies opposite
@@ -10,7 +13,6 @@
 /// common; `Geometry` brings the rest (edge_points.hpp in the plane, face_points.hpp in space):
 ///   dim, corners              of a facet
 ///   Seen                      what a point faces: a candidate, -1 for none, and the foot on it
-///   Pair                      what a point lay opposite of at the start of the step, for the slip
 /// and functions of points, of which Facet says where their secondary facet stands.
 ///
 /// `update` ties every point near the surface to what it faces, continued beyond its sides, until the next
@@ -72,14 +74,12 @@ private:
   // What a point lay opposite of at the start of the step.
   struct Anchor {
     bool valid = false;
-    std::array<PetscInt, corners> node{}; // of the primary facet, global
-    std::array<int, corners> slot{};      // in nodes(), -1: not there
-    typename Geometry::Pair pair;
+    Opposite opposite;
+    FacetAnchor pair; // in its first function
   };
   // Both facets of an anchor at a displacement, seen from the secondary's first corner.
   struct SlipPlaces {
     Corners s{}, p{};
-    std::array<int, 2 * corners> slot{}; // of the primary part, unless a rigid body has none
   };
   struct Workspace {
     NodePlaces place;
@@ -89,7 +89,7 @@ private:
   Facet facet_at(int number, const std::vector<double>& x) const {
     Facet facet;
     facet.number = number;
-    facet.corner = corners_at<corners, dim>(secondary_slots(number), x);
+    facet.corner = corners_at<Corners>(secondary_slots(number), x);
     facet.normal = Geometry::normal(facet.corner);
     return facet;
   }
@@ -107,10 +107,8 @@ private:
     return y;
   }
   std::span<const double> share_of(std::size_t number, int facet) const {
-    return {points_.shape[number].data(), static_cast<std::size_t>(points_.corners[at(facet)])};
+    return {points_.shape[number].data(), at(points_.corners[at(facet)])};
   }
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
   Seen nearest(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x) const;
   // What the point is tied to; false where an iterate went too far astray.
@@ -130,6 +128,8 @@ private:
   bool may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const;
   // Once more with all digits: a penalty makes a pressure of what is lost.
   void sharpen(int facet, std::size_t number, const std::vector<double>& u, Seen& seen) const;
+  // Of faces: the point and the triangle that it sees.
+  FaceRay ray_of(int facet, std::size_t number, const std::vector<double>& u, const Seen& seen) const;
   // d(gap) and its second variation times a factor, over the dofs of both facets.
   Row gap_gradient(int facet, std::size_t number, const std::vector<double>& u, const Seen& seen) const;
   void add_gap_hessian(int facet, std::size_t number, const std::vector<double>& u, const Seen& seen,
@@ -149,7 +149,7 @@ private:
   ContactSurface secondary_;
   Frame frame_;
   FormPoints points_;
-  std::vector<typename Geometry::Map> map_; // [secondary facet] for the slip
+  std::vector<FaceMap> map_; // [secondary facet] of faces, for the slip
   std::vector<double> nodal_area_;
   std::vector<Hold> holds_;     // [secondary facet][point]
   std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction

@@ -33,6 +33,9 @@ struct SurfacePoints {
   std::vector<double> weight; ///< [facet][point] reference area: per unit thickness, or of the full ring
 };
 
+/// Longest side of a facet whose corners [corner][dim] follow each other.
+double longest_side(const double* corner, int corners, int dim);
+
 /// Facets of a boundary group. Throws UserError(data) when the group is unknown, empty or no boundary.
 /// Collective.
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group);
