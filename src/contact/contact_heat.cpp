@@ -26,7 +26,7 @@ bool ContactHeat::renew() {
   searches_ = contact_->searches();
   const ContactNodes& nodes = contact_->nodes();
   exchange_ = NodeExchange(mesh_->comm(), mesh_->owned_node_count(), 1, nodes.global);
-  NodePairs couplings = conducts_ ? contact_->node_couplings() : NodePairs();
+  NodePairs couplings = conducts_ ? contact_->constraints().form().couplings() : NodePairs();
   const bool same = all_ranks_agree(mesh_->comm(), couplings == couplings_);
   couplings_ = std::move(couplings);
   return !same;

@@ -1,6 +1,8 @@
 #include <impact/contact/edge_points.hpp>
 #include <impact/contact/point_form_impl.hpp>
 #include <impact/math/index.hpp>
+#include <impact/petsc/error.hpp>
+#include <numbers>
 
 namespace impact {
 
@@ -42,10 +44,21 @@ std::array<double, 2> shape_of(const ShapeValues& shape) { return {shape[0], sha
 } // namespace
 
 FormPoints EdgePoints::make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame) {
-  const SurfacePoints made = impact::make_points(surface, settings.id, settings.points, frame);
-  FormPoints points{made.per_facet, {}, made.weight, std::vector<int>(surface.length.size(), 2)};
-  for (std::size_t i = 0; i < made.weight.size(); ++i)
-    points.shape.push_back({made.shape[2 * i], made.shape[2 * i + 1], 0, 0});
+  const int n = settings.points;
+  if (n < 1 || n > 16)
+    throw UserError(ExitCode::usage, "-contact_" + settings.id + "_points " + std::to_string(n) +
+                                         ": allowed are 1 to 16 points per facet");
+  const GaussRule rule = gauss_rule(n);
+  FormPoints points{n, {}, {}, std::vector<int>(surface.length.size(), 2)};
+  for (int f = 0; f < surface.count(); ++f)
+    for (int q = 0; q < n; ++q) {
+      const double xi = surface.reversed[at(f)] ? -rule.xi[at(q)] : rule.xi[at(q)];
+      const double N0 = (1 - xi) / 2, N1 = (1 + xi) / 2;
+      const double* X = &surface.X[at(4 * f)];
+      const double ring = frame == Frame::axisymmetric ? 2 * std::numbers::pi * (N0 * X[0] + N1 * X[2]) : 1;
+      points.shape.push_back({N0, N1, 0, 0});
+      points.weight.push_back(rule.weight[at(q)] * surface.length[at(f)] / 2 * ring);
+    }
   return points;
 }
 

@@ -142,7 +142,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   // A step that moves alike finds the list long enough.
   list_.reach = local_ ? std::max(smallest_, 1.25 * motion) : std::max(radius_, motion);
   list_.candidates = search(x);
-  fetch_nodes(u);
+  fetch_nodes();
   if (body_) drop_neighbours(u);
   list_.built_at = std::move(x);
   list_.outdated = false;
@@ -209,7 +209,7 @@ std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
   return nodes;
 }
 
-void PairSearch::fetch_nodes(Vec u) {
+void PairSearch::fetch_nodes() {
   ContactNodes next;
   next.dim = dim_;
   next.corners = corners_;
@@ -231,21 +231,8 @@ void PairSearch::fetch_nodes(Vec u) {
   const Handle<Vec> X = layout_->make_global();
   layout_->to_global(std::vector<double>(mesh_->coordinates().begin(), mesh_->coordinates().end()), X);
   next.X = next.exchange.gather(X);
-  next.built_at = next.current(u);
   list_.nodes = std::move(next);
-  measure_slack();
   if (u_n_) fetch_start();
-}
-
-void PairSearch::measure_slack() {
-  const ContactNodes& nodes = list_.nodes;
-  list_.slack.assign(nodes.global.size(), local_ ? HUGE_VAL : skin() / 2);
-  if (!local_) return;
-  for (std::size_t i = 0; i < secondary_.size(); ++i) {
-    double& slack = list_.slack[at(nodes.secondary[i])];
-    slack = std::min(slack, static_slack_[at(secondary_slot_[i])]);
-  }
-  tighten(nodes.primary, nodes.X, list_.slack);
 }
 
 double PairSearch::pairs_per_facet() const {
@@ -272,10 +259,6 @@ double PairSearch::nearest_nodes(const std::vector<double>& u) const {
           square = std::min(square, square_of_move(&x[at(dim_ * s)], &x[at(dim_ * p)], dim_));
         }
   return std::sqrt(square);
-}
-
-bool PairSearch::holds_for(const std::vector<double>& x) const {
-  return kind_ == Primary::rigid || largest_part(x, list_.nodes.built_at, dim_, list_.slack) <= 1;
 }
 
 } // namespace impact

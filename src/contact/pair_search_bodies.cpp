@@ -48,8 +48,7 @@ void PairSearch::prepare_self_contact(const SearchSecondary& secondary,
   self_ = SelfContact(mesh_->comm(), dim_, own);
   // The body's other side, as far as it can matter.
   list_.candidates = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
-  const Handle<Vec> rest = layout_->make_global();
-  fetch_nodes(rest);
+  fetch_nodes();
   const std::vector<double> node_body = list_.nodes.exchange.gather(body_);
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     depth_.push_back(self_depth * shapes_[f].size);

@@ -14,6 +14,9 @@ struct EdgePoints {
     Foot<double> foot;
     PrimaryEdge<double> edge;
   };
+  /// Gauss points, 1 to 16 per edge, exact for polynomials of degree 2 points - 1; numbered along the cone of
+  /// the facet in the mesh, which is the same for every partition, so that what is kept per point can move to
+  /// other ranks. Throws UserError(usage).
   static FormPoints make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
   static void make_map(const ContactSurface&, int, FaceMap&) {} // one direction needs none
   static Point2<double> normal(const Corners& x) { return detail::right_normal(x[0], x[1]); }

@@ -26,7 +26,6 @@ struct ContactNodes {
   std::vector<int> secondary;   ///< [secondary facet][corner]
   std::vector<int> primary;     ///< [candidate primary][corner]
   std::vector<int> neighbour;   ///< [candidate primary][2]: far nodes of an edge's neighbours, -1: none
-  std::vector<double> built_at; ///< [node][dim] when the list was made
 
   /// Place of a global node, -1: not there.
   int slot(PetscInt node) const;
@@ -132,8 +131,6 @@ public:
   /// Distance of the nearest nodes of two facets of a pair at the displacement u of nodes(); infinite without
   /// pairs.
   double nearest_nodes(const std::vector<double>& u) const;
-  /// False: something moved so far that the list may miss a facet. x: [node][dim] of nodes().
-  bool holds_for(const std::vector<double>& x) const;
 
 private:
   // What a search finds, and where.
@@ -142,7 +139,6 @@ private:
     ContactNodes nodes;
     std::vector<char> counts;     // [candidate] of a surface that may meet itself, else empty
     std::vector<double> built_at; // [static node][dim]
-    std::vector<double> slack;    // [node] of nodes: what it may move by
     double reach = 0;             // most motion within a step for which the list holds every facet
     bool outdated = true;
   };
@@ -155,13 +151,12 @@ private:
   SearchSecondary secondary_at(const std::vector<double>& x) const;
   std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
   Candidates search(const std::vector<double>& x) const;
-  void measure_slack();
   // Whether a body has facets of both sides; then their shapes and bodies. Collective.
   bool find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   void prepare_self_contact(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   // Leaves of the candidates those that may touch; needs nodes_ of them all.
   void drop_neighbours(Vec u);
-  void fetch_nodes(Vec u);
+  void fetch_nodes();
   double skin() const { return radius_ / 2; }
   void fetch_start();
 

@@ -12,20 +12,14 @@ struct ObstaclePose {
   std::array<double, 3> moved{}; ///< its displacement since the start of the step
 };
 
-class RigidSide {
-public:
-  RigidSide() = default;
-  /// Finds the pole of a round one, on the side of the secondary surface. Collective.
-  RigidSide(const ContactSettings& settings, const Mesh& mesh, const ContactSurface& secondary);
-
-  /// As the settings tell; zero where they tell nothing.
-  std::array<double, 3> displacement(const ContactSettings& settings, double t) const;
-  /// `before`: its displacement at the start of the step.
-  ObstaclePose pose(const ContactSettings& settings, double t, const double* before) const;
-
-private:
-  int dim_ = 0;
-  std::array<double, 3> outward_{}; // from the centre of a round one to its pole
-};
+/// From the centre of a round one to its pole, on the side of the secondary surface; zero of a plane.
+/// Collective.
+std::array<double, 3> pole_of(const ContactSettings& settings, const Mesh& mesh,
+                              const ContactSurface& secondary);
+/// Its displacement, as the settings tell; zero where they tell nothing.
+std::array<double, 3> rigid_displacement(const ContactSettings& settings, int dim, double t);
+/// `outward`: pole_of; `before`: its displacement at the start of the step.
+ObstaclePose rigid_pose(const ContactSettings& settings, int dim, double t,
+                        const std::array<double, 3>& outward, const double* before);
 
 } // namespace impact
