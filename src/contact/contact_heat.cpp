@@ -16,8 +16,7 @@ double split_of(const ContactSettings& settings) {
 
 ContactHeat::ContactHeat(const Mesh& mesh, const ContactInterface& contact)
     : mesh_(&mesh), contact_(&contact), split_(split_of(contact.settings())),
-      rigid_(contact.settings().rigid()),
-      conducts_(contact.settings().conductance > 0 && (!rigid_ || contact.settings().rigid_temperature)) {
+      conducts_(contact.settings().conductance > 0 && (!rigid() || contact.settings().rigid_temperature)) {
   renew();
 }
 
@@ -52,7 +51,7 @@ double ContactHeat::jump(std::size_t place, const std::vector<double>& theta) co
   const std::size_t first = paths_.first[place], end = paths_.first[place + 1],
                     middle = first + paths_.secondary[place];
   // Shares of a side sum to one. Differences keep the digits that temperatures lose in a good joint.
-  const double base = rigid_ ? rigid_theta_ : theta[at(paths_.node[first])];
+  const double base = rigid() ? rigid_theta_ : theta[at(paths_.node[first])];
   double difference = 0;
   for (std::size_t k = first; k < end; ++k)
     difference += (k < middle ? 1 : -1) * paths_.share[k] * (theta[at(paths_.node[k])] - base);
@@ -67,7 +66,7 @@ void ContactHeat::add_residual(Vec theta, Vec r) const {
                       middle = first + paths_.secondary[c];
     const double flow = paths_.conductance[c] > 0 ? dt_ * paths_.conductance[c] * jump(c, values) : 0;
     // Where nothing lies opposite, and no rigid body, the secondary side keeps it all.
-    const double mine = middle == end && !rigid_ ? 1 : split_;
+    const double mine = middle == end && !rigid() ? 1 : split_;
     for (std::size_t k = first; k < middle; ++k)
       lost[at(paths_.node[k])] += paths_.share[k] * (flow - mine * paths_.friction[c]);
     for (std::size_t k = middle; k < end; ++k)
@@ -109,13 +108,13 @@ ContactHeat::Heat ContactHeat::book(Vec theta, Vec nodal) const {
     const double in = paths_.conductance[c] > 0 ? -dt_ * paths_.conductance[c] * jump(c, values) : 0;
     sum[0] += in;
     sum[1] += paths_.friction[c];
-    if (!rigid_) continue;
+    if (!rigid()) continue;
     for (std::size_t k = paths_.first[c]; k < paths_.first[c + 1]; ++k)
       given[at(paths_.node[k])] += paths_.share[k] * in;
   }
   exchange_.add(given, nodal);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  return {sum[0], sum[1], rigid_ ? sum[0] - (1 - split_) * sum[1] : 0};
+  return {sum[0], sum[1], rigid() ? sum[0] - (1 - split_) * sum[1] : 0};
 }
 
 } // namespace impact

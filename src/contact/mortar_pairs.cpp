@@ -24,7 +24,7 @@ void MortarForm::set_functions(Facet& facet, const std::array<std::array<double,
   for (std::size_t a = 0; a < 2; ++a) std::copy_n(phi[a].begin(), 2, facet.edge.phi[a].begin());
 }
 
-void MortarForm::choose_functions(const Facing& facing, const std::vector<double>& x) {
+void MortarForm::choose_functions(const Facing& facing, const NodalValues& x) {
   if (settings_.multipliers != MultiplierSpace::dual) return;
   const std::array<std::array<double, 4>, 4> standard = {
       {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
@@ -40,19 +40,19 @@ void MortarForm::choose_functions(const Facing& facing, const std::vector<double
   }
 }
 
-double MortarForm::size_of(int facet, const std::vector<double>& x) const {
+double MortarForm::size_of(int facet, const NodalValues& x) const {
   const int* slot = secondary_slots(facet);
   return dim_ == 2 ? longest_side(corners_at<EdgeCorners>(slot, x)[0].data(), 2, 2)
                    : longest_side(corners_at<FaceCorners>(slot, x)[0].data(), 4, 3);
 }
 
-bool MortarForm::opposed(int facet, int candidate, const std::vector<double>& x) const {
+bool MortarForm::opposed(int facet, int candidate, const NodalValues& x) const {
   return at_pair(facet, candidate, x, [](const auto& s, const auto& p) {
     return dot(facet_normal(s), facet_normal(p)) < -least_opposition;
   });
 }
 
-FacetView MortarForm::view(int facet, int candidate, const std::vector<double>& x) const {
+FacetView MortarForm::view(int facet, int candidate, const NodalValues& x) const {
   return at_pair(facet, candidate, x, [](const auto& s, const auto& p) { return view_facet(s, p); });
 }
 
@@ -63,7 +63,7 @@ bool MortarForm::share_a_node(int candidate, int other) const {
 }
 
 bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,
-                        const std::vector<double>& x) const {
+                        const NodalValues& x) const {
   return at_pair(facet, candidate, x, [&](const auto& s, const auto& p) {
     using Corners = std::decay_t<decltype(s)>;
     return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
@@ -79,14 +79,14 @@ bool MortarForm::came_through(int facet, int candidate) const {
          view(facet, candidate, nodes().start).largest > -search_.depth(facet);
 }
 
-MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
+MortarForm::Facing MortarForm::facing_at(const NodalValues& x) const {
   Facing facing(facets_.size());
   const Candidates& list = search_.candidates();
   std::vector<std::pair<double, int>> pairs; // distance, candidate
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const double size = size_of(f, x);
     pairs.clear();
-    for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c) {
+    for (int c : list.of(at(f))) {
       if (!opposed(f, c, x)) continue;
       const FacetView seen = view(f, c, x);
       if (seen.smallest < farthest * size && (seen.largest > -search_.depth(f) || came_through(f, c)))
@@ -102,7 +102,7 @@ MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
   return facing;
 }
 
-std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, const Facing& facing) const {
+std::vector<int> MortarForm::covering(int facet, const NodalValues& x, const Facing& facing) const {
   std::vector<int> list;
   for (int c : facing[at(facet)])
     if (view(facet, c, x).part > 1e-12) list.push_back(c);
@@ -142,7 +142,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
   return outcome;
 }
 
-bool MortarForm::active(const Node& node, const std::vector<double>& u, const Presses& presses,
+bool MortarForm::active(const Node& node, const NodalValues& u, const Presses& presses,
                         const Facing& facing) const {
   double gap = 0;
   bool covered = false;
@@ -155,7 +155,7 @@ bool MortarForm::active(const Node& node, const std::vector<double>& u, const Pr
   return covered && presses(node.local, gap / node.weight);
 }
 
-void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
+void MortarForm::visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const {
   for (const Node& owner : owned_)
     for (const Incident& incident : owner.facets) {
       const int f = incident.facet, corner = incident.corner;

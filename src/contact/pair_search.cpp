@@ -8,7 +8,7 @@ namespace impact {
 
 namespace {
 
-bool all_finite(const std::vector<double>& x) {
+bool all_finite(const NodalValues& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
 
@@ -47,6 +47,41 @@ int position(const std::vector<PetscInt>& sorted, PetscInt value) {
 
 } // namespace
 
+NodeExchange::NodeExchange(MPI_Comm comm, PetscInt owned, int components, const std::vector<PetscInt>& nodes)
+    : size_(nodes.size() * static_cast<std::size_t>(components)) {
+  std::vector<PetscInt> dofs;
+  dofs.reserve(size_);
+  for (PetscInt node : nodes)
+    for (PetscInt k = 0; k < components; ++k) dofs.push_back(node * components + k);
+  PetscLayout layout = nullptr;
+  check(PetscLayoutCreate(comm, &layout));
+  check(PetscLayoutSetLocalSize(layout, owned * components));
+  check(PetscLayoutSetUp(layout));
+  check(PetscSFCreate(comm, sf_.out()));
+  check(PetscSFSetGraphLayout(sf_, layout, static_cast<PetscInt>(size_), nullptr, PETSC_OWN_POINTER,
+                              dofs.data()));
+  check(PetscLayoutDestroy(&layout));
+  check(PetscSFSetUp(sf_));
+}
+
+std::vector<double> NodeExchange::gather(Vec global) const {
+  std::vector<double> values(size_);
+  const PetscScalar* owned = nullptr;
+  check(VecGetArrayRead(global, &owned));
+  check(PetscSFBcastBegin(sf_, MPIU_SCALAR, owned, values.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(sf_, MPIU_SCALAR, owned, values.data(), MPI_REPLACE));
+  check(VecRestoreArrayRead(global, &owned));
+  return values;
+}
+
+void NodeExchange::add(const std::vector<double>& values, Vec global) const {
+  PetscScalar* owned = nullptr;
+  check(VecGetArray(global, &owned));
+  check(PetscSFReduceBegin(sf_, MPIU_SCALAR, values.data(), owned, MPIU_SUM));
+  check(PetscSFReduceEnd(sf_, MPIU_SCALAR, values.data(), owned, MPIU_SUM));
+  check(VecRestoreArray(global, &owned));
+}
+
 int ContactNodes::slot(PetscInt node) const {
   const int place = position(global, node);
   return at(place) < global.size() && global[at(place)] == node ? place : -1;
@@ -58,7 +93,7 @@ void add_pairs_among(std::vector<PetscInt> nodes, NodePairs& pairs) {
     for (std::size_t j = i + 1; j < nodes.size(); ++j) pairs.emplace_back(nodes[i], nodes[j]);
 }
 
-std::vector<double> ContactNodes::current(const std::vector<double>& u) const {
+std::vector<double> ContactNodes::current(const NodalValues& u) const {
   std::vector<double> x = u;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += X[i];
   return x;
@@ -151,7 +186,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   return changed || owed == Outcome::other_pairs ? Outcome::other_pairs : Outcome::rebuilt;
 }
 
-std::array<double, 12> PairSearch::in_space(const int* slot, const std::vector<double>& x) const {
+std::array<double, 12> PairSearch::in_space(const int* slot, const NodalValues& x) const {
   std::array<double, 12> corner{};
   for (int a = 0; a < 4; ++a)
     std::copy_n(&x[at(dim_ * slot[std::min(a, corners_ - 1)])], dim_, &corner[at(3 * a)]);
@@ -170,7 +205,7 @@ double PairSearch::tighten(const std::vector<int>& slot, const std::vector<doubl
   return smallest;
 }
 
-SearchSecondary PairSearch::secondary_at(const std::vector<double>& x) const {
+SearchSecondary PairSearch::secondary_at(const NodalValues& x) const {
   SearchSecondary secondary;
   for (std::size_t f = 0; f < secondary_.size(); f += at(corners_)) {
     const std::array<double, 12> corner = in_space(&secondary_slot_[f], x);
@@ -180,7 +215,7 @@ SearchSecondary PairSearch::secondary_at(const std::vector<double>& x) const {
   return secondary;
 }
 
-std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) const {
+std::vector<SearchFacet> PairSearch::primary_at(const NodalValues& x) const {
   std::vector<SearchFacet> primary(primary_.size() / at(corners_));
   for (std::size_t f = 0; f < primary.size(); ++f) {
     const std::size_t first = at(corners_) * f;
@@ -191,7 +226,7 @@ std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) co
   return primary;
 }
 
-Candidates PairSearch::search(const std::vector<double>& x) const {
+Candidates PairSearch::search(const NodalValues& x) const {
   if (kind_ == Primary::rigid) return {};
   if (local_)
     return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach - smallest_,
@@ -202,8 +237,7 @@ Candidates PairSearch::search(const std::vector<double>& x) const {
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
   if (list_.candidates.offset.empty()) return added_; // against a rigid plane, sphere or cylinder
   std::vector<PetscInt> nodes;
-  for (int c = list_.candidates.offset[at(secondary_facet)];
-       c < list_.candidates.offset[at(secondary_facet + 1)]; ++c)
+  for (int c : list_.candidates.of(at(secondary_facet)))
     for (PetscInt node : list_.candidates.primary[at(list_.candidates.facet[at(c)])].node)
       nodes.push_back(node);
   return nodes;
@@ -246,7 +280,7 @@ double PairSearch::pairs_per_facet() const {
 
 double PairSearch::range() const { return local_ ? 2 * local_part * smallest_ : radius_; }
 
-double PairSearch::nearest_nodes(const std::vector<double>& u) const {
+double PairSearch::nearest_nodes(const NodalValues& u) const {
   const std::vector<double> x = list_.nodes.current(u);
   double square = HUGE_VAL;
   const auto& offset = list_.candidates.offset;

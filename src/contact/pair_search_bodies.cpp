@@ -52,7 +52,7 @@ void PairSearch::prepare_self_contact(const SearchSecondary& secondary,
   const std::vector<double> node_body = list_.nodes.exchange.gather(body_);
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     depth_.push_back(self_depth * shapes_[f].size);
-    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+    for (int c : list_.candidates.of(f)) {
       const int* slot = &list_.nodes.primary[at(corners_ * list_.candidates.facet[at(c)])];
       const FacetShape other =
           facet_shape(dim_, in_space(slot, list_.nodes.X), static_cast<int>(node_body[at(dim_ * *slot)]));
@@ -80,7 +80,7 @@ void PairSearch::drop_neighbours(Vec u) {
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     const std::array<double, 3> n =
         facet_shape(dim_, in_space(&list_.nodes.secondary[at(corners_) * f], now), 0).normal;
-    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+    for (int c : list_.candidates.of(f)) {
       const int p = list_.candidates.facet[at(c)];
       const FacetShape& other = reference[at(p)];
       const std::array<double, 3>& m = current[at(p)].normal;

@@ -1,6 +1,5 @@
 #pragma once
 #include <impact/contact/interface.hpp>
-#include <impact/contact/node_exchange.hpp>
 
 /// Heat across one contact in a step with the displacement frozen (theory.md, heat): at every closed place c
 ///   q_c = h_c A_c [theta]_c,   [theta]_c = sum_secondary N theta - sum_primary N theta (or the rigid
@@ -42,13 +41,14 @@ public:
 
 private:
   std::vector<double> weighted(Vec theta) const; // [node] of the contact
+  bool rigid() const { return contact_->settings().rigid(); }
   double jump(std::size_t place, const std::vector<double>& theta) const;
 
   const Mesh* mesh_;
   const ContactInterface* contact_;
   long searches_ = -1;
   double split_;
-  bool rigid_, conducts_;
+  bool conducts_;
   NodeExchange exchange_;
   NodePairs couplings_;
   HeatPaths paths_;

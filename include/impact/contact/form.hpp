@@ -31,6 +31,33 @@ struct FormRequest {
   double hold_gap;               ///< by which the gap of what a point is tied to may differ from the nearest
 };
 
+/// Holding on to what a constraint faces while Newton's method works. At a kink of a surface, the end of a
+/// facet, the side of a step, what lies nearest changes with the iterates and the direction of the force with
+/// it: Newton's method jumps to and fro. What was chosen between the solves is therefore held in them, and
+/// what changes it too often within an attempt at a step is held no longer, or no longer changed.
+/// Of the points of a form, in units of their facet's coordinates.
+struct HoldRule {
+  double overlap; ///< a point is held as long as it stands at most this far beyond the facet,
+  double limit;   ///< and in an iterate, which may stray, this far
+};
+/// Half an edge is one unit: 1/40 of its length, and a quarter.
+inline constexpr HoldRule hold_on_edge = {0.05, 0.5};
+/// A triangle's height is one unit: as far as on an edge, 1/40, and the whole height.
+inline constexpr HoldRule hold_on_triangle = {0.025, 1};
+/// A point is held to what is nearer than this part of its own facet's size.
+inline constexpr double hold_range = 0.1;
+
+/// How often what a constraint, or a facet, faces has changed in an attempt while it pressed.
+class Switches {
+public:
+  bool exhausted() const { return count_ >= most; }
+  void note() { ++count_; }
+
+private:
+  static constexpr int most = 4;
+  int count_ = 0;
+};
+
 /// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
 struct Opposite {
   std::array<PetscInt, 4> node{}; ///< global
@@ -84,19 +111,19 @@ public:
   virtual bool overdetermined() const { return false; }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats.
-  virtual void visit(const std::vector<double>& u, Derivatives derivatives,
+  virtual void visit(const NodalValues& u, Derivatives derivatives,
                      const ConstraintVisitor& visitor) const = 0;
   /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
-  virtual void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+  virtual void visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
                                const BlockVisitor& visitor) const = 0;
   /// Where the sides meet at the displacement u of nodes(), of all that a visit there brings.
-  virtual void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const = 0;
+  virtual void visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
   virtual const std::vector<double>& nodal_area() const = 0;
   /// Overlap of the secondary nodes at the coordinates x: depth and outward direction at places of nodes().
   /// A node that lies on several facets may come several times, on any rank.
   using OverlapVisitor = std::function<void(int node, double depth, const std::array<double, 3>& direction)>;
-  virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
+  virtual void visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const = 0;
 
 protected:
   /// What was kept fixed during the solves of the last attempt is free again.
@@ -131,22 +158,20 @@ protected:
   }
   /// Corners of a facet, an array of places, at coordinates x [node][dim] of nodes(); or at a displacement,
   /// seen from a node.
-  template <class Corners> static Corners corners_at(const int* slot, const std::vector<double>& x) {
+  template <class Corners> static Corners corners_at(const int* slot, const NodalValues& x) {
     Corners corner;
     for (auto& place : corner)
       std::copy_n(&x[place.size() * static_cast<std::size_t>(*slot++)], place.size(), place.begin());
     return corner;
   }
-  template <class Corners>
-  Corners corners_from(int origin, const int* slot, const std::vector<double>& u) const {
+  template <class Corners> Corners corners_from(int origin, const int* slot, const NodalValues& u) const {
     Corners corner;
     for (auto& place : corner)
       place = nodes().place<std::tuple_size_v<typename Corners::value_type>>(*slot++, origin, u);
     return corner;
   }
   /// Places of what lay opposite a facet at a displacement, seen from its first corner.
-  template <class Corners>
-  Corners opposite(const Opposite& opposite, int facet, const std::vector<double>& u) const {
+  template <class Corners> Corners opposite(const Opposite& opposite, int facet, const NodalValues& u) const {
     const int origin = secondary_slots(facet)[0];
     if (!rigid()) return corners_from<Corners>(origin, opposite.slot.data(), u);
     Corners corner;

@@ -2,7 +2,6 @@
 #include <array>
 #include <impact/contact/friction.hpp>
 #include <impact/contact/rigid_nodes.hpp>
-#include <impact/contact/rigid_side.hpp>
 #include <optional>
 #include <string>
 #include <vector>

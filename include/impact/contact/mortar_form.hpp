@@ -1,7 +1,6 @@
 #pragma once
 #include <array>
 #include <impact/contact/form.hpp>
-#include <impact/contact/hold.hpp>
 #include <impact/kernel/face_slip.hpp>
 #include <impact/kernel/frame.hpp>
 #include <vector>
@@ -23,13 +22,12 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const std::vector<double>& u, Derivatives derivatives,
-             const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+  void visit(const NodalValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const override;
+  void visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
-  void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const override;
+  void visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
-  void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
+  void visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const override;
 
 private:
   void release() override;
@@ -82,21 +80,19 @@ private:
 
   // call(secondary corners, primary corners) of a pair: of edges in the plane, of faces in space. At
   // coordinates x, or at a displacement u seen from the secondary's first node.
-  template <class Call>
-  auto at_pair(int facet, int candidate, const std::vector<double>& x, Call&& call) const {
+  template <class Call> auto at_pair(int facet, int candidate, const NodalValues& x, Call&& call) const {
     const int *s = secondary_slots(facet), *p = primary_slots(candidate);
     if (dim_ == 2) return call(corners_at<EdgeCorners>(s, x), corners_at<EdgeCorners>(p, x));
     return call(corners_at<FaceCorners>(s, x), corners_at<FaceCorners>(p, x));
   }
-  template <class Call>
-  auto from_pair(int facet, int candidate, const std::vector<double>& u, Call&& call) const {
+  template <class Call> auto from_pair(int facet, int candidate, const NodalValues& u, Call&& call) const {
     const int *s = secondary_slots(facet), *p = primary_slots(candidate);
     if (dim_ == 2) return call(corners_from<EdgeCorners>(s[0], s, u), corners_from<EdgeCorners>(s[0], p, u));
     return call(corners_from<FaceCorners>(s[0], s, u), corners_from<FaceCorners>(s[0], p, u));
   }
   // The same of a facet and what lay opposite it at the start of the step.
   template <class Call>
-  auto from_anchor(int facet, const Anchor& anchor, const std::vector<double>& u, Call&& call) const {
+  auto from_anchor(int facet, const Anchor& anchor, const NodalValues& u, Call&& call) const {
     const int* s = secondary_slots(facet);
     if (dim_ == 2)
       return call(corners_from<EdgeCorners>(s[0], s, u), opposite<EdgeCorners>(anchor.opposite, facet, u));
@@ -107,54 +103,52 @@ private:
   void find_facets(const Mesh& mesh, const ContactSurface& secondary);
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
   bool found(const Anchor& anchor) const { return rigid() || anchor.opposite.found(); }
-  void anchor_facet(int facet, const Facing& facing, const std::vector<double>& x);
+  void anchor_facet(int facet, const Facing& facing, const NodalValues& x);
   void locate_anchors();
 
-  FacetView view(int facet, int candidate, const std::vector<double>& x) const;
-  bool opposed(int facet, int candidate, const std::vector<double>& x) const;
+  FacetView view(int facet, int candidate, const NodalValues& x) const;
+  bool opposed(int facet, int candidate, const NodalValues& x) const;
   // Whether an accepted candidate lies before this one.
-  bool hidden(int facet, int candidate, const std::vector<int>& accepted, const std::vector<double>& x) const;
+  bool hidden(int facet, int candidate, const std::vector<int>& accepted, const NodalValues& x) const;
   bool share_a_node(int candidate, int other) const;
-  double size_of(int facet, const std::vector<double>& x) const; // longest side
+  double size_of(int facet, const NodalValues& x) const; // longest side
   // Whether a pair that is deep now was not so at the start of the step.
   bool came_through(int facet, int candidate) const;
-  Facing facing_at(const std::vector<double>& x) const;
+  Facing facing_at(const NodalValues& x) const;
   // Dual functions on the facets that are covered as a whole, standard ones on the others.
-  void choose_functions(const Facing& facing, const std::vector<double>& x);
+  void choose_functions(const Facing& facing, const NodalValues& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   // Whether the node is active with these pairs.
-  bool active(const Node& node, const std::vector<double>& u, const Presses& presses,
-              const Facing& facing) const;
-  std::vector<int> covering(int facet, const std::vector<double>& x, const Facing& facing) const;
-  MortarPair pair_at(int facet, int candidate, const std::vector<double>& u, bool with_gradient) const;
-  std::vector<std::vector<Piece>> pieces_at(const std::vector<double>& u, bool with_gradient) const;
+  bool active(const Node& node, const NodalValues& u, const Presses& presses, const Facing& facing) const;
+  std::vector<int> covering(int facet, const NodalValues& x, const Facing& facing) const;
+  MortarPair pair_at(int facet, int candidate, const NodalValues& u, bool with_gradient) const;
+  std::vector<std::vector<Piece>> pieces_at(const NodalValues& u, bool with_gradient) const;
   // Of the constraint's slip: whether there is one, and where the slip is a function of more nodes than the
   // gap, these.
   bool slip_nodes(const Node& owner, NodePlaces& place_of) const;
-  SlipRows slips_at(const std::vector<double>& u, bool with_gradient) const;
+  SlipRows slips_at(const NodalValues& u, bool with_gradient) const;
   // What a facet's slip in direction e adds to the node's in direction a.
   double slip_part(const Incident& incident, const Node& owner, std::size_t a, std::size_t e) const {
     return dim_ == 2 ? 1 : incident.turn[a][e] / owner.weight;
   }
   // Slip and its gradient.
-  void add_slip(const Node& owner, const std::vector<double>& u, NodePlaces& place_of, SlipRows& rows,
+  void add_slip(const Node& owner, const NodalValues& u, NodePlaces& place_of, SlipRows& rows,
                 Constraint& c) const;
   // Weights of the corners of a facet in the mean over a node's constraint.
   std::array<double, 4> weights_of(const Incident& incident, const Node& owner) const;
-  void visit_facet_slip_curvature(int facet, const std::array<Tangential, 4>& factor,
-                                  const std::vector<double>& u, const BlockVisitor& visitor) const;
-  void visit_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+  void visit_facet_slip_curvature(int facet, const std::array<Tangential, 4>& factor, const NodalValues& u,
+                                  const BlockVisitor& visitor) const;
+  void visit_slip_curvature(const NodalValues& u, const CurvatureFactors& factors,
                             const BlockVisitor& visitor) const;
-  void visit_plane_slip_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+  void visit_plane_slip_curvature(const NodalValues& u, const CurvatureFactors& factors,
                                   const BlockVisitor& visitor) const;
   std::vector<FacetPoint> points_of(const Facet& facet) const;
-  Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot,
-                  const std::vector<double>& u) const;
+  Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot, const NodalValues& u) const;
   // Weighted gaps of a whole facet to the rigid body, in the form of a pair without a primary, or with the
   // carrier of the obstacle in its place.
-  MortarPair obstacle_gaps(int facet, const RigidObstacle& obstacle, const std::vector<double>& u) const;
+  MortarPair obstacle_gaps(int facet, const RigidObstacle& obstacle, const NodalValues& u) const;
   // [corner] nodal areas of a secondary facet at u.
-  std::array<double, 4> areas_at(int facet, const std::vector<double>& u) const;
+  std::array<double, 4> areas_at(int facet, const NodalValues& u) const;
 
   int dim_;
   std::size_t corners_; // stored per facet

@@ -1,11 +1,11 @@
 #pragma once
 #include <algorithm>
-#include <impact/contact/node_exchange.hpp>
 #include <impact/contact/search.hpp>
 #include <impact/contact/self_contact.hpp>
 #include <impact/contact/surface.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
+#include <impact/petsc/handle.hpp>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -14,6 +14,27 @@
 /// Which primary facets the secondary facets of this rank may meet, kept while nothing moves more than half a
 /// skin, and the nodes that evaluations of these pairs need, fetched from whichever ranks own them.
 namespace impact {
+
+/// Values of chosen nodes, wherever they live, on this rank and back: one message per partner each way.
+class NodeExchange {
+public:
+  NodeExchange() = default;
+  /// `nodes`: global nodes wanted here, each once; `owned`: nodes owned by this rank; node-blocked global
+  /// vectors of `components` per node. Collective.
+  NodeExchange(MPI_Comm comm, PetscInt owned, int components, const std::vector<PetscInt>& nodes);
+
+  /// [node][component] of the wanted nodes, current values of `global`. Collective.
+  std::vector<double> gather(Vec global) const;
+  /// Adds [node][component] into the owners' entries of `global`. Collective.
+  void add(const std::vector<double>& values, Vec global) const;
+
+private:
+  Handle<PetscSF> sf_;
+  std::size_t size_ = 0;
+};
+
+/// Numbers [node][dim] at the nodes of a contact: displacements u, coordinates x.
+using NodalValues = std::vector<double>;
 
 /// The nodes of a contact on this rank, on compact numbers.
 struct ContactNodes {
@@ -32,12 +53,11 @@ struct ContactNodes {
   /// [node][dim] of the displacement u. Collective.
   std::vector<double> displacement(Vec u) const { return exchange.gather(u); }
   /// [node][dim] at a displacement [node][dim].
-  std::vector<double> current(const std::vector<double>& u) const;
+  std::vector<double> current(const NodalValues& u) const;
   std::vector<double> current(Vec u) const { return current(displacement(u)); }
   /// Where a node stands seen from another one: differences of X and of u, which keep the digits that those
   /// of X + u lose where displacements are small beside coordinates.
-  template <std::size_t d = 2>
-  std::array<double, d> place(int node, int origin, const std::vector<double>& u) const {
+  template <std::size_t d = 2> std::array<double, d> place(int node, int origin, const NodalValues& u) const {
     const std::size_t i = d * static_cast<std::size_t>(node), o = d * static_cast<std::size_t>(origin);
     std::array<double, d> difference;
     for (std::size_t k = 0; k < d; ++k) difference[k] = (X[i + k] - X[o + k]) + (u[i + k] - u[o + k]);
@@ -130,7 +150,7 @@ public:
   }
   /// Distance of the nearest nodes of two facets of a pair at the displacement u of nodes(); infinite without
   /// pairs.
-  double nearest_nodes(const std::vector<double>& u) const;
+  double nearest_nodes(const NodalValues& u) const;
 
 private:
   // What a search finds, and where.
@@ -143,14 +163,14 @@ private:
     bool outdated = true;
   };
   // A facet with these nodes, at coordinates x [node][dim], in the form of the search.
-  std::array<double, 12> in_space(const int* slot, const std::vector<double>& x) const;
+  std::array<double, 12> in_space(const int* slot, const NodalValues& x) const;
   // Lets the nodes of facets move by no more than their facets allow; the smallest of these. X: [node][dim].
   double tighten(const std::vector<int>& slot, const std::vector<double>& X,
                  std::vector<double>& slack) const;
   // Facets at the coordinates x of the static nodes.
-  SearchSecondary secondary_at(const std::vector<double>& x) const;
-  std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
-  Candidates search(const std::vector<double>& x) const;
+  SearchSecondary secondary_at(const NodalValues& x) const;
+  std::vector<SearchFacet> primary_at(const NodalValues& x) const;
+  Candidates search(const NodalValues& x) const;
   // Whether a body has facets of both sides; then their shapes and bodies. Collective.
   bool find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   void prepare_self_contact(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);

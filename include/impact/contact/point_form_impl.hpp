@@ -42,7 +42,7 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
   if (!frictional()) return; // all ranks agree on that, not on whether they have points
-  const std::vector<double>& x = nodes().start;
+  const NodalValues& x = nodes().start;
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;
   const std::vector<double> moved = nodes().displacement(u);
@@ -84,7 +84,7 @@ template <class G> void PointForm<G>::locate_holds() {
       Hold& hold = holds_[points_.index(f, q)];
       hold.candidate = -1;
       if (hold.node[0] < 0) continue;
-      for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
+      for (int c : list.of(at(f)))
         if (primary_nodes(c) == hold.node) hold.candidate = c;
     }
 }
@@ -113,7 +113,7 @@ template <class G> NodePairs PointForm<G>::couplings() const {
   return pairs;
 }
 
-template <class G> void PointForm<G>::tie(const std::vector<double>& x, const Presses& presses) {
+template <class G> void PointForm<G>::tie(const NodalValues& x, const Presses& presses) {
   switched_ = false;
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
@@ -160,7 +160,7 @@ template <class G> void PointForm<G>::tie(const std::vector<double>& x, const Pr
 
 template <class G>
 template <class Visitor>
-void PointForm<G>::visit_points(const std::vector<double>& u, Visitor&& visitor) const {
+void PointForm<G>::visit_points(const NodalValues& u, Visitor&& visitor) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -197,7 +197,7 @@ void PointForm<G>::visit_points(const std::vector<double>& u, Visitor&& visitor)
 }
 
 template <class G>
-void PointForm<G>::visit(const std::vector<double>& u, Derivatives derivatives,
+void PointForm<G>::visit(const NodalValues& u, Derivatives derivatives,
                          const ConstraintVisitor& visitor) const {
   const bool with_gradient = derivatives != Derivatives::none;
   Workspace w;
@@ -220,7 +220,7 @@ void PointForm<G>::visit(const std::vector<double>& u, Derivatives derivatives,
 
 template <class G>
 void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
-                                    const std::vector<double>& u, Workspace& w, Constraint& c) const {
+                                    const NodalValues& u, Workspace& w, Constraint& c) const {
   w.gradient.assign(dim * w.place.node.size(), 0.0);
   if (rigid()) {
     obstacle_.add_gradient(to_obstacle, c.share, obstacle_.shares(), 1, w.gradient.data());
@@ -238,7 +238,7 @@ void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFu
 // False without friction or where nothing lay opposite. A plane has directions of its own and needs no
 // places.
 template <class G>
-bool PointForm<G>::slip_places(int facet, std::size_t number, const std::vector<double>& u,
+bool PointForm<G>::slip_places(int facet, std::size_t number, const NodalValues& u,
                                SlipPlaces& places) const {
   if (anchors_.empty() || nodes().start.empty()) return false;
   if (on_plane()) return true;
@@ -252,8 +252,8 @@ bool PointForm<G>::slip_places(int facet, std::size_t number, const std::vector<
 }
 
 template <class G>
-void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const std::vector<double>& u,
-                            bool with_gradient, Workspace& w, Constraint& c) const {
+void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const NodalValues& u, bool with_gradient,
+                            Workspace& w, Constraint& c) const {
   const std::size_t n = dim * w.place.node.size(), half = dim * corners;
   w.slip_gradient.assign((dim - 1) * n, 0.0);
   c.slip_gradient = w.slip_gradient;
@@ -282,7 +282,7 @@ void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const std::vect
 }
 
 template <class G>
-void PointForm<G>::visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+void PointForm<G>::visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
                                    const BlockVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> block;
@@ -319,7 +319,7 @@ void PointForm<G>::visit_curvature(const std::vector<double>& u, const Curvature
 }
 
 template <class G>
-void PointForm<G>::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
+void PointForm<G>::visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> share;
   visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction&) {
@@ -341,7 +341,7 @@ void PointForm<G>::visit_meetings(const std::vector<double>& u, const MeetingVis
 }
 
 template <class G>
-void PointForm<G>::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
+void PointForm<G>::visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const {
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
     for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a) {
