@@ -10,7 +10,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Point2<double> point_at(const NodalValues& x, int node) { return {x[at(2 * node)], x[at(2 * node + 1)]}; }
+Point2<double> point_at(const ContactValues& x, int node) { return {x[at(2 * node)], x[at(2 * node + 1)]}; }
 
 // Order of two edges by their reference coordinates: of two equal distances every number of ranks takes the
 // same edge, which global node numbers would not give.
@@ -20,7 +20,7 @@ bool precedes(const std::vector<double>& X, const int* a, const int* b) {
   return false;
 }
 
-PrimaryEdge<double> edge_of(const ContactNodes& nodes, int primary, const NodalValues& x) {
+PrimaryEdge<double> edge_of(const ContactNodes& nodes, int primary, const ContactValues& x) {
   const int *p = &nodes.primary[at(2 * primary)], *neighbour = &nodes.neighbour[at(2 * primary)];
   PrimaryEdge<double> edge{point_at(x, p[0]), point_at(x, p[1])};
   edge.has_previous = neighbour[0] >= 0;
@@ -70,7 +70,7 @@ bool EdgePoints::faces(const CarriedFunction& gap, const Point2<double>& normal)
 
 template <>
 EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate, int,
-                                     const NodalValues& x) const {
+                                     const ContactValues& x) const {
   Seen seen;
   seen.candidate = candidate;
   seen.edge = edge_of(nodes(), search_.candidates().facet[at(candidate)], x);
@@ -80,7 +80,7 @@ EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shap
 
 template <>
 EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& shape,
-                                        const NodalValues& x) const {
+                                        const ContactValues& x) const {
   const Point2<double> here = place_on(facet.corner, shape);
   double nearest = infinity;
   Seen best;
@@ -101,8 +101,8 @@ EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& s
 }
 
 template <>
-bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const NodalValues& x, const Hold& hold,
-                         Seen& seen) const {
+bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const ContactValues& x,
+                         const Hold& hold, Seen& seen) const {
   seen = look(facet, shape, hold.candidate, 0, x);
   const Foot<double>& foot = seen.foot;
   // An iterate that flies off altogether, or over an open end, is judged as a point that nothing holds.
@@ -114,7 +114,7 @@ bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const Nod
 
 template <>
 EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& shape,
-                                       const NodalValues& x) const {
+                                       const ContactValues& x) const {
   Seen first;
   if (nodes().start.empty()) return first;
   const Point2<double> here = place_on(facet.corner, shape),
@@ -149,7 +149,7 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
 }
 
 template <>
-void EdgePointForm::sharpen(int facet, std::size_t number, const NodalValues& u, Seen& seen) const {
+void EdgePointForm::sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const {
   if (seen.foot.part != FootPart::edge) return;
   const int* primary = primary_slots(seen.candidate);
   const auto p = corners_from<EdgeCorners>(primary[0], primary, u);

@@ -13,7 +13,7 @@ namespace {
 constexpr double inside = 1e-9, beyond = 0.01;
 constexpr int largest_rule = 16;
 
-Point3 point3(const NodalValues& x, int node) {
+Point3 point3(const ContactValues& x, int node) {
   return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
 }
 
@@ -112,7 +112,7 @@ double FacePoints::stretch(const Corners&, const Corners& from_corner, const Con
 
 template <>
 FacePoints::Seen FacePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate,
-                                     int triangle, const NodalValues& x) const {
+                                     int triangle, const ContactValues& x) const {
   return {candidate, triangle,
           cast_ray({facet.corner, shape, corners_at<FaceCorners>(primary_slots(candidate), x),
                     triangle_weights(primary_corners(candidate), triangle)})};
@@ -134,7 +134,7 @@ bool FacePointForm::may_touch(const Facet& facet, const ShapeValues& shape, cons
 // The triangle before the point, or behind it: the nearest; beside the surface, the one next to it.
 template <>
 FacePoints::Seen FacePointForm::nearest(const Facet& facet, const ShapeValues& shape,
-                                        const NodalValues& x) const {
+                                        const ContactValues& x) const {
   // By reference coordinates: of two equal distances every number of ranks takes the same triangle.
   const auto key = [&](int c, int t) {
     std::array<Point3, 4> face = corners_at<FaceCorners>(primary_slots(c), nodes().X);
@@ -171,8 +171,8 @@ FacePoints::Seen FacePointForm::nearest(const Facet& facet, const ShapeValues& s
 }
 
 template <>
-bool FacePointForm::held(const Facet& facet, const ShapeValues& shape, const NodalValues& x, const Hold& hold,
-                         Seen& seen) const {
+bool FacePointForm::held(const Facet& facet, const ShapeValues& shape, const ContactValues& x,
+                         const Hold& hold, Seen& seen) const {
   seen = look(facet, shape, hold.candidate, hold.part, x);
   return least_part(seen.foot) > -FacePoints::hold.limit && may_touch(facet, shape, seen);
 }
@@ -183,7 +183,7 @@ FacePoints::Seen FacePointForm::passed(const Facet&, const ShapeValues&, const s
 }
 
 template <>
-FaceRay FacePointForm::ray_of(int facet, std::size_t number, const NodalValues& u, const Seen& seen) const {
+FaceRay FacePointForm::ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const {
   const int* slot = secondary_slots(facet);
   return {corners_from<FaceCorners>(slot[0], slot, u), points_.shape[number],
           corners_from<FaceCorners>(slot[0], primary_slots(seen.candidate), u),
@@ -191,18 +191,18 @@ FaceRay FacePointForm::ray_of(int facet, std::size_t number, const NodalValues& 
 }
 
 template <>
-void FacePointForm::sharpen(int facet, std::size_t number, const NodalValues& u, Seen& seen) const {
+void FacePointForm::sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const {
   seen.foot = cast_ray(ray_of(facet, number, u, seen));
 }
 
 template <>
-FacePointForm::Row FacePointForm::gap_gradient(int facet, std::size_t number, const NodalValues& u,
+FacePointForm::Row FacePointForm::gap_gradient(int facet, std::size_t number, const ContactValues& u,
                                                const Seen& seen) const {
   return ray_gradient(ray_of(facet, number, u, seen));
 }
 
 template <>
-void FacePointForm::add_gap_hessian(int facet, std::size_t number, const NodalValues& u, const Seen& seen,
+void FacePointForm::add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen,
                                     double factor, Matrix& hessian) const {
   add_ray_hessian(ray_of(facet, number, u, seen), factor, hessian);
 }

@@ -37,13 +37,12 @@ struct Largest {
   }
   AugmentReport over_ranks(int active, MPI_Comm comm) {
     MPI_Allreduce(MPI_IN_PLACE, this, sizeof *this / sizeof(double), MPI_DOUBLE, MPI_MAX, comm);
-    AugmentReport report;
-    MPI_Allreduce(&active, &report.active, 1, MPI_INT, MPI_SUM, comm);
-    report.penetration = penetration;
-    report.largest_gap = gap;
-    report.multiplier = multiplier;
-    report.settled = unsettled == 0;
-    return report;
+    MPI_Allreduce(MPI_IN_PLACE, &active, 1, MPI_INT, MPI_SUM, comm);
+    return {.penetration = penetration,
+            .largest_gap = gap,
+            .multiplier = multiplier,
+            .active = active,
+            .settled = unsettled == 0};
   }
 };
 

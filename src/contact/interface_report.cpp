@@ -112,28 +112,24 @@ ContactStep ContactInterface::step(Vec u, bool force_at_end) const {
   return step;
 }
 
-HeatPaths ContactInterface::heat_paths(Vec u) const {
-  struct Heat {
-    double conductance = 0, friction = 0; // per reference area, and of the place
-  };
-  std::vector<Heat> heat(constraints_->count());
-  const std::vector<double> values = nodes().displacement(u);
+std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
+  std::vector<double> conductance(constraints_->count(), 0.0),
+      friction(conductance); // of an area, of a place
+  const ContactValues values = nodes().displacement(u);
   constraints_->visit(values, Derivatives::none, [&](const Constraint& c) {
-    Heat& here = heat[at(c.index)];
-    friction_.add_heat(c, here.friction);
+    friction_.add_heat(c, friction[at(c.index)]);
     if (c.active && c.pressure > 0)
-      here.conductance = c.stretch * settings_.conductance_at(c.pressure / c.stretch);
+      conductance[at(c.index)] = c.stretch * settings_.conductance_at(c.pressure / c.stretch);
   });
-  HeatPaths paths;
+  std::vector<HeatPath> paths;
   constraints_->form().visit_meetings(constraints_->place_of_gradients(values), [&](const Meeting& meeting) {
-    const Heat& here = heat[at(meeting.index)];
-    if (here.conductance == 0 && here.friction == 0) return;
-    paths.conductance.push_back(meeting.area * here.conductance);
-    paths.friction.push_back(here.friction);
-    paths.secondary.push_back(meeting.secondary);
-    paths.node.insert(paths.node.end(), meeting.node.begin(), meeting.node.end());
-    paths.share.insert(paths.share.end(), meeting.share.begin(), meeting.share.end());
-    paths.first.push_back(paths.node.size());
+    const std::size_t i = at(meeting.index);
+    if (conductance[i] == 0 && friction[i] == 0) return;
+    paths.push_back({meeting.area * conductance[i],
+                     friction[i],
+                     meeting.secondary,
+                     {meeting.node.begin(), meeting.node.end()},
+                     {meeting.share.begin(), meeting.share.end()}});
   });
   return paths;
 }

@@ -35,14 +35,14 @@ NodePairs MortarForm::couplings() const {
   return pairs;
 }
 
-MortarPair MortarForm::pair_at(int facet, int candidate, const NodalValues& u, bool with_gradient) const {
+MortarPair MortarForm::pair_at(int facet, int candidate, const ContactValues& u, bool with_gradient) const {
   return from_pair(facet, candidate, u, [&](const auto& s, const auto& p) {
     return mortar_pair(s, p, facets_[at(facet)].reference(s), with_gradient);
   });
 }
 
 Point3 MortarForm::place_of(const Facet& facet, const FacetPoint& point, const int* slot,
-                            const NodalValues& u) const {
+                            const ContactValues& u) const {
   Point3 x{};
   for (std::size_t a = 0; a < at(facet.corners); ++a)
     for (std::size_t k = 0; k < at(dim_); ++k) {
@@ -52,7 +52,7 @@ Point3 MortarForm::place_of(const Facet& facet, const FacetPoint& point, const i
   return x;
 }
 
-MortarPair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle, const NodalValues& u) const {
+MortarPair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle, const ContactValues& u) const {
   const Facet& facet = facets_[at(f)];
   MortarPair pair;
   pair.covered = pair.touched = true;
@@ -69,7 +69,7 @@ MortarPair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle, const
   return pair;
 }
 
-std::array<double, 4> MortarForm::areas_at(int facet, const NodalValues& u) const {
+std::array<double, 4> MortarForm::areas_at(int facet, const ContactValues& u) const {
   const int* slot = secondary_slots(facet);
   if (dim_ == 3) return nodal_areas(corners_from<FaceCorners>(slot[0], slot, u));
   const double length = longest_side(corners_from<EdgeCorners>(slot[0], slot, u)[0].data(), 2, 2);
@@ -81,7 +81,7 @@ std::array<double, 4> MortarForm::areas_at(int facet, const NodalValues& u) cons
 }
 
 // Each pair once, for all corners of its secondary facet.
-std::vector<std::vector<MortarForm::Piece>> MortarForm::pieces_at(const NodalValues& u,
+std::vector<std::vector<MortarForm::Piece>> MortarForm::pieces_at(const ContactValues& u,
                                                                   bool with_gradient) const {
   std::vector<std::vector<Piece>> pieces(facets_.size());
   const RigidObstacle obstacle = obstacle_.at(u);
@@ -97,7 +97,7 @@ std::vector<std::vector<MortarForm::Piece>> MortarForm::pieces_at(const NodalVal
   return pieces;
 }
 
-void MortarForm::visit(const NodalValues& u, Derivatives derivatives,
+void MortarForm::visit(const ContactValues& u, Derivatives derivatives,
                        const ConstraintVisitor& visitor) const {
   const bool with_gradient = derivatives != Derivatives::none;
   const auto d = at(dim_);
@@ -155,7 +155,7 @@ void MortarForm::visit(const NodalValues& u, Derivatives derivatives,
   }
 }
 
-void MortarForm::visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
+void MortarForm::visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                  const BlockVisitor& visitor) const {
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
@@ -194,7 +194,7 @@ void MortarForm::visit_curvature(const NodalValues& u, const CurvatureFactors& f
   visit_slip_curvature(u, factors, visitor);
 }
 
-void MortarForm::visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const {
+void MortarForm::visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const {
   // [facet] candidates, -1 the rigid body: each pair once, for all corners of its secondary facet.
   std::vector<std::vector<std::pair<int, MortarWeights>>> parts(facets_.size());
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {

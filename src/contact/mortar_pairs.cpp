@@ -24,7 +24,7 @@ void MortarForm::set_functions(Facet& facet, const std::array<std::array<double,
   for (std::size_t a = 0; a < 2; ++a) std::copy_n(phi[a].begin(), 2, facet.edge.phi[a].begin());
 }
 
-void MortarForm::choose_functions(const Facing& facing, const NodalValues& x) {
+void MortarForm::choose_functions(const Facing& facing, const ContactValues& x) {
   if (settings_.multipliers != MultiplierSpace::dual) return;
   const std::array<std::array<double, 4>, 4> standard = {
       {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
@@ -40,19 +40,20 @@ void MortarForm::choose_functions(const Facing& facing, const NodalValues& x) {
   }
 }
 
-double MortarForm::size_of(int facet, const NodalValues& x) const {
-  const int* slot = secondary_slots(facet);
-  return dim_ == 2 ? longest_side(corners_at<EdgeCorners>(slot, x)[0].data(), 2, 2)
-                   : longest_side(corners_at<FaceCorners>(slot, x)[0].data(), 4, 3);
+double MortarForm::size_of(int facet, const ContactValues& x) const {
+  return by_dimension([&]<class Corners>(const Corners& corners) {
+    return longest_side(corners_at<Corners>(secondary_slots(facet), x)[0].data(),
+                        static_cast<int>(corners.size()), dim_);
+  });
 }
 
-bool MortarForm::opposed(int facet, int candidate, const NodalValues& x) const {
+bool MortarForm::opposed(int facet, int candidate, const ContactValues& x) const {
   return at_pair(facet, candidate, x, [](const auto& s, const auto& p) {
     return dot(facet_normal(s), facet_normal(p)) < -least_opposition;
   });
 }
 
-FacetView MortarForm::view(int facet, int candidate, const NodalValues& x) const {
+FacetView MortarForm::view(int facet, int candidate, const ContactValues& x) const {
   return at_pair(facet, candidate, x, [](const auto& s, const auto& p) { return view_facet(s, p); });
 }
 
@@ -63,7 +64,7 @@ bool MortarForm::share_a_node(int candidate, int other) const {
 }
 
 bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,
-                        const NodalValues& x) const {
+                        const ContactValues& x) const {
   return at_pair(facet, candidate, x, [&](const auto& s, const auto& p) {
     using Corners = std::decay_t<decltype(s)>;
     return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
@@ -79,7 +80,7 @@ bool MortarForm::came_through(int facet, int candidate) const {
          view(facet, candidate, nodes().start).largest > -search_.depth(facet);
 }
 
-MortarForm::Facing MortarForm::facing_at(const NodalValues& x) const {
+MortarForm::Facing MortarForm::facing_at(const ContactValues& x) const {
   Facing facing(facets_.size());
   const Candidates& list = search_.candidates();
   std::vector<std::pair<double, int>> pairs; // distance, candidate
@@ -102,7 +103,7 @@ MortarForm::Facing MortarForm::facing_at(const NodalValues& x) const {
   return facing;
 }
 
-std::vector<int> MortarForm::covering(int facet, const NodalValues& x, const Facing& facing) const {
+std::vector<int> MortarForm::covering(int facet, const ContactValues& x, const Facing& facing) const {
   std::vector<int> list;
   for (int c : facing[at(facet)])
     if (view(facet, c, x).part > 1e-12) list.push_back(c);
@@ -142,7 +143,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
   return outcome;
 }
 
-bool MortarForm::active(const Node& node, const NodalValues& u, const Presses& presses,
+bool MortarForm::active(const Node& node, const ContactValues& u, const Presses& presses,
                         const Facing& facing) const {
   double gap = 0;
   bool covered = false;
@@ -155,7 +156,7 @@ bool MortarForm::active(const Node& node, const NodalValues& u, const Presses& p
   return covered && presses(node.local, gap / node.weight);
 }
 
-void MortarForm::visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const {
+void MortarForm::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
   for (const Node& owner : owned_)
     for (const Incident& incident : owner.facets) {
       const int f = incident.facet, corner = incident.corner;

@@ -9,7 +9,7 @@ namespace impact {
 
 void MortarForm::anchor(Vec u) {
   search_.set_start(u);
-  const NodalValues& x = nodes().start;
+  const ContactValues& x = nodes().start;
   const bool restored = search_.restored() && !rigid();
   if (rigid() && frictional()) obstacle_.anchor(nodes(), x);
   if (!restored && (!frictional() || on_plane())) return;
@@ -26,7 +26,7 @@ void MortarForm::anchor(Vec u) {
   locate_anchors();
 }
 
-void MortarForm::anchor_facet(int f, const Facing& facing, const NodalValues& x) {
+void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x) {
   const Facet& facet = facets_[at(f)];
   std::vector<Anchor>& anchors = anchors_[at(f)];
   // What lies opposite on a round body is the place of the facet itself: no matter where on the body that is.
@@ -74,7 +74,7 @@ bool MortarForm::slip_nodes(const Node& owner, NodePlaces& place_of) const {
   return slides;
 }
 
-MortarForm::SlipRows MortarForm::slips_at(const NodalValues& u, bool with_gradient) const {
+MortarForm::SlipRows MortarForm::slips_at(const ContactValues& u, bool with_gradient) const {
   SlipRows rows;
   rows.facet.resize(anchors_.size());
   for (int f = 0; f < static_cast<int>(anchors_.size()); ++f)
@@ -88,7 +88,7 @@ MortarForm::SlipRows MortarForm::slips_at(const NodalValues& u, bool with_gradie
   return rows;
 }
 
-void MortarForm::add_slip(const Node& owner, const NodalValues& u, NodePlaces& place_of, SlipRows& rows,
+void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
                           Constraint& c) const {
   const std::size_t d = at(dim_), n = d * place_of.node.size(), half = d * corners_;
   rows.gradient.assign((d - 1) * n, 0.0);
@@ -133,7 +133,7 @@ void MortarForm::add_slip(const Node& owner, const NodalValues& u, NodePlaces& p
 }
 
 void MortarForm::visit_facet_slip_curvature(int f, const std::array<Tangential, 4>& factor,
-                                            const NodalValues& u, const BlockVisitor& visitor) const {
+                                            const ContactValues& u, const BlockVisitor& visitor) const {
   const std::size_t n = 2 * at(dim_) * corners_;
   for (const Anchor& anchor : anchors_[at(f)]) {
     if (!found(anchor)) continue;
@@ -145,7 +145,7 @@ void MortarForm::visit_facet_slip_curvature(int f, const std::array<Tangential, 
   }
 }
 
-void MortarForm::visit_slip_curvature(const NodalValues& u, const CurvatureFactors& factors,
+void MortarForm::visit_slip_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                       const BlockVisitor& visitor) const {
   if (on_plane()) return visit_plane_slip_curvature(u, factors, visitor);
   if (anchors_.empty()) return;
@@ -177,7 +177,7 @@ void MortarForm::visit_slip_curvature(const NodalValues& u, const CurvatureFacto
   }
 }
 
-void MortarForm::visit_plane_slip_curvature(const NodalValues& u, const CurvatureFactors& factors,
+void MortarForm::visit_plane_slip_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                             const BlockVisitor& visitor) const {
   if (!obstacle_.carried()) return; // a linear function
   const std::array<Point3, 2> t = obstacle_.tangents();

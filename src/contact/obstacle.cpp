@@ -116,7 +116,7 @@ void Obstacle::locate(const ContactNodes& nodes) {
   for (PetscInt node : node_) slot_.push_back(nodes.slot(node));
 }
 
-RigidObstacle Obstacle::at(const NodalValues& u) const {
+RigidObstacle Obstacle::at(const ContactValues& u) const {
   RigidObstacle now = pose_.obstacle;
   for (std::size_t b = 0; b < slot_.size(); ++b)
     for (std::size_t k = 0; k < dim_; ++k) {
@@ -144,7 +144,7 @@ std::array<std::array<double, 3>, 2> Obstacle::tangents() const {
   return tangents_of(n);
 }
 
-void Obstacle::anchor(const ContactNodes& nodes, const NodalValues& x) {
+void Obstacle::anchor(const ContactNodes& nodes, const ContactValues& x) {
   pose_.moved = {};
   start_.resize(dim_ * nodes.secondary.size());
   for (std::size_t i = 0; i < start_.size(); ++i)
@@ -169,7 +169,7 @@ void Obstacle::anchor(const ContactNodes& nodes, const NodalValues& x) {
 }
 
 void Obstacle::add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
-                        const std::array<double, 3>& tangent, const NodalValues& u, double& value,
+                        const std::array<double, 3>& tangent, const ContactValues& u, double& value,
                         PlaneSlip& slip) const {
   const int* secondary = &nodes.secondary[corners_ * index(facet)];
   slip = {};

@@ -8,7 +8,7 @@ namespace impact {
 
 namespace {
 
-bool all_finite(const NodalValues& x) {
+bool all_finite(const ContactValues& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
 
@@ -93,7 +93,7 @@ void add_pairs_among(std::vector<PetscInt> nodes, NodePairs& pairs) {
     for (std::size_t j = i + 1; j < nodes.size(); ++j) pairs.emplace_back(nodes[i], nodes[j]);
 }
 
-std::vector<double> ContactNodes::current(const NodalValues& u) const {
+std::vector<double> ContactNodes::current(const ContactValues& u) const {
   std::vector<double> x = u;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += X[i];
   return x;
@@ -186,7 +186,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   return changed || owed == Outcome::other_pairs ? Outcome::other_pairs : Outcome::rebuilt;
 }
 
-std::array<double, 12> PairSearch::in_space(const int* slot, const NodalValues& x) const {
+std::array<double, 12> PairSearch::in_space(const int* slot, const ContactValues& x) const {
   std::array<double, 12> corner{};
   for (int a = 0; a < 4; ++a)
     std::copy_n(&x[at(dim_ * slot[std::min(a, corners_ - 1)])], dim_, &corner[at(3 * a)]);
@@ -205,7 +205,7 @@ double PairSearch::tighten(const std::vector<int>& slot, const std::vector<doubl
   return smallest;
 }
 
-SearchSecondary PairSearch::secondary_at(const NodalValues& x) const {
+SearchSecondary PairSearch::secondary_at(const ContactValues& x) const {
   SearchSecondary secondary;
   for (std::size_t f = 0; f < secondary_.size(); f += at(corners_)) {
     const std::array<double, 12> corner = in_space(&secondary_slot_[f], x);
@@ -215,7 +215,7 @@ SearchSecondary PairSearch::secondary_at(const NodalValues& x) const {
   return secondary;
 }
 
-std::vector<SearchFacet> PairSearch::primary_at(const NodalValues& x) const {
+std::vector<SearchFacet> PairSearch::primary_at(const ContactValues& x) const {
   std::vector<SearchFacet> primary(primary_.size() / at(corners_));
   for (std::size_t f = 0; f < primary.size(); ++f) {
     const std::size_t first = at(corners_) * f;
@@ -226,7 +226,7 @@ std::vector<SearchFacet> PairSearch::primary_at(const NodalValues& x) const {
   return primary;
 }
 
-Candidates PairSearch::search(const NodalValues& x) const {
+Candidates PairSearch::search(const ContactValues& x) const {
   if (kind_ == Primary::rigid) return {};
   if (local_)
     return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach - smallest_,
@@ -280,7 +280,7 @@ double PairSearch::pairs_per_facet() const {
 
 double PairSearch::range() const { return local_ ? 2 * local_part * smallest_ : radius_; }
 
-double PairSearch::nearest_nodes(const NodalValues& u) const {
+double PairSearch::nearest_nodes(const ContactValues& u) const {
   const std::vector<double> x = list_.nodes.current(u);
   double square = HUGE_VAL;
   const auto& offset = list_.candidates.offset;

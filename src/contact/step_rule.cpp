@@ -22,7 +22,7 @@ void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double,
   if (rule != StepRule::none) find_start_gaps();
 }
 
-std::vector<double> Constraints::place_of_gradients(const NodalValues& u) const {
+std::vector<double> Constraints::place_of_gradients(const ContactValues& u) const {
   if (step_.rule == StepRule::none) return u;
   if (step_.rule == StepRule::start) return step_.start;
   std::vector<double> m(u.size());
@@ -107,7 +107,7 @@ struct Gradient {
 } // namespace
 
 // Between the steps of an energy-conserving run: the state at the end of the last one.
-void Constraints::visit_followed(const NodalValues& u, Derivatives derivatives,
+void Constraints::visit_followed(const ContactValues& u, Derivatives derivatives,
                                  const ConstraintVisitor& visitor) const {
   form_->visit(u, derivatives, [&](Constraint& c) {
     const double followed = gap_->trial[at(c.index)];
@@ -124,7 +124,7 @@ void Constraints::keep_gaps(Vec u) {
   step_.rule = StepRule::none;
 }
 
-void Constraints::visit_curvature(const NodalValues& u, std::vector<double>& of_gap,
+void Constraints::visit_curvature(const ContactValues& u, std::vector<double>& of_gap,
                                   std::vector<Tangential>& of_slip, const BlockVisitor& visitor) const {
   if (step_.rule == StepRule::start) return;
   if (step_.rule == StepRule::middle) { // which moves by half of what u does; exact work has twice the force
@@ -134,7 +134,7 @@ void Constraints::visit_curvature(const NodalValues& u, std::vector<double>& of_
   form_->visit_curvature(place_of_gradients(u), {of_gap, of_slip}, visitor);
 }
 
-void Constraints::visit_step(const NodalValues& u, Derivatives derivatives,
+void Constraints::visit_step(const ContactValues& u, Derivatives derivatives,
                              const ConstraintVisitor& visitor) const {
   const bool of_end = step_.rule == StepRule::middle, strikes = step_.rule == StepRule::start;
   const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;

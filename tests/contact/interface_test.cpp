@@ -656,6 +656,31 @@ TEST(ContactInterface, NodalFieldsOfAUniformContactAreUniform) {
   }
 }
 
+// Either surface is the secondary one of a contact of its own.
+TEST(ContactSet, ANodeKeepsTheGapOfTheContactThatKnowsIt) {
+  for (const auto& [name, partition] : partitions) {
+    const TwoBlocks blocks;
+    const Mesh mesh = make_blocks(PETSC_COMM_WORLD, blocks, partition);
+    const FieldLayout layout(mesh, "u", 2);
+    StateTable state;
+    ContactSet contacts;
+    ContactSettings s = settings_of(100);
+    contacts.emplace_back(mesh, layout, s, ContactEnvironment(), state);
+    std::swap(s.secondary, s.primary);
+    s.id = "other_way";
+    contacts.emplace_back(mesh, layout, s, ContactEnvironment(), state);
+    const Handle<Vec> u = displacement(mesh, layout, blocks, sink(0.02));
+    const ContactFields both = contacts.nodal_fields(u);
+    for (const ContactInterface& contact : contacts) {
+      const std::vector<double> alone = contact.nodal_fields(u).gap;
+      for (std::size_t node = 0; node < alone.size(); ++node)
+        if (!std::isnan(alone[node])) {
+          EXPECT_EQ(both.gap[node], alone[node]) << name << " " << contact.id();
+        }
+    }
+  }
+}
+
 TEST(ContactInterface, AxisymmetricAreaIsTheFullRing) {
   TwoBlocks b;
   b.frame = Frame::axisymmetric;

@@ -42,7 +42,8 @@ public:
 private:
   std::vector<double> weighted(Vec theta) const; // [node] of the contact
   bool rigid() const { return contact_->settings().rigid(); }
-  double jump(std::size_t place, const std::vector<double>& theta) const;
+  double jump(const HeatPath& path, const std::vector<double>& theta) const;
+  double flow(const HeatPath& path, const std::vector<double>& theta) const; // out of the secondary side
 
   const Mesh* mesh_;
   const ContactInterface* contact_;
@@ -51,7 +52,7 @@ private:
   bool conducts_;
   NodeExchange exchange_;
   NodePairs couplings_;
-  HeatPaths paths_;
+  std::vector<HeatPath> paths_;
   std::vector<double> theta_n_;
   double dt_ = 0, weight_ = 1, rigid_theta_ = 0;
 };

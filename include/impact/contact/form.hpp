@@ -111,19 +111,19 @@ public:
   virtual bool overdetermined() const { return false; }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats.
-  virtual void visit(const NodalValues& u, Derivatives derivatives,
+  virtual void visit(const ContactValues& u, Derivatives derivatives,
                      const ConstraintVisitor& visitor) const = 0;
   /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
-  virtual void visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
+  virtual void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                const BlockVisitor& visitor) const = 0;
   /// Where the sides meet at the displacement u of nodes(), of all that a visit there brings.
-  virtual void visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const = 0;
+  virtual void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
   virtual const std::vector<double>& nodal_area() const = 0;
   /// Overlap of the secondary nodes at the coordinates x: depth and outward direction at places of nodes().
   /// A node that lies on several facets may come several times, on any rank.
   using OverlapVisitor = std::function<void(int node, double depth, const std::array<double, 3>& direction)>;
-  virtual void visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const = 0;
+  virtual void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const = 0;
 
 protected:
   /// What was kept fixed during the solves of the last attempt is free again.
@@ -158,20 +158,21 @@ protected:
   }
   /// Corners of a facet, an array of places, at coordinates x [node][dim] of nodes(); or at a displacement,
   /// seen from a node.
-  template <class Corners> static Corners corners_at(const int* slot, const NodalValues& x) {
+  template <class Corners> static Corners corners_at(const int* slot, const ContactValues& x) {
     Corners corner;
     for (auto& place : corner)
       std::copy_n(&x[place.size() * static_cast<std::size_t>(*slot++)], place.size(), place.begin());
     return corner;
   }
-  template <class Corners> Corners corners_from(int origin, const int* slot, const NodalValues& u) const {
+  template <class Corners> Corners corners_from(int origin, const int* slot, const ContactValues& u) const {
     Corners corner;
     for (auto& place : corner)
       place = nodes().place<std::tuple_size_v<typename Corners::value_type>>(*slot++, origin, u);
     return corner;
   }
   /// Places of what lay opposite a facet at a displacement, seen from its first corner.
-  template <class Corners> Corners opposite(const Opposite& opposite, int facet, const NodalValues& u) const {
+  template <class Corners>
+  Corners opposite(const Opposite& opposite, int facet, const ContactValues& u) const {
     const int origin = secondary_slots(facet)[0];
     if (!rigid()) return corners_from<Corners>(origin, opposite.slot.data(), u);
     Corners corner;

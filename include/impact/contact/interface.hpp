@@ -53,18 +53,13 @@ struct ContactStep {
   double obstacle_work = 0, obstacle_shock = 0;
 };
 
-/// Places at which heat passes a contact in one step. Per unit thickness.
-struct HeatPaths {
-  std::vector<double> conductance; ///< [place] h dA, power per temperature
-  std::vector<double> friction;    ///< [place] heat that sliding made in the step
-  /// [place + 1] into node and share; secondary nodes come before primary ones, of which a rigid body has
-  /// none.
-  std::vector<std::size_t> first = {0};
-  std::vector<std::size_t> secondary; ///< [place] secondary nodes
-  std::vector<int> node;              ///< into ContactInterface::nodes()
-  std::vector<double> share;          ///< sum 1 on either side
-
-  std::size_t count() const { return conductance.size(); }
+/// A place at which heat passes a contact in one step. Per unit thickness.
+struct HeatPath {
+  double conductance = 0;    ///< h dA, power per temperature
+  double friction = 0;       ///< heat that sliding made in the step
+  std::size_t secondary;     ///< nodes on the secondary side, which come first; a rigid body has none
+  std::vector<int> node;     ///< into ContactInterface::nodes()
+  std::vector<double> share; ///< sum 1 on either side
 };
 
 /// Overlap of the undeformed surfaces at the secondary nodes.
@@ -193,7 +188,7 @@ public:
   /// Where heat passes in the step that ends at u: at the places where the forces stand, through what presses
   /// now. The sum of the frictional heat over all ranks is the friction_loss of the step over the thickness.
   /// Before advance.
-  HeatPaths heat_paths(Vec u) const;
+  std::vector<HeatPath> heat_paths(Vec u) const;
   ContactMeasures measures(Vec u) const;
   /// At the secondary nodes, as weighted means of the constraints. Of `fields`, those of other contacts, a
   /// node keeps the smaller gap, otherwise what is larger; of vectors what is not zero.

@@ -22,12 +22,13 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const NodalValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
+  void visit(const ContactValues& u, Derivatives derivatives,
+             const ConstraintVisitor& visitor) const override;
+  void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
-  void visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const override;
+  void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
-  void visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const override;
+  void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const override;
 
 private:
   void release() override;
@@ -78,77 +79,83 @@ private:
   };
   using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
 
-  // call(secondary corners, primary corners) of a pair: of edges in the plane, of faces in space. At
-  // coordinates x, or at a displacement u seen from the secondary's first node.
-  template <class Call> auto at_pair(int facet, int candidate, const NodalValues& x, Call&& call) const {
-    const int *s = secondary_slots(facet), *p = primary_slots(candidate);
-    if (dim_ == 2) return call(corners_at<EdgeCorners>(s, x), corners_at<EdgeCorners>(p, x));
-    return call(corners_at<FaceCorners>(s, x), corners_at<FaceCorners>(p, x));
+  // call(Corners) with a value of the type of the corners: of edges in the plane, of faces in space.
+  template <class Call> auto by_dimension(Call&& call) const {
+    return dim_ == 2 ? call(EdgeCorners()) : call(FaceCorners());
   }
-  template <class Call> auto from_pair(int facet, int candidate, const NodalValues& u, Call&& call) const {
-    const int *s = secondary_slots(facet), *p = primary_slots(candidate);
-    if (dim_ == 2) return call(corners_from<EdgeCorners>(s[0], s, u), corners_from<EdgeCorners>(s[0], p, u));
-    return call(corners_from<FaceCorners>(s[0], s, u), corners_from<FaceCorners>(s[0], p, u));
+  // call(secondary corners, primary corners) of a pair at coordinates x; or at a displacement u seen from the
+  // secondary's first node, also of a facet and what lay opposite it at the start of the step.
+  template <class Call> auto at_pair(int facet, int candidate, const ContactValues& x, Call&& call) const {
+    return by_dimension([&]<class Corners>(const Corners&) {
+      return call(corners_at<Corners>(secondary_slots(facet), x),
+                  corners_at<Corners>(primary_slots(candidate), x));
+    });
   }
-  // The same of a facet and what lay opposite it at the start of the step.
-  template <class Call>
-  auto from_anchor(int facet, const Anchor& anchor, const NodalValues& u, Call&& call) const {
+  template <class Call> auto from_pair(int facet, int candidate, const ContactValues& u, Call&& call) const {
     const int* s = secondary_slots(facet);
-    if (dim_ == 2)
-      return call(corners_from<EdgeCorners>(s[0], s, u), opposite<EdgeCorners>(anchor.opposite, facet, u));
-    return call(corners_from<FaceCorners>(s[0], s, u), opposite<FaceCorners>(anchor.opposite, facet, u));
+    return by_dimension([&]<class Corners>(const Corners&) {
+      return call(corners_from<Corners>(s[0], s, u),
+                  corners_from<Corners>(s[0], primary_slots(candidate), u));
+    });
+  }
+  template <class Call>
+  auto from_anchor(int facet, const Anchor& anchor, const ContactValues& u, Call&& call) const {
+    const int* s = secondary_slots(facet);
+    return by_dimension([&]<class Corners>(const Corners&) {
+      return call(corners_from<Corners>(s[0], s, u), opposite<Corners>(anchor.opposite, facet, u));
+    });
   }
 
   std::array<double, 4> measure(int facet, const std::vector<double>& X);
   void find_facets(const Mesh& mesh, const ContactSurface& secondary);
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
   bool found(const Anchor& anchor) const { return rigid() || anchor.opposite.found(); }
-  void anchor_facet(int facet, const Facing& facing, const NodalValues& x);
+  void anchor_facet(int facet, const Facing& facing, const ContactValues& x);
   void locate_anchors();
 
-  FacetView view(int facet, int candidate, const NodalValues& x) const;
-  bool opposed(int facet, int candidate, const NodalValues& x) const;
+  FacetView view(int facet, int candidate, const ContactValues& x) const;
+  bool opposed(int facet, int candidate, const ContactValues& x) const;
   // Whether an accepted candidate lies before this one.
-  bool hidden(int facet, int candidate, const std::vector<int>& accepted, const NodalValues& x) const;
+  bool hidden(int facet, int candidate, const std::vector<int>& accepted, const ContactValues& x) const;
   bool share_a_node(int candidate, int other) const;
-  double size_of(int facet, const NodalValues& x) const; // longest side
+  double size_of(int facet, const ContactValues& x) const; // longest side
   // Whether a pair that is deep now was not so at the start of the step.
   bool came_through(int facet, int candidate) const;
-  Facing facing_at(const NodalValues& x) const;
+  Facing facing_at(const ContactValues& x) const;
   // Dual functions on the facets that are covered as a whole, standard ones on the others.
-  void choose_functions(const Facing& facing, const NodalValues& x);
+  void choose_functions(const Facing& facing, const ContactValues& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   // Whether the node is active with these pairs.
-  bool active(const Node& node, const NodalValues& u, const Presses& presses, const Facing& facing) const;
-  std::vector<int> covering(int facet, const NodalValues& x, const Facing& facing) const;
-  MortarPair pair_at(int facet, int candidate, const NodalValues& u, bool with_gradient) const;
-  std::vector<std::vector<Piece>> pieces_at(const NodalValues& u, bool with_gradient) const;
+  bool active(const Node& node, const ContactValues& u, const Presses& presses, const Facing& facing) const;
+  std::vector<int> covering(int facet, const ContactValues& x, const Facing& facing) const;
+  MortarPair pair_at(int facet, int candidate, const ContactValues& u, bool with_gradient) const;
+  std::vector<std::vector<Piece>> pieces_at(const ContactValues& u, bool with_gradient) const;
   // Of the constraint's slip: whether there is one, and where the slip is a function of more nodes than the
   // gap, these.
   bool slip_nodes(const Node& owner, NodePlaces& place_of) const;
-  SlipRows slips_at(const NodalValues& u, bool with_gradient) const;
+  SlipRows slips_at(const ContactValues& u, bool with_gradient) const;
   // What a facet's slip in direction e adds to the node's in direction a.
   double slip_part(const Incident& incident, const Node& owner, std::size_t a, std::size_t e) const {
     return dim_ == 2 ? 1 : incident.turn[a][e] / owner.weight;
   }
   // Slip and its gradient.
-  void add_slip(const Node& owner, const NodalValues& u, NodePlaces& place_of, SlipRows& rows,
+  void add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
                 Constraint& c) const;
   // Weights of the corners of a facet in the mean over a node's constraint.
   std::array<double, 4> weights_of(const Incident& incident, const Node& owner) const;
-  void visit_facet_slip_curvature(int facet, const std::array<Tangential, 4>& factor, const NodalValues& u,
+  void visit_facet_slip_curvature(int facet, const std::array<Tangential, 4>& factor, const ContactValues& u,
                                   const BlockVisitor& visitor) const;
-  void visit_slip_curvature(const NodalValues& u, const CurvatureFactors& factors,
+  void visit_slip_curvature(const ContactValues& u, const CurvatureFactors& factors,
                             const BlockVisitor& visitor) const;
-  void visit_plane_slip_curvature(const NodalValues& u, const CurvatureFactors& factors,
+  void visit_plane_slip_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                   const BlockVisitor& visitor) const;
   std::vector<FacetPoint> points_of(const Facet& facet) const;
-  Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot, const NodalValues& u) const;
+  Point3 place_of(const Facet& facet, const FacetPoint& point, const int* slot, const ContactValues& u) const;
   // Weighted gaps of a whole facet to the rigid body, in the form of a pair without a primary, or with the
   // carrier of the obstacle in its place.
-  MortarPair obstacle_gaps(int facet, const RigidObstacle& obstacle, const NodalValues& u) const;
+  MortarPair obstacle_gaps(int facet, const RigidObstacle& obstacle, const ContactValues& u) const;
   // [corner] nodal areas of a secondary facet at u.
-  std::array<double, 4> areas_at(int facet, const NodalValues& u) const;
+  std::array<double, 4> areas_at(int facet, const ContactValues& u) const;
 
   int dim_;
   std::size_t corners_; // stored per facet

@@ -64,7 +64,7 @@ public:
 
   /// The obstacle at the displacement u [node][dim] of the nodes of the contact. Where u is no rigid motion
   /// but the mean of two, the direction of a carried one is shorter than 1.
-  RigidObstacle at(const NodalValues& u) const;
+  RigidObstacle at(const ContactValues& u) const;
   /// Gap of a place x to it.
   CarriedFunction gap(const RigidObstacle& now, const std::array<double, 3>& x) const;
   /// Of its point and direction.
@@ -75,11 +75,11 @@ public:
 
   /// What lies opposite the secondary corners at coordinates x [node][dim] of the nodes is carried along from
   /// now on.
-  void anchor(const ContactNodes& nodes, const NodalValues& x);
+  void anchor(const ContactNodes& nodes, const ContactValues& x);
   /// Such a place at u, seen from a node.
   template <std::size_t d>
   std::array<double, d> place(const ContactNodes& nodes, int facet, std::size_t corner, int origin,
-                              const NodalValues& u) const {
+                              const ContactValues& u) const {
     const std::size_t number = corners_ * static_cast<std::size_t>(facet) + corner;
     std::array<double, d> x{};
     for (std::size_t b = 0; b < slot_.size(); ++b) {
@@ -100,7 +100,7 @@ public:
     Shares shares;
   };
   void add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
-                const std::array<double, 3>& tangent, const NodalValues& u, double& value,
+                const std::array<double, 3>& tangent, const ContactValues& u, double& value,
                 PlaneSlip& slip) const;
 
   /// Adds factor times the derivatives of f by (secondary nodes, whose weights in the place are `shape`,

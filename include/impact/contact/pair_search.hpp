@@ -34,7 +34,7 @@ private:
 };
 
 /// Numbers [node][dim] at the nodes of a contact: displacements u, coordinates x.
-using NodalValues = std::vector<double>;
+using ContactValues = std::vector<double>;
 
 /// The nodes of a contact on this rank, on compact numbers.
 struct ContactNodes {
@@ -53,11 +53,12 @@ struct ContactNodes {
   /// [node][dim] of the displacement u. Collective.
   std::vector<double> displacement(Vec u) const { return exchange.gather(u); }
   /// [node][dim] at a displacement [node][dim].
-  std::vector<double> current(const NodalValues& u) const;
+  std::vector<double> current(const ContactValues& u) const;
   std::vector<double> current(Vec u) const { return current(displacement(u)); }
   /// Where a node stands seen from another one: differences of X and of u, which keep the digits that those
   /// of X + u lose where displacements are small beside coordinates.
-  template <std::size_t d = 2> std::array<double, d> place(int node, int origin, const NodalValues& u) const {
+  template <std::size_t d = 2>
+  std::array<double, d> place(int node, int origin, const ContactValues& u) const {
     const std::size_t i = d * static_cast<std::size_t>(node), o = d * static_cast<std::size_t>(origin);
     std::array<double, d> difference;
     for (std::size_t k = 0; k < d; ++k) difference[k] = (X[i + k] - X[o + k]) + (u[i + k] - u[o + k]);
@@ -150,7 +151,7 @@ public:
   }
   /// Distance of the nearest nodes of two facets of a pair at the displacement u of nodes(); infinite without
   /// pairs.
-  double nearest_nodes(const NodalValues& u) const;
+  double nearest_nodes(const ContactValues& u) const;
 
 private:
   // What a search finds, and where.
@@ -163,14 +164,14 @@ private:
     bool outdated = true;
   };
   // A facet with these nodes, at coordinates x [node][dim], in the form of the search.
-  std::array<double, 12> in_space(const int* slot, const NodalValues& x) const;
+  std::array<double, 12> in_space(const int* slot, const ContactValues& x) const;
   // Lets the nodes of facets move by no more than their facets allow; the smallest of these. X: [node][dim].
   double tighten(const std::vector<int>& slot, const std::vector<double>& X,
                  std::vector<double>& slack) const;
   // Facets at the coordinates x of the static nodes.
-  SearchSecondary secondary_at(const NodalValues& x) const;
-  std::vector<SearchFacet> primary_at(const NodalValues& x) const;
-  Candidates search(const NodalValues& x) const;
+  SearchSecondary secondary_at(const ContactValues& x) const;
+  std::vector<SearchFacet> primary_at(const ContactValues& x) const;
+  Candidates search(const ContactValues& x) const;
   // Whether a body has facets of both sides; then their shapes and bodies. Collective.
   bool find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   void prepare_self_contact(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);

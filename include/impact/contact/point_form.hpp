@@ -48,12 +48,13 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const NodalValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
+  void visit(const ContactValues& u, Derivatives derivatives,
+             const ConstraintVisitor& visitor) const override;
+  void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
-  void visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const override;
+  void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
-  void visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const override;
+  void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const override;
 
 private:
   void release() override { std::fill(holds_.begin(), holds_.end(), Hold()); }
@@ -84,7 +85,7 @@ private:
     std::vector<double> gradient, slip_gradient; // [node][dim], [direction][node][dim]
   };
 
-  Facet facet_at(int number, const NodalValues& x) const {
+  Facet facet_at(int number, const ContactValues& x) const {
     Facet facet;
     facet.number = number;
     facet.corner = corners_at<Corners>(secondary_slots(number), x);
@@ -108,40 +109,40 @@ private:
     return {points_.shape[number].data(), at(points_.corners[at(facet)])};
   }
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
-  Seen nearest(const Facet& facet, const ShapeValues& shape, const NodalValues& x) const;
+  Seen nearest(const Facet& facet, const ShapeValues& shape, const ContactValues& x) const;
   // What the point is tied to; false where an iterate went too far astray.
-  bool held(const Facet& facet, const ShapeValues& shape, const NodalValues& x, const Hold& hold,
+  bool held(const Facet& facet, const ShapeValues& shape, const ContactValues& x, const Hold& hold,
             Seen& seen) const;
   // What it came through within this step, however deep, where nothing else is seen.
-  Seen passed(const Facet& facet, const ShapeValues& shape, const NodalValues& x) const;
-  Seen face(const Facet& facet, const ShapeValues& shape, const NodalValues& x, const Hold& hold) const {
+  Seen passed(const Facet& facet, const ShapeValues& shape, const ContactValues& x) const;
+  Seen face(const Facet& facet, const ShapeValues& shape, const ContactValues& x, const Hold& hold) const {
     Seen seen;
     if (hold.candidate >= 0 && held(facet, shape, x, hold, seen)) return seen;
     seen = nearest(facet, shape, x);
     return seen.candidate >= 0 ? seen : passed(facet, shape, x);
   }
   Seen look(const Facet& facet, const ShapeValues& shape, int candidate, int part,
-            const NodalValues& x) const;
+            const ContactValues& x) const;
   bool may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const;
   // Once more with all digits: a penalty makes a pressure of what is lost.
-  void sharpen(int facet, std::size_t number, const NodalValues& u, Seen& seen) const;
+  void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
   // Of faces: the point and the triangle that it sees.
-  FaceRay ray_of(int facet, std::size_t number, const NodalValues& u, const Seen& seen) const;
+  FaceRay ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
   // d(gap) and its second variation times a factor, over the dofs of both facets.
-  Row gap_gradient(int facet, std::size_t number, const NodalValues& u, const Seen& seen) const;
-  void add_gap_hessian(int facet, std::size_t number, const NodalValues& u, const Seen& seen, double factor,
+  Row gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
+  void add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen, double factor,
                        Matrix& hessian) const;
 
-  void tie(const NodalValues& x, const Presses& presses);
+  void tie(const ContactValues& x, const Presses& presses);
   void locate_anchors();
   void locate_holds();
-  bool slip_places(int facet, std::size_t number, const NodalValues& u, SlipPlaces& places) const;
-  void add_slip(int facet, const SlipPlaces& places, const NodalValues& u, bool with_gradient, Workspace& w,
+  bool slip_places(int facet, std::size_t number, const ContactValues& u, SlipPlaces& places) const;
+  void add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient, Workspace& w,
                 Constraint& c) const;
-  void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle, const NodalValues& u,
-                        Workspace& w, Constraint& c) const;
+  void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
+                        const ContactValues& u, Workspace& w, Constraint& c) const;
   // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something.
-  template <class Visitor> void visit_points(const NodalValues& u, Visitor&& visitor) const;
+  template <class Visitor> void visit_points(const ContactValues& u, Visitor&& visitor) const;
 
   ContactSurface secondary_;
   Frame frame_;

@@ -42,7 +42,7 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
   if (!frictional()) return; // all ranks agree on that, not on whether they have points
-  const NodalValues& x = nodes().start;
+  const ContactValues& x = nodes().start;
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;
   const std::vector<double> moved = nodes().displacement(u);
@@ -113,7 +113,7 @@ template <class G> NodePairs PointForm<G>::couplings() const {
   return pairs;
 }
 
-template <class G> void PointForm<G>::tie(const NodalValues& x, const Presses& presses) {
+template <class G> void PointForm<G>::tie(const ContactValues& x, const Presses& presses) {
   switched_ = false;
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
@@ -160,7 +160,7 @@ template <class G> void PointForm<G>::tie(const NodalValues& x, const Presses& p
 
 template <class G>
 template <class Visitor>
-void PointForm<G>::visit_points(const NodalValues& u, Visitor&& visitor) const {
+void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -197,7 +197,7 @@ void PointForm<G>::visit_points(const NodalValues& u, Visitor&& visitor) const {
 }
 
 template <class G>
-void PointForm<G>::visit(const NodalValues& u, Derivatives derivatives,
+void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives,
                          const ConstraintVisitor& visitor) const {
   const bool with_gradient = derivatives != Derivatives::none;
   Workspace w;
@@ -220,7 +220,7 @@ void PointForm<G>::visit(const NodalValues& u, Derivatives derivatives,
 
 template <class G>
 void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
-                                    const NodalValues& u, Workspace& w, Constraint& c) const {
+                                    const ContactValues& u, Workspace& w, Constraint& c) const {
   w.gradient.assign(dim * w.place.node.size(), 0.0);
   if (rigid()) {
     obstacle_.add_gradient(to_obstacle, c.share, obstacle_.shares(), 1, w.gradient.data());
@@ -238,7 +238,7 @@ void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFu
 // False without friction or where nothing lay opposite. A plane has directions of its own and needs no
 // places.
 template <class G>
-bool PointForm<G>::slip_places(int facet, std::size_t number, const NodalValues& u,
+bool PointForm<G>::slip_places(int facet, std::size_t number, const ContactValues& u,
                                SlipPlaces& places) const {
   if (anchors_.empty() || nodes().start.empty()) return false;
   if (on_plane()) return true;
@@ -252,7 +252,7 @@ bool PointForm<G>::slip_places(int facet, std::size_t number, const NodalValues&
 }
 
 template <class G>
-void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const NodalValues& u, bool with_gradient,
+void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient,
                             Workspace& w, Constraint& c) const {
   const std::size_t n = dim * w.place.node.size(), half = dim * corners;
   w.slip_gradient.assign((dim - 1) * n, 0.0);
@@ -282,7 +282,7 @@ void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const NodalValu
 }
 
 template <class G>
-void PointForm<G>::visit_curvature(const NodalValues& u, const CurvatureFactors& factors,
+void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                    const BlockVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> block;
@@ -319,7 +319,7 @@ void PointForm<G>::visit_curvature(const NodalValues& u, const CurvatureFactors&
 }
 
 template <class G>
-void PointForm<G>::visit_meetings(const NodalValues& u, const MeetingVisitor& visitor) const {
+void PointForm<G>::visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> share;
   visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction&) {
@@ -341,7 +341,7 @@ void PointForm<G>::visit_meetings(const NodalValues& u, const MeetingVisitor& vi
 }
 
 template <class G>
-void PointForm<G>::visit_overlaps(const NodalValues& x, const OverlapVisitor& visitor) const {
+void PointForm<G>::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
     for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a) {
