@@ -39,7 +39,7 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
   const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
-  sum(contact_store) = motion_.contacts().energy(u);
+  for (const ContactStep& contact : motion_.contacts().step(u)) sum(contact_store) += contact.energy;
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));
@@ -94,15 +94,15 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
 // update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
 void Ledger::book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u) {
-  const double store = motion_.contacts().energy(u);
+  const std::vector<ContactStep> contacts = motion_.contacts().step(u, stabilised);
+  double store = 0;
+  for (const ContactStep& contact : contacts) store += contact.energy;
   double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));
-  for (const ContactInterface& contact : motion_.contacts()) {
-    const ObstacleWork of_obstacle = contact.obstacle_work(u, stabilised);
-    const double rubbed = contact.friction_loss(u);
-    sum(external) += of_obstacle.force + of_obstacle.shock;
-    sum(friction) += rubbed;
-    sum(contact_loss) += contact.released_energy(u);
-    taken += of_obstacle.force + of_obstacle.shock - rubbed;
+  for (const ContactStep& contact : contacts) {
+    sum(external) += contact.obstacle_work + contact.obstacle_shock;
+    sum(friction) += contact.friction_loss;
+    sum(contact_loss) += contact.released;
+    taken += contact.obstacle_work + contact.obstacle_shock - contact.friction_loss;
   }
   if (stabilised) sum(contact_loss) += taken;
   sum(contact_store) = store;

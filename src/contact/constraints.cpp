@@ -37,7 +37,7 @@ void Constraints::fetch_fixed() {
                });
 }
 
-void Constraints::visit(const std::vector<double>& u, Derivatives derivatives,
+void Constraints::visit(const ContactValues& u, Derivatives derivatives,
                         const ConstraintVisitor& visitor) const {
   const Timed timed(Event::contact_forces);
   std::vector<double> held;
@@ -59,8 +59,7 @@ void Constraints::visit(const std::vector<double>& u, Derivatives derivatives,
 // On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike, nothing
 // slides: the traction along it would feel the bodies through the neighbours alone, and grow to its limit
 // against slips that nothing can close.
-void Constraints::hold_slip(const std::vector<double>& u, Constraint& c,
-                            std::vector<double>& gradient) const {
+void Constraints::hold_slip(const ContactValues& u, Constraint& c, std::vector<double>& gradient) const {
   if (!c.slides || nodes().start.empty()) return;
   const std::size_t n = c.gradient.size(), mine = c.share.size();
   const auto own =

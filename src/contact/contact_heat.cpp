@@ -16,8 +16,7 @@ double split_of(const ContactSettings& settings) {
 
 ContactHeat::ContactHeat(const Mesh& mesh, const ContactInterface& contact)
     : mesh_(&mesh), contact_(&contact), split_(split_of(contact.settings())),
-      rigid_(contact.settings().rigid()),
-      conducts_(contact.settings().conductance > 0 && (!rigid_ || contact.settings().rigid_temperature)) {
+      conducts_(contact.settings().conductance > 0 && (!rigid() || contact.settings().rigid_temperature)) {
   renew();
 }
 
@@ -26,7 +25,7 @@ bool ContactHeat::renew() {
   searches_ = contact_->searches();
   const ContactNodes& nodes = contact_->nodes();
   exchange_ = NodeExchange(mesh_->comm(), mesh_->owned_node_count(), 1, nodes.global);
-  NodePairs couplings = conducts_ ? contact_->node_couplings() : NodePairs();
+  NodePairs couplings = conducts_ ? contact_->constraints().form().couplings() : NodePairs();
   const bool same = all_ranks_agree(mesh_->comm(), couplings == couplings_);
   couplings_ = std::move(couplings);
   return !same;
@@ -34,7 +33,8 @@ bool ContactHeat::renew() {
 
 void ContactHeat::begin(Vec u, Vec theta_n, double dt, double weight, double rigid_theta) {
   paths_ = contact_->heat_paths(u);
-  if (!conducts_) std::fill(paths_.conductance.begin(), paths_.conductance.end(), 0.0);
+  for (HeatPath& path : paths_)
+    if (!conducts_) path.conductance = 0;
   theta_n_ = exchange_.gather(theta_n);
   dt_ = dt;
   weight_ = weight;
@@ -48,30 +48,30 @@ std::vector<double> ContactHeat::weighted(Vec theta) const {
   return values;
 }
 
-double ContactHeat::jump(std::size_t place, const std::vector<double>& theta) const {
-  const std::size_t first = paths_.first[place], end = paths_.first[place + 1],
-                    middle = first + paths_.secondary[place];
+double ContactHeat::jump(const HeatPath& path, const std::vector<double>& theta) const {
   // Shares of a side sum to one. Differences keep the digits that temperatures lose in a good joint.
-  const double base = rigid_ ? rigid_theta_ : theta[at(paths_.node[first])];
+  const double base = rigid() ? rigid_theta_ : theta[at(path.node[0])];
   double difference = 0;
-  for (std::size_t k = first; k < end; ++k)
-    difference += (k < middle ? 1 : -1) * paths_.share[k] * (theta[at(paths_.node[k])] - base);
+  for (std::size_t k = 0; k < path.node.size(); ++k)
+    difference += (k < path.secondary ? 1 : -1) * path.share[k] * (theta[at(path.node[k])] - base);
   return difference;
+}
+
+double ContactHeat::flow(const HeatPath& path, const std::vector<double>& theta) const {
+  return path.conductance > 0 ? dt_ * path.conductance * jump(path, theta) : 0;
 }
 
 void ContactHeat::add_residual(Vec theta, Vec r) const {
   const std::vector<double> values = weighted(theta);
   std::vector<double> lost(values.size(), 0.0);
-  for (std::size_t c = 0; c < paths_.count(); ++c) {
-    const std::size_t first = paths_.first[c], end = paths_.first[c + 1],
-                      middle = first + paths_.secondary[c];
-    const double flow = paths_.conductance[c] > 0 ? dt_ * paths_.conductance[c] * jump(c, values) : 0;
+  for (const HeatPath& path : paths_) {
+    const double out = flow(path, values);
     // Where nothing lies opposite, and no rigid body, the secondary side keeps it all.
-    const double mine = middle == end && !rigid_ ? 1 : split_;
-    for (std::size_t k = first; k < middle; ++k)
-      lost[at(paths_.node[k])] += paths_.share[k] * (flow - mine * paths_.friction[c]);
-    for (std::size_t k = middle; k < end; ++k)
-      lost[at(paths_.node[k])] -= paths_.share[k] * (flow + (1 - mine) * paths_.friction[c]);
+    const double mine = path.secondary == path.node.size() && !rigid() ? 1 : split_;
+    for (std::size_t k = 0; k < path.secondary; ++k)
+      lost[at(path.node[k])] += path.share[k] * (out - mine * path.friction);
+    for (std::size_t k = path.secondary; k < path.node.size(); ++k)
+      lost[at(path.node[k])] -= path.share[k] * (out + (1 - mine) * path.friction);
   }
   exchange_.add(lost, r);
 }
@@ -79,21 +79,20 @@ void ContactHeat::add_residual(Vec theta, Vec r) const {
 void ContactHeat::add_tangent(Vec held, Mat K) const {
   if (!conducts_) return;
   const std::vector<double> out = exchange_.gather(held);
-  const std::vector<PetscInt>& global = contact_->nodes().global;
   std::vector<PetscInt> rows;
   std::vector<double> row, block;
-  for (std::size_t c = 0; c < paths_.count(); ++c) {
-    if (!(paths_.conductance[c] > 0)) continue;
-    const std::size_t first = paths_.first[c], n = paths_.first[c + 1] - first;
+  for (const HeatPath& path : paths_) {
+    if (!(path.conductance > 0)) continue;
+    const std::size_t n = path.node.size();
     rows.clear();
     row.clear();
-    for (std::size_t k = first; k < first + n; ++k) {
-      const std::size_t node = at(paths_.node[k]);
-      rows.push_back(out[node] != 0 ? -1 : global[node]); // PETSc leaves these out
-      row.push_back((k - first < paths_.secondary[c] ? 1 : -1) * paths_.share[k]);
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t node = at(path.node[k]);
+      rows.push_back(out[node] != 0 ? -1 : contact_->nodes().global[node]); // PETSc leaves these out
+      row.push_back((k < path.secondary ? 1 : -1) * path.share[k]);
     }
     block.resize(n * n);
-    const double factor = weight_ * dt_ * paths_.conductance[c];
+    const double factor = weight_ * dt_ * path.conductance;
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t j = 0; j < n; ++j) block[n * i + j] = factor * row[i] * row[j];
     const auto size = static_cast<PetscInt>(n);
@@ -105,17 +104,16 @@ ContactHeat::Heat ContactHeat::book(Vec theta, Vec nodal) const {
   const std::vector<double> values = weighted(theta);
   std::vector<double> given(values.size(), 0.0);
   std::array<double, 2> sum{};
-  for (std::size_t c = 0; c < paths_.count(); ++c) {
-    const double in = paths_.conductance[c] > 0 ? -dt_ * paths_.conductance[c] * jump(c, values) : 0;
+  for (const HeatPath& path : paths_) {
+    const double in = -flow(path, values);
     sum[0] += in;
-    sum[1] += paths_.friction[c];
-    if (!rigid_) continue;
-    for (std::size_t k = paths_.first[c]; k < paths_.first[c + 1]; ++k)
-      given[at(paths_.node[k])] += paths_.share[k] * in;
+    sum[1] += path.friction;
+    for (std::size_t k = 0; rigid() && k < path.node.size(); ++k)
+      given[at(path.node[k])] += path.share[k] * in;
   }
   exchange_.add(given, nodal);
   MPI_Allreduce(MPI_IN_PLACE, sum.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  return {sum[0], sum[1], rigid_ ? sum[0] - (1 - split_) * sum[1] : 0};
+  return {sum[0], sum[1], rigid() ? sum[0] - (1 - split_) * sum[1] : 0};
 }
 
 } // namespace impact

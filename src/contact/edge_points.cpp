@@ -1,6 +1,8 @@
 #include <impact/contact/edge_points.hpp>
 #include <impact/contact/point_form_impl.hpp>
 #include <impact/math/index.hpp>
+#include <impact/petsc/error.hpp>
+#include <numbers>
 
 namespace impact {
 
@@ -8,9 +10,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Point2<double> point_at(const std::vector<double>& x, int node) {
-  return {x[at(2 * node)], x[at(2 * node + 1)]};
-}
+Point2<double> point_at(const ContactValues& x, int node) { return {x[at(2 * node)], x[at(2 * node + 1)]}; }
 
 // Order of two edges by their reference coordinates: of two equal distances every number of ranks takes the
 // same edge, which global node numbers would not give.
@@ -20,7 +20,7 @@ bool precedes(const std::vector<double>& X, const int* a, const int* b) {
   return false;
 }
 
-PrimaryEdge<double> edge_of(const ContactNodes& nodes, int primary, const std::vector<double>& x) {
+PrimaryEdge<double> edge_of(const ContactNodes& nodes, int primary, const ContactValues& x) {
   const int *p = &nodes.primary[at(2 * primary)], *neighbour = &nodes.neighbour[at(2 * primary)];
   PrimaryEdge<double> edge{point_at(x, p[0]), point_at(x, p[1])};
   edge.has_previous = neighbour[0] >= 0;
@@ -42,10 +42,21 @@ std::array<double, 2> shape_of(const ShapeValues& shape) { return {shape[0], sha
 } // namespace
 
 FormPoints EdgePoints::make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame) {
-  const SurfacePoints made = impact::make_points(surface, settings.id, settings.points, frame);
-  FormPoints points{made.per_facet, {}, made.weight, std::vector<int>(surface.length.size(), 2)};
-  for (std::size_t i = 0; i < made.weight.size(); ++i)
-    points.shape.push_back({made.shape[2 * i], made.shape[2 * i + 1], 0, 0});
+  const int n = settings.points;
+  if (n < 1 || n > 16)
+    throw UserError(ExitCode::usage, "-contact_" + settings.id + "_points " + std::to_string(n) +
+                                         ": allowed are 1 to 16 points per facet");
+  const GaussRule rule = gauss_rule(n);
+  FormPoints points{n, {}, {}, std::vector<int>(surface.length.size(), 2)};
+  for (int f = 0; f < surface.count(); ++f)
+    for (int q = 0; q < n; ++q) {
+      const double xi = surface.reversed[at(f)] ? -rule.xi[at(q)] : rule.xi[at(q)];
+      const double N0 = (1 - xi) / 2, N1 = (1 + xi) / 2;
+      const double* X = &surface.X[at(4 * f)];
+      const double ring = frame == Frame::axisymmetric ? 2 * std::numbers::pi * (N0 * X[0] + N1 * X[2]) : 1;
+      points.shape.push_back({N0, N1, 0, 0});
+      points.weight.push_back(rule.weight[at(q)] * surface.length[at(f)] / 2 * ring);
+    }
   return points;
 }
 
@@ -57,27 +68,9 @@ bool EdgePoints::faces(const CarriedFunction& gap, const Point2<double>& normal)
   return retraction(foot, normal, infinity) < infinity;
 }
 
-EdgePoints::Pair EdgePoints::pair_of(const ShapeValues& shape, const Seen* seen) {
-  const std::array<double, 2> N = shape_of(shape);
-  return {{N, seen != nullptr ? shares_of(*seen) : N}, 0};
-}
-
-void EdgePoints::add_slips(const Corners& s, const Corners& p, const Map&, const Pair& pair, bool,
-                           Tangential& value, std::array<std::array<double, 8>, 1>& rows) {
-  const Slip slip = slip_of(s, p, pair.anchor);
-  value[0] = slip.value - pair.start;
-  rows[0] = slip.gradient;
-}
-
-void EdgePoints::add_slip_hessian(const Corners& s, const Corners& p, const Map&, const Pair& pair,
-                                  const Tangential& factor, std::array<double, 64>& hessian) {
-  const std::array<double, 64> H = slip_hessian(s, p, pair.anchor);
-  for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor[0] * H[i];
-}
-
 template <>
 EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate, int,
-                                     const std::vector<double>& x) const {
+                                     const ContactValues& x) const {
   Seen seen;
   seen.candidate = candidate;
   seen.edge = edge_of(nodes(), search_.candidates().facet[at(candidate)], x);
@@ -87,12 +80,12 @@ EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shap
 
 template <>
 EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& shape,
-                                        const std::vector<double>& x) const {
+                                        const ContactValues& x) const {
   const Point2<double> here = place_on(facet.corner, shape);
   double nearest = infinity;
   Seen best;
   const Candidates& list = search_.candidates();
-  for (int c = list.offset[at(facet.number)]; c < list.offset[at(facet.number + 1)]; ++c) {
+  for (int c : list.of(at(facet.number))) {
     const PrimaryEdge<double> edge = edge_of(nodes(), list.facet[at(c)], x);
     const Foot<double> foot = closest_point(here, edge);
     const double distance = retraction(foot, facet.normal, search_.radius());
@@ -108,7 +101,7 @@ EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& s
 }
 
 template <>
-bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x,
+bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const ContactValues& x,
                          const Hold& hold, Seen& seen) const {
   seen = look(facet, shape, hold.candidate, 0, x);
   const Foot<double>& foot = seen.foot;
@@ -121,16 +114,16 @@ bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const std
 
 template <>
 EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& shape,
-                                       const std::vector<double>& x) const {
+                                       const ContactValues& x) const {
   Seen first;
   if (nodes().start.empty()) return first;
   const Point2<double> here = place_on(facet.corner, shape),
-                       before =
-                           place_on(corners_at<2, 2>(secondary_slots(facet.number), nodes().start), shape);
+                       before = place_on(
+                           corners_at<EdgeCorners>(secondary_slots(facet.number), nodes().start), shape);
   double earliest = infinity;
   const double depth = search_.depth(facet.number);
   const Candidates& list = search_.candidates();
-  for (int c = list.offset[at(facet.number)]; c < list.offset[at(facet.number + 1)]; ++c) {
+  for (int c : list.of(at(facet.number))) {
     const Seen seen = look(facet, shape, c, 0, x);
     const Foot<double>& foot = seen.foot;
     if (!(foot.gap < -depth) || !(retraction(foot, facet.normal, infinity) < infinity)) continue;
@@ -156,13 +149,13 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
 }
 
 template <>
-void EdgePointForm::sharpen(int facet, std::size_t number, const std::vector<double>& u, Seen& seen) const {
+void EdgePointForm::sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const {
   if (seen.foot.part != FootPart::edge) return;
   const int* primary = primary_slots(seen.candidate);
-  const auto p = corners_from<2, 2>(primary[0], primary, u);
-  seen.foot =
-      foot_on_line(place_on(corners_from<2, 2>(primary[0], secondary_slots(facet), u), points_.shape[number]),
-                   PrimaryEdge<double>{p[0], p[1]});
+  const auto p = corners_from<EdgeCorners>(primary[0], primary, u);
+  seen.foot = foot_on_line(
+      place_on(corners_from<EdgeCorners>(primary[0], secondary_slots(facet), u), points_.shape[number]),
+      PrimaryEdge<double>{p[0], p[1]});
 }
 
 template <>
@@ -176,29 +169,6 @@ void EdgePointForm::add_gap_hessian(int, std::size_t number, const std::vector<d
                                     double factor, Matrix& hessian) const {
   const std::array<double, 64> H = gap_hessian(shape_of(points_.shape[number]), seen.edge, seen.foot);
   for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor * H[i];
-}
-
-template <>
-void EdgePointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
-  for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
-    for (std::size_t a = 0; a < 2; ++a) {
-      const Point2<double>& place = facet.corner[a];
-      CarriedFunction gap;
-      if (rigid()) {
-        gap = obstacle_.gap(obstacle_.reference(), in_space(place));
-        if (!EdgePoints::faces(gap, facet.normal)) continue;
-      } else {
-        const Seen seen = nearest(facet, a == 0 ? ShapeValues{1, 0, 0, 0} : ShapeValues{0, 1, 0, 0}, x);
-        if (seen.candidate < 0) continue;
-        gap.value = seen.foot.gap;
-        gap.by_place = in_space(seen.foot.normal);
-      }
-      // Coordinates that were meant to touch differ by rounding of their own size.
-      if (-gap.value > 1e-9 * (secondary_.length[at(f)] + std::hypot(place[0], place[1])))
-        visitor(secondary_slots(f)[a], -gap.value, gap.by_place);
-    }
-  }
 }
 
 template class PointForm<EdgePoints>;

@@ -13,7 +13,7 @@ namespace {
 constexpr double inside = 1e-9, beyond = 0.01;
 constexpr int largest_rule = 16;
 
-Point3 point3(const std::vector<double>& x, int node) {
+Point3 point3(const ContactValues& x, int node) {
   return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
 }
 
@@ -21,17 +21,13 @@ double least_part(const RayFoot& foot) { return *std::min_element(foot.part.begi
 
 int triangles_of(int corners) { return corners == 3 ? 1 : 4; }
 
-int corners_of(const ContactSurface& surface, int f) {
-  return surface.node[at(4 * f + 3)] == surface.node[at(4 * f + 2)] ? 3 : 4;
-}
-
 FaceCorners reference(const ContactSurface& surface, int f) {
   return {point3(surface.X, 4 * f), point3(surface.X, 4 * f + 1), point3(surface.X, 4 * f + 2),
           point3(surface.X, 4 * f + 3)};
 }
 
-double area_at(int corners, const FaceCorners& x) {
-  const std::array<double, 4> parts = nodal_areas(corners, x);
+double area_at(const FaceCorners& x) {
+  const std::array<double, 4> parts = nodal_areas(x);
   return parts[0] + parts[1] + parts[2] + parts[3];
 }
 
@@ -71,8 +67,8 @@ FormPoints FacePoints::make_points(ContactSurface& surface, const ContactSetting
   const TriangleRule triangle = triangle_rule(n);
   const GaussRule line = gauss_rule(n);
   for (int f = 0; f < surface.count(); ++f) {
-    const int corners = corners_of(surface, f);
-    const double area = area_at(corners, reference(surface, f));
+    const int corners = corners_of(reference(surface, f));
+    const double area = area_at(reference(surface, f));
     points.corners.push_back(corners);
     std::size_t number = points.index(f, 0);
     const auto add = [&](const std::array<double, 4>& shape, double weight) {
@@ -106,41 +102,20 @@ FormPoints FacePoints::make_points(ContactSurface& surface, const ContactSetting
   return points;
 }
 
-std::vector<FaceMap> FacePoints::make_maps(const ContactSurface& surface, const FormPoints& points) {
-  std::vector<FaceMap> maps;
-  for (int f = 0; f < surface.count(); ++f)
-    maps.push_back(make_face_map(points.corners[at(f)], reference(surface, f)));
-  return maps;
+void FacePoints::make_map(const ContactSurface& surface, int f, FaceMap& map) {
+  map = make_face_map(reference(surface, f));
 }
 
 double FacePoints::stretch(const Corners&, const Corners& from_corner, const ContactSurface& surface, int f) {
-  const int corners = corners_of(surface, f);
-  return area_at(corners, from_corner) / area_at(corners, reference(surface, f));
-}
-
-FacePoints::Pair FacePoints::pair_of(const ShapeValues& shape, const Seen* seen) {
-  Pair pair;
-  pair.weights.covered = true;
-  pair.weights.D[0] = shape;
-  pair.weights.M[0] = seen != nullptr ? seen->foot.weights : shape;
-  return pair;
-}
-
-void FacePoints::add_slips(const Corners& s, const Corners& p, const Map& map, const Pair& pair,
-                           bool with_gradient, Tangential& value,
-                           std::array<std::array<double, 24>, 2>& rows) {
-  const FaceSlips slips = face_slips(s, p, map, pair, with_gradient);
-  value = slips.value[0];
-  rows = slips.gradient[0];
+  return area_at(from_corner) / area_at(reference(surface, f));
 }
 
 template <>
 FacePoints::Seen FacePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate,
-                                     int triangle, const std::vector<double>& x) const {
+                                     int triangle, const ContactValues& x) const {
   return {candidate, triangle,
-          cast_ray(points_.corners[at(facet.number)], facet.corner, shape,
-                   corners_at<4, 3>(primary_slots(candidate), x),
-                   triangle_weights(primary_corners(candidate), triangle))};
+          cast_ray({facet.corner, shape, corners_at<FaceCorners>(primary_slots(candidate), x),
+                    triangle_weights(primary_corners(candidate), triangle)})};
 }
 
 // By normals and depth.
@@ -159,10 +134,10 @@ bool FacePointForm::may_touch(const Facet& facet, const ShapeValues& shape, cons
 // The triangle before the point, or behind it: the nearest; beside the surface, the one next to it.
 template <>
 FacePoints::Seen FacePointForm::nearest(const Facet& facet, const ShapeValues& shape,
-                                        const std::vector<double>& x) const {
+                                        const ContactValues& x) const {
   // By reference coordinates: of two equal distances every number of ranks takes the same triangle.
   const auto key = [&](int c, int t) {
-    std::array<Point3, 4> face = corners_at<4, 3>(primary_slots(c), nodes().X);
+    std::array<Point3, 4> face = corners_at<FaceCorners>(primary_slots(c), nodes().X);
     std::array<Point3, 2> side = {face[at(t)], face[(at(t) + 1) % at(primary_corners(c))]};
     std::sort(side.begin(), side.end());
     std::sort(face.begin(), face.end());
@@ -172,7 +147,7 @@ FacePoints::Seen FacePointForm::nearest(const Facet& facet, const ShapeValues& s
   bool best_inside = false;
   const double equal = 1e-9 * secondary_.length[at(facet.number)];
   const Candidates& list = search_.candidates();
-  for (int c = list.offset[at(facet.number)]; c < list.offset[at(facet.number + 1)]; ++c)
+  for (int c : list.of(at(facet.number)))
     for (int t = 0; t < triangles_of(primary_corners(c)); ++t) {
       const Seen seen = look(facet, shape, c, t, x);
       const double least = least_part(seen.foot);
@@ -196,7 +171,7 @@ FacePoints::Seen FacePointForm::nearest(const Facet& facet, const ShapeValues& s
 }
 
 template <>
-bool FacePointForm::held(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x,
+bool FacePointForm::held(const Facet& facet, const ShapeValues& shape, const ContactValues& x,
                          const Hold& hold, Seen& seen) const {
   seen = look(facet, shape, hold.candidate, hold.part, x);
   return least_part(seen.foot) > -FacePoints::hold.limit && may_touch(facet, shape, seen);
@@ -208,54 +183,28 @@ FacePoints::Seen FacePointForm::passed(const Facet&, const ShapeValues&, const s
 }
 
 template <>
-void FacePointForm::sharpen(int facet, std::size_t number, const std::vector<double>& u, Seen& seen) const {
+FaceRay FacePointForm::ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const {
   const int* slot = secondary_slots(facet);
-  seen.foot = cast_ray(points_.corners[at(facet)], corners_from<4, 3>(slot[0], slot, u),
-                       points_.shape[number], corners_from<4, 3>(slot[0], primary_slots(seen.candidate), u),
-                       triangle_weights(primary_corners(seen.candidate), seen.part));
+  return {corners_from<FaceCorners>(slot[0], slot, u), points_.shape[number],
+          corners_from<FaceCorners>(slot[0], primary_slots(seen.candidate), u),
+          triangle_weights(primary_corners(seen.candidate), seen.part)};
 }
 
 template <>
-FacePointForm::Row FacePointForm::gap_gradient(int facet, std::size_t number, const std::vector<double>& u,
+void FacePointForm::sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const {
+  seen.foot = cast_ray(ray_of(facet, number, u, seen));
+}
+
+template <>
+FacePointForm::Row FacePointForm::gap_gradient(int facet, std::size_t number, const ContactValues& u,
                                                const Seen& seen) const {
-  const int* slot = secondary_slots(facet);
-  return ray_gradient(points_.corners[at(facet)], corners_from<4, 3>(slot[0], slot, u), points_.shape[number],
-                      corners_from<4, 3>(slot[0], primary_slots(seen.candidate), u),
-                      triangle_weights(primary_corners(seen.candidate), seen.part));
+  return ray_gradient(ray_of(facet, number, u, seen));
 }
 
 template <>
-void FacePointForm::add_gap_hessian(int facet, std::size_t number, const std::vector<double>& u,
-                                    const Seen& seen, double factor, Matrix& hessian) const {
-  const int* slot = secondary_slots(facet);
-  add_ray_hessian(points_.corners[at(facet)], corners_from<4, 3>(slot[0], slot, u), points_.shape[number],
-                  corners_from<4, 3>(slot[0], primary_slots(seen.candidate), u),
-                  triangle_weights(primary_corners(seen.candidate), seen.part), factor, hessian);
-}
-
-template <>
-void FacePointForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
-  for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
-    for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a) {
-      const Point3& place = facet.corner[a];
-      CarriedFunction gap;
-      if (rigid()) {
-        gap = obstacle_.gap(obstacle_.reference(), place);
-      } else {
-        ShapeValues shape{};
-        shape[a] = 1;
-        const Seen seen = nearest(facet, shape, x);
-        if (seen.candidate < 0) continue;
-        gap.value = seen.foot.gap;
-        for (std::size_t k = 0; k < 3; ++k) gap.by_place[k] = -facet.normal[k];
-      }
-      // Coordinates that were meant to touch differ by rounding of their own size.
-      const double size =
-          secondary_.length[at(f)] + std::abs(place[0]) + std::abs(place[1]) + std::abs(place[2]);
-      if (-gap.value > 1e-9 * size) visitor(secondary_slots(f)[a], -gap.value, gap.by_place);
-    }
-  }
+void FacePointForm::add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen,
+                                    double factor, Matrix& hessian) const {
+  add_ray_hessian(ray_of(facet, number, u, seen), factor, hessian);
 }
 
 template class PointForm<FacePoints>;

@@ -10,7 +10,7 @@
 namespace impact {
 
 ObstaclePose ContactInterface::pose() const {
-  return rigid_side_.pose(settings_, time_, totals(totals_->committed).obstacle);
+  return rigid_pose(settings_, mesh_->dim(), time_, outward_, totals(totals_->committed).obstacle);
 }
 
 void ContactInterface::use_method() {
@@ -33,7 +33,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   const ObstaclePose now = pose();
   ContactForm& form = constraints_->form();
   form.begin_attempt(now, u_n ? u_n.get() : nullptr);
-  if (form.list_restored()) use_new_nodes();
+  if (form.search().restored()) use_new_nodes();
   const StepRule rule = at_rest_ || !u_n             ? StepRule::none
                         : constraints_->conserving() ? StepRule::exact_work
                         : stabilised                 ? StepRule::middle
@@ -82,7 +82,9 @@ void ContactInterface::set_rigid_nodes(const RigidReduction& reduction, const st
   rigid_nodes_.fetch(nodes());
 }
 
-NodePairs ContactInterface::couplings() const { return rigid_nodes_.reduced(node_couplings(), nodes()); }
+NodePairs ContactInterface::couplings() const {
+  return rigid_nodes_.reduced(constraints_->form().couplings(), nodes());
+}
 
 void ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const std::vector<double> values = nodes().displacement(u);
@@ -128,12 +130,10 @@ void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {
   nodes().exchange.add(f, r);
 }
 
-void ContactInterface::tangent_block(const Constraint& c, double scale, TangentSpace& space) const {
-  // scale w k dg dg, and with friction ds K ds, and -mu k ds.m dg where it slides.
+// scale w k dg dg, and with friction ds K ds, and -mu k ds.m dg where it slides.
+void ContactInterface::tangent_block(const Constraint& c, double scale, std::vector<double>& block) const {
   const std::size_t n = c.gradient.size(), tangents = constraints_->tangents();
-  auto& [block, row] = space;
   block.resize(n * n);
-  row.resize(n);
   const double stiffness = method().stiffness(c), weight = scale * c.weight;
   const std::span<const double> gap_gradient = c.gap_gradient();
   for (std::size_t i = 0; i < n; ++i)
@@ -142,14 +142,14 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, TangentS
   if (!friction_.rubs(c)) return;
   const Traction t = friction_.linear_traction(c);
   const std::array<Tangential, 2> K = friction_.slip_stiffness(c, t);
-  const auto slip_gradient = [&](std::size_t direction) { return c.slip_gradient.subspan(n * direction, n); };
-  for (std::size_t a = 0; a < tangents; ++a) { // row: derivatives of the traction
+  std::vector<double> row(n); // derivatives of the traction
+  for (std::size_t a = 0; a < tangents; ++a) {
     const double slide = friction_.coefficient() * t.direction[a] * stiffness;
     for (std::size_t j = 0; j < n; ++j) row[j] = -slide * gap_gradient[j];
     for (std::size_t b = 0; b < tangents; ++b)
-      for (std::size_t j = 0; j < n; ++j) row[j] += K[a][b] * slip_gradient(b)[j];
+      for (std::size_t j = 0; j < n; ++j) row[j] += K[a][b] * c.slip_gradient[n * b + j];
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j) block[n * i + j] += weight * slip_gradient(a)[i] * row[j];
+      for (std::size_t j = 0; j < n; ++j) block[n * i + j] += weight * c.slip_gradient[n * a + i] * row[j];
   }
 }
 
@@ -158,13 +158,13 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, TangentS
 void ContactInterface::visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const {
   const Timed timed(Event::contact_tangent);
   const std::vector<double> values = nodes().displacement(u);
-  TangentSpace space;
+  std::vector<double> block;
   std::vector<double> of_gap(constraints_->count(), 0.0);
   std::vector<Tangential> of_slip(frictional() ? of_gap.size() : 0, Tangential{});
   constraints_->visit(values, Derivatives::tangent, [&](const Constraint& c) {
     if (!c.active) return;
-    tangent_block(c, scale, space);
-    visitor(c.node, space.block);
+    tangent_block(c, scale, block);
+    visitor(c.node, block);
     of_gap[at(c.index)] = -scale * c.weight * c.pressure;
     if (!friction_.rubs(c)) return;
     const Tangential t = friction_.linear_traction(c).value;

@@ -37,13 +37,12 @@ struct Largest {
   }
   AugmentReport over_ranks(int active, MPI_Comm comm) {
     MPI_Allreduce(MPI_IN_PLACE, this, sizeof *this / sizeof(double), MPI_DOUBLE, MPI_MAX, comm);
-    AugmentReport report;
-    MPI_Allreduce(&active, &report.active, 1, MPI_INT, MPI_SUM, comm);
-    report.penetration = penetration;
-    report.largest_gap = gap;
-    report.multiplier = multiplier;
-    report.settled = unsettled == 0;
-    return report;
+    MPI_Allreduce(MPI_IN_PLACE, &active, 1, MPI_INT, MPI_SUM, comm);
+    return {.penetration = penetration,
+            .largest_gap = gap,
+            .multiplier = multiplier,
+            .active = active,
+            .settled = unsettled == 0};
   }
 };
 
@@ -58,7 +57,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
                                         std::vector<double>& traction) const {
   const std::vector<double>& multiplier = rows_.multiplier->trial;
   const std::size_t m = constraints_->dim(), tangents = friction_.acts() ? constraints_->tangents() : 0;
-  const double penalty = method().eps(), deepest = constraints_->form().deepest();
+  const double penalty = method().eps(), deepest = search().deepest();
   // A constraint that faces nothing carries nothing.
   lambda.assign(multiplier.size(), 0.0);
   traction.assign(tangents * lambda.size(), 0.0);
@@ -150,7 +149,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
     now.force[k] = force[k];
   }
   *now.work = *before.work - twice_work / 2;
-  const Vector obstacle = rigid_side_.displacement(settings_, time_);
+  const Vector obstacle = rigid_displacement(settings_, mesh_->dim(), time_);
   std::copy(obstacle.begin(), obstacle.end(), now.obstacle);
   if (constraints_->conserving()) {
     *now.spring = 0;
@@ -160,7 +159,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
     MPI_Allreduce(MPI_IN_PLACE, now.spring, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   }
   if (friction_.acts()) {
-    *now.heat = *before.heat + friction_loss(u) / thickness();
+    *now.heat = *before.heat + step(u).friction_loss / thickness();
     std::vector<double> lambda, traction;
     propose(u, lambda, traction);
     friction_.advance(*constraints_, u, std::move(traction));

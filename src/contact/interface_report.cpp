@@ -71,70 +71,70 @@ void ContactInterface::keep_shock(Vec w) {
   for (double& component : shock_) component /= 2;
 }
 
-double ContactInterface::friction_loss(Vec u) const {
-  if (!frictional()) return 0;
-  double loss = 0;
-  constraints_->visit(u, Derivatives::none, [&](const Constraint& c) { friction_.add_heat(c, loss); });
-  MPI_Allreduce(MPI_IN_PLACE, &loss, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  return thickness() * loss;
-}
-
 // Of the springs of normal and tangential penalties.
 double ContactInterface::spring_energy(double gap, const Tangential& traction) const {
   const double eps = method().eps();
   return contact_potential(0, eps, gap) + inner(traction, traction) / (2 * eps);
 }
 
-double ContactInterface::released_energy(Vec u) const {
-  if (!constraints_->works_exactly()) return 0;
-  double energy = 0;
-  constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
-    energy += c.weight * spring_energy(c.start_gap, friction_.acts() ? friction_.held(c) : Tangential{});
-  });
-  MPI_Allreduce(MPI_IN_PLACE, &energy, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
-  return thickness() * (*totals(totals_->committed).spring - energy);
+// A penalty keeps the traction's energy too; augmentations take it for a multiplier.
+void ContactInterface::add_energy(const Constraint& c, double& energy) const {
+  energy += c.weight * method().potential(c);
+  if (!c.active || method().has_multipliers()) return;
+  const Tangential t = friction_.traction_to_keep(c);
+  energy += c.weight * inner(t, t) / (2 * method().eps());
 }
 
-ObstacleWork ContactInterface::obstacle_work(Vec u, bool force_at_end) const {
+ContactStep ContactInterface::step(Vec u, bool force_at_end) const {
+  struct {
+    double energy = 0, heat = 0, held = 0;
+  } sum;
+  constraints_->visit(u, Derivatives::first, [&](const Constraint& c) {
+    add_energy(c, sum.energy);
+    friction_.add_heat(c, sum.heat);
+    if (c.works_exactly())
+      sum.held += c.weight * spring_energy(c.start_gap, friction_.acts() ? friction_.held(c) : Tangential{});
+  });
+  MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof sum / sizeof(double), MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  const double thick = thickness();
+  const Totals before = totals(totals_->committed);
+  ContactStep step;
+  step.energy = thick * sum.energy;
+  step.friction_loss = thick * sum.heat;
+  if (constraints_->works_exactly()) step.released = thick * (*before.spring - sum.held);
   const Vector moved = pose().moved;
-  if (moved == Vector{}) return {}; // at rest, or no rigid body: no force is asked for
+  if (moved == Vector{}) return step; // at rest, or no rigid body: no force is asked for
   const Vector force = total_force(u);
-  const double* before = totals(totals_->committed).force;
-  ObstacleWork work;
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
-    work.force += thickness() * moved[k] * (force_at_end ? force[k] : (before[k] + force[k]) / 2);
-    if (force_at_end) work.shock += thickness() * moved[k] * shock_[k];
+    step.obstacle_work += thick * moved[k] * (force_at_end ? force[k] : (before.force[k] + force[k]) / 2);
+    if (force_at_end) step.obstacle_shock += thick * moved[k] * shock_[k];
   }
-  return work;
+  return step;
 }
 
-HeatPaths ContactInterface::heat_paths(Vec u) const {
-  struct Heat {
-    double conductance = 0, friction = 0; // per reference area, and of the place
-  };
-  std::vector<Heat> heat(constraints_->count());
-  const std::vector<double> values = nodes().displacement(u);
+std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
+  std::vector<double> conductance(constraints_->count(), 0.0),
+      friction(conductance); // of an area, of a place
+  const ContactValues values = nodes().displacement(u);
   constraints_->visit(values, Derivatives::none, [&](const Constraint& c) {
-    Heat& here = heat[at(c.index)];
-    friction_.add_heat(c, here.friction);
+    friction_.add_heat(c, friction[at(c.index)]);
     if (c.active && c.pressure > 0)
-      here.conductance = c.stretch * settings_.conductance_at(c.pressure / c.stretch);
+      conductance[at(c.index)] = c.stretch * settings_.conductance_at(c.pressure / c.stretch);
   });
-  HeatPaths paths;
+  std::vector<HeatPath> paths;
   constraints_->form().visit_meetings(constraints_->place_of_gradients(values), [&](const Meeting& meeting) {
-    const Heat& here = heat[at(meeting.index)];
-    if (here.conductance == 0 && here.friction == 0) return;
-    paths.conductance.push_back(meeting.area * here.conductance);
-    paths.friction.push_back(here.friction);
-    paths.secondary.push_back(meeting.secondary);
-    paths.node.insert(paths.node.end(), meeting.node.begin(), meeting.node.end());
-    paths.share.insert(paths.share.end(), meeting.share.begin(), meeting.share.end());
-    paths.first.push_back(paths.node.size());
+    const std::size_t i = at(meeting.index);
+    if (conductance[i] == 0 && friction[i] == 0) return;
+    paths.push_back({meeting.area * conductance[i],
+                     friction[i],
+                     meeting.secondary,
+                     {meeting.node.begin(), meeting.node.end()},
+                     {meeting.share.begin(), meeting.share.end()}});
   });
   return paths;
 }
 
-ContactInterface::Reach ContactInterface::reach(Vec u) const {
+ContactReach ContactInterface::reach(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double touch = 1e-6 * constraints_->mean_length();
   const std::vector<double> values = nodes().displacement(u);
@@ -146,7 +146,7 @@ ContactInterface::Reach ContactInterface::reach(Vec u) const {
     if (c.active) most[1] = 1;
     if (c.gap < touch) stiffness += c.weight * eps;
   });
-  if (most[0] == -infinity) most[2] = -constraints_->form().nearest_nodes(values);
+  if (most[0] == -infinity) most[2] = -search().nearest_nodes(values);
   MPI_Allreduce(MPI_IN_PLACE, most.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
   MPI_Allreduce(MPI_IN_PLACE, &stiffness, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
   return {-most[0], -most[2], most[1] > 0 ? 0 : stiffness, most[1] > 0};
@@ -164,11 +164,8 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   } largest;
   constraints_->visit(u, Derivatives::first, [&](const Constraint& c) {
     largest.overlap = std::max(largest.overlap, -c.distance());
-    sum.energy += c.weight * method().potential(c);
+    add_energy(c, sum.energy);
     if (!c.active) return;
-    const Tangential t = friction_.traction_to_keep(c);
-    // A penalty keeps the traction's energy too; augmentations take it for a multiplier.
-    if (!method().has_multipliers()) sum.energy += c.weight * inner(t, t) / (2 * method().eps());
     Vector force{};
     add_force(c, force);
     for (std::size_t k = 0; k < 3; ++k) sum.force[k] += force[k];
@@ -199,7 +196,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   return m;
 }
 
-ContactFields ContactInterface::nodal_fields(Vec u) const {
+ContactFields ContactInterface::nodal_fields(Vec u, ContactFields fields) const {
   // By nodes, sums over the constraints that face something: of weights times values, in rows of dim numbers.
   enum Sum { of_all, of_state, of_traction, of_slip, sums };
   enum Column { weighed_pressure, weighed_gap }; // of_all; of_state: weights of what presses, of what slides
@@ -236,22 +233,23 @@ ContactFields ContactInterface::nodal_fields(Vec u) const {
   gather(faces);
   for (std::vector<double>& values : sum) gather(values);
   const auto count = at(mesh_->node_count());
-  ContactFields fields;
-  fields.pressure.assign(count, 0.0);
-  fields.gap.assign(count, std::numeric_limits<double>::quiet_NaN());
-  fields.status.assign(count, 0.0);
-  fields.traction.assign(3 * count, 0.0);
-  fields.slip.assign(3 * count, 0.0);
+  for (std::vector<double>* field : {&fields.pressure, &fields.status}) field->resize(count, 0.0);
+  for (std::vector<double>* field : {&fields.traction, &fields.slip}) field->resize(3 * count, 0.0);
+  fields.gap.resize(count, std::numeric_limits<double>::quiet_NaN());
+  const auto raise = [](double& value, double to) { value = std::max(value, to); };
+  const auto set = [](double& value, double to) {
+    if (to != 0) value = to;
+  };
   for (std::size_t node = 0; node < count; ++node) {
     const std::size_t i = d * node;
     const double area = constraints_->form().nodal_area()[node], pressing = sum[of_state][i];
-    if (area > 0) fields.pressure[node] = sum[of_all][i + weighed_pressure] / area;
-    if (faces[i] > 0) fields.gap[node] = sum[of_all][i + weighed_gap] / faces[i];
+    if (area > 0) raise(fields.pressure[node], sum[of_all][i + weighed_pressure] / area);
+    if (faces[i] > 0) fields.gap[node] = std::fmin(fields.gap[node], sum[of_all][i + weighed_gap] / faces[i]);
     if (!(pressing > 0)) continue;
-    fields.status[node] = sum[of_state][i + 1] > pressing / 2 ? 2 : 1;
+    raise(fields.status[node], sum[of_state][i + 1] > pressing / 2 ? 2 : 1);
     for (std::size_t k = 0; k < d; ++k) {
-      if (area > 0) fields.traction[3 * node + k] = sum[of_traction][i + k] / area;
-      fields.slip[3 * node + k] = sum[of_slip][i + k] / pressing;
+      if (area > 0) set(fields.traction[3 * node + k], sum[of_traction][i + k] / area);
+      set(fields.slip[3 * node + k], sum[of_slip][i + k] / pressing);
     }
   }
   return fields;

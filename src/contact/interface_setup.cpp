@@ -29,7 +29,7 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   ResolvedSettings resolved = resolve_settings(mesh, settings, environment, secondary, primary);
   settings_ = std::move(resolved.settings);
   warnings_ = std::move(resolved.warnings);
-  rigid_side_ = RigidSide(settings_, mesh, secondary);
+  outward_ = pole_of(settings_, mesh, secondary);
   const double length = resolved.mean_length;
   constraints_.emplace(mesh, displacement,
                        make_form({mesh, displacement, settings_, environment.frame, std::move(secondary),
@@ -74,7 +74,7 @@ void ContactInterface::declare_state(StateTable& state) {
   force_ = &state.add(StateRow{name + "force", Support::vertex, dim}, at(dim * mesh_->node_count()));
   rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] =
       settings_.penalty;
-  const Vector start = rigid_side_.displacement(settings_, 0);
+  const Vector start = rigid_displacement(settings_, dim, 0);
   for (std::vector<double>* half : {&totals_->committed, &totals_->trial})
     std::copy(start.begin(), start.end(), totals(*half).obstacle);
 }

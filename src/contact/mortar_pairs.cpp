@@ -24,7 +24,7 @@ void MortarForm::set_functions(Facet& facet, const std::array<std::array<double,
   for (std::size_t a = 0; a < 2; ++a) std::copy_n(phi[a].begin(), 2, facet.edge.phi[a].begin());
 }
 
-void MortarForm::choose_functions(const Facing& facing, const std::vector<double>& x) {
+void MortarForm::choose_functions(const Facing& facing, const ContactValues& x) {
   if (settings_.multipliers != MultiplierSpace::dual) return;
   const std::array<std::array<double, 4>, 4> standard = {
       {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
@@ -40,39 +40,21 @@ void MortarForm::choose_functions(const Facing& facing, const std::vector<double
   }
 }
 
-double MortarForm::size_of(int facet, const std::vector<double>& x) const {
-  if (dim_ == 2) {
-    const auto edge = secondary_edge(facet, x);
-    return distance(edge[0], edge[1]);
-  }
-  const FaceCorners corner = secondary_face(facet, x);
-  double longest = 0;
-  for (std::size_t a = 0; a < 4; ++a) longest = std::max(longest, distance(corner[a], corner[(a + 1) % 4]));
-  return longest;
+double MortarForm::size_of(int facet, const ContactValues& x) const {
+  return by_dimension([&]<class Corners>(const Corners& corners) {
+    return longest_side(corners_at<Corners>(secondary_slots(facet), x)[0].data(),
+                        static_cast<int>(corners.size()), dim_);
+  });
 }
 
-bool MortarForm::opposed(int facet, int candidate, const std::vector<double>& x) const {
-  if (dim_ == 2) {
-    const auto s = secondary_edge(facet, x), p = primary_edge(candidate, x);
-    return detail::dot(detail::right_normal(s[0], s[1]), detail::right_normal(p[0], p[1])) <
-           -least_opposition;
-  }
-  const Point3 n = face_normal(secondary_face(facet, x)), m = face_normal(primary_face(candidate, x));
-  return n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < -least_opposition;
+bool MortarForm::opposed(int facet, int candidate, const ContactValues& x) const {
+  return at_pair(facet, candidate, x, [](const auto& s, const auto& p) {
+    return dot(facet_normal(s), facet_normal(p)) < -least_opposition;
+  });
 }
 
-FaceView MortarForm::view(int facet, int candidate, const std::vector<double>& x) const {
-  if (dim_ == 3)
-    return view_face(facets_[at(facet)].corners, secondary_face(facet, x), primary_corners(candidate),
-                     primary_face(candidate, x));
-  const CoveredPart<double> part = covered_part(secondary_edge(facet, x), primary_edge(candidate, x));
-  const double mean = (part.gap_begin + part.gap_end) / 2;
-  if (part.end > part.begin)
-    return {(part.end - part.begin) / 2, std::min(part.gap_begin, part.gap_end),
-            std::max(part.gap_begin, part.gap_end), mean};
-  // Judged by the nearest end.
-  const double end = part.end < -1 ? part.gap_end : part.gap_begin;
-  return {0, end, end, mean};
+FacetView MortarForm::view(int facet, int candidate, const ContactValues& x) const {
+  return at_pair(facet, candidate, x, [](const auto& s, const auto& p) { return view_facet(s, p); });
 }
 
 bool MortarForm::share_a_node(int candidate, int other) const {
@@ -82,19 +64,14 @@ bool MortarForm::share_a_node(int candidate, int other) const {
 }
 
 bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,
-                        const std::vector<double>& x) const {
-  return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
-    if (dim_ == 2) {
-      const auto s = secondary_edge(facet, x);
-      const CoveredPart<double> a = covered_part(s, primary_edge(candidate, x)),
-                                b = covered_part(s, primary_edge(other, x));
-      return std::min(a.end, b.end) - std::max(a.begin, b.begin) > least_common_part;
-    }
-    // Neighbours on the same surface do not hide each other.
-    return !share_a_node(candidate, other) &&
-           common_part(facets_[at(facet)].corners, secondary_face(facet, x), primary_corners(candidate),
-                       primary_face(candidate, x), primary_corners(other),
-                       primary_face(other, x)) > least_common_part;
+                        const ContactValues& x) const {
+  return at_pair(facet, candidate, x, [&](const auto& s, const auto& p) {
+    using Corners = std::decay_t<decltype(s)>;
+    return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
+      // Neighbours on the same surface do not hide each other.
+      return (dim_ == 2 || !share_a_node(candidate, other)) &&
+             common_part(s, p, corners_at<Corners>(primary_slots(other), x)) > least_common_part;
+    });
   });
 }
 
@@ -103,16 +80,16 @@ bool MortarForm::came_through(int facet, int candidate) const {
          view(facet, candidate, nodes().start).largest > -search_.depth(facet);
 }
 
-MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
+MortarForm::Facing MortarForm::facing_at(const ContactValues& x) const {
   Facing facing(facets_.size());
   const Candidates& list = search_.candidates();
   std::vector<std::pair<double, int>> pairs; // distance, candidate
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const double size = size_of(f, x);
     pairs.clear();
-    for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c) {
+    for (int c : list.of(at(f))) {
       if (!opposed(f, c, x)) continue;
-      const FaceView seen = view(f, c, x);
+      const FacetView seen = view(f, c, x);
       if (seen.smallest < farthest * size && (seen.largest > -search_.depth(f) || came_through(f, c)))
         pairs.emplace_back(std::abs(seen.mean), c);
     }
@@ -126,7 +103,7 @@ MortarForm::Facing MortarForm::facing_at(const std::vector<double>& x) const {
   return facing;
 }
 
-std::vector<int> MortarForm::covering(int facet, const std::vector<double>& x, const Facing& facing) const {
+std::vector<int> MortarForm::covering(int facet, const ContactValues& x, const Facing& facing) const {
   std::vector<int> list;
   for (int c : facing[at(facet)])
     if (view(facet, c, x).part > 1e-12) list.push_back(c);
@@ -166,20 +143,20 @@ PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
   return outcome;
 }
 
-bool MortarForm::active(const Node& node, const std::vector<double>& u, const Presses& presses,
+bool MortarForm::active(const Node& node, const ContactValues& u, const Presses& presses,
                         const Facing& facing) const {
   double gap = 0;
   bool covered = false;
   for (const Incident& incident : node.facets)
     for (int c : facing[at(incident.facet)]) {
-      const MortarFacePair pair = pair_at(incident.facet, c, u, false);
+      const MortarPair pair = pair_at(incident.facet, c, u, false);
       covered = covered || pair.covered;
       gap += pair.gap[at(incident.corner)];
     }
   return covered && presses(node.local, gap / node.weight);
 }
 
-void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const {
+void MortarForm::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
   for (const Node& owner : owned_)
     for (const Incident& incident : owner.facets) {
       const int f = incident.facet, corner = incident.corner;
@@ -192,27 +169,14 @@ void MortarForm::visit_overlaps(const std::vector<double>& x, const OverlapVisit
         if (-seen.gap > 1e-9 * size) visitor(slot, -seen.gap, seen.normal);
         continue;
       }
-      for (int candidate : facing_[at(f)]) {
-        double gap = 0;
-        std::array<double, 3> n{};
-        if (dim_ == 2) {
-          const auto s = secondary_edge(f, x);
-          const CoveredPart<double> part = covered_part(s, primary_edge(candidate, x));
-          // The node is an end of the edge; the primary edge that reaches it speaks for it.
-          if (!(part.end > part.begin) || !(corner == 0 ? part.begin <= -1 : part.end >= 1)) continue;
-          gap = corner == 0 ? part.gap_begin : part.gap_end;
-          const Point2<double> normal = detail::right_normal(s[0], s[1]);
-          n = {normal[0], normal[1], 0};
-        } else {
-          const FaceCorners s = secondary_face(f, x);
-          if (!corner_gap(facets_[at(f)].corners, s, corner, primary_corners(candidate),
-                          primary_face(candidate, x), gap))
-            continue;
-          n = face_normal(s);
-        }
-        // Coordinates that were meant to touch differ by rounding of their own size.
-        if (-gap > 1e-9 * size) visitor(slot, -gap, {-n[0], -n[1], -n[2]});
-      }
+      for (int candidate : facing_[at(f)])
+        at_pair(f, candidate, x, [&](const auto& s, const auto& p) {
+          double gap = 0;
+          if (!corner_gap(s, corner, p, gap)) return;
+          const Point3 n = facet_normal(s);
+          // Coordinates that were meant to touch differ by rounding of their own size.
+          if (-gap > 1e-9 * size) visitor(slot, -gap, {-n[0], -n[1], -n[2]});
+        });
     }
 }
 

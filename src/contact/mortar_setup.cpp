@@ -11,12 +11,10 @@ namespace impact {
 
 namespace {
 
-Point2<double> point_at(const std::vector<double>& x, int node) {
-  return {x[at(2 * node)], x[at(2 * node + 1)]};
-}
-
-Point3 point3_at(const std::vector<double>& x, int node) {
-  return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
+FaceCorners face_of(const std::vector<double>& X, int facet) { // [facet][corner][3]
+  FaceCorners corner;
+  for (std::size_t a = 0; a < 4; ++a) std::copy_n(&X[3 * (at(4 * facet) + a)], 3, corner[a].begin());
+  return corner;
 }
 
 } // namespace
@@ -66,25 +64,26 @@ std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
   Facet& facet = facets_[at(f)];
   std::array<double, 4> area{}; // both kinds of functions have the integrals of N
   if (dim_ == 2) {
-    const Point2<double> a = point_at(X, 2 * f), b = point_at(X, 2 * f + 1);
+    const double* x = &X[at(4 * f)];
     MortarEdge& edge = facet.edge;
-    edge.length = distance(a, b);
-    if (frame_ == Frame::axisymmetric) edge.ring = {2 * std::numbers::pi * a[0], 2 * std::numbers::pi * b[0]};
+    double square = 0;
+    for (std::size_t k = 0; k < 2; ++k) square += (x[k] - x[2 + k]) * (x[k] - x[2 + k]);
+    edge.length = std::sqrt(square);
+    if (frame_ == Frame::axisymmetric) edge.ring = {2 * std::numbers::pi * x[0], 2 * std::numbers::pi * x[2]};
     const auto phi = dual_functions(edge);
     for (std::size_t i = 0; i < 2; ++i) std::copy(phi[i].begin(), phi[i].end(), facet.dual[i].begin());
     for (std::size_t i = 0; i < 2; ++i) area[i] = edge.length * (2 * edge.ring[i] + edge.ring[1 - i]) / 6;
   } else {
-    FaceCorners corner;
-    for (int a = 0; a < 4; ++a) corner[at(a)] = point3_at(X, 4 * f + a);
-    facet.face = make_mortar_face(facet.corners, corner, false);
-    facet.dual = make_mortar_face(facet.corners, corner, true).phi;
-    area = nodal_areas(facet.corners, corner);
+    const FaceCorners corner = face_of(X, f);
+    facet.face = make_mortar_face(corner, false);
+    facet.dual = make_mortar_face(corner, true).phi;
+    area = nodal_areas(corner);
   }
   if (rigid()) { // which covers everything
     // To a round obstacle a node counts nearer than it is, by h^2/12R in each direction of the surface: the
     // dual functions of a facet of the side h take the integral of x^2 for -h^2/6.
     if (settings_.multipliers == MultiplierSpace::dual) set_functions(facet, facet.dual);
-    facet.points = dim_ == 2 ? points_of(facet.edge) : points_of(facet.face);
+    facet.points = points_of(facet);
     for (const FacetPoint& point : facet.points)
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = 0; b < 4; ++b) facet.onto.D[a][b] += point.weight[a] * point.shape[b];
@@ -124,11 +123,8 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
 }
 
 void MortarForm::find_tangents(const std::vector<double>& X) {
-  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
-    FaceCorners corner;
-    for (int a = 0; a < 4; ++a) std::copy_n(&X[at(3 * (4 * f + a))], 3, corner[at(a)].begin());
-    facets_[at(f)].map = make_face_map(facets_[at(f)].corners, corner);
-  }
+  for (std::size_t f = 0; f < facets_.size(); ++f)
+    facets_[f].map = make_face_map(face_of(X, static_cast<int>(f)));
   for (Node& node : owned_) {
     Point3 n{};
     for (const Incident& incident : node.facets) {
@@ -151,37 +147,35 @@ std::pair<StateRow, std::size_t> MortarForm::constraint_row(const std::string& n
   return {StateRow{name, Support::vertex, components}, at(components) * node_count_};
 }
 
-std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarEdge& edge) {
-  // Three Gauss points: exact up to degree five, and for a plane whatever the ring.
+std::vector<MortarForm::FacetPoint> MortarForm::points_of(const Facet& facet) const {
   std::vector<FacetPoint> points;
-  for (const auto& [xi, weight] : std::array<std::array<double, 2>, 3>{
-           {{-std::sqrt(0.6), 5.0 / 9}, {0, 8.0 / 9}, {std::sqrt(0.6), 5.0 / 9}}}) {
-    FacetPoint point;
-    const std::array<double, 2> N = {(1 - xi) / 2, (1 + xi) / 2};
-    const double area = weight * edge.length / 2 * (edge.ring[0] * N[0] + edge.ring[1] * N[1]);
-    for (std::size_t a = 0; a < 2; ++a) {
-      point.shape[a] = N[a];
-      point.weight[a] = area * (edge.phi[a][0] * N[0] + edge.phi[a][1] * N[1]);
+  if (dim_ == 2) {
+    // Three Gauss points: exact up to degree five, and for a plane whatever the ring.
+    const MortarEdge& edge = facet.edge;
+    for (const auto& [xi, weight] : std::array<std::array<double, 2>, 3>{
+             {{-std::sqrt(0.6), 5.0 / 9}, {0, 8.0 / 9}, {std::sqrt(0.6), 5.0 / 9}}}) {
+      FacetPoint& point = points.emplace_back();
+      const std::array<double, 2> N = {(1 - xi) / 2, (1 + xi) / 2};
+      const double area = weight * edge.length / 2 * (edge.ring[0] * N[0] + edge.ring[1] * N[1]);
+      for (std::size_t a = 0; a < 2; ++a) {
+        point.shape[a] = N[a];
+        point.weight[a] = area * (edge.phi[a][0] * N[0] + edge.phi[a][1] * N[1]);
+      }
     }
-    points.push_back(point);
+    return points;
   }
-  return points;
-}
-
-std::vector<MortarForm::FacetPoint> MortarForm::points_of(const MortarFace& face) {
   // Exact up to degree four.
   const TriangleRule rule = triangle_rule(3);
-  std::vector<FacetPoint> points;
+  const MortarFace& face = facet.face;
   for (int t = 0; t < face.triangles(); ++t) {
-    const auto corner = triangle_weights(face.corners, t);
+    const TriangleWeights corner = triangle_weights(face.corners, t);
     for (std::size_t q = 0; q < rule.part.size(); ++q) {
-      FacetPoint point;
+      FacetPoint& point = points.emplace_back();
       for (std::size_t u = 0; u < 3; ++u)
         for (std::size_t a = 0; a < 4; ++a) point.shape[a] += rule.part[q][u] * corner[u][a];
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = 0; b < 4; ++b)
           point.weight[a] += rule.weight[q] * face.area[at(t)] * face.phi[a][b] * point.shape[b];
-      points.push_back(point);
     }
   }
   return points;

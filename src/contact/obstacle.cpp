@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/obstacle.hpp>
 #include <impact/math/rotation.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
@@ -53,10 +54,9 @@ std::vector<Corner> widest(const std::vector<Corner>& nodes, std::size_t count) 
     std::array<double, 3> way{};
     const Corner* next = nullptr;
     for (const Corner& node : nodes) {
-      std::array<double, 3> d{};
-      for (std::size_t k = 0; k < 3; ++k) d[k] = node.X[k] - origin[k];
-      for (const auto& a : axis) {
-        const double along = d[0] * a[0] + d[1] * a[1] + d[2] * a[2];
+      Vector3 d = minus(node.X, origin);
+      for (const Vector3& a : axis) {
+        const double along = dot(d, a);
         for (std::size_t k = 0; k < 3; ++k) d[k] -= along * a[k];
       }
       const double distance = std::hypot(d[0], d[1], d[2]);
@@ -116,7 +116,7 @@ void Obstacle::locate(const ContactNodes& nodes) {
   for (PetscInt node : node_) slot_.push_back(nodes.slot(node));
 }
 
-RigidObstacle Obstacle::at(const std::vector<double>& u) const {
+RigidObstacle Obstacle::at(const ContactValues& u) const {
   RigidObstacle now = pose_.obstacle;
   for (std::size_t b = 0; b < slot_.size(); ++b)
     for (std::size_t k = 0; k < dim_; ++k) {
@@ -144,7 +144,7 @@ std::array<std::array<double, 3>, 2> Obstacle::tangents() const {
   return tangents_of(n);
 }
 
-void Obstacle::anchor(const ContactNodes& nodes, const std::vector<double>& x) {
+void Obstacle::anchor(const ContactNodes& nodes, const ContactValues& x) {
   pose_.moved = {};
   start_.resize(dim_ * nodes.secondary.size());
   for (std::size_t i = 0; i < start_.size(); ++i)
@@ -169,7 +169,7 @@ void Obstacle::anchor(const ContactNodes& nodes, const std::vector<double>& x) {
 }
 
 void Obstacle::add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
-                        const std::array<double, 3>& tangent, const std::vector<double>& u, double& value,
+                        const std::array<double, 3>& tangent, const ContactValues& u, double& value,
                         PlaneSlip& slip) const {
   const int* secondary = &nodes.secondary[corners_ * index(facet)];
   slip = {};
@@ -259,6 +259,65 @@ void Obstacle::chain_block(int facet, std::span<const double> block, std::vector
         for (std::size_t j = 0; j < n; ++j)
           chained[n * (half + dim_ * b + k) + j] +=
               carried_[corners_ * index(facet) + l][b] * rows[n * (half + dim_ * l + k) + j];
+}
+
+std::array<double, 3> pole_of(const ContactSettings& settings, const Mesh& mesh,
+                              const ContactSurface& secondary) {
+  Vector3 outward{};
+  if (!settings.rigid() || settings.primary == "plane") return outward;
+  // Towards the middle of the secondary side, in few digits: the same on any number of ranks.
+  std::array<double, 4> sum{};
+  const auto d = index(mesh.dim());
+  for (std::size_t i = 0; i < secondary.X.size(); ++i) sum[i % d] += secondary.X[i];
+  sum[3] = static_cast<double>(secondary.X.size() / d);
+  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 4, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  const Vector3 axis = {settings.axis[0], settings.axis[1], settings.axis[2]};
+  const auto drop_axis = [&](Vector3& way) {
+    const double along = dot(way, axis);
+    for (std::size_t k = 0; k < 3; ++k) way[k] -= along * axis[k];
+  };
+  const bool cylinder = settings.primary == "rigid_cylinder";
+  Vector3 way{};
+  for (std::size_t k = 0; k < 3; ++k) way[k] = sum[k] / sum[3] - settings.centre[k];
+  if (cylinder) drop_axis(way);
+  if (d == 2) way[2] = 0;
+  const double length = std::hypot(way[0], way[1], way[2]);
+  if (!(length > 1e-3 * settings.radius)) return outward;
+  for (double& component : way) component = std::round(1024 * component / length);
+  const double rounded = std::hypot(way[0], way[1], way[2]);
+  for (std::size_t k = 0; k < 3; ++k) outward[k] = way[k] / rounded;
+  if (!cylinder) return outward;
+  // Across the axis to rounding.
+  drop_axis(outward);
+  const double across = std::hypot(outward[0], outward[1], outward[2]);
+  for (double& component : outward) component /= across;
+  return outward;
+}
+
+std::array<double, 3> rigid_displacement(const ContactSettings& settings, int dim, double t) {
+  std::array<double, 3> displacement{};
+  for (std::size_t k = 0; settings.rigid() && k < index(dim); ++k)
+    if (settings.rigid_motion[k]) displacement[k] = settings.rigid_motion[k](t);
+  return displacement;
+}
+
+ObstaclePose rigid_pose(const ContactSettings& settings, int dim, double t,
+                        const std::array<double, 3>& outward, const double* before) {
+  using Body = RigidObstacle::Shape;
+  const bool plane = settings.primary == "plane", sphere = settings.primary == "rigid_sphere";
+  const std::array<double, 3> now = rigid_displacement(settings, dim, t);
+  ObstaclePose pose;
+  RigidObstacle& obstacle = pose.obstacle;
+  obstacle.shape = plane ? Body::plane : sphere ? Body::sphere : Body::cylinder;
+  obstacle.radius = settings.radius;
+  obstacle.outward = outward;
+  for (std::size_t k = 0; k < 3; ++k) {
+    obstacle.point[k] = (plane ? settings.plane_point : settings.centre)[k] + now[k];
+    obstacle.direction[k] = (plane ? settings.plane_normal : settings.axis)[k];
+    obstacle.pole[k] = obstacle.point[k] + settings.radius * outward[k];
+    pose.moved[k] = now[k] - before[k];
+  }
+  return pose;
 }
 
 } // namespace impact

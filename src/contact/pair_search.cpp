@@ -8,7 +8,7 @@ namespace impact {
 
 namespace {
 
-bool all_finite(const std::vector<double>& x) {
+bool all_finite(const ContactValues& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return std::isfinite(v); });
 }
 
@@ -32,13 +32,6 @@ double largest_part(const std::vector<double>& a, const std::vector<double>& b, 
 // move by this part of them until the list is made anew.
 constexpr double local_part = 0.4, local_slack = 0.1;
 
-double longest_side(const double* x, int corners, int dim) {
-  double square = 0;
-  for (int a = 0; a < corners; ++a)
-    square = std::max(square, square_of_move(x + at(dim * a), x + at(dim * ((a + 1) % corners)), dim));
-  return std::sqrt(square);
-}
-
 // Of the nodes [slot].
 double largest_move(const std::vector<double>& a, const std::vector<double>& b, int dim,
                     const std::vector<int>& slots) {
@@ -54,6 +47,41 @@ int position(const std::vector<PetscInt>& sorted, PetscInt value) {
 
 } // namespace
 
+NodeExchange::NodeExchange(MPI_Comm comm, PetscInt owned, int components, const std::vector<PetscInt>& nodes)
+    : size_(nodes.size() * static_cast<std::size_t>(components)) {
+  std::vector<PetscInt> dofs;
+  dofs.reserve(size_);
+  for (PetscInt node : nodes)
+    for (PetscInt k = 0; k < components; ++k) dofs.push_back(node * components + k);
+  PetscLayout layout = nullptr;
+  check(PetscLayoutCreate(comm, &layout));
+  check(PetscLayoutSetLocalSize(layout, owned * components));
+  check(PetscLayoutSetUp(layout));
+  check(PetscSFCreate(comm, sf_.out()));
+  check(PetscSFSetGraphLayout(sf_, layout, static_cast<PetscInt>(size_), nullptr, PETSC_OWN_POINTER,
+                              dofs.data()));
+  check(PetscLayoutDestroy(&layout));
+  check(PetscSFSetUp(sf_));
+}
+
+std::vector<double> NodeExchange::gather(Vec global) const {
+  std::vector<double> values(size_);
+  const PetscScalar* owned = nullptr;
+  check(VecGetArrayRead(global, &owned));
+  check(PetscSFBcastBegin(sf_, MPIU_SCALAR, owned, values.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(sf_, MPIU_SCALAR, owned, values.data(), MPI_REPLACE));
+  check(VecRestoreArrayRead(global, &owned));
+  return values;
+}
+
+void NodeExchange::add(const std::vector<double>& values, Vec global) const {
+  PetscScalar* owned = nullptr;
+  check(VecGetArray(global, &owned));
+  check(PetscSFReduceBegin(sf_, MPIU_SCALAR, values.data(), owned, MPIU_SUM));
+  check(PetscSFReduceEnd(sf_, MPIU_SCALAR, values.data(), owned, MPIU_SUM));
+  check(VecRestoreArray(global, &owned));
+}
+
 int ContactNodes::slot(PetscInt node) const {
   const int place = position(global, node);
   return at(place) < global.size() && global[at(place)] == node ? place : -1;
@@ -65,7 +93,7 @@ void add_pairs_among(std::vector<PetscInt> nodes, NodePairs& pairs) {
     for (std::size_t j = i + 1; j < nodes.size(); ++j) pairs.emplace_back(nodes[i], nodes[j]);
 }
 
-std::vector<double> ContactNodes::current(const std::vector<double>& u) const {
+std::vector<double> ContactNodes::current(const ContactValues& u) const {
   std::vector<double> x = u;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += X[i];
   return x;
@@ -76,7 +104,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
                        SearchRange range, Primary kind)
     : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), corners_(mesh.dim() == 2 ? 2 : 4),
       secondary_(secondary), primary_(primary.node), kind_(kind), radius_(range.radius),
-      skin_(range.radius / 2), local_(range.local && kind == Primary::other) {
+      local_(range.local && kind == Primary::other) {
   if (kind != Primary::rigid) neighbour_ = surface_neighbours(layout, primary);
   std::vector<PetscInt> nodes = secondary_;
   nodes.insert(nodes.end(), primary_.begin(), primary_.end());
@@ -92,20 +120,9 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   place(secondary_, secondary_X, secondary_slot_);
   place(primary_, primary.X, primary_slot_);
   static_ = NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, nodes);
-  static_slack_.assign(nodes.size(), local_ ? HUGE_VAL : skin_ / 2);
-  smallest_ = HUGE_VAL;
-  const auto measure = [&](const std::vector<double>& X, const std::vector<int>& slot) {
-    for (std::size_t i = 0; i < slot.size(); i += at(corners_)) {
-      const double size = longest_side(&X[at(dim_) * i], corners_, dim_);
-      smallest_ = std::min(smallest_, size);
-      for (std::size_t a = i; local_ && a < i + at(corners_); ++a) {
-        double& slack = static_slack_[at(slot[a])];
-        slack = std::min(slack, local_slack * size);
-      }
-    }
-  };
-  measure(secondary_X, secondary_slot_);
-  measure(primary.X, primary_slot_);
+  static_slack_.assign(nodes.size(), local_ ? HUGE_VAL : skin() / 2);
+  smallest_ = std::min(tighten(secondary_slot_, static_X_, static_slack_),
+                       tighten(primary_slot_, static_X_, static_slack_));
   MPI_Allreduce(MPI_IN_PLACE, &smallest_, 1, MPI_DOUBLE, MPI_MIN, mesh.comm());
   if (kind == Primary::rigid) return;
   const SearchSecondary own = secondary_at(static_X_);
@@ -160,7 +177,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   // A step that moves alike finds the list long enough.
   list_.reach = local_ ? std::max(smallest_, 1.25 * motion) : std::max(radius_, motion);
   list_.candidates = search(x);
-  fetch_nodes(u);
+  fetch_nodes();
   if (body_) drop_neighbours(u);
   list_.built_at = std::move(x);
   list_.outdated = false;
@@ -169,53 +186,64 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   return changed || owed == Outcome::other_pairs ? Outcome::other_pairs : Outcome::rebuilt;
 }
 
-// In the form of the search: four corners, three coordinates.
-SearchSecondary PairSearch::secondary_at(const std::vector<double>& x) const {
+std::array<double, 12> PairSearch::in_space(const int* slot, const ContactValues& x) const {
+  std::array<double, 12> corner{};
+  for (int a = 0; a < 4; ++a)
+    std::copy_n(&x[at(dim_ * slot[std::min(a, corners_ - 1)])], dim_, &corner[at(3 * a)]);
+  return corner;
+}
+
+double PairSearch::tighten(const std::vector<int>& slot, const std::vector<double>& X,
+                           std::vector<double>& slack) const {
+  double smallest = HUGE_VAL;
+  for (std::size_t i = 0; i < slot.size(); i += at(corners_)) {
+    const double size = longest_side(in_space(&slot[i], X).data(), 4, 3);
+    smallest = std::min(smallest, size);
+    for (std::size_t a = i; local_ && a < i + at(corners_); ++a)
+      slack[at(slot[a])] = std::min(slack[at(slot[a])], local_slack * size);
+  }
+  return smallest;
+}
+
+SearchSecondary PairSearch::secondary_at(const ContactValues& x) const {
   SearchSecondary secondary;
-  const std::size_t corners = at(corners_);
-  for (std::size_t f = 0; f < secondary_.size() / corners; ++f)
-    for (std::size_t a = 0; a < 4; ++a) {
-      const std::size_t i = corners * f + std::min(a, corners - 1);
-      secondary.node.push_back(secondary_[i]);
-      for (std::size_t k = 0; k < 3; ++k)
-        secondary.x.push_back(k < at(dim_) ? x[at(dim_ * secondary_slot_[i]) + k] : 0);
-    }
+  for (std::size_t f = 0; f < secondary_.size(); f += at(corners_)) {
+    const std::array<double, 12> corner = in_space(&secondary_slot_[f], x);
+    secondary.x.insert(secondary.x.end(), corner.begin(), corner.end());
+    for (int a = 0; a < 4; ++a) secondary.node.push_back(secondary_[f + at(std::min(a, corners_ - 1))]);
+  }
   return secondary;
 }
 
-std::vector<SearchFacet> PairSearch::primary_at(const std::vector<double>& x) const {
+std::vector<SearchFacet> PairSearch::primary_at(const ContactValues& x) const {
   std::vector<SearchFacet> primary(primary_.size() / at(corners_));
   for (std::size_t f = 0; f < primary.size(); ++f) {
+    const std::size_t first = at(corners_) * f;
     primary[f].neighbour = {neighbour_[2 * f], neighbour_[2 * f + 1]};
-    for (std::size_t a = 0; a < 4; ++a) {
-      const std::size_t i = at(corners_) * f + std::min(a, at(corners_ - 1));
-      primary[f].node[a] = primary_[i];
-      for (std::size_t k = 0; k < 3; ++k)
-        primary[f].x[3 * a + k] = k < at(dim_) ? x[at(dim_ * primary_slot_[i]) + k] : 0;
-    }
+    primary[f].x = in_space(&primary_slot_[first], x);
+    for (int a = 0; a < 4; ++a) primary[f].node[at(a)] = primary_[first + at(std::min(a, corners_ - 1))];
   }
   return primary;
 }
 
-Candidates PairSearch::search(const std::vector<double>& x) const {
+Candidates PairSearch::search(const ContactValues& x) const {
   if (kind_ == Primary::rigid) return {};
   if (local_)
     return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach - smallest_,
                            local_part + local_slack);
-  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin_);
+  return find_candidates(mesh_->comm(), secondary_at(x), primary_at(x), list_.reach + skin());
 }
 
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
   if (list_.candidates.offset.empty()) return added_; // against a rigid plane, sphere or cylinder
   std::vector<PetscInt> nodes;
-  for (int c = list_.candidates.offset[at(secondary_facet)];
-       c < list_.candidates.offset[at(secondary_facet + 1)]; ++c)
+  for (int c : list_.candidates.of(at(secondary_facet)))
     for (PetscInt node : list_.candidates.primary[at(list_.candidates.facet[at(c)])].node)
       nodes.push_back(node);
   return nodes;
 }
 
-void PairSearch::fetch_nodes(Vec u) {
+void PairSearch::fetch_nodes() {
   ContactNodes next;
   next.dim = dim_;
   next.corners = corners_;
@@ -237,30 +265,8 @@ void PairSearch::fetch_nodes(Vec u) {
   const Handle<Vec> X = layout_->make_global();
   layout_->to_global(std::vector<double>(mesh_->coordinates().begin(), mesh_->coordinates().end()), X);
   next.X = next.exchange.gather(X);
-  next.built_at = next.current(u);
   list_.nodes = std::move(next);
-  measure_slack();
   if (u_n_) fetch_start();
-}
-
-void PairSearch::measure_slack() {
-  const ContactNodes& nodes = list_.nodes;
-  list_.slack.assign(nodes.global.size(), local_ ? HUGE_VAL : skin_ / 2);
-  if (!local_) return;
-  for (std::size_t i = 0; i < secondary_.size(); ++i) {
-    double& slack = list_.slack[at(nodes.secondary[i])];
-    slack = std::min(slack, static_slack_[at(secondary_slot_[i])]);
-  }
-  std::vector<double> X(at(dim_ * corners_));
-  for (std::size_t i = 0; i < nodes.primary.size(); i += at(corners_)) {
-    for (std::size_t j = 0; j < X.size(); ++j)
-      X[j] = nodes.X[at(dim_ * nodes.primary[i + j / at(dim_)]) + j % at(dim_)];
-    const double size = longest_side(X.data(), corners_, dim_);
-    for (std::size_t a = i; a < i + at(corners_); ++a) {
-      double& slack = list_.slack[at(nodes.primary[a])];
-      slack = std::min(slack, local_slack * size);
-    }
-  }
 }
 
 double PairSearch::pairs_per_facet() const {
@@ -274,7 +280,7 @@ double PairSearch::pairs_per_facet() const {
 
 double PairSearch::range() const { return local_ ? 2 * local_part * smallest_ : radius_; }
 
-double PairSearch::nearest_nodes(const std::vector<double>& u) const {
+double PairSearch::nearest_nodes(const ContactValues& u) const {
   const std::vector<double> x = list_.nodes.current(u);
   double square = HUGE_VAL;
   const auto& offset = list_.candidates.offset;
@@ -287,10 +293,6 @@ double PairSearch::nearest_nodes(const std::vector<double>& u) const {
           square = std::min(square, square_of_move(&x[at(dim_ * s)], &x[at(dim_ * p)], dim_));
         }
   return std::sqrt(square);
-}
-
-bool PairSearch::holds_for(const std::vector<double>& x) const {
-  return kind_ == Primary::rigid || largest_part(x, list_.nodes.built_at, dim_, list_.slack) <= 1;
 }
 
 } // namespace impact

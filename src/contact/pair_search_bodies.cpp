@@ -27,9 +27,8 @@ bool PairSearch::find_shapes(const SearchSecondary& secondary, const std::vector
   };
   for (std::size_t f = 0; f < primary.size(); ++f) body_at(primary_slot_[at(corners_) * f], 1);
   for (std::size_t f = 0; f < secondary.node.size() / 4; ++f) {
-    std::array<double, 12> x;
-    std::copy_n(&secondary.x[12 * f], 12, x.begin());
-    shapes_.push_back(facet_shape(dim_, x, body_at(secondary_slot_[at(corners_) * f], 0)));
+    const int* slot = &secondary_slot_[at(corners_) * f];
+    shapes_.push_back(facet_shape(dim_, in_space(slot, static_X_), body_at(*slot, 0)));
   }
   MPI_Allreduce(MPI_IN_PLACE, has.data(), 2 * bodies.count, MPI_INT, MPI_MAX, mesh_->comm());
   bool both = false;
@@ -48,27 +47,17 @@ void PairSearch::prepare_self_contact(const SearchSecondary& secondary,
   self_ = SelfContact(mesh_->comm(), dim_, own);
   // The body's other side, as far as it can matter.
   list_.candidates = find_candidates(mesh_->comm(), secondary, primary, 2 * radius_);
-  const Handle<Vec> rest = layout_->make_global();
-  fetch_nodes(rest);
+  fetch_nodes();
   const std::vector<double> node_body = list_.nodes.exchange.gather(body_);
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     depth_.push_back(self_depth * shapes_[f].size);
-    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
-      const int p = list_.candidates.facet[at(c)];
-      FacetShape other = candidate_shape(p, list_.nodes.X);
-      other.body = static_cast<int>(node_body[at(dim_ * list_.nodes.primary[at(corners_ * p)])]);
+    for (int c : list_.candidates.of(f)) {
+      const int* slot = &list_.nodes.primary[at(corners_ * list_.candidates.facet[at(c)])];
+      const FacetShape other =
+          facet_shape(dim_, in_space(slot, list_.nodes.X), static_cast<int>(node_body[at(dim_ * *slot)]));
       depth_[f] = std::min(depth_[f], SelfContact::thickness(shapes_[f], other));
     }
   }
-}
-
-FacetShape PairSearch::candidate_shape(int primary, const std::vector<double>& x) const {
-  std::array<double, 12> corner{};
-  for (std::size_t a = 0; a < 4; ++a) {
-    const int slot = list_.nodes.primary[at(corners_ * primary) + std::min(a, at(corners_ - 1))];
-    for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = x[at(dim_ * slot) + k];
-  }
-  return facet_shape(dim_, corner, 0);
 }
 
 void PairSearch::drop_neighbours(Vec u) {
@@ -79,21 +68,18 @@ void PairSearch::drop_neighbours(Vec u) {
   const auto primaries = static_cast<int>(list_.candidates.primary.size());
   std::vector<FacetShape> reference, current;
   for (int p = 0; p < primaries; ++p) {
-    reference.push_back(candidate_shape(p, list_.nodes.X));
-    reference.back().body = static_cast<int>(body[at(dim_ * list_.nodes.primary[at(corners_ * p)])]);
-    current.push_back(candidate_shape(p, now));
+    const int* slot = &list_.nodes.primary[at(corners_ * p)];
+    reference.push_back(
+        facet_shape(dim_, in_space(slot, list_.nodes.X), static_cast<int>(body[at(dim_ * *slot)])));
+    current.push_back(facet_shape(dim_, in_space(slot, now), 0));
   }
   Candidates kept;
   kept.offset.push_back(0);
   list_.counts.clear();
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
-    std::array<double, 12> corner{};
-    for (std::size_t a = 0; a < 4; ++a) {
-      const int slot = list_.nodes.secondary[at(corners_) * f + std::min(a, at(corners_ - 1))];
-      for (std::size_t k = 0; k < at(dim_); ++k) corner[3 * a + k] = now[at(dim_ * slot) + k];
-    }
-    const std::array<double, 3> n = facet_shape(dim_, corner, 0).normal;
-    for (int c = list_.candidates.offset[f]; c < list_.candidates.offset[f + 1]; ++c) {
+    const std::array<double, 3> n =
+        facet_shape(dim_, in_space(&list_.nodes.secondary[at(corners_) * f], now), 0).normal;
+    for (int c : list_.candidates.of(f)) {
       const int p = list_.candidates.facet[at(c)];
       const FacetShape& other = reference[at(p)];
       const std::array<double, 3>& m = current[at(p)].normal;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/box_tree.hpp>
 #include <impact/contact/search.hpp>
+#include <impact/contact/surface.hpp>
 #include <numeric>
 #include <utility>
 
@@ -19,20 +20,9 @@ Box box_of(const double* facet) {
   return box;
 }
 
-double size_of(const double* facet) {
-  double square = 0;
-  for (std::size_t a = 0; a < 4; ++a) {
-    const double *x = facet + 3 * a, *y = facet + 3 * ((a + 1) % 4);
-    double side = 0;
-    for (std::size_t k = 0; k < 3; ++k) side += (x[k] - y[k]) * (x[k] - y[k]);
-    square = std::max(square, side);
-  }
-  return std::sqrt(square);
-}
-
 Box grown_box_of(const double* facet, double part) {
   const Box box = box_of(facet);
-  return part > 0 ? box.grown(part * size_of(facet)) : box;
+  return part > 0 ? box.grown(part * longest_side(facet, 4, 3)) : box;
 }
 
 // The boxes of both surfaces of every rank; an empty surface has an inverted box that meets nothing.
@@ -124,45 +114,6 @@ void sort_by_nodes(std::vector<SearchFacet>& facets) {
   facets = std::move(sorted);
 }
 
-// The candidates of the secondary facets [first, last), whose boxes are `box`, appended to `found`.
-class GroupQuery {
-public:
-  GroupQuery(const BoxTree& tree, const SearchSecondary& secondary, Candidates& found)
-      : tree_(&tree), secondary_(&secondary), found_(&found) {}
-
-  void operator()(std::size_t first, std::size_t last, const Box* box) {
-    Box all;
-    for (std::size_t s = first; s < last; ++s) all.include(box[s - first]);
-    const bool near = all.longest() <= spread_limit * box[0].longest();
-    leaves_.clear();
-    if (near) tree_->find_leaves(all, leaves_);
-    for (std::size_t s = first; s < last; ++s) {
-      if (!near) {
-        leaves_.clear();
-        tree_->find_leaves(box[s - first], leaves_);
-      }
-      add(s, box[s - first]);
-    }
-  }
-
-private:
-  void add(std::size_t s, const Box& box) {
-    hits_.clear();
-    for (std::uint32_t leaf : leaves_) tree_->find_boxes(box, leaf, hits_);
-    std::sort(hits_.begin(), hits_.end());
-    for (int hit : hits_)
-      if (!share_node(&secondary_->node[4 * s], found_->primary[static_cast<std::size_t>(hit)].node))
-        found_->facet.push_back(hit);
-    found_->offset.push_back(static_cast<int>(found_->facet.size()));
-  }
-
-  const BoxTree* tree_;
-  const SearchSecondary* secondary_;
-  Candidates* found_;
-  std::vector<std::uint32_t> leaves_;
-  std::vector<int> hits_;
-};
-
 } // namespace
 
 bool Candidates::same_pairs(const Candidates& other) const {
@@ -183,13 +134,33 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
   const std::size_t count = secondary.node.size() / 4;
   found.offset.reserve(count + 1);
   found.offset.assign(1, 0);
-  GroupQuery query(tree, secondary, found);
   std::array<Box, together> group;
+  std::vector<std::uint32_t> leaves;
+  std::vector<int> hits;
   for (std::size_t first = 0; first < count; first += together) {
     const std::size_t last = std::min(first + together, count);
-    for (std::size_t s = first; s < last; ++s)
+    Box all;
+    for (std::size_t s = first; s < last; ++s) {
       group[s - first] = grown_box_of(&secondary.x[12 * s], part).grown(reach);
-    query(first, last, group.data());
+      all.include(group[s - first]);
+    }
+    const bool near = all.longest() <= spread_limit * group[0].longest();
+    leaves.clear();
+    if (near) tree.find_leaves(all, leaves);
+    for (std::size_t s = first; s < last; ++s) {
+      const Box& box = group[s - first];
+      if (!near) {
+        leaves.clear();
+        tree.find_leaves(box, leaves);
+      }
+      hits.clear();
+      for (std::uint32_t leaf : leaves) tree.find_boxes(box, leaf, hits);
+      std::sort(hits.begin(), hits.end());
+      for (int hit : hits)
+        if (!share_node(&secondary.node[4 * s], found.primary[static_cast<std::size_t>(hit)].node))
+          found.facet.push_back(hit);
+      found.offset.push_back(static_cast<int>(found.facet.size()));
+    }
   }
   keep_used(found);
   return found;

@@ -22,7 +22,7 @@ void Constraints::begin(StepRule rule, Handle<Vec> u_n, const std::array<double,
   if (rule != StepRule::none) find_start_gaps();
 }
 
-std::vector<double> Constraints::place_of_gradients(const std::vector<double>& u) const {
+std::vector<double> Constraints::place_of_gradients(const ContactValues& u) const {
   if (step_.rule == StepRule::none) return u;
   if (step_.rule == StepRule::start) return step_.start;
   std::vector<double> m(u.size());
@@ -81,50 +81,33 @@ double Constraints::kept_overlap(int index) const {
 
 namespace {
 
-// Gradients of constraints, by their index, over their nodes.
-class Gradients {
-public:
-  explicit Gradients(std::size_t count) : place_(count) {}
-  void keep(const Constraint& c) {
-    place_[at(c.index)] = {node_.size(), value_.size(), c.node.size()};
-    node_.insert(node_.end(), c.node.begin(), c.node.end());
-    value_.insert(value_.end(), c.gradient.begin(), c.gradient.end());
-  }
-  // Over the nodes of c, to which those that it lacks are added at the end where `may_add`; false where they
-  // may not, or nothing was kept.
-  bool over_nodes_of(const Constraint& c, bool may_add, std::vector<int>& node,
-                     std::vector<double>& gradient) const {
-    const Place& kept = place_[at(c.index)];
-    if (kept.count == 0) return false;
-    const std::size_t m = c.gradient.size() / c.node.size();
-    node.assign(c.node.begin(), c.node.end());
-    gradient.assign(c.gradient.size(), 0.0);
-    for (std::size_t i = 0; i < kept.count; ++i) {
-      const auto place =
-          static_cast<std::size_t>(std::find(node.begin(), node.end(), node_[kept.node + i]) - node.begin());
-      if (place == node.size()) {
-        if (!may_add) return false;
-        node.push_back(node_[kept.node + i]);
-        gradient.resize(m * node.size(), 0.0);
-      }
-      for (std::size_t k = 0; k < m; ++k) gradient[m * place + k] += value_[kept.value + m * i + k];
-    }
-    return true;
-  }
+// A gradient over the nodes of a constraint.
+struct Gradient {
+  std::vector<int> node;
+  std::vector<double> value;
 
-private:
-  struct Place {
-    std::size_t node = 0, value = 0, count = 0;
-  };
-  std::vector<Place> place_;
-  std::vector<int> node_;
-  std::vector<double> value_;
+  // The same over the nodes of c, to which those that it lacks are added at the end where `may_add`; empty
+  // where they may not.
+  Gradient over_nodes_of(const Constraint& c, bool may_add) const {
+    Gradient over{{c.node.begin(), c.node.end()}, std::vector<double>(c.gradient.size(), 0.0)};
+    for (std::size_t i = 0, m = value.size() / std::max<std::size_t>(1, node.size()); i < node.size(); ++i) {
+      const auto place = static_cast<std::size_t>(std::find(over.node.begin(), over.node.end(), node[i]) -
+                                                  over.node.begin());
+      if (place == over.node.size()) {
+        if (!may_add) return {};
+        over.node.push_back(node[i]);
+        over.value.resize(m * over.node.size(), 0.0);
+      }
+      for (std::size_t k = 0; k < m; ++k) over.value[m * place + k] += value[m * i + k];
+    }
+    return over;
+  }
 };
 
 } // namespace
 
 // Between the steps of an energy-conserving run: the state at the end of the last one.
-void Constraints::visit_followed(const std::vector<double>& u, Derivatives derivatives,
+void Constraints::visit_followed(const ContactValues& u, Derivatives derivatives,
                                  const ConstraintVisitor& visitor) const {
   form_->visit(u, derivatives, [&](Constraint& c) {
     const double followed = gap_->trial[at(c.index)];
@@ -141,7 +124,7 @@ void Constraints::keep_gaps(Vec u) {
   step_.rule = StepRule::none;
 }
 
-void Constraints::visit_curvature(const std::vector<double>& u, std::vector<double>& of_gap,
+void Constraints::visit_curvature(const ContactValues& u, std::vector<double>& of_gap,
                                   std::vector<Tangential>& of_slip, const BlockVisitor& visitor) const {
   if (step_.rule == StepRule::start) return;
   if (step_.rule == StepRule::middle) { // which moves by half of what u does; exact work has twice the force
@@ -151,18 +134,18 @@ void Constraints::visit_curvature(const std::vector<double>& u, std::vector<doub
   form_->visit_curvature(place_of_gradients(u), {of_gap, of_slip}, visitor);
 }
 
-void Constraints::visit_step(const std::vector<double>& u, Derivatives derivatives,
+void Constraints::visit_step(const ContactValues& u, Derivatives derivatives,
                              const ConstraintVisitor& visitor) const {
   const bool of_end = step_.rule == StepRule::middle, strikes = step_.rule == StepRule::start;
   const bool to_end = of_end && derivatives == Derivatives::tangent && !symmetric_;
   std::vector<double> end_gap(of_end || strikes ? count_ : 0, unknown_gap);
-  std::vector<double> end_gradient, gradient, slip_gradient;
-  std::vector<int> node;
-  Gradients end(to_end ? end_gap.size() : 0);
+  std::vector<double> gradient, slip_gradient;
+  Gradient end_here;
+  std::vector<Gradient> end(to_end ? end_gap.size() : 0);
   if (of_end || strikes)
     form_->visit(u, to_end ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
       end_gap[at(c.index)] = c.gap;
-      if (to_end) end.keep(c);
+      if (to_end) end[at(c.index)] = {{c.node.begin(), c.node.end()}, {c.gradient.begin(), c.gradient.end()}};
     });
   form_->visit(place_of_gradients(u), Derivatives::first, [&](Constraint& c) {
     const std::size_t n = c.gradient.size();
@@ -179,18 +162,18 @@ void Constraints::visit_step(const std::vector<double>& u, Derivatives derivativ
       c.gap = end_gap[at(c.index)];
       c.gap -= kept_overlap(c.index);
       // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
-      if (to_end && end.over_nodes_of(c, nodal_, node, end_gradient)) {
-        c.end_gradient = end_gradient;
-        if (const std::size_t more = end_gradient.size(); more > n) {
-          gradient.assign(c.gradient.begin(), c.gradient.end());
-          gradient.resize(more, 0.0);
-          slip_gradient.assign(c.slip_gradient.size() / n * more, 0.0);
-          for (std::size_t i = 0; i < c.slip_gradient.size(); ++i)
-            slip_gradient[i / n * more + i % n] = c.slip_gradient[i];
-          c.node = node;
-          c.gradient = gradient;
-          c.slip_gradient = slip_gradient;
-        }
+      if (!to_end || end[at(c.index)].node.empty()) return visitor(c);
+      end_here = end[at(c.index)].over_nodes_of(c, nodal_);
+      c.end_gradient = end_here.value;
+      if (const std::size_t more = end_here.value.size(); more > n) {
+        gradient.assign(c.gradient.begin(), c.gradient.end());
+        gradient.resize(more, 0.0);
+        slip_gradient.assign(c.slip_gradient.size() / n * more, 0.0);
+        for (std::size_t i = 0; i < c.slip_gradient.size(); ++i)
+          slip_gradient[i / n * more + i % n] = c.slip_gradient[i];
+        c.node = end_here.node;
+        c.gradient = gradient;
+        c.slip_gradient = slip_gradient;
       }
     } else {
       double change = 0, start = step_.start_gap[at(c.index)];

@@ -3,9 +3,9 @@
 #include <impact/contact/surface.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
-#include <map>
+#include <impact/petsc/handle.hpp>
 #include <numbers>
-#include <utility>
+#include <numeric>
 
 namespace impact {
 
@@ -20,6 +20,17 @@ std::string boundary_names(const Mesh& mesh) {
 
 } // namespace
 
+double longest_side(const double* corner, int corners, int dim) {
+  double largest = 0;
+  for (int a = 0; a < corners; ++a) {
+    const double *x = corner + dim * a, *y = corner + dim * ((a + 1) % corners);
+    double square = 0;
+    for (int k = 0; k < dim; ++k) square += (x[k] - y[k]) * (x[k] - y[k]);
+    largest = std::max(largest, square);
+  }
+  return std::sqrt(largest);
+}
+
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group) {
   const Group* found = mesh.find_group(group);
   if (found == nullptr || found->dim != mesh.dim() - 1)
@@ -33,21 +44,15 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
   surface.corners = dim == 2 ? 2 : 4;
   for (int f = 0; f < facets.count(); ++f) {
     const int* nodes = &facets.connectivity[at(facets.nodes_per_facet * f)];
-    double longest = 0;
+    const std::size_t first = surface.X.size();
     for (int a = 0; a < surface.corners; ++a) {
       const int node = nodes[std::min(a, facets.nodes_per_facet - 1)];
-      const int other = nodes[(a + 1) % facets.nodes_per_facet];
       surface.local.push_back(node);
       surface.node.push_back(mesh.global_node()[at(node)]);
-      double square = 0;
-      for (int k = 0; k < dim; ++k) {
-        surface.X.push_back(mesh.coordinates()[at(dim * node + k)]);
-        const double difference = mesh.coordinates()[at(dim * other + k)] - surface.X.back();
-        square += difference * difference;
-      }
-      longest = std::max(longest, std::sqrt(square));
+      const auto place = mesh.coordinates().begin() + dim * node;
+      surface.X.insert(surface.X.end(), place, place + dim);
     }
-    surface.length.push_back(longest);
+    surface.length.push_back(longest_side(&surface.X[first], surface.corners, dim));
     const PetscInt* cone = nullptr;
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
     surface.reversed.push_back(dim != 2 || cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);
@@ -111,72 +116,36 @@ TriangleRule triangle_rule(int points) {
   return rule;
 }
 
-SurfacePoints make_points(const ContactSurface& surface, const std::string& contact, int per_facet,
-                          Frame frame) {
-  if (per_facet < 1 || per_facet > 16)
-    throw UserError(ExitCode::usage, "-contact_" + contact + "_points " + std::to_string(per_facet) +
-                                         ": allowed are 1 to 16 points per facet");
-  const GaussRule rule = gauss_rule(per_facet);
-  SurfacePoints points;
-  points.per_facet = per_facet;
-  for (int f = 0; f < surface.count(); ++f)
-    for (int q = 0; q < per_facet; ++q) {
-      const double xi = surface.reversed[at(f)] ? -rule.xi[at(q)] : rule.xi[at(q)];
-      const double N0 = (1 - xi) / 2, N1 = (1 + xi) / 2;
-      const double* X = &surface.X[at(4 * f)];
-      const double ring = frame == Frame::axisymmetric ? 2 * std::numbers::pi * (N0 * X[0] + N1 * X[2]) : 1;
-      points.shape.push_back(N0);
-      points.shape.push_back(N1);
-      points.weight.push_back(rule.weight[at(q)] * surface.length[at(f)] / 2 * ring);
-    }
-  return points;
-}
-
 std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface) {
-  using Nodes = std::array<PetscInt, 4>;
+  std::vector<std::array<PetscInt, 4>> mine; // [facet][corner] the facet, which travels to the corner's owner
+  for (int f = 0; f < surface.count(); ++f) {
+    std::array<PetscInt, 4> nodes;
+    for (int a = 0; a < 4; ++a)
+      nodes[at(a)] = surface.node[at(surface.corners * f + std::min(a, surface.corners - 1))];
+    mine.insert(mine.end(), at(surface.corners), nodes);
+  }
   PetscLayout layout = nullptr;
   check(PetscLayoutCreate(mesh.comm(), &layout));
   check(PetscLayoutSetLocalSize(layout, mesh.owned_node_count()));
   check(PetscLayoutSetUp(layout));
-  std::map<PetscMPIInt, std::vector<Nodes>> outbox;
-  for (int f = 0; f < surface.count(); ++f) {
-    Nodes nodes;
-    for (int a = 0; a < 4; ++a)
-      nodes[at(a)] = surface.node[at(surface.corners * f + std::min(a, surface.corners - 1))];
-    for (PetscInt node : nodes) {
-      PetscMPIInt owner = 0;
-      check(PetscLayoutFindOwner(layout, node, &owner));
-      std::vector<Nodes>& message = outbox[owner];
-      if (message.empty() || message.back() != nodes) message.push_back(nodes);
-    }
-  }
+  Handle<PetscSF> sf;
+  check(PetscSFCreate(mesh.comm(), sf.out()));
+  check(PetscSFSetGraphLayout(sf, layout, static_cast<PetscInt>(mine.size()), nullptr, PETSC_OWN_POINTER,
+                              surface.node.data()));
   check(PetscLayoutDestroy(&layout));
-  int rank = 0;
-  MPI_Comm_rank(mesh.comm(), &rank);
-  std::vector<Nodes> facets = std::move(outbox[rank]);
-  outbox.erase(rank);
-  std::vector<PetscMPIInt> to, counts;
-  for (const auto& [owner, message] : outbox) {
-    to.push_back(owner);
-    counts.push_back(static_cast<PetscMPIInt>(4 * message.size()));
-  }
-  PetscMPIInt senders = 0, *from = nullptr, *sizes = nullptr;
-  check(PetscCommBuildTwoSided(mesh.comm(), 1, MPI_INT, static_cast<PetscMPIInt>(to.size()), to.data(),
-                               counts.data(), &senders, &from, static_cast<void*>(&sizes)));
-  constexpr int tag = 733;
-  std::vector<MPI_Request> requests;
-  for (const auto& [owner, message] : outbox)
-    MPI_Isend(message.data(), static_cast<int>(4 * message.size()), MPIU_INT, owner, tag, mesh.comm(),
-              &requests.emplace_back());
-  for (int s = 0; s < senders; ++s) {
-    const std::size_t before = facets.size();
-    facets.resize(before + at(sizes[s] / 4));
-    MPI_Recv(facets.data() + before, sizes[s], MPIU_INT, from[s], tag, mesh.comm(), MPI_STATUS_IGNORE);
-  }
-  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
-  check(PetscFree(from));
-  check(PetscFree(sizes));
+  const PetscInt* degree = nullptr; // [owned node] corners that meet there
+  check(PetscSFComputeDegreeBegin(sf, &degree));
+  check(PetscSFComputeDegreeEnd(sf, &degree));
+  std::vector<std::array<PetscInt, 4>> facets(
+      at(std::accumulate(degree, degree + mesh.owned_node_count(), 0)));
+  MPI_Datatype four = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(4, MPIU_INT, &four);
+  MPI_Type_commit(&four);
+  check(PetscSFGatherBegin(sf, four, mine.data(), facets.data()));
+  check(PetscSFGatherEnd(sf, four, mine.data(), facets.data()));
+  MPI_Type_free(&four);
   std::sort(facets.begin(), facets.end());
+  facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
   return facets;
 }
 

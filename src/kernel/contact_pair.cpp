@@ -49,15 +49,6 @@ std::array<double, 64> gap_hessian(const std::array<double, 2>& N, const Primary
   return d2g;
 }
 
-std::array<double, 64> contact_tangent(double weight, double eps, double pressure,
-                                       const std::array<double, 8>& dg, const std::array<double, 64>& d2g) {
-  std::array<double, 64> K{};
-  if (!(pressure > 0)) return K;
-  add_product(weight * eps, dg, dg, K);
-  for (std::size_t i = 0; i < 64; ++i) K[i] -= weight * pressure * d2g[i];
-  return K;
-}
-
 double retraction(const Foot<double>& foot, const Point2<double>& point_normal, double reach) {
   constexpr double none = std::numeric_limits<double>::infinity();
   if (foot.part == FootPart::none || !(std::abs(foot.gap) <= reach)) return none;

@@ -7,42 +7,41 @@ namespace impact {
 
 namespace {
 
-template <class T> using Vector = Vector3Of<T>;
-
 // The gap is a function of five vectors, each a sum over the corners of both faces: from the point to the
 // triangle's first corner, two that span the secondary face, two sides of the triangle.
 constexpr int vectors = 5, variables = 3 * vectors;
-using Weights = std::array<std::array<double, 8>, vectors>; // [vector][secondary corners, primary corners]
-template <class T> using Spans = std::array<Vector<T>, vectors>;
+template <class T> using Spans = std::array<Vector3Of<T>, vectors>;
 
-Weights weights_of(int corners, const std::array<double, 4>& shape, const TriangleWeights& triangle) {
-  Weights w{};
+// [vector][secondary corners, primary corners]
+std::array<std::array<double, 8>, vectors> weights_of(const FaceRay& ray) {
+  std::array<std::array<double, 8>, vectors> w{};
   for (std::size_t a = 0; a < 4; ++a) {
-    w[0][a] = -shape[a];
-    w[0][4 + a] = triangle[0][a];
-    w[3][4 + a] = triangle[1][a] - triangle[0][a];
-    w[4][4 + a] = triangle[2][a] - triangle[0][a];
+    w[0][a] = -ray.shape[a];
+    w[0][4 + a] = ray.triangle[0][a];
+    w[3][4 + a] = ray.triangle[1][a] - ray.triangle[0][a];
+    w[4][4 + a] = ray.triangle[2][a] - ray.triangle[0][a];
   }
   // Two sides of a triangle, the diagonals of a quadrilateral.
-  w[1][0] = -1;
-  w[1][corners == 3 ? 1 : 2] = 1;
-  w[2][corners == 3 ? 0 : 1] = -1;
-  w[2][corners == 3 ? 2 : 3] = 1;
+  const bool triangle = corners_of(ray.x) == 3;
+  w[1][0] = w[2][triangle ? 0 : 1] = -1;
+  w[1][triangle ? 1 : 2] = w[2][triangle ? 2 : 3] = 1;
   return w;
 }
 
 // Seen from the first corner: the weights of each vector add to zero.
-Spans<double> spans_of(const Weights& w, const FaceCorners& x, const FaceCorners& p) {
+Spans<double> spans_of(const FaceRay& ray) {
+  const auto w = weights_of(ray);
   Spans<double> y{};
   for (std::size_t k = 0; k < vectors; ++k)
     for (std::size_t a = 0; a < 8; ++a)
-      for (std::size_t i = 0; i < 3; ++i) y[k][i] += w[k][a] * ((a < 4 ? x[a] : p[a - 4])[i] - x[0][i]);
+      for (std::size_t i = 0; i < 3; ++i)
+        y[k][i] += w[k][a] * ((a < 4 ? ray.x[a] : ray.p[a - 4])[i] - ray.x[0][i]);
   return y;
 }
 
 template <class T> struct Ray {
   T gap, along; // along: n.m
-  Vector<T> n, m;
+  Vector3Of<T> n, m;
   T area; // |t1 x t2|
 };
 template <class T> Ray<T> ray_of(const Spans<T>& y) {
@@ -63,7 +62,7 @@ template <class T> Spans<T> gradient_of(const Spans<T>& y) {
   const Ray<T> ray = ray_of(y);
   const T inverse = T(1.0) / ray.along;
   Spans<T> g;
-  Vector<T> of_m, of_d; // d = t1 x t2
+  Vector3Of<T> of_m, of_d; // d = t1 x t2
   const T turn = -(ray.gap * inverse) / ray.area;
   for (std::size_t i = 0; i < 3; ++i) {
     g[0][i] = inverse * ray.m[i];
@@ -79,15 +78,14 @@ template <class T> Spans<T> gradient_of(const Spans<T>& y) {
 
 } // namespace
 
-RayFoot cast_ray(int corners, const FaceCorners& x, const std::array<double, 4>& shape, const FaceCorners& p,
-                 const TriangleWeights& triangle) {
-  const Spans<double> y = spans_of(weights_of(corners, shape, triangle), x, p);
+RayFoot cast_ray(const FaceRay& cast) {
+  const Spans<double> y = spans_of(cast);
   const Ray<double> ray = ray_of(y);
   RayFoot foot;
   foot.gap = ray.gap;
   const double square = dot(ray.m, ray.m), length = std::sqrt(square);
   foot.opposition = ray.along / length;
-  Vector<double> r; // from the triangle's first corner
+  Vector3 r; // from the triangle's first corner
   for (std::size_t i = 0; i < 3; ++i) {
     foot.normal[i] = ray.m[i] / length;
     r[i] = ray.gap * ray.n[i] - y[0][i];
@@ -96,14 +94,13 @@ RayFoot cast_ray(int corners, const FaceCorners& x, const std::array<double, 4>&
   foot.part[2] = dot(cross(y[3], r), ray.m) / square;
   foot.part[0] = 1 - foot.part[1] - foot.part[2];
   for (std::size_t v = 0; v < 3; ++v)
-    for (std::size_t b = 0; b < 4; ++b) foot.weights[b] += foot.part[v] * triangle[v][b];
+    for (std::size_t b = 0; b < 4; ++b) foot.weights[b] += foot.part[v] * cast.triangle[v][b];
   return foot;
 }
 
-std::array<double, 24> ray_gradient(int corners, const FaceCorners& x, const std::array<double, 4>& shape,
-                                    const FaceCorners& p, const TriangleWeights& triangle) {
-  const Weights w = weights_of(corners, shape, triangle);
-  const Spans<double> g = gradient_of(spans_of(w, x, p));
+std::array<double, 24> ray_gradient(const FaceRay& ray) {
+  const auto w = weights_of(ray);
+  const Spans<double> g = gradient_of(spans_of(ray));
   std::array<double, 24> row{};
   for (std::size_t k = 0; k < vectors; ++k)
     for (std::size_t a = 0; a < 8; ++a)
@@ -111,12 +108,10 @@ std::array<double, 24> ray_gradient(int corners, const FaceCorners& x, const std
   return row;
 }
 
-void add_ray_hessian(int corners, const FaceCorners& x, const std::array<double, 4>& shape,
-                     const FaceCorners& p, const TriangleWeights& triangle, double factor,
-                     std::array<double, 576>& hessian) {
+void add_ray_hessian(const FaceRay& ray, double factor, std::span<double> hessian) {
   using D = Dual<double, variables>;
-  const Weights w = weights_of(corners, shape, triangle);
-  const Spans<double> at = spans_of(w, x, p);
+  const auto w = weights_of(ray);
+  const Spans<double> at = spans_of(ray);
   Spans<D> y;
   for (std::size_t i = 0; i < variables; ++i)
     y[i / 3][i % 3] = seed<double, variables>(at[i / 3][i % 3], static_cast<int>(i));

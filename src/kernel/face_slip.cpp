@@ -8,17 +8,15 @@ namespace impact {
 
 namespace {
 
-template <class T> using Vector = Vector3Of<T>;
-
 // The rotation of (g_1 g_2) = R U. With J = |g_1 x g_2| and n across both, U is ((g_1 g_2)^T (g_1 g_2) +
 // J)/s, s^2 = |g_1|^2 + |g_2|^2 + 2 J, from which r_1 = (g_1 + g_2 x n)/s, r_2 = n x r_1.
-template <class T> std::array<Vector<T>, 2> rotation_of(const Vector<T>& g1, const Vector<T>& g2) {
+template <class T> std::array<Vector3Of<T>, 2> rotation_of(const Vector3Of<T>& g1, const Vector3Of<T>& g2) {
   using std::sqrt;
-  Vector<T> n = cross(g1, g2);
+  Vector3Of<T> n = cross(g1, g2);
   const T J = sqrt(dot(n, n)), inverse_J = T(1.0) / J;
   for (T& component : n) component *= inverse_J;
   const T inverse_s = T(1.0) / sqrt(dot(g1, g1) + dot(g2, g2) + 2.0 * J);
-  Vector<T> r1 = cross(g2, n);
+  Vector3Of<T> r1 = cross(g2, n);
   for (std::size_t k = 0; k < 3; ++k) r1[k] = (g1[k] + r1[k]) * inverse_s;
   return {r1, cross(n, r1)};
 }
@@ -28,13 +26,13 @@ using First = Dual<double, variables>;
 using Second = Dual<First, variables>;
 
 template <class T, class Seed>
-std::array<Vector<T>, 2> seeded_rotation(const std::array<Point3, 2>& g, Seed&& seed_of) {
-  std::array<Vector<T>, 2> y;
+std::array<Vector3Of<T>, 2> seeded_rotation(const std::array<Point3, 2>& g, Seed&& seed_of) {
+  std::array<Vector3Of<T>, 2> y;
   for (std::size_t i = 0; i < variables; ++i) y[i / 3][i % 3] = seed_of(g[i / 3][i % 3], static_cast<int>(i));
   return rotation_of(y[0], y[1]);
 }
 
-std::array<Vector<First>, 2> rotation_with_gradient(const std::array<Point3, 2>& g) {
+std::array<Vector3Of<First>, 2> rotation_with_gradient(const std::array<Point3, 2>& g) {
   return seeded_rotation<First>(g, [](double v, int i) { return seed<double, variables>(v, i); });
 }
 
@@ -48,7 +46,7 @@ std::array<Point3, 2> plane_of(const FaceMap& map, const FaceCorners& x) {
   return g;
 }
 
-Point3 opening(const FaceCorners& x, const FaceCorners& p, const FaceWeights& w, std::size_t a) {
+Point3 opening(const FaceCorners& x, const FaceCorners& p, const MortarWeights& w, std::size_t a) {
   Point3 v{};
   for (std::size_t b = 0; b < 4; ++b)
     for (std::size_t k = 0; k < 3; ++k)
@@ -56,12 +54,17 @@ Point3 opening(const FaceCorners& x, const FaceCorners& p, const FaceWeights& w,
   return v;
 }
 
+SlipAnchor edge_anchor(const FacetAnchor& anchor, std::size_t a) {
+  const auto &D = anchor.weights.D[a], &M = anchor.weights.M[a];
+  return {{D[0], D[1]}, {M[0], M[1]}};
+}
+
 } // namespace
 
-FaceMap make_face_map(int corners, const FaceCorners& X) {
+FaceMap make_face_map(const FaceCorners& X) {
   // Derivatives of the shape functions at the middle, whose differences of corners are natural directions.
   const std::array<std::array<double, 4>, 2> natural =
-      corners == 3
+      corners_of(X) == 3
           ? std::array<std::array<double, 4>, 2>{{{-1, 1, 0, 0}, {-1, 0, 1, 0}}}
           : std::array<std::array<double, 4>, 2>{{{-0.25, 0.25, 0.25, -0.25}, {-0.25, -0.25, 0.25, 0.25}}};
   std::array<Point3, 2> G{};
@@ -101,11 +104,11 @@ std::array<std::array<double, 2>, 2> turned_into(const FaceMap& face, const Poin
   return turn;
 }
 
-FaceSlips face_slips(const FaceCorners& x, const FaceCorners& p, const FaceMap& map, const FaceAnchor& anchor,
-                     bool with_gradient) {
-  FaceSlips slips;
+FacetSlips facet_slips(const FaceCorners& x, const FaceCorners& p, const FaceMap& map,
+                       const FacetAnchor& anchor, bool with_gradient) {
+  FacetSlips slips;
   const std::array<Point3, 2> g = plane_of(map, x);
-  const FaceWeights& w = anchor.weights;
+  const MortarWeights& w = anchor.weights;
   if (!with_gradient) {
     const std::array<Point3, 2> r = rotation_of(g[0], g[1]);
     for (std::size_t a = 0; a < 4; ++a)
@@ -113,7 +116,7 @@ FaceSlips face_slips(const FaceCorners& x, const FaceCorners& p, const FaceMap& 
         slips.value[a][i] = dot(r[i], opening(x, p, w, a)) - anchor.start[a][i];
     return slips;
   }
-  const std::array<Vector<First>, 2> r = rotation_with_gradient(g);
+  const std::array<Vector3Of<First>, 2> r = rotation_with_gradient(g);
   for (std::size_t a = 0; a < 4; ++a) {
     const Point3 v = opening(x, p, w, a);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -133,9 +136,9 @@ FaceSlips face_slips(const FaceCorners& x, const FaceCorners& p, const FaceMap& 
   return slips;
 }
 
-void add_face_slip_hessian(const FaceCorners& x, const FaceCorners& p, const FaceMap& map,
-                           const FaceAnchor& anchor, const std::array<std::array<double, 2>, 4>& factor,
-                           std::array<double, 576>& hessian) {
+void add_slip_hessian(const FaceCorners& x, const FaceCorners& p, const FaceMap& map,
+                      const FacetAnchor& anchor, const std::array<std::array<double, 2>, 4>& factor,
+                      std::span<double> hessian) {
   // f = r_1.V_1 + r_2.V_2: f'' by the directions alone, and what both change together.
   const std::array<Point3, 2> g = plane_of(map, x);
   std::array<Point3, 2> V{};
@@ -150,7 +153,7 @@ void add_face_slip_hessian(const FaceCorners& x, const FaceCorners& p, const Fac
       }
     }
   }
-  const std::array<Vector<Second>, 2> r = seeded_rotation<Second>(g, [](double value, int i) {
+  const std::array<Vector3Of<Second>, 2> r = seeded_rotation<Second>(g, [](double value, int i) {
     Second y(seed<double, variables>(value, i));
     y.d[i] = First(1.0);
     return y;
@@ -176,6 +179,26 @@ void add_face_slip_hessian(const FaceCorners& x, const FaceCorners& p, const Fac
             hessian[24 * row + column] += map.row[0][c] * by_plane[m] + map.row[1][c] * by_plane[3 + m];
         }
     }
+}
+
+FacetSlips facet_slips(const EdgeCorners& x, const EdgeCorners& p, const FaceMap&, const FacetAnchor& anchor,
+                       bool) {
+  FacetSlips slips;
+  for (std::size_t a = 0; a < 2; ++a) {
+    const Slip slip = slip_of(x, p, edge_anchor(anchor, a));
+    slips.value[a][0] = slip.value - anchor.start[a][0];
+    std::copy(slip.gradient.begin(), slip.gradient.end(), slips.gradient[a][0].begin());
+  }
+  return slips;
+}
+
+void add_slip_hessian(const EdgeCorners& x, const EdgeCorners& p, const FaceMap&, const FacetAnchor& anchor,
+                      const std::array<std::array<double, 2>, 4>& factor, std::span<double> hessian) {
+  for (std::size_t a = 0; a < 2; ++a) {
+    if (factor[a][0] == 0) continue;
+    const std::array<double, 64> H = slip_hessian(x, p, edge_anchor(anchor, a));
+    for (std::size_t i = 0; i < H.size(); ++i) hessian[i] += factor[a][0] * H[i];
+  }
 }
 
 } // namespace impact

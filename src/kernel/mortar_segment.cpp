@@ -4,20 +4,17 @@ namespace impact {
 
 namespace {
 
-// The dofs of the pair as independent variables of type T.
+// The weighted gaps with the dofs of the pair as independent variables, made by seed_of(value, number).
 template <class T, class Seed>
-void seeded(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p, Seed&& seed_of,
-            std::array<Point2<T>, 2>& X, std::array<Point2<T>, 2>& P) {
+std::array<T, 2> seeded_gaps(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                             Seed&& seed_of) {
+  std::array<Point2<T>, 2> X, P;
   for (std::size_t node = 0; node < 2; ++node)
     for (std::size_t k = 0; k < 2; ++k) {
       X[node][k] = seed_of(x[node][k], static_cast<int>(2 * node + k));
       P[node][k] = seed_of(p[node][k], static_cast<int>(4 + 2 * node + k));
     }
-}
-
-bool covers(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p) {
-  const CoveredPart<double> part = covered_part(x, p);
-  return part.end > part.begin;
+  return weighted_gaps(covered_part(X, P), edge);
 }
 
 } // namespace
@@ -31,51 +28,69 @@ std::array<std::array<double, 2>, 2> dual_functions(const MortarEdge& edge) {
   return {{{d0 * m11 / det, -d0 * m01 / det}, {-d1 * m01 / det, d1 * m00 / det}}};
 }
 
-MortarPair mortar_pair(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p,
-                       const MortarEdge& edge) {
+Point3 facet_normal(const EdgeCorners& x) {
+  const Point2<double> n = detail::right_normal(x[0], x[1]);
+  return {n[0], n[1], 0};
+}
+
+FacetView view_facet(const EdgeCorners& x, const EdgeCorners& p) {
+  const CoveredPart<double> part = covered_part(x, p);
+  const double mean = (part.gap_begin + part.gap_end) / 2;
+  if (part.end > part.begin)
+    return {(part.end - part.begin) / 2, std::min(part.gap_begin, part.gap_end),
+            std::max(part.gap_begin, part.gap_end), mean};
+  const double end = part.end < -1 ? part.gap_end : part.gap_begin;
+  return {0, end, end, mean};
+}
+
+double common_part(const EdgeCorners& x, const EdgeCorners& a, const EdgeCorners& b) {
+  const CoveredPart<double> first = covered_part(x, a), second = covered_part(x, b);
+  return std::min(first.end, second.end) - std::max(first.begin, second.begin);
+}
+
+bool corner_gap(const EdgeCorners& x, int corner, const EdgeCorners& p, double& gap) {
+  const CoveredPart<double> part = covered_part(x, p);
+  gap = corner == 0 ? part.gap_begin : part.gap_end;
+  return part.end > part.begin && (corner == 0 ? part.begin <= -1 : part.end >= 1);
+}
+
+MortarPair mortar_pair(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                       bool with_gradient) {
   MortarPair pair;
-  if (!covers(x, p)) return pair;
-  pair.covered = true;
-  using D = Dual<double, 8>;
-  std::array<Point2<D>, 2> X, P;
-  seeded<D>(
-      x, p, [](double v, int i) { return seed<double, 8>(v, i); }, X, P);
-  const std::array<D, 2> G = weighted_gaps(covered_part(X, P), edge);
-  for (std::size_t a = 0; a < 2; ++a) {
-    pair.gap[a] = G[a].v;
-    for (std::size_t i = 0; i < 8; ++i) pair.gradient[a][i] = G[a].d[i];
-  }
+  CoveredPart<double> part = covered_part(x, p);
+  pair.covered = pair.touched = part.end > part.begin;
+  if (!pair.covered) return pair;
+  const std::array<double, 2> gap = weighted_gaps(part, edge);
+  part.gap_begin = part.gap_end = 1;
+  const std::array<double, 2> cover = weighted_gaps(part, edge);
+  std::copy(gap.begin(), gap.end(), pair.gap.begin());
+  std::copy(cover.begin(), cover.end(), pair.cover.begin());
+  if (!with_gradient) return pair;
+  const auto G = seeded_gaps<Dual<double, 8>>(x, p, edge, seed<double, 8>);
+  for (std::size_t a = 0; a < 2; ++a) std::copy_n(G[a].d, 8, pair.gradient[a].begin());
   return pair;
 }
 
-std::array<double, 64> mortar_pair_hessian(const std::array<Point2<double>, 2>& x,
-                                           const std::array<Point2<double>, 2>& p, const MortarEdge& edge,
-                                           const std::array<double, 2>& factor) {
-  std::array<double, 64> H{};
-  if (!covers(x, p)) return H;
+bool add_mortar_hessian(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                        const std::array<double, 4>& factor, std::span<double> hessian) {
+  if (const CoveredPart<double> part = covered_part(x, p); !(part.end > part.begin)) return false;
   using D = Dual<double, 8>;
-  using DD = Dual<D, 8>;
-  std::array<Point2<DD>, 2> X, P;
-  seeded<DD>(
-      x, p,
-      [](double v, int i) {
-        DD y(seed<double, 8>(v, i));
-        y.d[i] = D(1.0);
-        return y;
-      },
-      X, P);
-  const std::array<DD, 2> G = weighted_gaps(covered_part(X, P), edge);
+  const auto G = seeded_gaps<Dual<D, 8>>(x, p, edge, [](double v, int i) {
+    Dual<D, 8> y(seed<double, 8>(v, i));
+    y.d[i] = D(1.0);
+    return y;
+  });
   for (std::size_t i = 0; i < 8; ++i)
     for (std::size_t j = 0; j < 8; ++j)
-      H[8 * i + j] = factor[0] * G[0].d[i].d[j] + factor[1] * G[1].d[i].d[j];
-  return H;
+      hessian[8 * i + j] += factor[0] * G[0].d[i].d[j] + factor[1] * G[1].d[i].d[j];
+  return true;
 }
 
-MortarWeights mortar_weights(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p,
-                             const MortarEdge& edge) {
+MortarWeights mortar_weights(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge) {
   MortarWeights w;
   const CoveredPart<double> part = covered_part(x, p);
-  if (!(part.end > part.begin)) return w;
+  w.covered = part.end > part.begin;
+  if (!w.covered) return w;
   const Point2<double> t = detail::minus(x[1], x[0]);
   const double square = detail::dot(t, t);
   // Place on the secondary edge of the primary's nodes: the primary's coordinate is linear in it.

@@ -31,9 +31,9 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
   if (const double softest = d_.softest_modulus(); std::isfinite(softest))
     reference_force_ = 1e-12 * softest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
   for (ContactInterface& contact : contacts_) {
-    contact.set_fixed_dofs(boundary_.fixed_mask());
+    contact.constraints().set_fixed_dofs(boundary_.fixed_mask());
     if (!rigid_->empty()) contact.set_rigid_nodes(rigid_->reduction(), rigid_->body_of_node());
-    contact.keep_symmetric(symmetric_ || format_ == MatrixFormat::sbaij);
+    contact.constraints().keep_symmetric(symmetric_ || format_ == MatrixFormat::sbaij);
   }
   rebuild_matrix();
   if (operator_ == ContactOperator::shell && !contacts_.empty()) make_shell();
@@ -42,7 +42,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
   rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
-  contacts_.begin_attempt(step.t, step.mass_shift, step.stabilised);
+  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())

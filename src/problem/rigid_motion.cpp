@@ -220,7 +220,7 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, c
   const Handle<Vec> undeformed = d.displacement.make_global();
   for (const ContactInterface& contact : contacts) {
     const ContactSettings& settings = contact.settings();
-    const ContactInterface::Reach reach = contact.reach(undeformed);
+    const ContactReach reach = contact.reach(undeformed);
     if (std::isinf(reach.gap) && std::isinf(reach.distance)) continue;
     for (const std::string& side : {settings.secondary, settings.primary, settings.carrier})
       if (!side.empty() && !ContactSettings::rigid_name(side))

@@ -144,7 +144,7 @@ Frame frame_of(PlaneMode plane) {
 // Every pair is looked at in each residual and couples its nodes in the matrix.
 void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
   constexpr double many = 30;
-  const double pairs = contact.pairs_per_facet();
+  const double pairs = contact.search().pairs_per_facet();
   if (contact.settings().rigid() || pairs == 0) return;
   const std::string& id = contact.id();
   check(PetscPrintf(comm, "contact %s: %.3g candidate pairs per secondary facet\n", id.c_str(), pairs));

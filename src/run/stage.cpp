@@ -148,7 +148,7 @@ void RunStage::report_solvers() {
 void RunStage::start() {
   coupling.start(u, a);
   if (inertia) d.displacement.to_local(a, rows.a.trial);
-  setup->contacts.advance(u, u, 0);
+  for (ContactInterface& contact : setup->contacts) contact.advance(u, u, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts, &dt));
   ledger.start(integrator_of(ts), dt, u, v, a);
@@ -160,11 +160,11 @@ void RunStage::resume() {
   ledger.resume(u, v);
   // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
   // made in its next step.
-  setup->contacts.forget_search();
+  for (ContactInterface& contact : setup->contacts) contact.search().forget();
 }
 
 void RunStage::forget_what_a_restart_lacks() {
-  setup->contacts.forget_search();
+  for (ContactInterface& contact : setup->contacts) contact.search().forget();
   coupling.forget_factors();
 }
 
@@ -219,7 +219,7 @@ void RunStage::accept(const Attempt& attempt) {
   if (!setup->contacts.empty()) {
     Handle<Vec> u_n = d.displacement.make_global();
     d.displacement.to_global(rows.u.committed, u_n);
-    setup->contacts.advance(u_n, u_new, attempt.dt);
+    for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
   }
   state.commit();
 }

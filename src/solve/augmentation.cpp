@@ -52,8 +52,9 @@ PassResult Augmentation::pass(PetscInt number, Vec u) {
   contacts.add_forces(u, -1, contact_force_);
   // A body that moved beyond the skin may touch facets that the list did not hold.
   const bool kept = !solver_.refresh_contact(u);
-  if (number == 1) contacts.start_augmentation();
-  const ContactReview review = contacts.review(u);
+  if (number == 1)
+    for (ContactInterface& contact : contacts) contact.start_augmentation();
+  const AugmentReport review = contacts.review(u);
   const bool converged = review.converged && kept && !rough_;
   result.change = converged ? 0 : 1;
   if (converged) return result;
@@ -62,7 +63,7 @@ PassResult Augmentation::pass(PetscInt number, Vec u) {
     first_touch_ = !kept || !review.settled;
     if (first_touch_) return result;
   }
-  contacts.augment(u);
+  for (ContactInterface& contact : contacts) contact.augment(u);
   contacts.meet(!solver_.loose().empty(), false);
   rough_ = !inertia_ && contacts.demands().augments;
   return result;

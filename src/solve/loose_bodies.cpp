@@ -124,7 +124,7 @@ void LooseBodies::start_attempt() {
   for (Body& body : bodies_) body.weight = body.largest = body.now = 0;
 }
 
-double LooseBodies::approach_of(Body& body, const std::vector<ContactInterface::Reach>& reach) const {
+double LooseBodies::approach_of(Body& body, const std::vector<ContactReach>& reach) const {
   // What presses already is not enough: the nearest of the other contacts is to come.
   double nearest = HUGE_VAL, stiffness = 0;
   bool presses = false;
@@ -152,7 +152,7 @@ void LooseBodies::weigh(Vec u, Vec r) {
   check(VecNorm(r, NORM_2, &norm));
   stride_ = limited_ && norm <= norm_ ? 2 * stride_ : 1;
   norm_ = norm;
-  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  const std::vector<ContactReach> reach = contacts_->reach(u);
   const auto dim = at(d_->dim());
   // Force and moment about the centre, of each body.
   std::vector<double> sums(6 * bodies_.size(), 0.0), local = d_->displacement.make_local();
@@ -199,7 +199,7 @@ void LooseBodies::add_to(Mat K) const {
 }
 
 bool LooseBodies::sees_only(Vec u) const {
-  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  const std::vector<ContactReach> reach = contacts_->reach(u);
   return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     return std::all_of(body.contacts.begin(), body.contacts.end(),
                        [&](std::size_t c) { return std::isinf(reach[c].gap); }) &&
@@ -209,7 +209,7 @@ bool LooseBodies::sees_only(Vec u) const {
 }
 
 bool LooseBodies::rest(Vec u) const {
-  const std::vector<ContactInterface::Reach> reach = contacts_->reach(u);
+  const std::vector<ContactReach> reach = contacts_->reach(u);
   return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     return std::any_of(body.contacts.begin(), body.contacts.end(),
                        [&](std::size_t c) { return reach[c].presses; });

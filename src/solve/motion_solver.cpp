@@ -259,7 +259,7 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   SNESLineSearch search = nullptr;
   ++second_ways_;
   check(SNESGetLineSearch(snes_, &search));
-  motion_.contacts().fall_back();
+  for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
   check(VecCopy(start_, u));
   motion_.contacts().start_newton(u);
   reuse_.forget();

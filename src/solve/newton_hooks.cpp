@@ -84,7 +84,8 @@ void NewtonHooks::add_gaps(Vec u, Vec f) {
     apart = motion_.discretisation().displacement.make_global();
     gaps = apart;
   }
-  motion_.contacts().add_gaps(u, motion_.step().contact_scale, gaps);
+  for (const ContactInterface& contact : motion_.contacts())
+    contact.add_gaps(u, motion_.step().contact_scale, gaps);
   if (!apart) return;
   motion_.rigid().reduce(u, apart);
   check(VecAXPY(f, 1, apart));

@@ -22,10 +22,14 @@ struct Projection {
 // For a scope contacts are those of the projection.
 class ProjectedContacts {
 public:
-  explicit ProjectedContacts(ContactSet& contacts) : contacts_(contacts) { contacts_.begin_projection(); }
+  explicit ProjectedContacts(ContactSet& contacts) : contacts_(contacts) {
+    for (ContactInterface& contact : contacts_) contact.begin_projection();
+  }
   ProjectedContacts(const ProjectedContacts&) = delete;
   ProjectedContacts& operator=(const ProjectedContacts&) = delete;
-  ~ProjectedContacts() { contacts_.end_projection(); }
+  ~ProjectedContacts() {
+    for (ContactInterface& contact : contacts_) contact.end_projection();
+  }
 
 private:
   ContactSet& contacts_;
@@ -118,7 +122,8 @@ bool StabilisedUpdate::project(const Attempt& attempt, Vec goal, Vec u_tilde, Ve
     warn(attempt.t_n, reason);
     return false;
   }
-  motion_.contacts().keep_shock(u_tilde, shock_);
+  motion_.contacts().add_forces(u_tilde, -0.5, shock_);
+  for (ContactInterface& contact : motion_.contacts()) contact.keep_shock(u_tilde);
   // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
   const FieldLayout& layout = motion_.discretisation().displacement;
   const Handle<Vec> force = layout.make_global(), gain = layout.make_global(); // gain: of v, over dt
@@ -152,14 +157,12 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   solver_.hooks().install(snes);
   solver_.hooks().conduct.iterate = w;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  motion_.contacts().start_augmentation();
+  for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
   for (int pass = 0; pass < 10; ++pass) {
     check(SNESSolve(snes, nullptr, w));
     check(SNESGetConvergedReason(snes, &reason));
     if (reason <= 0) break;
-    bool converged = true;
-    for (ContactInterface& contact : motion_.contacts()) converged = contact.review(w).converged && converged;
-    if (converged) break;
+    if (motion_.contacts().review(w).converged) break;
     for (ContactInterface& contact : motion_.contacts()) contact.augment(w);
   }
   return reason;

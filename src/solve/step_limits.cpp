@@ -48,7 +48,7 @@ StepLimits::Refusal StepLimits::temperature(MPI_Comm comm, const StateRow& theta
 StepLimits::Refusal StepLimits::closing(const ContactSet& contacts, Vec u) const {
   if (!inertia_ || settings_.max_closing <= 0 || at_least_step()) return "";
   for (const ContactInterface& contact : contacts) {
-    const double depth = contact.closed_within_step(u, settings_.max_closing);
+    const double depth = contact.constraints().closed_within_step(u, settings_.max_closing);
     if (depth == 0) continue;
     char text[200];
     std::snprintf(text, sizeof(text), "contact %.80s would close %.3g facets deep, -ts_adapt_closing is %.3g",

@@ -160,7 +160,7 @@ TEST(ContactHeat, FrictionalHeatEntersBothBodiesInItsParts) {
                           none = scalar.make_global();
         heat.begin(u, theta, 0.3, 1, 0);
         heat.add_residual(theta, r);
-        const double lost = rig.contact.friction_loss(u);
+        const double lost = rig.contact.step(u).friction_loss;
         ASSERT_GT(lost, 1e-3);
         const std::array<double, 2> sum = sums(rig, scalar, r);
         EXPECT_NEAR(sum[1], -lost, 1e-13 * lost);

@@ -157,7 +157,7 @@ TEST(FrictionFaces, ForcesAndMomentsOfBothBodiesCancelAndSlidingDissipates) {
     sums.expect_balance();
     for (std::size_t k = 0; k < 3; ++k)
       EXPECT_NEAR(rig.contact.measures(rig.u).force[k], sums.on_upper[k], 1e-12 * sums.absolute);
-    EXPECT_GT(rig.contact.friction_loss(rig.u), 1e-4);
+    EXPECT_GT(rig.contact.step(rig.u).friction_loss, 1e-4);
   }
 }
 
@@ -166,14 +166,14 @@ TEST(FrictionFaces, ForceAndStateDoNotDependOnThePartition) {
   for (const Case& c : cases(0.4)) {
     Sliding rig(PETSC_COMM_WORLD, dir, c);
     const auto force = rig.by_place(rig.residual(rig.u, 2.5));
-    const double lost = rig.contact.friction_loss(rig.u);
+    const double lost = rig.contact.step(rig.u).friction_loss;
     const std::array<int, 2> counts = rig.counts();
     if (run_test::rank_of(PETSC_COMM_WORLD) == 0) {
       Sliding alone(MPI_COMM_SELF, dir, c);
       const auto reference = alone.by_place(alone.residual(alone.u, 2.5));
       for (const auto& [place, f] : force)
         for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(f[k], reference.at(place)[k], 1e-12);
-      EXPECT_NEAR(lost, alone.contact.friction_loss(alone.u), 1e-13);
+      EXPECT_NEAR(lost, alone.contact.step(alone.u).friction_loss, 1e-13);
       EXPECT_EQ(counts, alone.counts());
     }
     MPI_Barrier(PETSC_COMM_WORLD);
@@ -201,7 +201,7 @@ TEST(FrictionFaces, ARigidTurnOfAStickingPairDoesNotSlipAndTurnsTheForce) {
       const Handle<Vec> u = at_angle(angle);
       rig.contact.set_time(1);
       rig.contact.update_search(u);
-      EXPECT_NEAR(rig.contact.friction_loss(u), 0, 1e-14);
+      EXPECT_NEAR(rig.contact.step(u).friction_loss, 0, 1e-14);
       for (const auto& [place, f] : rig.by_place(rig.residual(u))) {
         if (before.count(place) == 0) continue;
         const Vector expected = turned(angle, before.at(place));

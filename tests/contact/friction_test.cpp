@@ -75,7 +75,7 @@ TEST(Friction, OfMortarOnRigidBodiesHasItsExactTangent) {
       PetscBool symmetric = PETSC_TRUE;
       check(MatIsTranspose(K, K, 1e-3, &symmetric));
       EXPECT_FALSE(symmetric) << shape;
-      EXPECT_GT(rig.contact.friction_loss(rig.u), 1e-4) << shape;
+      EXPECT_GT(rig.contact.step(rig.u).friction_loss, 1e-4) << shape;
     }
 }
 
@@ -160,7 +160,7 @@ TEST(Friction, ForcesAndMomentsOfBothBodiesCancelAndSlidingDissipates) {
     ASSERT_GT(size, 1);
     EXPECT_LE(std::abs(sum[0]) + std::abs(sum[1]), 1e-12 * size);
     EXPECT_LE(std::abs(moment), 1e-12 * size);
-    EXPECT_GT(rig.contact.friction_loss(rig.u), 1e-4);
+    EXPECT_GT(rig.contact.step(rig.u).friction_loss, 1e-4);
   }
 }
 
@@ -172,7 +172,7 @@ TEST(Friction, ForceDoesNotDependOnThePartition) {
       for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
         Sliding rig(s, partition, comm);
         forces.push_back(node_map(rig.mesh, rig.layout, rig.residual(rig.u, 2.5)));
-        lost.push_back(rig.contact.friction_loss(rig.u));
+        lost.push_back(rig.contact.step(rig.u).friction_loss);
       }
       EXPECT_LE(largest_difference(forces[0], forces[1]), 1e-12) << name;
       EXPECT_NEAR(lost[0], lost[1], 1e-13) << name;
@@ -238,9 +238,9 @@ TEST(Friction, ConservingStepKeepsBothMomentaAndItsWorkIsEnergyAndHeat) {
           }
           ASSERT_GT(size, 1);
           for (const double total : sum) EXPECT_LE(std::abs(total), 1e-12 * size);
-          const double work = dot(r, u) - dot(r, before), heat = rig.contact.friction_loss(u);
+          const double work = dot(r, u) - dot(r, before), heat = rig.contact.step(u).friction_loss;
           const double now = rig.contact.measures(u).energy;
-          EXPECT_NEAR(rig.contact.released_energy(u), 0, 1e-13);
+          EXPECT_NEAR(rig.contact.step(u).released, 0, 1e-13);
           EXPECT_NEAR(work, now - energy + heat, 1e-12 * (1 + std::abs(work)));
           EXPECT_GE(heat, 0);
           all_heat += heat;
@@ -266,10 +266,11 @@ TEST(Friction, ConservingStepKeepsBothMomentaAndItsWorkIsEnergyAndHeat) {
         check(VecAXPBY(r, 0.5, 0.5, r_n));
         rig.layout.to_global(rig.state.row("u").committed, du);
         check(VecAYPX(du, -1, away));
-        const double work = dot(r, du), released = rig.contact.released_energy(away);
+        const double work = dot(r, du), released = rig.contact.step(away).released;
         EXPECT_GT(released, energy / 2);
         EXPECT_NEAR(work,
-                    rig.contact.measures(away).energy - energy + released + rig.contact.friction_loss(away),
+                    rig.contact.measures(away).energy - energy + released +
+                        rig.contact.step(away).friction_loss,
                     1e-12 * (1 + std::abs(work)));
         if (mu == 0) {
           EXPECT_EQ(all_heat, 0);

@@ -144,9 +144,9 @@ TEST(ContactInterface, FixedDofsHaveNoRowsAndColumnsOnAnyRank) {
     for (int node : rig.mesh.nodes("lower_top")) fixed[static_cast<std::size_t>(2 * node + 1)] = 1;
     for (int node : rig.mesh.nodes("upper_bottom")) fixed[static_cast<std::size_t>(2 * node)] = 1;
     const Handle<Mat> whole = tangent(rig, u, 1);
-    rig.contact.set_fixed_dofs(fixed);
+    rig.contact.constraints().set_fixed_dofs(fixed);
     const Handle<Mat> K = tangent(rig, u, 1);
-    rig.contact.forget_search();
+    rig.contact.search().forget();
     rig.contact.update_search(u);
     const Handle<Vec> flags = rig.layout.make_global(), masked = rig.layout.make_global();
     rig.layout.to_global(std::vector<double>(fixed.begin(), fixed.end()), flags);
@@ -178,7 +178,7 @@ TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
     const double skin = rig.contact.settings().search_radius / 2;
     EXPECT_FALSE(rig.contact.update_search(rig.at(rest))); // built by the constructor
     const auto before = rig.contact.couplings();
-    rig.contact.forget_search();
+    rig.contact.search().forget();
     EXPECT_FALSE(rig.contact.update_search(rig.at(rest))); // built again, nothing changed
     EXPECT_EQ(rig.contact.couplings(), before);
     EXPECT_FALSE(rig.contact.update_search(rig.at(sink(0.499 * skin))));
@@ -193,7 +193,7 @@ TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
     EXPECT_FALSE(rig.contact.update_search(u));
     const Handle<Vec> old_list = rig.residual(u);
     EXPECT_GT(norm(old_list), 0.1);
-    rig.contact.forget_search();
+    rig.contact.search().forget();
     rig.contact.update_search(u);
     const Handle<Vec> new_list = rig.residual(u);
     check(VecAXPY(new_list, -1, old_list));
@@ -203,11 +203,10 @@ TEST(ContactInterface, CandidatesAreRebuiltOnlyAfterHalfTheSkinAndThenTheSame) {
       return std::array<double, 2>{body * 0.9, 0};
     });
     const Handle<Vec> r = rig.layout.make_global();
-    int stale = rig.contact.search_holds(away) ? 0 : 1;
-    MPI_Allreduce(MPI_IN_PLACE, &stale, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
-    EXPECT_EQ(stale, 1);
     EXPECT_TRUE(rig.contact.update_search(away));
-    EXPECT_TRUE(rig.contact.search_holds(away));
+    const long searches = rig.contact.searches();
+    EXPECT_FALSE(rig.contact.update_search(away));
+    EXPECT_EQ(rig.contact.searches(), searches);
   }
 }
 
@@ -220,10 +219,10 @@ TEST(ContactInterface, ByLocalSizesCandidatesAreRebuiltAfterATenthOfAFacetAndThe
   for (const auto& [name, partition] : partitions) {
     Rig rig(PETSC_COMM_WORLD, {}, partition);
     const Handle<Vec> r = rig.layout.make_global();
-    const auto stale_at = [&](const Handle<Vec>& u) {
-      int stale = rig.contact.search_holds(u) ? 0 : 1;
-      MPI_Allreduce(MPI_IN_PLACE, &stale, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
-      return stale == 1;
+    const auto is_rebuilt_at = [&](const Handle<Vec>& u) {
+      const long before = rig.contact.searches();
+      rig.contact.update_search(u);
+      return rig.contact.searches() > before;
     };
     const auto moved = [&](double way) {
       return rig.at([&](int body, double X, double Y) {
@@ -233,22 +232,23 @@ TEST(ContactInterface, ByLocalSizesCandidatesAreRebuiltAfterATenthOfAFacetAndThe
     };
     const auto before = rig.contact.couplings();
     const Handle<Vec> start = moved(0), near = moved(0.99 * tenth), far = moved(1.01 * tenth);
-    EXPECT_TRUE(stale_at(start));
     EXPECT_TRUE(rig.contact.update_search(start));
     int other = rig.contact.couplings() != before ? 1 : 0; // a rank may have no facets
     MPI_Allreduce(MPI_IN_PLACE, &other, 1, MPI_INT, MPI_MAX, PETSC_COMM_WORLD);
     EXPECT_EQ(other, 1);
     const auto found = rig.contact.couplings();
-    EXPECT_FALSE(stale_at(start));
-    EXPECT_FALSE(stale_at(near));
-    EXPECT_TRUE(stale_at(far));
+    EXPECT_FALSE(is_rebuilt_at(start));
+    EXPECT_FALSE(is_rebuilt_at(near));
+    EXPECT_TRUE(is_rebuilt_at(far));
+    rig.contact.search().forget();
+    rig.contact.update_search(start);
 
     // The force does not depend on when the list was built.
     EXPECT_FALSE(rig.contact.update_search(near));
     EXPECT_EQ(rig.contact.couplings(), found);
     const Handle<Vec> old_list = rig.residual(near);
     EXPECT_GT(norm(old_list), 0.1);
-    rig.contact.forget_search();
+    rig.contact.search().forget();
     rig.contact.update_search(near);
     const Handle<Vec> new_list = rig.residual(near);
     check(VecAXPY(new_list, -1, old_list));
@@ -366,7 +366,7 @@ TEST(ContactInterface, FastNodesDeeperThanAFacetAreNotLost) {
     local.layout.to_local(fallen, start.trial);
     local.state.commit();
     local.contact.set_time(1);
-    local.contact.forget_search(); // as a restart does
+    local.contact.search().forget(); // as a restart does
     local.contact.update_search(next);
     EXPECT_NEAR(local.contact.measures(next).force[1], depth < 0.2 ? 100 * (depth + 0.005) * 1.25 : 0, 1e-10);
   }
@@ -382,18 +382,18 @@ TEST(ContactInterface, WhatClosesWithinAStepIsMeasuredInFacets) {
       Rig rig(PETSC_COMM_WORLD, b, partition, s);
       const Handle<Vec> u = rig.at(sink(0.26));
       rig.contact.update_search(u);
-      EXPECT_EQ(rig.contact.closed_within_step(u, 0.5), 0) << name << ": no step has begun";
+      EXPECT_EQ(rig.contact.constraints().closed_within_step(u, 0.5), 0) << name << ": no step has begun";
       StateRow& start =
           rig.state.add({"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
       rig.contact.set_time(0);
       rig.contact.update_search(u);
-      EXPECT_NEAR(rig.contact.closed_within_step(u, 0.5), 1, 1e-12) << name;
-      EXPECT_EQ(rig.contact.closed_within_step(u, 1.01), 0) << name;
+      EXPECT_NEAR(rig.contact.constraints().closed_within_step(u, 0.5), 1, 1e-12) << name;
+      EXPECT_EQ(rig.contact.constraints().closed_within_step(u, 1.01), 0) << name;
       // It lay 0.1 deep before.
       rig.layout.to_local(rig.at(sink(0.11)), start.committed);
       rig.contact.set_time(0);
       rig.contact.update_search(u);
-      EXPECT_NEAR(rig.contact.closed_within_step(u, 0.5), 0.6, 1e-12) << name;
+      EXPECT_NEAR(rig.contact.constraints().closed_within_step(u, 0.5), 0.6, 1e-12) << name;
     }
   // A plane that rises by 0.2 towards a block 0.05 above it.
   ContactSettings s = settings_of(100);
@@ -407,7 +407,7 @@ TEST(ContactInterface, WhatClosesWithinAStepIsMeasuredInFacets) {
   rig.state.commit();
   rig.contact.set_time(1);
   rig.contact.update_search(rest);
-  EXPECT_NEAR(rig.contact.closed_within_step(rest, 0.1), 0.15 / 0.25, 1e-12);
+  EXPECT_NEAR(rig.contact.constraints().closed_within_step(rest, 0.1), 0.15 / 0.25, 1e-12);
 }
 
 TEST(ContactInterface, PointThatPassedAFacetInTheStepIsHeldAtAnyDepth) {
@@ -656,6 +656,31 @@ TEST(ContactInterface, NodalFieldsOfAUniformContactAreUniform) {
   }
 }
 
+// Either surface is the secondary one of a contact of its own.
+TEST(ContactSet, ANodeKeepsTheGapOfTheContactThatKnowsIt) {
+  for (const auto& [name, partition] : partitions) {
+    const TwoBlocks blocks;
+    const Mesh mesh = make_blocks(PETSC_COMM_WORLD, blocks, partition);
+    const FieldLayout layout(mesh, "u", 2);
+    StateTable state;
+    ContactSet contacts;
+    ContactSettings s = settings_of(100);
+    contacts.emplace_back(mesh, layout, s, ContactEnvironment(), state);
+    std::swap(s.secondary, s.primary);
+    s.id = "other_way";
+    contacts.emplace_back(mesh, layout, s, ContactEnvironment(), state);
+    const Handle<Vec> u = displacement(mesh, layout, blocks, sink(0.02));
+    const ContactFields both = contacts.nodal_fields(u);
+    for (const ContactInterface& contact : contacts) {
+      const std::vector<double> alone = contact.nodal_fields(u).gap;
+      for (std::size_t node = 0; node < alone.size(); ++node)
+        if (!std::isnan(alone[node])) {
+          EXPECT_EQ(both.gap[node], alone[node]) << name << " " << contact.id();
+        }
+    }
+  }
+}
+
 TEST(ContactInterface, AxisymmetricAreaIsTheFullRing) {
   TwoBlocks b;
   b.frame = Frame::axisymmetric;
@@ -746,8 +771,8 @@ TEST(ContactInterface, WorkOfAMovingRigidBodyIsItsForceTimesItsMotion) {
   rig.state.commit();
   rig.contact.set_time(3);
   // 100 x 1.25 x depth at both ends of the step, over a way of 0.02.
-  EXPECT_NEAR(rig.contact.obstacle_work(u, true).force, 3 * 125 * 0.05 * 0.02, 1e-12);
-  EXPECT_NEAR(rig.contact.obstacle_work(u, false).force, 3 * 125 * 0.04 * 0.02, 1e-12);
+  EXPECT_NEAR(rig.contact.step(u, true).obstacle_work, 3 * 125 * 0.05 * 0.02, 1e-12);
+  EXPECT_NEAR(rig.contact.step(u, false).obstacle_work, 3 * 125 * 0.04 * 0.02, 1e-12);
 }
 
 TEST(ContactInterface, InitialOverlapIsAdjustedRefusedOrAllowedButRoundingIsNone) {
@@ -916,7 +941,7 @@ TEST(ContactInterface, AStabilisedStepHasNoMomentAboutItsMiddleAndItsExactTangen
         EXPECT_EQ(symmetric == PETSC_TRUE, projection);
       }
       rig.contact.end_projection();
-      rig.contact.keep_symmetric(true);
+      rig.contact.constraints().keep_symmetric(true);
       const Handle<Mat> K = tangent(rig, u, 1);
       PetscBool symmetric = PETSC_FALSE;
       check(MatIsTranspose(K, K, 1e-9, &symmetric));

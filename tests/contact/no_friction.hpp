@@ -20,7 +20,7 @@ void expect_friction_only_in(Sliding& rough, Sliding& smooth, Norm&& norm) {
   EXPECT_GT(norm(with), 0.01 * norm(without));
   EXPECT_LE(norm(suspended), 1e-14 * norm(projected));
   smooth.contact.end_projection();
-  EXPECT_EQ(smooth.contact.friction_loss(smooth.u), 0);
+  EXPECT_EQ(smooth.contact.step(smooth.u).friction_loss, 0);
 }
 
 } // namespace impact::contact_test

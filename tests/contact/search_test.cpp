@@ -1,6 +1,7 @@
 #include "two_blocks.hpp"
 #include <algorithm>
 #include <gtest/gtest.h>
+#include <impact/contact/edge_points.hpp>
 #include <impact/contact/search.hpp>
 #include <impact/contact/surface.hpp>
 #include <numbers>
@@ -171,7 +172,7 @@ TEST(ContactSurface, FacetsLookOutwardAndKnowTheirNeighboursAcrossRanks) {
     const TwoBlocks b;
     const Mesh mesh = make_blocks(PETSC_COMM_WORLD, b, partition);
     const FieldLayout layout(mesh, "u", 2);
-    const ContactSurface top = make_surface(mesh, "pair", "lower_top");
+    ContactSurface top = make_surface(mesh, "pair", "lower_top");
     const std::vector<PetscInt> neighbour = surface_neighbours(layout, top);
     int count = top.count(), ends = 0;
     for (int f = 0; f < top.count(); ++f) {
@@ -188,7 +189,9 @@ TEST(ContactSurface, FacetsLookOutwardAndKnowTheirNeighboursAcrossRanks) {
     MPI_Allreduce(MPI_IN_PLACE, &ends, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
     EXPECT_EQ(count, 7);
     EXPECT_EQ(ends, 2);
-    const SurfacePoints points = make_points(top, "pair", 3, Frame::plane_strain);
+    ContactSettings settings;
+    settings.points = 3;
+    const FormPoints points = EdgePoints::make_points(top, settings, Frame::plane_strain);
     double area = 0;
     for (double weight : points.weight) area += weight;
     MPI_Allreduce(MPI_IN_PLACE, &area, 1, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
@@ -199,9 +202,11 @@ TEST(ContactSurface, FacetsLookOutwardAndKnowTheirNeighboursAcrossRanks) {
 TEST(ContactSurface, PointsFollowTheConeOfTheFacet) {
   const Mesh mesh = make_blocks(PETSC_COMM_WORLD, {}, bodies_mixed);
   for (const char* group : {"lower_top", "upper_bottom", "lower_left"}) {
-    const ContactSurface surface = make_surface(mesh, "pair", group);
+    ContactSurface surface = make_surface(mesh, "pair", group);
+    ContactSettings settings;
+    settings.points = 2;
     const FacetTable facets = mesh.facets(group);
-    const SurfacePoints points = make_points(surface, "pair", 2, Frame::plane_strain);
+    const FormPoints points = EdgePoints::make_points(surface, settings, Frame::plane_strain);
     for (int f = 0; f < surface.count(); ++f) {
       const PetscInt* cone = nullptr;
       check(DMPlexGetCone(mesh.dm(), facets.point[static_cast<std::size_t>(f)], &cone));
@@ -210,7 +215,7 @@ TEST(ContactSurface, PointsFollowTheConeOfTheFacet) {
       double distance = 0;
       for (std::size_t k = 0; k < 2; ++k) {
         const double x =
-            points.shape[4 * i] * surface.X[4 * i + k] + points.shape[4 * i + 1] * surface.X[4 * i + 2 + k];
+            points.shape[2 * i][0] * surface.X[4 * i + k] + points.shape[2 * i][1] * surface.X[4 * i + 2 + k];
         distance = std::hypot(distance, x - mesh.coordinates()[2 * first + k]);
       }
       // The first point is the one nearer to the first vertex of the cone.

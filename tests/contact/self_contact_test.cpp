@@ -161,7 +161,7 @@ TEST(SelfContact, FrictionUnderOneNameIsThatOfTheTwoSidesByTheirNames) {
           rig.contact.advance(start, again, 0);
           rig.state.commit();
           rig.contact.update_search(u);
-          return std::pair(rig.residual(u), rig.contact.friction_loss(u));
+          return std::pair(rig.residual(u), rig.contact.step(u).friction_loss);
         };
         const auto [force, heat] = step("skin", "skin");
         EXPECT_GT(heat, 1e-4);

@@ -36,7 +36,7 @@ inline Pair random_pair(std::mt19937& random, int corners, int primary_corners, 
   if (primary_corners == 3) pair.p[3] = pair.p[2];
   FaceCorners X = pair.x;
   for (Point3& point : X) point[0] *= 1.2;
-  pair.face = make_mortar_face(corners, X, dual);
+  pair.face = make_mortar_face(X, dual);
   return pair;
 }
 

@@ -15,12 +15,10 @@ const std::array<double, 4>& shape_of(const Pair& pair) {
 int triangles_of(int corners) { return corners == 3 ? 1 : 4; }
 
 RayFoot cast(const Pair& pair, int triangle) {
-  return cast_ray(pair.corners, pair.x, shape_of(pair), pair.p,
-                  triangle_weights(pair.primary_corners, triangle));
+  return cast_ray({pair.x, shape_of(pair), pair.p, triangle_weights(pair.primary_corners, triangle)});
 }
 std::array<double, 24> gradient(const Pair& pair, int triangle) {
-  return ray_gradient(pair.corners, pair.x, shape_of(pair), pair.p,
-                      triangle_weights(pair.primary_corners, triangle));
+  return ray_gradient({pair.x, shape_of(pair), pair.p, triangle_weights(pair.primary_corners, triangle)});
 }
 
 // Calls f(pair, triangle of the primary) for random pairs of every kind.
@@ -38,7 +36,7 @@ template <class F> void for_each_pair(unsigned seed, F&& f) {
 TEST(FaceRay, FootLiesOnTheTriangleAlongTheNormal) {
   for_each_pair(1, [](const Pair& pair, int triangle) {
     const RayFoot foot = cast(pair, triangle);
-    const Point3 n = face_normal(pair.x);
+    const Point3 n = facet_normal(pair.x);
     const auto w = triangle_weights(pair.primary_corners, triangle);
     std::array<Point3, 3> v{};
     for (std::size_t i = 0; i < 3; ++i)
@@ -64,9 +62,9 @@ TEST(FaceRay, GapIsOpenPositive) {
   const FaceCorners x = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}}; // normal along z
   FaceCorners p = {{{0, 0, 0.3}, {0, 2, 0.3}, {2, 2, 0.3}, {2, 0, 0.3}}};
   const auto first = triangle_weights(4, 0);
-  EXPECT_NEAR(cast_ray(4, x, of_quadrilateral, p, first).gap, 0.3, 1e-15);
+  EXPECT_NEAR(cast_ray({x, of_quadrilateral, p, first}).gap, 0.3, 1e-15);
   for (Point3& corner : p) corner[2] = -0.2;
-  EXPECT_NEAR(cast_ray(4, x, of_quadrilateral, p, first).gap, -0.2, 1e-15);
+  EXPECT_NEAR(cast_ray({x, of_quadrilateral, p, first}).gap, -0.2, 1e-15);
 }
 
 TEST(FaceRay, GradientIsTheDerivativeOfTheGap) {
@@ -87,8 +85,8 @@ TEST(FaceRay, HessianIsTheDerivativeOfTheGradientAndSymmetric) {
   constexpr double h = 1e-6;
   for_each_pair(3, [](const Pair& pair, int triangle) {
     std::array<double, 576> H{};
-    add_ray_hessian(pair.corners, pair.x, shape_of(pair), pair.p,
-                    triangle_weights(pair.primary_corners, triangle), 0.7, H);
+    add_ray_hessian({pair.x, shape_of(pair), pair.p, triangle_weights(pair.primary_corners, triangle)}, 0.7,
+                    H);
     for (std::size_t i = 0; i < 24; ++i) {
       if (repeated(pair, i)) continue;
       Pair up = pair, down = pair;

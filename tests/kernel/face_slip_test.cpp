@@ -11,7 +11,7 @@ namespace {
 struct Anchored {
   Pair pair;
   FaceMap map;
-  FaceAnchor anchor;
+  FacetAnchor anchor;
 };
 
 // Anchored where it stands, then moved on and bent.
@@ -19,18 +19,18 @@ Anchored random_anchored(std::mt19937& random, int corners, int primary_corners)
   std::uniform_real_distribution<double> u(-1, 1);
   for (;;) {
     Anchored a{random_pair(random, corners, primary_corners, true), {}, {}};
-    a.map = make_face_map(corners, a.pair.x);
-    a.anchor.weights = mortar_face_weights(a.pair.x, primary_corners, a.pair.p, a.pair.face);
+    a.map = make_face_map(a.pair.x);
+    a.anchor.weights = mortar_weights(a.pair.x, a.pair.p, a.pair.face);
     if (!a.anchor.weights.covered) continue;
-    a.anchor.start = face_slips(a.pair.x, a.pair.p, a.map, a.anchor, false).value;
+    a.anchor.start = facet_slips(a.pair.x, a.pair.p, a.map, a.anchor, false).value;
     for (std::size_t i = 0; i < 24; ++i)
       if (!repeated(a.pair, i)) shift(a.pair, i, 0.1 * u(random));
     return a;
   }
 }
 
-FaceSlips evaluate(const Anchored& a, bool with_gradient = true) {
-  return face_slips(a.pair.x, a.pair.p, a.map, a.anchor, with_gradient);
+FacetSlips evaluate(const Anchored& a, bool with_gradient = true) {
+  return facet_slips(a.pair.x, a.pair.p, a.map, a.anchor, with_gradient);
 }
 
 using Complex = std::complex<double>;
@@ -91,8 +91,8 @@ TEST(FaceSlip, WeightsHaveEqualSumsAndOpenAlongTheNormalByTheWeightedGap) {
       Pair pair = random_pair(random, corners, primary_corners, trial % 2 == 1);
       if (trial % 3 == 0) // flat: one normal
         for (Point3& x : pair.x) x[2] = 0;
-      const MortarFacePair gaps = mortar_face_pair(pair.x, primary_corners, pair.p, pair.face, false);
-      const FaceWeights w = mortar_face_weights(pair.x, primary_corners, pair.p, pair.face);
+      const MortarPair gaps = mortar_pair(pair.x, pair.p, pair.face, false);
+      const MortarWeights w = mortar_weights(pair.x, pair.p, pair.face);
       ASSERT_EQ(w.covered, gaps.covered);
       for (std::size_t a = 0; a < 4; ++a) {
         double D = 0, M = 0;
@@ -117,7 +117,7 @@ TEST(FaceSlip, GradientIsTheComplexStepOfTheSlip) {
   for (const auto& [corners, primary_corners] : kinds)
     for (int trial = 0; trial < 20; ++trial) {
       Anchored a = random_anchored(random, corners, primary_corners);
-      const FaceSlips slips = evaluate(a), values = evaluate(a, false);
+      const FacetSlips slips = evaluate(a), values = evaluate(a, false);
       const auto exact = by_definition(a, -1);
       double largest = 0;
       for (std::size_t f = 0; f < 4; ++f)
@@ -146,9 +146,9 @@ TEST(FaceSlip, HessianIsTheDerivativeOfTheGradientAndSymmetric) {
       std::array<std::array<double, 2>, 4> factor;
       for (auto& row : factor) row = {u(random), u(random)};
       std::array<double, 576> H{};
-      add_face_slip_hessian(a.pair.x, a.pair.p, a.map, a.anchor, factor, H);
+      add_slip_hessian(a.pair.x, a.pair.p, a.map, a.anchor, factor, H);
       const auto gradient = [&](const Anchored& at) {
-        const FaceSlips slips = evaluate(at);
+        const FacetSlips slips = evaluate(at);
         std::array<double, 24> sum{};
         for (std::size_t f = 0; f < 4; ++f)
           for (std::size_t i = 0; i < 2; ++i)
@@ -188,7 +188,7 @@ TEST(FaceSlip, RigidMotionsDoNotSlipAndForcesBalance) {
           x = rotated(axis, angle, x);
           for (std::size_t k = 0; k < 3; ++k) x[k] += by[k];
         }
-      const FaceSlips before = evaluate(a), slips = evaluate(moved);
+      const FacetSlips before = evaluate(a), slips = evaluate(moved);
       for (std::size_t f = 0; f < 4; ++f)
         for (std::size_t i = 0; i < 2; ++i) {
           EXPECT_NEAR(slips.value[f][i], before.value[f][i], 1e-13);
@@ -219,10 +219,10 @@ TEST(FaceSlip, MotionAlongAFlatFaceIsTheSlipWhateverTheCellsOfThePlane) {
     for (int trial = 0; trial < 20; ++trial) {
       Anchored a{random_pair(random, corners, 4, true), {}, {}};
       for (Point3& x : a.pair.x) x[2] = 0;
-      a.map = make_face_map(corners, a.pair.x);
-      a.anchor.weights = mortar_face_weights(a.pair.x, 4, a.pair.p, a.pair.face);
+      a.map = make_face_map(a.pair.x);
+      a.anchor.weights = mortar_weights(a.pair.x, a.pair.p, a.pair.face);
       a.anchor.start = evaluate(a, false).value;
-      const auto cover = mortar_face_pair(a.pair.x, 4, a.pair.p, a.pair.face, false).cover;
+      const auto cover = mortar_pair(a.pair.x, a.pair.p, a.pair.face, false).cover;
       const Point3 by = {u(random), u(random), 0};
       for (Point3& x : a.pair.x)
         for (std::size_t k = 0; k < 3; ++k) x[k] += by[k];
@@ -243,7 +243,7 @@ TEST(FaceSlip, TangentsTurnTheShortestWayIntoAFace) {
   std::uniform_real_distribution<double> u(-1, 1);
   for (int trial = 0; trial < 100; ++trial) {
     const Pair pair = random_pair(random, 4, 4);
-    const FaceMap map = make_face_map(4, pair.x);
+    const FaceMap map = make_face_map(pair.x);
     Point3 n = {u(random), u(random), u(random)};
     const double length = std::sqrt(face_test::dot(n, n));
     for (double& component : n) component /= length;

@@ -6,8 +6,8 @@ using namespace impact::face_test;
 
 namespace {
 
-MortarFacePair evaluate(const Pair& pair, bool with_gradient = true) {
-  return mortar_face_pair(pair.x, pair.primary_corners, pair.p, pair.face, with_gradient);
+MortarPair evaluate(const Pair& pair, bool with_gradient = true) {
+  return mortar_pair(pair.x, pair.p, pair.face, with_gradient);
 }
 
 struct Triangle {
@@ -73,7 +73,7 @@ TEST(MortarFace, WeightedGapsAreTheIntegralsAlongTheNormal) {
   for (const auto& [corners, primary] : kinds)
     for (int trial = 0; trial < 3; ++trial) {
       const Pair pair = random_pair(random, corners, primary, trial == 2);
-      const MortarFacePair direct = evaluate(pair, false);
+      const MortarPair direct = evaluate(pair, false);
       const std::array<double, 4> reference = by_rays(pair);
       for (std::size_t a = 0; a < 4; ++a) EXPECT_NEAR(direct.gap[a], reference[a], 5e-4);
     }
@@ -86,13 +86,13 @@ TEST(MortarFace, GradientIsTheDerivativeOfTheGaps) {
   for (const auto& [corners, primary] : kinds)
     for (int trial = 0; trial < 10; ++trial) {
       const Pair pair = random_pair(random, corners, primary, trial % 2 == 1);
-      const MortarFacePair at = evaluate(pair);
+      const MortarPair at = evaluate(pair);
       covered += at.covered;
       for (std::size_t i = 0; i < 24; ++i) {
         Pair up = pair, down = pair;
         shift(up, i, h);
         shift(down, i, -h);
-        const MortarFacePair right = evaluate(up, false), left = evaluate(down, false);
+        const MortarPair right = evaluate(up, false), left = evaluate(down, false);
         for (std::size_t a = 0; a < 4; ++a)
           EXPECT_NEAR(at.gradient[a][i], repeated(pair, i) ? 0 : (right.gap[a] - left.gap[a]) / (2 * h),
                       2e-9);
@@ -120,15 +120,15 @@ TEST(MortarFace, SidesThatLieOnEachOtherLeaveNoTraceInTheDerivatives) {
       pair.x[a] = turned(square[a][0] - 0.5, square[a][1] - 0.5, 0);
       pair.p[a] = turned(1.2 * (p[0] - 0.5), 1.2 * (p[1] - 0.5), 0.2 + 0.03 * p[0]);
     }
-    pair.face = make_mortar_face(4, square, false);
+    pair.face = make_mortar_face(square, false);
     return evaluate(pair);
   };
   for (const double angle : {0.0, 0.3, 1.1}) {
-    const MortarFacePair reference = evaluate_shaken(0, angle);
+    const MortarPair reference = evaluate_shaken(0, angle);
     EXPECT_GT(reference.gap[0], 0.01);
     for (const double by : {1e-17, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 1e-9})
       for (int trial = 0; trial < 10; ++trial) {
-        const MortarFacePair here = evaluate_shaken(by, angle);
+        const MortarPair here = evaluate_shaken(by, angle);
         for (std::size_t a = 0; a < 4; ++a) {
           EXPECT_NEAR(here.gap[a], reference.gap[a], 1e-8);
           for (std::size_t i = 0; i < 24; ++i)
@@ -148,7 +148,7 @@ TEST(MortarFace, HessianIsTheDerivativeOfTheGradientAndSymmetric) {
       const Pair pair = random_pair(random, corners, primary, trial % 2 == 1);
       const std::array<double, 4> factor = {0.7, -0.3, 1.1, 0.4};
       std::array<double, 576> H{};
-      add_mortar_face_hessian(pair.x, primary, pair.p, pair.face, factor, H);
+      add_mortar_hessian(pair.x, pair.p, pair.face, factor, H);
       double largest = 0;
       for (double value : H) largest = std::max(largest, std::abs(value));
       curved += largest > 0.1;
@@ -157,7 +157,7 @@ TEST(MortarFace, HessianIsTheDerivativeOfTheGradientAndSymmetric) {
         Pair up = pair, down = pair;
         shift(up, i, h);
         shift(down, i, -h);
-        const MortarFacePair right = evaluate(up), left = evaluate(down);
+        const MortarPair right = evaluate(up), left = evaluate(down);
         for (std::size_t j = 0; j < 24; ++j) {
           double difference = 0;
           for (std::size_t a = 0; a < static_cast<std::size_t>(corners); ++a)
@@ -175,7 +175,7 @@ TEST(MortarFace, ForcesAndMomentsBalance) {
   for (const auto& [corners, primary] : kinds)
     for (int trial = 0; trial < 10; ++trial) {
       Pair pair = random_pair(random, corners, primary);
-      const MortarFacePair at = evaluate(pair);
+      const MortarPair at = evaluate(pair);
       for (std::size_t a = 0; a < 4; ++a) {
         Point3 force{}, moment{};
         for (std::size_t i = 0; i < 24; i += 3) {
@@ -198,7 +198,7 @@ TEST(MortarFace, ForcesAndMomentsBalance) {
 // Flat faces of any shape that touch: the primary is one large triangle, or the secondary's own corners.
 TEST(MortarFace, UniformPressureOnAFlatFaceMakesTheForcesOfItsBilinearFunctions) {
   const FaceCorners x = {{{0, 0, 0}, {2, 0.1, 0}, {1.5, 1.2, 0}, {0.2, 0.9, 0}}};
-  const MortarFace face = make_mortar_face(4, x, false);
+  const MortarFace face = make_mortar_face(x, false);
   const FaceCorners large = {{{-9, -9, 0}, {0, 20, 0}, {20, -9, 0}, {20, -9, 0}}};
   const FaceCorners same = {{x[3], x[2], x[1], x[0]}};
   // int N_a dA with 2 x 2 Gauss points, exact for bilinear functions and a linear Jacobian.
@@ -218,8 +218,8 @@ TEST(MortarFace, UniformPressureOnAFlatFaceMakesTheForcesOfItsBilinearFunctions)
     }
     for (std::size_t a = 0; a < 4; ++a) load[a] += N[a] * (xr * ys - yr * xs);
   }
-  const MortarFacePair on_large = mortar_face_pair(x, 3, large, face, true);
-  const MortarFacePair on_same = mortar_face_pair(x, 4, same, face, true);
+  const MortarPair on_large = mortar_pair(x, large, face, true);
+  const MortarPair on_same = mortar_pair(x, same, face, true);
   for (std::size_t a = 0; a < 4; ++a)
     for (std::size_t k = 0; k < 3; ++k) {
       double from_large = 0, from_same = 0, on_primary = 0;
@@ -241,7 +241,7 @@ TEST(MortarFace, DualFunctionsAreBiorthogonalWithTheSameIntegrals) {
     const auto list = triangles(corners, pair.x);
     FaceCorners X = pair.x;
     for (Point3& point : X) point[0] *= 1.2;
-    const std::array<double, 4> integral = nodal_areas(corners, X);
+    const std::array<double, 4> integral = nodal_areas(X);
     for (std::size_t a = 0; a < static_cast<std::size_t>(corners); ++a)
       for (std::size_t b = 0; b < static_cast<std::size_t>(corners); ++b) {
         double product = 0; // int Phi_a N_b by the middles of the sides
@@ -262,7 +262,7 @@ TEST(MortarFace, DualFunctionsAreBiorthogonalWithTheSameIntegrals) {
 
 TEST(MortarFace, PartsOfFacesThatTileTheSecondarySumToOne) {
   const FaceCorners x = {{{0, 0, 0}, {1, 0, 0.1}, {1, 1, 0}, {0, 1, 0.1}}};
-  const MortarFace face = make_mortar_face(4, x, false);
+  const MortarFace face = make_mortar_face(x, false);
   std::array<double, 4> cover{};
   double tiled = 0;
   const double at[] = {-0.5, 0.3, 0.8, 1.6};
@@ -270,19 +270,19 @@ TEST(MortarFace, PartsOfFacesThatTileTheSecondarySumToOne) {
     for (std::size_t j = 0; j < 3; ++j) {
       const auto corner = [&](std::size_t a, std::size_t b) { return Point3{at[a], at[b], 0.2}; };
       const FaceCorners p = {{corner(i, j), corner(i, j + 1), corner(i + 1, j + 1), corner(i + 1, j)}};
-      const MortarFacePair pair = mortar_face_pair(x, 4, p, face, false);
+      const MortarPair pair = mortar_pair(x, p, face, false);
       for (std::size_t a = 0; a < 4; ++a) cover[a] += pair.cover[a];
-      tiled += view_face(4, x, 4, p).part;
+      tiled += view_facet(x, p).part;
     }
-  const std::array<double, 4> whole = nodal_areas(4, x);
+  const std::array<double, 4> whole = nodal_areas(x);
   for (std::size_t a = 0; a < 4; ++a) EXPECT_NEAR(cover[a], whole[a], 1e-13);
   EXPECT_NEAR(tiled, 1, 1e-13);
   const FaceCorners flat = {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
   const FaceCorners near = {{{0, 0, 1}, {0, 2, 1}, {0.5, 2, 1}, {0.5, 0, 1}}};
   const FaceCorners far = {{{-1, 0, 2}, {-1, 0.5, 2}, {2, 0.5, 2}, {2, 0, 2}}};
-  EXPECT_NEAR(common_part(4, flat, 4, near, 4, far), 0.25, 1e-14);
+  EXPECT_NEAR(common_part(flat, near, far), 0.25, 1e-14);
   double gap = 0;
-  EXPECT_TRUE(corner_gap(4, flat, 0, 4, far, gap));
+  EXPECT_TRUE(corner_gap(flat, 0, far, gap));
   EXPECT_NEAR(gap, 2, 1e-14);
-  EXPECT_FALSE(corner_gap(4, flat, 2, 4, far, gap));
+  EXPECT_FALSE(corner_gap(flat, 2, far, gap));
 }

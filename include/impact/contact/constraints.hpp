@@ -67,16 +67,16 @@ public:
   /// How much deeper than at the start of the attempt any constraint lies at u; see ContactInterface.
   double closed_within_step(Vec u, double least) const;
   /// Where the gradients of the step are taken.
-  std::vector<double> place_of_gradients(const std::vector<double>& u) const;
+  std::vector<double> place_of_gradients(const ContactValues& u) const;
 
   /// All constraints that face something at the displacement u of nodes().
-  void visit(const std::vector<double>& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
+  void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
   void visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor) const {
     visit(nodes().displacement(u), derivatives, visitor);
   }
   /// Second variations over the same constraints, as the step takes them; factors are used up.
-  void visit_curvature(const std::vector<double>& u, std::vector<double>& of_gap,
-                       std::vector<Tangential>& of_slip, const BlockVisitor& visitor) const;
+  void visit_curvature(const ContactValues& u, std::vector<double>& of_gap, std::vector<Tangential>& of_slip,
+                       const BlockVisitor& visitor) const;
   /// Values [constraint][component] reach all ranks that hold the node of a constraint. Collective.
   void share(std::vector<double>& values, std::size_t components) const;
   std::size_t count() const { return count_; }
@@ -91,11 +91,10 @@ private:
   };
   std::vector<double> relative_start() const;
   double kept_overlap(int index) const;
-  void visit_step(const std::vector<double>& u, Derivatives derivatives,
-                  const ConstraintVisitor& visitor) const;
-  void visit_followed(const std::vector<double>& u, Derivatives derivatives,
+  void visit_step(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
+  void visit_followed(const ContactValues& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
-  void hold_slip(const std::vector<double>& u, Constraint& c, std::vector<double>& gradient) const;
+  void hold_slip(const ContactValues& u, Constraint& c, std::vector<double>& gradient) const;
 
   const Mesh* mesh_;
   const FieldLayout* layout_;

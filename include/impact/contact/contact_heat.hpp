@@ -1,6 +1,5 @@
 #pragma once
 #include <impact/contact/interface.hpp>
-#include <impact/contact/node_exchange.hpp>
 
 /// Heat across one contact in a step with the displacement frozen (theory.md, heat): at every closed place c
 ///   q_c = h_c A_c [theta]_c,   [theta]_c = sum_secondary N theta - sum_primary N theta (or the rigid
@@ -42,16 +41,18 @@ public:
 
 private:
   std::vector<double> weighted(Vec theta) const; // [node] of the contact
-  double jump(std::size_t place, const std::vector<double>& theta) const;
+  bool rigid() const { return contact_->settings().rigid(); }
+  double jump(const HeatPath& path, const std::vector<double>& theta) const;
+  double flow(const HeatPath& path, const std::vector<double>& theta) const; // out of the secondary side
 
   const Mesh* mesh_;
   const ContactInterface* contact_;
   long searches_ = -1;
   double split_;
-  bool rigid_, conducts_;
+  bool conducts_;
   NodeExchange exchange_;
   NodePairs couplings_;
-  HeatPaths paths_;
+  std::vector<HeatPath> paths_;
   std::vector<double> theta_n_;
   double dt_ = 0, weight_ = 1, rigid_theta_ = 0;
 };

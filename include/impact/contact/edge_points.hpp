@@ -8,22 +8,17 @@ namespace impact {
 struct EdgePoints {
   static constexpr std::size_t dim = 2, corners = 2;
   static constexpr HoldRule hold = hold_on_edge;
-  using Corners = std::array<Point2<double>, 2>;
+  using Corners = EdgeCorners;
   struct Seen {
     int candidate = -1, part = 0;
     Foot<double> foot;
     PrimaryEdge<double> edge;
   };
-  struct Pair {
-    SlipAnchor anchor;
-    double start = 0; // slip then, where the gap is not along the secondary's own normal
-  };
-  struct Map {};
-
+  /// Gauss points, 1 to 16 per edge, exact for polynomials of degree 2 points - 1; numbered along the cone of
+  /// the facet in the mesh, which is the same for every partition, so that what is kept per point can move to
+  /// other ranks. Throws UserError(usage).
   static FormPoints make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
-  static std::vector<Map> make_maps(const ContactSurface& surface, const FormPoints& /*points*/) {
-    return std::vector<Map>(static_cast<std::size_t>(surface.count()));
-  }
+  static void make_map(const ContactSurface&, int, FaceMap&) {} // one direction needs none
   static Point2<double> normal(const Corners& x) { return detail::right_normal(x[0], x[1]); }
   static double stretch(const Corners& x, const Corners& /*from_corner*/, const ContactSurface& surface,
                         int f) {
@@ -35,17 +30,12 @@ struct EdgePoints {
     const Point2<double> t = detail::minus(seen.edge.x1, seen.edge.x0);
     return std::sqrt(detail::dot(t, t));
   }
-  static std::array<double, 2> shares_of(const Seen& seen) {
-    return {(1 - seen.foot.xi) / 2, (1 + seen.foot.xi) / 2};
+  static ShapeValues shares_of(const Seen& seen) {
+    return {(1 - seen.foot.xi) / 2, (1 + seen.foot.xi) / 2, 0, 0};
   }
-  static Pair pair_of(const ShapeValues& shape, const Seen* seen);
-  static void start(const Corners& s, const Corners& p, const Map& /*map*/, Pair& pair) {
-    pair.start = slip_of(s, p, pair.anchor).value;
+  static std::array<double, 3> way_out(const Seen& seen, const Point2<double>&) {
+    return {seen.foot.normal[0], seen.foot.normal[1], 0};
   }
-  static void add_slips(const Corners& s, const Corners& p, const Map& map, const Pair& pair,
-                        bool with_gradient, Tangential& value, std::array<std::array<double, 8>, 1>& rows);
-  static void add_slip_hessian(const Corners& s, const Corners& p, const Map& map, const Pair& pair,
-                               const Tangential& factor, std::array<double, 64>& hessian);
 };
 using EdgePointForm = PointForm<EdgePoints>;
 /// Throws UserError(usage): a number of points out of range. Collective.

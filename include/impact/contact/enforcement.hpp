@@ -10,8 +10,8 @@
 /// (theory.md, contact). One file per method in src/contact/enforcement. The potential of a constraint and
 /// its pressure are
 ///   psi(g, lambda) = (p^2 - lambda^2) / (2 eps),  p = -dpsi/dg = <lambda - eps g>   (75')
-/// An enforcement of one's own derives from EnforcementMethod, or from one of the methods, and is handed to
-/// the contact as ContactSettings::own_enforcement: nothing else asks which method is on.
+/// An enforcement of one's own derives from EnforcementMethod and is handed to the contact as
+/// ContactSettings::own_enforcement: nothing else asks which method is on.
 namespace impact {
 
 class Constraints;
@@ -111,6 +111,14 @@ protected:
 /// What the settings ask for, automatic values resolved; `conserving`: with inertia and exact work.
 std::unique_ptr<EnforcementMethod> make_enforcement(const ContactSettings& settings,
                                                     const EnforcementRows& rows, bool conserving);
+/// The methods, one file each; `conserving` likewise.
+std::unique_ptr<EnforcementMethod> make_penalty(const ContactSettings& settings, const EnforcementRows& rows,
+                                                bool conserving);
+std::unique_ptr<EnforcementMethod> make_augmented(const ContactSettings& settings,
+                                                  const EnforcementRows& rows);
+std::unique_ptr<EnforcementMethod> make_semismooth(const ContactSettings& settings,
+                                                   const EnforcementRows& rows);
+
 /// What no pressure closes, because there are more constraints than the surfaces can meet, is let off below
 /// this part of a facet.
 inline constexpr double most_open = 1e-6;

@@ -31,6 +31,44 @@ struct FormRequest {
   double hold_gap;               ///< by which the gap of what a point is tied to may differ from the nearest
 };
 
+/// Holding on to what a constraint faces while Newton's method works. At a kink of a surface, the end of a
+/// facet, the side of a step, what lies nearest changes with the iterates and the direction of the force with
+/// it: Newton's method jumps to and fro. What was chosen between the solves is therefore held in them, and
+/// what changes it too often within an attempt at a step is held no longer, or no longer changed.
+/// Of the points of a form, in units of their facet's coordinates.
+struct HoldRule {
+  double overlap; ///< a point is held as long as it stands at most this far beyond the facet,
+  double limit;   ///< and in an iterate, which may stray, this far
+};
+/// Half an edge is one unit: 1/40 of its length, and a quarter.
+inline constexpr HoldRule hold_on_edge = {0.05, 0.5};
+/// A triangle's height is one unit: as far as on an edge, 1/40, and the whole height.
+inline constexpr HoldRule hold_on_triangle = {0.025, 1};
+/// A point is held to what is nearer than this part of its own facet's size.
+inline constexpr double hold_range = 0.1;
+
+/// How often what a constraint, or a facet, faces has changed in an attempt while it pressed.
+class Switches {
+public:
+  bool exhausted() const { return count_ >= most; }
+  void note() { ++count_; }
+
+private:
+  static constexpr int most = 4;
+  int count_ = 0;
+};
+
+/// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
+struct Opposite {
+  std::array<PetscInt, 4> node{}; ///< global
+  std::array<int, 4> slot{};      ///< in the nodes of the contact, -1: not there
+
+  void locate(const ContactNodes& nodes) {
+    for (std::size_t b = 0; b < 4; ++b) slot[b] = nodes.slot(node[b]);
+  }
+  bool found() const { return *std::min_element(slot.begin(), slot.end()) >= 0; }
+};
+
 class ContactForm {
 public:
   explicit ContactForm(const FormRequest& request)
@@ -51,7 +89,7 @@ public:
     release();
     if (u_n) {
       search_.begin_attempt(u_n);
-      if (list_restored()) obstacle_.locate(nodes());
+      if (search_.restored()) obstacle_.locate(nodes());
       anchor(u_n);
     }
     obstacle_.begin_attempt(pose);
@@ -61,44 +99,31 @@ public:
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
   /// Collective.
   virtual PairSearch::Outcome update(Vec u, const Presses& presses) = 0;
-  /// The next update builds the pairs afresh.
-  void forget() { search_.forget(); }
-  /// True from a begin_attempt that brought the nodes of an earlier list back until the next update.
-  bool list_restored() const { return search_.restored(); }
   /// True when the last update changed what a constraint with pressure faces, on this rank.
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }
+  PairSearch& search() { return search_; }
+  const PairSearch& search() const { return search_; }
   const ContactNodes& nodes() const { return search_.nodes(); }
   /// Pairs of global nodes whose dofs tangents may couple: sorted, each once.
   virtual NodePairs couplings() const = 0;
-  /// False where the coordinates x of nodes() left the range of the pairs.
-  bool pairs_hold(const std::vector<double>& x) const { return search_.holds_for(x); }
-  /// Distance of the nearest nodes of this rank's pairs at the displacement u of nodes(); infinite without
-  /// any.
-  double nearest_nodes(const std::vector<double>& u) const { return search_.nearest_nodes(u); }
-  double pairs_per_facet() const { return search_.pairs_per_facet(); }
   /// Whether it has far more constraints than its surface has nodes.
   virtual bool overdetermined() const { return false; }
-  /// Gap below which a constraint lies deeper than the search can judge, in this step or the next; -infinity
-  /// where it always can.
-  double deepest() const {
-    return search_.meets_rigid() ? -std::numeric_limits<double>::infinity() : -search_.range();
-  }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats.
-  virtual void visit(const std::vector<double>& u, Derivatives derivatives,
+  virtual void visit(const ContactValues& u, Derivatives derivatives,
                      const ConstraintVisitor& visitor) const = 0;
   /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
-  virtual void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+  virtual void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                const BlockVisitor& visitor) const = 0;
   /// Where the sides meet at the displacement u of nodes(), of all that a visit there brings.
-  virtual void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const = 0;
+  virtual void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const = 0;
   /// Reference area of the whole secondary surface by nodes, [local node of the mesh].
   virtual const std::vector<double>& nodal_area() const = 0;
   /// Overlap of the secondary nodes at the coordinates x: depth and outward direction at places of nodes().
   /// A node that lies on several facets may come several times, on any rank.
   using OverlapVisitor = std::function<void(int node, double depth, const std::array<double, 3>& direction)>;
-  virtual void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const = 0;
+  virtual void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const = 0;
 
 protected:
   /// What was kept fixed during the solves of the last attempt is free again.
@@ -131,20 +156,51 @@ protected:
     const int* slot = primary_slots(candidate);
     return nodes().corners == 2 ? 2 : slot[3] == slot[2] ? 3 : 4;
   }
-  /// Corners of a facet at coordinates x [node][d] of nodes(); or at a displacement, seen from a node.
-  template <std::size_t n, std::size_t d>
-  static std::array<std::array<double, d>, n> corners_at(const int* slot, const std::vector<double>& x) {
-    std::array<std::array<double, d>, n> corner;
-    for (std::size_t a = 0; a < n; ++a)
-      std::copy_n(&x[d * static_cast<std::size_t>(slot[a])], d, corner[a].begin());
+  /// Corners of a facet, an array of places, at coordinates x [node][dim] of nodes(); or at a displacement,
+  /// seen from a node.
+  template <class Corners> static Corners corners_at(const int* slot, const ContactValues& x) {
+    Corners corner;
+    for (auto& place : corner)
+      std::copy_n(&x[place.size() * static_cast<std::size_t>(*slot++)], place.size(), place.begin());
     return corner;
   }
-  template <std::size_t n, std::size_t d>
-  std::array<std::array<double, d>, n> corners_from(int origin, const int* slot,
-                                                    const std::vector<double>& u) const {
-    std::array<std::array<double, d>, n> corner;
-    for (std::size_t a = 0; a < n; ++a) corner[a] = nodes().place<d>(slot[a], origin, u);
+  template <class Corners> Corners corners_from(int origin, const int* slot, const ContactValues& u) const {
+    Corners corner;
+    for (auto& place : corner)
+      place = nodes().place<std::tuple_size_v<typename Corners::value_type>>(*slot++, origin, u);
     return corner;
+  }
+  /// Places of what lay opposite a facet at a displacement, seen from its first corner.
+  template <class Corners>
+  Corners opposite(const Opposite& opposite, int facet, const ContactValues& u) const {
+    const int origin = secondary_slots(facet)[0];
+    if (!rigid()) return corners_from<Corners>(origin, opposite.slot.data(), u);
+    Corners corner;
+    for (std::size_t b = 0; b < corner.size(); ++b)
+      corner[b] =
+          obstacle_.place<std::tuple_size_v<typename Corners::value_type>>(nodes(), facet, b, origin, u);
+    return corner;
+  }
+  /// Corners of a secondary facet and of the carrier of the obstacle.
+  std::vector<int> with_carrier(int facet, std::size_t corners) const {
+    std::vector<int> node(secondary_slots(facet), secondary_slots(facet) + corners);
+    node.insert(node.end(), obstacle_.slots().begin(), obstacle_.slots().end());
+    return node;
+  }
+  /// Visits a block over the corners of a facet and what lay opposite: what a rigid body carries along has
+  /// derivatives by its carrier.
+  void visit_slip_block(int facet, const Opposite& opposite, std::span<const double> block,
+                        const BlockVisitor& visitor) const {
+    const auto corners = static_cast<std::size_t>(nodes().corners);
+    std::vector<int> node = with_carrier(facet, corners);
+    std::vector<double> chained;
+    if (rigid()) {
+      obstacle_.chain_block(facet, block, chained);
+      block = chained;
+    } else {
+      node.insert(node.end(), opposite.slot.begin(), opposite.slot.begin() + nodes().corners);
+    }
+    visitor(node, block);
   }
 
   ContactSettings settings_;

@@ -6,6 +6,7 @@
 /// table: the traction that a step starts from, and the slip since a constraint closed with its state.
 namespace impact {
 
+/// More functions than usual: force, tangent, the enforcement, heat and output each ask for their part of it.
 class Friction {
 public:
   /// State of a constraint in the last component of the row "slip".

@@ -2,7 +2,6 @@
 #include <array>
 #include <impact/contact/friction.hpp>
 #include <impact/contact/rigid_nodes.hpp>
-#include <impact/contact/rigid_side.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,23 +39,27 @@ struct ContactFields {
   std::vector<double> slip;     ///< of the secondary side, since the place closed
 };
 
-/// Of a moving rigid body on the bodies in one step: by the forces of the step, by the shock at its start.
-struct ObstacleWork {
-  double force = 0, shock = 0;
+/// What a contact does to the energies in the step that ended at a displacement, times the thickness.
+struct ContactStep {
+  double energy = 0; ///< stored there, as ContactMeasures say
+  /// Turned into heat by sliding: sum w t.s, without what a penalty keeps elastically.
+  double friction_loss = 0;
+  /// Of the energy-conserving update, else 0: energy in contact that was neither given back nor turned into
+  /// heat, because its constraints face nothing any more (over an edge). Negative where constraints begin
+  /// with an overlap.
+  double released = 0;
+  /// Of a moving rigid body on the bodies: its motion times the force at the end and that of the shock at the
+  /// start, or the mean of both ends.
+  double obstacle_work = 0, obstacle_shock = 0;
 };
 
-/// Places at which heat passes a contact in one step. Per unit thickness.
-struct HeatPaths {
-  std::vector<double> conductance; ///< [place] h dA, power per temperature
-  std::vector<double> friction;    ///< [place] heat that sliding made in the step
-  /// [place + 1] into node and share; secondary nodes come before primary ones, of which a rigid body has
-  /// none.
-  std::vector<std::size_t> first = {0};
-  std::vector<std::size_t> secondary; ///< [place] secondary nodes
-  std::vector<int> node;              ///< into ContactInterface::nodes()
-  std::vector<double> share;          ///< sum 1 on either side
-
-  std::size_t count() const { return conductance.size(); }
+/// A place at which heat passes a contact in one step. Per unit thickness.
+struct HeatPath {
+  double conductance = 0;    ///< h dA, power per temperature
+  double friction = 0;       ///< heat that sliding made in the step
+  std::size_t secondary;     ///< nodes on the secondary side, which come first; a rigid body has none
+  std::vector<int> node;     ///< into ContactInterface::nodes()
+  std::vector<double> share; ///< sum 1 on either side
 };
 
 /// Overlap of the undeformed surfaces at the secondary nodes.
@@ -75,8 +78,17 @@ struct ContactDemands {
   bool reverses = false; ///< something sticks for the next linear solve alone (Friction::follow)
 };
 
+/// How far the sides are from pressing each other.
+struct ContactReach {
+  double gap = 0;       ///< smallest one, infinite where nothing faces
+  double distance = 0;  ///< of the nearest nodes among the search's pairs, where nothing faces
+  double stiffness = 0; ///< as long as nothing presses: of the penalty, over the places that touch
+  bool presses = false;
+};
+
 /// More functions and members than usual: the face of one contact towards the solution of a step, the heat
-/// that passes it, the ledger and the output, in front of the parts that do the work.
+/// that passes it, the ledger and the output, in front of the parts that do the work. What concerns one part
+/// alone is asked of that part. Functions that take a Vec, and those that say so, are collective.
 class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
@@ -93,6 +105,15 @@ public:
   const ContactSettings& settings() const { return settings_; }
   /// Sentences for the user: primary facets shorter than the spacing of the points. Equal on all ranks.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  Constraints& constraints() { return *constraints_; }
+  const Constraints& constraints() const { return *constraints_; }
+  const ContactNodes& nodes() const { return constraints_->nodes(); }
+  PairSearch& search() { return constraints_->form().search(); }
+  const PairSearch& search() const { return constraints_->form().search(); }
+  /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
+  /// unknowns of their bodies. The reduction is kept, and asked for the state at hand by every add_tangent.
+  /// Collective.
+  void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
 
   /// Beginning of an attempt that ends at t: where the rigid body's motion is taken. The committed row `u`
   /// of the table, where there is one, says where the bodies start. `mass_shift` (1/s^2) is the factor of the
@@ -105,46 +126,23 @@ public:
   /// multipliers start from zero; they and the penalty are put back.
   void begin_projection();
   void end_projection();
-  /// The projection ended at w: impulse and obstacle_work take half its force, the impulse over dt.
-  /// Collective.
+  /// The projection ended at w: the step takes half its force, its impulse over dt.
   void keep_shock(Vec w);
-  /// Local dofs [node * dim + k] whose rows and columns tangent and multiply leave out; the residual keeps
-  /// them, for the reactions. Flags of remote nodes are fetched here and when the candidates change.
-  /// Collective.
-  void set_fixed_dofs(const std::vector<char>& fixed) { constraints_->set_fixed_dofs(fixed); }
-  /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
-  /// unknowns of their bodies. The reduction is kept, and asked for the state at hand by every add_tangent.
-  /// Collective.
-  void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
-  /// Tangents are to stay symmetric but for friction, for solvers that need that.
-  void keep_symmetric(bool symmetric) { constraints_->keep_symmetric(symmetric); }
 
   /// Brings the candidate pairs up to date and lets the form fix what must not change while Newton's method
-  /// works; true on all ranks when the set of pairs, hence the matrix pattern, changed. Collective: one
-  /// reduction when nothing moved far.
+  /// works; true on all ranks when the set of pairs, hence the matrix pattern, changed.
   bool update_search(Vec u);
-  /// False: something moved so far that the pairs may miss a facet. Collective.
-  bool search_holds(Vec u) const { return constraints_->form().pairs_hold(nodes().current(u)); }
-  /// The next update_search builds the pairs afresh, as a restarted run does.
-  void forget_search() { constraints_->form().forget(); }
   /// Pairs of global nodes that the candidates of this rank may couple, sorted, each once.
   NodePairs couplings() const;
-  /// The same of the nodes themselves, where rigid bodies have no unknowns of their own.
-  NodePairs node_couplings() const { return constraints_->form().couplings(); }
-  const ContactNodes& nodes() const { return constraints_->nodes(); }
   /// How often the nodes were found anew.
   long searches() const { return searches_; }
-  /// Of an attempt from a row `u`: how much deeper than at its start any constraint lies at u, in mean
-  /// secondary facets; 0 where that is no more than `least`. Collective: one reduction where nothing lies
-  /// that deep.
-  double closed_within_step(Vec u, double least) const { return constraints_->closed_within_step(u, least); }
 
-  /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Collective.
+  /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies).
   void add_residual(Vec u, double scale, Vec r) const;
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
-  /// whose forces stand along the gradients at its middle. Collective.
+  /// whose forces stand along the gradients at its middle.
   void add_tangent(Vec u, double scale, Mat K) const;
-  /// y += scale (df/du) du without a matrix. Collective.
+  /// y += scale (df/du) du without a matrix.
   void multiply(Vec u, double scale, Vec du, Vec y) const;
 
   ContactDemands demands() const;
@@ -156,65 +154,46 @@ public:
   /// active set did not come to rest.
   void fall_back();
   /// Before Newton's method starts from u: constraints that touch take part in its first iteration, and no
-  /// way of sliding is remembered. Collective.
+  /// way of sliding is remembered.
   void start_newton(Vec u);
   /// After its step du from u, which ended at `next`: multipliers of the linearised system, and with `follow`
   /// what slides (Friction::follow). True on all ranks when the next linear solve needs a matrix of its own.
-  /// Collective.
   bool after_newton_step(Vec u, Vec du, Vec next, bool follow);
   /// r += scale times what the right-hand side of a linear solve holds beside the residual, zero on fixed
   /// dofs: gamma sum w g dg over the active constraints, so that the solution closes the gaps; for other
-  /// methods what sticks for this solve alone. Collective.
+  /// methods what sticks for this solve alone.
   void add_gaps(Vec u, double scale, Vec r) const;
-  /// Active gaps, and slips that must vanish, at u. Collective.
+  /// Active gaps, and slips that must vanish, at u.
   GapsLeft gaps_left(Vec u, double force = std::numeric_limits<double>::infinity()) const {
     return method().gaps_left(*constraints_, friction_, u, force);
   }
 
   /// Forgets the gap that the penalty rule compares with: first call of each Uzawa loop.
   void start_augmentation();
-  /// What augment would do, without doing it. Collective.
+  /// What augment would do, without doing it.
   AugmentReport review(Vec u) const;
   /// lambda <- <lambda - eps g> for every constraint, 0 where it faces nothing, as the method has it.
-  /// Collective.
   AugmentReport augment(Vec u);
 
   /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule, or
   /// of the force of a stabilised step. A call with u_n = u and dt = 0 before the first step records the
-  /// force of the start. Collective.
+  /// force of the start.
   void advance(Vec u_n, Vec u, double dt);
+  /// Before advance.
+  ContactStep step(Vec u, bool force_at_end = false) const;
 
   bool frictional() const { return settings_.friction > 0; }
   /// Whether heat may pass it.
   bool passes_heat() const { return settings_.conductance > 0 || frictional(); }
   /// Where heat passes in the step that ends at u: at the places where the forces stand, through what presses
-  /// now. The sum of the frictional heat over all ranks is friction_loss over the thickness. Before advance.
-  /// Collective.
-  HeatPaths heat_paths(Vec u) const;
-  /// Energy that sliding turned into heat in the step that ended at u: sum w t.s, without what a penalty
-  /// keeps elastically. Before advance. Collective.
-  double friction_loss(Vec u) const;
-  /// Of the energy-conserving update, else 0: energy in contact that was neither given back nor turned into
-  /// heat in the step that ended at u, because its constraints face nothing any more (over an edge). Negative
-  /// where constraints begin with an overlap. Before advance. Collective.
-  double released_energy(Vec u) const;
-  /// Work that a moving rigid body did on the bodies in the step that ended at u: its motion times the force
-  /// at the end and that of the shock at its start, or the mean of both ends. Before advance. Collective.
-  ObstacleWork obstacle_work(Vec u, bool force_at_end) const;
-  /// Collective.
+  /// now. The sum of the frictional heat over all ranks is the friction_loss of the step over the thickness.
+  /// Before advance.
+  std::vector<HeatPath> heat_paths(Vec u) const;
   ContactMeasures measures(Vec u) const;
-  /// At the secondary nodes, as weighted means of the constraints. Collective.
-  ContactFields nodal_fields(Vec u) const;
-  /// Pairs of the search per secondary facet that has any. Collective.
-  double pairs_per_facet() const { return constraints_->form().pairs_per_facet(); }
-  /// How far the sides are from pressing each other at u. Collective.
-  struct Reach {
-    double gap = 0;       ///< smallest one, infinite where nothing faces
-    double distance = 0;  ///< of the nearest nodes among the search's pairs, where nothing faces
-    double stiffness = 0; ///< as long as nothing presses: of the penalty, over the places that touch
-    bool presses = false;
-  };
-  Reach reach(Vec u) const;
+  /// At the secondary nodes, as weighted means of the constraints. Of `fields`, those of other contacts, a
+  /// node keeps the smaller gap, otherwise what is larger; of vectors what is not zero.
+  ContactFields nodal_fields(Vec u, ContactFields fields = {}) const;
+  ContactReach reach(Vec u) const;
 
   /// Overlap at u = 0. Throws UserError(data) when it is forbidden (setting error) or deeper than initial_tol
   /// (adjust); overlap of rounding size counts as none. The shift is not applied. Collective.
@@ -235,14 +214,12 @@ private:
   void use_new_nodes(); // of the form
   ObstaclePose pose() const;
   void visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
-  struct TangentSpace { // kept between constraints
-    std::vector<double> block, row;
-  };
-  void tangent_block(const Constraint& c, double scale, TangentSpace& space) const;
+  void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
   void add_force(const Constraint& c, Vector& force) const;
   Vector total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
   double spring_energy(double gap, const Tangential& traction) const;
+  void add_energy(const Constraint& c, double& energy) const;
   double thickness() const; // what is reported is multiplied by it
 
   const Mesh* mesh_;
@@ -251,7 +228,7 @@ private:
   ContactSettings settings_;
   ContactEnvironment environment_;
   std::vector<std::string> warnings_;
-  RigidSide rigid_side_;
+  Vector outward_{}; // of a round rigid body (pole_of)
   std::optional<Constraints> constraints_;
   Friction friction_;
   std::unique_ptr<EnforcementMethod> method_, fallback_;

@@ -1,8 +1,10 @@
 #pragma once
 #include <array>
 #include <impact/contact/pair_search.hpp>
-#include <impact/contact/rigid_side.hpp>
+#include <impact/contact/settings.hpp>
+#include <impact/contact/surface.hpp>
 #include <impact/kernel/face_slip.hpp>
+#include <impact/kernel/rigid_obstacle.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +17,24 @@
 /// to other ranks are those of any rigid body. One that moves as told has no corners.
 namespace impact {
 
+/// Where a rigid obstacle stands in an attempt; one with mass: in the reference configuration, not moved.
+struct ObstaclePose {
+  RigidObstacle obstacle;        ///< at the end of the step
+  std::array<double, 3> moved{}; ///< its displacement since the start of the step
+};
+
+/// From the centre of a round one to its pole, on the side of the secondary surface; zero of a plane.
+/// Collective.
+std::array<double, 3> pole_of(const ContactSettings& settings, const Mesh& mesh,
+                              const ContactSurface& secondary);
+/// Its displacement, as the settings tell; zero where they tell nothing.
+std::array<double, 3> rigid_displacement(const ContactSettings& settings, int dim, double t);
+/// `outward`: pole_of; `before`: its displacement at the start of the step.
+ObstaclePose rigid_pose(const ContactSettings& settings, int dim, double t,
+                        const std::array<double, 3>& outward, const double* before);
+
+/// More functions than usual: a place or a direction that is carried along, and each derivative by what
+/// carries it.
 class Obstacle {
 public:
   /// By corners: of a place, sum 1; of a direction, sum 0. In the plane the last one is zero.
@@ -44,7 +64,7 @@ public:
 
   /// The obstacle at the displacement u [node][dim] of the nodes of the contact. Where u is no rigid motion
   /// but the mean of two, the direction of a carried one is shorter than 1.
-  RigidObstacle at(const std::vector<double>& u) const;
+  RigidObstacle at(const ContactValues& u) const;
   /// Gap of a place x to it.
   CarriedFunction gap(const RigidObstacle& now, const std::array<double, 3>& x) const;
   /// Of its point and direction.
@@ -55,11 +75,11 @@ public:
 
   /// What lies opposite the secondary corners at coordinates x [node][dim] of the nodes is carried along from
   /// now on.
-  void anchor(const ContactNodes& nodes, const std::vector<double>& x);
+  void anchor(const ContactNodes& nodes, const ContactValues& x);
   /// Such a place at u, seen from a node.
   template <std::size_t d>
   std::array<double, d> place(const ContactNodes& nodes, int facet, std::size_t corner, int origin,
-                              const std::vector<double>& u) const {
+                              const ContactValues& u) const {
     const std::size_t number = corners_ * static_cast<std::size_t>(facet) + corner;
     std::array<double, d> x{};
     for (std::size_t b = 0; b < slot_.size(); ++b) {
@@ -80,7 +100,7 @@ public:
     Shares shares;
   };
   void add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
-                const std::array<double, 3>& tangent, const std::vector<double>& u, double& value,
+                const std::array<double, 3>& tangent, const ContactValues& u, double& value,
                 PlaneSlip& slip) const;
 
   /// Adds factor times the derivatives of f by (secondary nodes, whose weights in the place are `shape`,

@@ -1,11 +1,12 @@
 #pragma once
 #include <algorithm>
-#include <impact/contact/node_exchange.hpp>
 #include <impact/contact/search.hpp>
 #include <impact/contact/self_contact.hpp>
 #include <impact/contact/surface.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
+#include <impact/petsc/handle.hpp>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,6 +14,27 @@
 /// Which primary facets the secondary facets of this rank may meet, kept while nothing moves more than half a
 /// skin, and the nodes that evaluations of these pairs need, fetched from whichever ranks own them.
 namespace impact {
+
+/// Values of chosen nodes, wherever they live, on this rank and back: one message per partner each way.
+class NodeExchange {
+public:
+  NodeExchange() = default;
+  /// `nodes`: global nodes wanted here, each once; `owned`: nodes owned by this rank; node-blocked global
+  /// vectors of `components` per node. Collective.
+  NodeExchange(MPI_Comm comm, PetscInt owned, int components, const std::vector<PetscInt>& nodes);
+
+  /// [node][component] of the wanted nodes, current values of `global`. Collective.
+  std::vector<double> gather(Vec global) const;
+  /// Adds [node][component] into the owners' entries of `global`. Collective.
+  void add(const std::vector<double>& values, Vec global) const;
+
+private:
+  Handle<PetscSF> sf_;
+  std::size_t size_ = 0;
+};
+
+/// Numbers [node][dim] at the nodes of a contact: displacements u, coordinates x.
+using ContactValues = std::vector<double>;
 
 /// The nodes of a contact on this rank, on compact numbers.
 struct ContactNodes {
@@ -25,19 +47,18 @@ struct ContactNodes {
   std::vector<int> secondary;   ///< [secondary facet][corner]
   std::vector<int> primary;     ///< [candidate primary][corner]
   std::vector<int> neighbour;   ///< [candidate primary][2]: far nodes of an edge's neighbours, -1: none
-  std::vector<double> built_at; ///< [node][dim] when the list was made
 
   /// Place of a global node, -1: not there.
   int slot(PetscInt node) const;
   /// [node][dim] of the displacement u. Collective.
   std::vector<double> displacement(Vec u) const { return exchange.gather(u); }
   /// [node][dim] at a displacement [node][dim].
-  std::vector<double> current(const std::vector<double>& u) const;
+  std::vector<double> current(const ContactValues& u) const;
   std::vector<double> current(Vec u) const { return current(displacement(u)); }
   /// Where a node stands seen from another one: differences of X and of u, which keep the digits that those
   /// of X + u lose where displacements are small beside coordinates.
   template <std::size_t d = 2>
-  std::array<double, d> place(int node, int origin, const std::vector<double>& u) const {
+  std::array<double, d> place(int node, int origin, const ContactValues& u) const {
     const std::size_t i = d * static_cast<std::size_t>(node), o = d * static_cast<std::size_t>(origin);
     std::array<double, d> difference;
     for (std::size_t k = 0; k < d; ++k) difference[k] = (X[i + k] - X[o + k]) + (u[i + k] - u[o + k]);
@@ -61,6 +82,8 @@ struct SearchRange {
   bool local = false;
 };
 
+/// More members than usual: the facets that never change, the list that one search found, what the attempt at
+/// a step began with, and what a surface that may meet itself needs beside.
 class PairSearch {
 public:
   enum class Outcome { kept, rebuilt, other_pairs };
@@ -109,7 +132,11 @@ public:
   /// How deep any facet is seen that did not move within the step: the radius; by local sizes, that of the
   /// smallest facets on both sides.
   double range() const;
-  bool meets_rigid() const { return kind_ == Primary::rigid; }
+  /// Gap below which a place lies deeper than the search can judge, in this step or the next; -infinity where
+  /// it always can.
+  double deepest() const {
+    return kind_ == Primary::rigid ? -std::numeric_limits<double>::infinity() : -range();
+  }
   bool meets_itself() const { return kind_ == Primary::itself; }
   /// Whether this facet is the secondary one of its pair with the candidate (a place in candidates().facet):
   /// always, unless the surface may meet itself.
@@ -124,9 +151,7 @@ public:
   }
   /// Distance of the nearest nodes of two facets of a pair at the displacement u of nodes(); infinite without
   /// pairs.
-  double nearest_nodes(const std::vector<double>& u) const;
-  /// False: something moved so far that the list may miss a facet. x: [node][dim] of nodes().
-  bool holds_for(const std::vector<double>& x) const;
+  double nearest_nodes(const ContactValues& u) const;
 
 private:
   // What a search finds, and where.
@@ -135,22 +160,25 @@ private:
     ContactNodes nodes;
     std::vector<char> counts;     // [candidate] of a surface that may meet itself, else empty
     std::vector<double> built_at; // [static node][dim]
-    std::vector<double> slack;    // [node] of nodes: what it may move by
     double reach = 0;             // most motion within a step for which the list holds every facet
     bool outdated = true;
   };
+  // A facet with these nodes, at coordinates x [node][dim], in the form of the search.
+  std::array<double, 12> in_space(const int* slot, const ContactValues& x) const;
+  // Lets the nodes of facets move by no more than their facets allow; the smallest of these. X: [node][dim].
+  double tighten(const std::vector<int>& slot, const std::vector<double>& X,
+                 std::vector<double>& slack) const;
   // Facets at the coordinates x of the static nodes.
-  SearchSecondary secondary_at(const std::vector<double>& x) const;
-  std::vector<SearchFacet> primary_at(const std::vector<double>& x) const;
-  Candidates search(const std::vector<double>& x) const;
-  void measure_slack();
+  SearchSecondary secondary_at(const ContactValues& x) const;
+  std::vector<SearchFacet> primary_at(const ContactValues& x) const;
+  Candidates search(const ContactValues& x) const;
   // Whether a body has facets of both sides; then their shapes and bodies. Collective.
   bool find_shapes(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   void prepare_self_contact(const SearchSecondary& secondary, const std::vector<SearchFacet>& primary);
   // Leaves of the candidates those that may touch; needs nodes_ of them all.
   void drop_neighbours(Vec u);
-  FacetShape candidate_shape(int primary, const std::vector<double>& x) const;
-  void fetch_nodes(Vec u);
+  void fetch_nodes();
+  double skin() const { return radius_ / 2; }
   void fetch_start();
 
   const Mesh* mesh_ = nullptr;
@@ -165,7 +193,7 @@ private:
   std::vector<double> static_slack_;               // [node] what it may move by until the list is made anew
   Handle<Vec> u_n_;                                // at the start of the step; absent: unknown
   Primary kind_ = Primary::rigid;
-  double radius_ = 0, skin_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
+  double radius_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
   bool local_ = false;
   List list_;
   std::optional<List> found_;        // by the attempt, where it has searched since

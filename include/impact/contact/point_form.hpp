@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/form.hpp>
-#include <impact/contact/hold.hpp>
+#include <impact/kernel/face_ray.hpp>
+#include <impact/kernel/face_slip.hpp>
+#include <impact/math/index.hpp>
 #include <memory>
 
 /// Contact at Gauss points of the secondary facets: one gap constraint at every point, to what lies opposite
@@ -10,11 +12,10 @@
 /// common; `Geometry` brings the rest (edge_points.hpp in the plane, face_points.hpp in space):
 ///   dim, corners              of a facet
 ///   Seen                      what a point faces: a candidate, -1 for none, and the foot on it
-///   Pair                      what a point lay opposite of at the start of the step, for the slip
 /// and functions of points, of which Facet says where their secondary facet stands.
 ///
 /// `update` ties every point near the surface to what it faces, continued beyond its sides, until the next
-/// call (hold.hpp). The tie begins afresh with every attempt of a step, so it is no state.
+/// call (form.hpp). The tie begins afresh with every attempt of a step, so it is no state.
 namespace impact {
 
 using ShapeValues = std::array<double, 4>; ///< weights of a facet's corners in a place
@@ -47,13 +48,13 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const std::vector<double>& u, Derivatives derivatives,
+  void visit(const ContactValues& u, Derivatives derivatives,
              const ConstraintVisitor& visitor) const override;
-  void visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+  void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
-  void visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const override;
+  void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
-  void visit_overlaps(const std::vector<double>& x, const OverlapVisitor& visitor) const override;
+  void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const override;
 
 private:
   void release() override { std::fill(holds_.begin(), holds_.end(), Hold()); }
@@ -72,24 +73,22 @@ private:
   // What a point lay opposite of at the start of the step.
   struct Anchor {
     bool valid = false;
-    std::array<PetscInt, corners> node{}; // of the primary facet, global
-    std::array<int, corners> slot{};      // in nodes(), -1: not there
-    typename Geometry::Pair pair;
+    Opposite opposite;
+    FacetAnchor pair; // in its first function
   };
   // Both facets of an anchor at a displacement, seen from the secondary's first corner.
   struct SlipPlaces {
     Corners s{}, p{};
-    std::array<int, 2 * corners> slot{}; // of the primary part, unless a rigid body has none
   };
   struct Workspace {
     NodePlaces place;
     std::vector<double> gradient, slip_gradient; // [node][dim], [direction][node][dim]
   };
 
-  Facet facet_at(int number, const std::vector<double>& x) const {
+  Facet facet_at(int number, const ContactValues& x) const {
     Facet facet;
     facet.number = number;
-    facet.corner = corners_at<corners, dim>(secondary_slots(number), x);
+    facet.corner = corners_at<Corners>(secondary_slots(number), x);
     facet.normal = Geometry::normal(facet.corner);
     return facet;
   }
@@ -107,49 +106,48 @@ private:
     return y;
   }
   std::span<const double> share_of(std::size_t number, int facet) const {
-    return {points_.shape[number].data(), static_cast<std::size_t>(points_.corners[at(facet)])};
+    return {points_.shape[number].data(), at(points_.corners[at(facet)])};
   }
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
-  Seen nearest(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x) const;
+  Seen nearest(const Facet& facet, const ShapeValues& shape, const ContactValues& x) const;
   // What the point is tied to; false where an iterate went too far astray.
-  bool held(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x, const Hold& hold,
+  bool held(const Facet& facet, const ShapeValues& shape, const ContactValues& x, const Hold& hold,
             Seen& seen) const;
   // What it came through within this step, however deep, where nothing else is seen.
-  Seen passed(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x) const;
-  Seen face(const Facet& facet, const ShapeValues& shape, const std::vector<double>& x,
-            const Hold& hold) const {
+  Seen passed(const Facet& facet, const ShapeValues& shape, const ContactValues& x) const;
+  Seen face(const Facet& facet, const ShapeValues& shape, const ContactValues& x, const Hold& hold) const {
     Seen seen;
     if (hold.candidate >= 0 && held(facet, shape, x, hold, seen)) return seen;
     seen = nearest(facet, shape, x);
     return seen.candidate >= 0 ? seen : passed(facet, shape, x);
   }
   Seen look(const Facet& facet, const ShapeValues& shape, int candidate, int part,
-            const std::vector<double>& x) const;
+            const ContactValues& x) const;
   bool may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const;
   // Once more with all digits: a penalty makes a pressure of what is lost.
-  void sharpen(int facet, std::size_t number, const std::vector<double>& u, Seen& seen) const;
+  void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
+  // Of faces: the point and the triangle that it sees.
+  FaceRay ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
   // d(gap) and its second variation times a factor, over the dofs of both facets.
-  Row gap_gradient(int facet, std::size_t number, const std::vector<double>& u, const Seen& seen) const;
-  void add_gap_hessian(int facet, std::size_t number, const std::vector<double>& u, const Seen& seen,
-                       double factor, Matrix& hessian) const;
+  Row gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
+  void add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen, double factor,
+                       Matrix& hessian) const;
 
-  void tie(const std::vector<double>& x, const Presses& presses);
+  void tie(const ContactValues& x, const Presses& presses);
   void locate_anchors();
   void locate_holds();
-  bool slip_places(int facet, std::size_t number, const std::vector<double>& u, SlipPlaces& places) const;
-  void add_slip(int facet, const SlipPlaces& places, const std::vector<double>& u, bool with_gradient,
-                Workspace& w, Constraint& c) const;
+  bool slip_places(int facet, std::size_t number, const ContactValues& u, SlipPlaces& places) const;
+  void add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient, Workspace& w,
+                Constraint& c) const;
   void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
-                        const std::vector<double>& u, Workspace& w, Constraint& c) const;
+                        const ContactValues& u, Workspace& w, Constraint& c) const;
   // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something.
-  template <class Visitor> void visit_points(const std::vector<double>& u, Visitor&& visitor) const;
+  template <class Visitor> void visit_points(const ContactValues& u, Visitor&& visitor) const;
 
   ContactSurface secondary_;
   Frame frame_;
   FormPoints points_;
-  std::vector<typename Geometry::Map> map_; // [secondary facet] for the slip
+  std::vector<FaceMap> map_; // [secondary facet] of faces, for the slip
   std::vector<double> nodal_area_;
   std::vector<Hold> holds_;     // [secondary facet][point]
   std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction

@@ -13,7 +13,8 @@ PointForm<G>::PointForm(const FormRequest& request)
   holds_.resize(points_.weight.size());
   if (frictional()) {
     anchors_.resize(points_.weight.size());
-    map_ = G::make_maps(secondary_, points_);
+    map_.resize(at(secondary_.count()));
+    for (int f = 0; f < secondary_.count(); ++f) G::make_map(secondary_, f, map_[at(f)]);
   }
   search_ = PairSearch(request.mesh, layout, secondary_.node, secondary_.X, request.primary,
                        {settings_.search_radius, settings_.local_search}, what_it_meets(settings_));
@@ -41,7 +42,7 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
   if (!frictional()) return; // all ranks agree on that, not on whether they have points
-  const std::vector<double>& x = nodes().start;
+  const ContactValues& x = nodes().start;
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;
   const std::vector<double> moved = nodes().displacement(u);
@@ -56,23 +57,24 @@ template <class G> void PointForm<G>::anchor(Vec u) {
       const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
       anchor.valid = rigid() || seen.candidate >= 0;
       if (!anchor.valid) continue;
-      anchor.pair = G::pair_of(points_.shape[number], rigid() ? nullptr : &seen);
+      MortarWeights& weights = anchor.pair.weights;
+      weights.D[0] = points_.shape[number];
+      weights.M[0] = rigid() ? points_.shape[number] : G::shares_of(seen);
       if (rigid()) continue;
-      std::copy_n(primary_nodes(seen.candidate).begin(), corners, anchor.node.begin());
+      anchor.opposite.node = primary_nodes(seen.candidate);
       const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
-      if constexpr (dim == 3)
-        G::start(facet.corner, corners_at<corners, dim>(other, x), map_[at(f)], anchor.pair);
-      else
-        G::start(corners_from<corners, dim>(mine[0], mine, moved),
-                 corners_from<corners, dim>(mine[0], other, moved), map_[at(f)], anchor.pair);
+      // Of faces the slip counts from the directions of the start; of edges from the gap along the normal.
+      const SlipPlaces places = dim == 3 ? SlipPlaces{facet.corner, corners_at<Corners>(other, x)}
+                                         : SlipPlaces{corners_from<Corners>(mine[0], mine, moved),
+                                                      corners_from<Corners>(mine[0], other, moved)};
+      anchor.pair.start = facet_slips(places.s, places.p, map_[at(f)], anchor.pair, false).value;
     }
   }
   locate_anchors();
 }
 
 template <class G> void PointForm<G>::locate_anchors() {
-  for (Anchor& anchor : anchors_)
-    for (std::size_t b = 0; b < corners; ++b) anchor.slot[b] = nodes().slot(anchor.node[b]);
+  for (Anchor& anchor : anchors_) anchor.opposite.locate(nodes());
 }
 
 template <class G> void PointForm<G>::locate_holds() {
@@ -82,7 +84,7 @@ template <class G> void PointForm<G>::locate_holds() {
       Hold& hold = holds_[points_.index(f, q)];
       hold.candidate = -1;
       if (hold.node[0] < 0) continue;
-      for (int c = list.offset[at(f)]; c < list.offset[at(f + 1)]; ++c)
+      for (int c : list.of(at(f)))
         if (primary_nodes(c) == hold.node) hold.candidate = c;
     }
 }
@@ -111,7 +113,7 @@ template <class G> NodePairs PointForm<G>::couplings() const {
   return pairs;
 }
 
-template <class G> void PointForm<G>::tie(const std::vector<double>& x, const Presses& presses) {
+template <class G> void PointForm<G>::tie(const ContactValues& x, const Presses& presses) {
   switched_ = false;
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
@@ -158,12 +160,12 @@ template <class G> void PointForm<G>::tie(const std::vector<double>& x, const Pr
 
 template <class G>
 template <class Visitor>
-void PointForm<G>::visit_points(const std::vector<double>& u, Visitor&& visitor) const {
+void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
-    const Corners near = corners_from<corners, dim>(secondary_slots(f)[0], secondary_slots(f), u);
+    const Corners near = corners_from<Corners>(secondary_slots(f)[0], secondary_slots(f), u);
     const double stretch = G::stretch(facet.corner, near, secondary_, f);
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
@@ -185,8 +187,8 @@ void PointForm<G>::visit_points(const std::vector<double>& u, Visitor&& visitor)
       c.weight = points_.weight[number];
       c.stretch = stretch;
       if (frame_ == Frame::axisymmetric)
-        c.stretch *= here[0] / place_on(corners_at<corners, dim>(secondary_slots(f), nodes().X),
-                                        points_.shape[number])[0];
+        c.stretch *=
+            here[0] / place_on(corners_at<Corners>(secondary_slots(f), nodes().X), points_.shape[number])[0];
       c.gap = seen.foot.gap;
       c.share = share_of(number, f);
       visitor(c, f, seen, to_obstacle);
@@ -195,7 +197,7 @@ void PointForm<G>::visit_points(const std::vector<double>& u, Visitor&& visitor)
 }
 
 template <class G>
-void PointForm<G>::visit(const std::vector<double>& u, Derivatives derivatives,
+void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives,
                          const ConstraintVisitor& visitor) const {
   const bool with_gradient = derivatives != Derivatives::none;
   Workspace w;
@@ -207,7 +209,8 @@ void PointForm<G>::visit(const std::vector<double>& u, Derivatives derivatives,
     for (int slot : obstacle_.slots()) place.node.push_back(slot);
     SlipPlaces places;
     c.slides = slip_places(f, at(c.index), u, places);
-    for (std::size_t b = corners; c.slides && !rigid() && b < 2 * corners; ++b) place(places.slot[b]);
+    for (std::size_t b = 0; c.slides && !rigid() && b < corners; ++b)
+      place(anchors_[at(c.index)].opposite.slot[b]);
     if (with_gradient) add_gap_gradient(f, seen, to_obstacle, u, w, c);
     if (c.slides) add_slip(f, places, u, with_gradient, w, c);
     c.node = place.node;
@@ -217,7 +220,7 @@ void PointForm<G>::visit(const std::vector<double>& u, Derivatives derivatives,
 
 template <class G>
 void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
-                                    const std::vector<double>& u, Workspace& w, Constraint& c) const {
+                                    const ContactValues& u, Workspace& w, Constraint& c) const {
   w.gradient.assign(dim * w.place.node.size(), 0.0);
   if (rigid()) {
     obstacle_.add_gradient(to_obstacle, c.share, obstacle_.shares(), 1, w.gradient.data());
@@ -235,62 +238,54 @@ void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFu
 // False without friction or where nothing lay opposite. A plane has directions of its own and needs no
 // places.
 template <class G>
-bool PointForm<G>::slip_places(int facet, std::size_t number, const std::vector<double>& u,
+bool PointForm<G>::slip_places(int facet, std::size_t number, const ContactValues& u,
                                SlipPlaces& places) const {
   if (anchors_.empty() || nodes().start.empty()) return false;
   if (on_plane()) return true;
   const Anchor& anchor = anchors_[number];
   if (!anchor.valid) return false;
-  if (!rigid() && *std::min_element(anchor.slot.begin(), anchor.slot.end()) < 0) return false;
+  if (!rigid() && !anchor.opposite.found()) return false;
   const int* slot = secondary_slots(facet);
-  places.s = corners_from<corners, dim>(slot[0], slot, u);
-  std::copy_n(slot, corners, places.slot.begin());
-  if (!rigid()) {
-    places.p = corners_from<corners, dim>(slot[0], anchor.slot.data(), u);
-    std::copy_n(anchor.slot.begin(), corners, places.slot.begin() + corners);
-    return true;
-  }
-  for (std::size_t a = 0; a < corners; ++a) places.p[a] = obstacle_.place<dim>(nodes(), facet, a, slot[0], u);
+  places.s = corners_from<Corners>(slot[0], slot, u);
+  places.p = opposite<Corners>(anchor.opposite, facet, u);
   return true;
 }
 
 template <class G>
-void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const std::vector<double>& u,
-                            bool with_gradient, Workspace& w, Constraint& c) const {
-  const std::size_t n = dim * w.place.node.size();
+void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient,
+                            Workspace& w, Constraint& c) const {
+  const std::size_t n = dim * w.place.node.size(), half = dim * corners;
   w.slip_gradient.assign((dim - 1) * n, 0.0);
-  std::array<Row, dim - 1> rows{};
-  if (on_plane()) {
-    const auto tangents = obstacle_.tangents();
-    for (std::size_t e = 0; e < dim - 1; ++e) {
-      Obstacle::PlaneSlip slip;
-      obstacle_.add_slip(nodes(), facet, c.share, tangents[e], u, c.slip[e], slip);
-      obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
-    }
-  } else {
-    G::add_slips(places.s, places.p, map_[at(facet)], anchors_[at(c.index)].pair, with_gradient, c.slip,
-                 rows);
-  }
-  for (std::size_t e = 0; !on_plane() && with_gradient && e < dim - 1; ++e) {
-    const auto add = [&](std::size_t place, const double* value) {
-      for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[n * e + dim * place + k] += value[k];
-    };
-    const std::size_t half = dim * corners;
-    for (std::size_t a = 0; a < (rigid() ? corners : 2 * corners); ++a)
-      add(w.place(places.slot[a]), &rows[e][dim * a]);
-    std::array<double, dim*(dim + 1)> by_carrier;
-    obstacle_.chain(facet, &rows[e][half], by_carrier.data());
-    for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
-      add(w.place(obstacle_.slots()[b]), &by_carrier[dim * b]);
-  }
   c.slip_gradient = w.slip_gradient;
+  for (std::size_t e = 0; on_plane() && e < dim - 1; ++e) {
+    Obstacle::PlaneSlip slip;
+    obstacle_.add_slip(nodes(), facet, c.share, obstacle_.tangents()[e], u, c.slip[e], slip);
+    obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
+  }
+  if (on_plane()) return;
+  const Anchor& anchor = anchors_[at(c.index)];
+  const FacetSlips slips = facet_slips(places.s, places.p, map_[at(facet)], anchor.pair, with_gradient);
+  c.slip = slips.value[0];
+  for (std::size_t e = 0; with_gradient && e < dim - 1; ++e) {
+    const auto add = [&](int slot, const double* value) {
+      const std::size_t place = n * e + dim * w.place(slot);
+      for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[place + k] += value[k];
+    };
+    const std::array<double, 24>& row = slips.gradient[0][e];
+    for (std::size_t a = 0; a < corners; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
+    for (std::size_t b = 0; !rigid() && b < corners; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
+    std::array<double, dim*(dim + 1)> by_carrier;
+    obstacle_.chain(facet, &row[half], by_carrier.data());
+    for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
+      add(obstacle_.slots()[b], &by_carrier[dim * b]);
+  }
 }
 
 template <class G>
-void PointForm<G>::visit_curvature(const std::vector<double>& u, const CurvatureFactors& factors,
+void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                    const BlockVisitor& visitor) const {
   std::vector<int> node;
-  std::vector<double> block, chained;
+  std::vector<double> block;
   visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
     const double of_gap = factors.of_gap(c.index);
     const Tangential of_slip = factors.of_slip(c.index);
@@ -298,8 +293,7 @@ void PointForm<G>::visit_curvature(const std::vector<double>& u, const Curvature
     SlipPlaces places;
     const bool slips = of_slip != Tangential{} && slip_places(f, at(c.index), u, places);
     if (rigid() && (of_gap != 0 || slips)) {
-      node.assign(secondary, secondary + c.share.size());
-      node.insert(node.end(), obstacle_.slots().begin(), obstacle_.slots().end());
+      node = with_carrier(f, c.share.size());
       const std::size_t n = dim * node.size();
       block.assign(n * n, 0.0);
       obstacle_.add_hessian(to_obstacle, c.share, obstacle_.shares(), of_gap, block.data());
@@ -319,17 +313,13 @@ void PointForm<G>::visit_curvature(const std::vector<double>& u, const Curvature
     }
     if (!slips || on_plane()) return;
     Matrix hessian{};
-    G::add_slip_hessian(places.s, places.p, map_[at(f)], anchors_[at(c.index)].pair, of_slip, hessian);
-    if (!rigid()) return visitor(places.slot, hessian);
-    node.assign(secondary, secondary + corners);
-    node.insert(node.end(), obstacle_.slots().begin(), obstacle_.slots().end());
-    obstacle_.chain_block(f, hessian, chained);
-    visitor(node, chained);
+    add_slip_hessian(places.s, places.p, map_[at(f)], anchors_[at(c.index)].pair, {of_slip}, hessian);
+    visit_slip_block(f, anchors_[at(c.index)].opposite, hessian, visitor);
   });
 }
 
 template <class G>
-void PointForm<G>::visit_meetings(const std::vector<double>& u, const MeetingVisitor& visitor) const {
+void PointForm<G>::visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> share;
   visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction&) {
@@ -338,7 +328,7 @@ void PointForm<G>::visit_meetings(const std::vector<double>& u, const MeetingVis
     if (seen.candidate >= 0) {
       const auto opposite = G::shares_of(seen);
       node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + corners);
-      share.insert(share.end(), opposite.begin(), opposite.end());
+      share.insert(share.end(), opposite.begin(), opposite.begin() + corners);
     }
     Meeting meeting;
     meeting.index = c.index;
@@ -348,6 +338,32 @@ void PointForm<G>::visit_meetings(const std::vector<double>& u, const MeetingVis
     meeting.share = share;
     visitor(meeting);
   });
+}
+
+template <class G>
+void PointForm<G>::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x);
+    for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a) {
+      const Place& place = facet.corner[a];
+      CarriedFunction gap;
+      if (rigid()) {
+        gap = obstacle_.gap(obstacle_.reference(), in_space(place));
+        if (dim == 2 && !G::faces(gap, facet.normal)) continue;
+      } else {
+        ShapeValues shape{};
+        shape[a] = 1;
+        const Seen seen = nearest(facet, shape, x);
+        if (seen.candidate < 0) continue;
+        gap.value = seen.foot.gap;
+        gap.by_place = G::way_out(seen, facet.normal);
+      }
+      // Coordinates that were meant to touch differ by rounding of their own size.
+      double size = secondary_.length[at(f)];
+      for (double component : place) size += std::abs(component);
+      if (-gap.value > 1e-9 * size) visitor(secondary_slots(f)[a], -gap.value, gap.by_place);
+    }
+  }
 }
 
 } // namespace impact

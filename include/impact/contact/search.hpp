@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <petscsys.h>
+#include <ranges>
 #include <vector>
 
 /// Which primary facets a secondary facet may meet: boxes grown by a reach, on any ranks. The answer depends
@@ -28,6 +29,8 @@ struct Candidates {
   std::vector<int> offset;          ///< [secondary facet + 1]
   std::vector<int> facet;           ///< index into primary, ascending within a secondary facet
 
+  /// Places in `facet` of the pairs of a secondary facet.
+  auto of(std::size_t secondary) const { return std::views::iota(offset[secondary], offset[secondary + 1]); }
   bool same_pairs(const Candidates& other) const;
 };
 

@@ -1,14 +1,13 @@
 #pragma once
 #include <array>
-#include <impact/kernel/frame.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <string>
 #include <vector>
 
 /// The two surfaces of a contact on this rank: edges in the plane, triangles and quadrilaterals in space,
-/// with their reference sizes; of edges also integration points and neighbours. Each facet belongs to the
-/// rank of its cell, so its points and multipliers have exactly one owner.
+/// with their reference sizes; of edges also neighbours. Each facet belongs to the rank of its cell, so its
+/// points and multipliers have exactly one owner.
 namespace impact {
 
 struct ContactSurface {
@@ -25,21 +24,12 @@ struct ContactSurface {
   int count() const { return static_cast<int>(length.size()); }
 };
 
-/// Integration points of the secondary surface. Points are numbered along the cone of the facet in the mesh,
-/// which is the same for every partition, so that what is kept per point can move to other ranks.
-struct SurfacePoints {
-  int per_facet = 0;
-  std::vector<double> shape;  ///< [facet][point][2] shape functions of the facet's nodes
-  std::vector<double> weight; ///< [facet][point] reference area: per unit thickness, or of the full ring
-};
+/// Longest side of a facet whose corners [corner][dim] follow each other.
+double longest_side(const double* corner, int corners, int dim);
 
 /// Facets of a boundary group. Throws UserError(data) when the group is unknown, empty or no boundary.
 /// Collective.
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group);
-
-/// Gauss points, 1 to 16 per facet; exact for polynomials of degree 2 points - 1. Throws UserError(usage).
-SurfacePoints make_points(const ContactSurface& surface, const std::string& contact, int per_facet,
-                          Frame frame);
 
 /// Global nodes of the facets of the surface that meet a node owned by this rank, whoever owns their cells;
 /// sorted, an edge repeating its second node. Collective: one message per pair of ranks that share a facet.

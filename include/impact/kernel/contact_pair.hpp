@@ -156,10 +156,6 @@ inline SecantPressure secant_pressure(double eps, double g0, double g1) {
   return {};
 }
 
-/// K = weight (eps H(p) dg dg - p d2g), 8 x 8. Symmetric.
-std::array<double, 64> contact_tangent(double weight, double eps, double pressure,
-                                       const std::array<double, 8>& dg, const std::array<double, 64>& d2g);
-
 /// How far the point must move back along its own normal to be free, or its distance when it is open: the
 /// primary edge with the smallest value is the one that the point faces. Infinite when the pair is none: past
 /// an end, farther or deeper than `reach`, or with the point's own normal turned the same way as the

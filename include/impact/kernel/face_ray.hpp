@@ -12,8 +12,13 @@
 /// triangles of mortar_face.hpp.
 namespace impact {
 
-/// The triangle's corners as sums over the corners of its face: [corner of the triangle][corner of the face].
-using TriangleWeights = std::array<std::array<double, 4>, 3>;
+/// A point of a secondary face, `shape` the weights of its corners, and a triangle of a primary face.
+struct FaceRay {
+  FaceCorners x;
+  std::array<double, 4> shape;
+  FaceCorners p;
+  TriangleWeights triangle;
+};
 
 struct RayFoot {
   double gap = 0;                  ///< negative behind the triangle
@@ -23,18 +28,13 @@ struct RayFoot {
   std::array<double, 4> weights{}; ///< of the primary face's corners in the foot
 };
 
-/// `shape`: of the secondary corners in the point. `p`: the corners of the primary face.
-RayFoot cast_ray(int corners, const FaceCorners& x, const std::array<double, 4>& shape, const FaceCorners& p,
-                 const TriangleWeights& triangle);
+RayFoot cast_ray(const FaceRay& ray);
 
 /// dg as a row over the dofs of (secondary corners 0 .. 3, primary corners 0 .. 3), x before y before z. Dofs
 /// of a corner that a triangle repeats are zero.
-std::array<double, 24> ray_gradient(int corners, const FaceCorners& x, const std::array<double, 4>& shape,
-                                    const FaceCorners& p, const TriangleWeights& triangle);
+std::array<double, 24> ray_gradient(const FaceRay& ray);
 
 /// Adds factor d2g, 24 x 24 row by row, to `hessian`; symmetric and exact.
-void add_ray_hessian(int corners, const FaceCorners& x, const std::array<double, 4>& shape,
-                     const FaceCorners& p, const TriangleWeights& triangle, double factor,
-                     std::array<double, 576>& hessian);
+void add_ray_hessian(const FaceRay& ray, double factor, std::span<double> hessian);
 
 } // namespace impact

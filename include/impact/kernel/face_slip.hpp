@@ -1,6 +1,6 @@
 #pragma once
-#include <array>
-#include <impact/kernel/mortar_face.hpp>
+#include <impact/kernel/contact_slip.hpp>
+#include <impact/kernel/mortar_segment.hpp>
 
 /// Tangential motion of a contact in space (theory.md, contact): what contact_slip.hpp says of edges, of
 /// faces. An anchor is what lay opposite each other at the start of the step: for each function Phi_a of the
@@ -22,7 +22,7 @@ struct FaceMap {
   Point3 normal{};                            ///< outward
   std::array<std::array<double, 4>, 2> row{}; ///< g_i = sum_a row[i][a] x_a, derivative of x along axis i
 };
-FaceMap make_face_map(int corners, const FaceCorners& X);
+FaceMap make_face_map(const FaceCorners& X);
 
 /// Unit vectors at right angles to n: of the x axis where it is not too near n, else of the y axis, and
 /// across.
@@ -32,23 +32,29 @@ std::array<Point3, 2> tangents_of(const Point3& n);
 std::array<std::array<double, 2>, 2> turned_into(const FaceMap& face, const Point3& n,
                                                  const std::array<Point3, 2>& t);
 
-struct FaceAnchor {
-  FaceWeights weights;
+struct FacetAnchor {
+  MortarWeights weights;
   std::array<std::array<double, 2>, 4> start{}; ///< r_beta.v_a at the start of the step
 };
 
-/// Of each function a: components of the slip, and their derivatives by the dofs of (secondary corners 0 ..
-/// 3, primary corners 0 .. 3), x before y before z. Dofs of a corner that a triangle repeats are zero.
-struct FaceSlips {
+/// Of each function a: components of the slip, and their derivatives by the dofs of MortarPair.
+struct FacetSlips {
   std::array<std::array<double, 2>, 4> value{};
   std::array<std::array<std::array<double, 24>, 2>, 4> gradient{};
 };
 /// Without derivatives where `with_gradient` is false.
-FaceSlips face_slips(const FaceCorners& x, const FaceCorners& p, const FaceMap& map, const FaceAnchor& anchor,
-                     bool with_gradient);
+FacetSlips facet_slips(const FaceCorners& x, const FaceCorners& p, const FaceMap& map,
+                       const FacetAnchor& anchor, bool with_gradient);
 /// Adds sum factor[a][beta] d2s_a,beta, 24 x 24 row by row, to `hessian`; symmetric and exact.
-void add_face_slip_hessian(const FaceCorners& x, const FaceCorners& p, const FaceMap& map,
-                           const FaceAnchor& anchor, const std::array<std::array<double, 2>, 4>& factor,
-                           std::array<double, 576>& hessian);
+void add_slip_hessian(const FaceCorners& x, const FaceCorners& p, const FaceMap& map,
+                      const FacetAnchor& anchor, const std::array<std::array<double, 2>, 4>& factor,
+                      std::span<double> hessian);
+
+/// The same of edges, whose only direction needs no map: for each function the slip of contact_slip.hpp, and
+/// 8 x 8 second derivatives.
+FacetSlips facet_slips(const EdgeCorners& x, const EdgeCorners& p, const FaceMap&, const FacetAnchor& anchor,
+                       bool);
+void add_slip_hessian(const EdgeCorners& x, const EdgeCorners& p, const FaceMap&, const FacetAnchor& anchor,
+                      const std::array<std::array<double, 2>, 4>& factor, std::span<double> hessian);
 
 } // namespace impact

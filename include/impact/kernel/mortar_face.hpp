@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <impact/math/vector3.hpp>
+#include <span>
 
 /// Mortar contact of one secondary face with one primary face in space (theory.md, contact). A triangle is
 /// taken as it is; a quadrilateral as the four triangles about the mean of its corners, on which the
@@ -29,59 +30,58 @@ struct MortarFace {
   int triangles() const { return corners == 3 ? 1 : 4; }
 };
 
-/// Weights of the face's corners in the corners of one of its triangles, [corner of the triangle][corner].
-std::array<std::array<double, 4>, 3> triangle_weights(int corners, int triangle);
+/// Different corners of a face.
+inline int corners_of(const FaceCorners& x) { return x[3] == x[2] ? 3 : 4; }
+
+/// The corners of a face's triangle as sums over those of the face: [corner of the triangle][corner].
+using TriangleWeights = std::array<std::array<double, 4>, 3>;
+TriangleWeights triangle_weights(int corners, int triangle);
 /// Standard functions Phi_a = N_a, or those biorthogonal to N_b over the whole face: int Phi_a N_b = delta_ab
 /// int N_b.
-MortarFace make_mortar_face(int corners, const FaceCorners& X, bool dual);
+MortarFace make_mortar_face(const FaceCorners& X, bool dual);
 /// int N_a over the face at the corners x: its nodal areas.
-std::array<double, 4> nodal_areas(int corners, const FaceCorners& x);
+std::array<double, 4> nodal_areas(const FaceCorners& x);
 /// Unit outward normal of a triangle, or of a quadrilateral at its middle.
-Point3 face_normal(const FaceCorners& x);
+Point3 facet_normal(const FaceCorners& x);
 
-/// Where a primary face lies as seen from a secondary one.
-struct FaceView {
-  double part = 0;     ///< of the secondary face that it covers, between 0 and 1
-  double smallest = 0; ///< gap over that part, or at the primary's corners where it covers none
+/// Where a primary facet lies as seen from a secondary one.
+struct FacetView {
+  double part = 0;     ///< of the secondary facet that it covers, between 0 and 1
+  double smallest = 0; ///< gap over that part; where it covers none, at the primary's corners or nearest end
   double largest = 0;  ///< likewise
   double mean = 0;     ///< likewise
 };
-FaceView view_face(int corners, const FaceCorners& x, int primary_corners, const FaceCorners& p);
+FacetView view_facet(const FaceCorners& x, const FaceCorners& p);
 /// Part of the secondary face, between 0 and 1, that both primary faces cover.
-double common_part(int corners, const FaceCorners& x, int a_corners, const FaceCorners& a, int b_corners,
-                   const FaceCorners& b);
+double common_part(const FaceCorners& x, const FaceCorners& a, const FaceCorners& b);
 /// Gap at a corner of the secondary face; false where the primary face does not cover it.
-bool corner_gap(int corners, const FaceCorners& x, int corner, int primary_corners, const FaceCorners& p,
-                double& gap);
+bool corner_gap(const FaceCorners& x, int corner, const FaceCorners& p, double& gap);
 
-/// Weighted gaps of a pair, and the derivatives by the dofs of (secondary corners 0 .. 3, primary corners
-/// 0 .. 3), x before y before z. Dofs of a corner that a triangle repeats are zero.
-struct MortarFacePair {
-  bool covered = false;                             ///< part of the secondary face is
+/// Weighted gaps of a pair, and the derivatives by the dofs of (secondary corners, primary corners), [corner]
+/// [dim] in a row, of faces always four of each. Dofs of a corner that a triangle repeats are zero.
+struct MortarPair {
+  bool covered = false;                             ///< part of the secondary facet is
   bool touched = false;                             ///< false: all zero; true without `covered`: along a side
   std::array<double, 4> gap{};                      ///< G_a
   std::array<double, 4> cover{};                    ///< int Phi_a over the covered part
   std::array<std::array<double, 24>, 4> gradient{}; ///< dG_a
 };
-/// Without derivatives where `with_gradient` is false. `p`: a triangle of the primary repeats its third
-/// corner too.
-MortarFacePair mortar_face_pair(const FaceCorners& x, int primary_corners, const FaceCorners& p,
-                                const MortarFace& face, bool with_gradient);
+/// Without derivatives where `with_gradient` is false.
+MortarPair mortar_pair(const FaceCorners& x, const FaceCorners& p, const MortarFace& face,
+                       bool with_gradient);
 
 /// Adds sum_a factor[a] d2G_a, 24 x 24 row by row, to `hessian`; symmetric and exact. False: nothing is
 /// touched.
-bool add_mortar_face_hessian(const FaceCorners& x, int primary_corners, const FaceCorners& p,
-                             const MortarFace& face, const std::array<double, 4>& factor,
-                             std::array<double, 576>& hessian);
+bool add_mortar_hessian(const FaceCorners& x, const FaceCorners& p, const MortarFace& face,
+                        const std::array<double, 4>& factor, std::span<double> hessian);
 
-/// Integrals over the part of the secondary face that the primary one covers: D_ab = int Phi_a N_b dA_0 and
+/// Integrals over the part of the secondary facet that the primary one covers: D_ab = int Phi_a N_b dA_0 and
 /// M_al = int Phi_a N_l dA_0 with the shape functions N_l of the primary at the projected places. Rows of
 /// both have equal sums, and sum_b D_ab x_b - sum_l M_al p_l = -int Phi_a g n dA_0.
-struct FaceWeights {
+struct MortarWeights {
   bool covered = false; ///< false: all zero
   std::array<std::array<double, 4>, 4> D{}, M{};
 };
-FaceWeights mortar_face_weights(const FaceCorners& x, int primary_corners, const FaceCorners& p,
-                                const MortarFace& face);
+MortarWeights mortar_weights(const FaceCorners& x, const FaceCorners& p, const MortarFace& face);
 
 } // namespace impact

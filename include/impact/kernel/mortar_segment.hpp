@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <impact/kernel/contact_pair.hpp>
+#include <impact/kernel/mortar_face.hpp>
 #include <impact/math/dual.hpp>
 
 /// Mortar contact of one secondary edge with one primary edge in the plane (theory.md, contact). The primary
@@ -12,6 +13,8 @@
 /// are multiples of their gradients keep linear and angular momentum exactly. Neighbouring primary edges
 /// share the end of their parts and the gap there, so that sliding from one to the next is smooth.
 namespace impact {
+
+using EdgeCorners = std::array<Point2<double>, 2>;
 
 /// A secondary edge in the reference configuration: Phi_a = sum_b phi[a][b] N_b over dA_0, with
 /// dA_0 = ring dS_0 and ring = sum_b ring[b] N_b: 1 in the plane, 2 pi R with an axis.
@@ -76,27 +79,16 @@ template <class T> std::array<T, 2> weighted_gaps(const CoveredPart<T>& part, co
   return G;
 }
 
-/// Weighted gaps of a pair with their derivatives by the dofs of (secondary 0, 1, primary 0, 1), x before y.
-struct MortarPair {
-  bool covered = false;                            ///< false: all zero
-  std::array<double, 2> gap{};                     ///< G_a
-  std::array<std::array<double, 8>, 2> gradient{}; ///< dG_a
-};
-MortarPair mortar_pair(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p,
-                       const MortarEdge& edge);
-
-/// sum_a factor[a] d2G_a, 8 x 8 row by row; symmetric and exact.
-std::array<double, 64> mortar_pair_hessian(const std::array<Point2<double>, 2>& x,
-                                           const std::array<Point2<double>, 2>& p, const MortarEdge& edge,
-                                           const std::array<double, 2>& factor);
-
-/// What of the two edges' nodes moves the primary along the secondary: D_ab = int Phi_a N_b and
-/// M_ab = int Phi_a N_b(primary) over the covered part, reference area. Rows a sum to the same number in
-/// both.
-struct MortarWeights {
-  std::array<std::array<double, 2>, 2> D{}, M{};
-};
-MortarWeights mortar_weights(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p,
-                             const MortarEdge& edge);
+/// What mortar_face.hpp says of two faces, of two edges; the common part in halves of the edge, and a gap at
+/// an end of the edge where the primary edge reaches it. A hessian is 8 x 8.
+Point3 facet_normal(const EdgeCorners& x);
+FacetView view_facet(const EdgeCorners& x, const EdgeCorners& p);
+double common_part(const EdgeCorners& x, const EdgeCorners& a, const EdgeCorners& b);
+bool corner_gap(const EdgeCorners& x, int corner, const EdgeCorners& p, double& gap);
+MortarPair mortar_pair(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                       bool with_gradient);
+bool add_mortar_hessian(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge,
+                        const std::array<double, 4>& factor, std::span<double> hessian);
+MortarWeights mortar_weights(const EdgeCorners& x, const EdgeCorners& p, const MortarEdge& edge);
 
 } // namespace impact

@@ -58,7 +58,7 @@ private:
     int blind = 0;        // weighings in a row that found no partner near
   };
   void measure(const std::vector<int>& body_of_node);
-  double approach_of(Body& body, const std::vector<ContactInterface::Reach>& reach) const;
+  double approach_of(Body& body, const std::vector<ContactReach>& reach) const;
 
   const Discretisation* d_ = nullptr;
   const ContactSet* contacts_ = nullptr;

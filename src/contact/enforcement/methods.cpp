@@ -1,7 +1,5 @@
-#include "augmented.hpp"
-#include "penalty.hpp"
-#include "semismooth.hpp"
 #include <cmath>
+#include <impact/contact/enforcement.hpp>
 #include <impact/kernel/contact_pair.hpp>
 
 namespace impact {
@@ -24,10 +22,9 @@ double EnforcementMethod::turn_stiffness(const Constraint& /*c*/, const Traction
 std::unique_ptr<EnforcementMethod> make_enforcement(const ContactSettings& settings,
                                                     const EnforcementRows& rows, bool conserving) {
   if (settings.own_enforcement) return settings.own_enforcement(settings, rows);
-  if (conserving) return std::make_unique<ConservingPenalty>(settings, rows);
-  if (settings.enforce == Enforcement::penalty) return std::make_unique<Penalty>(settings, rows);
-  if (settings.enforce == Enforcement::semismooth) return std::make_unique<Semismooth>(settings, rows);
-  return std::make_unique<AugmentedLagrangian>(settings, rows);
+  if (!conserving && settings.enforce == Enforcement::semismooth) return make_semismooth(settings, rows);
+  if (!conserving && settings.enforce != Enforcement::penalty) return make_augmented(settings, rows);
+  return make_penalty(settings, rows, conserving);
 }
 
 } // namespace impact
