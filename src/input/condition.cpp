@@ -15,13 +15,11 @@ std::string peak_name(std::size_t index) { return "peak_" + std::to_string(index
 
 /// One expression whose unknown names become variables.
 struct Parsed {
-  std::map<std::string, std::unique_ptr<double>> variables;
+  std::map<std::string, double> variables; // whose places stay where they are
   mu::Parser parser;
 
   static double* make(const char* name, void* parsed) {
-    auto& value = static_cast<Parsed*>(parsed)->variables[name];
-    if (!value) value = std::make_unique<double>(0);
-    return value.get();
+    return &static_cast<Parsed*>(parsed)->variables[name];
   }
 };
 
@@ -30,7 +28,7 @@ struct Parsed {
 Condition::Condition(std::string key, std::string text,
                      const std::vector<std::pair<std::string, double>>& parameters)
     : key_(std::move(key)), text_(std::move(text)) {
-  refuse_assignment(key_, text_);
+  refuse_assignment({key_, text_});
   whole_ = compile(take_peaks(), parameters);
   for (std::size_t i = 0; i < peak_texts_.size(); ++i) {
     std::erase(names_, peak_name(i));
@@ -51,10 +49,10 @@ std::string Condition::take_peaks() {
       if (depth == 0) break;
     }
     if (open == std::string::npos || rest[open] != '(' || end >= rest.size())
-      refuse_expression(key_, text_, "peak takes an argument in brackets; allowed: peak(name)");
+      refuse_option({key_, text_}, "peak takes an argument in brackets; allowed: peak(name)");
     const std::string argument = rest.substr(open + 1, end - open - 1);
     if (find_word(argument, "peak") != std::string::npos)
-      refuse_expression(key_, text_, "a peak in a peak; allowed: peak(name)");
+      refuse_option({key_, text_}, "a peak in a peak; allowed: peak(name)");
     const std::string name = peak_name(peak_texts_.size());
     peak_texts_.push_back(argument);
     rest.replace(at, end + 1 - at, name);
@@ -66,20 +64,12 @@ std::string Condition::take_peaks() {
 Condition::Function Condition::compile(const std::string& expression,
                                        const std::vector<std::pair<std::string, double>>& parameters) {
   const auto parsed = std::make_shared<Parsed>();
-  try {
-    define_language(parsed->parser);
-    parsed->parser.SetVarFactory(Parsed::make, parsed.get());
-    for (const auto& [name, number] : parameters) parsed->parser.DefineConst(name, number);
-    parsed->parser.SetExpr(expression);
-    parsed->parser.Eval(); // muParser parses, and asks for its variables, at the first evaluation
-    if (parsed->parser.GetNumResults() != 1) refuse_expression(key_, text_, "one value expected, not a list");
-  } catch (const mu::Parser::exception_type& error) {
-    refuse_expression(key_, text_, reason_of(error, "columns of the history, t and peak()"));
-  }
+  parsed->parser.SetVarFactory(Parsed::make, parsed.get());
+  parse(parsed->parser, {key_, text_}, expression, parameters, "columns of the history, t and peak()");
   for (const auto& [name, place] : parsed->variables)
     if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
   return [parsed](const Value& value) {
-    for (auto& [name, place] : parsed->variables) *place = value(name);
+    for (auto& [name, place] : parsed->variables) place = value(name);
     return parsed->parser.Eval();
   };
 }

@@ -13,4 +13,7 @@ void publish_checkpoint(const Checkpoint& checkpoint, const hdf5::Written& writt
 /// Removes all but the newest `keep` and whatever unfinished files earlier kills left.
 void remove_old_checkpoints(const CheckpointFolder& folder);
 
+/// Lines, each with its end, as one with semicolons between them.
+std::string in_one_line(std::string lines);
+
 } // namespace impact

@@ -13,36 +13,23 @@ namespace {
 // Vectors of plane problems get a third component.
 constexpr int stored_width(int components) { return components == 2 ? 3 : components; }
 
-int xdmf_type(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return 4;
-  case Shape::quad4:
-    return 5;
-  case Shape::tet4:
-    return 6;
-  default:
-    return 9;
-  }
-}
+/// How XDMF calls the shapes of cells: by a number in mixed meshes, by a word in others; in the order of
+/// Shape.
+struct XdmfShape {
+  Shape shape;
+  int number;
+  const char* word;
+};
+constexpr XdmfShape xdmf_shapes[] = {{Shape::tri3, 4, "Triangle"},
+                                     {Shape::quad4, 5, "Quadrilateral"},
+                                     {Shape::tet4, 6, "Tetrahedron"},
+                                     {Shape::hex8, 9, "Hexahedron"}};
 
-const char* xdmf_name(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return "Triangle";
-  case Shape::quad4:
-    return "Quadrilateral";
-  case Shape::tet4:
-    return "Tetrahedron";
-  default:
-    return "Hexahedron";
-  }
-}
-
-std::vector<Shape> shapes_on_any_rank(const Mesh& mesh) {
-  std::vector<Shape> shapes;
-  for (const Shape s : {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8})
-    if (mesh.has_shape(s)) shapes.push_back(s);
+/// Those on any rank.
+std::vector<XdmfShape> shapes_of(const Mesh& mesh) {
+  std::vector<XdmfShape> shapes;
+  std::copy_if(std::begin(xdmf_shapes), std::end(xdmf_shapes), std::back_inserter(shapes),
+               [&](const XdmfShape& one) { return mesh.has_shape(one.shape); });
   return shapes;
 }
 
@@ -52,7 +39,7 @@ std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   for (const CellTable& table : mesh.cells()) {
     const auto nodes = static_cast<std::size_t>(node_count(table.shape));
     for (std::size_t c = 0; c < table.point.size(); ++c) {
-      if (mixed) list.push_back(xdmf_type(table.shape));
+      if (mixed) list.push_back(xdmf_shapes[static_cast<std::size_t>(table.shape)].number);
       for (std::size_t a = 0; a < nodes; ++a)
         list.push_back(mesh.global_node()[static_cast<std::size_t>(table.connectivity[c * nodes + a])]);
     }
@@ -92,12 +79,12 @@ struct FieldMesh {
   XdmfMesh entry;
   std::string sum;
 
-  FieldMesh(const Mesh& mesh, const FieldFile& request, const std::vector<Shape>& shapes)
+  FieldMesh(const Mesh& mesh, const FieldFile& request, const std::vector<XdmfShape>& shapes)
       : nodes(mesh.comm(), static_cast<std::size_t>(mesh.owned_node_count())),
         cells(mesh.comm(), static_cast<std::size_t>(mesh.cell_count())),
         numbers(mesh.comm(), connectivity(mesh, shapes.size() > 1).size()), mixed(shapes.size() > 1),
         points(rows_of(mesh, true, mesh.coordinates(), mesh.dim(), 3)),
-        topology(connectivity(mesh, mixed)), entry{{},          mixed ? "Mixed" : xdmf_name(shapes.at(0)),
+        topology(connectivity(mesh, mixed)), entry{{},          mixed ? "Mixed" : shapes.at(0).word,
                                                    nodes.all,   cells.all,
                                                    numbers.all, !request.regions.empty()} {
     std::array<std::uint64_t, 4> sums{checksum(hdf5::bytes_of(points), 3 * nodes.first),
@@ -139,7 +126,7 @@ void FieldOutput::write_mesh(const FieldMesh& stored, const FieldFile& request) 
 FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file)
     : mesh_(&mesh), series_(std::make_unique<FieldSeries>(without_extension(file.path))) {
   const MPI_Comm comm = mesh.comm();
-  const FieldMesh stored(mesh, file, shapes_on_any_rank(mesh));
+  const FieldMesh stored(mesh, file, shapes_of(mesh));
   int write_the_mesh = 1;
   on_rank_zero(comm, [&] {
     make_directories(series_->folder());

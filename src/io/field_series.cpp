@@ -42,17 +42,6 @@ OwnName own_name(const std::string& name) {
   return own;
 }
 
-std::vector<std::string> names_in(const std::string& folder) {
-  std::vector<std::string> names;
-  try {
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-      names.push_back(entry.path().filename().string());
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw UserError(ExitCode::io, "cannot read directory " + folder + ": " + error.code().message());
-  }
-  return names;
-}
-
 /// Finished files of one kind by their number.
 std::map<int, std::string> finished_files(const std::string& folder, bool meshes) {
   std::map<int, std::string> files;

@@ -1,6 +1,5 @@
-#include <array>
-#include <charconv>
-#include <impact/io/xdmf.hpp>
+#include "field_series.hpp"
+#include <impact/input/units.hpp>
 
 namespace impact {
 
@@ -28,12 +27,6 @@ std::string escaped(const std::string& text) {
       out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
     }
   return out;
-}
-
-// Shortest text that reads back as the same double, whatever the locale.
-std::string exact(double value) {
-  std::array<char, 40> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 std::string item(const std::string& file, const std::string& dataset, const std::string& extent, bool real) {
@@ -65,7 +58,7 @@ std::string attribute(const XdmfFile& file, const XdmfFrame& frame, const XdmfFi
 std::string grid(const XdmfFile& file, const XdmfFrame& frame) {
   const XdmfMesh& mesh = file.meshes[frame.mesh];
   std::string text = "      <Grid Name=\"mesh\" GridType=\"Uniform\">\n        <Time Value=\"" +
-                     exact(frame.time) + "\"/>\n" + topology(mesh) +
+                     number_text(frame.time) + "\"/>\n" + topology(mesh) +
                      "        <Geometry GeometryType=\"XYZ\">" +
                      item(mesh.file, "/geometry", std::to_string(mesh.nodes) + " 3", true) + "</Geometry>\n";
   if (mesh.regions)

@@ -56,15 +56,12 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
   const InStage stage(Stage::output);
   const Timed timed(Event::field_output);
   std::vector<Field> fields;
-  std::vector<std::vector<double>> keep;
+  std::vector<FieldValues> keep;
   keep.reserve(settings_.fields.size());
   for (const std::string& name : settings_.fields) {
-    int components = 1;
-    const bool nodal = FieldSource::is_nodal(name);
-    keep.push_back(nodal ? source_.nodal(name, snapshot, components)
-                         : cells_in_mesh_order(d_.mesh, d_.groups, components,
-                                               source_.cellwise(name, snapshot, components)));
-    fields.push_back({name, nodal, components, keep.back()});
+    FieldValues& field = keep.emplace_back(source_.values(name, snapshot.u));
+    if (!field.nodal) field.values = cells_in_mesh_order(d_.mesh, d_.groups, field.components, field.values);
+    fields.push_back({name, field.nodal, field.components, field.values});
   }
   file_->write(t, fields);
 }

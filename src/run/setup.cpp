@@ -1,4 +1,3 @@
-#include "initial_overlap.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/input/units.hpp>

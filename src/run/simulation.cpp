@@ -3,17 +3,47 @@
 #include <impact/petsc/log.hpp>
 #include <impact/run/energy_watch.hpp>
 #include <impact/run/output_folder.hpp>
-#include <impact/run/progress.hpp>
-#include <impact/run/restep.hpp>
 #include <impact/run/run_checkpoints.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/run/terminal.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
 
 namespace impact {
 
 namespace {
+
+/// -test_restep: every step is tried, refused and tried again with the same dt, so that what a refused step
+/// leaves behind shows in the results.
+class Restep {
+public:
+  explicit Restep(bool wanted) : wanted_(wanted) {}
+
+  void before_attempt(TS ts) {
+    if (repeats_) set_step_control_state(ts, before_repeat_);
+  }
+  /// Whether an accepted step is to be tried once more.
+  bool wants(TS ts, const Verdict& verdict) {
+    const bool first = !repeats_;
+    repeats_ = false;
+    if (!wanted_ || !verdict.accept || !first) return false;
+    repeats_ = forced_ = true;
+    before_repeat_ = step_control_state(ts);
+    return true;
+  }
+  /// Whether the refusal was its own.
+  bool refused() {
+    const bool mine = forced_;
+    if (!mine) repeats_ = false;
+    forced_ = false;
+    return mine;
+  }
+
+private:
+  bool wanted_, repeats_ = false, forced_ = false;
+  StepControlState before_repeat_;
+};
 
 /// The loop over steps and those who watch them.
 // Members beyond twelve: the watchers of accepted steps, each asked once in a step.
@@ -70,7 +100,7 @@ Simulation::Simulation(RunStage& stage, const std::optional<Checkpoint>& resume,
     snapshot_.step = resume->values.step;
   }
   snapshot_.u = stage.u;
-  stage.report_solvers();
+  report_solvers(stage);
   stops_.check_names(history_.row(snapshot_, {}));
   if (!s_.dry_run) open(resume);
 }

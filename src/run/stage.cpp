@@ -2,9 +2,8 @@
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
-#include <impact/petsc/field_solver.hpp>
-#include <impact/run/setup_report.hpp>
 #include <impact/run/stage.hpp>
+#include <impact/run/terminal.hpp>
 #include <impact/time/types.hpp>
 
 namespace impact {
@@ -117,32 +116,6 @@ void RunStage::set_state(const Checkpoint* resume) {
   motion.update_contact(u);
   coupling.motion_solver().refresh_matrix();
   coupling.begin_between_steps(time, u, v);
-}
-
-void RunStage::report_solvers() {
-  const MPI_Comm comm = d.mesh.comm();
-  for (ContactInterface& contact : setup->contacts) {
-    const ContactMeasures at = contact.measures(u);
-    check(PetscPrintf(comm,
-                      std::isnan(at.gap_min)
-                          ? "contact %s: no point faces the other side at the start\n"
-                          : "contact %s: smallest gap at the start %.4g, %d points press\n",
-                      contact.id().c_str(), at.gap_min, at.active));
-  }
-  std::vector<std::string> lines;
-  if (scenario.has_motion())
-    lines.push_back("motion solver: " + linear_solver_text(coupling.motion_solver().snes()) + " (" +
-                    solver.reason + "); tangent " + (solver.symmetric ? "symmetric" : "consistent") +
-                    (solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
-  if (damage) lines.push_back("damage solver: " + linear_solver_text(damage->snes()));
-  if (heat) lines.push_back("heat solver: " + linear_solver_text(heat->snes()));
-  PetscBool factors = PETSC_FALSE;
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  check(SNESGetKSP(coupling.motion_solver().snes(), &ksp));
-  check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
-  impact::report_solvers(d, lines, scenario.has_motion() && factors);
 }
 
 void RunStage::start() {

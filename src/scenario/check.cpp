@@ -38,17 +38,6 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
   }
 }
 
-void ask_all_rules(const Scenario& scenario, bool of_absence) {
-  for_each_class([&](const auto& table) {
-    for (const auto& one : scenario.*table.member)
-      ask_rules(table.rows, one, table.word + "_" + one.id + "_", scenario, of_absence);
-    if (!of_absence && table.check) table.check(scenario);
-  });
-  ask_rules(global_rows(), scenario, "", scenario, of_absence);
-  for (const OptionGroup& group : global_groups())
-    if (!of_absence && group.check) group.check(scenario);
-}
-
 std::string groups_text(const std::vector<Group>& groups) {
   std::vector<std::string> text;
   for (int dim = 3; dim >= 0; --dim) {
@@ -94,14 +83,19 @@ void complete_and_check(Scenario& scenario) {
   if (scenario.materials.empty())
     throw UserError(ExitCode::usage,
                     "-materials: missing; allowed: a comma list of ids, one for each material");
-  ask_all_rules(scenario, true);
+  const auto ask = [&](bool of_absence) {
+    for_each_target(scenario, [&](const auto& rows, const auto& target, const std::string& prefix) {
+      ask_rules(rows, target, prefix, scenario, of_absence);
+    });
+  };
+  ask(true);
   for_each_class([&](const auto& table) {
     if (table.complete)
       for (auto& one : scenario.*table.member) table.complete(one, scenario);
   });
   for (const OptionGroup& group : global_groups())
     if (group.complete) group.complete(scenario);
-  ask_all_rules(scenario, false);
+  ask(false);
 }
 
 void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int dim) {

@@ -96,13 +96,13 @@ OptionClass<BoundaryCondition> boundary_class() {
   row.components("u", &Bc::component, by_type,
                  "component of what the type prescribes, of a displacement, velocity, force, traction, ..; "
                  "left out: free, or no load",
-                 unit_of);
+                 Rows<Bc>::Of::places, unit_of);
   row.components(
       "r", &Bc::rotation, by_type,
       "rotation of rigid bodies about their centre of mass, or with type velocity its rate; about fixed "
       "axes, in space the rotation vector where all three are given; left out: free",
-      [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); },
-      Rows<Bc>::Of::turns);
+      Rows<Bc>::Of::turns,
+      [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); });
   row.expression(
          "value", &Bc::value, by_type, any_number,
          "scalar of pressure, damage (phi), temperature, heat_flux and heat_source; of convection the "

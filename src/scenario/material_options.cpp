@@ -1,6 +1,5 @@
 #include "classes.hpp"
 #include <cmath>
-#include <impact/petsc/error.hpp>
 
 /// The options of materials, -material_<id>_..., and the law that is made of them: elasticity and heat here,
 /// hardening and damage in files of their own.
@@ -21,6 +20,18 @@ bool wants_moduli(const Material& m, const Scenario& s) {
   return s.has_motion() || s.solves("damage") || given(m.E) || given(m.K);
 }
 
+/// A region that an earlier material has already: what to say of it, "" = none.
+std::string taken_region(const Material& m, const Scenario& s) {
+  for (const Material& other : s.materials) {
+    if (other.id == m.id) break;
+    for (const std::string& region : m.regions)
+      if (std::find(other.regions.begin(), other.regions.end(), region) != other.regions.end())
+        return " \"" + region + "\": is made of material " + other.id +
+               " already; give each region to one material";
+  }
+  return "";
+}
+
 void add_elasticity(MaterialRows& rows) {
   const Interval modulus{0, 1e15, true, false};
   const std::string fallback = "required, or K and G", remedy = "give <>E and <>nu, or <>K and <>G";
@@ -33,6 +44,7 @@ void add_elasticity(MaterialRows& rows) {
   Rows row(rows);
   row.list("region", &Material::regions, "regions of the mesh made of it")
       .otherwise("the id")
+      .barred([](const Material& m, const Scenario& s) { return !taken_region(m, s).empty(); }, taken_region)
       .group_dimension = [](const Material&, int dim) { return dim; };
   Rows of_law(rows, RestartKey::guarded, &Material::law);
   of_law.choice("model", &Law::model,
@@ -157,16 +169,6 @@ void resolve(Material& m, const Scenario& scenario) {
   law.locking = m.locking.value_or(automatic_locking(law, scenario.plane));
 }
 
-void check_regions(const Scenario& scenario) {
-  std::map<std::string, std::string> owner;
-  for (const Material& material : scenario.materials)
-    for (const std::string& region : material.regions)
-      if (const auto [at, fresh] = owner.emplace(region, material.id); !fresh)
-        throw UserError(ExitCode::usage, "-material_" + material.id + "_region \"" + region +
-                                             "\": is made of material " + at->second +
-                                             " already; give each region to one material");
-}
-
 } // namespace
 
 OptionClass<MaterialScenario> material_class() {
@@ -184,7 +186,6 @@ OptionClass<MaterialScenario> material_class() {
     if (m.regions.empty()) m.regions = {m.id};
   };
   table.complete = resolve;
-  table.check = check_regions;
   return table;
 }
 

@@ -145,9 +145,7 @@ void check_solver_name(const std::string& typed, const std::string& prefix, cons
       if (option.key == "-" + typed && lower_case(option.text) == KSPQCG)
         refuse_option(option,
                       "is a search in a trust region and crashes beside most preconditioners; take cg");
-  if (passes ? begins_with(rest, of_passes) && KnownOptions::get().of_solver(rest)
-             : KnownOptions::get().of_solver(rest))
-    return;
+  if ((!passes || begins_with(rest, of_passes)) && KnownOptions::get().of_solver(rest) != nullptr) return;
   if (!option_text(typed)) return;
   std::set<std::string> own;
   for (const std::string& global : legal.globals)

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <impact/input/database.hpp>
-#include <impact/input/interval.hpp>
 #include <impact/input/known_options.hpp>
 #include <impact/input/option_text.hpp>
 #include <impact/input/spelling.hpp>
@@ -65,7 +64,7 @@ void check_value(const GivenOption& option) {
         read_number(option, "", one.range, {}, {});
       return;
     }
-  std::vector<std::string> choices = split_list(KnownOptions::get().allowed(name));
+  const std::vector<std::string> choices = KnownOptions::get().allowed(name);
   const std::string text = lower_case(option.text);
   if (!choices.empty() && std::none_of(choices.begin(), choices.end(),
                                        [&](const std::string& choice) { return lower_case(choice) == text; }))

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <impact/petsc/error.hpp>
-#include <impact/scenario/restart_keys.hpp>
 #include <set>
 #include <sstream>
 

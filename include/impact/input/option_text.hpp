@@ -4,7 +4,6 @@
 #include <functional>
 #include <impact/input/database.hpp>
 #include <impact/input/expression.hpp>
-#include <impact/input/interval.hpp>
 #include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <limits>

@@ -38,9 +38,6 @@ private:
 class Reader {
 public:
   explicit Reader(std::string name);
-  ~Reader();
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
 
   bool has(const std::string& path) const;                      ///< whose group exists
   std::vector<std::string> list(const std::string& path) const; ///< names in a group, sorted; none if missing
@@ -52,11 +49,18 @@ public:
 
 private:
   template <class T> T checked(T code, const std::string& what) const;
-  void read(const std::string& path, hid_t type, void* to) const;
+
+  struct Quiet {
+    H5E_auto2_t printing = nullptr;
+    void* data = nullptr;
+    Quiet();
+    ~Quiet();
+    Quiet(const Quiet&) = delete;
+    Quiet& operator=(const Quiet&) = delete;
+  };
 
   std::string name_;
-  H5E_auto2_t printing_ = nullptr;
-  void* printing_data_ = nullptr;
+  Quiet quiet_; ///< before the file and after it
   Id id_;
 };
 
@@ -82,13 +86,24 @@ struct DataSet {
 /// Rows of `width` numbers each.
 DataSet rows(std::string path, Kind kind, const Slab& slab, std::uint64_t width,
              std::function<std::span<const std::byte>()> mine);
-/// Values that live long enough, of rank 0 alone.
-DataSet whole(MPI_Comm comm, std::string path, const std::string& text);
-DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values);
 
 template <class Numbers> std::span<const std::byte> bytes_of(const Numbers& numbers) {
   return std::as_bytes(std::span(numbers));
 }
+
+/// Values that live long enough, of rank 0 alone.
+template <class Values> DataSet whole(MPI_Comm comm, std::string path, const Values& values) {
+  using Value = typename Values::value_type;
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  constexpr Kind kind = std::is_same_v<Value, char>     ? Kind::character
+                        : std::is_same_v<Value, double> ? Kind::real
+                                                        : Kind::integer;
+  DataSet set{std::move(path), kind, {values.size()}};
+  if (rank == 0) set.mine = [&values] { return bytes_of(values); };
+  return set;
+}
+
 struct Written {
   std::uint64_t bytes = 0, checksum = 0; ///< size and sum of the file, as file_checksum finds them
 };

@@ -19,22 +19,24 @@ struct Snapshot {
   Vec u = nullptr;
 };
 
+/// A field over the mesh.
+struct FieldValues {
+  bool nodal;
+  int components;
+  std::vector<double> values; ///< [local node][component], or of cells [group][batch][component][lane]
+};
+
 /// Fields by name: nodal ones from the state table, cell ones from the law, contact ones from the interfaces.
 class FieldSource {
 public:
   FieldSource(MotionProblem& motion, const StateTable& state) : motion_(motion), state_(state) {}
-  /// Names that this run can give. A field is nodal when is_nodal(name).
-  std::vector<std::string> names() const;
-  static bool is_nodal(const std::string& name);
   /// Throws UserError(usage) for a field that an option asks for and the run cannot give.
   void require(const std::string& key, const std::string& name, bool nodal_only = false) const;
-  /// [local node][components] for nodal names. Collective.
-  std::vector<double> nodal(const std::string& name, const Snapshot& snapshot, int& components) const;
-  /// [group][batch][component][lane] for cell names. Collective.
-  std::vector<double> cellwise(const std::string& name, const Snapshot& snapshot, int& components) const;
+  /// At the solution u, which is committed. Collective.
+  FieldValues values(const std::string& name, Vec u) const;
 
 private:
-  std::vector<double> fatigue_means() const;
+  std::vector<double> cell_means(const std::string& name, int components) const;
 
   MotionProblem& motion_;
   const StateTable& state_;

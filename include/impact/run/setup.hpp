@@ -32,6 +32,13 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& scenario,
 /// scenario names. Collective. Throws UserError.
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario, const GmshFile* file = nullptr);
 
+/// Moves the secondary nodes of contacts that overlap at the start out of their primaries, contact by
+/// contact, and builds everything on the mesh that this makes. What is moved may overlap something else, a
+/// little, or a curved surface by the square of the way: more than one round. Collective. Throws
+/// UserError(data) when that does not end, or when cells have no room for it.
+void adjust_initial_overlaps(const Scenario& scenario, const std::vector<ObstacleBody>& obstacles,
+                             std::unique_ptr<Setup>& setup);
+
 /// Whether neither side of a contact can deform. Collective.
 bool between_rigid_sides(const Setup& setup, const ContactSettings& contact);
 

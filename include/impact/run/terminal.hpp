@@ -1,12 +1,19 @@
 #pragma once
 #include <chrono>
-#include <impact/balance/ledger.hpp>
-#include <impact/run/observers.hpp>
+#include <impact/run/stage.hpp>
 #include <string>
 
-/// A line on the terminal for each accepted step, with the estimated finish.
+/// What a run prints of itself: the head of the log before its first step, and a line for each step.
 namespace impact {
 
+/// Mesh, groups, materials. Collective.
+void report_setup(const Scenario& scenario, const Discretisation& discretisation);
+
+/// Where contact begins, which solvers work, and the memory, with an estimate of the factors of the motion.
+/// Collective.
+void report_solvers(RunStage& stage);
+
+/// A line for each accepted step, with the estimated finish.
 class Progress {
 public:
   Progress(MPI_Comm comm, double t_end);
