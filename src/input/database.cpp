@@ -68,7 +68,7 @@ template <class Visit>
 void follow_option_file(const std::string& file, bool yaml, std::vector<std::string> above,
                         const Visit& visit) {
   const auto refuse = [&](const std::string& reason) { refuse_option({"-options_file", file}, reason); };
-  const bool again = std::find(above.begin(), above.end(), file) != above.end();
+  const bool again = std::ranges::find(above, file) != above.end();
   above.push_back(file);
   if (again) refuse("leads back to itself: " + join(above) + "; remove the line that names it again");
   std::ifstream stream(file);
@@ -122,7 +122,7 @@ std::string explain_unread_files(int argc, const char* const* argv, const std::s
     for (int number = 1; is_yaml(argv[i + 1]) && std::getline(lines, line); ++number) {
       const std::size_t first = line.find_first_not_of(' ');
       if (first == std::string::npos || line[first] == '#' || line.starts_with("---")) continue;
-      const auto count = [&](char c) { return std::count(line.begin(), line.end(), c); };
+      const auto count = [&](char c) { return std::ranges::count(line, c); };
       const char* why = line[first] == '\t' ? "a tab in front; indent with blanks"
                         : line.find(':') == std::string::npos && line[first] != '-' ? "no \"name: value\""
                         : count('[') != count(']') || count('{') != count('}')      ? "a bracket is missing"
@@ -137,8 +137,8 @@ std::string explain_unread_files(int argc, const char* const* argv, const std::s
 
 bool on_command_line(const std::string& name) {
   const std::vector<std::string> words = arguments();
-  return std::any_of(words.begin(), words.end(),
-                     [&](const std::string& word) { return lower_case(word) == "-" + lower_case(name); });
+  return std::ranges::any_of(
+      words, [&](const std::string& word) { return lower_case(word) == "-" + lower_case(name); });
 }
 
 std::vector<std::string> texts_in_files(const std::string& name) {
@@ -195,7 +195,7 @@ std::string find_input_file(MPI_Comm comm, const GivenOption& option) {
         return;
       }
       const std::string text = path.string();
-      if (std::find(looked.begin(), looked.end(), text) == looked.end()) looked.push_back(text);
+      if (std::ranges::find(looked, text) == looked.end()) looked.push_back(text);
     }
     throw UserError(ExitCode::io,
                     option.key + " \"" + option.text + "\": no such file; looked for " + join(looked));

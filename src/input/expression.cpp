@@ -5,7 +5,6 @@
 #include <impact/input/units.hpp>
 #include <impact/petsc/error.hpp>
 #include <sstream>
-#include <stdexcept>
 
 namespace impact {
 
@@ -72,7 +71,7 @@ void parse(mu::Parser& parser, const GivenOption& option, const std::string& par
 }
 
 double LinearTable::operator()(double at) const {
-  const auto above = std::upper_bound(t.begin(), t.end(), at);
+  const auto above = std::ranges::upper_bound(t, at);
   if (above == t.begin()) return value.front();
   if (above == t.end()) return value.back();
   const auto i = static_cast<std::size_t>(above - t.begin());
@@ -88,7 +87,7 @@ LinearTable parse_table(const std::string& csv) {
     const auto fail = [number](const char* reason) {
       throw std::invalid_argument("line " + std::to_string(number) + ": " + reason);
     };
-    line.erase(std::find(line.begin(), line.end(), '#'), line.end());
+    line.erase(std::ranges::find(line, '#'), line.end());
     std::replace_if(
         line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\r'; }, ' ');
     std::istringstream words(line);

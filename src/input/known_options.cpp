@@ -186,7 +186,7 @@ std::string explain(const std::string& message, const std::string& prefix,
     const std::vector<std::string> choices = KnownOptions::get().allowed(option.key.substr(1));
     const bool number = message.find("numeric value") != std::string::npos ||
                         message.find("integer value") != std::string::npos;
-    const bool listed = std::find(choices.begin(), choices.end(), option.text) != choices.end();
+    const bool listed = std::ranges::find(choices, option.text) != choices.end();
     const std::string near = listed ? "" : nearest_name(option.text, choices, 2);
     return option.key + " \"" + option.text + "\": PETSc refuses it (" + message + ")" +
            (near.empty() ? "" : "; did you mean " + near + "?") + "; allowed: " +

@@ -2,7 +2,6 @@
 #include <impact/input/database.hpp>
 #include <muParser.h>
 #include <utility>
-#include <vector>
 
 /// The language that expressions and conditions share.
 namespace impact {

@@ -6,9 +6,7 @@
 #include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <stdexcept>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace impact {
 
@@ -133,8 +131,8 @@ private:
     if (at_ == begin) take('1');
     const std::string_view name = text_.substr(begin, at_ - begin);
     if (name.empty()) fail("a unit is missing");
-    const auto found = std::find_if(all_units().begin(), all_units().end(),
-                                    [&](const auto& unit) { return unit.first == name; });
+    const auto found =
+        std::ranges::find_if(all_units(), [&](const auto& unit) { return unit.first == name; });
     if (found != all_units().end()) return found->second;
     fail("unknown unit '" + std::string(name) + "'" + other_capitals(name));
   }

@@ -1,12 +1,10 @@
 #include "checkpoint_folder.hpp"
 #include "entities.hpp"
 #include <algorithm>
-#include <array>
 #include <csignal>
 #include <cstring>
 #include <impact/io/durable_file.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/handle.hpp>
 #include <impact/petsc/log.hpp>
 #include <petscsf.h>
 #include <sstream>
@@ -67,13 +65,13 @@ std::string row_list(const StateTable& table) {
 
 /// "/state" of a row, "/keys" of a set of entities.
 std::string path_in(const std::string& group, std::string name) {
-  std::replace(name.begin(), name.end(), '/', '_');
+  std::ranges::replace(name, '/', '_');
   return group + "/" + name;
 }
 
 const Entities& set_of(const StateRow& row, const std::vector<Entities>& sets) {
   const std::string name = entities_name(row);
-  return *std::find_if(sets.begin(), sets.end(), [&](const Entities& set) { return set.name == name; });
+  return *std::ranges::find_if(sets, [&](const Entities& set) { return set.name == name; });
 }
 
 /// A row in the order of its entities. The buffer is that of all rows, one after the other.
@@ -124,7 +122,7 @@ GmshFile stored_mesh(const hdf5::Reader& file) {
   const auto next = [&] { return static_cast<int>(*at++); };
   const auto list = [&](int count) {
     std::vector<int> numbers(static_cast<std::size_t>(count));
-    std::generate(numbers.begin(), numbers.end(), next);
+    std::ranges::generate(numbers, next);
     return numbers;
   };
   while (at != blocks.end()) {
@@ -145,8 +143,7 @@ Handle<PetscSF> from_stored(MPI_Comm comm, const std::string& file, const Entiti
   agree_on_errors(comm, [&] {
     const std::vector<double> known = hdf5::Reader(file).numbers(path_in("/keys", set.name));
     place = find_keys(known, set.keys);
-    found = known.size() == 2 * set.slab.all &&
-            std::find(place.begin(), place.end(), PetscInt{-1}) == place.end();
+    found = known.size() == 2 * set.slab.all && std::ranges::find(place, PetscInt{-1}) == place.end();
   });
   if (!all_ranks_agree(comm, found))
     throw UserError(ExitCode::io,

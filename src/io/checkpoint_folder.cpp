@@ -6,7 +6,6 @@
 #include <impact/input/units.hpp>
 #include <impact/io/durable_file.hpp>
 #include <iomanip>
-#include <map>
 #include <set>
 #include <sstream>
 

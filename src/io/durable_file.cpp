@@ -97,7 +97,7 @@ std::vector<std::string> names_in(const std::string& dir) {
   if (error == std::errc::no_such_file_or_directory) return names;
   if (error) throw UserError(ExitCode::io, "cannot read directory " + dir + ": " + error.message());
   for (const auto& entry : entries) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

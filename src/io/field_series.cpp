@@ -72,8 +72,8 @@ void FieldSeries::add_mesh(const XdmfMesh& entry, const std::string& sum) {
 }
 
 void FieldSeries::add_frame(const XdmfFrame& frame) {
-  const auto same = std::find_if(xdmf.frames.begin(), xdmf.frames.end(),
-                                 [&](const XdmfFrame& f) { return f.time == frame.time; });
+  const auto same =
+      std::ranges::find_if(xdmf.frames, [&](const XdmfFrame& f) { return f.time == frame.time; });
   if (same != xdmf.frames.end()) {
     *same = frame;
   } else {
@@ -122,7 +122,7 @@ bool FieldSeries::find_meshes(const std::string& sum, std::string& warning) {
 
 XdmfFrame FieldSeries::read_frame(const std::string& name) const {
   const hdf5::Reader h5(file(name));
-  const auto its_mesh = std::find(sums_.begin(), sums_.end(), h5.text("/mesh"));
+  const auto its_mesh = std::ranges::find(sums_, h5.text("/mesh"));
   if (its_mesh == sums_.end())
     throw UserError(ExitCode::io, "cannot use " + file(name) + ": its mesh is not there");
   XdmfFrame frame{

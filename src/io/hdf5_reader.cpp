@@ -57,7 +57,7 @@ std::vector<std::string> Reader::list(const std::string& path) const {
   };
   const Id group(checked(H5Gopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Gclose);
   checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), path);
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

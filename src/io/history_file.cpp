@@ -96,7 +96,7 @@ std::string HistoryFile::header(const Row& row) const {
 std::string HistoryFile::line(const Row& row) const {
   std::vector<double> values(columns_.size(), std::nan(""));
   for (const auto& [name, value] : row) {
-    const auto found = std::find(columns_.begin(), columns_.end(), name);
+    const auto found = std::ranges::find(columns_, name);
     if (found == columns_.end() && resumed_)
       throw UserError(
           ExitCode::io,

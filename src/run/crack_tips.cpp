@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -46,7 +45,7 @@ public:
     MPI_Comm_size(mesh_.comm(), &ranks);
     std::vector<std::array<double, 5>> all(at(ranks));
     MPI_Allgather(best.data(), 5, MPI_DOUBLE, all.data(), 5, MPI_DOUBLE, mesh_.comm());
-    best = *std::max_element(all.begin(), all.end());
+    best = *std::ranges::max_element(all);
     body = static_cast<int>(best[4]);
     return {-best[1], -best[2], -best[3]};
   }
@@ -113,7 +112,7 @@ private:
 
 int follow_cracks(const Mesh& mesh, const FieldLayout& layout, const std::vector<char>& cracked,
                   const std::vector<double>& before, std::vector<Crack>& known) {
-  const bool none = std::all_of(cracked.begin(), cracked.end(), [](char flag) { return flag == 0; });
+  const bool none = std::ranges::all_of(cracked, [](char flag) { return flag == 0; });
   for (Crack& crack : known) crack.joined = crack.there;
   if (all_ranks_agree(mesh.comm(), none)) return 0;
   const Search search(mesh, layout, cracked);
@@ -121,7 +120,7 @@ int follow_cracks(const Mesh& mesh, const FieldLayout& layout, const std::vector
   for (Crack& crack : known) {
     if (!crack.there) {
       // The first of the largest ones has the smallest coordinates.
-      const int most = *std::max_element(sizes.begin(), sizes.end());
+      const int most = *std::ranges::max_element(sizes);
       if (most == 0) continue;
       int next = -1;
       search.largest(next, [&](int i) { return sizes[at(search.body(i))] == most ? 0 : -HUGE_VAL; });

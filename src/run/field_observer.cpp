@@ -14,24 +14,24 @@ FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scena
                              const Discretisation& discretisation, const FieldSource& source)
     : scenario_(scenario), settings_(output), d_(discretisation), source_(source) {
   for (const std::string& name : output.fields) source.require("-output_" + output.id + "_fields", name);
-  std::sort(settings_.times.begin(), settings_.times.end());
+  std::ranges::sort(settings_.times);
 }
 
 void FieldObserver::open(std::optional<double> resume_after) {
   // Regions are numbered from 1 as the materials name them.
   FieldFile file{scenario_.output_dir + "/" + field_file_name(settings_), scenario_.title,
                  scenario_.units.name, resume_after};
-  std::vector<std::int64_t> by_point(static_cast<std::size_t>(d_.mesh.cell_count()), 0);
+  std::vector<std::int64_t> by_point(at(d_.mesh.cell_count()), 0);
   std::int64_t number = 0;
   for (const MaterialAssignment& m : d_.materials)
     for (const std::string& region : m.regions) {
       file.regions += std::to_string(++number) + " " + region + " " + m.law.parameters.id + "\n";
       for (const PetscInt point : d_.mesh.region_cells(region))
-        by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())] = number;
+        by_point[at(point - d_.mesh.cell_start())] = number;
     }
   for (const CellTable& table : d_.mesh.cells())
     for (const PetscInt point : table.point)
-      file.region.push_back(by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())]);
+      file.region.push_back(by_point[at(point - d_.mesh.cell_start())]);
   file_.emplace(d_.mesh, file);
   if (!file_->warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_->warning().c_str()));
   if (resume_after && settings_.dt > 0)

@@ -29,15 +29,14 @@ void FieldSource::require(const std::string& key, const std::string& name, bool 
                        : !nodal_only && (field.name != std::string("fatigue") || state_.find("fatigue")))
       offered.emplace_back(field.name);
   }
-  if (std::find(offered.begin(), offered.end(), name) == offered.end())
+  if (std::ranges::find(offered, name) == offered.end())
     throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
                                          name + "'; it has: " + join(offered));
 }
 
 FieldValues FieldSource::values(const std::string& name, Vec u) const {
   const auto notes = field_notes();
-  const auto note =
-      std::find_if(notes.begin(), notes.end(), [&](const FieldNote& field) { return name == field.name; });
+  const auto note = std::ranges::find_if(notes, [&](const FieldNote& field) { return name == field.name; });
   if (note != notes.end() && !note->on_nodes)
     return {false, note->components, cell_means(name, note->components)};
   for (const auto& [contact, field] : contact_fields)

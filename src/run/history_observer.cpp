@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/math/rotation.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -17,7 +16,7 @@ namespace {
 constexpr const char* axis[3] = {"x", "y", "z"};
 
 // Reference coordinates of a point in a cell by Newton's method; false when it lies outside.
-template <class Cell> bool locate(const double* X, const double* at, double* N) {
+template <class Cell> bool locate(const double* X, const double* place, double* N) {
   constexpr int dim = Cell::dim;
   typename Cell::Point xi = Cell::centroid();
   for (int it = 0; it < 30; ++it) {
@@ -26,8 +25,8 @@ template <class Cell> bool locate(const double* X, const double* at, double* N) 
     Vector3 r{};
     Matrix3 J = unit_matrix;
     for (int i = 0; i < dim; ++i) {
-      const auto row = static_cast<std::size_t>(3 * i);
-      r[row / 3] = at[i];
+      const std::size_t row = at(3 * i);
+      r[row / 3] = place[i];
       for (std::size_t j = 0; j < dim; ++j) J[row + j] = 0;
       for (std::size_t a = 0; a < Cell::nodes; ++a) {
         const double x = X[static_cast<int>(a) * dim + i];
@@ -46,7 +45,7 @@ template <class Cell> bool locate(const double* X, const double* at, double* N) 
   }
   const auto shape = Cell::N(xi);
   for (int a = 0; a < Cell::nodes; ++a) {
-    N[a] = shape[static_cast<std::size_t>(a)];
+    N[a] = shape[at(a)];
     if (N[a] < -1e-9) return false;
   }
   return true;
@@ -56,8 +55,8 @@ template <class Cell> bool locate(const double* X, const double* at, double* N) 
 std::pair<std::size_t, std::size_t> find_lane(const std::vector<CellGroup>& groups, PetscInt point) {
   std::size_t first = 0;
   for (const CellGroup& group : groups) {
-    const auto found = std::find(group.cell_point.begin(), group.cell_point.end(), point);
-    const auto index = at(found - group.cell_point.begin());
+    const auto found = std::ranges::find(group.cell_point, point);
+    const std::size_t index = at(found - group.cell_point.begin());
     if (found != group.cell_point.end()) return {first + index / lanes, index % lanes};
     first += at(group.batch_count);
   }
@@ -95,8 +94,7 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     const MaterialParameters& p = d.materials[m].law.parameters;
     if (p.damage == Damage::none) continue;
     const int numbers = 4 * scenario_.crack_tips;
-    cracks_.push_back(
-        {m, {}, state.add({"crack_" + p.id, Support::global, numbers}, static_cast<std::size_t>(numbers))});
+    cracks_.push_back({m, {}, state.add({"crack_" + p.id, Support::global, numbers}, at(numbers))});
     for (const std::string& region : d.materials[m].regions) {
       const std::vector<int> more = d.mesh.nodes(region);
       cracks_.back().nodes.insert(cracks_.back().nodes.end(), more.begin(), more.end());
@@ -135,7 +133,7 @@ void HistoryObserver::locate_probes() {
     for (const CellTable& table : d.mesh.cells())
       visit(table.shape, [&]<class Cell>(Cell) {
         for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
-          if ((std::find(listed.begin(), listed.end(), table.point[c]) == listed.end()) != anywhere) continue;
+          if ((std::ranges::find(listed, table.point[c]) == listed.end()) != anywhere) continue;
           const int* const nodes = &table.connectivity[c * Cell::nodes];
           double X[Cell::nodes * Cell::dim];
           for (int a = 0; a < Cell::nodes; ++a)

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
-#include <impact/io/durable_file.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>

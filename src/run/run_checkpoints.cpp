@@ -1,9 +1,5 @@
 #include <filesystem>
-#include <impact/input/database.hpp>
 #include <impact/input/option_text.hpp>
-#include <impact/input/spelling.hpp>
-#include <impact/io/durable_file.hpp>
-#include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/run/run_checkpoints.hpp>
 

@@ -1,10 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
-#include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>
 
@@ -14,7 +12,7 @@ namespace {
 
 // Left of the axis a ring would have a negative volume.
 void check_radii(const Mesh& mesh) {
-  const auto dim = static_cast<std::size_t>(mesh.dim());
+  const std::size_t dim = at(mesh.dim());
   const auto X = mesh.coordinates();
   std::string trouble;
   for (std::size_t i = 0; i < X.size() && trouble.empty(); i += dim)
@@ -196,7 +194,7 @@ bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {
   for (const std::string& side : {contact.secondary, contact.primary}) {
     if (ContactSettings::rigid_name(side)) continue;
     for (int node : setup.discretisation.mesh.nodes(side))
-      if (setup.rigid.body_of_node()[static_cast<std::size_t>(node)] < 0) deformable = 1;
+      if (setup.rigid.body_of_node()[at(node)] < 0) deformable = 1;
   }
   MPI_Allreduce(MPI_IN_PLACE, &deformable, 1, MPI_INT, MPI_MAX, setup.discretisation.mesh.comm());
   return deformable == 0;

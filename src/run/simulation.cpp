@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/run/energy_watch.hpp>
 #include <impact/run/output_folder.hpp>
@@ -8,7 +7,6 @@
 #include <impact/run/stop_requests.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/petsc_options.hpp>
-#include <impact/time/types.hpp>
 
 namespace impact {
 
@@ -61,7 +59,6 @@ private:
   Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
   void reject(const Attempt& attempt);
   void accept(const Attempt& attempt);
-  void note_solved(const StepCounts& counts);
   void write_fields(bool last);
   void write_checkpoint(const StepControlState& control);
   void save_end(const StepControlState& control);
@@ -189,20 +186,16 @@ void Simulation::accept(const Attempt& attempt) {
   const HistoryFile::Row columns = history_.watch(snapshot_, counts);
   write_fields(false);
   progress_.line(snapshot_, counts, stage_.ledger, stage_.setup->contacts.active(snapshot_.u));
-  note_solved(counts);
-  const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
-  ended_by_ = stops_.ask(columns);
-  stopped_by_ = request.stop;
-  if (request.checkpoint || !ended_by_.empty()) write_checkpoint(step_control_state(stage_.ts));
-  if (!stopped_by_.empty() || !ended_by_.empty()) check(TSSetConvergedReason(stage_.ts, TS_CONVERGED_USER));
-}
-
-void Simulation::note_solved(const StepCounts& counts) {
   std::vector<std::string> solved;
   if (counts.linear > 0) solved.emplace_back("motion");
   if (counts.damage_linear > 0) solved.emplace_back("damage");
   if (counts.heat_linear > 0) solved.emplace_back("heat");
   unread_.judge(solved);
+  const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
+  ended_by_ = stops_.ask(columns);
+  stopped_by_ = request.stop;
+  if (request.checkpoint || !ended_by_.empty()) write_checkpoint(step_control_state(stage_.ts));
+  if (!stopped_by_.empty() || !ended_by_.empty()) check(TSSetConvergedReason(stage_.ts, TS_CONVERGED_USER));
 }
 
 // A full disk costs field output, not the run.

@@ -2,8 +2,6 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/input/database.hpp>
-#include <impact/petsc/error.hpp>
-#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/petsc/shared_cores.hpp>
 #include <impact/run/terminal.hpp>
@@ -20,7 +18,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   constexpr std::size_t shapes = 4;
   std::vector<int> found(d.materials.size() * shapes, 0);
   for (const CellGroup& group : d.groups)
-    found[static_cast<std::size_t>(group.material) * shapes + static_cast<std::size_t>(group.shape)] = 1;
+    found[at(group.material) * shapes + static_cast<std::size_t>(group.shape)] = 1;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const PointLaw& law = d.materials[i / shapes].law;
@@ -179,7 +177,7 @@ void report_late(MPI_Comm comm, const Scenario& s) {
           option.c_str(), value, end, steps));
   };
   const auto latest = [](const std::vector<double>& times) {
-    return times.empty() ? 0 : *std::max_element(times.begin(), times.end());
+    return times.empty() ? 0 : *std::ranges::max_element(times);
   };
   for (const OutputScenario& output : s.outputs) {
     const std::string key = "output_" + output.id;

@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 
@@ -52,8 +53,7 @@ std::string groups_text(const std::vector<Group>& groups) {
 /// `dim`: that the group must have, 0 for any.
 void check_group(const std::string& option, const std::string& name, int dim,
                  const std::vector<Group>& groups) {
-  const auto found =
-      std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == name; });
+  const auto found = std::ranges::find_if(groups, [&](const Group& g) { return g.name == name; });
   const std::string has = "; mesh has: " + groups_text(groups);
   if (found == groups.end())
     throw UserError(ExitCode::data, option + " \"" + name + "\": no such physical group" + has);

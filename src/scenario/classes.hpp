@@ -1,7 +1,5 @@
 #pragma once
 #include "rows.hpp"
-#include <impact/scenario/scenario.hpp>
-#include <map>
 
 /// The tables of all options: the only list of what there is. One file declares the options of one class,
 /// with what they demand of others.
@@ -66,10 +64,9 @@ template <class Any, class Visit> void for_each_target(Any& scenario, const Visi
   visit(global_rows(), scenario, std::string());
 }
 
-/// "tip" and "gap_tol": contact_tip_gap_tol.
-template <class Struct>
-std::string option_name(const OptionClass<Struct>& table, const std::string& id, const std::string& row) {
-  return table.word + "_" + id + (row.empty() ? "" : "_") + row;
+/// "contact", "tip" and "gap_tol": contact_tip_gap_tol.
+inline std::string option_name(const std::string& word, const std::string& id, const std::string& row) {
+  return word + "_" + id + (row.empty() ? "" : "_") + row;
 }
 
 std::optional<GivenOption> given_option(const std::string& name);

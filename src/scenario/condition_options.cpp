@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 
 /// The options of boundary and initial conditions, -bc_<id>_... and -ic_<id>_...
 namespace impact {
@@ -37,8 +38,7 @@ const ConditionKind kinds[] = {
 };
 
 const ConditionKind& kind_of(const Bc& bc) {
-  return *std::find_if(std::begin(kinds), std::end(kinds),
-                       [&](const ConditionKind& kind) { return kind.type == bc.type; });
+  return *std::ranges::find_if(kinds, [&](const ConditionKind& kind) { return kind.type == bc.type; });
 }
 
 bool is_by(const Bc& bc, By by) { return kind_of(bc).by == by; }

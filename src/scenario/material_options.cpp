@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <cmath>
 
 /// The options of materials, -material_<id>_..., and the law that is made of them: elasticity and heat here,
@@ -25,7 +26,7 @@ std::string taken_region(const Material& m, const Scenario& s) {
   for (const Material& other : s.materials) {
     if (other.id == m.id) break;
     for (const std::string& region : m.regions)
-      if (std::find(other.regions.begin(), other.regions.end(), region) != other.regions.end())
+      if (std::ranges::find(other.regions, region) != other.regions.end())
         return " \"" + region + "\": is made of material " + other.id +
                " already; give each region to one material";
   }
@@ -66,8 +67,7 @@ void add_elasticity(MaterialRows& rows) {
       .needed([](const Material& m) { return given(m.c_mass); }, "<>c_v is given per mass")
       .needed(
           [](const Material&, const Scenario& s) {
-            return std::any_of(s.bcs.begin(), s.bcs.end(),
-                               [](const auto& bc) { return bc.type == BcType::body_force; });
+            return std::ranges::any_of(s.bcs, [](const auto& bc) { return bc.type == BcType::body_force; });
           },
           "needed by a body force")
       .needed([](const Material&, const Scenario& s) { return s.has_inertia(); },
@@ -113,8 +113,8 @@ void add_heat(MaterialRows& rows) {
       .needed(
           [](const Material& m, const Scenario& s) {
             return s.solves("heat") && !m.has_capacity() &&
-                   std::any_of(s.materials.begin(), s.materials.end(),
-                               [](const Material& other) { return other.has_capacity(); });
+                   std::ranges::any_of(s.materials,
+                                       [](const Material& other) { return other.has_capacity(); });
           },
           "allowed: a heat capacity > 0; other materials have one, and heat is solved in all of them")
       .read = read_capacity;

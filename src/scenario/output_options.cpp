@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <impact/input/condition.hpp>
 #include <impact/scenario/columns.hpp>
 
@@ -16,9 +17,7 @@ std::vector<std::string> all_fields() {
   return names;
 }
 
-template <class List, class Is> bool any(const List& list, Is is) {
-  return std::any_of(list.begin(), list.end(), is);
-}
+template <class List, class Is> bool any(const List& list, Is is) { return std::ranges::any_of(list, is); }
 
 /// All fields that the physics has, but for the acceleration.
 std::vector<std::string> usual_fields(const Scenario& s) {
@@ -51,7 +50,7 @@ void complete_output(Output& output, const Scenario& scenario) {
 /// The output before this one that writes the same file; null: none.
 const Output* rival(const Output& output, const Scenario& s) {
   const auto same = [&](const Output& other) { return other.file == output.file; };
-  const auto first = std::find_if(s.outputs.begin(), s.outputs.end(), same);
+  const auto first = std::ranges::find_if(s.outputs, same);
   return first != s.outputs.end() && first->id != output.id ? &*first : nullptr;
 }
 

@@ -28,7 +28,7 @@ std::string class_text(const OptionClass<Struct>& table, const Scenario& scenari
   std::vector<std::string> ids;
   std::string lines;
   const auto add = [&](const std::string& name, const std::string& text) {
-    if (!text.empty()) lines += option_line(option_name(table, ids.back(), name), text);
+    if (!text.empty()) lines += option_line(option_name(table.word, ids.back(), name), text);
   };
   for (const Struct& one : scenario.*table.member) {
     ids.push_back(one.id);

@@ -1,10 +1,7 @@
 #pragma once
 #include <algorithm>
-#include <functional>
 #include <impact/input/option_text.hpp>
-#include <impact/input/spelling.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <optional>
 
 /// The option tables: a row is all that is said of one option. From it come reading, range check, `-help`,
 /// reference page, echo, the class at a restart, and what the option demands of others and of the mesh.

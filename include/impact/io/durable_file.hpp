@@ -1,7 +1,5 @@
 #pragma once
-#include <cstdint>
 #include <impact/io/checksum.hpp>
-#include <string>
 #include <vector>
 
 /// Files that a kill, a full disk or a flipped bit cannot turn into wrong ones: replaced in one step, written

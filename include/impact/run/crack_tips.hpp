@@ -1,7 +1,5 @@
 #pragma once
-#include <array>
 #include <impact/mesh/bodies.hpp>
-#include <vector>
 
 /// Cracks and their tips: a crack is a set of nodes with phi above a level that cells join, on any ranks.
 namespace impact {

@@ -1,11 +1,7 @@
 #pragma once
 #include <impact/balance/ledger.hpp>
 #include <impact/io/field_output.hpp>
-#include <impact/io/history_file.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <impact/solve/step_record.hpp>
-#include <optional>
-#include <vector>
 
 /// Watchers of accepted steps: field files, the history file, probes and measures. Reads committed state
 /// only.

@@ -2,12 +2,8 @@
 #include <impact/contact/contact_set.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/problem/boundary_data.hpp>
-#include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <impact/run/obstacle_body.hpp>
-#include <impact/scenario/scenario.hpp>
-#include <memory>
-#include <vector>
 
 /// All that hangs on a mesh: laws, state, boundary data and contacts of a scenario, on the ranks at hand.
 namespace impact {

@@ -1,5 +1,4 @@
 #pragma once
-#include <impact/balance/ledger.hpp>
 #include <impact/io/checkpoint.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/setup.hpp>

@@ -1,7 +1,6 @@
 #pragma once
 #include <chrono>
 #include <impact/run/stage.hpp>
-#include <string>
 
 /// What a run prints of itself: the head of the log before its first step, and a line for each step.
 namespace impact {

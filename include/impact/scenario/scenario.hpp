@@ -2,15 +2,10 @@
 #include <algorithm>
 #include <impact/contact/settings.hpp>
 #include <impact/input/units.hpp>
-#include <impact/material/parameters.hpp>
 #include <impact/problem/boundary_conditions.hpp>
 #include <impact/problem/settings.hpp>
-#include <limits>
 #include <map>
-#include <optional>
 #include <petscsys.h>
-#include <string>
-#include <vector>
 
 /// Everything one run is told, read once from the options database, complete, validated and printable.
 /// Nobody reads our keys after it (PETSc's own objects read theirs under their prefixes).
