@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <impact/io/durable_file.hpp>
 #include <iomanip>
@@ -107,10 +108,8 @@ Checkpoint shared(MPI_Comm comm, const std::string& file, const std::string& man
 
 } // namespace
 
-std::string in_one_line(std::string lines) {
-  if (!lines.empty()) lines.pop_back();
-  for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos;) lines.replace(at, 1, "; ");
-  return lines;
+std::string in_one_line(const std::string& lines) {
+  return replaced(lines.substr(0, lines.find_last_not_of('\n') + 1), "\n", "; ");
 }
 
 std::string next_checkpoint_file(const std::string& dir) {
@@ -120,9 +119,6 @@ std::string next_checkpoint_file(const std::string& dir) {
 }
 
 void publish_checkpoint(const Checkpoint& checkpoint, const hdf5::Written& written) {
-  rename_file(checkpoint.file + ".tmp", checkpoint.file);
-  // Makes both names last. Had the disk only the manifest after a crash, the checkpoint would count as
-  // damaged and the one before, which is removed later, as the newest.
   replace_file(manifest_of(checkpoint.file).string(), manifest_text(checkpoint, written));
 }
 

@@ -101,21 +101,17 @@ void FieldOutput::write_mesh(const FieldMesh& stored, const FieldFile& request) 
       stored.mixed || stored.cells.all == 0 ? 1 : stored.numbers.all / stored.cells.all;
   const std::vector<double> cell_count{static_cast<double>(stored.cells.all)};
   std::vector<hdf5::DataSet> sets{
-      hdf5::rows("/geometry", hdf5::Kind::real, stored.nodes, 3,
-                 [&] { return hdf5::bytes_of(stored.points); }),
-      hdf5::rows("/topology", hdf5::Kind::integer, stored.mixed ? stored.numbers : stored.cells, width,
-                 [&] { return hdf5::bytes_of(stored.topology); }),
+      hdf5::rows("/geometry", stored.nodes, 3, stored.points),
+      hdf5::rows("/topology", stored.mixed ? stored.numbers : stored.cells, width, stored.topology),
       hdf5::whole(comm, "/cells", stored.entry.cell_type), hdf5::whole(comm, "/cell_count", cell_count),
       hdf5::whole(comm, "/checksum", stored.sum)};
   if (stored.entry.regions) {
-    sets.push_back(hdf5::rows("/region", hdf5::Kind::integer, stored.cells, 1,
-                              [&] { return hdf5::bytes_of(request.region); }));
+    sets.push_back(hdf5::rows("/region", stored.cells, 1, request.region));
     sets.push_back(hdf5::whole(comm, "/regions", request.regions));
   }
   const std::string name = broadcast(comm, series_->next_mesh_name());
   hdf5::write_file(comm, series_->file(name), sets);
   on_rank_zero(comm, [&] {
-    rename_durably(series_->file(name) + ".tmp", series_->file(name));
     XdmfMesh entry = stored.entry;
     entry.file = series_->relative(name);
     series_->add_mesh(entry, stored.sum);
@@ -192,7 +188,6 @@ void FieldOutput::write(double time, const std::vector<Field>& fields) {
   sets.push_back(hdf5::whole(comm, "/time", times));
   hdf5::write_file(comm, series_->file(name), sets);
   on_rank_zero(comm, [&] {
-    rename_durably(series_->file(name) + ".tmp", series_->file(name));
     frame.file = series_->relative(name);
     series_->add_frame(frame);
   });

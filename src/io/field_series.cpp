@@ -1,7 +1,6 @@
 #include "field_series.hpp"
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <impact/io/durable_file.hpp>
 #include <impact/io/hdf5_file.hpp>
@@ -13,14 +12,6 @@
 namespace impact {
 
 namespace {
-
-std::string file_of_frame(int number) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06d.h5", number);
-  return name;
-}
-
-std::string file_of_mesh(int number) { return "mesh_" + std::to_string(number) + ".h5"; }
 
 /// The name of a file in our folder is "000012.h5" or "mesh_0.h5", or one of these with the ending of a file
 /// that was not finished or set aside. Other names have the number -1.
@@ -56,12 +47,13 @@ std::string FieldSeries::relative(const std::string& name) const {
   return std::filesystem::path(folder()).filename().string() + "/" + name;
 }
 
-std::string FieldSeries::next_mesh_name() const { return file_of_mesh(next_mesh_); }
+std::string FieldSeries::next_mesh_name() const { return "mesh_" + std::to_string(next_mesh_) + ".h5"; }
 
 std::string FieldSeries::frame_name(double time) const {
   for (const XdmfFrame& frame : xdmf.frames)
     if (frame.time == time) return std::filesystem::path(frame.file).filename().string();
-  return file_of_frame(next_frame_);
+  const std::string digits = std::to_string(next_frame_);
+  return std::string(6 - std::min<std::size_t>(6, digits.size()), '0') + digits + ".h5";
 }
 
 void FieldSeries::add_mesh(const XdmfMesh& entry, const std::string& sum) {

@@ -171,6 +171,7 @@ Written write_file(MPI_Comm comm, const std::string& name, const std::vector<Dat
       out.sync(); // on each rank what its node holds
     });
     MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+    on_rank_zero(comm, [&] { rename_durably(temporary, name); });
     return {layout.at.back(), sum};
   } catch (...) {
     if (rank == 0) {

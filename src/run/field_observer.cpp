@@ -6,10 +6,6 @@
 
 namespace impact {
 
-std::string field_file_name(const OutputScenario& output) {
-  return output.file.empty() ? output.id + ".xdmf" : output.file;
-}
-
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
                              const Discretisation& discretisation, const FieldSource& source)
     : scenario_(scenario), settings_(output), d_(discretisation), source_(source) {
@@ -19,8 +15,8 @@ FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scena
 
 void FieldObserver::open(std::optional<double> resume_after) {
   // Regions are numbered from 1 as the materials name them.
-  FieldFile file{scenario_.output_dir + "/" + field_file_name(settings_), scenario_.title,
-                 scenario_.units.name, resume_after};
+  FieldFile file{scenario_.output_dir + "/" + settings_.file, scenario_.title, scenario_.units.name,
+                 resume_after};
   std::vector<std::int64_t> by_point(at(d_.mesh.cell_count()), 0);
   std::int64_t number = 0;
   for (const MaterialAssignment& m : d_.materials)

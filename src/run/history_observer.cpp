@@ -79,7 +79,7 @@ bool marks_cycle(double time, double period, int every) {
 
 std::string history_file_name(const Scenario& scenario) {
   for (const OutputScenario& output : scenario.outputs)
-    if (output.type == OutputScenario::Type::csv && !output.file.empty()) return output.file;
+    if (output.type == OutputScenario::Type::csv) return output.file;
   return "history.csv";
 }
 

@@ -91,21 +91,22 @@ double softer_modulus(const Discretisation& d) {
   return std::isinf(softest) ? 0 : softest;
 }
 
+// A number that depends on time alone.
+std::function<double(double)> over_time(const Expression& expression, int dim) {
+  return [=](double t) {
+    const std::array<double, 3> origin{};
+    return expression(origin.data(), dim, t);
+  };
+}
+
 ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
   ContactSet contacts;
   for (const ContactScenario& contact : s.contacts) {
     ContactSettings settings = contact;
     for (std::size_t k = 0; k < 3; ++k)
       if (const auto& u = contact.rigid_u[k]; u && contact.carrier.empty())
-        settings.rigid_motion[k] = [u = *u, dim = d.dim()](double t) {
-          const std::array<double, 3> origin{};
-          return u(origin.data(), dim, t);
-        };
-    if (const auto& theta = contact.temperature)
-      settings.rigid_temperature = [theta = *theta, dim = d.dim()](double t) {
-        const std::array<double, 3> origin{};
-        return theta(origin.data(), dim, t);
-      };
+        settings.rigid_motion[k] = over_time(*u, d.dim());
+    if (contact.temperature) settings.rigid_temperature = over_time(*contact.temperature, d.dim());
     ContactEnvironment environment;
     environment.frame = d.frame;
     environment.thickness = d.thickness;

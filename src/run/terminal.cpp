@@ -260,13 +260,6 @@ void report_solvers(RunStage& stage) {
       PetscPrintf(comm, "memory: %.3g MB on the fullest rank before the first step%s\n", 1e-6 * bytes, text));
 }
 
-Progress::Progress(MPI_Comm comm, double t_end)
-    : comm_(comm), t_end_(t_end), start_(std::chrono::steady_clock::now()) {}
-
-double Progress::wall() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-}
-
 void Progress::header() const { check(PetscPrintf(comm_, "%s\n", terminal_heads().c_str())); }
 
 void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledger, int active) {

@@ -8,11 +8,6 @@ namespace impact {
 
 namespace {
 
-void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-}
-
 /// Throws UserError(usage) by the first rule that speaks, of those about absence or of the others.
 template <class Struct>
 void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target, const std::string& prefix,
@@ -23,12 +18,12 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
     for (const OptionRule<Struct>& rule : row.rules) {
       std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
       if (words.empty()) continue;
-      replace_all(words, "<>", "-" + prefix);
-      replace_all(words, "{material}", scenario.materials.front().id);
+      words = replaced(words, "<>", "-" + prefix);
+      words = replaced(words, "{material}", scenario.materials.front().id);
       for (const OptionRow<Struct>& other : rows)
-        replace_all(words, "{" + other.name + "}", other.text(target));
+        words = replaced(words, "{" + other.name + "}", other.text(target));
       for (const OptionRow<Scenario>& other : global_rows())
-        replace_all(words, "{" + other.name + "}", other.text(scenario));
+        words = replaced(words, "{" + other.name + "}", other.text(scenario));
       const std::string key = rule.of == Of::other ? "" : "-" + prefix + row.name;
       throw UserError(ExitCode::usage, key +
                                            (of_absence             ? ": missing; "

@@ -98,10 +98,7 @@ std::vector<Section> sections() {
   return all;
 }
 
-std::string in_table(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
-  return text;
-}
+std::string in_table(const std::string& text) { return replaced(text, "|", "\\|"); }
 
 std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
 

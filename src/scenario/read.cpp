@@ -151,8 +151,7 @@ std::vector<std::string> read_ids(const std::string& registry) {
 }
 
 bool Scenario::solves(const std::string& name) const {
-  if (physics.empty()) return name == "motion" || name == "damage" || name == "heat";
-  return std::ranges::find(physics, name) != physics.end();
+  return physics.empty() || std::ranges::find(physics, name) != physics.end();
 }
 
 bool Scenario::has_heat() const {

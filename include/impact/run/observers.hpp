@@ -62,8 +62,6 @@ bool marks_cycle(double time, double period, int every);
 
 /// Name of the history file below -output_dir: that of the first csv output, else history.csv.
 std::string history_file_name(const Scenario& scenario);
-/// Name of the .xdmf of an output below -output_dir.
-std::string field_file_name(const OutputScenario& output);
 
 class HistoryObserver {
 public:

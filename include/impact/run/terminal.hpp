@@ -1,5 +1,4 @@
 #pragma once
-#include <chrono>
 #include <impact/run/stage.hpp>
 
 /// What a run prints of itself: the head of the log before its first step, and a line for each step.
@@ -15,17 +14,16 @@ void report_solvers(RunStage& stage);
 /// A line for each accepted step, with the estimated finish.
 class Progress {
 public:
-  Progress(MPI_Comm comm, double t_end);
+  Progress(MPI_Comm comm, double t_end) : comm_(comm), t_end_(t_end), start_(MPI_Wtime()) {}
   void header() const;
   void line(const Snapshot& at, const StepCounts& counts, const Ledger& ledger, int active_points);
-  double wall() const;                      ///< seconds since construction
-  static std::string clock(double seconds); ///< h:mm:ss or m:ss
+  double wall() const { return MPI_Wtime() - start_; } ///< seconds since construction
+  static std::string clock(double seconds);            ///< h:mm:ss or m:ss
 
 private:
   MPI_Comm comm_;
   double t_end_;
-  std::chrono::steady_clock::time_point start_;
-  double first_time_ = -1;
+  double start_, first_time_ = -1;
 };
 
 } // namespace impact
