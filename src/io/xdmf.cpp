@@ -1,32 +1,20 @@
 #include "field_series.hpp"
+#include <algorithm>
+#include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 
 namespace impact {
 
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-    case '&':
-      out += "&amp;";
-      break;
-    case '<':
-      out += "&lt;";
-      break;
-    case '>':
-      out += "&gt;";
-      break;
-    case '"':
-      out += "&quot;";
-      break;
-    case '\n':
-      out += "&#10;";
-      break;
-    default:
-      out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
-    }
-  return out;
+std::string escaped(std::string text) {
+  using Pair = std::pair<const char*, const char*>;
+  for (const auto& [from, to] :
+       {Pair("&", "&amp;"), Pair("<", "&lt;"), Pair(">", "&gt;"), Pair("\"", "&quot;"), Pair("\n", "&#10;")})
+    text = replaced(std::move(text), from, to);
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 32; }, ' ');
+  return text;
 }
 
 std::string item(const std::string& file, const std::string& dataset, const std::string& extent, bool real) {

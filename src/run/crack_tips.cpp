@@ -65,7 +65,7 @@ public:
                      [&](int i) { return phi(i) < most - 0.01 ? -HUGE_VAL : distance2(place(i), other); });
     };
     const Place a = end(largest(body, phi)), b = end(a);
-    const auto [depth_a, depth_b] = depths(a, b);
+    const double depth_a = depth(a), depth_b = depth(b);
     if (std::abs(depth_a - depth_b) > 1e-3 * mesh_.smallest_edge()) return depth_a < depth_b ? a : b;
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
@@ -73,24 +73,19 @@ public:
     return a[axis] <= b[axis] ? a : b;
   }
 
-  // How far two places lie inside the box around the mesh. Collective.
-  std::array<double, 2> depths(const Place& a, const Place& b) const {
-    const auto dim = at(mesh_.dim());
+  // How far a place lies inside the box around the mesh. Collective.
+  double depth(const Place& a) const {
     std::array<double, 6> box; // -least, largest
     box.fill(-HUGE_VAL);
-    for (int i = 0; i < mesh_.node_count(); ++i) {
-      const Place x = place(i);
+    for (int i = 0; i < mesh_.node_count(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
-        box[k] = std::max(box[k], -x[k]);
-        box[3 + k] = std::max(box[3 + k], x[k]);
+        box[k] = std::max(box[k], -place(i)[k]);
+        box[3 + k] = std::max(box[3 + k], place(i)[k]);
       }
-    }
     max_over_ranks(mesh_.comm(), box);
-    std::array<double, 2> depth{HUGE_VAL, HUGE_VAL};
-    for (std::size_t k = 0; k < dim; ++k) {
-      depth[0] = std::min({depth[0], a[k] + box[k], box[3 + k] - a[k]});
-      depth[1] = std::min({depth[1], b[k] + box[k], box[3 + k] - b[k]});
-    }
+    double depth = HUGE_VAL;
+    for (std::size_t k = 0; k < at(mesh_.dim()); ++k)
+      depth = std::min({depth, a[k] + box[k], box[3 + k] - a[k]});
     return depth;
   }
 
