@@ -22,6 +22,8 @@ void add(const EnergySums& sums, int used, MaterialEnergies& to) {
   for (int k = 0; k < 3; ++k) to.momentum[k] += lane_sum(sums.momentum[k], used);
 }
 
+bool damages(const PointLaw& law) { return law.parameters.damage != Damage::none; }
+
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {
   double most[4] = {0, 0, 0, 0};
   const auto largest = [&](const StateRow* row, double& peak) {
@@ -32,10 +34,7 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   largest(rows.theta, most[2]);
   largest(rows.fatigue, most[3]);
   const std::vector<double>& history = trial ? rows.history.trial : rows.history.committed;
-  const auto components = static_cast<std::size_t>(history_size(d.frame));
-  const auto of_alpha = static_cast<std::size_t>(history_alpha(d.frame));
-  for (std::size_t i = of_alpha * lanes; i < history.size(); i += components * lanes)
-    for (std::size_t l = 0; l < lanes; ++l) most[1] = std::max(most[1], history[i + l]);
+  most[1] = largest_alpha(d.frame, history);
   MPI_Allreduce(MPI_IN_PLACE, most, 4, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
   energies.phi_max = most[0];
   energies.alpha_max = most[1];
@@ -56,55 +55,43 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   const auto half = [trial](const StateRow& row) -> const std::vector<double>& {
     return trial ? row.trial : row.committed;
   };
-  const std::vector<double>& history = half(rows.history);
-  const std::vector<double>& drive = half(rows.drive);
-  const auto offset = point_offsets(d.groups, history_size(d.frame)), one = point_offsets(d.groups, 1),
-             drive_offset = point_offsets(d.groups, drive_size);
   const std::vector<double> places = reference_places(d);
   Energies energies;
   energies.of.resize(d.materials.size());
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    MaterialEnergies& mine = energies.of[static_cast<std::size_t>(group.material)];
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, places), at(group, b, u_local), speed(group, b, v_local);
-        std::optional<Gathered<Cell, 1>> phi, theta;
-        if (rows.phi) phi.emplace(group, b, half(*rows.phi));
-        if (rows.theta) theta.emplace(group, b, half(*rows.theta));
-        PointValues<Cell, history_size(frame)> points;
-        points.load(history, offset[g], b);
-        EnergyInput in;
-        in.X = X.data();
-        in.u = at.data();
-        in.v = v ? speed.data() : nullptr;
-        in.phi = rows.phi ? phi->data() : nullptr;
-        in.theta = rows.theta ? theta->data() : nullptr;
-        in.history = points.data();
-        PointValues<Cell, 1> fatigue;
-        if (rows.fatigue) {
-          fatigue.load(half(*rows.fatigue), one[g], b);
-          in.fatigue = fatigue.data();
-        }
-        PointValues<Cell, drive_size> driven;
-        if (law.softens()) {
-          driven.load(drive, drive_offset[g], b);
-          in.drive = driven.data();
-        }
-        EnergySums sums;
-        stored_energy<Cell, frame>(law, in, sums);
-        const int used = group.lanes_in_use(b);
-        add(sums, used, mine);
-        if (!rows.theta) continue;
-        HeatSums heat;
-        stored_heat<Cell, frame>(law, in, heat);
-        mine.thermal += lane_sum(heat.energy, used);
-        mine.entropy += lane_sum(heat.entropy, used);
-      }
-    });
-  }
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    MaterialEnergies& mine = energies.of[batch.material()];
+    const auto X = batch.vectors(places), at = batch.vectors(u_local), speed = batch.vectors(v_local);
+    std::optional<NodalValues> phi, theta;
+    if (rows.phi) phi = batch.scalars(half(*rows.phi));
+    if (rows.theta) theta = batch.scalars(half(*rows.theta));
+    auto points = batch.histories();
+    batch.load(half(rows.history), points);
+    EnergyInput in;
+    in.X = X.data();
+    in.u = at.data();
+    in.v = v ? speed.data() : nullptr;
+    in.phi = rows.phi ? phi->data() : nullptr;
+    in.theta = rows.theta ? theta->data() : nullptr;
+    in.history = points.data();
+    auto fatigue = batch.points<1>();
+    if (rows.fatigue) {
+      batch.load(half(*rows.fatigue), fatigue);
+      in.fatigue = fatigue.data();
+    }
+    auto driven = batch.points<drive_size>();
+    if (batch.law.softens()) {
+      batch.load(half(rows.drive), driven);
+      in.drive = driven.data();
+    }
+    EnergySums sums;
+    batch.kernels.stored_energy(batch.law, in, sums);
+    add(sums, batch.used(), mine);
+    if (!rows.theta) return;
+    HeatSums heat;
+    batch.kernels.stored_heat(batch.law, in, heat);
+    mine.thermal += batch.sum(heat.energy);
+    mine.entropy += batch.sum(heat.entropy);
+  });
   static_assert(sizeof(MaterialEnergies) == 10 * sizeof(double));
   MPI_Allreduce(MPI_IN_PLACE, energies.of.data(), static_cast<int>(10 * energies.of.size()), MPI_DOUBLE,
                 MPI_SUM, d.mesh.comm());
@@ -124,46 +111,34 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
 }
 
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {
-  const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
-             drive_at = point_offsets(d.groups, drive_size), at = point_offsets(d.groups, 1);
   const std::vector<double> places = reference_places(d);
   const std::size_t materials = d.materials.size();
   DamageLosses losses;
   losses.by_damage.resize(materials);
   losses.by_exchange.resize(materials);
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    if (law.parameters.damage == Damage::none) continue;
-    const auto material = static_cast<std::size_t>(group.material);
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, places);
-        PointValues<Cell, 1> by_damage, all, exchanged;
-        by_damage.load(step.damage_dissipation, at[g], b);
-        all = by_damage;
-        const int used = group.lanes_in_use(b);
-        losses.by_damage[material] += lane_sum(cell_integral<Cell, frame>(X.data(), by_damage.data()), used);
-        if (law.exchanges()) {
-          all.load(step.dissipation, at[g], b);
-          const Gathered<Cell, 1> now(group, b, rows.phi->trial), before(group, b, rows.phi->committed);
-          PointValues<Cell, history_size(frame)> flowed, flowed_n;
-          PointValues<Cell, drive_size> driving;
-          flowed.load(rows.history.trial, flow_at[g], b);
-          flowed_n.load(rows.history.committed, flow_at[g], b);
-          driving.load(rows.drive.trial, drive_at[g], b);
-          plastic_exchange<Cell, frame>(
-              law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
-              exchanged.data());
-          losses.by_exchange[material] +=
-              lane_sum(cell_integral<Cell, frame>(X.data(), exchanged.data()), used);
-          for (std::size_t q = 0; q < all.value.size(); ++q) all.value[q] += exchanged.value[q];
-        }
-        for (const Batch& at_point : all.value)
-          for (int l = 0; l < used; ++l) losses.least = std::min(losses.least, at_point[l]);
-      }
-    });
-  }
+  for_each_batch(d, damages, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(places);
+    const auto by_damage = batch.load<1>(step.damage_dissipation);
+    auto all = by_damage;
+    losses.by_damage[batch.material()] += batch.sum(batch.kernels.cell_integral(X.data(), by_damage.data()));
+    if (batch.law.exchanges()) {
+      batch.load(step.dissipation, all);
+      const auto now = batch.scalars(rows.phi->trial), before = batch.scalars(rows.phi->committed);
+      const auto driving = batch.load<drive_size>(rows.drive.trial);
+      auto flowed = batch.histories(), flowed_n = batch.histories();
+      auto exchanged = batch.points<1>();
+      batch.load(rows.history.trial, flowed);
+      batch.load(rows.history.committed, flowed_n);
+      batch.kernels.plastic_exchange(
+          batch.law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
+          exchanged.data());
+      losses.by_exchange[batch.material()] +=
+          batch.sum(batch.kernels.cell_integral(X.data(), exchanged.data()));
+      for (int q = 0; q < all.size; ++q) all.value[q] += exchanged.value[q];
+    }
+    for (const Batch& at_point : all.all())
+      for (int l = 0; l < batch.used(); ++l) losses.least = std::min(losses.least, at_point[l]);
+  });
   for (std::vector<double>* sums : {&losses.by_damage, &losses.by_exchange})
     MPI_Allreduce(MPI_IN_PLACE, sums->data(), static_cast<int>(materials), MPI_DOUBLE, MPI_SUM,
                   d.mesh.comm());
@@ -173,30 +148,18 @@ DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, c
 
 double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std::span<const double> phi,
                               const std::vector<double>& drive_n) {
-  const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
-             drive_at = point_offsets(d.groups, drive_size);
-  const std::vector<double> places = reference_places(d), damage(phi.begin(), phi.end());
+  const std::vector<double> places = reference_places(d);
   double sum = 0;
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    if (law.parameters.damage == Damage::none) continue;
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, places);
-        const Gathered<Cell, 1> seen(group, b, damage);
-        PointValues<Cell, history_size(frame)> flowed;
-        PointValues<Cell, drive_size> after, before;
-        flowed.load(rows.history.committed, flow_at[g], b);
-        after.load(rows.drive.trial, drive_at[g], b);
-        before.load(drive_n, drive_at[g], b);
-        Batch part = 0;
-        impact::unilateral_energy<Cell, frame>(law, X.data(), seen.data(), flowed.data(), after.data(),
-                                               before.data(), part);
-        sum += lane_sum(part, group.lanes_in_use(b));
-      }
-    });
-  }
+  for_each_batch(d, damages, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(places), seen = batch.scalars(phi);
+    const auto after = batch.load<drive_size>(rows.drive.trial), before = batch.load<drive_size>(drive_n);
+    auto flowed = batch.histories();
+    batch.load(rows.history.committed, flowed);
+    Batch part = 0;
+    batch.kernels.unilateral_energy(batch.law, X.data(), seen.data(), flowed.data(), after.data(),
+                                    before.data(), part);
+    sum += batch.sum(part);
+  });
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
   return sum;
 }

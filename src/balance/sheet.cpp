@@ -61,7 +61,7 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
   static constexpr const char* axis[3] = {"x", "y", "z"};
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < energies_.of.size(); ++m) {
-    const std::string& id = d.materials[m].law.parameters.id;
+    const std::string& id = d.materials[m].id;
     const MaterialEnergies& part = energies_.of[m];
     if (d.has_heat()) row.emplace_back("energy_thermal_" + id, part.thermal);
     if (!moves_) continue;
@@ -130,7 +130,7 @@ std::string Ledger::report() const {
   std::snprintf(cell, sizeof(cell), "%-32s %12s", "energy since t = 0", "total");
   std::string text = cell;
   for (std::size_t m = 0; m < columns; ++m) {
-    std::snprintf(cell, sizeof(cell), " %12.12s", materials[m].law.parameters.id.c_str());
+    std::snprintf(cell, sizeof(cell), " %12.12s", materials[m].id.c_str());
     text += cell;
   }
   for (const Line& line : sheet()) {

@@ -13,23 +13,10 @@ namespace {
 // Vectors of plane problems get a third component.
 constexpr int stored_width(int components) { return components == 2 ? 3 : components; }
 
-/// How XDMF calls the shapes of cells: by a number in mixed meshes, by a word in others; in the order of
-/// Shape.
-struct XdmfShape {
-  Shape shape;
-  int number;
-  const char* word;
-};
-constexpr XdmfShape xdmf_shapes[] = {{Shape::tri3, 4, "Triangle"},
-                                     {Shape::quad4, 5, "Quadrilateral"},
-                                     {Shape::tet4, 6, "Tetrahedron"},
-                                     {Shape::hex8, 9, "Hexahedron"}};
-
-/// Those on any rank.
-std::vector<XdmfShape> shapes_of(const Mesh& mesh) {
-  std::vector<XdmfShape> shapes;
-  std::copy_if(std::begin(xdmf_shapes), std::end(xdmf_shapes), std::back_inserter(shapes),
-               [&](const XdmfShape& one) { return mesh.has_shape(one.shape); });
+std::vector<Shape> shapes_of(const Mesh& mesh) {
+  std::vector<Shape> shapes;
+  for (const Shape s : known_shapes())
+    if (mesh.has_shape(s)) shapes.push_back(s);
   return shapes;
 }
 
@@ -39,7 +26,7 @@ std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   for (const CellTable& table : mesh.cells()) {
     const std::size_t nodes = at(node_count(table.shape));
     for (std::size_t c = 0; c < table.point.size(); ++c) {
-      if (mixed) list.push_back(xdmf_shapes[static_cast<std::size_t>(table.shape)].number);
+      if (mixed) list.push_back(table.shape->names.xdmf);
       for (std::size_t a = 0; a < nodes; ++a)
         list.push_back(mesh.global_node()[at(table.connectivity[c * nodes + a])]);
     }
@@ -79,13 +66,14 @@ struct FieldMesh {
   XdmfMesh entry;
   std::string sum;
 
-  FieldMesh(const Mesh& mesh, const FieldFile& request, const std::vector<XdmfShape>& shapes)
+  FieldMesh(const Mesh& mesh, const FieldFile& request, const std::vector<Shape>& shapes)
       : nodes(mesh.comm(), at(mesh.owned_node_count())), cells(mesh.comm(), at(mesh.cell_count())),
         numbers(mesh.comm(), connectivity(mesh, shapes.size() > 1).size()), mixed(shapes.size() > 1),
         points(rows_of(mesh, true, mesh.coordinates(), mesh.dim(), 3)),
-        topology(connectivity(mesh, mixed)), entry{{},          mixed ? "Mixed" : shapes.at(0).word,
-                                                   nodes.all,   cells.all,
-                                                   numbers.all, !request.regions.empty()} {
+        topology(connectivity(mesh, mixed)), entry{
+                                                 {},          mixed ? "Mixed" : shapes.at(0)->names.xdmf_name,
+                                                 nodes.all,   cells.all,
+                                                 numbers.all, !request.regions.empty()} {
     std::array<std::uint64_t, 4> sums{checksum(hdf5::bytes_of(points), 3 * nodes.first),
                                       checksum(hdf5::bytes_of(topology), numbers.first),
                                       checksum(hdf5::bytes_of(request.region), cells.first)};

@@ -16,27 +16,26 @@ bool FatigueUpdate::advance(const FatigueStep& step) {
   least_ = 0;
   bool sound = true;
   const auto fatigues = [](const PointLaw& law) { return law.fatigues(); };
-  for_each_batch(d_, fatigues, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, fatigues, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.template gather<Cell::dim>(d_.mesh.coordinates()),
-               u = batch.template gather<Cell::dim>(*step.u),
-               u_n = batch.template gather<Cell::dim>(*step.u_n);
-    const auto phi = batch.template gather<1>(*step.phi);
-    std::optional<Gathered<Cell, 1>> theta, theta_n;
-    PointValues<Cell, history_size(frame)> now, before;
-    PointValues<Cell, 1> grown, old = batch.template load<1>(fatigue_.committed);
+    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.vectors(*step.u),
+               u_n = batch.vectors(*step.u_n);
+    const auto phi = batch.scalars(*step.phi);
+    std::optional<NodalValues> theta, theta_n;
+    auto now = batch.histories(), before = batch.histories();
+    auto grown = batch.points<1>(), old = batch.load<1>(fatigue_.committed);
     FatigueInput in;
     in.X = X.data();
     in.u = u.data();
     in.u_n = u_n.data();
     in.phi = phi.data();
     if (step.theta != nullptr && law.parameters.alpha_t != 0) {
-      theta = batch.template gather<1>(*step.theta);
-      theta_n = batch.template gather<1>(*step.theta_n);
+      theta = batch.scalars(*step.theta);
+      theta_n = batch.scalars(*step.theta_n);
       in.theta = theta->data();
       in.theta_n = theta_n->data();
     }
-    if (law.flows() || frame == Frame::plane_stress) {
+    if (law.flows() || d_.frame == Frame::plane_stress) {
       batch.load(history_.trial, now);
       batch.load(history_.committed, before);
       in.history = now.data();
@@ -45,7 +44,7 @@ bool FatigueUpdate::advance(const FatigueStep& step) {
     in.fatigue_n = old.data();
     in.dt = step.dt;
     FatigueSums sums;
-    sound = batch.broken(fatigue_advance<Cell, frame>(law, in, grown.data(), sums)) == 0 && sound;
+    sound = batch.broken(batch.kernels.fatigue_advance(law, in, grown.data(), sums)) == 0 && sound;
     batch.store(grown, fatigue_.trial);
     dissipated_[batch.material()] += batch.sum(sums.dissipation);
     for (int l = 0; l < batch.used(); ++l) least_ = std::min(least_, sums.least[l]);

@@ -104,7 +104,7 @@ namespace {
 
 // What a row is at both ends of a part of the step.
 template <class Values> void cut_to(double begin, double end, Values& now, Values& before) {
-  for (std::size_t i = 0; i < now.value.size(); ++i) {
+  for (int i = 0; i < now.size; ++i) {
     const Batch change = now.value[i] - before.value[i], start = before.value[i];
     now.value[i] = start + end * change;
     before.value[i] = start + begin * change;
@@ -122,16 +122,16 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
   };
   const bool energy = settings_.form == HeatForm::energy;
   bool sound = true;
-  for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.template gather<Cell::dim>(d_.mesh.coordinates());
-    const auto now = batch.template gather<1>(theta), before = batch.template gather<1>(theta_n);
-    PointValues<Cell, history_size(frame)> A, A_n;
-    PointValues<Cell, drive_size> E, E_n;
-    PointValues<Cell, gradient_size(frame)> P, P_n;
-    PointValues<Cell, 1> dissipation, worn, worn_n;
-    std::optional<Gathered<Cell, Cell::dim>> u, u_n;
-    std::optional<Gathered<Cell, 1>> phi, phi_n;
+    const auto X = batch.vectors(d_.mesh.coordinates());
+    const auto now = batch.scalars(theta), before = batch.scalars(theta_n);
+    auto A = batch.histories(), A_n = batch.histories();
+    auto E = batch.points<drive_size>(), E_n = batch.points<drive_size>();
+    auto P = batch.stresses(), P_n = batch.stresses();
+    auto dissipation = batch.points<1>(), worn = batch.points<1>(), worn_n = batch.points<1>();
+    std::optional<NodalValues> u, u_n;
+    std::optional<NodalValues> phi, phi_n;
     HeatInput in;
     // The committed and the trial half of a row at both ends of the window.
     const auto load = [&](const StateRow& row, auto& end, auto& start, bool cuts = true) {
@@ -143,15 +143,15 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
     in.theta = now.data();
     in.theta_n = before.data();
     if (step_.u) {
-      u = batch.template gather<Cell::dim>(*step_.u);
-      u_n = batch.template gather<Cell::dim>(*step_.u_n);
+      u = batch.vectors(*step_.u);
+      u_n = batch.vectors(*step_.u_n);
       cut(*u, *u_n);
       in.u = u->data();
       in.u_n = u_n->data();
     }
     if (step_.phi) {
-      phi = batch.template gather<1>(*step_.phi);
-      phi_n = batch.template gather<1>(*step_.phi_n);
+      phi = batch.scalars(*step_.phi);
+      phi_n = batch.scalars(*step_.phi_n);
       cut(*phi, *phi_n);
       in.phi = phi->data();
       in.phi_n = phi_n->data();
@@ -183,7 +183,7 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
     if (!energy && step_.dissipation) {
       batch.load(*step_.dissipation, dissipation);
       if (!window_.whole())
-        for (Batch& lost : dissipation.value) lost *= window_.end - window_.begin;
+        for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
       in.dissipation = dissipation.data();
     }
     in.dt = t_ - t_n_;
@@ -197,15 +197,14 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
 bool HeatProblem::make_constant_part() {
   const Timed timed(Event::heat_loads);
   std::fill(constant_.begin(), constant_.end(), 0.0);
-  const bool sound = visit_batches(
-      x_, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
-        PointValues<Cell, heat_point_size> points;
-        Batches<Cell::nodes> r{};
-        const int bad = heat_step<Cell, frame>(batch.law, in, points.data(), r.data());
-        batch.store(points, points_);
-        batch.template scatter<1>(r.data(), constant_);
-        return bad;
-      });
+  const bool sound = visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
+    auto points = batch.points<heat_point_size>();
+    auto r = batch.zero(1);
+    const int bad = batch.kernels.heat_step(batch.law, in, points.data(), r.data());
+    batch.store(points, points_);
+    batch.scatter(r, constant_);
+    return bad;
+  });
   load_.assign(constant_.size(), 0.0);
   load_supplied_.assign(supplied_.size(), 0.0);
   loads_.add_start(settings_.theta, t_ - t_n_, theta_at_start(), load_, load_supplied_);
@@ -219,14 +218,13 @@ bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec soluti
   supplied_ = load_supplied_;
   loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_);
   for (double& value : r_) value = -value;
-  const bool sound = visit_batches(
-      theta, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
-        auto points = batch.template load<heat_point_size>(points_);
-        Batches<Cell::nodes> part{};
-        const int bad = heat_residual<Cell, frame>(batch.law, in, points.data(), part.data());
-        batch.template scatter<1>(part.data(), r_);
-        return bad;
-      });
+  const bool sound = visit_batches(theta, [&](const CellBatch& batch, const HeatInput& in) {
+    auto points = batch.load<heat_point_size>(points_);
+    auto part = batch.zero(1);
+    const int bad = batch.kernels.heat_residual(batch.law, in, points.data(), part.data());
+    batch.scatter(part, r_);
+    return bad;
+  });
   const bool all_sound = all_ranks_agree(d_.mesh.comm(), sound);
   field_.assemble(r_, f);
   for (const ContactHeat& contact : contacts_) contact.add_residual(solution, f);
@@ -243,13 +241,14 @@ void HeatProblem::residual(SNES, Vec x, Vec f) {
 void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
   const Timed timed(Event::heat_tangent);
   d_.scalar.to_local(x, x_);
+  CellMatrix K;
   field_.zero_matrix();
-  visit_batches(x_, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
-    auto points = batch.template load<heat_point_size>(points_);
-    Batches<Cell::nodes> r{};
-    Batches<Cell::nodes * Cell::nodes> K{};
-    const int bad = heat_tangent<Cell, frame>(batch.law, in, points.data(), r.data(), K.data());
-    field_.add(batch, K.data());
+  visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
+    auto points = batch.load<heat_point_size>(points_);
+    auto r = batch.zero(1);
+    const int bad =
+        batch.kernels.heat_tangent(batch.law, in, points.data(), r.data(), K.zeroed(batch.nodes()));
+    field_.add(batch, K);
     return bad;
   });
   field_.finish_matrix();

@@ -102,14 +102,14 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
                               double unilateral, std::vector<double>& r) {
   broken_ = {};
   bool sound = true;
-  for_each_batch(d_, deformable, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionFields fields = step_fields(u, accel, batch.law);
     fields.unilateral = unilateral;
-    const MotionBatch<Cell, frame> cells(batch, fields);
-    Batches<Cell::nodes * Cell::dim> force{};
-    const CellStatus status = motion_residual<Cell, frame>(batch.law, cells.in, force.data());
+    const MotionBatch cells(batch, fields);
+    auto force = batch.zero(d_.dim());
+    const CellStatus status = batch.kernels.motion_residual(batch.law, cells.in, force.data());
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
-    batch.template scatter<Cell::dim>(force.data(), r);
+    batch.scatter(force, r);
   });
   return sound;
 }
@@ -209,7 +209,7 @@ std::string MotionProblem::broken_text() const {
   MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d_.mesh.comm());
   char text[240];
   const char* what = data[0] <= 0 ? "cell inverted" : "law failed in a cell";
-  const auto& id = d_.materials[static_cast<std::size_t>(data[4])].law.parameters.id;
+  const auto& id = d_.materials[static_cast<std::size_t>(data[4])].id;
   if (d_.dim() == 2)
     std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g) in material %s", what, data[0], data[1],
                   data[2], id.c_str());

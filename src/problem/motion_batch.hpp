@@ -15,17 +15,19 @@ struct MotionFields {
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
-template <class Cell, Frame frame> struct MotionBatch {
-  Batches<Cell::nodes * Cell::dim> X, u, u_n, accel;
-  Batches<Cell::nodes> phi, theta;
-  PointValues<Cell, history_size(frame)> history;
-  PointValues<Cell, drive_size> drive;
+struct MotionBatch {
+  NodalValues X, u, u_n, accel;
+  BatchArray<max_nodes> phi, theta;
+  PointValues<max_history_size> history;
+  PointValues<drive_size> drive;
   MotionInput in;
 
-  MotionBatch(const CellBatch<Cell, frame>& batch, const MotionFields& fields) {
-    const auto nodal = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
+  MotionBatch(const CellBatch& batch, const MotionFields& fields)
+      : X(batch.nodes() * batch.d.dim()), u(X.size), u_n(X.size), accel(X.size), phi(batch.nodes()),
+        theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()) {
+    const auto nodal = [&](const std::vector<double>* field, auto& values) -> const Batch* {
       if (field == nullptr) return nullptr;
-      gather<Cell, components>(batch.group, batch.number, field->data(), values.data());
+      gather(batch.group, batch.number, values.size / batch.nodes(), field->data(), values.data());
       return values.data();
     };
     const auto points = [&](const std::vector<double>* row, auto& values) -> const Batch* {
@@ -33,12 +35,12 @@ template <class Cell, Frame frame> struct MotionBatch {
       batch.load(*row, values);
       return values.data();
     };
-    in.X = nodal.template operator()<Cell::dim>(fields.X, X);
-    in.u = nodal.template operator()<Cell::dim>(fields.u, u);
-    in.u_n = nodal.template operator()<Cell::dim>(fields.u_n, u_n);
-    in.accel = nodal.template operator()<Cell::dim>(fields.accel, accel);
-    in.phi = nodal.template operator()<1>(fields.phi, phi);
-    in.theta = nodal.template operator()<1>(fields.theta, theta);
+    in.X = nodal(fields.X, X);
+    in.u = nodal(fields.u, u);
+    in.u_n = nodal(fields.u_n, u_n);
+    in.accel = nodal(fields.accel, accel);
+    in.phi = nodal(fields.phi, phi);
+    in.theta = nodal(fields.theta, theta);
     in.history = points(fields.history, history);
     in.drive = points(fields.drive, drive);
     in.dt = fields.dt;

@@ -47,31 +47,30 @@ FieldValues FieldSource::values(const std::string& name, Vec u) const {
 
 std::vector<double> FieldSource::cell_means(const std::string& name, int components) const {
   const Discretisation& d = motion_.discretisation();
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
   const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
   const StateRow *const phi_row = state_.find("phi"), *const theta_row = state_.find("theta"),
                         *const fatigue = name == "fatigue" ? &state_.row(name) : nullptr;
   std::vector<double> values;
-  for_each_batch(d, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    constexpr int dim = Cell::dim;
-    const auto reference = batch.template gather<dim>(X), place = batch.template gather<dim>(u);
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d.mesh.coordinates()), place = batch.vectors(u);
     CellOutput out;
     Batch mean;
     if (fatigue != nullptr) {
-      mean = cell_mean<Cell, frame>(reference.data(), batch.template load<1>(fatigue->committed).data());
+      mean = batch.kernels.cell_mean(X.data(), batch.load<1>(fatigue->committed).data());
     } else {
-      std::optional<Gathered<Cell, 1>> phi, theta;
-      if (phi_row) phi = batch.template gather<1>(phi_row->committed);
-      if (theta_row) theta = batch.template gather<1>(theta_row->committed);
-      auto points = batch.template load<history_size(frame)>(history);
+      std::optional<NodalValues> phi, theta;
+      if (phi_row) phi = batch.scalars(phi_row->committed);
+      if (theta_row) theta = batch.scalars(theta_row->committed);
+      auto points = batch.histories();
+      batch.load(history, points);
       MotionInput in;
-      in.X = reference.data();
+      in.X = X.data();
       // The stress field leaves the viscous part out: it belongs to a step, not to a state.
       in.u = in.u_n = place.data();
       in.phi = phi ? phi->data() : nullptr;
       in.theta = theta ? theta->data() : nullptr;
       in.history = points.data();
-      cell_output<Cell, frame>(batch.law, in, out);
+      batch.kernels.cell_output(batch.law, in, out);
     }
     const Batch* const source = fatigue               ? &mean
                                 : name == "stress"    ? out.stress

@@ -15,42 +15,6 @@ namespace {
 
 constexpr const char* axis[3] = {"x", "y", "z"};
 
-// Reference coordinates of a point in a cell by Newton's method; false when it lies outside.
-template <class Cell> bool locate(const double* X, const double* place, double* N) {
-  constexpr int dim = Cell::dim;
-  typename Cell::Point xi = Cell::centroid();
-  for (int it = 0; it < 30; ++it) {
-    const auto shape = Cell::N(xi);
-    const auto slope = Cell::dN(xi);
-    Vector3 r{};
-    Matrix3 J = unit_matrix;
-    for (int i = 0; i < dim; ++i) {
-      const std::size_t row = at(3 * i);
-      r[row / 3] = place[i];
-      for (std::size_t j = 0; j < dim; ++j) J[row + j] = 0;
-      for (std::size_t a = 0; a < Cell::nodes; ++a) {
-        const double x = X[static_cast<int>(a) * dim + i];
-        r[row / 3] -= shape[a] * x;
-        for (std::size_t j = 0; j < dim; ++j) J[row + j] += slope[a][j] * x;
-      }
-    }
-    const Vector3 d = inverse(J) * r;
-    double step = 0;
-    for (std::size_t i = 0; i < dim; ++i) {
-      xi[i] += d[i];
-      step = std::max(step, std::abs(d[i]));
-    }
-    if (!(step < 1e3)) return false;
-    if (step < 1e-13) break;
-  }
-  const auto shape = Cell::N(xi);
-  for (int a = 0; a < Cell::nodes; ++a) {
-    N[a] = shape[at(a)];
-    if (N[a] < -1e-9) return false;
-  }
-  return true;
-}
-
 // Where cell fields, [group][batch][component][lane], have the cell of a mesh point: batch and lane.
 std::pair<std::size_t, std::size_t> find_lane(const std::vector<CellGroup>& groups, PetscInt point) {
   std::size_t first = 0;
@@ -91,11 +55,11 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
-    const MaterialParameters& p = d.materials[m].law.parameters;
-    if (p.damage == Damage::none) continue;
+    const auto& [law, regions, id, points] = d.materials[m];
+    if (law.parameters.damage == Damage::none) continue;
     const int numbers = 4 * scenario_.crack_tips;
-    cracks_.push_back({m, {}, state.add({"crack_" + p.id, Support::global, numbers}, at(numbers))});
-    for (const std::string& region : d.materials[m].regions) {
+    cracks_.push_back({m, {}, state.add({"crack_" + id, Support::global, numbers}, at(numbers))});
+    for (const std::string& region : regions) {
       const std::vector<int> more = d.mesh.nodes(region);
       cracks_.back().nodes.insert(cracks_.back().nodes.end(), more.begin(), more.end());
     }
@@ -131,19 +95,18 @@ void HistoryObserver::locate_probes() {
     const bool anywhere = probe.region.empty();
     const std::vector<PetscInt> listed = anywhere ? obstacles : d.mesh.region_cells(probe.region);
     for (const CellTable& table : d.mesh.cells())
-      visit(table.shape, [&]<class Cell>(Cell) {
-        for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
-          if ((std::ranges::find(listed, table.point[c]) == listed.end()) != anywhere) continue;
-          const int* const nodes = &table.connectivity[c * Cell::nodes];
-          double X[Cell::nodes * Cell::dim];
-          for (int a = 0; a < Cell::nodes; ++a)
-            std::copy_n(&d.mesh.coordinates()[at(nodes[a] * Cell::dim)], Cell::dim, X + a * Cell::dim);
-          if (!locate<Cell>(X, probe.at, found.N)) continue;
-          found.count = Cell::nodes;
-          std::copy_n(nodes, Cell::nodes, found.nodes);
-          std::tie(found.batch, found.lane) = find_lane(d.groups, table.point[c]);
-        }
-      });
+      for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
+        if ((std::ranges::find(listed, table.point[c]) == listed.end()) != anywhere) continue;
+        const int nodes = table.shape->nodes, dim = d.dim();
+        const int* const node = &table.connectivity[c * at(nodes)];
+        double X[3 * max_nodes];
+        for (int a = 0; a < nodes; ++a)
+          std::copy_n(&d.mesh.coordinates()[at(node[a] * dim)], dim, X + a * dim);
+        if (!locate(table.shape, X, probe.at, found.N)) continue;
+        found.count = nodes;
+        std::copy_n(node, nodes, found.nodes);
+        std::tie(found.batch, found.lane) = find_lane(d.groups, table.point[c]);
+      }
     // The lowest rank that holds the point keeps it.
     const int owner = min_over_ranks(d.mesh.comm(), found.count > 0 ? rank : size);
     if (owner == size)
@@ -210,18 +173,19 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
     std::vector<char> cracked(d.node_values(1), 0);
     for (int node : nodes) cracked[at(node)] = phi_->committed[at(node)] > scenario_.crack_level;
     const int count = follow_cracks(d.mesh, d.scalar, cracked, phi_before_, cracks);
-    row.emplace_back("crack_" + p.id + "_count", count);
+    row.emplace_back("crack_" + d.materials[m].id + "_count", count);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
       const Crack& crack = cracks[i];
       kept.committed[4 * i] = crack.there;
       std::copy_n(crack.origin.begin(), 3, &kept.committed[4 * i + 1]);
-      const std::string id = "crack_" + p.id + (i > 0 ? "_" + std::to_string(i + 1) : "");
+      const std::string id = "crack_" + d.materials[m].id + (i > 0 ? "_" + std::to_string(i + 1) : "");
       const Vector3 nowhere{NAN, NAN, NAN};
       add_axes(row, id + "_origin_", (crack.there ? crack.origin : nowhere).data(), at(d.dim()));
       add_axes(row, id + "_tip_", (crack.there && !crack.joined ? crack.tip : nowhere).data(), at(d.dim()));
     }
     kept.trial = kept.committed;
-    row.emplace_back("crack_" + p.id + "_measure", ledger_.energies().of[m].fracture / (p.Gc * d.thickness));
+    row.emplace_back("crack_" + d.materials[m].id + "_measure",
+                     ledger_.energies().of[m].fracture / (p.Gc * d.thickness));
   }
   phi_before_ = phi_->committed;
 }

@@ -44,7 +44,7 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
   pass_.u = d.displacement.make_local();
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
-  if (fields_.heat || exchanges(d)) pass_.dissipation.resize(point_offsets(d.groups, 1).back());
+  if (fields_.heat || exchanges(d)) pass_.dissipation.resize(d.point_values(1));
   if (fields_.state.find("fatigue")) fatigue_.emplace(d, fields_.state);
   SNES snes = nullptr;
   check(TSGetSNES(ts_, &snes));
@@ -168,8 +168,7 @@ bool Coupling::advance_points(Vec u, PassResult& result) {
     return false;
   }
   const Discretisation& d = fields_.motion.discretisation();
-  std::string refusal =
-      limits_.plastic_strain(d.mesh.comm(), fields_.state.row("history"), history_alpha(d.frame));
+  std::string refusal = limits_.plastic_strain(d.mesh.comm(), d.frame, fields_.state.row("history"));
   if (!refusal.empty()) refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
   return result.inner >= 0;
 }

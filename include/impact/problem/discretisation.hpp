@@ -1,10 +1,10 @@
 #pragma once
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
+#include <impact/kernel/point_data.hpp>
 #include <impact/math/index.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +16,8 @@ namespace impact {
 struct MaterialAssignment {
   PointLaw law;
   std::vector<std::string> regions;
+  std::string id{};                               ///< what the user calls it
+  std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
 };
 
 struct Discretisation {
@@ -31,6 +33,8 @@ struct Discretisation {
   const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
   std::size_t node_values(int components) const { return at(mesh.node_count() * components); }
   double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
+  /// Doubles of a row of `components` per quadrature point, of all groups.
+  std::size_t point_values(int components) const;
   bool has_damage() const;
   bool has_fatigue() const;
   bool has_viscosity() const;

@@ -5,6 +5,7 @@
 #include <impact/problem/boundary_conditions.hpp>
 #include <impact/problem/settings.hpp>
 #include <map>
+#include <memory>
 #include <petscsys.h>
 
 /// Everything one run is told, read once from the options database, complete, validated and printable.
@@ -44,7 +45,8 @@ struct MaterialScenario {
   double E = absent, nu = absent, K = absent, G = absent;
   double c_v = 0, c_mass = absent; ///< heat capacity per volume, or per mass
   std::vector<std::string> hardening;
-  std::string hardening_table; ///< resolved path of law.table
+  std::string hardening_table;                  ///< resolved path of `points`
+  std::shared_ptr<const HardeningTable> points; ///< what law.table points to
   double sigma_y = 0, linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
   Split split = Split::automatic;
   std::optional<Softening> softening; ///< empty: automatic, and so below
