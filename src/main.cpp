@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -11,21 +12,15 @@
 #include <impact/scenario/scenario.hpp>
 #include <string>
 
-#ifdef IMPACT_FAULT_INJECTION
 namespace impact {
+#ifdef IMPACT_FAULT_INJECTION
 StepProbe fault_probe(); // tests/fault_injection.cpp: the tests' own program
-}
+#else
+static StepProbe fault_probe() { return {}; }
 #endif
+} // namespace impact
 
 namespace {
-
-impact::StepProbe probe() {
-#ifdef IMPACT_FAULT_INJECTION
-  return impact::fault_probe();
-#else
-  return {};
-#endif
-}
 
 // One clear line; with several ranks only an error that may differ between them ends the job by force.
 int report(const char* text, impact::ExitCode code, bool collective) {
@@ -40,12 +35,6 @@ int report(const char* text, impact::ExitCode code, bool collective) {
   return static_cast<int>(code);
 }
 
-bool asks_for_reference(int argc, char** argv) {
-  for (int i = 1; i < argc; ++i)
-    if (std::strcmp(argv[i], "-reference") == 0) return true;
-  return false;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
@@ -54,7 +43,7 @@ int main(int argc, char** argv) {
                  "impact: this program was compiled for x86-64-v3 (AVX2, FMA), which this processor lacks\n");
     return static_cast<int>(impact::ExitCode::internal);
   }
-  if (asks_for_reference(argc, argv)) {
+  if (std::any_of(argv + 1, argv + argc, [](const char* word) { return !std::strcmp(word, "-reference"); })) {
     std::fputs(impact::option_reference().c_str(), stdout);
     return 0;
   }
@@ -78,7 +67,7 @@ int main(int argc, char** argv) {
   int code = 0;
   try {
     const impact::Scenario scenario = impact::read_scenario(PETSC_COMM_WORLD);
-    code = static_cast<int>(impact::simulate(PETSC_COMM_WORLD, scenario, probe()));
+    code = static_cast<int>(impact::simulate(PETSC_COMM_WORLD, scenario, impact::fault_probe()));
   } catch (const impact::UserError& error) {
     code = report(error.what(), error.code(), true);
   } catch (const impact::PetscError& error) {

@@ -19,7 +19,7 @@ BELOW = {
     "mesh": ["kernel", "petsc"],
     "contact": ["mesh"],
     "problem": ["contact", "time", "input"],
-    "io": ["mesh"],
+    "io": ["mesh", "input"],
     "solve": ["problem"],
     "scenario": ["problem"],
     "balance": ["solve", "io"],

@@ -15,13 +15,11 @@ std::string peak_name(std::size_t index) { return "peak_" + std::to_string(index
 
 /// One expression whose unknown names become variables.
 struct Parsed {
-  std::map<std::string, std::unique_ptr<double>> variables;
+  std::map<std::string, double> variables; // whose places stay where they are
   mu::Parser parser;
 
   static double* make(const char* name, void* parsed) {
-    auto& value = static_cast<Parsed*>(parsed)->variables[name];
-    if (!value) value = std::make_unique<double>(0);
-    return value.get();
+    return &static_cast<Parsed*>(parsed)->variables[name];
   }
 };
 
@@ -30,13 +28,12 @@ struct Parsed {
 Condition::Condition(std::string key, std::string text,
                      const std::vector<std::pair<std::string, double>>& parameters)
     : key_(std::move(key)), text_(std::move(text)) {
-  refuse_assignment(key_, text_);
+  refuse_assignment({key_, text_});
   whole_ = compile(take_peaks(), parameters);
-  for (std::size_t i = 0; i < peak_texts_.size(); ++i) {
+  for (std::size_t i = 0; i < peaks_.size(); ++i) {
     std::erase(names_, peak_name(i));
-    peaked_.push_back(compile(peak_texts_[i], parameters));
+    peaks_[i].argument = compile(peaks_[i].text, parameters);
   }
-  peaks_.assign(peak_texts_.size(), std::nan(""));
 }
 
 /// The text with each peak(argument) replaced by a name.
@@ -51,48 +48,41 @@ std::string Condition::take_peaks() {
       if (depth == 0) break;
     }
     if (open == std::string::npos || rest[open] != '(' || end >= rest.size())
-      refuse_expression(key_, text_, "peak takes an argument in brackets; allowed: peak(name)");
+      refuse_option({key_, text_}, "peak takes an argument in brackets; allowed: peak(name)");
     const std::string argument = rest.substr(open + 1, end - open - 1);
     if (find_word(argument, "peak") != std::string::npos)
-      refuse_expression(key_, text_, "a peak in a peak; allowed: peak(name)");
-    const std::string name = peak_name(peak_texts_.size());
-    peak_texts_.push_back(argument);
+      refuse_option({key_, text_}, "a peak in a peak; allowed: peak(name)");
+    const std::string name = peak_name(peaks_.size());
+    peaks_.push_back({argument, std::nan(""), {}});
     rest.replace(at, end + 1 - at, name);
     at += name.size();
   }
   return rest;
 }
 
-Condition::Function Condition::compile(const std::string& expression,
-                                       const std::vector<std::pair<std::string, double>>& parameters) {
+std::function<double(const Condition::Value&)>
+Condition::compile(const std::string& expression,
+                   const std::vector<std::pair<std::string, double>>& parameters) {
   const auto parsed = std::make_shared<Parsed>();
-  try {
-    define_language(parsed->parser);
-    parsed->parser.SetVarFactory(Parsed::make, parsed.get());
-    for (const auto& [name, number] : parameters) parsed->parser.DefineConst(name, number);
-    parsed->parser.SetExpr(expression);
-    parsed->parser.Eval(); // muParser parses, and asks for its variables, at the first evaluation
-    if (parsed->parser.GetNumResults() != 1) refuse_expression(key_, text_, "one value expected, not a list");
-  } catch (const mu::Parser::exception_type& error) {
-    refuse_expression(key_, text_, reason_of(error, "columns of the history, t and peak()"));
-  }
+  parsed->parser.SetVarFactory(Parsed::make, parsed.get());
+  parse(parsed->parser, {key_, text_}, expression, parameters, "columns of the history, t and peak()");
   for (const auto& [name, place] : parsed->variables)
-    if (std::find(names_.begin(), names_.end(), name) == names_.end()) names_.push_back(name);
+    if (std::ranges::find(names_, name) == names_.end()) names_.push_back(name);
   return [parsed](const Value& value) {
-    for (auto& [name, place] : parsed->variables) *place = value(name);
+    for (auto& [name, place] : parsed->variables) place = value(name);
     return parsed->parser.Eval();
   };
 }
 
 void Condition::note(const Value& value) {
-  for (std::size_t i = 0; i < peaks_.size(); ++i)
-    peaks_[i] = std::fmax(peaks_[i], peaked_[i](value)); // fmax: the one that is a number
+  for (Peak& peak : peaks_)
+    peak.value = std::fmax(peak.value, peak.argument(value)); // the one that is a number
 }
 
 bool Condition::holds(const Value& value) const {
   const double result = whole_([&](const std::string& name) {
     for (std::size_t i = 0; i < peaks_.size(); ++i)
-      if (name == peak_name(i)) return peaks_[i];
+      if (name == peak_name(i)) return peaks_[i].value;
     return value(name);
   });
   return !std::isnan(result) && result != 0;

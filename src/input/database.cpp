@@ -14,12 +14,16 @@ namespace impact {
 
 namespace {
 
-std::string all_options() {
-  char* raw = nullptr;
-  check(PetscOptionsGetAll(nullptr, &raw));
-  std::string text = raw ? raw : "";
-  check(PetscFree(raw));
-  return text;
+/// The words of the command line behind the program's name.
+std::vector<std::string> arguments() {
+  int count = 0;
+  char** words = nullptr;
+  check(PetscGetArgs(&count, &words));
+  return {words + std::min(count, 1), words + count};
+}
+
+bool names_file(const std::string& word) {
+  return lower_case(word) == "-options_file" || lower_case(word) == "-options_file_yaml";
 }
 
 bool is_yaml(const std::string& file) { return file.ends_with(".yml") || file.ends_with(".yaml"); }
@@ -64,7 +68,7 @@ template <class Visit>
 void follow_option_file(const std::string& file, bool yaml, std::vector<std::string> above,
                         const Visit& visit) {
   const auto refuse = [&](const std::string& reason) { refuse_option({"-options_file", file}, reason); };
-  const bool again = std::find(above.begin(), above.end(), file) != above.end();
+  const bool again = std::ranges::find(above, file) != above.end();
   above.push_back(file);
   if (again) refuse("leads back to itself: " + join(above) + "; remove the line that names it again");
   std::ifstream stream(file);
@@ -80,16 +84,14 @@ void follow_option_file(const std::string& file, bool yaml, std::vector<std::str
 }
 
 /// Of a command line and of PETSC_OPTIONS.
-template <class Visit> void follow_option_files(int argc, const char* const* argv, const Visit& visit) {
-  std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+template <class Visit> void follow_option_files(std::vector<std::string> words, const Visit& visit) {
   if (const char* more = std::getenv("PETSC_OPTIONS")) {
     std::istringstream text(more);
     for (std::string word; text >> word;) words.push_back(word);
   }
   for (std::size_t i = 0; i + 1 < words.size(); ++i)
-    if (const std::string name = lower_case(words[i]);
-        name == "-options_file" || name == "-options_file_yaml")
-      follow_option_file(words[i + 1], name == "-options_file_yaml", {}, visit);
+    if (names_file(words[i]))
+      follow_option_file(words[i + 1], lower_case(words[i]) == "-options_file_yaml", {}, visit);
 }
 
 } // namespace
@@ -100,7 +102,8 @@ void refuse_option(const GivenOption& option, const std::string& reason) {
 
 void check_option_files(int argc, const char* const* argv) {
   std::map<std::pair<std::string, std::string>, int> lines;
-  follow_option_files(argc, argv, [&](const std::string& file, const FileOption& option) {
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  follow_option_files(words, [&](const std::string& file, const FileOption& option) {
     const auto [at, fresh] = lines.emplace(std::pair(file, option.name), option.line);
     if (!fresh && at->second != option.line)
       throw UserError(ExitCode::usage, "-" + option.name + ": given twice in " + file + ", lines " +
@@ -119,7 +122,7 @@ std::string explain_unread_files(int argc, const char* const* argv, const std::s
     for (int number = 1; is_yaml(argv[i + 1]) && std::getline(lines, line); ++number) {
       const std::size_t first = line.find_first_not_of(' ');
       if (first == std::string::npos || line[first] == '#' || line.starts_with("---")) continue;
-      const auto count = [&](char c) { return std::count(line.begin(), line.end(), c); };
+      const auto count = [&](char c) { return std::ranges::count(line, c); };
       const char* why = line[first] == '\t' ? "a tab in front; indent with blanks"
                         : line.find(':') == std::string::npos && line[first] != '-' ? "no \"name: value\""
                         : count('[') != count(']') || count('{') != count('}')      ? "a bracket is missing"
@@ -133,19 +136,14 @@ std::string explain_unread_files(int argc, const char* const* argv, const std::s
 }
 
 bool on_command_line(const std::string& name) {
-  int count = 0;
-  char** arguments = nullptr;
-  check(PetscGetArgs(&count, &arguments));
-  return std::any_of(arguments + std::min(count, 1), arguments + count,
-                     [&](const char* word) { return lower_case(word) == "-" + lower_case(name); });
+  const std::vector<std::string> words = arguments();
+  return std::ranges::any_of(
+      words, [&](const std::string& word) { return lower_case(word) == "-" + lower_case(name); });
 }
 
 std::vector<std::string> texts_in_files(const std::string& name) {
-  int count = 0;
-  char** arguments = nullptr;
-  check(PetscGetArgs(&count, &arguments));
   std::vector<std::string> texts;
-  follow_option_files(count, arguments, [&](const std::string&, const FileOption& option) {
+  follow_option_files(arguments(), [&](const std::string&, const FileOption& option) {
     if (option.name == lower_case(name)) texts.push_back(option.text);
   });
   return texts;
@@ -153,7 +151,10 @@ std::vector<std::string> texts_in_files(const std::string& name) {
 
 std::vector<std::string> option_names() {
   std::vector<std::string> names;
-  std::istringstream words(all_options());
+  char* all = nullptr;
+  check(PetscOptionsGetAll(nullptr, &all));
+  std::istringstream words(all != nullptr ? all : "");
+  check(PetscFree(all));
   for (std::string word; words >> word;)
     if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1])))
       names.push_back(word.substr(1));
@@ -161,18 +162,11 @@ std::vector<std::string> option_names() {
 }
 
 std::optional<std::string> option_text(const std::string& name) {
+  const char* text = nullptr;
   PetscBool given = PETSC_FALSE;
-  const std::string key = "-" + name;
-  check(PetscOptionsHasName(nullptr, nullptr, key.c_str(), &given));
+  check(PetscOptionsFindPair(nullptr, nullptr, ("-" + name).c_str(), &text, &given));
   if (!given) return {};
-  const std::size_t size = all_options().size() + 1; // no value is longer than all options together
-  std::string text(size, '\0');
-  check(PetscOptionsGetString(nullptr, nullptr, key.c_str(), text.data(), size, &given));
-  text.resize(text.find('\0'));
-  const auto blank = [](unsigned char c) { return std::isspace(c) != 0; };
-  text.erase(text.begin(), std::find_if_not(text.begin(), text.end(), blank));
-  text.erase(std::find_if_not(text.rbegin(), text.rend(), blank).base(), text.end());
-  return text;
+  return std::string(trim(text != nullptr ? text : ""));
 }
 
 void replace_option(const std::string& name, const std::string& text) {
@@ -180,15 +174,10 @@ void replace_option(const std::string& name, const std::string& text) {
 }
 
 std::vector<std::string> option_folders() {
-  int count = 0;
-  char** arguments = nullptr;
-  check(PetscGetArgs(&count, &arguments));
   std::vector<std::string> folders;
-  for (int i = 1; i + 1 < count; ++i) {
-    const std::string name = lower_case(arguments[i]);
-    if (name != "-options_file" && name != "-options_file_yaml") continue;
-    folders.push_back(std::filesystem::path(arguments[i + 1]).parent_path().string());
-  }
+  const std::vector<std::string> words = arguments();
+  for (std::size_t i = 0; i + 1 < words.size(); ++i)
+    if (names_file(words[i])) folders.push_back(std::filesystem::path(words[i + 1]).parent_path().string());
   folders.emplace_back();
   return folders;
 }
@@ -206,7 +195,7 @@ std::string find_input_file(MPI_Comm comm, const GivenOption& option) {
         return;
       }
       const std::string text = path.string();
-      if (std::find(looked.begin(), looked.end(), text) == looked.end()) looked.push_back(text);
+      if (std::ranges::find(looked, text) == looked.end()) looked.push_back(text);
     }
     throw UserError(ExitCode::io,
                     option.key + " \"" + option.text + "\": no such file; looked for " + join(looked));

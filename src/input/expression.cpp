@@ -5,7 +5,6 @@
 #include <impact/input/units.hpp>
 #include <impact/petsc/error.hpp>
 #include <sstream>
-#include <stdexcept>
 
 namespace impact {
 
@@ -24,28 +23,12 @@ double cycle(double t, double period) {
 }
 double look_up(void* table, double t) { return (*static_cast<const LinearTable*>(table))(t); }
 
-/// Position of an assignment `=` (not == <= >= !=); npos when there is none.
-std::size_t assignment(const std::string& text) {
-  for (std::size_t at = 0; at < text.size(); ++at) {
-    if (text[at] != '=') continue;
-    if (at + 1 < text.size() && text[at + 1] == '=') {
-      ++at;
-      continue;
-    }
-    if (at > 0 && (text[at - 1] == '<' || text[at - 1] == '>' || text[at - 1] == '!')) continue;
-    return at;
-  }
-  return std::string::npos;
-}
-
 std::string known_names(const ExpressionContext& context) {
   std::string names = "x y z t pi";
   for (const auto& [name, value] : context.parameters) names += " " + name;
   for (const auto& [name, table] : context.tables) names += " " + name + "()";
   return names;
 }
-
-std::string quoted(const std::string& key, const std::string& text) { return key + " \"" + text + "\""; }
 
 } // namespace
 
@@ -59,29 +42,36 @@ void define_language(mu::Parser& parser) {
   parser.DefineFun("cycle", cycle);
 }
 
-void refuse_expression(const std::string& key, const std::string& text, const std::string& reason) {
-  throw UserError(ExitCode::usage, quoted(key, text) + ": " + reason);
+void refuse_assignment(const GivenOption& option) {
+  for (std::size_t at = 0; (at = option.text.find('=', at)) != std::string::npos; ++at)
+    if (option.text.substr(at).starts_with("=="))
+      ++at;
+    else if (at == 0 || std::string("<>!").find(option.text[at - 1]) == std::string::npos)
+      refuse_option(option, "'=' at character " + std::to_string(at) +
+                                " assigns; allowed: an expression, compare with ==");
 }
 
-void refuse_assignment(const std::string& key, const std::string& text) {
-  if (const std::size_t at = assignment(text); at != std::string::npos)
-    refuse_expression(key, text,
-                      "'=' at character " + std::to_string(at) +
-                          " assigns; allowed: an expression, compare with ==");
-}
-
-std::string reason_of(const mu::Parser::exception_type& error, const std::string& known) {
-  const std::string place = " at character " + std::to_string(error.GetPos());
-  if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
-    return "unknown name '" + error.GetToken() + "'" + place + "; known: " + known;
-  std::string message = error.GetMsg();
-  while (!message.empty() && (message.back() == '.' || message.back() == '\n')) message.pop_back();
-  return message + (message.find("position") == std::string::npos && error.GetPos() >= 0 ? place : "") +
-         "; allowed: an expression of " + known;
+void parse(mu::Parser& parser, const GivenOption& option, const std::string& part,
+           const std::vector<std::pair<std::string, double>>& parameters, const std::string& known) {
+  try {
+    define_language(parser);
+    for (const auto& [name, value] : parameters) parser.DefineConst(name, value);
+    parser.SetExpr(part);
+    parser.Eval(); // muParser parses, and asks for its variables, at the first evaluation
+    if (parser.GetNumResults() != 1) refuse_option(option, "one value expected, not a list");
+  } catch (const mu::Parser::exception_type& error) {
+    const std::string place = " at character " + std::to_string(error.GetPos());
+    if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
+      refuse_option(option, "unknown name '" + error.GetToken() + "'" + place + "; known: " + known);
+    std::string message = error.GetMsg();
+    while (!message.empty() && (message.back() == '.' || message.back() == '\n')) message.pop_back();
+    if (message.find("position") == std::string::npos && error.GetPos() >= 0) message += place;
+    refuse_option(option, message + "; allowed: an expression of " + known);
+  }
 }
 
 double LinearTable::operator()(double at) const {
-  const auto above = std::upper_bound(t.begin(), t.end(), at);
+  const auto above = std::ranges::upper_bound(t, at);
   if (above == t.begin()) return value.front();
   if (above == t.end()) return value.back();
   const auto i = static_cast<std::size_t>(above - t.begin());
@@ -97,7 +87,7 @@ LinearTable parse_table(const std::string& csv) {
     const auto fail = [number](const char* reason) {
       throw std::invalid_argument("line " + std::to_string(number) + ": " + reason);
     };
-    line.erase(std::find(line.begin(), line.end(), '#'), line.end());
+    line.erase(std::ranges::find(line, '#'), line.end());
     std::replace_if(
         line.begin(), line.end(), [](char c) { return c == ',' || c == ';' || c == '\r'; }, ' ');
     std::istringstream words(line);
@@ -125,56 +115,31 @@ bool reserved_in_expressions(const std::string& name) {
 }
 
 struct Expression::Impl {
-  Impl(std::string key_, std::string text_, const ExpressionContext& context_)
-      : key(std::move(key_)), text(std::move(text_)), context(context_) {
-    compile();
-  }
-  Impl(std::string key_, std::function<double(const double*, int, double)> function_)
-      : key(std::move(key_)), text("function"), function(std::move(function_)) {}
-  Impl(const Impl& other)
-      : key(other.key), text(other.text), allowed(other.allowed), range(other.range), context(other.context),
-        function(other.function) {
-    if (!function) compile();
-  }
-  Impl& operator=(const Impl&) = delete;
-
-  void compile() {
-    refuse_assignment(key, text);
-    try {
-      define_language(parser);
-      const char* names[] = {"x", "y", "z", "t"};
-      for (int i = 0; i < 4; ++i) parser.DefineVar(names[i], &variable[i]);
-      for (const auto& [name, value] : context.parameters) parser.DefineConst(name, value);
-      for (auto& [name, table] : context.tables) parser.DefineFunUserData(name, look_up, &table, false);
-      parser.SetExpr(text);
-      parser.Eval(); // muParser parses at the first evaluation; what it gives at the origin does not matter
-      if (parser.GetNumResults() != 1) refuse_expression(key, text, "one value expected, not a list");
-    } catch (const mu::Parser::exception_type& error) {
-      refuse_expression(key, text, reason_of(error, known_names(context)));
-    }
-  }
-
-  std::string key, text, allowed = "finite values everywhere and always";
-  Interval range;
-  ExpressionContext context;
-  std::function<double(const double*, int, double)> function; // in place of the parsed text
+  GivenOption said;
+  std::string allowed = "finite values everywhere and always";
+  Interval range = {};
+  std::vector<std::pair<std::string, LinearTable>> tables = {};
+  std::function<double(const double*, int, double)> function = {}; // in place of the parsed text
   double variable[4] = {0, 0, 0, 0};
-  mu::Parser parser;
+  mu::Parser parser = {};
 };
 
 Expression::Expression(std::string key, std::string text, const ExpressionContext* context)
-    : impl_(std::make_unique<Impl>(std::move(key), std::move(text),
-                                   context ? *context : ExpressionContext{})) {}
-Expression::Expression(std::string key, std::function<double(const double*, int, double)> function)
-    : impl_(std::make_unique<Impl>(std::move(key), std::move(function))) {}
-Expression::Expression(const Expression& other) : impl_(std::make_unique<Impl>(*other.impl_)) {}
-Expression::Expression(Expression&&) noexcept = default;
-Expression& Expression::operator=(const Expression& other) {
-  if (this != &other) impl_ = std::make_unique<Impl>(*other.impl_);
-  return *this;
+    : impl_(std::make_shared<Impl>()) {
+  const ExpressionContext names = context != nullptr ? *context : ExpressionContext{};
+  impl_->said = {std::move(key), std::move(text)};
+  impl_->tables = names.tables;
+  refuse_assignment(impl_->said);
+  for (int i = 0; i < 4; ++i) impl_->parser.DefineVar(std::string(1, "xyzt"[i]), &impl_->variable[i]);
+  for (auto& [name, table] : impl_->tables) impl_->parser.DefineFunUserData(name, look_up, &table, false);
+  parse(impl_->parser, impl_->said, impl_->said.text, names.parameters, known_names(names));
 }
-Expression& Expression::operator=(Expression&&) noexcept = default;
-Expression::~Expression() = default;
+
+Expression::Expression(std::string key, std::function<double(const double*, int, double)> function)
+    : impl_(std::make_shared<Impl>()) {
+  impl_->said = {std::move(key), "function"};
+  impl_->function = std::move(function);
+}
 
 void Expression::restrict_to(const Interval& range, const std::string& allowed) {
   impl_->range = range;
@@ -192,11 +157,12 @@ double Expression::operator()(const double* x, int dim, double t) const {
     return near;
   std::string point;
   for (int i = 0; i < dim; ++i) point += (i ? "," : "") + number_text(x[i]);
-  throw UserError(ExitCode::data, quoted(impl.key, impl.text) + ": " + number_text(value) + " at x=(" +
-                                      point + "), t=" + number_text(t) + "; allowed: " + impl.allowed);
+  throw UserError(ExitCode::data, impl.said.key + " \"" + impl.said.text + "\": " + number_text(value) +
+                                      " at x=(" + point + "), t=" + number_text(t) +
+                                      "; allowed: " + impl.allowed);
 }
 
-const std::string& Expression::key() const { return impl_->key; }
-const std::string& Expression::text() const { return impl_->text; }
+const std::string& Expression::key() const { return impl_->said.key; }
+const std::string& Expression::text() const { return impl_->said.text; }
 
 } // namespace impact

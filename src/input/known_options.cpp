@@ -183,15 +183,14 @@ std::string explain(const std::string& message, const std::string& prefix,
                     const std::vector<GivenOption>& options) {
   for (const GivenOption& option : options) {
     if (!option.key.starts_with("-" + prefix) || !names_value(message, option.text)) continue;
-    const std::string allowed = KnownOptions::get().allowed(option.key.substr(1));
+    const std::vector<std::string> choices = KnownOptions::get().allowed(option.key.substr(1));
     const bool number = message.find("numeric value") != std::string::npos ||
                         message.find("integer value") != std::string::npos;
-    std::vector<std::string> choices = split_list(allowed);
-    const bool listed = std::find(choices.begin(), choices.end(), option.text) != choices.end();
+    const bool listed = std::ranges::find(choices, option.text) != choices.end();
     const std::string near = listed ? "" : nearest_name(option.text, choices, 2);
     return option.key + " \"" + option.text + "\": PETSc refuses it (" + message + ")" +
            (near.empty() ? "" : "; did you mean " + near + "?") + "; allowed: " +
-           (!allowed.empty() ? allowed
+           (!choices.empty() ? join(choices)
             : number         ? "a number"
                              : "what PETSc's manual says of this option");
   }
@@ -245,25 +244,23 @@ const KnownOptions& KnownOptions::get() {
   return known;
 }
 
-bool KnownOptions::of_solver(const std::string& name) const {
+const std::string* KnownOptions::of_solver(const std::string& name) const {
   for (std::size_t at = 0; at != std::string::npos; at = name.find('_', at + 1))
-    if (solver_.count(lower_case(name.substr(at == 0 ? 0 : at + 1)))) return true;
-  return false;
+    if (const auto found = solver_.find(lower_case(name.substr(at == 0 ? 0 : at + 1)));
+        found != solver_.end())
+      return &found->second;
+  return nullptr;
 }
 
-std::string KnownOptions::allowed(const std::string& name) const {
-  for (std::size_t at = 0; at != std::string::npos; at = name.find('_', at + 1)) {
-    const auto found = solver_.find(lower_case(name.substr(at == 0 ? 0 : at + 1)));
-    if (found == solver_.end()) continue;
-    const std::string one_of = "(one of)", &text = found->second;
-    const std::size_t begin = text.find(one_of);
-    if (begin == std::string::npos) return "";
-    std::istringstream words(text.substr(begin + one_of.size()));
-    std::vector<std::string> choices;
-    for (std::string word; words >> word && word[0] != '(';) choices.push_back(word);
-    return join(choices);
-  }
-  return "";
+std::vector<std::string> KnownOptions::allowed(const std::string& name) const {
+  std::vector<std::string> choices;
+  const std::string one_of = "(one of)", *help = of_solver(name);
+  const std::size_t begin = help != nullptr ? help->find(one_of) : std::string::npos;
+  if (begin == std::string::npos) return choices;
+  std::istringstream words(help->substr(begin + one_of.size()));
+  for (std::string word; words >> word && word[0] != '(';)
+    for (const std::string& choice : split_list(word)) choices.push_back(choice);
+  return choices;
 }
 
 void try_options(const std::string& prefix, const std::function<void()>& set_up) {

@@ -1,8 +1,7 @@
 #pragma once
+#include <impact/input/database.hpp>
 #include <muParser.h>
-#include <string>
 #include <utility>
-#include <vector>
 
 /// The language that expressions and conditions share.
 namespace impact {
@@ -10,14 +9,13 @@ namespace impact {
 /// Constants and functions without the user's names. muParser's `_pi` and `_e` go, ours have no underscore.
 void define_language(mu::Parser& parser);
 
+/// Makes the parser read `part`, all or a part of an option's text, which may use `parameters` and what the
+/// parser knows already; `known` lists the names for messages. Throws UserError(usage) with the place of what
+/// is wrong.
+void parse(mu::Parser& parser, const GivenOption& option, const std::string& part,
+           const std::vector<std::pair<std::string, double>>& parameters, const std::string& known);
+
 /// Throws UserError(usage) when the text assigns with a single `=`.
-void refuse_assignment(const std::string& key, const std::string& text);
-
-/// `-key "text": reason`, as UserError(usage).
-[[noreturn]] void refuse_expression(const std::string& key, const std::string& text,
-                                    const std::string& reason);
-
-/// What muParser found wrong, with its place and the known names.
-std::string reason_of(const mu::Parser::exception_type& error, const std::string& known_names);
+void refuse_assignment(const GivenOption& option);
 
 } // namespace impact

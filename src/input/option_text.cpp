@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 #include <impact/input/option_text.hpp>
-#include <impact/input/spelling.hpp>
 #include <stdexcept>
 
 namespace impact {
@@ -30,7 +29,7 @@ bool needs_quotes(const std::string& text) {
 }
 
 bool is_among(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 /// A comma list, not empty and without empty or repeated parts; where `choices` is not empty, of these.
@@ -239,8 +238,8 @@ OptionKind<std::array<double, 3>> point_kind(const std::string& unit) {
 std::string option_line(const std::string& key, const std::string& text) {
   if (!needs_quotes(text) && text.find('#') == std::string::npos) return "-" + key + " " + text + "\n";
   std::string inner = text;
-  std::replace(inner.begin(), inner.end(), '"', '\'');
-  std::replace(inner.begin(), inner.end(), '#', '_');
+  std::ranges::replace(inner, '"', '\'');
+  std::ranges::replace(inner, '#', '_');
   // PETSc takes "-t" for an option even between quotes; a blank before the minus keeps it a value.
   return "-" + key + (inner.front() == '-' ? " \" " : " \"") + inner + "\"\n";
 }

@@ -6,7 +6,6 @@
 #include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 namespace impact {
@@ -45,37 +44,27 @@ constexpr std::array<NamedUnit, 18> units = {{
 constexpr std::array<std::pair<char, int>, 6> prefixes = {
     {{'n', -9}, {'u', -6}, {'m', -3}, {'k', 3}, {'M', 6}, {'G', 9}}};
 
-std::optional<Unit> find_unit(std::string_view name) {
-  for (const NamedUnit& candidate : units)
-    if (candidate.name == name) return candidate.unit;
-  if (name.size() < 2) return {};
-  for (const auto& [letter, decade] : prefixes) {
-    if (name.front() != letter) continue;
-    for (const NamedUnit& candidate : units) {
-      if (!candidate.prefixed || candidate.name != name.substr(1)) continue;
-      Unit unit = candidate.unit;
-      unit.decade += decade;
-      return unit;
+/// Every name of a unit in the order of the table, those with a prefix behind the one without.
+const std::vector<std::pair<std::string, Unit>>& all_units() {
+  static const auto names = [] {
+    std::vector<std::pair<std::string, Unit>> all;
+    for (const NamedUnit& one : units) {
+      all.emplace_back(one.name, one.unit);
+      for (const auto& [letter, decade] : prefixes)
+        if (one.prefixed)
+          all.emplace_back(letter + std::string(one.name),
+                           Unit{one.unit.dimension, one.unit.decade + decade, one.unit.factor});
     }
-  }
-  return {};
+    return all;
+  }();
+  return names;
 }
 
 /// Units that differ from the name in capitals alone: "Gpa".
 std::string other_capitals(std::string_view name) {
-  const auto same = [&](const std::string& unit) {
-    return std::equal(unit.begin(), unit.end(), name.begin(), name.end(),
-                      [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); });
-  };
   std::string found;
-  const auto add = [&](const std::string& unit) {
-    if (same(unit)) found += (found.empty() ? "; did you mean " : " or ") + unit;
-  };
-  for (const NamedUnit& candidate : units) {
-    add(std::string(candidate.name));
-    for (const auto& [letter, decade] : prefixes)
-      if (candidate.prefixed) add(letter + std::string(candidate.name));
-  }
+  for (const auto& [unit, meaning] : all_units())
+    if (lower_case(unit) == lower_case(name)) found += (found.empty() ? "; did you mean " : " or ") + unit;
   return found.empty() ? found : found + "?";
 }
 
@@ -102,30 +91,24 @@ private:
   // A level holds 'a.b/c': once divided, a further factor needs brackets, since a/b.c is read in two ways.
   Unit product(int depth) {
     Unit unit = power(depth);
-    bool divided = false;
-    for (;;) {
+    for (bool divided = false;;) {
       const bool blank = skip_blanks();
       if (at_ == text_.size() || text_[at_] == ')') return unit;
-      const char sign = text_[at_];
-      if (sign == '/') {
-        ++at_;
+      if (take('/')) {
         divided = true;
         unit = multiply(unit, power(depth), -1);
-      } else if (sign == '.' || sign == '*' || blank) {
-        if (divided) fail("put a product below the line into brackets, as in m^2/(N.s)");
-        if (sign == '.' || sign == '*') ++at_;
-        unit = multiply(unit, power(depth), 1);
-      } else {
-        fail("unexpected '" + std::string(1, sign) + "'");
+        continue;
       }
+      if (!take('.') && !take('*') && !blank) fail("unexpected '" + std::string(1, text_[at_]) + "'");
+      if (divided) fail("put a product below the line into brackets, as in m^2/(N.s)");
+      unit = multiply(unit, power(depth), 1);
     }
   }
 
   Unit power(int depth) {
     skip_blanks();
     const Unit base = factor(depth);
-    if (at_ == text_.size() || text_[at_] != '^') return base;
-    ++at_;
+    if (!take('^')) return base;
     int exponent = 0;
     const char* begin = text_.data() + at_;
     const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), exponent);
@@ -136,28 +119,34 @@ private:
   }
 
   Unit factor(int depth) {
-    if (at_ < text_.size() && text_[at_] == '(') {
+    if (take('(')) {
       if (depth > 8) fail("too many brackets");
-      ++at_;
       const Unit inner = product(depth + 1);
-      if (at_ == text_.size()) fail("')' is missing");
-      ++at_;
+      if (!take(')')) fail("')' is missing");
       return inner;
     }
     const std::size_t begin = at_;
     while (at_ < text_.size() && (std::isalpha(static_cast<unsigned char>(text_[at_])) || text_[at_] == '%'))
       ++at_;
-    if (at_ == begin && at_ < text_.size() && text_[at_] == '1') ++at_;
+    if (at_ == begin) take('1');
     const std::string_view name = text_.substr(begin, at_ - begin);
     if (name.empty()) fail("a unit is missing");
-    if (const auto unit = find_unit(name)) return *unit;
+    const auto found =
+        std::ranges::find_if(all_units(), [&](const auto& unit) { return unit.first == name; });
+    if (found != all_units().end()) return found->second;
     fail("unknown unit '" + std::string(name) + "'" + other_capitals(name));
   }
 
+  bool take(char c) {
+    const bool there = at_ < text_.size() && text_[at_] == c;
+    if (there) ++at_;
+    return there;
+  }
   bool skip_blanks() {
-    const std::size_t begin = at_;
-    while (at_ < text_.size() && text_[at_] == ' ') ++at_;
-    return at_ > begin;
+    const bool any = take(' ');
+    while (take(' ')) {
+    }
+    return any;
   }
 
   [[noreturn]] static void fail(const std::string& reason) { throw std::invalid_argument(reason); }
@@ -166,30 +155,17 @@ private:
   std::size_t at_ = 0;
 };
 
-std::size_t skip_digits(std::string_view text, std::size_t at) {
-  while (at < text.size() && std::isdigit(static_cast<unsigned char>(text[at]))) ++at;
-  return at;
-}
-
 /// Number of characters of the decimal number that `text` begins with, 0 for none; `mantissa` excludes the
 /// exponent.
 std::size_t number_length(std::string_view text, std::size_t& mantissa) {
-  std::size_t at = !text.empty() && (text[0] == '+' || text[0] == '-') ? 1 : 0;
-  const std::size_t whole = skip_digits(text, at);
-  std::size_t digits = whole - at;
-  at = whole;
-  if (at < text.size() && text[at] == '.') {
-    const std::size_t end = skip_digits(text, at + 1);
-    digits += end - at - 1;
-    at = end;
-  }
-  if (digits == 0) return 0;
-  mantissa = at;
-  if (at == text.size() || (text[at] != 'e' && text[at] != 'E')) return at;
-  std::size_t exponent = at + 1;
-  if (exponent < text.size() && (text[exponent] == '+' || text[exponent] == '-')) ++exponent;
-  const std::size_t end = skip_digits(text, exponent);
-  return end > exponent ? end : at;
+  const std::size_t sign = text.starts_with('+') || text.starts_with('-') ? 1 : 0;
+  if (text.find_first_of(".0123456789") != sign) return 0; // neither inf nor nan
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data() + sign, text.data() + text.size(), value);
+  if (error == std::errc::invalid_argument) return 0;
+  const auto length = static_cast<std::size_t>(end - text.data());
+  mantissa = std::min(text.find_first_of("eE"), length);
+  return length;
 }
 
 std::string base_power(const std::string& name, int exponent) {
@@ -206,7 +182,7 @@ std::string derived_symbol(const Dimension& dimension, const UnitSystem& system,
                            dimension.temperature};
       for (const char* name : {"N", "Pa", "J", "W", "K"}) {
         for (const char* prefix : {"", "k", "M", "G", "m", "u"}) {
-          const Unit unit = *find_unit(std::string(prefix) + name);
+          const Unit unit = parse_unit(std::string(prefix) + name);
           if (unit.dimension != core || unit.decade != system.decade(core)) continue;
           return prefix + (name + (times ? "." + time : "")) +
                  (lengths ? "/" + base_power(length, lengths) : "");
@@ -219,8 +195,7 @@ std::string derived_symbol(const Dimension& dimension, const UnitSystem& system,
 
 double convert(const Literal& literal, const Unit& unit, const UnitSystem& system) {
   const auto value = parse_number(literal.number, unit.decade - system.decade(unit.dimension));
-  if (!value) throw std::invalid_argument("not a number that a double can hold");
-  const double converted = *value * unit.factor;
+  const double converted = value.value_or(HUGE_VAL) * unit.factor;
   if (!std::isfinite(converted)) throw std::invalid_argument("not a number that a double can hold");
   return converted;
 }
@@ -297,7 +272,7 @@ std::string unit_symbol(const Dimension& dimension, const UnitSystem& system) {
   const std::string length = system.length == -3 ? "mm" : "m", time = system.time == -3 ? "ms" : "s";
   if (const std::string symbol = derived_symbol(dimension, system, length, time); !symbol.empty())
     return symbol;
-  const Dimension inverse{-dimension.mass, -dimension.length, -dimension.time, -dimension.temperature};
+  const Dimension inverse = multiply({}, {dimension}, -1).dimension;
   if (const std::string symbol = derived_symbol(inverse, system, length, time); !symbol.empty())
     return symbol.find_first_of("./") == std::string::npos ? "1/" + symbol : "1/(" + symbol + ")";
   std::string above, below;
@@ -319,9 +294,8 @@ std::string unit_symbol(const Dimension& dimension, const UnitSystem& system) {
 }
 
 std::string number_text(double value) {
-  char buffer[40];
-  const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-  return std::string(buffer, end);
+  char text[40];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
 } // namespace impact

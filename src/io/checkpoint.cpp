@@ -1,17 +1,56 @@
 #include "checkpoint_folder.hpp"
 #include "entities.hpp"
 #include <algorithm>
+#include <csignal>
+#include <cstring>
 #include <impact/io/durable_file.hpp>
-#include <impact/io/watchdog.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/handle.hpp>
 #include <impact/petsc/log.hpp>
 #include <petscsf.h>
 #include <sstream>
+#include <sys/time.h>
+#include <unistd.h>
 
 namespace impact {
 
 namespace {
+
+// A signal handler may touch nothing that is not there beforehand.
+std::array<char, 1024> last_words{};
+
+void give_up(int) {
+  const ssize_t said = ::write(STDERR_FILENO, last_words.data(), std::strlen(last_words.data()));
+  ::_exit(said < 0 ? static_cast<int>(ExitCode::internal) : static_cast<int>(ExitCode::io));
+}
+
+void set_timer(double seconds) {
+  itimerval timer{};
+  timer.it_value.tv_sec = static_cast<time_t>(seconds);
+  timer.it_value.tv_usec =
+      static_cast<suseconds_t>((seconds - static_cast<double>(timer.it_value.tv_sec)) * 1e6);
+  setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+/// Ends the process with `message` on the terminal and exit status 4 when it is not destroyed within
+/// `seconds`: for collective writes, in which a rank waits for ever on the others. One at a time; uses
+/// SIGALRM.
+class Watchdog {
+public:
+  Watchdog(double seconds, const std::string& message) {
+    const std::string text = "impact: " + message + "\n";
+    const std::size_t length = std::min(text.size(), last_words.size() - 1);
+    std::copy_n(text.begin(), length, last_words.begin());
+    last_words[length] = '\0';
+    std::signal(SIGALRM, give_up);
+    set_timer(seconds);
+  }
+  ~Watchdog() {
+    set_timer(0);
+    std::signal(SIGALRM, SIG_DFL);
+  }
+  Watchdog(const Watchdog&) = delete;
+  Watchdog& operator=(const Watchdog&) = delete;
+};
 
 /// One line per checkpointed row: what a run must have to be continued from it.
 std::string row_list(const StateTable& table) {
@@ -24,35 +63,30 @@ std::string row_list(const StateTable& table) {
   return text.str();
 }
 
-std::string row_path(const StateRow& row) {
-  std::string name = row.name;
-  std::replace(name.begin(), name.end(), '/', '_');
-  return "/state/" + name;
-}
-
-std::string key_path(const Entities& set) {
-  std::string name = set.name;
-  std::replace(name.begin(), name.end(), '/', '_');
-  return "/keys/" + name;
+/// "/state" of a row, "/keys" of a set of entities.
+std::string path_in(const std::string& group, std::string name) {
+  std::ranges::replace(name, '/', '_');
+  return group + "/" + name;
 }
 
 const Entities& set_of(const StateRow& row, const std::vector<Entities>& sets) {
   const std::string name = entities_name(row);
-  return *std::find_if(sets.begin(), sets.end(), [&](const Entities& set) { return set.name == name; });
+  return *std::ranges::find_if(sets, [&](const Entities& set) { return set.name == name; });
 }
 
 /// A row in the order of its entities. The buffer is that of all rows, one after the other.
 hdf5::DataSet state_set(const CheckpointState& state, const StateRow& row, const Entities& set,
                         std::vector<double>& buffer) {
   const std::size_t width = row_width(state.mesh, state.groups, row);
-  return hdf5::rows(row_path(row), hdf5::Kind::real, set.slab, width, [&state, &row, &set, &buffer, width] {
-    buffer.assign(set.slab.own * width, 0.0);
-    for_each_place(state.mesh, state.groups, row, false, [&](const RowPlace& place) {
-      for (std::size_t i = 0; i < place.count; ++i)
-        buffer[place.entity * width + i] = row.committed[place.at + i * place.stride];
-    });
-    return hdf5::bytes_of(buffer);
-  });
+  return hdf5::rows(path_in("/state", row.name), hdf5::Kind::real, set.slab, width,
+                    [&state, &row, &set, &buffer, width] {
+                      buffer.assign(set.slab.own * width, 0.0);
+                      for_each_place(state.mesh, state.groups, row, false, [&](const RowPlace& place) {
+                        for (std::size_t i = 0; i < place.count; ++i)
+                          buffer[place.entity * width + i] = row.committed[place.at + i * place.stride];
+                      });
+                      return hdf5::bytes_of(buffer);
+                    });
 }
 
 /// The mesh of the run as its file had it, before it was refined, distributed and ordered.
@@ -88,7 +122,7 @@ GmshFile stored_mesh(const hdf5::Reader& file) {
   const auto next = [&] { return static_cast<int>(*at++); };
   const auto list = [&](int count) {
     std::vector<int> numbers(static_cast<std::size_t>(count));
-    std::generate(numbers.begin(), numbers.end(), next);
+    std::ranges::generate(numbers, next);
     return numbers;
   };
   while (at != blocks.end()) {
@@ -107,10 +141,9 @@ Handle<PetscSF> from_stored(MPI_Comm comm, const std::string& file, const Entiti
   std::vector<PetscInt> place;
   bool found = true;
   agree_on_errors(comm, [&] {
-    const std::vector<double> known = hdf5::Reader(file).numbers(key_path(set));
+    const std::vector<double> known = hdf5::Reader(file).numbers(path_in("/keys", set.name));
     place = find_keys(known, set.keys);
-    found = known.size() == 2 * set.slab.all &&
-            std::find(place.begin(), place.end(), PetscInt{-1}) == place.end();
+    found = known.size() == 2 * set.slab.all && std::ranges::find(place, PetscInt{-1}) == place.end();
   });
   if (!all_ranks_agree(comm, found))
     throw UserError(ExitCode::io,
@@ -131,7 +164,7 @@ void read_row(const CheckpointState& state, const std::string& file, const Entit
   check(PetscLayoutGetRange(slabs, &begin, &end));
   std::vector<double> slab, mine(set.keys.size() / 2 * width);
   agree_on_errors(state.mesh.comm(), [&] {
-    slab = hdf5::Reader(file).rows(row_path(row), static_cast<hsize_t>(begin),
+    slab = hdf5::Reader(file).rows(path_in("/state", row.name), static_cast<hsize_t>(begin),
                                    static_cast<hsize_t>(end - begin));
     if (slab.size() != static_cast<std::size_t>(end - begin) * width)
       throw UserError(ExitCode::io,
@@ -170,7 +203,7 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
   std::vector<double> buffer;
   std::vector<hdf5::DataSet> sets;
   for (const Entities& set : entities_)
-    sets.push_back(hdf5::rows(key_path(set), hdf5::Kind::real, set.slab, 2,
+    sets.push_back(hdf5::rows(path_in("/keys", set.name), hdf5::Kind::real, set.slab, 2,
                               [&set] { return std::as_bytes(std::span(set.keys).first(2 * set.slab.own)); }));
   for (const auto& row : state_.table.rows())
     if (row->checkpointed) sets.push_back(state_set(state_, *row, set_of(*row, entities_), buffer));
@@ -179,9 +212,7 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
     mesh.emplace(*state_.file);
     sets.push_back(hdf5::whole(comm, "/mesh/nodes", mesh->x));
     sets.push_back(hdf5::whole(comm, "/mesh/groups", mesh->groups));
-    sets.push_back({"/mesh/blocks", hdf5::Kind::integer, {mesh->blocks.size()}, 0, [&mesh] {
-                      return hdf5::bytes_of(mesh->blocks);
-                    }});
+    sets.push_back(hdf5::whole(comm, "/mesh/blocks", mesh->blocks));
   }
   double megabytes = 0;
   for (const hdf5::DataSet& set : sets)
@@ -202,15 +233,10 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
 void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
   const Timed timed(Event::checkpoint_read);
   const MPI_Comm comm = state.mesh.comm();
-  const auto in_line = [](std::string lines) {
-    lines.resize(lines.empty() ? 0 : lines.size() - 1);
-    for (std::size_t at = 0; (at = lines.find('\n', at)) != std::string::npos;) lines.replace(at, 1, "; ");
-    return lines;
-  };
   if (const std::string wanted = row_list(state.table); checkpoint.rows != wanted)
     throw UserError(ExitCode::io, "cannot use checkpoint " + checkpoint.file + ": it holds " +
-                                      in_line(checkpoint.rows) + "; this run needs " + in_line(wanted) +
-                                      "; restart with the physics of its run");
+                                      in_one_line(checkpoint.rows) + "; this run needs " +
+                                      in_one_line(wanted) + "; restart with the physics of its run");
   for (const Entities& set : entities_of(state.mesh, state.table)) {
     PetscLayout slabs = nullptr;
     const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);

@@ -3,9 +3,10 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <impact/input/spelling.hpp>
+#include <impact/input/units.hpp>
 #include <impact/io/durable_file.hpp>
 #include <iomanip>
-#include <map>
 #include <set>
 #include <sstream>
 
@@ -34,17 +35,6 @@ long number_of(const std::string& name) {
   return number;
 }
 
-std::vector<std::string> names_in(const std::string& dir) {
-  std::vector<std::string> names;
-  std::error_code error;
-  fs::directory_iterator entries(dir, error);
-  if (error == std::errc::no_such_file_or_directory) return names;
-  if (error) throw UserError(ExitCode::io, "cannot read directory " + dir + ": " + error.message());
-  for (const auto& entry : entries) names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
 // Checkpoint files that have a manifest, newest first.
 std::vector<std::string> with_manifest(const std::string& dir) {
   std::vector<long> numbers;
@@ -56,21 +46,13 @@ std::vector<std::string> with_manifest(const std::string& dir) {
   return files;
 }
 
-std::string digits(double value) {
-  char text[40];
-  return {text, std::to_chars(text, text + sizeof text, value).ptr}; // the shortest that gives the same bits
-}
-
 /// A manifest holds, by key, name and sum of its file and all that the run wants to find again.
 using Entries = std::map<std::string, std::string>;
 
 std::string manifest_text(const Checkpoint& c, const hdf5::Written& written) {
-  Entries entries{{"file", fs::path(c.file).filename().string()},
-                  {"size", std::to_string(written.bytes)},
-                  {"checksum", to_hex(written.checksum)},
-                  {"step", std::to_string(c.values.step)},
-                  {"time", digits(c.values.time)},
-                  {"rows", c.rows}};
+  Entries entries{{"file", fs::path(c.file).filename().string()}, {"size", std::to_string(written.bytes)},
+                  {"checksum", to_hex(written.checksum)},         {"step", std::to_string(c.values.step)},
+                  {"time", number_text(c.values.time)},           {"rows", c.rows}};
   for (const auto& [name, value] : c.values.texts) entries["text:" + name] = value;
   std::ostringstream text;
   text << format << '\n';
@@ -83,12 +65,6 @@ Entries entries_of(const std::string& manifest) {
   std::istringstream in(manifest.substr(manifest.find('\n') + 1));
   for (std::string key, value; in >> std::quoted(key) >> std::quoted(value);) entries[key] = value;
   return entries;
-}
-
-double number_in(const std::string& text) {
-  double value = 0;
-  std::from_chars(text.data(), text.data() + text.size(), value);
-  return value;
 }
 
 /// Why a file cannot be trusted, empty when size, checksum and manifest agree; `manifest` becomes its text.
@@ -123,7 +99,7 @@ Checkpoint shared(MPI_Comm comm, const std::string& file, const std::string& man
   CheckpointValues& values = checkpoint.values;
   for (const auto& [key, value] : entries_of(broadcast(comm, manifest))) {
     if (key == "step") values.step = std::stol(value);
-    if (key == "time") values.time = number_in(value);
+    if (key == "time") values.time = parse_number(value).value_or(0);
     if (key == "rows") checkpoint.rows = value;
     if (key.starts_with("text:")) values.texts[key.substr(5)] = value;
   }
@@ -132,6 +108,10 @@ Checkpoint shared(MPI_Comm comm, const std::string& file, const std::string& man
 
 } // namespace
 
+std::string in_one_line(const std::string& lines) {
+  return replaced(lines.substr(0, lines.find_last_not_of('\n') + 1), "\n", "; ");
+}
+
 std::string next_checkpoint_file(const std::string& dir) {
   long last = 0;
   for (const std::string& name : names_in(dir)) last = std::max(last, number_of(name));
@@ -139,9 +119,6 @@ std::string next_checkpoint_file(const std::string& dir) {
 }
 
 void publish_checkpoint(const Checkpoint& checkpoint, const hdf5::Written& written) {
-  rename_file(checkpoint.file + ".tmp", checkpoint.file);
-  // Makes both names last. Had the disk only the manifest after a crash, the checkpoint would count as
-  // damaged and the one before, which is removed later, as the newest.
   replace_file(manifest_of(checkpoint.file).string(), manifest_text(checkpoint, written));
 }
 
@@ -171,9 +148,7 @@ std::optional<Checkpoint> newest_checkpoint(MPI_Comm comm, const std::string& di
       damaged += "checkpoint " + file + " is not used: " + fault + "\n";
     }
     if (damaged.empty()) return;
-    std::string all = damaged.substr(0, damaged.size() - 1);
-    for (std::size_t at = 0; (at = all.find('\n', at)) != std::string::npos;) all.replace(at, 1, "; ");
-    throw UserError(ExitCode::io, "no usable checkpoint in " + dir + ": " + all +
+    throw UserError(ExitCode::io, "no usable checkpoint in " + dir + ": " + in_one_line(damaged) +
                                       "; restore one of them, or remove them to start anew");
   });
   Checkpoint checkpoint = shared(comm, found, manifest);

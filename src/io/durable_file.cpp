@@ -8,7 +8,6 @@
 #include <impact/petsc/error.hpp>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <vector>
 
 namespace impact {
 
@@ -89,6 +88,17 @@ std::string read_file(const std::string& file) {
   std::string text(in.size(), '\0');
   in.read(0, text.data(), text.size());
   return text;
+}
+
+std::vector<std::string> names_in(const std::string& dir) {
+  std::vector<std::string> names;
+  std::error_code error;
+  fs::directory_iterator entries(dir, error);
+  if (error == std::errc::no_such_file_or_directory) return names;
+  if (error) throw UserError(ExitCode::io, "cannot read directory " + dir + ": " + error.message());
+  for (const auto& entry : entries) names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
 }
 
 void make_directories(const std::string& dir) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <impact/io/checksum.hpp>
+#include <impact/math/index.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/petsc/error.hpp>
 #include <numeric>
@@ -22,21 +23,19 @@ void add_key(std::uint64_t identity, double* key) {
 
 /// Gives each cell of the rank a number made of the coordinates of its nodes and the names of its regions.
 std::vector<std::uint64_t> cell_identities(const Mesh& mesh) {
-  std::vector<std::uint64_t> identity(static_cast<std::size_t>(mesh.cell_count()), 0);
-  const auto of = [&](PetscInt point) -> std::uint64_t& {
-    return identity[static_cast<std::size_t>(point - mesh.cell_start())];
-  };
+  std::vector<std::uint64_t> identity(at(mesh.cell_count()), 0);
+  const auto of = [&](PetscInt point) -> std::uint64_t& { return identity[at(point - mesh.cell_start())]; };
   for (const Group& group : mesh.groups()) {
     if (group.dim != mesh.dim()) continue;
     const std::uint64_t name = mixed(checksum(group.name));
     for (const PetscInt point : mesh.region_cells(group.name)) of(point) += name;
   }
-  const auto dim = static_cast<std::size_t>(mesh.dim());
+  const std::size_t dim = at(mesh.dim());
   for (const CellTable& table : mesh.cells()) {
-    const auto nodes = static_cast<std::size_t>(node_count(table.shape));
+    const std::size_t nodes = at(node_count(table.shape));
     for (std::size_t k = 0; k < table.connectivity.size(); ++k)
       for (std::size_t i = 0; i < dim; ++i) {
-        const double x = mesh.coordinates()[static_cast<std::size_t>(table.connectivity[k]) * dim + i];
+        const double x = mesh.coordinates()[at(table.connectivity[k]) * dim + i];
         std::uint64_t& cell = of(table.point[k / nodes]);
         cell = combined(cell, std::bit_cast<std::uint64_t>(x + 0.0)); // one zero, whatever its sign
       }
@@ -49,11 +48,10 @@ std::vector<double> node_keys(const Mesh& mesh, const std::vector<std::uint64_t>
   const FieldLayout layout(mesh, "keys", 2);
   std::vector<double> keys = layout.make_local();
   for (const CellTable& table : mesh.cells()) {
-    const auto nodes = static_cast<std::size_t>(node_count(table.shape));
+    const std::size_t nodes = at(node_count(table.shape));
     for (std::size_t k = 0; k < table.connectivity.size(); ++k)
-      add_key(
-          combined(identity[static_cast<std::size_t>(table.point[k / nodes] - mesh.cell_start())], k % nodes),
-          &keys[2 * static_cast<std::size_t>(table.connectivity[k])]);
+      add_key(combined(identity[at(table.point[k / nodes] - mesh.cell_start())], k % nodes),
+              &keys[2 * at(table.connectivity[k])]);
   }
   const Handle<Vec> sum = layout.make_global();
   layout.add_to_global(keys, sum);
@@ -63,10 +61,9 @@ std::vector<double> node_keys(const Mesh& mesh, const std::vector<std::uint64_t>
 
 /// The place of each local node among the vertices of the rank: owned ones first, in the global order.
 std::vector<std::size_t> vertex_order(const Mesh& mesh) {
-  std::vector<std::size_t> place(static_cast<std::size_t>(mesh.node_count()));
-  auto owned = std::size_t{0}, ghost = static_cast<std::size_t>(mesh.owned_node_count());
-  for (int n = 0; n < mesh.node_count(); ++n)
-    place[static_cast<std::size_t>(n)] = mesh.owned(n) ? owned++ : ghost++;
+  std::vector<std::size_t> place(at(mesh.node_count()));
+  std::size_t owned = 0, ghost = at(mesh.owned_node_count());
+  for (int n = 0; n < mesh.node_count(); ++n) place[at(n)] = mesh.owned(n) ? owned++ : ghost++;
   return place;
 }
 
@@ -97,20 +94,20 @@ std::vector<Entities> entities_of(const Mesh& mesh, const StateTable& table) {
   for (std::size_t n = 0; n < place.size(); ++n) std::copy_n(&nodes[2 * n], 2, &vertex_keys[2 * place[n]]);
   for (std::size_t c = 0; c < cells.size(); ++c) add_key(cells[c], &cell_keys[2 * c]);
   std::vector<Entities> sets;
-  const auto owned = static_cast<std::size_t>(mesh.owned_node_count());
+  const std::size_t owned = at(mesh.owned_node_count());
   sets.push_back({"vertex", {comm, owned}, std::move(vertex_keys)});
   sets.push_back({"cell", {comm, cells.size()}, std::move(cell_keys)});
   sets.push_back({"global", {comm, rank == 0 ? 1U : 0U}, {1, 1}});
   for (const auto& row : table.rows()) {
     const std::string name = entities_name(*row);
     if (!row->checkpointed || row->support != Support::facet_point ||
-        std::any_of(sets.begin(), sets.end(), [&](const Entities& set) { return set.name == name; }))
+        std::ranges::any_of(sets, [&](const Entities& set) { return set.name == name; }))
       continue;
     const FacetTable facets = mesh.facets(row->surface);
-    const auto corners = static_cast<std::size_t>(facets.nodes_per_facet);
+    const std::size_t corners = at(facets.nodes_per_facet);
     std::vector<double> keys(2 * facets.point.size(), 0.0);
     for (std::size_t k = 0; k < facets.connectivity.size(); ++k) {
-      const double* node = &nodes[2 * static_cast<std::size_t>(facets.connectivity[k])];
+      const double* node = &nodes[2 * at(facets.connectivity[k])];
       add_key(combined(static_cast<std::uint64_t>(node[0]), static_cast<std::uint64_t>(node[1])),
               &keys[2 * (k / corners)]);
     }
@@ -121,33 +118,32 @@ std::vector<Entities> entities_of(const Mesh& mesh, const StateTable& table) {
 
 std::size_t for_each_place(const Mesh& mesh, const std::vector<CellGroup>& groups, const StateRow& row,
                            bool all, const std::function<void(const RowPlace&)>& use) {
-  const auto components = static_cast<std::size_t>(row.components);
-  std::size_t at = 0;
+  const std::size_t components = at(row.components);
+  std::size_t begin = 0;
   if (row.support == Support::vertex) {
     const std::vector<std::size_t> place = vertex_order(mesh);
-    for (std::size_t n = 0; n < place.size(); ++n, at += components)
-      if (all || mesh.owned(static_cast<int>(n))) use({place[n], at, components, 1});
+    for (std::size_t n = 0; n < place.size(); ++n, begin += components)
+      if (all || mesh.owned(static_cast<int>(n))) use({place[n], begin, components, 1});
   } else if (row.support == Support::cell_point) {
     for (const CellGroup& group : groups) {
-      const std::size_t count = static_cast<std::size_t>(point_count(group.shape)) * components;
-      for (int b = 0; b < group.batch_count; ++b, at += count * lanes)
+      const std::size_t count = at(point_count(group.shape)) * components;
+      for (int b = 0; b < group.batch_count; ++b, begin += count * lanes)
         for (int l = 0; l < (all ? lanes : group.lanes_in_use(b)); ++l) {
-          const PetscInt point = group.cell_point[static_cast<std::size_t>(b * lanes + l)];
-          use({static_cast<std::size_t>(point - mesh.cell_start()), at + static_cast<std::size_t>(l), count,
-               lanes});
+          const PetscInt point = group.cell_point[at(b * lanes + l)];
+          use({at(point - mesh.cell_start()), begin + at(l), count, lanes});
         }
     }
   } else if (row.support == Support::facet_point) {
-    const auto facets = static_cast<std::size_t>(mesh.facets(row.surface).count());
+    const std::size_t facets = at(mesh.facets(row.surface).count());
     const std::size_t width = facets > 0 ? row.committed.size() / facets : 0;
-    for (std::size_t f = 0; f < facets; ++f, at += width) use({f, at, width, 1});
+    for (std::size_t f = 0; f < facets; ++f, begin += width) use({f, begin, width, 1});
   } else {
     int rank = 0;
     MPI_Comm_rank(mesh.comm(), &rank);
     if (all || rank == 0) use({0, 0, components, 1});
-    at = components;
+    begin = components;
   }
-  return at;
+  return begin;
 }
 
 std::size_t row_width(const Mesh& mesh, const std::vector<CellGroup>& groups, const StateRow& row) {
@@ -167,12 +163,11 @@ std::vector<PetscInt> find_keys(const std::vector<double>& known, const std::vec
   };
   std::vector<std::size_t> order(known.size() / 2);
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return key(known, a) < key(known, b); });
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return key(known, a) < key(known, b); });
   std::vector<PetscInt> places(wanted.size() / 2, -1);
   for (std::size_t k = 0; k < places.size(); ++k) {
-    const auto at = std::partition_point(order.begin(), order.end(),
-                                         [&](std::size_t i) { return key(known, i) < key(wanted, k); });
+    const auto at =
+        std::ranges::partition_point(order, [&](std::size_t i) { return key(known, i) < key(wanted, k); });
     const bool found = at != order.end() && key(known, *at) == key(wanted, k);
     const bool twice = found && at + 1 != order.end() && key(known, *(at + 1)) == key(wanted, k);
     if (found && !twice) places[k] = static_cast<PetscInt>(*at);

@@ -1,10 +1,7 @@
 #pragma once
-#include <functional>
 #include <impact/io/hdf5_file.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/state_table.hpp>
-#include <string>
-#include <vector>
 
 /// The parts of a mesh that carry state, recognised by keys that depend neither on ranks nor on numbering:
 /// what one run writes in the order of its ranks another one finds on its own.

@@ -1,9 +1,9 @@
 #include "field_series.hpp"
 #include <algorithm>
-#include <array>
 #include <impact/io/durable_file.hpp>
 #include <impact/io/field_output.hpp>
 #include <impact/io/hdf5_file.hpp>
+#include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact {
@@ -13,7 +13,7 @@ namespace {
 // Vectors of plane problems get a third component.
 constexpr int stored_width(int components) { return components == 2 ? 3 : components; }
 
-std::vector<Shape> shapes_on_any_rank(const Mesh& mesh) {
+std::vector<Shape> shapes_of(const Mesh& mesh) {
   std::vector<Shape> shapes;
   for (const Shape s : known_shapes())
     if (mesh.has_shape(s)) shapes.push_back(s);
@@ -24,11 +24,11 @@ std::vector<Shape> shapes_on_any_rank(const Mesh& mesh) {
 std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   std::vector<std::int64_t> list;
   for (const CellTable& table : mesh.cells()) {
-    const auto nodes = static_cast<std::size_t>(node_count(table.shape));
+    const std::size_t nodes = at(node_count(table.shape));
     for (std::size_t c = 0; c < table.point.size(); ++c) {
       if (mixed) list.push_back(table.shape->names.xdmf);
       for (std::size_t a = 0; a < nodes; ++a)
-        list.push_back(mesh.global_node()[static_cast<std::size_t>(table.connectivity[c * nodes + a])]);
+        list.push_back(mesh.global_node()[at(table.connectivity[c * nodes + a])]);
     }
   }
   return list;
@@ -40,12 +40,12 @@ std::vector<double> rows_of(const Mesh& mesh, bool nodes, std::span<const double
                             int width) {
   std::vector<double> rows;
   const int count = nodes ? mesh.node_count() : mesh.cell_count();
-  rows.reserve(static_cast<std::size_t>(count) * static_cast<std::size_t>(width));
+  rows.reserve(at(count) * at(width));
   for (int k = 0; k < count; ++k) {
     if (nodes && !mesh.owned(k)) continue;
     const auto row = values.begin() + std::ptrdiff_t{k} * components;
     rows.insert(rows.end(), row, row + components);
-    rows.resize(rows.size() + static_cast<std::size_t>(width - components), 0.0);
+    rows.resize(rows.size() + at(width - components), 0.0);
   }
   return rows;
 }
@@ -67,8 +67,7 @@ struct FieldMesh {
   std::string sum;
 
   FieldMesh(const Mesh& mesh, const FieldFile& request, const std::vector<Shape>& shapes)
-      : nodes(mesh.comm(), static_cast<std::size_t>(mesh.owned_node_count())),
-        cells(mesh.comm(), static_cast<std::size_t>(mesh.cell_count())),
+      : nodes(mesh.comm(), at(mesh.owned_node_count())), cells(mesh.comm(), at(mesh.cell_count())),
         numbers(mesh.comm(), connectivity(mesh, shapes.size() > 1).size()), mixed(shapes.size() > 1),
         points(rows_of(mesh, true, mesh.coordinates(), mesh.dim(), 3)),
         topology(connectivity(mesh, mixed)), entry{
@@ -90,21 +89,17 @@ void FieldOutput::write_mesh(const FieldMesh& stored, const FieldFile& request) 
       stored.mixed || stored.cells.all == 0 ? 1 : stored.numbers.all / stored.cells.all;
   const std::vector<double> cell_count{static_cast<double>(stored.cells.all)};
   std::vector<hdf5::DataSet> sets{
-      hdf5::rows("/geometry", hdf5::Kind::real, stored.nodes, 3,
-                 [&] { return hdf5::bytes_of(stored.points); }),
-      hdf5::rows("/topology", hdf5::Kind::integer, stored.mixed ? stored.numbers : stored.cells, width,
-                 [&] { return hdf5::bytes_of(stored.topology); }),
+      hdf5::rows("/geometry", stored.nodes, 3, stored.points),
+      hdf5::rows("/topology", stored.mixed ? stored.numbers : stored.cells, width, stored.topology),
       hdf5::whole(comm, "/cells", stored.entry.cell_type), hdf5::whole(comm, "/cell_count", cell_count),
       hdf5::whole(comm, "/checksum", stored.sum)};
   if (stored.entry.regions) {
-    sets.push_back(hdf5::rows("/region", hdf5::Kind::integer, stored.cells, 1,
-                              [&] { return hdf5::bytes_of(request.region); }));
+    sets.push_back(hdf5::rows("/region", stored.cells, 1, request.region));
     sets.push_back(hdf5::whole(comm, "/regions", request.regions));
   }
   const std::string name = broadcast(comm, series_->next_mesh_name());
   hdf5::write_file(comm, series_->file(name), sets);
   on_rank_zero(comm, [&] {
-    rename_durably(series_->file(name) + ".tmp", series_->file(name));
     XdmfMesh entry = stored.entry;
     entry.file = series_->relative(name);
     series_->add_mesh(entry, stored.sum);
@@ -114,7 +109,7 @@ void FieldOutput::write_mesh(const FieldMesh& stored, const FieldFile& request) 
 FieldOutput::FieldOutput(const Mesh& mesh, const FieldFile& file)
     : mesh_(&mesh), series_(std::make_unique<FieldSeries>(without_extension(file.path))) {
   const MPI_Comm comm = mesh.comm();
-  const FieldMesh stored(mesh, file, shapes_on_any_rank(mesh));
+  const FieldMesh stored(mesh, file, shapes_of(mesh));
   int write_the_mesh = 1;
   on_rank_zero(comm, [&] {
     make_directories(series_->folder());
@@ -149,17 +144,15 @@ FieldOutput::~FieldOutput() = default;
 
 void FieldOutput::write(double time, const std::vector<Field>& fields) {
   const MPI_Comm comm = mesh_->comm();
-  const bool good = std::all_of(fields.begin(), fields.end(), [&](const Field& field) {
+  const bool good = std::ranges::all_of(fields, [&](const Field& field) {
     const int entities = field.on_nodes ? mesh_->node_count() : mesh_->cell_count();
-    return field.components > 0 &&
-           field.values.size() == static_cast<std::size_t>(entities * field.components) &&
+    return field.components > 0 && field.values.size() == at(entities * field.components) &&
            !field.name.empty() && field.name.find('/') == std::string::npos;
   });
   if (!all_ranks_agree(comm, good))
     throw std::logic_error("field output: a field has a wrong size or an impossible name");
 
-  const hdf5::Slab nodes(comm, static_cast<std::size_t>(mesh_->owned_node_count())),
-      cells(comm, static_cast<std::size_t>(mesh_->cell_count()));
+  const hdf5::Slab nodes(comm, at(mesh_->owned_node_count())), cells(comm, at(mesh_->cell_count()));
   XdmfFrame frame{time, {}, series_->mesh, {}};
   std::vector<double> rows; // of one field after the other
   std::vector<hdf5::DataSet> sets;
@@ -183,7 +176,6 @@ void FieldOutput::write(double time, const std::vector<Field>& fields) {
   sets.push_back(hdf5::whole(comm, "/time", times));
   hdf5::write_file(comm, series_->file(name), sets);
   on_rank_zero(comm, [&] {
-    rename_durably(series_->file(name) + ".tmp", series_->file(name));
     frame.file = series_->relative(name);
     series_->add_frame(frame);
   });
@@ -192,23 +184,21 @@ void FieldOutput::write(double time, const std::vector<Field>& fields) {
 
 std::vector<double> cells_in_mesh_order(const Mesh& mesh, const std::vector<CellGroup>& groups,
                                         int components, std::span<const double> by_batch) {
-  std::vector<std::size_t> place(static_cast<std::size_t>(mesh.cell_count()));
+  std::vector<std::size_t> place(at(mesh.cell_count()));
   std::size_t next = 0;
   for (const CellTable& table : mesh.cells())
-    for (const PetscInt point : table.point)
-      place[static_cast<std::size_t>(point - mesh.cell_start())] = next++;
+    for (const PetscInt point : table.point) place[at(point - mesh.cell_start())] = next++;
 
-  const auto width = static_cast<std::size_t>(components);
+  const std::size_t width = at(components);
   std::vector<double> values(place.size() * width, 0.0);
   std::size_t batch = 0;
   for (const CellGroup& group : groups)
     for (int b = 0; b < group.batch_count; ++b, ++batch)
       for (int l = 0; l < group.lanes_in_use(b); ++l) {
-        const PetscInt point = group.cell_point[static_cast<std::size_t>(b * lanes + l)];
-        const std::size_t row = place[static_cast<std::size_t>(point - mesh.cell_start())] * width;
+        const PetscInt point = group.cell_point[at(b * lanes + l)];
+        const std::size_t row = place[at(point - mesh.cell_start())] * width;
         for (std::size_t k = 0; k < width; ++k)
-          values[row + k] =
-              by_batch[(batch * width + k) * static_cast<std::size_t>(lanes) + static_cast<std::size_t>(l)];
+          values[row + k] = by_batch[(batch * width + k) * at(lanes) + at(l)];
       }
   return values;
 }

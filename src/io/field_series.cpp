@@ -1,7 +1,6 @@
 #include "field_series.hpp"
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <impact/io/durable_file.hpp>
 #include <impact/io/hdf5_file.hpp>
@@ -13,14 +12,6 @@
 namespace impact {
 
 namespace {
-
-std::string file_of_frame(int number) {
-  char name[32];
-  std::snprintf(name, sizeof name, "%06d.h5", number);
-  return name;
-}
-
-std::string file_of_mesh(int number) { return "mesh_" + std::to_string(number) + ".h5"; }
 
 /// The name of a file in our folder is "000012.h5" or "mesh_0.h5", or one of these with the ending of a file
 /// that was not finished or set aside. Other names have the number -1.
@@ -42,17 +33,6 @@ OwnName own_name(const std::string& name) {
   return own;
 }
 
-std::vector<std::string> names_in(const std::string& folder) {
-  std::vector<std::string> names;
-  try {
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-      names.push_back(entry.path().filename().string());
-  } catch (const std::filesystem::filesystem_error& error) {
-    throw UserError(ExitCode::io, "cannot read directory " + folder + ": " + error.code().message());
-  }
-  return names;
-}
-
 /// Finished files of one kind by their number.
 std::map<int, std::string> finished_files(const std::string& folder, bool meshes) {
   std::map<int, std::string> files;
@@ -67,12 +47,13 @@ std::string FieldSeries::relative(const std::string& name) const {
   return std::filesystem::path(folder()).filename().string() + "/" + name;
 }
 
-std::string FieldSeries::next_mesh_name() const { return file_of_mesh(next_mesh_); }
+std::string FieldSeries::next_mesh_name() const { return "mesh_" + std::to_string(next_mesh_) + ".h5"; }
 
 std::string FieldSeries::frame_name(double time) const {
   for (const XdmfFrame& frame : xdmf.frames)
     if (frame.time == time) return std::filesystem::path(frame.file).filename().string();
-  return file_of_frame(next_frame_);
+  const std::string digits = std::to_string(next_frame_);
+  return std::string(6 - std::min<std::size_t>(6, digits.size()), '0') + digits + ".h5";
 }
 
 void FieldSeries::add_mesh(const XdmfMesh& entry, const std::string& sum) {
@@ -83,8 +64,8 @@ void FieldSeries::add_mesh(const XdmfMesh& entry, const std::string& sum) {
 }
 
 void FieldSeries::add_frame(const XdmfFrame& frame) {
-  const auto same = std::find_if(xdmf.frames.begin(), xdmf.frames.end(),
-                                 [&](const XdmfFrame& f) { return f.time == frame.time; });
+  const auto same =
+      std::ranges::find_if(xdmf.frames, [&](const XdmfFrame& f) { return f.time == frame.time; });
   if (same != xdmf.frames.end()) {
     *same = frame;
   } else {
@@ -133,7 +114,7 @@ bool FieldSeries::find_meshes(const std::string& sum, std::string& warning) {
 
 XdmfFrame FieldSeries::read_frame(const std::string& name) const {
   const hdf5::Reader h5(file(name));
-  const auto its_mesh = std::find(sums_.begin(), sums_.end(), h5.text("/mesh"));
+  const auto its_mesh = std::ranges::find(sums_, h5.text("/mesh"));
   if (its_mesh == sums_.end())
     throw UserError(ExitCode::io, "cannot use " + file(name) + ": its mesh is not there");
   XdmfFrame frame{

@@ -36,20 +36,15 @@ template <class T> T Reader::checked(T code, const std::string& what) const {
   return code;
 }
 
-Reader::Reader(std::string name) : name_(std::move(name)) {
-  H5Eget_auto2(H5E_DEFAULT, &printing_, &printing_data_);
+Reader::Quiet::Quiet() {
+  H5Eget_auto2(H5E_DEFAULT, &printing, &data);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  id_ = Id(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (id_ >= 0) return;
-  const std::string reason = innermost_reason();
-  H5Eset_auto2(H5E_DEFAULT, printing_, printing_data_);
-  throw UserError(ExitCode::io, "cannot read " + name_ + ": open: " + reason);
 }
+Reader::Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, printing, data); }
 
-Reader::~Reader() {
-  id_ = Id();
-  H5Eset_auto2(H5E_DEFAULT, printing_, printing_data_);
-}
+Reader::Reader(std::string name)
+    : name_(std::move(name)),
+      id_(checked(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), "open"), H5Fclose) {}
 
 bool Reader::has(const std::string& path) const { return H5Lexists(id_, path.c_str(), H5P_DEFAULT) > 0; }
 
@@ -62,7 +57,7 @@ std::vector<std::string> Reader::list(const std::string& path) const {
   };
   const Id group(checked(H5Gopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Gclose);
   checked(H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), path);
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 
@@ -74,20 +69,15 @@ std::vector<hsize_t> Reader::extent(const std::string& path) const {
   return extent;
 }
 
-void Reader::read(const std::string& path, hid_t type, void* to) const {
-  const Id set(checked(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Dclose);
-  checked(H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to), path);
-}
-
 std::vector<double> Reader::numbers(const std::string& path) const {
-  std::vector<double> values(product(extent(path)));
-  if (!values.empty()) read(path, H5T_NATIVE_DOUBLE, values.data());
-  return values;
+  return rows(path, 0, extent(path).at(0));
 }
 
 std::string Reader::text(const std::string& path) const {
   std::string text(product(extent(path)), '\0');
-  if (!text.empty()) read(path, H5T_NATIVE_CHAR, text.data());
+  if (text.empty()) return text;
+  const Id set(checked(H5Dopen2(id_, path.c_str(), H5P_DEFAULT), path), H5Dclose);
+  checked(H5Dread(set, H5T_NATIVE_CHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), path);
   return text;
 }
 

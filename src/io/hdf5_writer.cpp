@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <impact/io/durable_file.hpp>
 #include <impact/io/hdf5_file.hpp>
@@ -11,15 +11,7 @@ namespace {
 
 /// HDF5 writes these parts of a file beside the numbers in its data sets: words of eight bytes by their
 /// number.
-using Words = std::map<std::uint64_t, std::uint64_t>;
-
-template <class Use> void for_each_word(std::uint64_t at, std::size_t bytes, Use&& use) {
-  for (std::size_t done = 0; done < bytes;) {
-    const std::size_t in_word = (at + done) % 8, here = std::min(bytes - done, 8 - in_word);
-    use((at + done) / 8, in_word, done, here);
-    done += here;
-  }
-}
+using Words = std::map<std::uint64_t, std::array<char, 8>>;
 
 /// A driver of HDF5 whose file is in memory, as far as it was written.
 struct LayoutDriver : H5FD_t {
@@ -43,20 +35,13 @@ struct LayoutDriver : H5FD_t {
     of(file).end = address;
     return 0;
   }
+  char& byte(haddr_t at) { return (*words)[at / 8][at % 8]; }
   static herr_t write(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, size_t bytes, const void* from) {
-    for_each_word(at, bytes,
-                  [&](std::uint64_t word, std::size_t in_word, std::size_t done, std::size_t here) {
-                    std::memcpy(reinterpret_cast<char*>(&(*of(file).words)[word]) + in_word,
-                                static_cast<const char*>(from) + done, here);
-                  });
+    for (std::size_t i = 0; i < bytes; ++i) of(file).byte(at + i) = static_cast<const char*>(from)[i];
     return 0;
   }
   static herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, size_t bytes, void* to) {
-    for_each_word(at, bytes,
-                  [&](std::uint64_t word, std::size_t in_word, std::size_t done, std::size_t here) {
-                    std::memcpy(static_cast<char*>(to) + done,
-                                reinterpret_cast<char*>(&(*of(file).words)[word]) + in_word, here);
-                  });
+    for (std::size_t i = 0; i < bytes; ++i) static_cast<char*>(to)[i] = of(file).byte(at + i);
     return 0;
   }
   static const H5FD_class_t& description() {
@@ -127,7 +112,7 @@ std::uint64_t write_words(const DurableFile& out, const Words& words) {
   std::uint64_t sum = 0;
   for (auto at = words.begin(); at != words.end();) {
     const std::uint64_t first = at->first;
-    std::vector<std::uint64_t> run;
+    std::vector<std::array<char, 8>> run;
     for (; at != words.end() && at->first == first + run.size(); ++at) run.push_back(at->second);
     out.write(8 * first, run.data(), 8 * run.size());
     sum += checksum(bytes_of(run), first);
@@ -166,27 +151,6 @@ DataSet rows(std::string path, Kind kind, const Slab& slab, std::uint64_t width,
   return set;
 }
 
-namespace {
-
-template <class Values>
-DataSet of_rank_zero(MPI_Comm comm, std::string path, Kind kind, const Values& values) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  DataSet set{std::move(path), kind, {values.size()}};
-  if (rank == 0) set.mine = [&values] { return bytes_of(values); };
-  return set;
-}
-
-} // namespace
-
-DataSet whole(MPI_Comm comm, std::string path, const std::string& text) {
-  return of_rank_zero(comm, std::move(path), Kind::character, text);
-}
-
-DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values) {
-  return of_rank_zero(comm, std::move(path), Kind::real, values);
-}
-
 Written write_file(MPI_Comm comm, const std::string& name, const std::vector<DataSet>& sets) {
   const std::string temporary = name + ".tmp";
   int rank = 0;
@@ -207,6 +171,7 @@ Written write_file(MPI_Comm comm, const std::string& name, const std::vector<Dat
       out.sync(); // on each rank what its node holds
     });
     MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+    on_rank_zero(comm, [&] { rename_durably(temporary, name); });
     return {layout.at.back(), sum};
   } catch (...) {
     if (rank == 0) {

@@ -3,9 +3,9 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <impact/input/spelling.hpp>
 #include <impact/io/history_file.hpp>
 #include <impact/petsc/error.hpp>
-#include <sstream>
 
 namespace impact {
 
@@ -18,13 +18,6 @@ std::string digits17(double value) {
   std::array<char, 40> text;
   return {text.data(),
           std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 17).ptr};
-}
-
-std::vector<std::string> split(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
 }
 
 } // namespace
@@ -49,7 +42,7 @@ void HistoryFile::resume(long last_step) {
   for (std::size_t at = 0, end = 0; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
     const std::string line = text.substr(at, end - at);
     if (line.empty() || line[0] != '#') {
-      const std::vector<std::string> cells = split(line);
+      const std::vector<std::string> cells = split_list(line);
       if (columns_.empty()) {
         if (cells.empty() || cells[0] != "step")
           throw UserError(ExitCode::io, "cannot continue " + file_ +
@@ -96,7 +89,7 @@ std::string HistoryFile::header(const Row& row) const {
 std::string HistoryFile::line(const Row& row) const {
   std::vector<double> values(columns_.size(), std::nan(""));
   for (const auto& [name, value] : row) {
-    const auto found = std::find(columns_.begin(), columns_.end(), name);
+    const auto found = std::ranges::find(columns_, name);
     if (found == columns_.end() && resumed_)
       throw UserError(
           ExitCode::io,

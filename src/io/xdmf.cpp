@@ -1,39 +1,20 @@
-#include <array>
-#include <charconv>
-#include <impact/io/xdmf.hpp>
+#include "field_series.hpp"
+#include <algorithm>
+#include <impact/input/spelling.hpp>
+#include <impact/input/units.hpp>
 
 namespace impact {
 
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-    case '&':
-      out += "&amp;";
-      break;
-    case '<':
-      out += "&lt;";
-      break;
-    case '>':
-      out += "&gt;";
-      break;
-    case '"':
-      out += "&quot;";
-      break;
-    case '\n':
-      out += "&#10;";
-      break;
-    default:
-      out += static_cast<unsigned char>(c) < 32 ? ' ' : c;
-    }
-  return out;
-}
-
-// Shortest text that reads back as the same double, whatever the locale.
-std::string exact(double value) {
-  std::array<char, 40> text;
-  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+std::string escaped(std::string text) {
+  using Pair = std::pair<const char*, const char*>;
+  for (const auto& [from, to] :
+       {Pair("&", "&amp;"), Pair("<", "&lt;"), Pair(">", "&gt;"), Pair("\"", "&quot;"), Pair("\n", "&#10;")})
+    text = replaced(std::move(text), from, to);
+  std::ranges::replace_if(
+      text, [](unsigned char c) { return c < 32; }, ' ');
+  return text;
 }
 
 std::string item(const std::string& file, const std::string& dataset, const std::string& extent, bool real) {
@@ -65,7 +46,7 @@ std::string attribute(const XdmfFile& file, const XdmfFrame& frame, const XdmfFi
 std::string grid(const XdmfFile& file, const XdmfFrame& frame) {
   const XdmfMesh& mesh = file.meshes[frame.mesh];
   std::string text = "      <Grid Name=\"mesh\" GridType=\"Uniform\">\n        <Time Value=\"" +
-                     exact(frame.time) + "\"/>\n" + topology(mesh) +
+                     number_text(frame.time) + "\"/>\n" + topology(mesh) +
                      "        <Geometry GeometryType=\"XYZ\">" +
                      item(mesh.file, "/geometry", std::to_string(mesh.nodes) + " 3", true) + "</Geometry>\n";
   if (mesh.regions)

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <impact/math/index.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/run/crack_tips.hpp>
 
 namespace impact {
@@ -21,14 +23,13 @@ public:
       : mesh_(mesh), bodies_(find_bodies(mesh, cracked)) {}
 
   int count() const { return bodies_.count; }
-  int body(int node) const { return bodies_.of_node[static_cast<std::size_t>(node)]; }
+  int body(int node) const { return bodies_.of_node[at(node)]; }
 
   Place place(int node) const {
-    Place at{};
+    Place x{};
     const int dim = mesh_.dim();
-    for (int k = 0; k < dim; ++k)
-      at[static_cast<std::size_t>(k)] = mesh_.coordinates()[static_cast<std::size_t>(node * dim + k)];
-    return at;
+    for (int k = 0; k < dim; ++k) x[at(k)] = mesh_.coordinates()[at(node * dim + k)];
+    return x;
   }
 
   // The place of the largest value among the nodes of a body (-1: of any) that have one; of equal values that
@@ -37,14 +38,14 @@ public:
     std::array<double, 5> best{-HUGE_VAL, 0, 0, 0, -1};
     for (int i = 0; i < mesh_.node_count(); ++i) {
       if (this->body(i) < 0 || (body >= 0 && this->body(i) != body)) continue;
-      const Place at = place(i);
-      best = std::max(best, {value(i), -at[0], -at[1], -at[2], static_cast<double>(this->body(i))});
+      const Place x = place(i);
+      best = std::max(best, {value(i), -x[0], -x[1], -x[2], static_cast<double>(this->body(i))});
     }
     int ranks = 1;
     MPI_Comm_size(mesh_.comm(), &ranks);
-    std::vector<std::array<double, 5>> all(static_cast<std::size_t>(ranks));
+    std::vector<std::array<double, 5>> all(at(ranks));
     MPI_Allgather(best.data(), 5, MPI_DOUBLE, all.data(), 5, MPI_DOUBLE, mesh_.comm());
-    best = *std::max_element(all.begin(), all.end());
+    best = *std::ranges::max_element(all);
     body = static_cast<int>(best[4]);
     return {-best[1], -best[2], -best[3]};
   }
@@ -54,17 +55,17 @@ public:
   }
 
   Place origin(int body, const std::vector<double>& before) const {
-    const auto phi = [&](int i) { return before[static_cast<std::size_t>(i)]; };
+    const auto phi = [&](int i) { return before[at(i)]; };
     double most = 0;
     for (int i = 0; i < mesh_.node_count(); ++i)
       if (this->body(i) == body) most = std::max(most, phi(i));
-    MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, mesh_.comm());
+    most = max_over_ranks(mesh_.comm(), most);
     const auto end = [&](const Place& other) {
       return largest(body,
                      [&](int i) { return phi(i) < most - 0.01 ? -HUGE_VAL : distance2(place(i), other); });
     };
     const Place a = end(largest(body, phi)), b = end(a);
-    const auto [depth_a, depth_b] = depths(a, b);
+    const double depth_a = depth(a), depth_b = depth(b);
     if (std::abs(depth_a - depth_b) > 1e-3 * mesh_.smallest_edge()) return depth_a < depth_b ? a : b;
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
@@ -72,33 +73,28 @@ public:
     return a[axis] <= b[axis] ? a : b;
   }
 
-  // How far two places lie inside the box around the mesh. Collective.
-  std::array<double, 2> depths(const Place& a, const Place& b) const {
-    const auto dim = static_cast<std::size_t>(mesh_.dim());
+  // How far a place lies inside the box around the mesh. Collective.
+  double depth(const Place& a) const {
     std::array<double, 6> box; // -least, largest
     box.fill(-HUGE_VAL);
-    for (int i = 0; i < mesh_.node_count(); ++i) {
-      const Place at = place(i);
+    for (int i = 0; i < mesh_.node_count(); ++i)
       for (std::size_t k = 0; k < 3; ++k) {
-        box[k] = std::max(box[k], -at[k]);
-        box[3 + k] = std::max(box[3 + k], at[k]);
+        box[k] = std::max(box[k], -place(i)[k]);
+        box[3 + k] = std::max(box[3 + k], place(i)[k]);
       }
-    }
-    MPI_Allreduce(MPI_IN_PLACE, box.data(), 6, MPI_DOUBLE, MPI_MAX, mesh_.comm());
-    std::array<double, 2> depth{HUGE_VAL, HUGE_VAL};
-    for (std::size_t k = 0; k < dim; ++k) {
-      depth[0] = std::min({depth[0], a[k] + box[k], box[3 + k] - a[k]});
-      depth[1] = std::min({depth[1], b[k] + box[k], box[3 + k] - b[k]});
-    }
+    max_over_ranks(mesh_.comm(), box);
+    double depth = HUGE_VAL;
+    for (std::size_t k = 0; k < at(mesh_.dim()); ++k)
+      depth = std::min({depth, a[k] + box[k], box[3 + k] - a[k]});
     return depth;
   }
 
   // Numbers of nodes of the bodies.
   std::vector<int> sizes() const {
-    std::vector<int> sizes(static_cast<std::size_t>(count()), 0);
+    std::vector<int> sizes(at(count()), 0);
     for (int i = 0; i < mesh_.node_count(); ++i)
-      if (mesh_.owned(i) && body(i) >= 0) ++sizes[static_cast<std::size_t>(body(i))];
-    MPI_Allreduce(MPI_IN_PLACE, sizes.data(), count(), MPI_INT, MPI_SUM, mesh_.comm());
+      if (mesh_.owned(i) && body(i) >= 0) ++sizes[at(body(i))];
+    sum_over_ranks(mesh_.comm(), sizes);
     return sizes;
   }
 
@@ -111,27 +107,24 @@ private:
 
 int follow_cracks(const Mesh& mesh, const std::vector<char>& cracked, const std::vector<double>& before,
                   std::vector<Crack>& known) {
-  int any = std::any_of(cracked.begin(), cracked.end(), [](char flag) { return flag != 0; }) ? 1 : 0;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, mesh.comm());
+  const bool none = std::ranges::all_of(cracked, [](char flag) { return flag == 0; });
   for (Crack& crack : known) crack.joined = crack.there;
-  if (any == 0) return 0;
+  if (all_ranks_agree(mesh.comm(), none)) return 0;
   const Search search(mesh, cracked);
   std::vector<int> sizes = search.sizes(); // 0 once a body is somebody's
   for (Crack& crack : known) {
     if (!crack.there) {
       // The first of the largest ones has the smallest coordinates.
-      const int most = *std::max_element(sizes.begin(), sizes.end());
+      const int most = *std::ranges::max_element(sizes);
       if (most == 0) continue;
       int next = -1;
-      search.largest(next, [&](int i) {
-        return sizes[static_cast<std::size_t>(search.body(i))] == most ? 0 : -HUGE_VAL;
-      });
+      search.largest(next, [&](int i) { return sizes[at(search.body(i))] == most ? 0 : -HUGE_VAL; });
       crack.there = true;
       crack.origin = search.origin(next, before);
     }
     int body = -1;
     search.largest(body, [&](int i) { return -distance2(search.place(i), crack.origin); });
-    int& size = sizes[static_cast<std::size_t>(body)];
+    int& size = sizes[at(body)];
     crack.joined = size == 0;
     size = 0;
     if (!crack.joined) crack.tip = search.farthest(body, crack.origin);

@@ -1,8 +1,6 @@
 #include <cmath>
 #include <cstdio>
-#include <impact/petsc/error.hpp>
 #include <impact/run/energy_watch.hpp>
-#include <impact/time/types.hpp>
 
 namespace impact {
 

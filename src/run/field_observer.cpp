@@ -6,32 +6,28 @@
 
 namespace impact {
 
-std::string field_file_name(const OutputScenario& output) {
-  return output.file.empty() ? output.id + ".xdmf" : output.file;
-}
-
 FieldObserver::FieldObserver(const OutputScenario& output, const Scenario& scenario,
                              const Discretisation& discretisation, const FieldSource& source)
     : scenario_(scenario), settings_(output), d_(discretisation), source_(source) {
   for (const std::string& name : output.fields) source.require("-output_" + output.id + "_fields", name);
-  std::sort(settings_.times.begin(), settings_.times.end());
+  std::ranges::sort(settings_.times);
 }
 
 void FieldObserver::open(std::optional<double> resume_after) {
   // Regions are numbered from 1 as the materials name them.
-  FieldFile file{scenario_.output_dir + "/" + field_file_name(settings_), scenario_.title,
-                 scenario_.units.name, resume_after};
-  std::vector<std::int64_t> by_point(static_cast<std::size_t>(d_.mesh.cell_count()), 0);
+  FieldFile file{scenario_.output_dir + "/" + settings_.file, scenario_.title, scenario_.units.name,
+                 resume_after};
+  std::vector<std::int64_t> by_point(at(d_.mesh.cell_count()), 0);
   std::int64_t number = 0;
   for (const MaterialAssignment& m : d_.materials)
     for (const std::string& region : m.regions) {
       file.regions += std::to_string(++number) + " " + region + " " + m.id + "\n";
       for (const PetscInt point : d_.mesh.region_cells(region))
-        by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())] = number;
+        by_point[at(point - d_.mesh.cell_start())] = number;
     }
   for (const CellTable& table : d_.mesh.cells())
     for (const PetscInt point : table.point)
-      file.region.push_back(by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())]);
+      file.region.push_back(by_point[at(point - d_.mesh.cell_start())]);
   file_.emplace(d_.mesh, file);
   if (!file_->warning().empty()) check(PetscPrintf(d_.mesh.comm(), "impact: %s\n", file_->warning().c_str()));
   if (resume_after && settings_.dt > 0)
@@ -56,15 +52,12 @@ void FieldObserver::watch(const Snapshot& snapshot, bool last) {
   const InStage stage(Stage::output);
   const Timed timed(Event::field_output);
   std::vector<Field> fields;
-  std::vector<std::vector<double>> keep;
+  std::vector<FieldValues> keep;
   keep.reserve(settings_.fields.size());
   for (const std::string& name : settings_.fields) {
-    int components = 1;
-    const bool nodal = FieldSource::is_nodal(name);
-    keep.push_back(nodal ? source_.nodal(name, snapshot, components)
-                         : cells_in_mesh_order(d_.mesh, d_.groups, components,
-                                               source_.cellwise(name, snapshot, components)));
-    fields.push_back({name, nodal, components, keep.back()});
+    FieldValues& field = keep.emplace_back(source_.values(name, snapshot.u));
+    if (!field.nodal) field.values = cells_in_mesh_order(d_.mesh, d_.groups, field.components, field.values);
+    fields.push_back({name, field.nodal, field.components, field.values});
   }
   file_->write(t, fields);
 }

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/math/rotation.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/crack_tips.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/scenario/columns.hpp>
+#include <tuple>
 
 namespace impact {
 
@@ -14,19 +15,22 @@ namespace {
 
 constexpr const char* axis[3] = {"x", "y", "z"};
 
-// Where cell fields, [group][batch][component][lane], have the cell of a mesh point.
-void find_lane(const std::vector<CellGroup>& groups, PetscInt point, std::size_t& batch, std::size_t& lane) {
+// Where cell fields, [group][batch][component][lane], have the cell of a mesh point: batch and lane.
+std::pair<std::size_t, std::size_t> find_lane(const std::vector<CellGroup>& groups, PetscInt point) {
   std::size_t first = 0;
   for (const CellGroup& group : groups) {
-    const auto at = std::find(group.cell_point.begin(), group.cell_point.end(), point);
-    if (at != group.cell_point.end()) {
-      const auto index = static_cast<std::size_t>(at - group.cell_point.begin());
-      batch = first + index / lanes;
-      lane = index % lanes;
-      return;
-    }
-    first += static_cast<std::size_t>(group.batch_count);
+    const auto found = std::ranges::find(group.cell_point, point);
+    const std::size_t index = at(found - group.cell_point.begin());
+    if (found != group.cell_point.end()) return {first + index / lanes, index % lanes};
+    first += at(group.batch_count);
   }
+  return {};
+}
+
+// Columns for the components of a vector from `first` on.
+void add_axes(HistoryFile::Row& row, const std::string& name, const double* values, std::size_t end,
+              std::size_t first = 0) {
+  for (std::size_t k = first; k < end; ++k) row.emplace_back(name + axis[k], values[k]);
 }
 
 } // namespace
@@ -39,7 +43,7 @@ bool marks_cycle(double time, double period, int every) {
 
 std::string history_file_name(const Scenario& scenario) {
   for (const OutputScenario& output : scenario.outputs)
-    if (output.type == OutputScenario::Type::csv && !output.file.empty()) return output.file;
+    if (output.type == OutputScenario::Type::csv) return output.file;
   return "history.csv";
 }
 
@@ -54,8 +58,7 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     const auto& [law, regions, id, points] = d.materials[m];
     if (law.parameters.damage == Damage::none) continue;
     const int numbers = 4 * scenario_.crack_tips;
-    cracks_.push_back(
-        {m, {}, state.add({"crack_" + id, Support::global, numbers}, static_cast<std::size_t>(numbers))});
+    cracks_.push_back({m, {}, state.add({"crack_" + id, Support::global, numbers}, at(numbers))});
     for (const std::string& region : regions) {
       const std::vector<int> more = d.mesh.nodes(region);
       cracks_.back().nodes.insert(cracks_.back().nodes.end(), more.begin(), more.end());
@@ -84,37 +87,31 @@ void HistoryObserver::locate_probes() {
   for (const ContactScenario& contact : scenario_.contacts)
     if (scenario_.has_motion() && !contact.carrier.empty())
       for (PetscInt cell : d.mesh.region_cells(contact.carrier)) obstacles.push_back(cell);
+  int rank = 0, size = 1;
+  MPI_Comm_rank(d.mesh.comm(), &rank);
+  MPI_Comm_size(d.mesh.comm(), &size);
   for (const ProbeScenario& probe : scenario_.probes) {
     Located found;
-    std::vector<PetscInt> region =
-        probe.region.empty() ? std::vector<PetscInt>() : d.mesh.region_cells(probe.region);
+    const bool anywhere = probe.region.empty();
+    const std::vector<PetscInt> listed = anywhere ? obstacles : d.mesh.region_cells(probe.region);
     for (const CellTable& table : d.mesh.cells())
       for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
-        if (!probe.region.empty() && std::find(region.begin(), region.end(), table.point[c]) == region.end())
-          continue;
-        if (probe.region.empty() &&
-            std::find(obstacles.begin(), obstacles.end(), table.point[c]) != obstacles.end())
-          continue;
+        if ((std::ranges::find(listed, table.point[c]) == listed.end()) != anywhere) continue;
         const int nodes = table.shape->nodes, dim = d.dim();
-        const int* node = &table.connectivity[c * static_cast<std::size_t>(nodes)];
-        double X[3 * max_nodes], N[max_nodes];
-        for (int i = 0; i < nodes * dim; ++i)
-          X[i] = d.mesh.coordinates()[static_cast<std::size_t>(node[i / dim] * dim + i % dim)];
-        if (!locate(table.shape, X, probe.at, N)) continue;
+        const int* const node = &table.connectivity[c * at(nodes)];
+        double X[3 * max_nodes];
+        for (int a = 0; a < nodes; ++a)
+          std::copy_n(&d.mesh.coordinates()[at(node[a] * dim)], dim, X + a * dim);
+        if (!locate(table.shape, X, probe.at, found.N)) continue;
         found.count = nodes;
-        find_lane(d.groups, table.point[c], found.batch, found.lane);
         std::copy_n(node, nodes, found.nodes);
-        std::copy_n(N, nodes, found.N);
+        std::tie(found.batch, found.lane) = find_lane(d.groups, table.point[c]);
       }
     // The lowest rank that holds the point keeps it.
-    int rank = 0, size = 1;
-    MPI_Comm_rank(d.mesh.comm(), &rank);
-    MPI_Comm_size(d.mesh.comm(), &size);
-    int owner = found.count > 0 ? rank : size;
-    MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, d.mesh.comm());
+    const int owner = min_over_ranks(d.mesh.comm(), found.count > 0 ? rank : size);
     if (owner == size)
       throw UserError(ExitCode::data, "-probe_" + probe.id + "_at: the point is in no cell of the mesh" +
-                                          (probe.region.empty() ? "" : " region '" + probe.region + "'") +
+                                          (anywhere ? "" : " region '" + probe.region + "'") +
                                           "; give reference coordinates inside a body");
     if (owner != rank) found.count = 0;
     probes_.push_back(found);
@@ -125,8 +122,8 @@ void HistoryObserver::append_contacts(HistoryFile::Row& row, const Snapshot& sna
   for (ContactInterface& contact : motion_.contacts()) {
     const ContactMeasures m = contact.measures(snapshot.u);
     const std::string id = "contact_" + contact.id() + "_";
-    const auto dim = static_cast<std::size_t>(motion_.discretisation().dim());
-    for (std::size_t k = 0; k < dim; ++k) row.emplace_back(id + "force_" + axis[k], m.force[k]);
+    const std::size_t dim = at(motion_.discretisation().dim());
+    add_axes(row, id + "force_", m.force.data(), dim);
     row.emplace_back(id + "gap_min", m.gap_min);
     row.emplace_back(id + "pressure_max", m.pressure_max);
     row.emplace_back(id + "pressure_min", m.pressure_min);
@@ -137,8 +134,7 @@ void HistoryObserver::append_contacts(HistoryFile::Row& row, const Snapshot& sna
       row.emplace_back(id + "sliding", m.sliding);
       row.emplace_back(id + "dissipated", m.dissipated);
     }
-    for (std::size_t k = 0; k < dim; ++k)
-      row.emplace_back("impulse_" + contact.id() + "_" + axis[k], m.impulse[k]);
+    add_axes(row, "impulse_" + contact.id() + "_", m.impulse.data(), dim);
   }
 }
 
@@ -146,21 +142,20 @@ void HistoryObserver::append_rigid_bodies(HistoryFile::Row& row, const Snapshot&
   const RigidBodies& rigid = motion_.rigid();
   if (rigid.empty()) return;
   const Discretisation& d = motion_.discretisation();
-  const auto dim = static_cast<std::size_t>(d.dim());
+  const std::size_t dim = at(d.dim()), first_turn = dim == 2 ? 2 : 0;
   const Handle<Vec> v = d.displacement.make_global();
   d.displacement.to_global(v_.committed, v);
   const std::vector<RigidMotionState> motion = rigid.motion(snapshot.u, v);
   for (std::size_t b = 0; b < motion.size(); ++b) {
     const std::string id = "rigid_" + rigid.bodies()[b].name + "_";
-    Vector3 turned = rotation_vector(motion[b].pose.turned);
+    Vector3 turned = rotation_vector(motion[b].pose.turned), spin = motion[b].spin;
     if (dim == 2) turned[2] = rigid.angle(static_cast<int>(b));
-    const RigidVector& rate = motion[b].velocity;
-    for (std::size_t k = 0; k < dim; ++k) row.emplace_back(id + "u" + axis[k], motion[b].pose.moved[k]);
-    for (std::size_t k = dim == 2 ? 2 : 0; k < 3; ++k) row.emplace_back(id + "r" + axis[k], turned[k]);
-    for (std::size_t k = 0; k < dim; ++k) row.emplace_back(id + "v" + axis[k], rate[k]);
-    for (std::size_t k = dim == 2 ? 2 : 0; k < 3; ++k) row.emplace_back(id + "w" + axis[k], rate[3 + k]);
-    for (std::size_t k = dim == 2 ? 2 : 0; k < 3; ++k)
-      row.emplace_back(id + "l" + axis[k], d.thickness * motion[b].spin[k]);
+    for (double& component : spin) component = d.thickness * component;
+    add_axes(row, id + "u", motion[b].pose.moved.data(), dim);
+    add_axes(row, id + "r", turned.data(), 3, first_turn);
+    add_axes(row, id + "v", motion[b].velocity.data(), dim);
+    add_axes(row, id + "w", motion[b].velocity.data() + 3, 3, first_turn);
+    add_axes(row, id + "l", spin.data(), 3, first_turn);
   }
 }
 
@@ -176,9 +171,7 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
       std::copy_n(&kept.committed[4 * i + 1], 3, cracks[i].origin.begin());
     }
     std::vector<char> cracked(d.node_values(1), 0);
-    for (int node : nodes)
-      cracked[static_cast<std::size_t>(node)] =
-          phi_->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
+    for (int node : nodes) cracked[at(node)] = phi_->committed[at(node)] > scenario_.crack_level;
     const int count = follow_cracks(d.mesh, cracked, phi_before_, cracks);
     row.emplace_back("crack_" + d.materials[m].id + "_count", count);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
@@ -186,10 +179,9 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
       kept.committed[4 * i] = crack.there;
       std::copy_n(crack.origin.begin(), 3, &kept.committed[4 * i + 1]);
       const std::string id = "crack_" + d.materials[m].id + (i > 0 ? "_" + std::to_string(i + 1) : "");
-      for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
-        row.emplace_back(id + "_origin_" + axis[k], crack.there ? crack.origin[k] : NAN);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
-        row.emplace_back(id + "_tip_" + axis[k], crack.there && !crack.joined ? crack.tip[k] : NAN);
+      const Vector3 nowhere{NAN, NAN, NAN};
+      add_axes(row, id + "_origin_", (crack.there ? crack.origin : nowhere).data(), at(d.dim()));
+      add_axes(row, id + "_tip_", (crack.there && !crack.joined ? crack.tip : nowhere).data(), at(d.dim()));
     }
     kept.trial = kept.committed;
     row.emplace_back("crack_" + d.materials[m].id + "_measure",
@@ -202,25 +194,19 @@ void HistoryObserver::append_probes(HistoryFile::Row& row, const Snapshot& snaps
   const Discretisation& d = motion_.discretisation();
   for (std::size_t i = 0; i < probes_.size(); ++i)
     for (const std::string& field : scenario_.probes[i].fields) {
-      int components = 1;
-      const bool nodal = FieldSource::is_nodal(field);
-      const std::vector<double> values =
-          nodal ? source_.nodal(field, snapshot, components) : source_.cellwise(field, snapshot, components);
+      const auto [nodal, components, values] = source_.values(field, snapshot.u);
       const Located& probe = probes_[i];
       for (int k = 0; k < components; ++k) {
         double sum = 0;
         // Contact fields have no value off their surface.
-        if (nodal) {
-          for (int a = 0; a < probe.count; ++a)
-            if (const double value = values[static_cast<std::size_t>(probe.nodes[a] * components + k)];
-                std::isfinite(value) || std::abs(probe.N[a]) > 1e-9)
-              sum += probe.N[a] * value;
-        } else if (probe.count > 0)
-          sum = values[(probe.batch * static_cast<std::size_t>(components) + static_cast<std::size_t>(k)) *
-                           lanes +
-                       probe.lane];
-        MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-        row.emplace_back("probe_" + scenario_.probes[i].id + "_" + component_name(field, k, components), sum);
+        for (int a = 0; nodal && a < probe.count; ++a)
+          if (const double value = values[at(probe.nodes[a] * components + k)];
+              std::isfinite(value) || std::abs(probe.N[a]) > 1e-9)
+            sum += probe.N[a] * value;
+        if (!nodal && probe.count > 0)
+          sum = values[(probe.batch * at(components) + at(k)) * lanes + probe.lane];
+        row.emplace_back("probe_" + scenario_.probes[i].id + "_" + component_name(field, k, components),
+                         sum_over_ranks(d.mesh.comm(), sum));
       }
     }
 }
@@ -231,40 +217,37 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
   for (const MeasureScenario& measure : scenario_.measures) {
     const std::vector<int> nodes = d.mesh.nodes(measure.on);
     for (const std::string& field : measure.fields) {
-      int components = 1;
-      const std::vector<double> values = source_.nodal(field, snapshot, components);
-      for (int k = 0; k < components; ++k) {
+      const FieldValues of = source_.values(field, snapshot.u);
+      for (int k = 0; k < of.components; ++k) {
         double low = HUGE_VAL, high = -HUGE_VAL, sums[2] = {0, 0};
         for (int node : nodes) {
-          if (!d.mesh.owned(node)) continue;
-          const double value = values[static_cast<std::size_t>(node * components + k)];
-          if (std::isnan(value)) continue; // a gap to nothing
+          const double value = of.values[at(node * of.components + k)];
+          if (!d.mesh.owned(node) || std::isnan(value)) continue; // a gap to nothing
           low = std::min(low, value);
           high = std::max(high, value);
           sums[0] += value;
           sums[1] += 1;
         }
-        MPI_Allreduce(MPI_IN_PLACE, &low, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
-        MPI_Allreduce(MPI_IN_PLACE, &high, 1, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
-        MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
+        low = min_over_ranks(d.mesh.comm(), low);
+        high = max_over_ranks(d.mesh.comm(), high);
+        sum_over_ranks(d.mesh.comm(), sums);
         const double value = measure.of == Of::min   ? low
                              : measure.of == Of::max ? high
                              : measure.of == Of::sum ? sums[0]
                                                      : sums[0] / std::max(sums[1], 1.0);
-        row.emplace_back("measure_" + measure.id + "_" + component_name(field, k, components), value);
+        row.emplace_back("measure_" + measure.id + "_" + component_name(field, k, of.components), value);
       }
     }
   }
 }
 
 HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts& counts) {
-  HistoryFile::Row row;
-  row.emplace_back("step", static_cast<double>(snapshot.step));
-  row.emplace_back("time", snapshot.time);
-  row.emplace_back("dt", snapshot.dt);
-  row.emplace_back("tries", snapshot.tries);
-  row.emplace_back("newton", counts.newton);
-  row.emplace_back("linear", counts.linear);
+  HistoryFile::Row row{{"step", static_cast<double>(snapshot.step)},
+                       {"time", snapshot.time},
+                       {"dt", snapshot.dt},
+                       {"tries", snapshot.tries},
+                       {"newton", counts.newton},
+                       {"linear", counts.linear}};
   if (!motion_.contacts().empty()) {
     row.emplace_back("uzawa", counts.uzawa);
     row.emplace_back("newton_most", counts.longest);

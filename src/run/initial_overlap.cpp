@@ -1,21 +1,11 @@
-#include "initial_overlap.hpp"
 #include <cmath>
 #include <cstdio>
-#include <impact/mesh/mesh.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <impact/run/setup.hpp>
 
 namespace impact {
 
 namespace {
-
-// What the overlap at the start of one contact has moved so far, [local node][dim].
-struct Adjusted {
-  std::vector<double> total;
-
-  void add(const std::vector<double>& shift) {
-    total.resize(shift.size(), 0.0);
-    for (std::size_t i = 0; i < shift.size(); ++i) total[i] += shift[i];
-  }
-};
 
 // A restart on other ranks must find the same coordinates: sums of shifts agree but for rounding, so that the
 // last digits are left away.
@@ -24,22 +14,20 @@ void round_off(std::vector<double>& shift, double tolerance) {
   for (double& value : shift) value = quantum * std::round(value / quantum);
 }
 
-void report(const ContactSettings& contact, const Adjusted& adjusted, const Mesh& mesh) {
-  if (adjusted.total.empty()) return;
-  const auto dim = static_cast<std::size_t>(mesh.dim());
+// `moved`: what the overlap of the contact has moved in all, [local node][dim].
+void report(const ContactSettings& contact, const std::vector<double>& moved, const Mesh& mesh) {
+  if (moved.empty()) return;
+  const std::size_t dim = at(mesh.dim());
   int count = 0;
   double farthest = 0;
   for (int node = 0; node < mesh.node_count(); ++node) {
     double square = 0;
-    for (std::size_t k = 0; k < dim; ++k) {
-      const double way = adjusted.total[static_cast<std::size_t>(node) * dim + k];
-      square += way * way;
-    }
+    for (std::size_t k = 0; k < dim; ++k) square += moved[at(node) * dim + k] * moved[at(node) * dim + k];
     if (square > 0 && mesh.owned(node)) ++count;
     farthest = std::max(farthest, std::sqrt(square));
   }
-  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT, MPI_SUM, mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, mesh.comm());
+  count = sum_over_ranks(mesh.comm(), count);
+  farthest = max_over_ranks(mesh.comm(), farthest);
   check(PetscPrintf(mesh.comm(),
                     "impact: contact %s: %d nodes of `%s` overlapped `%s` and were moved out, by up to %.4g; "
                     "no stress comes of it\n",
@@ -51,7 +39,7 @@ void report(const ContactSettings& contact, const Adjusted& adjusted, const Mesh
 void adjust_initial_overlaps(const Scenario& s, const std::vector<ObstacleBody>& obstacles,
                              std::unique_ptr<Setup>& setup) {
   constexpr int rounds = 5;
-  std::vector<Adjusted> adjusted(setup->contacts.size());
+  std::vector<std::vector<double>> adjusted(setup->contacts.size());
   for (int round = 1, moved = 1; moved > 0; ++round) {
     moved = 0;
     for (std::size_t i = 0; i < adjusted.size(); ++i) {
@@ -68,7 +56,9 @@ void adjust_initial_overlaps(const Scenario& s, const std::vector<ObstacleBody>&
                                                        "` is too coarse or too sharp there") +
                             "; part the surfaces in the mesh");
       round_off(overlap.shift, contact.initial_tol);
-      adjusted[i].add(overlap.shift);
+      adjusted[i].resize(overlap.shift.size(), 0.0);
+      std::transform(overlap.shift.begin(), overlap.shift.end(), adjusted[i].begin(), adjusted[i].begin(),
+                     std::plus());
       moved += overlap.nodes;
       try {
         setup = build_on(shifted_mesh(setup->discretisation.mesh, overlap.shift), s, obstacles);

@@ -6,15 +6,14 @@ namespace impact {
 void set_initial_state(const Scenario& s, Setup& setup) {
   const Discretisation& d = setup.discretisation;
   StateTable& state = setup.state;
-  const auto dim = static_cast<std::size_t>(d.dim());
+  const std::size_t dim = at(d.dim());
   std::vector<double>&u = state.row("u").trial, &v = state.row("v").trial, &a = state.row("a").trial;
   const auto X = d.mesh.coordinates();
   // Unless told otherwise bodies start at their reference temperature, the first material's where they meet.
   if (s.has_heat())
     for (std::size_t m = s.materials.size(); m-- > 0;)
       for (const std::string& region : s.materials[m].regions)
-        for (int node : d.mesh.nodes(region))
-          state.row("theta").trial[static_cast<std::size_t>(node)] = s.materials[m].law.theta0;
+        for (int node : d.mesh.nodes(region)) state.row("theta").trial[at(node)] = s.materials[m].law.theta0;
   for (const InitialCondition& ic : s.ics)
     for (const std::string& name : ic.on) {
       const bool all = s.physics.empty(); // else what belongs to physics left out is passed over
@@ -25,16 +24,15 @@ void set_initial_state(const Scenario& s, Setup& setup) {
       const std::vector<int> nodes = d.mesh.nodes(name);
       agree_on_errors(d.mesh.comm(), [&] {
         for (int node : nodes) {
-          const double* x = &X[static_cast<std::size_t>(node) * dim];
+          const double* x = &X[at(node) * dim];
           for (std::size_t k = 0; k < dim; ++k) {
-            const std::size_t i = static_cast<std::size_t>(node) * dim + k;
+            const std::size_t i = at(node) * dim + k;
             if (ic.u[k]) u[i] = (*ic.u[k])(x, d.dim(), 0);
             if (ic.v[k]) v[i] = (*ic.v[k])(x, d.dim(), 0);
           }
-          if (ic.phi && state.find("phi"))
-            state.row("phi").trial[static_cast<std::size_t>(node)] = (*ic.phi)(x, d.dim(), 0);
+          if (ic.phi && state.find("phi")) state.row("phi").trial[at(node)] = (*ic.phi)(x, d.dim(), 0);
           if (ic.theta && state.find("theta"))
-            state.row("theta").trial[static_cast<std::size_t>(node)] = (*ic.theta)(x, d.dim(), 0);
+            state.row("theta").trial[at(node)] = (*ic.theta)(x, d.dim(), 0);
         }
       });
     }

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
-#include <impact/io/durable_file.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/output_folder.hpp>
@@ -69,7 +68,7 @@ std::vector<fs::path> own_files(const Scenario& s) {
   for (const OutputScenario& output : s.outputs)
     if (output.type == OutputScenario::Type::xdmf)
       for (const char* ending : {".xdmf", ".fields"})
-        names.push_back(fs::path(field_file_name(output)).replace_extension(ending));
+        names.push_back(fs::path(output.file).replace_extension(ending));
   return names;
 }
 

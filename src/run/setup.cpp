@@ -1,11 +1,8 @@
-#include "initial_overlap.hpp"
 #include <algorithm>
 #include <cmath>
-#include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
-#include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>
 
@@ -15,7 +12,7 @@ namespace {
 
 // Left of the axis a ring would have a negative volume.
 void check_radii(const Mesh& mesh) {
-  const auto dim = static_cast<std::size_t>(mesh.dim());
+  const std::size_t dim = at(mesh.dim());
   const auto X = mesh.coordinates();
   std::string trouble;
   for (std::size_t i = 0; i < X.size() && trouble.empty(); i += dim)
@@ -93,21 +90,22 @@ double softer_modulus(const Discretisation& d) {
   return std::isinf(softest) ? 0 : softest;
 }
 
+// A number that depends on time alone.
+std::function<double(double)> over_time(const Expression& expression, int dim) {
+  return [=](double t) {
+    const std::array<double, 3> origin{};
+    return expression(origin.data(), dim, t);
+  };
+}
+
 ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable& state) {
   ContactSet contacts;
   for (const ContactScenario& contact : s.contacts) {
     ContactSettings settings = contact;
     for (std::size_t k = 0; k < 3; ++k)
       if (const auto& u = contact.rigid_u[k]; u && contact.carrier.empty())
-        settings.rigid_motion[k] = [u = *u, dim = d.dim()](double t) {
-          const std::array<double, 3> origin{};
-          return u(origin.data(), dim, t);
-        };
-    if (const auto& theta = contact.temperature)
-      settings.rigid_temperature = [theta = *theta, dim = d.dim()](double t) {
-        const std::array<double, 3> origin{};
-        return theta(origin.data(), dim, t);
-      };
+        settings.rigid_motion[k] = over_time(*u, d.dim());
+    if (contact.temperature) settings.rigid_temperature = over_time(*contact.temperature, d.dim());
     ContactEnvironment environment;
     environment.frame = d.frame;
     environment.thickness = d.thickness;
@@ -196,7 +194,7 @@ bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {
   for (const std::string& side : {contact.secondary, contact.primary}) {
     if (ContactSettings::rigid_name(side)) continue;
     for (int node : setup.discretisation.mesh.nodes(side))
-      if (setup.rigid.body_of_node()[static_cast<std::size_t>(node)] < 0) deformable = 1;
+      if (setup.rigid.body_of_node()[at(node)] < 0) deformable = 1;
   }
   MPI_Allreduce(MPI_IN_PLACE, &deformable, 1, MPI_INT, MPI_MAX, setup.discretisation.mesh.comm());
   return deformable == 0;

@@ -1,19 +1,47 @@
 #include <algorithm>
-#include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/run/energy_watch.hpp>
 #include <impact/run/output_folder.hpp>
-#include <impact/run/progress.hpp>
-#include <impact/run/restep.hpp>
 #include <impact/run/run_checkpoints.hpp>
 #include <impact/run/simulation.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <impact/run/terminal.hpp>
 #include <impact/scenario/petsc_options.hpp>
-#include <impact/time/types.hpp>
 
 namespace impact {
 
 namespace {
+
+/// -test_restep: every step is tried, refused and tried again with the same dt, so that what a refused step
+/// leaves behind shows in the results.
+class Restep {
+public:
+  explicit Restep(bool wanted) : wanted_(wanted) {}
+
+  void before_attempt(TS ts) {
+    if (repeats_) set_step_control_state(ts, before_repeat_);
+  }
+  /// Whether an accepted step is to be tried once more.
+  bool wants(TS ts, const Verdict& verdict) {
+    const bool first = !repeats_;
+    repeats_ = false;
+    if (!wanted_ || !verdict.accept || !first) return false;
+    repeats_ = forced_ = true;
+    before_repeat_ = step_control_state(ts);
+    return true;
+  }
+  /// Whether the refusal was its own.
+  bool refused() {
+    const bool mine = forced_;
+    if (!mine) repeats_ = false;
+    forced_ = false;
+    return mine;
+  }
+
+private:
+  bool wanted_, repeats_ = false, forced_ = false;
+  StepControlState before_repeat_;
+};
 
 /// The loop over steps and those who watch them.
 // Members beyond twelve: the watchers of accepted steps, each asked once in a step.
@@ -31,7 +59,6 @@ private:
   Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
   void reject(const Attempt& attempt);
   void accept(const Attempt& attempt);
-  void note_solved(const StepCounts& counts);
   void write_fields(bool last);
   void write_checkpoint(const StepControlState& control);
   void save_end(const StepControlState& control);
@@ -70,7 +97,7 @@ Simulation::Simulation(RunStage& stage, const std::optional<Checkpoint>& resume,
     snapshot_.step = resume->values.step;
   }
   snapshot_.u = stage.u;
-  stage.report_solvers();
+  report_solvers(stage);
   stops_.check_names(history_.row(snapshot_, {}));
   if (!s_.dry_run) open(resume);
 }
@@ -159,20 +186,16 @@ void Simulation::accept(const Attempt& attempt) {
   const HistoryFile::Row columns = history_.watch(snapshot_, counts);
   write_fields(false);
   progress_.line(snapshot_, counts, stage_.ledger, stage_.setup->contacts.active(snapshot_.u));
-  note_solved(counts);
-  const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
-  ended_by_ = stops_.ask(columns);
-  stopped_by_ = request.stop;
-  if (request.checkpoint || !ended_by_.empty()) write_checkpoint(step_control_state(stage_.ts));
-  if (!stopped_by_.empty() || !ended_by_.empty()) check(TSSetConvergedReason(stage_.ts, TS_CONVERGED_USER));
-}
-
-void Simulation::note_solved(const StepCounts& counts) {
   std::vector<std::string> solved;
   if (counts.linear > 0) solved.emplace_back("motion");
   if (counts.damage_linear > 0) solved.emplace_back("damage");
   if (counts.heat_linear > 0) solved.emplace_back("heat");
   unread_.judge(solved);
+  const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
+  ended_by_ = stops_.ask(columns);
+  stopped_by_ = request.stop;
+  if (request.checkpoint || !ended_by_.empty()) write_checkpoint(step_control_state(stage_.ts));
+  if (!stopped_by_.empty() || !ended_by_.empty()) check(TSSetConvergedReason(stage_.ts, TS_CONVERGED_USER));
 }
 
 // A full disk costs field output, not the run.

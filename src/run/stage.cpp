@@ -1,27 +1,23 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/error.hpp>
-#include <impact/petsc/field_solver.hpp>
-#include <impact/run/setup_report.hpp>
 #include <impact/run/stage.hpp>
-#include <impact/time/types.hpp>
+#include <impact/run/terminal.hpp>
 
 namespace impact {
 
 namespace {
 
 bool conserves(const Scenario& s) {
-  return std::any_of(s.contacts.begin(), s.contacts.end(), [](const ContactSettings& contact) {
-    return contact.impact == ImpactUpdate::conserving;
-  });
+  return std::ranges::any_of(
+      s.contacts, [](const ContactSettings& contact) { return contact.impact == ImpactUpdate::conserving; });
 }
 
 // The contact-stabilised update is for all that has inertia and stiffness, at any length of the steps.
 bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
   if (s.contacts.empty() || !s.has_inertia()) return false;
   const bool conserve = conserves(s), automatic = solver.cfl > 0 && !conserve;
-  const bool stabilise = std::any_of(s.contacts.begin(), s.contacts.end(), [&](const ContactSettings& c) {
+  const bool stabilise = std::ranges::any_of(s.contacts, [&](const ContactSettings& c) {
     return c.impact == ImpactUpdate::stabilised || (c.impact == ImpactUpdate::automatic && automatic);
   });
   check(PetscPrintf(comm, "impact update: %s (dt is %.3g times h/c_p)\n",
@@ -60,10 +56,6 @@ template <class Problem, class... Given> std::optional<Problem> made_if(bool the
   return there ? std::optional<Problem>(std::in_place, std::forward<Given>(given)...) : std::nullopt;
 }
 
-template <class Problem> Problem* pointer(std::optional<Problem>& problem) {
-  return problem ? &*problem : nullptr;
-}
-
 } // namespace
 
 StepRows::StepRows(StateTable& state)
@@ -79,8 +71,9 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, const GmshFile* kept)
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
       heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, s.heat, s.has_motion(),
                                 &setup->contacts)),
-      ts(make_integrator(comm, s)), coupling(ts, {motion, pointer(damage), pointer(heat), state}, s.coupling,
-                                             solver, stabilises(comm, s, solver)),
+      ts(make_integrator(comm, s)),
+      coupling(ts, {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr, state}, s.coupling, solver,
+               stabilises(comm, s, solver)),
       ledger(motion, state, inertia, s.has_motion(),
              {s.history_materials, s.coupling.report_error, coupling.unilateral()}),
       source(motion, state), u(d.displacement.make_global()), v(d.displacement.make_global()),
@@ -117,32 +110,6 @@ void RunStage::set_state(const Checkpoint* resume) {
   motion.update_contact(u);
   coupling.motion_solver().refresh_matrix();
   coupling.begin_between_steps(time, u, v);
-}
-
-void RunStage::report_solvers() {
-  const MPI_Comm comm = d.mesh.comm();
-  for (ContactInterface& contact : setup->contacts) {
-    const ContactMeasures at = contact.measures(u);
-    check(PetscPrintf(comm,
-                      std::isnan(at.gap_min)
-                          ? "contact %s: no point faces the other side at the start\n"
-                          : "contact %s: smallest gap at the start %.4g, %d points press\n",
-                      contact.id().c_str(), at.gap_min, at.active));
-  }
-  std::vector<std::string> lines;
-  if (scenario.has_motion())
-    lines.push_back("motion solver: " + linear_solver_text(coupling.motion_solver().snes()) + " (" +
-                    solver.reason + "); tangent " + (solver.symmetric ? "symmetric" : "consistent") +
-                    (solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
-  if (damage) lines.push_back("damage solver: " + linear_solver_text(damage->snes()));
-  if (heat) lines.push_back("heat solver: " + linear_solver_text(heat->snes()));
-  PetscBool factors = PETSC_FALSE;
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  check(SNESGetKSP(coupling.motion_solver().snes(), &ksp));
-  check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
-  impact::report_solvers(d, lines, scenario.has_motion() && factors);
 }
 
 void RunStage::start() {

@@ -1,12 +1,8 @@
 #include <charconv>
 #include <cmath>
 #include <impact/input/spelling.hpp>
-#include <impact/input/units.hpp>
-#include <impact/petsc/error.hpp>
 #include <impact/run/stop_criteria.hpp>
-#include <map>
 #include <sstream>
-#include <stdexcept>
 
 namespace impact {
 
@@ -32,12 +28,8 @@ constexpr const char* stored_name = "peaks"; // lines of a number and the text o
 std::map<std::string, double> read_peaks(const std::string& lines) {
   std::map<std::string, double> peaks;
   std::istringstream in(lines);
-  for (std::string line; std::getline(in, line);) {
-    double number = 0;
-    const char* const end = line.data() + line.size();
-    const auto [rest, fault] = std::from_chars(line.data(), end, number);
-    if (fault == std::errc() && rest != end) peaks[std::string(rest + 1, end)] = number;
-  }
+  for (std::string number, text; in >> number && in.get() && std::getline(in, text);)
+    std::from_chars(number.data(), number.data() + number.size(), peaks[text]);
   return peaks;
 }
 
@@ -80,10 +72,8 @@ std::string StopCriteria::ask(const HistoryFile::Row& row) {
 void StopCriteria::store(CheckpointValues& values) const {
   std::string lines;
   for (Condition& criterion : criteria_)
-    for (std::size_t i = 0; i < criterion.peaks().size(); ++i) {
-      if (std::isnan(criterion.peaks()[i])) continue;
-      lines += number_text(criterion.peaks()[i]) + " " + criterion.peak_texts()[i] + "\n";
-    }
+    for (const Condition::Peak& peak : criterion.peaks())
+      if (!std::isnan(peak.value)) lines += number_text(peak.value) + " " + peak.text + "\n";
   if (!lines.empty()) values.texts[stored_name] = lines;
 }
 
@@ -92,13 +82,11 @@ std::vector<std::string> StopCriteria::restore(const CheckpointValues& values) {
   const auto peaks = read_peaks(stored == values.texts.end() ? "" : stored->second);
   std::vector<std::string> missing;
   for (Condition& criterion : criteria_)
-    for (std::size_t i = 0; i < criterion.peaks().size(); ++i) {
-      const std::string& text = criterion.peak_texts()[i];
-      if (const auto found = peaks.find(text); found != peaks.end())
-        criterion.peaks()[i] = found->second;
+    for (Condition::Peak& peak : criterion.peaks())
+      if (const auto found = peaks.find(peak.text); found != peaks.end())
+        peak.value = found->second;
       else
-        missing.push_back(text);
-    }
+        missing.push_back(peak.text);
   return missing;
 }
 

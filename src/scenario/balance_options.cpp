@@ -67,8 +67,8 @@ OptionGroup balance_options() {
              Scenario::EnergyAction::stop);
   row.number("crack_level", &Scenario::crack_level, "1", {0, 1, true, false},
              "phi from which a node counts as cracked in the history");
-  row.count("crack_tips", &Scenario::crack_tips, 1, 99,
-            "cracks of each material whose origins and tips are in the history, by age")
+  row.count("crack_tips", &Scenario::crack_tips, 1,
+            "cracks of each material whose origins and tips are in the history, by age", 99)
       .restart = RestartKey::guarded;
   row.flag("history_materials", &Scenario::history_materials,
            "energies of fracture and fatigue and all dissipations of each material in the history");

@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 
@@ -6,11 +7,6 @@
 namespace impact {
 
 namespace {
-
-void replace_all(std::string& text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
-}
 
 /// Throws UserError(usage) by the first rule that speaks, of those about absence or of the others.
 template <class Struct>
@@ -22,12 +18,12 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
     for (const OptionRule<Struct>& rule : row.rules) {
       std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
       if (words.empty()) continue;
-      replace_all(words, "<>", "-" + prefix);
-      replace_all(words, "{material}", scenario.materials.front().id);
+      words = replaced(words, "<>", "-" + prefix);
+      words = replaced(words, "{material}", scenario.materials.front().id);
       for (const OptionRow<Struct>& other : rows)
-        replace_all(words, "{" + other.name + "}", other.text(target));
+        words = replaced(words, "{" + other.name + "}", other.text(target));
       for (const OptionRow<Scenario>& other : global_rows())
-        replace_all(words, "{" + other.name + "}", other.text(scenario));
+        words = replaced(words, "{" + other.name + "}", other.text(scenario));
       const std::string key = rule.of == Of::other ? "" : "-" + prefix + row.name;
       throw UserError(ExitCode::usage, key +
                                            (of_absence             ? ": missing; "
@@ -36,17 +32,6 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
                                            words);
     }
   }
-}
-
-void ask_all_rules(const Scenario& scenario, bool of_absence) {
-  for_each_class([&](const auto& table) {
-    for (const auto& one : scenario.*table.member)
-      ask_rules(table.rows, one, table.word + "_" + one.id + "_", scenario, of_absence);
-    if (!of_absence && table.check) table.check(scenario);
-  });
-  ask_rules(global_rows(), scenario, "", scenario, of_absence);
-  for (const OptionGroup& group : global_groups())
-    if (!of_absence && group.check) group.check(scenario);
 }
 
 std::string groups_text(const std::vector<Group>& groups) {
@@ -63,8 +48,7 @@ std::string groups_text(const std::vector<Group>& groups) {
 /// `dim`: that the group must have, 0 for any.
 void check_group(const std::string& option, const std::string& name, int dim,
                  const std::vector<Group>& groups) {
-  const auto found =
-      std::find_if(groups.begin(), groups.end(), [&](const Group& g) { return g.name == name; });
+  const auto found = std::ranges::find_if(groups, [&](const Group& g) { return g.name == name; });
   const std::string has = "; mesh has: " + groups_text(groups);
   if (found == groups.end())
     throw UserError(ExitCode::data, option + " \"" + name + "\": no such physical group" + has);
@@ -94,14 +78,19 @@ void complete_and_check(Scenario& scenario) {
   if (scenario.materials.empty())
     throw UserError(ExitCode::usage,
                     "-materials: missing; allowed: a comma list of ids, one for each material");
-  ask_all_rules(scenario, true);
+  const auto ask = [&](bool of_absence) {
+    for_each_target(scenario, [&](const auto& rows, const auto& target, const std::string& prefix) {
+      ask_rules(rows, target, prefix, scenario, of_absence);
+    });
+  };
+  ask(true);
   for_each_class([&](const auto& table) {
     if (table.complete)
       for (auto& one : scenario.*table.member) table.complete(one, scenario);
   });
   for (const OptionGroup& group : global_groups())
     if (group.complete) group.complete(scenario);
-  ask_all_rules(scenario, false);
+  ask(false);
 }
 
 void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int dim) {

@@ -1,7 +1,5 @@
 #pragma once
 #include "rows.hpp"
-#include <impact/scenario/scenario.hpp>
-#include <map>
 
 /// The tables of all options: the only list of what there is. One file declares the options of one class,
 /// with what they demand of others.
@@ -17,8 +15,6 @@ template <class Struct> struct OptionClass {
   std::function<void(Struct&, OptionContext&)> finish{};
   /// Fills what the user left to us, once all options are read and those that are needed are there.
   std::function<void(Struct&, const Scenario&)> complete{};
-  /// Throws UserError(usage) for what the rows do not say.
-  std::function<void(const Scenario&)> check{};
 };
 
 /// One heading of the reference with its global options.
@@ -26,7 +22,6 @@ struct OptionGroup {
   std::string title, about;
   std::vector<OptionRow<Scenario>> rows{};
   std::function<void(Scenario&)> complete{};
-  std::function<void(const Scenario&)> check{};
 };
 
 OptionGroup general_options(), mesh_options(), coupling_options(), heat_options(), time_options(),
@@ -61,10 +56,17 @@ template <class Visit> void for_each_class(const Visit& visit) {
   std::apply([&](const auto&... one) { (visit(one), ...); }, all_classes());
 }
 
-/// "tip" and "gap_tol": contact_tip_gap_tol.
-template <class Struct>
-std::string option_name(const OptionClass<Struct>& table, const std::string& id, const std::string& row) {
-  return table.word + "_" + id + (row.empty() ? "" : "_") + row;
+/// Calls visit(rows, target, prefix) for all that is read by a list of rows: `prefix` begins their names.
+template <class Any, class Visit> void for_each_target(Any& scenario, const Visit& visit) {
+  for_each_class([&](const auto& table) {
+    for (auto& one : scenario.*table.member) visit(table.rows, one, table.word + "_" + one.id + "_");
+  });
+  visit(global_rows(), scenario, std::string());
+}
+
+/// "contact", "tip" and "gap_tol": contact_tip_gap_tol.
+inline std::string option_name(const std::string& word, const std::string& id, const std::string& row) {
+  return word + "_" + id + (row.empty() ? "" : "_") + row;
 }
 
 std::optional<GivenOption> given_option(const std::string& name);

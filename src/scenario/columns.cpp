@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <impact/scenario/columns.hpp>
 #include <stdexcept>
-#include <string_view>
 
 namespace impact {
 
@@ -202,8 +201,7 @@ std::string component_name(const std::string& field, int component, int componen
 }
 
 std::string column_unit(const std::string& column, const UnitSystem& units, bool plane) {
-  const auto note = std::find_if(std::begin(history), std::end(history),
-                                 [&](const ColumnNote& n) { return fits(n.name, column); });
+  const auto note = std::ranges::find_if(history, [&](const ColumnNote& n) { return fits(n.name, column); });
   if (note == std::end(history)) throw std::logic_error("history: column " + column + " is not described");
   std::string unit = note->unit;
   if (std::string_view(note->name).ends_with("<field>")) unit = field_unit(column);

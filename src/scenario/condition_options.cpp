@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 
 /// The options of boundary and initial conditions, -bc_<id>_... and -ic_<id>_...
 namespace impact {
@@ -37,8 +38,7 @@ const ConditionKind kinds[] = {
 };
 
 const ConditionKind& kind_of(const Bc& bc) {
-  return *std::find_if(std::begin(kinds), std::end(kinds),
-                       [&](const ConditionKind& kind) { return kind.type == bc.type; });
+  return *std::ranges::find_if(kinds, [&](const ConditionKind& kind) { return kind.type == bc.type; });
 }
 
 bool is_by(const Bc& bc, By by) { return kind_of(bc).by == by; }
@@ -96,13 +96,13 @@ OptionClass<BoundaryCondition> boundary_class() {
   row.components("u", &Bc::component, by_type,
                  "component of what the type prescribes, of a displacement, velocity, force, traction, ..; "
                  "left out: free, or no load",
-                 unit_of);
+                 Rows<Bc>::Of::places, unit_of);
   row.components(
       "r", &Bc::rotation, by_type,
       "rotation of rigid bodies about their centre of mass, or with type velocity its rate; about fixed "
       "axes, in space the rotation vector where all three are given; left out: free",
-      [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); },
-      Rows<Bc>::Of::turns);
+      Rows<Bc>::Of::turns,
+      [](const Bc& bc) { return std::string(bc.type == BcType::velocity ? "1/s" : "1"); });
   row.expression(
          "value", &Bc::value, by_type, any_number,
          "scalar of pressure, damage (phi), temperature, heat_flux and heat_source; of convection the "

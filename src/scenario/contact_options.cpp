@@ -117,7 +117,7 @@ const Contact* conserving(const Scenario& scenario) {
 
 void add_detection(ContactRows& rows) {
   Rows row(rows);
-  row.count("points", &Contact::points, 1, 5, "Gauss points per secondary facet and direction")
+  row.count("points", &Contact::points, 1, "Gauss points per secondary facet and direction", 5)
       .otherwise("2");
   row.number("search_radius", &Contact::search_radius, "m", or_auto(positive),
              "facets are looked at as pairs up to this distance; auto: what can meet in a step, by the sizes "

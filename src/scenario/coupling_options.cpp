@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <cmath>
 
 /// The options of the coupling of motion, damage and heat, of their solution, and of the damage and heat
@@ -108,8 +109,7 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
 /// Whether motion waits for what damage and heat make of its solution.
 bool iterates(const Scenario& scenario) {
   return scenario.has_damage() ||
-         (scenario.has_heat() &&
-          std::any_of(scenario.materials.begin(), scenario.materials.end(), [](const auto& material) {
+         (scenario.has_heat() && std::ranges::any_of(scenario.materials, [](const auto& material) {
             return material.law.alpha_t != 0 || material.law.softening != Softening::none;
           }));
 }
@@ -124,7 +124,7 @@ void complete_coupling(Scenario& scenario) {
   coupling.crack_level = scenario.crack_level;
   coupling.length_unit = scenario.units.length == -3 ? "mm" : "m";
   const auto& steps = scenario.time.table_dts;
-  coupling.dt = steps.empty() ? scenario.time.dt : *std::max_element(steps.begin(), steps.end());
+  coupling.dt = steps.empty() ? scenario.time.dt : *std::ranges::max_element(steps);
 }
 
 } // namespace

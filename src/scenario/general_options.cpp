@@ -17,7 +17,7 @@ OptionGroup general_options() {
   row.choice("units", &Scenario::units, "system of bare numbers and of everything that is written", "SI",
              *unit_system("SI"), "mm_t_s_MPa", *unit_system("mm_t_s_MPa"), "mm_kg_ms_GPa",
              *unit_system("mm_kg_ms_GPa"));
-  row.count("dim", &Scenario::dim, 2, 3, "expected dimension of the mesh").otherwise("from the mesh").misfit =
+  row.count("dim", &Scenario::dim, 2, "expected dimension of the mesh", 3).otherwise("from the mesh").misfit =
       [](const Scenario& s, int dim) {
         return s.dim == dim ? std::string()
                             : "the mesh has dimension " + std::to_string(dim) +
@@ -38,7 +38,11 @@ OptionGroup general_options() {
            "balances that are solved; of what is left out, options and conditions have no effect, and "
            "without motion bodies stay where they are",
            {"motion", "damage", "heat"})
-      .otherwise("motion, and what has data of damage and heat");
+      .otherwise("motion, and what has data of damage and heat")
+      .barred([](const Scenario& s) { return s.solves("heat") && !s.physics.empty() && !s.has_heat(); },
+              " \"heat\": no material has a heat capacity; give -material_{material}_c_v")
+      .barred([](const Scenario& s) { return !s.has_motion() && !s.has_heat() && !s.has_damage(); },
+              " \"damage\": no material has damage; give -material_{material}_damage");
   row.number("thickness", &Scenario::thickness, "m", positive,
              "of a plane problem; forces and energies are for it");
   row.restart = RestartKey::free;
@@ -47,15 +51,6 @@ OptionGroup general_options() {
            "options of PETSc's that the solvers of this run do not read are refused, not only told");
   row.flag("test_restep", &Scenario::restep,
            "every step is solved, refused and solved again: a test of the program");
-  group.check = [](const Scenario& s) {
-    const auto refuse = [&](const std::string& what) {
-      throw UserError(ExitCode::usage, "-physics \"" + what + "; give -material_" + s.materials.front().id +
-                                           (what.starts_with("heat") ? "_c_v" : "_damage"));
-    };
-    if (s.solves("heat") && !s.physics.empty() && !s.has_heat())
-      refuse("heat\": no material has a heat capacity");
-    if (!s.has_motion() && !s.has_heat() && !s.has_damage()) refuse("damage\": no material has damage");
-  };
   return group;
 }
 
@@ -80,7 +75,7 @@ OptionGroup mesh_options() {
     }
   };
   row.number("mesh_scale", &MeshScenario::scale, "1", positive, "factor of all coordinates of the file");
-  row.count("dm_refine", &MeshScenario::refine, 0, 10, "uniform refinements after reading");
+  row.count("dm_refine", &MeshScenario::refine, 0, "uniform refinements after reading", 10);
   row.restart = RestartKey::free;
   row.number("mesh_cells", &MeshScenario::most_cells, "1", positive, "most cells that -dm_refine may make")
       .otherwise("2e6");

@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <cmath>
 #include <impact/material/hardening.hpp>
 
@@ -12,7 +13,7 @@ using Law = MaterialParameters;
 using MaterialRows = std::vector<OptionRow<Material>>;
 
 bool has_part(const Material& m, const std::string& part) {
-  return std::find(m.hardening.begin(), m.hardening.end(), part) != m.hardening.end();
+  return std::ranges::find(m.hardening, part) != m.hardening.end();
 }
 
 /// The hardening that brings its own yield stress, and stands alone; "" = none.

@@ -1,6 +1,6 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <cmath>
-#include <impact/petsc/error.hpp>
 
 /// The options of materials, -material_<id>_..., and the law that is made of them: elasticity and heat here,
 /// hardening and damage in files of their own.
@@ -21,6 +21,18 @@ bool wants_moduli(const Material& m, const Scenario& s) {
   return s.has_motion() || s.solves("damage") || given(m.E) || given(m.K);
 }
 
+/// A region that an earlier material has already: what to say of it, "" = none.
+std::string taken_region(const Material& m, const Scenario& s) {
+  for (const Material& other : s.materials) {
+    if (other.id == m.id) break;
+    for (const std::string& region : m.regions)
+      if (std::ranges::find(other.regions, region) != other.regions.end())
+        return " \"" + region + "\": is made of material " + other.id +
+               " already; give each region to one material";
+  }
+  return "";
+}
+
 void add_elasticity(MaterialRows& rows) {
   const Interval modulus{0, 1e15, true, false};
   const std::string fallback = "required, or K and G", remedy = "give <>E and <>nu, or <>K and <>G";
@@ -33,6 +45,7 @@ void add_elasticity(MaterialRows& rows) {
   Rows row(rows);
   row.list("region", &Material::regions, "regions of the mesh made of it")
       .otherwise("the id")
+      .barred([](const Material& m, const Scenario& s) { return !taken_region(m, s).empty(); }, taken_region)
       .group_dimension = [](const Material&, int dim) { return dim; };
   Rows of_law(rows, RestartKey::guarded, &Material::law);
   of_law.choice("model", &Law::model,
@@ -54,8 +67,7 @@ void add_elasticity(MaterialRows& rows) {
       .needed([](const Material& m) { return given(m.c_mass); }, "<>c_v is given per mass")
       .needed(
           [](const Material&, const Scenario& s) {
-            return std::any_of(s.bcs.begin(), s.bcs.end(),
-                               [](const auto& bc) { return bc.type == BcType::body_force; });
+            return std::ranges::any_of(s.bcs, [](const auto& bc) { return bc.type == BcType::body_force; });
           },
           "needed by a body force")
       .needed([](const Material&, const Scenario& s) { return s.has_inertia(); },
@@ -101,8 +113,8 @@ void add_heat(MaterialRows& rows) {
       .needed(
           [](const Material& m, const Scenario& s) {
             return s.solves("heat") && !m.has_capacity() &&
-                   std::any_of(s.materials.begin(), s.materials.end(),
-                               [](const Material& other) { return other.has_capacity(); });
+                   std::ranges::any_of(s.materials,
+                                       [](const Material& other) { return other.has_capacity(); });
           },
           "allowed: a heat capacity > 0; other materials have one, and heat is solved in all of them")
       .read = read_capacity;
@@ -156,16 +168,6 @@ void resolve(Material& m, const Scenario& scenario) {
   law.locking = m.locking.value_or(automatic_locking(law, scenario.plane));
 }
 
-void check_regions(const Scenario& scenario) {
-  std::map<std::string, std::string> owner;
-  for (const Material& material : scenario.materials)
-    for (const std::string& region : material.regions)
-      if (const auto [at, fresh] = owner.emplace(region, material.id); !fresh)
-        throw UserError(ExitCode::usage, "-material_" + material.id + "_region \"" + region +
-                                             "\": is made of material " + at->second +
-                                             " already; give each region to one material");
-}
-
 } // namespace
 
 OptionClass<MaterialScenario> material_class() {
@@ -183,7 +185,6 @@ OptionClass<MaterialScenario> material_class() {
     if (m.regions.empty()) m.regions = {m.id};
   };
   table.complete = resolve;
-  table.check = check_regions;
   return table;
 }
 

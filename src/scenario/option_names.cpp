@@ -1,8 +1,8 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <cctype>
 #include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
-#include <map>
 #include <petscksp.h>
 #include <set>
 #include <sstream>
@@ -54,10 +54,6 @@ struct Legal {
   std::vector<ClassKeys> classes;
 };
 
-std::string full_name(const ClassKeys& keys, const std::string& id, const std::string& attribute) {
-  return keys.word + "_" + id + (attribute.empty() ? "" : "_" + attribute);
-}
-
 Legal legal_names() {
   Legal legal;
   for_each_class([&](const auto& table) {
@@ -68,7 +64,7 @@ Legal legal_names() {
     keys.ids = read_ids(table.registry);
     for (const std::string& id : keys.ids)
       for (const std::string& attribute : keys.attributes) {
-        const std::string name = full_name(keys, id, attribute);
+        const std::string name = option_name(keys.word, id, attribute);
         legal.names[lower_case(name)] = name;
       }
   });
@@ -96,16 +92,15 @@ Legal legal_names() {
   std::vector<std::string> attributes;
   for (const std::string& attribute : keys.attributes)
     if (!attribute.empty()) attributes.push_back(attribute);
-  if (attributes.empty()) unknown(name, full_name(keys, id, ""), declared);
+  if (attributes.empty()) unknown(name, option_name(keys.word, id, ""), declared);
   const std::string attribute =
       nearest_name(typed, attributes, std::clamp<int>(static_cast<int>(typed.size()) / 2, 1, 3));
-  if (!attribute.empty()) unknown(name, full_name(keys, id, attribute), declared);
+  if (!attribute.empty()) unknown(name, option_name(keys.word, id, attribute), declared);
   unknown(name, "", declared + "; allowed after -" + keys.word + "_<id>_: " + join(attributes));
 }
 
 template <class List> bool begins_with(const std::string& name, const List& beginnings) {
-  return std::any_of(std::begin(beginnings), std::end(beginnings),
-                     [&](const char* beginning) { return name.starts_with(beginning); });
+  return std::ranges::any_of(beginnings, [&](const char* beginning) { return name.starts_with(beginning); });
 }
 
 /// The nearest of the candidates, or else those that go on where the name ends.
@@ -145,9 +140,7 @@ void check_solver_name(const std::string& typed, const std::string& prefix, cons
       if (option.key == "-" + typed && lower_case(option.text) == KSPQCG)
         refuse_option(option,
                       "is a search in a trust region and crashes beside most preconditioners; take cg");
-  if (passes ? begins_with(rest, of_passes) && KnownOptions::get().of_solver(rest)
-             : KnownOptions::get().of_solver(rest))
-    return;
+  if ((!passes || begins_with(rest, of_passes)) && KnownOptions::get().of_solver(rest) != nullptr) return;
   if (!option_text(typed)) return;
   std::set<std::string> own;
   for (const std::string& global : legal.globals)
@@ -219,10 +212,10 @@ const ClassKeys* left_out_of(const std::string& name, const Legal& legal) {
     const std::string beginning = keys.word + "_";
     if (!lower_case(name).starts_with(beginning)) continue;
     const std::string rest = lower_case(name).substr(beginning.size()), id = rest.substr(0, rest.find('_'));
-    if (std::find(keys.ids.begin(), keys.ids.end(), id) != keys.ids.end()) continue;
+    if (std::ranges::find(keys.ids, id) != keys.ids.end()) continue;
     for (const std::string& text : texts_in_files(keys.registry)) {
       const std::vector<std::string> ids = split_list(text);
-      if (std::find(ids.begin(), ids.end(), id) != ids.end()) return &keys;
+      if (std::ranges::find(ids, id) != ids.end()) return &keys;
     }
   }
   return nullptr;

@@ -1,6 +1,6 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <impact/input/condition.hpp>
-#include <impact/petsc/error.hpp>
 #include <impact/scenario/columns.hpp>
 
 /// The options of what a run writes, -output_<id>_..., -probe_<id>_..., -measure_<id>_..., and of what ends
@@ -17,9 +17,7 @@ std::vector<std::string> all_fields() {
   return names;
 }
 
-template <class List, class Is> bool any(const List& list, Is is) {
-  return std::any_of(list.begin(), list.end(), is);
-}
+template <class List, class Is> bool any(const List& list, Is is) { return std::ranges::any_of(list, is); }
 
 /// All fields that the physics has, but for the acceleration.
 std::vector<std::string> usual_fields(const Scenario& s) {
@@ -49,13 +47,11 @@ void complete_output(Output& output, const Scenario& scenario) {
   if (!table && output.fields.empty()) output.fields = usual_fields(scenario);
 }
 
-void check_files(const Scenario& scenario) {
-  std::map<std::string, std::string> writer;
-  for (const Output& output : scenario.outputs)
-    if (const auto [at, fresh] = writer.emplace(output.file, output.id); !fresh)
-      throw UserError(ExitCode::usage, "-output_" + output.id + "_file \"" + output.file +
-                                           "\": is written by output " + at->second +
-                                           " already; choose another name");
+/// The output before this one that writes the same file; null: none.
+const Output* rival(const Output& output, const Scenario& s) {
+  const auto same = [&](const Output& other) { return other.file == output.file; };
+  const auto first = std::ranges::find_if(s.outputs, same);
+  return first != s.outputs.end() && first->id != output.id ? &*first : nullptr;
 }
 
 /// Displacements, where nothing else is said.
@@ -88,9 +84,13 @@ OptionClass<OutputScenario> output_class() {
       .refused([](const Output&, const Scenario& s) { return s.time.period == 0; },
                "counts the cycles of a load whose period is not given; add -ts_period, or remove it");
   row.numbers("times", &Output::times, "s", not_negative, "times that are hit exactly and written");
-  row.text("file", &Output::file, "file name", "name below -output_dir").otherwise("<id>.xdmf, history.csv");
+  row.text("file", &Output::file, "file name", "name below -output_dir")
+      .otherwise("<id>.xdmf, history.csv")
+      .refused([](const Output& output, const Scenario& s) { return rival(output, s) != nullptr; },
+               [](const Output& output, const Scenario& s) {
+                 return "is written by output " + rival(output, s)->id + " already; choose another name";
+               });
   table.complete = complete_output;
-  table.check = check_files;
   return table;
 }
 

@@ -1,13 +1,8 @@
 #include <algorithm>
-#include <impact/input/database.hpp>
-#include <impact/input/interval.hpp>
 #include <impact/input/known_options.hpp>
 #include <impact/input/option_text.hpp>
-#include <impact/input/spelling.hpp>
-#include <impact/petsc/error.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
-#include <limits>
 
 namespace impact {
 
@@ -53,8 +48,7 @@ const SolverNumber solver_numbers[] = {
 void check_value(const GivenOption& option) {
   const std::string name = lower_case(option.key.substr(1));
   for (const auto& [prefix, types] : solver_types)
-    if (name == std::string(prefix) + "snes_type" &&
-        std::find(types.begin(), types.end(), option.text) == types.end())
+    if (name == std::string(prefix) + "snes_type" && std::ranges::find(types, option.text) == types.end())
       refuse_option(option, "cannot solve this problem; allowed: " + join(types) + "; leave the option out");
   if (!KnownOptions::get().of_solver(name)) return;
   for (const SolverNumber& one : solver_numbers)
@@ -65,10 +59,10 @@ void check_value(const GivenOption& option) {
         read_number(option, "", one.range, {}, {});
       return;
     }
-  std::vector<std::string> choices = split_list(KnownOptions::get().allowed(name));
+  const std::vector<std::string> choices = KnownOptions::get().allowed(name);
   const std::string text = lower_case(option.text);
-  if (!choices.empty() && std::none_of(choices.begin(), choices.end(),
-                                       [&](const std::string& choice) { return lower_case(choice) == text; }))
+  if (!choices.empty() &&
+      std::ranges::none_of(choices, [&](const std::string& choice) { return lower_case(choice) == text; }))
     read_choice(option, choices);
 }
 

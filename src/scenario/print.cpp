@@ -27,15 +27,15 @@ template <class Struct>
 std::string class_text(const OptionClass<Struct>& table, const Scenario& scenario, bool as_typed) {
   std::vector<std::string> ids;
   std::string lines;
+  const auto add = [&](const std::string& name, const std::string& text) {
+    if (!text.empty()) lines += option_line(option_name(table.word, ids.back(), name), text);
+  };
   for (const Struct& one : scenario.*table.member) {
     ids.push_back(one.id);
     if constexpr (requires { one.options; })
-      for (const auto& [name, text, said] : one.options)
-        lines += option_line(option_name(table, one.id, name), as_typed && !said.empty() ? said : text);
+      for (const auto& [name, text, said] : one.options) add(name, as_typed && !said.empty() ? said : text);
     else
-      for (const OptionRow<Struct>& row : table.rows)
-        if (const std::string text = row.text(one); !text.empty())
-          lines += option_line(option_name(table, one.id, row.name), text);
+      for (const OptionRow<Struct>& row : table.rows) add(row.name, row.text(one));
   }
   return ids.empty() ? "" : option_line(table.registry, join(ids, ",")) + lines;
 }
@@ -51,32 +51,28 @@ struct Section {
 };
 
 template <class Struct>
-std::vector<Entry> entries(const std::vector<OptionRow<Struct>>& rows, const std::string& prefix) {
-  std::vector<Entry> all;
+void add_entries(Section& section, const std::vector<OptionRow<Struct>>& rows, const std::string& prefix) {
   for (const OptionRow<Struct>& row : rows) {
     const bool number = row.range.low > -unbounded || row.range.high < unbounded;
     std::string allowed = number ? interval_text(row.range, row.note.unit, {}) : "";
     if (!row.allowed.empty()) allowed += (allowed.empty() ? "" : ", ") + row.allowed;
-    if (allowed.empty()) allowed = "number";
     std::string key = prefix + row.name;
     if (row.name.empty()) key.pop_back();
-    all.push_back({key, allowed, row.note});
+    section.entries.push_back({key, allowed.empty() ? "number" : allowed, row.note});
   }
-  return all;
 }
 
-template <class Struct> Section section(const OptionClass<Struct>& table) {
-  Section result{table.title, table.about, {}};
-  result.entries.push_back(
-      {"-" + table.registry, "comma list of ids or none", {"declares the ids below", "", "", "", ""}});
+template <class Struct> Section section_of(const OptionClass<Struct>& table) {
+  Section section{table.title, table.about, {}};
+  const std::string beginning = "-" + table.word + "_<id>_";
+  section.entries.push_back({"-" + table.registry, "comma list of ids or none", {"declares the ids below"}});
   if (table.inherits)
-    result.entries.push_back(
-        {"-" + table.word + "_<id>_like",
+    section.entries.push_back(
+        {beginning + "like",
          "id of another " + table.word,
-         {"takes over its options, which the " + table.word + "'s own ones then override", "", "", "", ""}});
-  for (Entry& entry : entries(table.rows, "-" + table.word + "_<id>_"))
-    result.entries.push_back(std::move(entry));
-  return result;
+         {"takes over its options, which the " + table.word + "'s own ones then override"}});
+  add_entries(section, table.rows, beginning);
+  return section;
 }
 
 const char* const about_solvers =
@@ -93,8 +89,8 @@ const char* const about_solvers =
 std::vector<Section> sections() {
   std::vector<Section> all, classes;
   for (const OptionGroup& group : global_groups())
-    all.push_back({group.title, group.about, entries(group.rows, "-")});
-  for_each_class([&](const auto& table) { classes.push_back(section(table)); });
+    add_entries(all.emplace_back(Section{group.title, group.about, {}}), group.rows, "-");
+  for_each_class([&](const auto& table) { classes.push_back(section_of(table)); });
   constexpr int before_classes = 2, of_physics = 6; // general and mesh; the classes down to contact
   all.insert(all.begin() + before_classes, classes.begin(), classes.begin() + of_physics);
   all.insert(all.end(), classes.begin() + of_physics, classes.end());
@@ -102,10 +98,7 @@ std::vector<Section> sections() {
   return all;
 }
 
-std::string in_table(std::string text) {
-  for (std::size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
-  return text;
-}
+std::string in_table(const std::string& text) { return replaced(text, "|", "\\|"); }
 
 std::string code(const std::string& text) { return text.empty() ? "" : "`" + text + "`"; }
 
@@ -129,9 +122,7 @@ std::string option_help() {
       text += "  " + entry.key + " <" + (note.fallback.empty() ? "" : "default: " + note.fallback + "; ") +
               entry.allowed + ">: " + note.about;
       if (!note.unit.empty()) text += " [" + note.unit + "]";
-      if (!note.symbol.empty() || !note.equation.empty())
-        text += " (" + note.symbol + (note.symbol.empty() || note.equation.empty() ? "" : " ") +
-                note.equation + ")";
+      if (!note.notation.empty()) text += " (" + note.notation + ")";
       text += "\n";
     }
   }
@@ -148,11 +139,9 @@ std::string option_reference() {
             "| option | default | allowed | SI unit | meaning | symbol |\n|---|---|---|---|---|---|\n";
     for (const Entry& entry : section.entries) {
       const OptionNote& note = entry.note;
-      std::string symbol = note.symbol;
-      if (!note.equation.empty()) symbol += (symbol.empty() ? "" : " ") + note.equation;
       page += "| " + code(entry.key) + " | " + in_table(note.fallback) + " | " + in_table(entry.allowed) +
-              " | " + (note.unit == "1" ? "" : note.unit) + " | " + in_table(note.about) + " | " + symbol +
-              " |\n";
+              " | " + (note.unit == "1" ? "" : note.unit) + " | " + in_table(note.about) + " | " +
+              note.notation + " |\n";
     }
   }
   return page + "\n" + column_reference();

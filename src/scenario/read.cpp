@@ -1,10 +1,9 @@
 #include "classes.hpp"
+#include <algorithm>
 #include <cctype>
 #include <cstring>
-#include <impact/petsc/error.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
-#include <set>
 #include <sstream>
 
 /// From the options database to the Scenario.
@@ -36,16 +35,16 @@ Attributes attributes_of(const OptionClass<Struct>& table, const std::string& id
                          const std::vector<std::string>& ids, std::vector<std::string> followed = {}) {
   followed.push_back(id);
   Attributes all, own;
-  if (const auto like = given_option(option_name(table, id, "like")); like && table.inherits) {
-    if (std::find(ids.begin(), ids.end(), like->text) == ids.end())
+  if (const auto like = given_option(option_name(table.word, id, "like")); like && table.inherits) {
+    if (std::ranges::find(ids, like->text) == ids.end())
       refuse_option(*like, "no such " + table.word + "; allowed: " + join(ids));
-    if (std::find(followed.begin(), followed.end(), like->text) != followed.end())
+    if (std::ranges::find(followed, like->text) != followed.end())
       refuse_option(*like, "goes round in a circle: " + join(followed) + ", " + like->text);
     all = attributes_of(table, like->text, ids, followed);
     all.erase("region");
   }
   for (const auto& row : table.rows)
-    if (auto option = given_option(option_name(table, id, row.name))) own[row.name] = std::move(*option);
+    if (auto option = given_option(option_name(table.word, id, row.name))) own[row.name] = std::move(*option);
   // The two pairs of moduli exclude each other: the nearer one wins.
   if (own.count("E") || own.count("nu")) all.erase("K"), all.erase("G");
   if (own.count("K") || own.count("G")) all.erase("E"), all.erase("nu");
@@ -86,8 +85,7 @@ void read_mesh_settings(Scenario& scenario) {
     const auto of_word = [](char c) {
       return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.-", c);
     };
-    if (option->text.empty() ||
-        (!parse_number(option->text) && !std::all_of(option->text.begin(), option->text.end(), of_word)))
+    if (option->text.empty() || (!parse_number(option->text) && !std::ranges::all_of(option->text, of_word)))
       refuse_option(*option, "allowed: a number or one word of letters, digits, _ . and -");
     scenario.mesh.set[name.substr(prefix.size())] = option->text;
   }
@@ -138,7 +136,7 @@ std::vector<std::string> read_ids(const std::string& registry) {
   if (ids == std::vector<std::string>{"none"}) return {};
   std::set<std::string> seen;
   for (const std::string& id : ids) {
-    const bool legal = !id.empty() && std::all_of(id.begin(), id.end(), [](char c) {
+    const bool legal = !id.empty() && std::ranges::all_of(id, [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z');
     });
     if (!seen.insert(lower_case(id)).second)
@@ -153,24 +151,22 @@ std::vector<std::string> read_ids(const std::string& registry) {
 }
 
 bool Scenario::solves(const std::string& name) const {
-  if (physics.empty()) return name == "motion" || name == "damage" || name == "heat";
-  return std::find(physics.begin(), physics.end(), name) != physics.end();
+  return physics.empty() || std::ranges::find(physics, name) != physics.end();
 }
 
 bool Scenario::has_heat() const {
-  return solves("heat") && std::any_of(materials.begin(), materials.end(),
-                                       [](const MaterialScenario& m) { return m.law.c_v > 0; });
+  return solves("heat") &&
+         std::ranges::any_of(materials, [](const MaterialScenario& m) { return m.law.c_v > 0; });
 }
 
 bool Scenario::has_damage() const {
-  return solves("damage") && std::any_of(materials.begin(), materials.end(), [](const MaterialScenario& m) {
+  return solves("damage") && std::ranges::any_of(materials, [](const MaterialScenario& m) {
            return m.law.damage != Damage::none;
          });
 }
 
 bool Scenario::any_fatigue() const {
-  return has_motion() && has_damage() &&
-         std::any_of(materials.begin(), materials.end(), [](const MaterialScenario& m) {
+  return has_motion() && has_damage() && std::ranges::any_of(materials, [](const MaterialScenario& m) {
            return m.law.damage != Damage::none && m.law.fatigue_a > 0;
          });
 }

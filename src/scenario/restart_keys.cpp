@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <impact/petsc/error.hpp>
-#include <impact/scenario/restart_keys.hpp>
 #include <set>
 #include <sstream>
 
@@ -67,9 +66,8 @@ void check_entries(const std::vector<std::string>& allow, const Changes& changes
   std::vector<std::string> names;
   for (const auto& [key, change] : changes) names.push_back(key);
   for (const std::string& entry : allow) {
-    const bool fits = std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-      return covers(bare(entry), lower_case(name));
-    });
+    const bool fits = std::ranges::any_of(
+        names, [&](const std::string& name) { return covers(bare(entry), lower_case(name)); });
     if (fits) continue;
     const std::string near = nearest_name(bare(entry), names, 3);
     throw UserError(ExitCode::usage, "-restart_allow \"" + entry +
@@ -109,7 +107,7 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
       throw UserError(ExitCode::usage, "-" + key + ": " + said + " in checkpoint " + checkpoint +
                                            "; mesh, dimension and units cannot change on restart; "
                                            "give the old value, or start anew without -restart");
-    if (std::any_of(allow.begin(), allow.end(), [&, name = key](const std::string& entry) {
+    if (std::ranges::any_of(allow, [&, name = key](const std::string& entry) {
           return covers(bare(entry), lower_case(name));
         })) {
       notes.push_back("restart with a changed option: -" + key + " " + said);

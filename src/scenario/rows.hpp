@@ -1,11 +1,7 @@
 #pragma once
 #include <algorithm>
-#include <functional>
 #include <impact/input/option_text.hpp>
-#include <impact/input/spelling.hpp>
-#include <impact/scenario/restart_keys.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <optional>
 
 /// The option tables: a row is all that is said of one option. From it come reading, range check, `-help`,
 /// reference page, echo, the class at a restart, and what the option demands of others and of the mesh.
@@ -13,11 +9,10 @@ namespace impact {
 
 /// What an option row says of itself, in `-help` and in the reference page.
 struct OptionNote {
-  std::string about;    ///< meaning, one phrase
-  std::string unit;     ///< SI unit of a quantity, "1" for a pure number, "" when it is no quantity
-  std::string symbol;   ///< in the paper or in src/theory.md
-  std::string equation; ///< the paper's equation
-  std::string fallback; ///< default as text, that of the struct unless it is said
+  std::string about{};    ///< meaning, one phrase
+  std::string unit{};     ///< SI unit of a quantity, "1" for a pure number, "" when it is no quantity
+  std::string notation{}; ///< symbol and equation, of the paper or src/theory.md, as "E (52)-(53)"
+  std::string fallback{}; ///< default as text, that of the struct unless it is said
 };
 
 /// One reason to refuse a run. `words` are empty while there is none. In them `<>` stands for the beginning
@@ -56,11 +51,8 @@ template <class Struct> struct OptionRow {
     return *this;
   }
   OptionRow& required() { return otherwise("required"); }
-  /// "symbol (equation)", either of them.
   OptionRow& notation(const std::string& said) {
-    const std::size_t bracket = said.starts_with("(") ? 0 : said.find(" (");
-    note.symbol = said.substr(0, bracket);
-    note.equation = bracket == std::string::npos ? "" : said.substr(bracket + (bracket > 0));
+    note.notation = said;
     return *this;
   }
 
@@ -118,29 +110,22 @@ public:
 
   /// Of all rows: `name` and `place` of the option, and what it is `about`. `quantity`: SI unit, symbol and
   /// equation, as in "Pa E (52)-(53)".
-  template <class Sub>
-  Row& number(const std::string& name, double Sub::*place, const std::string& quantity,
-              const AllowedNumbers& allowed, const std::string& about) {
+  Row& number(const std::string& name, auto place, const std::string& quantity, const AllowedNumbers& allowed,
+              const std::string& about) {
     const double fallback = at(place)(std::as_const(example_));
     return add(name, place, number_kind(unit_of(quantity), allowed, fallback), about, quantity);
   }
-  template <class Sub>
-  Row& count(const std::string& name, int Sub::*place, int low, int high, const std::string& about) {
+  Row& count(const std::string& name, auto place, int low, const std::string& about,
+             int high = std::numeric_limits<int>::max()) {
     return add(name, place, count_kind(low, high), about);
   }
-  template <class Sub>
-  Row& count(const std::string& name, int Sub::*place, int low, const std::string& about) {
-    return count(name, place, low, std::numeric_limits<int>::max(), about);
-  }
-  template <class Sub> Row& flag(const std::string& name, bool Sub::*place, const std::string& about) {
+  Row& flag(const std::string& name, auto place, const std::string& about) {
     return add(name, place, flag_kind(), about);
   }
-  template <class Sub>
-  Row& text(const std::string& name, std::string Sub::*place, const std::string& allowed,
-            const std::string& about) {
+  Row& text(const std::string& name, auto place, const std::string& allowed, const std::string& about) {
     return add(name, place, text_kind(allowed), about);
   }
-  template <class Sub> Row& file(const std::string& name, std::string Sub::*place, const std::string& about) {
+  Row& file(const std::string& name, auto place, const std::string& about) {
     return add(name, place, file_kind(), about);
   }
   template <class Value> using Choices = std::vector<std::pair<std::string, Value>>;
@@ -157,63 +142,51 @@ public:
     add_choices(choices, word, rest...);
     return choice(name, place, about, choices);
   }
-  template <class Sub>
-  Row& list(const std::string& name, std::vector<std::string> Sub::*place, const std::string& about,
+  Row& list(const std::string& name, auto place, const std::string& about,
             const std::vector<std::string>& choices = {}) {
     return add(name, place, list_kind(choices, true), about);
   }
   /// Groups of the mesh, required; `dimension` as OptionRow::group_dimension.
-  template <class Sub, class Dimension>
-  Row& groups(const std::string& name, std::vector<std::string> Sub::*place, const std::string& about,
-              Dimension dimension) {
+  Row& groups(const std::string& name, auto place, const std::string& about,
+              const std::function<int(const Struct&, int dim)>& dimension) {
     Row& row = add(name, place, list_kind({}, false), about).required();
     row.group_dimension = dimension;
     return row;
   }
-  template <class Sub>
-  Row& numbers(const std::string& name, std::vector<double> Sub::*place, const std::string& quantity,
-               const Interval& range, const std::string& about) {
+  Row& numbers(const std::string& name, auto place, const std::string& quantity, const Interval& range,
+               const std::string& about) {
     return add(name, place, numbers_kind(unit_of(quantity), range), about, quantity);
   }
-  template <class Sub>
-  Row& point(const std::string& name, double (Sub::*place)[3], const std::string& quantity,
-             const std::string& about) {
+  Row& point(const std::string& name, auto place, const std::string& quantity, const std::string& about) {
     return add(name, place, point_kind(unit_of(quantity)), about, quantity);
   }
 
-  /// An expression. Its unit and range may be functions of what has been read before; `quantity` and
-  /// `documented` are what the reference says then.
-  template <class Place, class UnitOf, class RangeOf>
-  Row& expression(const std::string& name, Place place, const std::string& quantity,
-                  const Interval& documented, const std::string& about, UnitOf unit, RangeOf range) {
-    const auto read = [=](const GivenOption&, const OptionContext&) { return std::optional<Expression>(); };
+  using UnitOf = std::function<std::string(const Struct&)>;
+  /// An expression. Where what has been read before decides its unit and range, `unit` and `range_of` find
+  /// them, and `quantity` and `range` are what the reference says.
+  Row& expression(const std::string& name, auto place, const std::string& quantity, const Interval& range,
+                  const std::string& about, const UnitOf& unit = {},
+                  const std::function<Interval(const Struct&)>& range_of = {}) {
     const auto text = [](const std::optional<Expression>& value) { return value ? value->text() : ""; };
-    Row& row = add(name, place, OptionKind<std::optional<Expression>>{"expression", documented, read, text},
-                   about, quantity);
-    row.read = [at = at(place), unit, range](Struct& target, const GivenOption& option,
-                                             const OptionContext& context) {
-      at(target) = read_expression(option, unit(target), context, range(target));
+    Row& row = add(name, place, OptionKind<std::optional<Expression>>{"expression", range, {}, text}, about,
+                   quantity);
+    row.read = [=, at = at(place), own = row.note.unit](Struct& target, const GivenOption& option,
+                                                        const OptionContext& context) {
+      at(target) =
+          read_expression(option, unit ? unit(target) : own, context, range_of ? range_of(target) : range);
     };
     return row;
-  }
-  template <class Place>
-  Row& expression(const std::string& name, Place place, const std::string& quantity, const Interval& range,
-                  const std::string& about) {
-    return expression(
-        name, place, quantity, range, about, [unit = unit_of(quantity)](const Struct&) { return unit; },
-        [range](const Struct&) { return range; });
   }
 
   /// Rows `<stem>x`, `<stem>y`, `<stem>z` of an array of three expressions; a plane mesh takes those in the
   /// plane, or of rotations the one about z.
   enum class Of { places, turns };
-  template <class Array, class Sub, class UnitOf>
-  void components(const std::string& stem, Array Sub::*place, const std::string& quantity,
-                  const std::string& about, UnitOf unit, Of of = Of::places) {
+  void components(const std::string& stem, auto place, const std::string& quantity, const std::string& about,
+                  Of of = Of::places, const UnitOf& unit = {}) {
     for (int k = 0; k < 3; ++k) {
       Row& row = expression(
           stem + "xyz"[k], [=](auto& target) -> auto& { return (target.*place)[k]; }, quantity, any_number,
-          about, unit, [](const Struct&) { return any_number; });
+          about, unit);
       if (of == Of::places ? k == 2 : k < 2)
         row.misfit = [=](const Struct&, int dim) {
           return dim == 3 ? std::string()
@@ -221,12 +194,6 @@ public:
                                 (of == Of::turns ? "rz" : "x and y components");
         };
     }
-  }
-  template <class Array, class Sub>
-  void components(const std::string& stem, Array Sub::*place, const std::string& quantity,
-                  const std::string& about, Of of = Of::places) {
-    components(
-        stem, place, quantity, about, [unit = unit_of(quantity)](const Struct&) { return unit; }, of);
   }
 
 private:

@@ -71,7 +71,7 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
       .refused(
           [](const Scenario& s) {
             const auto& times = s.time.table_times;
-            return std::adjacent_find(times.begin(), times.end(), std::greater_equal()) != times.end();
+            return std::ranges::adjacent_find(times, std::greater_equal()) != times.end();
           },
           "not increasing; allowed: increasing times");
   row.numbers("ts_dts", &TimeScenario::table_dts, "s", positive, "time steps between the times of -ts_times")
@@ -110,7 +110,7 @@ OptionGroup time_options() {
   group.complete = [](Scenario& s) {
     TimeScenario& time = s.time;
     if (time.table_times.empty() || time.table_dts.empty()) return;
-    if (time.dt == 0) time.dt = *std::max_element(time.table_dts.begin(), time.table_dts.end());
+    if (time.dt == 0) time.dt = *std::ranges::max_element(time.table_dts);
     if (time.max_time == 0) time.max_time = time.table_times.back();
   };
   return group;

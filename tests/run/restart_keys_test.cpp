@@ -1,6 +1,6 @@
 #include "scenario_options.hpp"
 #include <gtest/gtest.h>
-#include <impact/scenario/restart_keys.hpp>
+#include <impact/scenario/scenario.hpp>
 #include <sstream>
 
 namespace {

@@ -11,6 +11,11 @@ namespace impact {
 class Condition {
 public:
   using Value = std::function<double(const std::string& name)>;
+  struct Peak {
+    std::string text;
+    double value;
+    std::function<double(const Value&)> argument;
+  };
 
   /// Parses `text`; `key` names the option in messages. Names that are no parameter and nothing of the
   /// language of Expression are looked up when it is evaluated. Throws UserError(usage) for what is no
@@ -22,10 +27,8 @@ public:
   const std::string& text() const { return text_; }
   /// The names that are looked up, each once.
   const std::vector<std::string>& names() const { return names_; }
-  /// Texts of the arguments of peak(), in order; for each the largest value since it was first noted, not a
-  /// number before that.
-  const std::vector<std::string>& peak_texts() const { return peak_texts_; }
-  std::vector<double>& peaks() { return peaks_; }
+  /// What stands in peak(), in order, with its largest value since it was first noted, not a number before.
+  std::vector<Peak>& peaks() { return peaks_; }
 
   /// Raises the peaks with the present values; a value that is not a number leaves them as they are.
   void note(const Value& value);
@@ -33,17 +36,14 @@ public:
   bool holds(const Value& value) const;
 
 private:
-  using Function = std::function<double(const Value&)>;
-
   std::string take_peaks();
-  Function compile(const std::string& expression,
-                   const std::vector<std::pair<std::string, double>>& parameters);
+  std::function<double(const Value&)> compile(const std::string& expression,
+                                              const std::vector<std::pair<std::string, double>>& parameters);
 
   std::string key_, text_;
-  std::vector<std::string> names_, peak_texts_;
-  std::vector<double> peaks_;
-  std::vector<Function> peaked_; ///< the arguments of peak()
-  Function whole_;               ///< in which the peaks have names of their own
+  std::vector<std::string> names_;
+  std::vector<Peak> peaks_;
+  std::function<double(const Value&)> whole_; ///< in which the peaks have names of their own
 };
 
 } // namespace impact

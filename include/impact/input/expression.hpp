@@ -1,7 +1,6 @@
 #pragma once
 #include <functional>
-#include <impact/input/interval.hpp>
-#include <map>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -10,6 +9,20 @@
 /// A scalar expression of x, y, z (reference coordinates) and t, with the user's parameters and tables
 /// (muParser).
 namespace impact {
+
+/// Range of a number, in SI units; an open end excludes its bound.
+struct Interval {
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool open_low = false, open_high = false;
+  bool contains(double value) const {
+    return (open_low ? value > low : value >= low) && (open_high ? value < high : value <= high);
+  }
+};
+inline constexpr double unbounded = std::numeric_limits<double>::infinity();
+inline constexpr Interval any_number{};
+inline constexpr Interval positive{0, unbounded, true, false};
+inline constexpr Interval not_negative{0, unbounded, false, false};
+inline constexpr Interval fraction{0, 1, false, false};
 
 /// Piecewise linear function, constant beyond its ends.
 struct LinearTable {
@@ -42,11 +55,6 @@ public:
   /// Takes a function of a reference point, its dimension and time in place of a text; text() is then
   /// "function".
   Expression(std::string key, std::function<double(const double* x, int dim, double t)> function);
-  Expression(const Expression&);
-  Expression(Expression&&) noexcept;
-  Expression& operator=(const Expression&);
-  Expression& operator=(Expression&&) noexcept;
-  ~Expression();
 
   /// From here on values outside `range` are refused like those that are not finite, but for rounding, which
   /// is cut off; `allowed` is the range as text.
@@ -54,7 +62,7 @@ public:
 
   /// Value at a reference point (`dim` coordinates, the others are 0) and time. Throws UserError(data) naming
   /// option, point and time when it is not finite or out of its range; where ranks evaluate different points,
-  /// the caller makes them agree. Uses a scratch place of this object: one thread per object.
+  /// the caller makes them agree. Copies share one scratch place: one thread for all of them.
   double operator()(const double* x, int dim, double t) const;
   const std::string& key() const;
   const std::string& text() const;
@@ -62,7 +70,7 @@ public:
 
 private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 } // namespace impact

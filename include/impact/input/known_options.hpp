@@ -22,11 +22,11 @@ public:
   const Table& solver() const { return solver_; }
   /// Options without one, of matrices, vectors and partitioners, and those of integrators.
   const Table& global() const { return global_; }
-  /// True for an option of a solver or of one inside it (`mg_levels_2_ksp_type`): the prefixes in between are
-  /// not looked at, for only a solve can tell them.
-  bool of_solver(const std::string& name) const;
-  /// "none, jacobi, ..." for an option with or without prefixes; "" when PETSc does not list it.
-  std::string allowed(const std::string& name) const;
+  /// What `-help` says of an option of a solver or of one inside it (`mg_levels_2_ksp_type`); null: no such
+  /// option. The prefixes in between are not looked at, for only a solve can tell them.
+  const std::string* of_solver(const std::string& name) const;
+  /// none, jacobi, ... for an option with or without prefixes; empty when PETSc does not list it.
+  std::vector<std::string> allowed(const std::string& name) const;
 
 private:
   KnownOptions();

@@ -1,16 +1,10 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <impact/input/database.hpp>
 #include <impact/input/expression.hpp>
-#include <impact/input/interval.hpp>
 #include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
-#include <limits>
-#include <string>
-#include <utility>
-#include <vector>
 
 /// Text to value and back for one option, with checks and messages; what the rows of the option tables are
 /// made of.
@@ -82,7 +76,7 @@ OptionKind<Value> choice_kind(const std::vector<std::pair<std::string, Value>>& 
   std::vector<std::string> names;
   for (const auto& [word, value] : choices) names.push_back(word);
   const auto read = [=](const GivenOption& option, const OptionContext&) {
-    const auto chosen = std::find(names.begin(), names.end(), read_choice(option, names));
+    const auto chosen = std::ranges::find(names, read_choice(option, names));
     return choices[static_cast<std::size_t>(chosen - names.begin())].second;
   };
   const auto text = [=](const Value& value) {

@@ -20,6 +20,9 @@ std::string nearest_name(std::string_view name, const std::vector<std::string>& 
 /// Names with `between` between them.
 std::string join(const std::vector<std::string>& names, const std::string& between = ", ");
 
+/// `text` with all `from` replaced.
+std::string replaced(std::string text, const std::string& from, const std::string& to);
+
 /// Parts between commas without blanks around them; none for a blank text.
 std::vector<std::string> split_list(std::string_view text);
 

@@ -2,11 +2,7 @@
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/mesh/state_table.hpp>
-#include <impact/petsc/error.hpp>
-#include <map>
 #include <optional>
-#include <string>
-#include <vector>
 
 /// Checkpoints: the state of a run in numbered files <dir>/checkpoint_000007.h5, each beside a small manifest
 /// that is written last, holds size and checksum, and with them what the run wants to find again. A file

@@ -1,7 +1,6 @@
 #pragma once
-#include <cstdint>
 #include <impact/io/checksum.hpp>
-#include <string>
+#include <vector>
 
 /// Files that a kill, a full disk or a flipped bit cannot turn into wrong ones: replaced in one step, written
 /// through to the disk, recognised by a checksum. Every function works on the calling rank alone and throws
@@ -12,6 +11,8 @@ namespace impact {
 std::uint64_t file_checksum(const std::string& file, std::uint64_t& size);
 /// The bytes of a file.
 std::string read_file(const std::string& file);
+/// Names in a directory, sorted; none where it is missing.
+std::vector<std::string> names_in(const std::string& dir);
 /// Makes a directory with its parents; one that exists is fine.
 void make_directories(const std::string& dir);
 /// Writes `text` to `<file>.tmp`, through to the disk, and renames it to `file`: a reader sees the old or the

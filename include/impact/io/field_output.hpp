@@ -3,9 +3,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <span>
-#include <string>
-#include <vector>
 
 /// Fields over time as <path>.xdmf (which ParaView opens) and a folder <path>.fields: the mesh once, in
 /// reference coordinates, and a file for each written time. Every file is written under another name, through

@@ -38,9 +38,6 @@ private:
 class Reader {
 public:
   explicit Reader(std::string name);
-  ~Reader();
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
 
   bool has(const std::string& path) const;                      ///< whose group exists
   std::vector<std::string> list(const std::string& path) const; ///< names in a group, sorted; none if missing
@@ -52,11 +49,18 @@ public:
 
 private:
   template <class T> T checked(T code, const std::string& what) const;
-  void read(const std::string& path, hid_t type, void* to) const;
+
+  struct Quiet {
+    H5E_auto2_t printing = nullptr;
+    void* data = nullptr;
+    Quiet();
+    ~Quiet();
+    Quiet(const Quiet&) = delete;
+    Quiet& operator=(const Quiet&) = delete;
+  };
 
   std::string name_;
-  H5E_auto2_t printing_ = nullptr;
-  void* printing_data_ = nullptr;
+  Quiet quiet_; ///< before the file and after it
   Id id_;
 };
 
@@ -79,24 +83,42 @@ struct DataSet {
   std::function<std::span<const std::byte>()> mine = {};
 };
 
-/// Rows of `width` numbers each.
+/// Rows of `width` numbers each, made when their turn comes.
 DataSet rows(std::string path, Kind kind, const Slab& slab, std::uint64_t width,
              std::function<std::span<const std::byte>()> mine);
-/// Values that live long enough, of rank 0 alone.
-DataSet whole(MPI_Comm comm, std::string path, const std::string& text);
-DataSet whole(MPI_Comm comm, std::string path, const std::vector<double>& values);
 
 template <class Numbers> std::span<const std::byte> bytes_of(const Numbers& numbers) {
   return std::as_bytes(std::span(numbers));
 }
+
+template <class Values>
+inline constexpr Kind kind_of = std::is_same_v<typename Values::value_type, char>     ? Kind::character
+                                : std::is_same_v<typename Values::value_type, double> ? Kind::real
+                                                                                      : Kind::integer;
+
+/// Rows of `width` numbers each that live long enough.
+template <class Values>
+DataSet rows(std::string path, const Slab& slab, std::uint64_t width, const Values& values) {
+  return rows(std::move(path), kind_of<Values>, slab, width, [&values] { return bytes_of(values); });
+}
+
+/// Values that live long enough, of rank 0 alone.
+template <class Values> DataSet whole(MPI_Comm comm, std::string path, const Values& values) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  DataSet set{std::move(path), kind_of<Values>, {values.size()}};
+  if (rank == 0) set.mine = [&values] { return bytes_of(values); };
+  return set;
+}
+
 struct Written {
   std::uint64_t bytes = 0, checksum = 0; ///< size and sum of the file, as file_checksum finds them
 };
 
-/// Writes `<name>.tmp`, through to the disk; nothing of it stays after a failure. HDF5 lays the file out on
-/// rank 0 without touching the disk, where it would wait for other ranks or crash at the end of the program
-/// when one of them is refused; then each rank puts its numbers where they belong. Collective. Throws on all
-/// ranks.
+/// Writes `<name>.tmp`, through to the disk, and renames it to `name`; nothing of it stays after a failure.
+/// HDF5 lays the file out on rank 0 without touching the disk, where it would wait for other ranks or crash
+/// at the end of the program when one of them is refused; then each rank puts its numbers where they belong.
+/// Collective. Throws on all ranks.
 Written write_file(MPI_Comm comm, const std::string& name, const std::vector<DataSet>& sets);
 
 } // namespace impact::hdf5

@@ -3,9 +3,7 @@
 #include <impact/io/durable_file.hpp>
 #include <optional>
 #include <petscsys.h>
-#include <string>
 #include <utility>
-#include <vector>
 
 /// The history of a run as comma-separated text: one line of column names and units (`time [s]`), then one
 /// row per accepted step, the first column `step`. 17 significant digits (every double reads back exactly),

@@ -1,6 +1,5 @@
 #pragma once
 #include <impact/run/stage.hpp>
-#include <string>
 
 /// A run warns, cuts steps or ends when more energy comes from nowhere or is lost than -energy_tol allows,
 /// and ends beyond -energy_stop (theory.md, 11).

@@ -1,11 +1,7 @@
 #pragma once
 #include <impact/balance/ledger.hpp>
 #include <impact/io/field_output.hpp>
-#include <impact/io/history_file.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <impact/solve/step_record.hpp>
-#include <optional>
-#include <vector>
 
 /// Watchers of accepted steps: field files, the history file, probes and measures. Reads committed state
 /// only.
@@ -19,22 +15,24 @@ struct Snapshot {
   Vec u = nullptr;
 };
 
+/// A field over the mesh.
+struct FieldValues {
+  bool nodal;
+  int components;
+  std::vector<double> values; ///< [local node][component], or of cells [group][batch][component][lane]
+};
+
 /// Fields by name: nodal ones from the state table, cell ones from the law, contact ones from the interfaces.
 class FieldSource {
 public:
   FieldSource(MotionProblem& motion, const StateTable& state) : motion_(motion), state_(state) {}
-  /// Names that this run can give. A field is nodal when is_nodal(name).
-  std::vector<std::string> names() const;
-  static bool is_nodal(const std::string& name);
   /// Throws UserError(usage) for a field that an option asks for and the run cannot give.
   void require(const std::string& key, const std::string& name, bool nodal_only = false) const;
-  /// [local node][components] for nodal names. Collective.
-  std::vector<double> nodal(const std::string& name, const Snapshot& snapshot, int& components) const;
-  /// [group][batch][component][lane] for cell names. Collective.
-  std::vector<double> cellwise(const std::string& name, const Snapshot& snapshot, int& components) const;
+  /// At the solution u, which is committed. Collective.
+  FieldValues values(const std::string& name, Vec u) const;
 
 private:
-  std::vector<double> fatigue_means() const;
+  std::vector<double> cell_means(const std::string& name, int components) const;
 
   MotionProblem& motion_;
   const StateTable& state_;
@@ -64,8 +62,6 @@ bool marks_cycle(double time, double period, int every);
 
 /// Name of the history file below -output_dir: that of the first csv output, else history.csv.
 std::string history_file_name(const Scenario& scenario);
-/// Name of the .xdmf of an output below -output_dir.
-std::string field_file_name(const OutputScenario& output);
 
 class HistoryObserver {
 public:

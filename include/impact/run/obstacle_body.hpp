@@ -1,8 +1,6 @@
 #pragma once
-#include <array>
 #include <impact/mesh/mesh.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <vector>
 
 /// The body of a rigid obstacle with mass (`-contact_<id>_rigid_mass`): one cell that stands by itself in the
 /// mesh, of a rigid material, with the obstacle's mass, centre of mass and inertia. What moves it is what

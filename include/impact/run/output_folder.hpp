@@ -1,7 +1,5 @@
 #pragma once
 #include <impact/scenario/scenario.hpp>
-#include <optional>
-#include <string>
 
 /// The folder that a run writes to: one run at a time, and what an earlier one left there is kept.
 namespace impact {

@@ -2,8 +2,6 @@
 #include <impact/run/stage.hpp>
 #include <impact/run/stop_criteria.hpp>
 #include <impact/time/step_control.hpp>
-#include <optional>
-#include <string>
 
 /// The checkpoints of one run: where it resumes from, when it writes one, what goes in beside the table.
 namespace impact {

@@ -2,12 +2,8 @@
 #include <impact/contact/contact_set.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/problem/boundary_data.hpp>
-#include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <impact/run/obstacle_body.hpp>
-#include <impact/scenario/scenario.hpp>
-#include <memory>
-#include <vector>
 
 /// All that hangs on a mesh: laws, state, boundary data and contacts of a scenario, on the ranks at hand.
 namespace impact {
@@ -31,6 +27,13 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& scenario,
 /// no run can start from. `file`: the mesh that a checkpoint holds, on rank 0, in place of the one that the
 /// scenario names. Collective. Throws UserError.
 std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario, const GmshFile* file = nullptr);
+
+/// Moves the secondary nodes of contacts that overlap at the start out of their primaries, contact by
+/// contact, and builds everything on the mesh that this makes. What is moved may overlap something else, a
+/// little, or a curved surface by the square of the way: more than one round. Collective. Throws
+/// UserError(data) when that does not end, or when cells have no room for it.
+void adjust_initial_overlaps(const Scenario& scenario, const std::vector<ObstacleBody>& obstacles,
+                             std::unique_ptr<Setup>& setup);
 
 /// Whether neither side of a contact can deform. Collective.
 bool between_rigid_sides(const Setup& setup, const ContactSettings& contact);

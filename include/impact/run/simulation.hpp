@@ -1,5 +1,4 @@
 #pragma once
-#include <functional>
 #include <impact/mesh/state_table.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/scenario/scenario.hpp>

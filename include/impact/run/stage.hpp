@@ -1,5 +1,4 @@
 #pragma once
-#include <impact/balance/ledger.hpp>
 #include <impact/io/checkpoint.hpp>
 #include <impact/run/observers.hpp>
 #include <impact/run/setup.hpp>
@@ -27,8 +26,6 @@ struct RunStage {
   /// The state at t = 0, or that of a checkpoint, in the table and in the integrator; all rows are there.
   /// Collective.
   void set_state(const Checkpoint* resume);
-  /// Prints which solvers work and where contact begins. Collective.
-  void report_solvers();
   /// Forces, accelerations and energies at t = 0, or as a checkpoint has them. Collective.
   void start();
   void resume();

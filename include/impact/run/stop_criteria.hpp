@@ -3,8 +3,6 @@
 #include <impact/io/checkpoint.hpp>
 #include <impact/io/history_file.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <string>
-#include <vector>
 
 /// What ends a run from inside: conditions on the columns of its history (`-stop_<id>_when`), with the
 /// largest values that peak() asks for. Rank 0 decides, because its rows are those of the history. Peaks go

@@ -1,7 +1,6 @@
 #pragma once
 #include <impact/input/units.hpp>
 #include <span>
-#include <string>
 
 /// What every number that a run writes means: the columns of the history and of the terminal, and the fields.
 /// The writers take units from here and refuse a name that is not described; the reference page prints it.

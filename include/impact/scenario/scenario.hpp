@@ -2,16 +2,11 @@
 #include <algorithm>
 #include <impact/contact/settings.hpp>
 #include <impact/input/units.hpp>
-#include <impact/material/parameters.hpp>
 #include <impact/problem/boundary_conditions.hpp>
 #include <impact/problem/settings.hpp>
-#include <limits>
 #include <map>
 #include <memory>
-#include <optional>
 #include <petscsys.h>
-#include <string>
-#include <vector>
 
 /// Everything one run is told, read once from the options database, complete, validated and printable.
 /// Nobody reads our keys after it (PETSc's own objects read theirs under their prefixes).
@@ -193,6 +188,25 @@ std::pair<std::string, std::string> unsymmetric_force(const Scenario& scenario);
 /// wrong dimension, and for `-dim` and components that do not fit the mesh. No communication; alike on all
 /// ranks.
 void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int mesh_dim);
+
+/// What may become of an option on a restart.
+enum class RestartKey {
+  free,    ///< solvers, output, end time, time step: may change
+  guarded, ///< what is computed: changes only with -restart_allow
+  frozen   ///< mesh, dimension, units: cannot change
+};
+
+/// The kind of an option, by its name without dash, from its row. Names without a row are guarded.
+RestartKey restart_key(const std::string& name);
+
+/// Compares the options of the run that wrote a checkpoint with those of the run that goes on from it.
+/// Returns one line per guarded change that `allow` covers: an entry is the name of an option, or its
+/// beginning up to an underscore (bc_push for all of -bc_push_*). Throws UserError(usage) that names key, old
+/// and new value for a frozen change, for a guarded one that is not allowed, and for an entry of `allow` that
+/// fits no option. Values that are paths are compared by their file names.
+std::vector<std::string> check_restart_options(const std::string& stored, const std::string& now,
+                                               const std::vector<std::string>& allow,
+                                               const std::string& checkpoint);
 
 /// What `-help` prints of our options.
 std::string option_help();

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/input/database.hpp>
-#include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/petsc/shared_cores.hpp>
-#include <impact/run/setup_report.hpp>
-#include <vector>
+#include <impact/run/terminal.hpp>
+#include <impact/scenario/columns.hpp>
 
 namespace impact {
 
@@ -16,10 +16,8 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion() || s.plane == PlaneMode::stress) return;
   const std::size_t shapes = known_shapes().size();
   std::vector<int> found(d.materials.size() * shapes, 0);
-  for (const CellGroup& group : d.groups)
-    found[static_cast<std::size_t>(group.material) * shapes +
-          static_cast<std::size_t>(index_of(group.shape))] = 1;
-  MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, d.mesh.comm());
+  for (const CellGroup& group : d.groups) found[at(group.material) * shapes + at(index_of(group.shape))] = 1;
+  max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto& [law, regions, id, points] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
@@ -77,8 +75,8 @@ Extent extent_of(const Discretisation& d, const std::vector<PetscInt>& points, d
     }
     check(DMPlexVecRestoreClosure(dm, layout, coordinates, point, &n, &x));
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, most, 8, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  sum_over_ranks(d.mesh.comm(), sums);
+  max_over_ranks(d.mesh.comm(), most);
   return {sums[0], sums[1], -most[0], most[1],
           std::max({most[2] + most[5], most[3] + most[6], most[4] + most[7]})};
 }
@@ -178,7 +176,7 @@ void report_late(MPI_Comm comm, const Scenario& s) {
           option.c_str(), value, end, steps));
   };
   const auto latest = [](const std::vector<double>& times) {
-    return times.empty() ? 0 : *std::max_element(times.begin(), times.end());
+    return times.empty() ? 0 : *std::ranges::max_element(times);
   };
   for (const OutputScenario& output : s.outputs) {
     const std::string key = "output_" + output.id;
@@ -218,14 +216,39 @@ void report_setup(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion()) check(PetscPrintf(comm, "no motion: bodies stay where they are\n"));
 }
 
-void report_solvers(const Discretisation& d, const std::vector<std::string>& solvers, bool factors) {
+void report_solvers(RunStage& stage) {
+  const Discretisation& d = stage.d;
   const MPI_Comm comm = d.mesh.comm();
-  for (const std::string& solver : solvers) check(PetscPrintf(comm, "%s\n", solver.c_str()));
+  for (ContactInterface& contact : stage.setup->contacts) {
+    const ContactMeasures at_start = contact.measures(stage.u);
+    check(PetscPrintf(comm,
+                      std::isnan(at_start.gap_min)
+                          ? "contact %s: no point faces the other side at the start\n"
+                          : "contact %s: smallest gap at the start %.4g, %d points press\n",
+                      contact.id().c_str(), at_start.gap_min, at_start.active));
+  }
+  const bool motion = stage.scenario.has_motion();
+  const SolverDefaults& solver = stage.solver;
+  SNES snes = stage.coupling.motion_solver().snes();
+  if (motion)
+    check(PetscPrintf(comm, "motion solver: %s (%s); tangent %s%s\n", linear_solver_text(snes).c_str(),
+                      solver.reason.c_str(), solver.symmetric ? "symmetric" : "consistent",
+                      solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
+  if (stage.damage)
+    check(PetscPrintf(comm, "damage solver: %s\n", linear_solver_text(stage.damage->snes()).c_str()));
+  if (stage.heat)
+    check(PetscPrintf(comm, "heat solver: %s\n", linear_solver_text(stage.heat->snes()).c_str()));
+  PetscBool factors = PETSC_FALSE;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
   PetscLogDouble bytes = 0;
   check(PetscMemoryGetCurrentUsage(&bytes));
-  MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MAX, comm);
+  bytes = max_over_ranks(comm, bytes);
   char text[100] = "";
-  if (factors) {
+  if (motion && factors) {
     // MUMPS on quadrilaterals (5,200 and 46,000 dofs) and hexahedra (2,200 and 15,000): within a quarter.
     const double n = static_cast<double>(d.mesh.global_node_count()) * d.dim();
     const double entries = d.dim() == 2 ? 10 * n * std::log2(n) : 38 * std::pow(n, 4.0 / 3);
@@ -234,6 +257,30 @@ void report_solvers(const Discretisation& d, const std::vector<std::string>& sol
   }
   check(
       PetscPrintf(comm, "memory: %.3g MB on the fullest rank before the first step%s\n", 1e-6 * bytes, text));
+}
+
+void Progress::header() const { check(PetscPrintf(comm_, "%s\n", terminal_heads().c_str())); }
+
+void Progress::line(const Snapshot& at, const StepCounts& c, const Ledger& ledger, int active) {
+  const double wall = this->wall();
+  if (first_time_ < 0) first_time_ = at.time - at.dt;
+  const double done = at.time - first_time_;
+  const double left = done > 0 ? wall * (t_end_ - at.time) / done : 0;
+  check(PetscPrintf(comm_, "%8ld %12.6g %10.3g %3d %4d %6d %4d %3d %4d %8.5f %9.3g %10.2e %8s %8s\n", at.step,
+                    at.time, at.dt, at.tries, static_cast<int>(c.newton), static_cast<int>(c.linear),
+                    static_cast<int>(c.damage), static_cast<int>(c.uzawa), active, ledger.energies().phi_max,
+                    ledger.energies().alpha_max, ledger.balance_first_law(), clock(wall).c_str(),
+                    clock(left).c_str()));
+}
+
+std::string Progress::clock(double seconds) {
+  char text[32];
+  const long s = std::lround(seconds);
+  if (s < 3600)
+    std::snprintf(text, sizeof(text), "%ld:%02ld", s / 60, s % 60);
+  else
+    std::snprintf(text, sizeof(text), "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
+  return text;
 }
 
 } // namespace impact
