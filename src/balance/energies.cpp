@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <impact/balance/energies.hpp>
 #include <impact/kernel/measure.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <optional>
 
@@ -8,9 +9,7 @@ namespace impact {
 
 namespace {
 
-std::vector<double> reference_places(const Discretisation& d) {
-  return {d.mesh.coordinates().begin(), d.mesh.coordinates().end()};
-}
+constexpr auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
 
 // The order of the sums is part of their values: cell by cell, then over ranks.
 void add(const EnergySums& sums, int used, MaterialEnergies& to) {
@@ -32,11 +31,10 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   largest(rows.theta, most[2]);
   largest(rows.fatigue, most[3]);
   const std::vector<double>& history = trial ? rows.history.trial : rows.history.committed;
-  const auto components = static_cast<std::size_t>(history_size(d.frame));
-  const auto of_alpha = static_cast<std::size_t>(history_alpha(d.frame));
-  for (std::size_t i = of_alpha * lanes; i < history.size(); i += components * lanes)
+  const std::size_t step = at(history_size(d.frame)) * lanes;
+  for (std::size_t i = at(history_alpha(d.frame)) * lanes; i < history.size(); i += step)
     for (std::size_t l = 0; l < lanes; ++l) most[1] = std::max(most[1], history[i + l]);
-  MPI_Allreduce(MPI_IN_PLACE, most, 4, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  max_over_ranks(d.mesh.comm(), most);
   energies.phi_max = most[0];
   energies.alpha_max = most[1];
   energies.theta_max = most[2];
@@ -56,149 +54,101 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   const auto half = [trial](const StateRow& row) -> const std::vector<double>& {
     return trial ? row.trial : row.committed;
   };
-  const std::vector<double>& history = half(rows.history);
-  const std::vector<double>& drive = half(rows.drive);
-  const auto offset = point_offsets(d.groups, history_size(d.frame)), one = point_offsets(d.groups, 1),
-             drive_offset = point_offsets(d.groups, drive_size);
-  const std::vector<double> places = reference_places(d);
   Energies energies;
   energies.of.resize(d.materials.size());
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    MaterialEnergies& mine = energies.of[static_cast<std::size_t>(group.material)];
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> X(group, b, places), at(group, b, u_local), speed(group, b, v_local);
-        std::optional<Gathered<Cell, 1>> phi, theta;
-        if (rows.phi) phi.emplace(group, b, half(*rows.phi));
-        if (rows.theta) theta.emplace(group, b, half(*rows.theta));
-        PointValues<Cell, history_size(frame)> points;
-        points.load(history, offset[g], b);
-        EnergyInput in;
-        in.X = X.data();
-        in.u = at.data();
-        in.v = v ? speed.data() : nullptr;
-        in.phi = rows.phi ? phi->data() : nullptr;
-        in.theta = rows.theta ? theta->data() : nullptr;
-        in.history = points.data();
-        PointValues<Cell, 1> fatigue;
-        if (rows.fatigue) {
-          fatigue.load(half(*rows.fatigue), one[g], b);
-          in.fatigue = fatigue.data();
-        }
-        PointValues<Cell, drive_size> driven;
-        if (law.softens()) {
-          driven.load(drive, drive_offset[g], b);
-          in.drive = driven.data();
-        }
-        EnergySums sums;
-        stored_energy<Cell, frame>(law, in, sums);
-        const int used = group.lanes_in_use(b);
-        add(sums, used, mine);
-        if (!rows.theta) continue;
-        HeatSums heat;
-        stored_heat<Cell, frame>(law, in, heat);
-        mine.thermal += lane_sum(heat.energy, used);
-        mine.entropy += lane_sum(heat.entropy, used);
-      }
-    });
-  }
-  static_assert(sizeof(MaterialEnergies) == 10 * sizeof(double));
-  MPI_Allreduce(MPI_IN_PLACE, energies.of.data(), static_cast<int>(10 * energies.of.size()), MPI_DOUBLE,
-                MPI_SUM, d.mesh.comm());
-  MaterialEnergies& total = energies.total;
-  for (MaterialEnergies& part : energies.of) {
-    for (double* number = &part.kinetic; number != &part.kinetic + 10; ++number) *number *= d.thickness;
-    total.kinetic += part.kinetic;
-    total.elastic += part.elastic;
-    total.plastic += part.plastic;
-    total.fracture += part.fracture;
-    total.fatigue += part.fatigue;
-    total.thermal += part.thermal;
-    total.entropy += part.entropy;
+  for_each_batch(d, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    MaterialEnergies& mine = energies.of[batch.material()];
+    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates()),
+               moved = batch.template gather<Cell::dim>(u_local),
+               speed = batch.template gather<Cell::dim>(v_local);
+    auto points = batch.template load<history_size(frame)>(half(rows.history));
+    std::optional<Gathered<Cell, 1>> phi, theta;
+    PointValues<Cell, 1> fatigue;
+    PointValues<Cell, drive_size> driven;
+    EnergyInput in;
+    in.X = X.data();
+    in.u = moved.data();
+    in.v = v ? speed.data() : nullptr;
+    in.history = points.data();
+    if (rows.phi) in.phi = phi.emplace(batch.template gather<1>(half(*rows.phi))).data();
+    if (rows.theta) in.theta = theta.emplace(batch.template gather<1>(half(*rows.theta))).data();
+    if (rows.fatigue) {
+      batch.load(half(*rows.fatigue), fatigue);
+      in.fatigue = fatigue.data();
+    }
+    if (batch.law.softens()) {
+      batch.load(half(rows.drive), driven);
+      in.drive = driven.data();
+    }
+    EnergySums sums;
+    stored_energy<Cell, frame>(batch.law, in, sums);
+    add(sums, batch.used(), mine);
+    if (!rows.theta) return;
+    HeatSums heat;
+    stored_heat<Cell, frame>(batch.law, in, heat);
+    mine.thermal += batch.sum(heat.energy);
+    mine.entropy += batch.sum(heat.entropy);
+  });
+  constexpr std::size_t numbers = sizeof(MaterialEnergies) / sizeof(double), without_momentum = numbers - 3;
+  const std::span<double> all(&energies.of.data()->kinetic, numbers * energies.of.size());
+  sum_over_ranks(d.mesh.comm(), all);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] *= d.thickness;
+    if (i % numbers < without_momentum) (&energies.total.kinetic)[i % numbers] += all[i];
   }
   find_peaks(d, rows, trial, energies);
   return energies;
 }
 
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {
-  const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
-             drive_at = point_offsets(d.groups, drive_size), at = point_offsets(d.groups, 1);
-  const std::vector<double> places = reference_places(d);
-  const std::size_t materials = d.materials.size();
   DamageLosses losses;
-  losses.by_damage.resize(materials);
-  losses.by_exchange.resize(materials);
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    if (law.parameters.damage == Damage::none) continue;
-    const auto material = static_cast<std::size_t>(group.material);
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, places);
-        PointValues<Cell, 1> by_damage, all, exchanged;
-        by_damage.load(step.damage_dissipation, at[g], b);
-        all = by_damage;
-        const int used = group.lanes_in_use(b);
-        losses.by_damage[material] += lane_sum(cell_integral<Cell, frame>(X.data(), by_damage.data()), used);
-        if (law.exchanges()) {
-          all.load(step.dissipation, at[g], b);
-          const Gathered<Cell, 1> now(group, b, rows.phi->trial), before(group, b, rows.phi->committed);
-          PointValues<Cell, history_size(frame)> flowed, flowed_n;
-          PointValues<Cell, drive_size> driving;
-          flowed.load(rows.history.trial, flow_at[g], b);
-          flowed_n.load(rows.history.committed, flow_at[g], b);
-          driving.load(rows.drive.trial, drive_at[g], b);
-          plastic_exchange<Cell, frame>(
-              law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
-              exchanged.data());
-          losses.by_exchange[material] +=
-              lane_sum(cell_integral<Cell, frame>(X.data(), exchanged.data()), used);
-          for (std::size_t q = 0; q < all.value.size(); ++q) all.value[q] += exchanged.value[q];
-        }
-        for (const Batch& at_point : all.value)
-          for (int l = 0; l < used; ++l) losses.least = std::min(losses.least, at_point[l]);
-      }
-    });
-  }
-  for (std::vector<double>* sums : {&losses.by_damage, &losses.by_exchange})
-    MPI_Allreduce(MPI_IN_PLACE, sums->data(), static_cast<int>(materials), MPI_DOUBLE, MPI_SUM,
-                  d.mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &losses.least, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
+  losses.by_damage.resize(d.materials.size());
+  losses.by_exchange.resize(d.materials.size());
+  for_each_batch(d, damages, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates());
+    const auto integral = [&](auto& points) {
+      return batch.sum(cell_integral<Cell, frame>(X.data(), points.data()));
+    };
+    auto all = batch.template load<1>(step.damage_dissipation);
+    losses.by_damage[batch.material()] += integral(all);
+    if (batch.law.exchanges()) {
+      const auto now = batch.template gather<1>(rows.phi->trial),
+                 before = batch.template gather<1>(rows.phi->committed);
+      auto flowed = batch.template load<history_size(frame)>(rows.history.trial),
+           flowed_n = batch.template load<history_size(frame)>(rows.history.committed);
+      auto driving = batch.template load<drive_size>(rows.drive.trial);
+      PointValues<Cell, 1> exchanged;
+      plastic_exchange<Cell, frame>(
+          batch.law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
+          exchanged.data());
+      losses.by_exchange[batch.material()] += integral(exchanged);
+      batch.load(step.dissipation, all);
+      for (std::size_t q = 0; q < all.value.size(); ++q) all.value[q] += exchanged.value[q];
+    }
+    for (const Batch& at_point : all.value)
+      for (int l = 0; l < batch.used(); ++l) losses.least = std::min(losses.least, at_point[l]);
+  });
+  sum_over_ranks(d.mesh.comm(), losses.by_damage);
+  sum_over_ranks(d.mesh.comm(), losses.by_exchange);
+  losses.least = min_over_ranks(d.mesh.comm(), losses.least);
   return losses;
 }
 
 double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std::span<const double> phi,
                               const std::vector<double>& drive_n) {
-  const auto flow_at = point_offsets(d.groups, history_size(d.frame)),
-             drive_at = point_offsets(d.groups, drive_size);
-  const std::vector<double> places = reference_places(d), damage(phi.begin(), phi.end());
   double sum = 0;
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    if (law.parameters.damage == Damage::none) continue;
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> X(group, b, places);
-        const Gathered<Cell, 1> seen(group, b, damage);
-        PointValues<Cell, history_size(frame)> flowed;
-        PointValues<Cell, drive_size> after, before;
-        flowed.load(rows.history.committed, flow_at[g], b);
-        after.load(rows.drive.trial, drive_at[g], b);
-        before.load(drive_n, drive_at[g], b);
-        Batch part = 0;
-        impact::unilateral_energy<Cell, frame>(law, X.data(), seen.data(), flowed.data(), after.data(),
-                                               before.data(), part);
-        sum += lane_sum(part, group.lanes_in_use(b));
-      }
-    });
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-  return sum;
+  for_each_batch(d, damages, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates());
+    const auto seen = batch.template gather<1>(phi);
+    auto flowed = batch.template load<history_size(frame)>(rows.history.committed);
+    auto after = batch.template load<drive_size>(rows.drive.trial),
+         before = batch.template load<drive_size>(drive_n);
+    Batch part = 0;
+    unilateral_energy<Cell, frame>(batch.law, X.data(), seen.data(), flowed.data(), after.data(),
+                                   before.data(), part);
+    sum += batch.sum(part);
+  });
+  return sum_over_ranks(d.mesh.comm(), sum);
 }
 
 } // namespace impact

@@ -37,18 +37,15 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 }
 
 void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
-  const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
   sum(contact_store) = motion_.contacts().energy(u);
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));
-  sum(kept) = d.thickness * forces_.start(integrator, dt, u, a);
+  sum(kept) = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a);
   sum(kept_at_start) = sum(kept);
   sum(start_energy) = stored();
-  std::vector<double> local = d.displacement.make_local();
-  d.displacement.to_local(u, local);
-  reactions_.find(forces_.reactions(), local);
+  reactions_.find(forces_.reactions(), u);
 }
 
 void Ledger::resume(Vec u, Vec v) {
@@ -58,8 +55,7 @@ void Ledger::resume(Vec u, Vec v) {
 
 void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   const Timed timed(Event::balances);
-  const Discretisation& d = motion_.discretisation();
-  const double w = d.thickness;
+  const double w = motion_.discretisation().thickness;
   energies_before_ = energies_;
   const StepWork work = forces_.book(step, u, v, a, sum(grown) / w);
   const double work_internal = w * work.internal;
@@ -86,9 +82,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   if (choice_.coupling_error) find_coupling_error(step);
   if (heat_) heat_->book(step, w);
   book_scale();
-  std::vector<double> u_local = d.displacement.make_local();
-  d.displacement.to_local(u, u_local);
-  reactions_.find(forces_.reactions(), u_local);
+  reactions_.find(forces_.reactions(), u);
 }
 
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised

@@ -1,25 +1,18 @@
-#include <algorithm>
 #include <impact/balance/work.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
 namespace {
 
-// Sum over the owned dofs of a . b; both local arrays.
+// Sum over the owned dofs of a . b; both local arrays [node][dim].
 double dot(const Mesh& mesh, const std::vector<double>& a, const std::vector<double>& b) {
-  // A rank may have no nodes at all.
-  const auto components = a.size() / static_cast<std::size_t>(std::max(mesh.node_count(), 1));
+  const auto components = at(mesh.dim());
   double sum = 0;
-  for (int node = 0; node < mesh.node_count(); ++node) {
-    if (!mesh.owned(node)) continue;
-    for (std::size_t k = 0; k < components; ++k) {
-      const std::size_t i = static_cast<std::size_t>(node) * components + k;
-      sum += a[i] * b[i];
-    }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, mesh.comm());
-  return sum;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (mesh.owned(static_cast<int>(i / components))) sum += a[i] * b[i];
+  return sum_over_ranks(mesh.comm(), sum);
 }
 
 StateRow& add_force(StateTable& state, const Discretisation& d, const char* name) {
@@ -58,7 +51,7 @@ double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) 
 
 bool ForceBook::in_rigid_body(std::size_t dof) const {
   const std::vector<int>& body = motion_.rigid().body_of_node();
-  return !body.empty() && body[dof / static_cast<std::size_t>(motion_.discretisation().dim())] >= 0;
+  return !body.empty() && body[dof / at(motion_.discretisation().dim())] >= 0;
 }
 
 double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {

@@ -65,4 +65,20 @@ std::string linear_solver_text(SNES snes) {
          (package ? std::string(" by ") + package : "");
 }
 
+void forget_factors(SNES snes) {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPReset(ksp));
+  PC pc = nullptr;
+  PetscBool gamg = PETSC_FALSE;
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &gamg));
+  if (!gamg) return;
+  // The solvers of its levels outlive a reset with what they had set up: the next hierarchy is another one
+  // by 1e-4 than that of a new object.
+  check(PCSetType(pc, PCNONE));
+  check(PCSetType(pc, PCGAMG));
+  check(PCSetFromOptions(pc));
+}
+
 } // namespace impact

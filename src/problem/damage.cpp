@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/callback.hpp>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/damage.hpp>
 

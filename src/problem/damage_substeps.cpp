@@ -1,4 +1,5 @@
-#include <impact/petsc/callback.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/problem/damage.hpp>
 #include <petscts.h>
 

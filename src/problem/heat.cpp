@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/callback.hpp>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/heat.hpp>

@@ -59,18 +59,15 @@ RigidBodies::RigidBodies(const Discretisation& d, const std::vector<BoundaryCond
   resolve(d, t_end);
   if (empty()) return;
   // Rows that no unknown uses.
-  for (std::size_t i = 0; i < owned_; ++i) idle_.push_back(static_cast<int>(i));
-  std::vector<int> dofs;
-  for (int place : idle_)
-    for (int k = 0; k < dim_; ++k) {
-      const auto b = at(body_[at(place)]);
-      const int row = row_[at(place)];
-      bool used = row == slot_row_[b][0] && !reduction_.bodies()[b].held[at(k)];
-      if (row == slot_row_[b][1] && k < reduction_.rotations())
-        used = used || !reduction_.bodies()[b].held[3 + (dim_ == 3 ? at(k) : 2)];
-      if (!used) dofs.push_back(dim_ * node_[at(place)] + k);
-    }
-  idle_ = std::move(dofs);
+  std::vector<int> used;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    visit_unknowns(b, [&](int row, int, std::size_t component) {
+      if (!reduction_.bodies()[b].held[component]) used.push_back(row);
+    });
+  std::sort(used.begin(), used.end());
+  for (std::size_t i = 0; i < owned_; ++i)
+    for (int k = 0; k < dim_; ++k)
+      if (!std::binary_search(used.begin(), used.end(), row_[i] + k)) idle_.push_back(dim_ * node_[i] + k);
 }
 
 void RigidBodies::find_nodes(const Discretisation& d) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/petsc/callback.hpp>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/solve/motion_solver.hpp>
 #include <impact/time/types.hpp>
 

@@ -1,4 +1,5 @@
-#include <impact/petsc/callback.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/solve/stabilised_update.hpp>
 #include <impact/time/types.hpp>

@@ -1,6 +1,5 @@
 #pragma once
 #include <impact/balance/energies.hpp>
-#include <impact/balance/heat_book.hpp>
 #include <impact/balance/reactions.hpp>
 #include <impact/balance/work.hpp>
 #include <optional>

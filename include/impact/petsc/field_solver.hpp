@@ -7,6 +7,18 @@
 /// solution.
 namespace impact {
 
+/// A member function as PETSc calls it back: Callback<&Class::method>::call takes the method's arguments and
+/// then the object as its context. The class offers `Mailbox& mailbox()`, where exceptions wait until the
+/// solve has returned.
+template <auto method> struct Callback;
+
+template <class Object, class... Arguments, void (Object::*method)(Arguments...)> struct Callback<method> {
+  static PetscErrorCode call(Arguments... arguments, void* context) {
+    auto& self = *static_cast<Object*>(context);
+    return self.mailbox().guarded([&] { (self.*method)(arguments...); });
+  }
+};
+
 /// How the solve for a scalar field ended.
 struct ScalarOutcome {
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
@@ -27,6 +39,10 @@ SNESConvergedReason reason_by_residual(SNES snes);
 /// cg + icc, in blocks of the ranks, for the linear solver of a scalar field whose options bear `prefix`:
 /// before they are read.
 void set_scalar_solver_defaults(KSP ksp, const char* prefix);
+
+/// Leaves the linear solver of `snes` as if it had never solved: factors, hierarchies, and what a
+/// preconditioner keeps beside them. Collective.
+void forget_factors(SNES snes);
 
 /// The linear solver that `snes` has: "preonly + lu by mumps".
 std::string linear_solver_text(SNES snes);

@@ -4,7 +4,6 @@
 #include <impact/solve/loose_bodies.hpp>
 #include <impact/solve/newton_hooks.hpp>
 #include <impact/solve/solver_defaults.hpp>
-#include <impact/solve/tangent_reuse.hpp>
 #include <petscts.h>
 
 /// Newton's method for the motion at a given phi and theta: SNES `motion_` on
