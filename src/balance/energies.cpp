@@ -3,13 +3,10 @@
 #include <impact/kernel/measure.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <optional>
 
 namespace impact {
 
 namespace {
-
-constexpr auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
 
 // The order of the sums is part of their values: cell by cell, then over ranks.
 void add(const EnergySums& sums, int used, MaterialEnergies& to) {
@@ -51,8 +48,8 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;
   d.displacement.to_local(u, u_local);
   if (v) d.displacement.to_local(v, v_local);
-  const auto half = [trial](const StateRow& row) -> const std::vector<double>& {
-    return trial ? row.trial : row.committed;
+  const auto half = [trial](const StateRow* row) {
+    return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
   };
   Energies energies;
   energies.of.resize(d.materials.size());
@@ -61,25 +58,19 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates()),
                moved = batch.template gather<Cell::dim>(u_local),
                speed = batch.template gather<Cell::dim>(v_local);
-    auto points = batch.template load<history_size(frame)>(half(rows.history));
-    std::optional<Gathered<Cell, 1>> phi, theta;
+    Gathered<Cell, 1> phi, theta;
+    PointValues<Cell, history_size(frame)> points;
     PointValues<Cell, 1> fatigue;
     PointValues<Cell, drive_size> driven;
     EnergyInput in;
     in.X = X.data();
     in.u = moved.data();
     in.v = v ? speed.data() : nullptr;
-    in.history = points.data();
-    if (rows.phi) in.phi = phi.emplace(batch.template gather<1>(half(*rows.phi))).data();
-    if (rows.theta) in.theta = theta.emplace(batch.template gather<1>(half(*rows.theta))).data();
-    if (rows.fatigue) {
-      batch.load(half(*rows.fatigue), fatigue);
-      in.fatigue = fatigue.data();
-    }
-    if (batch.law.softens()) {
-      batch.load(half(rows.drive), driven);
-      in.drive = driven.data();
-    }
+    in.phi = batch.read(half(rows.phi), phi);
+    in.theta = batch.read(half(rows.theta), theta);
+    in.history = batch.read(half(&rows.history), points);
+    in.fatigue = batch.read(half(rows.fatigue), fatigue);
+    in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, driven);
     EnergySums sums;
     stored_energy<Cell, frame>(batch.law, in, sums);
     add(sums, batch.used(), mine);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/balance/ledger.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 
 namespace impact {
@@ -142,9 +143,7 @@ double Ledger::unilateral_energy(std::span<const double> phi) const {
   if (!heat_) return find_unilateral_energy(motion_.discretisation(), rows_, phi, rows_.drive.committed);
   // At the temperature that the force saw, too.
   const std::vector<double> flow = rows_.history.trial, driving = rows_.drive.trial;
-  const FieldLayout& layout = motion_.discretisation().displacement;
-  const Handle<Vec> u_n = layout.make_global();
-  layout.to_global(state_.row("u").committed, u_n);
+  const Handle<Vec> u_n = motion_.discretisation().global_of(state_.row("u").committed);
   MotionProblem::Increments unused;
   motion_.advance(u_n, unused);
   const std::vector<double> before = rows_.drive.trial;
@@ -156,11 +155,10 @@ double Ledger::unilateral_energy(std::span<const double> phi) const {
 // On free dofs the change of the internal forces is the residual of a next pass, elsewhere that of the
 // reactions.
 void Ledger::find_coupling_error(const StepRecord& step) {
-  PetscReal change = 0, size = 0;
   const Handle<Vec> difference = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(difference, -1, step.forces->internal, step.internal_of_next_pass));
-  check(VecNorm(difference, NORM_2, &change));
-  check(VecNorm(step.forces->internal, NORM_2, &size));
+  const PetscReal change = Get(VecNorm)(difference, NORM_2);
+  const PetscReal size = Get(VecNorm)(step.forces->internal, NORM_2);
   coupling_error_ = size > 0 ? change / size : 0;
 }
 

@@ -31,8 +31,7 @@ Reactions::Reactions(MotionProblem& motion, const StateTable& state)
 void Reactions::find(const std::vector<double>& force, Vec u) {
   const Discretisation& d = motion_.discretisation();
   const auto dim = at(d.dim());
-  std::vector<double> moved = d.displacement.make_local();
-  d.displacement.to_local(u, moved);
+  const std::vector<double> moved = d.local_of(u);
   constexpr std::size_t numbers = 8; // of a condition: force, sum of u, nodes, sum of theta
   std::vector<double> sums(numbers * of_.size(), 0.0);
   for (std::size_t c = 0; c < of_.size(); ++c) {
@@ -83,10 +82,8 @@ void Reactions::append(HistoryFile::Row& row, const std::function<double(std::si
       row.emplace_back("mean_" + id + "_theta", of_[c].mean_theta);
       continue;
     }
-    const bool holds = type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
-                       type == BcType::velocity || type == BcType::acceleration;
     for (std::size_t k = 0; k < dim; ++k)
-      if (holds) row.emplace_back("reaction_" + id + "_" + axis[k], of_[c].force[k]);
+      if (prescribes_motion(type)) row.emplace_back("reaction_" + id + "_" + axis[k], of_[c].force[k]);
     for (std::size_t k = 0; k < 3; ++k)
       if (turns(static_cast<int>(c), k)) row.emplace_back("moment_" + id + "_" + axis[k], of_[c].moment[k]);
     for (std::size_t k = 0; k < dim; ++k) row.emplace_back("mean_" + id + "_u" + axis[k], of_[c].mean[k]);
@@ -107,13 +104,13 @@ HeatBook::HeatBook(MotionProblem& motion, StateTable& state, bool moves)
       }()) {}
 
 void HeatBook::book(const StepRecord& step, double thickness) {
-  for (std::size_t c = 0; c < step.heat_supplied.size(); ++c)
-    row_.trial[c] += thickness * step.heat_supplied[c];
-  for (std::size_t c = 0; c < step.contact_heat.size(); ++c) {
-    row_.trial[conditions_ + 2 * c] += thickness * step.contact_heat[c].conducted;
-    row_.trial[conditions_ + 2 * c + 1] += thickness * step.contact_heat[c].outside;
+  const auto& [by_condition, by_contact, entropy] = *step.heat;
+  for (std::size_t c = 0; c < by_condition.size(); ++c) row_.trial[c] += thickness * by_condition[c];
+  for (std::size_t c = 0; c < by_contact.size(); ++c) {
+    row_.trial[conditions_ + 2 * c] += thickness * by_contact[c].conducted;
+    row_.trial[conditions_ + 2 * c + 1] += thickness * by_contact[c].outside;
   }
-  row_.trial[row_.trial.size() - 2] += thickness * step.entropy_supplied;
+  row_.trial[row_.trial.size() - 2] += thickness * entropy;
 }
 
 double HeatBook::supplied() const {

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
@@ -14,11 +13,10 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
                          const BoundaryData& boundary, const HeatScenario& settings, bool moves,
                          const ContactSet* contacts)
     : d_(discretisation), boundary_(boundary), settings_(settings), loads_(d_, boundary_),
-      field_(d_, "heat_", held_nodes(boundary_)), theta_(state.row("theta")), history_(state.row("history")),
+      field_(d_, held_nodes(boundary_)), theta_(state.row("theta")), history_(state.row("history")),
       drive_(state.row("drive")), x_(d_.node_values(1)), r_(d_.node_values(1)), constant_(d_.node_values(1)),
-      supplied_(boundary_.conditions().size(), 0.0), flows_(moves && d_.has_plasticity()) {
-  std::size_t points = 0;
-  for (const CellGroup& group : d_.groups) points += point_values(group, 1);
+      flows_(moves && d_.has_plasticity()) {
+  const std::size_t points = point_offsets(d_.groups, 1).back();
   points_.resize(points * heat_point_size);
   const int stresses = gradient_size(d_.frame);
   if (moves && settings_.form == HeatForm::energy)
@@ -32,7 +30,8 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   if (contacts && moves)
     for (const ContactInterface& contact : *contacts)
       if (contact.passes_heat()) contacts_.emplace_back(d_.mesh, contact);
-  contact_heat_.resize(contacts_.size());
+  supplied_ = {std::vector<double>(boundary_.conditions().size(), 0.0),
+               std::vector<ContactHeat::Heat>(contacts_.size())};
   if (settings_.substep > 0 && !contacts_.empty())
     throw UserError(ExitCode::usage, "-heat_ts_dt: no sub-steps where heat passes a contact; remove it, or "
                                      "choose a smaller -ts_dt");
@@ -102,12 +101,12 @@ void HeatProblem::begin(double t_n, double t) {
 
 namespace {
 
-// What a row is at both ends of a part of the step.
-template <class Values> void cut_to(double begin, double end, Values& now, Values& before) {
-  for (std::size_t i = 0; i < now.value.size(); ++i) {
-    const Batch change = now.value[i] - before.value[i], start = before.value[i];
-    now.value[i] = start + end * change;
-    before.value[i] = start + begin * change;
+// The values at both ends of a step become those at both ends of a part of it.
+template <class Values> void cut_to(double begin, double end, Values (&ends)[2]) {
+  for (std::size_t i = 0; i < ends[0].value.size(); ++i) {
+    const Batch change = ends[1].value[i] - ends[0].value[i], start = ends[0].value[i];
+    ends[1].value[i] = start + end * change;
+    ends[0].value[i] = start + begin * change;
   }
 }
 
@@ -116,75 +115,45 @@ template <class Values> void cut_to(double begin, double end, Values& now, Value
 // body(batch, input of the kernels at theta) answers with the lanes that lost their meaning; false where any
 // did.
 template <class Body> bool HeatProblem::visit_batches(const std::vector<double>& theta, Body&& body) {
-  const std::vector<double>& theta_n = theta_at_start();
-  const auto cut = [this](auto& now, auto& before) {
-    if (!window_.whole()) cut_to(window_.begin, window_.end, now, before);
-  };
   const bool energy = settings_.form == HeatForm::energy;
   bool sound = true;
   for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
     const PointLaw& law = batch.law;
     const auto X = batch.template gather<Cell::dim>(d_.mesh.coordinates());
-    const auto now = batch.template gather<1>(theta), before = batch.template gather<1>(theta_n);
-    PointValues<Cell, history_size(frame)> A, A_n;
-    PointValues<Cell, drive_size> E, E_n;
-    PointValues<Cell, gradient_size(frame)> P, P_n;
-    PointValues<Cell, 1> dissipation, worn, worn_n;
-    std::optional<Gathered<Cell, Cell::dim>> u, u_n;
-    std::optional<Gathered<Cell, 1>> phi, phi_n;
+    const auto now = batch.template gather<1>(theta), before = batch.template gather<1>(theta_at_start());
+    // Of each [start, end].
+    Gathered<Cell, Cell::dim> u[2];
+    Gathered<Cell, 1> phi[2];
+    PointValues<Cell, 1> worn[2], dissipation;
+    PointValues<Cell, history_size(frame)> A[2];
+    PointValues<Cell, drive_size> E[2];
+    PointValues<Cell, gradient_size(frame)> P[2];
     HeatInput in;
-    // The committed and the trial half of a row at both ends of the window.
-    const auto load = [&](const StateRow& row, auto& end, auto& start, bool cuts = true) {
-      batch.load(row.trial, end);
-      batch.load(row.committed, start);
-      if (cuts) cut(end, start);
+    const auto put = [&](auto& ends, const std::vector<double>* end, const std::vector<double>* start,
+                         const Batch*& in_end, const Batch*& in_start, bool cuts = true) {
+      in_end = batch.read(end, ends[1]);
+      in_start = batch.read(start, ends[0]);
+      if (cuts && end && !window_.whole()) cut_to(window_.begin, window_.end, ends);
     };
     in.X = X.data();
     in.theta = now.data();
     in.theta_n = before.data();
-    if (step_.u) {
-      u = batch.template gather<Cell::dim>(*step_.u);
-      u_n = batch.template gather<Cell::dim>(*step_.u_n);
-      cut(*u, *u_n);
-      in.u = u->data();
-      in.u_n = u_n->data();
-    }
-    if (step_.phi) {
-      phi = batch.template gather<1>(*step_.phi);
-      phi_n = batch.template gather<1>(*step_.phi_n);
-      cut(*phi, *phi_n);
-      in.phi = phi->data();
-      in.phi_n = phi_n->data();
-    }
-    if (worn_ && law.fatigues()) {
-      load(*worn_, worn, worn_n);
-      in.fatigue = worn.data();
-      in.fatigue_n = worn_n.data();
-    }
+    put(u, step_.u, step_.u_n, in.u, in.u_n);
+    put(phi, step_.phi, step_.phi_n, in.phi, in.phi_n);
+    if (worn_ && law.fatigues()) put(worn, &worn_->trial, &worn_->committed, in.fatigue, in.fatigue_n);
     const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
     if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
-        (step_.u && d_.frame == Frame::plane_stress)) {
-      load(history_, A, A_n);
-      in.history = A.data();
-      in.history_n = A_n.data();
-    }
-    if ((energy && law.softens()) || exchanges) {
-      load(drive_, E, E_n, energy); // the exchange of the entropy form takes that of the end, like damage
-      in.drive = E.data();
-      in.drive_n = E_n.data();
-    }
-    if (stress_) {
-      batch.load(step_stress_, P);
-      batch.load(stress_->committed, P_n);
-      cut(P, P_n); // linear in time like F: the works of the sub-steps add up to that of the step
-      in.stress = P.data();
-      in.stress_n = P_n.data();
-    }
+        (step_.u && d_.frame == Frame::plane_stress))
+      put(A, &history_.trial, &history_.committed, in.history, in.history_n);
+    // The exchange of the entropy form takes the energies of the end, like damage.
+    if ((energy && law.softens()) || exchanges)
+      put(E, &drive_.trial, &drive_.committed, in.drive, in.drive_n, energy);
+    // Linear in time like F: the works of the sub-steps add up to that of the step.
+    if (stress_) put(P, &step_stress_, &stress_->committed, in.stress, in.stress_n);
     if (!energy && step_.dissipation) {
-      batch.load(*step_.dissipation, dissipation);
+      in.dissipation = batch.read(step_.dissipation, dissipation);
       if (!window_.whole())
         for (Batch& lost : dissipation.value) lost *= window_.end - window_.begin;
-      in.dissipation = dissipation.data();
     }
     in.dt = t_ - t_n_;
     in.theta_h = settings_.theta;
@@ -207,7 +176,7 @@ bool HeatProblem::make_constant_part() {
         return bad;
       });
   load_.assign(constant_.size(), 0.0);
-  load_supplied_.assign(supplied_.size(), 0.0);
+  load_supplied_.assign(supplied_.by_condition.size(), 0.0);
   loads_.add_start(settings_.theta, t_ - t_n_, theta_at_start(), load_, load_supplied_);
   for (std::size_t i = 0; i < load_.size(); ++i) constant_[i] -= load_[i];
   return all_ranks_agree(d_.mesh.comm(), sound);
@@ -216,8 +185,8 @@ bool HeatProblem::make_constant_part() {
 bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec solution, Vec f) {
   const Timed timed(Event::heat_residual);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -constant_[i];
-  supplied_ = load_supplied_;
-  loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_);
+  supplied_.by_condition = load_supplied_;
+  loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_.by_condition);
   for (double& value : r_) value = -value;
   const bool sound = visit_batches(
       theta, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
@@ -275,25 +244,25 @@ void HeatProblem::book() {
   assemble_residual(x_, solution, residual);
   d_.scalar.to_local(residual, r_);
   for (int node : field_.owned_held())
-    supplied_[at(boundary_.temperature_condition()[at(node)])] += r_[at(node)];
+    supplied_.by_condition[at(boundary_.temperature_condition()[at(node)])] += r_[at(node)];
   // Loads of this rank's cells and facets, and what flows in at held nodes: each node's heat at its
   // temperature.
-  std::vector<double> heat = load_, counted = supplied_;
+  std::vector<double> heat = load_, counted = supplied_.by_condition;
   loads_.add_end(settings_.theta * (t_ - t_n_), x_, heat, counted);
   for (int node : field_.owned_held()) heat[at(node)] += r_[at(node)];
   if (!contacts_.empty()) {
     // What rigid bodies conducted, at the owners of the nodes.
     check(VecSet(residual, 0));
     for (std::size_t i = 0; i < contacts_.size(); ++i)
-      contact_heat_[i] = contacts_[i].book(solution, residual);
+      supplied_.by_contact[i] = contacts_[i].book(solution, residual);
     d_.scalar.to_local(residual, r_);
     for (std::size_t i = 0; i < heat.size(); ++i)
       if (d_.mesh.owned(static_cast<int>(i))) heat[i] += r_[i];
   }
-  entropy_supplied_ = 0;
-  for (std::size_t i = 0; i < heat.size(); ++i) entropy_supplied_ += heat[i] / x_[i];
-  entropy_supplied_ = sum_over_ranks(d_.mesh.comm(), entropy_supplied_);
-  sum_over_ranks(d_.mesh.comm(), supplied_);
+  double entropy = 0;
+  for (std::size_t i = 0; i < heat.size(); ++i) entropy += heat[i] / x_[i];
+  supplied_.entropy = sum_over_ranks(d_.mesh.comm(), entropy);
+  sum_over_ranks(d_.mesh.comm(), supplied_.by_condition);
 }
 
 const std::vector<double>& HeatProblem::theta_at_start() const {
@@ -309,8 +278,8 @@ ScalarOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& thet
 
 ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
   const double t_n = t_n_, t = t_;
-  std::vector<double> supplied(supplied_.size(), 0.0);
-  double entropy_supplied = 0;
+  Supply supplied;
+  supplied.by_condition.resize(supplied_.by_condition.size());
   ScalarOutcome sum;
   theta = theta_.committed;
   for (int k = 0; k < count; ++k) {
@@ -320,21 +289,20 @@ ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta)
     const ScalarOutcome part = solve_window(theta);
     sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear, part.cause};
     if (part.reason < 0) break;
-    for (std::size_t c = 0; c < supplied.size(); ++c) supplied[c] += supplied_[c];
-    entropy_supplied += entropy_supplied_;
+    for (std::size_t c = 0; c < supplied.by_condition.size(); ++c)
+      supplied.by_condition[c] += supplied_.by_condition[c];
+    supplied.entropy += supplied_.entropy;
   }
   window_ = {};
   begin(t_n, t);
   supplied_ = std::move(supplied);
-  entropy_supplied_ = entropy_supplied;
   return sum;
 }
 
 // Where it is colder than nothing the points of a cell may still be warm.
 void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
   PetscInt row = 0, start = 0, end = 0;
-  PetscReal coldest = 0;
-  check(VecMin(field_.solution(), &row, &coldest));
+  const PetscReal coldest = Get(VecMin)(field_.solution(), &row);
   if (coldest > 0) return;
   outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
   double x[3] = {0, 0, 0};
@@ -343,14 +311,7 @@ void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
     if (d_.mesh.global_node()[at(i)] == row)
       std::copy_n(&d_.mesh.coordinates()[at(i * d_.dim())], d_.dim(), x);
   sum_over_ranks(d_.mesh.comm(), x);
-  char text[160];
-  std::snprintf(text, sizeof(text), "%.6g K at x=(%.6g,%.6g%s", coldest, x[0], x[1],
-                d_.dim() == 2 ? ")" : "");
-  outcome.cause = text;
-  if (d_.dim() == 3) {
-    std::snprintf(text, sizeof(text), ",%.6g)", x[2]);
-    outcome.cause += text;
-  }
+  outcome.cause = text_of("%.6g K at x=", coldest) + place_text(x, d_.dim(), "%.6g", ",");
 }
 
 ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {

@@ -16,31 +16,21 @@ struct MotionFields {
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
 template <class Cell, Frame frame> struct MotionBatch {
-  Batches<Cell::nodes * Cell::dim> X, u, u_n, accel;
-  Batches<Cell::nodes> phi, theta;
+  Gathered<Cell, Cell::dim> X, u, u_n, accel;
+  Gathered<Cell, 1> phi, theta;
   PointValues<Cell, history_size(frame)> history;
   PointValues<Cell, drive_size> drive;
   MotionInput in;
 
   MotionBatch(const CellBatch<Cell, frame>& batch, const MotionFields& fields) {
-    const auto nodal = [&]<int components>(const std::vector<double>* field, auto& values) -> const Batch* {
-      if (field == nullptr) return nullptr;
-      gather<Cell, components>(batch.group, batch.number, field->data(), values.data());
-      return values.data();
-    };
-    const auto points = [&](const std::vector<double>* row, auto& values) -> const Batch* {
-      if (row == nullptr) return nullptr;
-      batch.load(*row, values);
-      return values.data();
-    };
-    in.X = nodal.template operator()<Cell::dim>(fields.X, X);
-    in.u = nodal.template operator()<Cell::dim>(fields.u, u);
-    in.u_n = nodal.template operator()<Cell::dim>(fields.u_n, u_n);
-    in.accel = nodal.template operator()<Cell::dim>(fields.accel, accel);
-    in.phi = nodal.template operator()<1>(fields.phi, phi);
-    in.theta = nodal.template operator()<1>(fields.theta, theta);
-    in.history = points(fields.history, history);
-    in.drive = points(fields.drive, drive);
+    in.X = batch.read(fields.X, X);
+    in.u = batch.read(fields.u, u);
+    in.u_n = batch.read(fields.u_n, u_n);
+    in.accel = batch.read(fields.accel, accel);
+    in.phi = batch.read(fields.phi, phi);
+    in.theta = batch.read(fields.theta, theta);
+    in.history = batch.read(fields.history, history);
+    in.drive = batch.read(fields.drive, drive);
     in.dt = fields.dt;
     in.unilateral = fields.unilateral;
   }

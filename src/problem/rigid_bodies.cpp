@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <span>
@@ -27,20 +27,6 @@ Vector3 spin_by(int dim, const RigidBody& body, const Matrix3& R, const Vector3&
   return inverse(inertia_of(R, body.second, R)) * L;
 }
 
-// Entries of an owned vector, opened for reading.
-class Owned {
-public:
-  explicit Owned(Vec vec) : vec_(vec) { check(VecGetArrayRead(vec_, &values_)); }
-  Owned(const Owned&) = delete;
-  Owned& operator=(const Owned&) = delete;
-  ~Owned() { VecRestoreArrayRead(vec_, &values_); }
-  double operator[](int i) const { return values_[i]; }
-
-private:
-  Vec vec_;
-  const double* values_ = nullptr;
-};
-
 } // namespace
 
 template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight weight, Value&& value) const {
@@ -64,7 +50,7 @@ template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight w
 }
 
 std::vector<RigidBodies::Sums> RigidBodies::sums_of(Weight weight, Vec f) const {
-  const Owned values(f);
+  const Entries values(f);
   return sums(weight, [&](std::size_t i, int k) { return values[row_[i] + k]; });
 }
 
@@ -121,7 +107,7 @@ void RigidBodies::retract(Vec u) const {
 }
 
 void RigidBodies::put_change(Vec u, Vec from, Vec to) const {
-  const Owned before(from), goal(to);
+  const Entries before(from), goal(to);
   double* values = nullptr;
   check(VecGetArray(u, &values));
   for (std::size_t i = 0; i < owned_; ++i)

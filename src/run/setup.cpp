@@ -3,7 +3,6 @@
 #include <cmath>
 #include <impact/input/units.hpp>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/obstacle_body.hpp>
 #include <impact/run/setup.hpp>

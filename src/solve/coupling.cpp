@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -45,20 +44,16 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
   if (fields_.heat || exchanges(d)) pass_.dissipation.resize(point_offsets(d.groups, 1).back());
-  if (fields_.state.find("fatigue")) fatigue_.emplace(d, fields_.state);
-  SNES snes = nullptr;
-  check(TSGetSNES(ts_, &snes));
+  const SNES snes = Get(TSGetSNES)(ts_);
   check(SNESSetOptionsPrefix(snes, "coupling_"));
   make_pass_shell(snes, shell_);
   check(SNESSetTolerances(snes, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
 }
 
 void Coupling::give_up(PetscInt passes, PetscReal change) {
-  char text[160];
-  std::snprintf(text, sizeof(text), "%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)",
-                static_cast<int>(passes), settings_.follow_cracks ? " in which phi does not grow" : "",
-                pass_.changing, change);
-  failure_ = text;
+  failure_ =
+      text_of("%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)", static_cast<int>(passes),
+              settings_.follow_cracks ? " in which phi does not grow" : "", pass_.changing, change);
 }
 
 // What an attempt holds fixed in all its passes; phi and theta are those of the pass.
@@ -74,14 +69,11 @@ MotionStep Coupling::frozen_step() const {
 // Between steps the viscous stress still wants C at an earlier time: a backward step short against everything
 // else.
 void Coupling::begin_between_steps(double t, Vec u, Vec v) {
-  const FieldLayout& layout = fields_.motion.discretisation().displacement;
-  PetscReal dt = 0;
-  check(TSGetTimeStep(ts_, &dt));
+  const Discretisation& d = fields_.motion.discretisation();
+  const PetscReal dt = Get(TSGetTimeStep)(ts_);
   const double h = 1e-6 * dt;
-  u_before_ = layout.make_local();
-  std::vector<double> rate = layout.make_local();
-  layout.to_local(u, u_before_);
-  layout.to_local(v, rate);
+  u_before_ = d.local_of(u);
+  const std::vector<double> rate = d.local_of(v);
   for (std::size_t i = 0; i < u_before_.size(); ++i) u_before_[i] -= h * rate[i];
   MotionStep step = frozen_step();
   step.t_n = t - h;
@@ -184,7 +176,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   if (!advance_points(u, result)) return result;
   if (fields_.damage || fields_.heat) fields_.motion.discretisation().displacement.to_local(u, pass_.u);
   if (fields_.damage) damage_pass(result);
-  if (fatigue_ && result.inner >= 0) fatigue_pass(result);
+  if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
   return result;
 }
@@ -253,8 +245,8 @@ void Coupling::fatigue_pass(PassResult& result) {
     fatigue.theta = &pass_.theta;
     fatigue.theta_n = &fields_.state.row("theta").committed;
   }
-  if (!fatigue_->advance(fatigue))
-    refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
+  fatigue_ = grow_fatigue(fields_.motion.discretisation(), fields_.state, fatigue);
+  if (!fatigue_.sound) refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
 }
 
 void Coupling::heat_pass(Vec u, PassResult& result) {
@@ -344,14 +336,10 @@ StepRecord Coupling::record(Vec u) {
     const bool in_heat = fields_.heat && fields_.heat->takes_work_of_damage();
     record.prescribed_damage_work = in_heat ? 0 : damage->prescribed_work();
   }
-  if (fatigue_) {
-    record.fatigue_dissipation = fatigue_->dissipated();
-    record.least_fatigue = fatigue_->least_dissipation();
-  }
+  record.fatigue_dissipation = fatigue_.dissipated;
+  record.least_fatigue = fatigue_.least;
   if (const HeatProblem* heat = fields_.heat) {
-    record.heat_supplied = heat->supplied();
-    record.contact_heat = heat->contact_heat();
-    record.entropy_supplied = heat->entropy_supplied();
+    record.heat = &heat->supplied();
   }
   if (settings_.report_error) {
     const std::vector<double> phi = pass_.phi, theta = pass_.theta;

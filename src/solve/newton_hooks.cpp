@@ -48,10 +48,8 @@ int NewtonWatch::cycle() const {
 
 bool TangentReuse::serves(SNES snes, PetscReal dt, PetscReal shift) {
   if (reduction_ <= 0) return false;
-  PetscInt iteration = 0;
-  PetscReal norm = 0;
-  check(SNESGetIterationNumber(snes, &iteration));
-  check(SNESGetFunctionNorm(snes, &norm));
+  const PetscInt iteration = Get(SNESGetIterationNumber)(snes);
+  const PetscReal norm = Get(SNESGetFunctionNorm)(snes);
   // A solve's first iteration tries the tangent of the solve before: its reduction is known only afterwards.
   const bool reduces = iteration == 0 || norm <= reduction_ * norm_;
   const bool serves = valid_ && dt == dt_ && shift == shift_ && reduces;
@@ -63,10 +61,8 @@ bool TangentReuse::serves(SNES snes, PetscReal dt, PetscReal shift) {
 }
 
 std::string line_search_of(SNES snes) {
-  SNESLineSearch search = nullptr;
-  SNESLineSearchType type = nullptr;
-  check(SNESGetLineSearch(snes, &search));
-  check(SNESLineSearchGetType(search, &type));
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
+  const SNESLineSearchType type = Get(SNESLineSearchGetType)(search);
   return type ? type : "";
 }
 
@@ -79,11 +75,9 @@ void NewtonHooks::install(SNES snes) {
   // was nearly zero by any factor.
   if (motion_.contacts().demands().closes_gaps || !loose_.empty())
     check(SNESSetDivergenceTolerance(snes, -1));
-  SNESLineSearch search = nullptr;
-  KSP ksp = nullptr;
-  check(SNESGetLineSearch(snes, &search));
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
   check(SNESLineSearchSetPostCheck(search, Callback<&NewtonHooks::after_step>::call, this));
-  check(SNESGetKSP(snes, &ksp));
+  const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPSetPreSolve(ksp, Callback<&NewtonHooks::before_linear_solve>::call, this));
   check(KSPSetPostSolve(ksp, Callback<&NewtonHooks::after_linear_solve>::call, this));
   check(SNESSetConvergenceTest(snes, Callback<&NewtonHooks::test>::call, this, nullptr));
@@ -149,8 +143,7 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
     open_ = HUGE_VAL;
   }
   *reason = balance.test(snes, it, norm);
-  Vec u = nullptr;
-  check(SNESGetSolution(snes, &u));
+  const Vec u = Get(SNESGetSolution)(snes);
   if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
       *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;

@@ -1,6 +1,7 @@
 #include "step_data.hpp"
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/field_solver.hpp>
 #include <limits>
 #include <memory>
 #include <string>
@@ -130,14 +131,9 @@ PetscErrorCode create(TSAdapt adapt) {
 } // namespace
 
 StepControl* find_control(TS ts) {
-  TSAdapt adapt = nullptr;
-  check(TSGetAdapt(ts, &adapt));
-  TSAdaptType type = nullptr;
-  check(TSAdaptGetType(adapt, &type));
-  if (type == nullptr) check(TSAdaptSetType(adapt, step_control_type));
-  PetscBool ours = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(adapt), step_control_type, &ours));
-  return ours ? &self(adapt) : nullptr;
+  const TSAdapt adapt = Get(TSGetAdapt)(ts);
+  if (Get(TSAdaptGetType)(adapt) == nullptr) check(TSAdaptSetType(adapt, step_control_type));
+  return has_type(adapt, step_control_type) ? &self(adapt) : nullptr;
 }
 
 StepPlan plan_step(TS ts, StepControl& control) {

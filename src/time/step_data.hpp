@@ -1,9 +1,7 @@
 #pragma once
-#include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/time/integrator.hpp>
 #include <impact/time/step_control.hpp>
-#include <impact/time/step_hooks.hpp>
+#include <impact/time/types.hpp>
 #include <vector>
 
 // The only door to PETSc's private TS header: a TS type or TSAdapt type cannot be written without it. What

@@ -1,7 +1,7 @@
 #include "step_data.hpp"
 #include <algorithm>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/time/types.hpp>
 #include <memory>
 #include <stdexcept>
 
@@ -15,11 +15,7 @@ constexpr const char *newmark_type = "newmark", *static_type = "static";
 
 StepData& self(TS ts) { return *static_cast<StepData*>(ts->data); }
 
-bool has_our_type(TS ts) {
-  PetscBool ours = PETSC_FALSE;
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(ts), &ours, newmark_type, static_type, ""));
-  return ours;
-}
+bool has_our_type(TS ts) { return has_type(ts, newmark_type, static_type); }
 
 StepData& step_data(TS ts) {
   if (!has_our_type(ts)) throw std::logic_error("the TS is of neither type newmark nor static");
@@ -65,9 +61,8 @@ bool solve_stage(TS ts, StepData& self) {
   if (self.hooks.guess) self.hooks.guess(ts, self.attempt, u);
   check(TSPreStage(ts, self.attempt.t));
   check(SNESSolve(ts->snes, nullptr, u));
-  PetscInt nonlinear = 0, linear = 0;
-  check(SNESGetIterationNumber(ts->snes, &nonlinear));
-  check(SNESGetLinearSolveIterations(ts->snes, &linear));
+  const PetscInt nonlinear = Get(SNESGetIterationNumber)(ts->snes);
+  const PetscInt linear = Get(SNESGetLinearSolveIterations)(ts->snes);
   ts->snes_its += nonlinear;
   ts->ksp_its += linear;
   check(TSPostStage(ts, self.attempt.t, 0, &u));

@@ -18,7 +18,8 @@ struct RigidOnElastic {
   explicit RigidOnElastic(double friction)
       : d(discretise(run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("rigid_bodies"),
                                        run_test::two_bodies(4, 0.1)),
-                     {{PointLaw{elastic()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}}, false, 1)),
+                     {{PointLaw{elastic()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}}, Frame::plane_strain,
+                     1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
     rigid.declare_state(state);

@@ -25,8 +25,8 @@ struct AllPhysics {
   std::optional<Ledger> ledger;
 
   explicit AllPhysics(Mesh mesh, ContactMethod method)
-      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}}, false,
-                     1)),
+      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}},
+                     Frame::plane_strain, 1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
     rigid.declare_state(state);

@@ -101,7 +101,6 @@ private:
   double stored() const;
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
-  void append_energies(HistoryFile::Row& row) const;
   std::vector<Line> sheet() const;
 
   // Members beyond twelve: the books of one sheet, each with its own rows of the table.

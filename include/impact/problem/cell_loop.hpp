@@ -32,6 +32,7 @@ template <int size> using Batches = std::array<Batch, at(size)>;
 /// One nodal field of a batch, [node][components], gathered from a local array.
 template <class Cell, int components> struct Gathered {
   Batches<Cell::nodes * components> value;
+  Gathered() = default;
   Gathered(const CellGroup& group, int batch, std::span<const double> local) {
     gather<Cell, components>(group, batch, local.data(), value.data());
   }
@@ -101,6 +102,19 @@ template <class Cell_, Frame frame_> struct CellBatch {
   template <int components> Gathered<Cell, components> gather(std::span<const double> field) const {
     return {group, number, field};
   }
+  /// Where the values of a nodal field or of a row stand, for a kernel; null without one.
+  template <int components>
+  const Batch* read(const std::vector<double>* field, Gathered<Cell, components>& values) const {
+    if (field == nullptr) return nullptr;
+    impact::gather<Cell, components>(group, number, field->data(), values.value.data());
+    return values.data();
+  }
+  template <int components>
+  const Batch* read(const std::vector<double>* row, PointValues<Cell, components>& values) const {
+    if (row == nullptr) return nullptr;
+    load(*row, values);
+    return values.data();
+  }
   template <int components> void scatter(const Batch* values, std::vector<double>& field) const {
     scatter_add<Cell, components>(group, number, values, field.data());
   }
@@ -135,5 +149,7 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
 }
 inline constexpr auto all_laws = [](const PointLaw&) { return true; };
 inline constexpr auto deformable = [](const PointLaw& law) { return !law.rigid(); };
+inline constexpr auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
+inline constexpr auto fatigues = [](const PointLaw& law) { return law.fatigues(); };
 
 } // namespace impact

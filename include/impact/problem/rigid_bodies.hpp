@@ -45,6 +45,8 @@ struct RigidMotionState {
   Vector3 spin{}; ///< angular momentum about the centre of mass; plane: per unit thickness
 };
 
+// Members and functions beyond the usual: where nodes, masses and conditions of all bodies are, and one
+// question each that a solve, a step or a balance asks of them.
 class RigidBodies {
 public:
   /// No bodies.

@@ -1,6 +1,6 @@
 #pragma once
 #include <impact/time/step_control.hpp>
-#include <impact/time/step_hooks.hpp>
+#include <impact/time/types.hpp>
 
 namespace impact {
 
