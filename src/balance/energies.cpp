@@ -28,9 +28,7 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   largest(rows.theta, most[2]);
   largest(rows.fatigue, most[3]);
   const std::vector<double>& history = trial ? rows.history.trial : rows.history.committed;
-  const std::size_t step = at(history_size(d.frame)) * lanes;
-  for (std::size_t i = at(history_alpha(d.frame)) * lanes; i < history.size(); i += step)
-    for (std::size_t l = 0; l < lanes; ++l) most[1] = std::max(most[1], history[i + l]);
+  most[1] = largest_alpha(d.frame, history);
   max_over_ranks(d.mesh.comm(), most);
   energies.phi_max = most[0];
   energies.alpha_max = most[1];
@@ -53,15 +51,14 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   };
   Energies energies;
   energies.of.resize(d.materials.size());
-  for_each_batch(d, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     MaterialEnergies& mine = energies.of[batch.material()];
-    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates()),
-               moved = batch.template gather<Cell::dim>(u_local),
-               speed = batch.template gather<Cell::dim>(v_local);
-    Gathered<Cell, 1> phi, theta;
-    PointValues<Cell, history_size(frame)> points;
-    PointValues<Cell, 1> fatigue;
-    PointValues<Cell, drive_size> driven;
+    const auto X = batch.vectors(d.mesh.coordinates()), moved = batch.vectors(u_local),
+               speed = batch.vectors(v_local);
+    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
+    auto points = batch.histories();
+    auto fatigue = batch.points<1>();
+    auto driven = batch.points<drive_size>();
     EnergyInput in;
     in.X = X.data();
     in.u = moved.data();
@@ -72,11 +69,11 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     in.fatigue = batch.read(half(rows.fatigue), fatigue);
     in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, driven);
     EnergySums sums;
-    stored_energy<Cell, frame>(batch.law, in, sums);
+    batch.kernels.stored_energy(batch.law, in, sums);
     add(sums, batch.used(), mine);
     if (!rows.theta) return;
     HeatSums heat;
-    stored_heat<Cell, frame>(batch.law, in, heat);
+    batch.kernels.stored_heat(batch.law, in, heat);
     mine.thermal += batch.sum(heat.energy);
     mine.entropy += batch.sum(heat.entropy);
   });
@@ -95,28 +92,27 @@ DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, c
   DamageLosses losses;
   losses.by_damage.resize(d.materials.size());
   losses.by_exchange.resize(d.materials.size());
-  for_each_batch(d, damages, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates());
-    const auto integral = [&](auto& points) {
-      return batch.sum(cell_integral<Cell, frame>(X.data(), points.data()));
-    };
-    auto all = batch.template load<1>(step.damage_dissipation);
-    losses.by_damage[batch.material()] += integral(all);
+  for_each_batch(d, damages, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d.mesh.coordinates());
+    const auto by_damage = batch.load<1>(step.damage_dissipation);
+    auto all = by_damage;
+    losses.by_damage[batch.material()] += batch.sum(batch.kernels.cell_integral(X.data(), by_damage.data()));
     if (batch.law.exchanges()) {
-      const auto now = batch.template gather<1>(rows.phi->trial),
-                 before = batch.template gather<1>(rows.phi->committed);
-      auto flowed = batch.template load<history_size(frame)>(rows.history.trial),
-           flowed_n = batch.template load<history_size(frame)>(rows.history.committed);
-      auto driving = batch.template load<drive_size>(rows.drive.trial);
-      PointValues<Cell, 1> exchanged;
-      plastic_exchange<Cell, frame>(
+      batch.load(step.dissipation, all);
+      const auto now = batch.scalars(rows.phi->trial), before = batch.scalars(rows.phi->committed);
+      const auto driving = batch.load<drive_size>(rows.drive.trial);
+      auto flowed = batch.histories(), flowed_n = batch.histories();
+      auto exchanged = batch.points<1>();
+      batch.load(rows.history.trial, flowed);
+      batch.load(rows.history.committed, flowed_n);
+      batch.kernels.plastic_exchange(
           batch.law, {now.data(), before.data(), flowed.data(), flowed_n.data(), driving.data()},
           exchanged.data());
-      losses.by_exchange[batch.material()] += integral(exchanged);
-      batch.load(step.dissipation, all);
-      for (std::size_t q = 0; q < all.value.size(); ++q) all.value[q] += exchanged.value[q];
+      losses.by_exchange[batch.material()] +=
+          batch.sum(batch.kernels.cell_integral(X.data(), exchanged.data()));
+      for (int q = 0; q < all.size; ++q) all.value[q] += exchanged.value[q];
     }
-    for (const Batch& at_point : all.value)
+    for (const Batch& at_point : all.all())
       for (int l = 0; l < batch.used(); ++l) losses.least = std::min(losses.least, at_point[l]);
   });
   sum_over_ranks(d.mesh.comm(), losses.by_damage);
@@ -128,15 +124,14 @@ DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, c
 double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std::span<const double> phi,
                               const std::vector<double>& drive_n) {
   double sum = 0;
-  for_each_batch(d, damages, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates());
-    const auto seen = batch.template gather<1>(phi);
-    auto flowed = batch.template load<history_size(frame)>(rows.history.committed);
-    auto after = batch.template load<drive_size>(rows.drive.trial),
-         before = batch.template load<drive_size>(drive_n);
+  for_each_batch(d, damages, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d.mesh.coordinates()), seen = batch.scalars(phi);
+    const auto after = batch.load<drive_size>(rows.drive.trial), before = batch.load<drive_size>(drive_n);
+    auto flowed = batch.histories();
+    batch.load(rows.history.committed, flowed);
     Batch part = 0;
-    unilateral_energy<Cell, frame>(batch.law, X.data(), seen.data(), flowed.data(), after.data(),
-                                   before.data(), part);
+    batch.kernels.unilateral_energy(batch.law, X.data(), seen.data(), flowed.data(), after.data(),
+                                    before.data(), part);
     sum += batch.sum(part);
   });
   return sum_over_ranks(d.mesh.comm(), sum);

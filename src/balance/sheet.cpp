@@ -56,7 +56,7 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
   static constexpr const char* axis[3] = {"x", "y", "z"};
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < energies_.of.size(); ++m) {
-    const std::string& id = d.materials[m].law.parameters.id;
+    const std::string& id = d.materials[m].id;
     const MaterialEnergies& part = energies_.of[m];
     if (d.has_heat()) row.emplace_back("energy_thermal_" + id, part.thermal);
     if (!moves_) continue;
@@ -122,8 +122,7 @@ std::string Ledger::report() const {
   const auto& materials = motion_.discretisation().materials;
   const std::size_t columns = materials.size() > 1 ? materials.size() : 0;
   std::string text = text_of("%-32s %12s", "energy since t = 0", "total");
-  for (std::size_t m = 0; m < columns; ++m)
-    text += text_of(" %12.12s", materials[m].law.parameters.id.c_str());
+  for (std::size_t m = 0; m < columns; ++m) text += text_of(" %12.12s", materials[m].id.c_str());
   for (const Line& line : sheet()) {
     if (!line.there) continue;
     text += text_of("\n  %-30s %12.5g", line.name.c_str(), line.total);

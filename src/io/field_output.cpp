@@ -13,35 +13,9 @@ namespace {
 // Vectors of plane problems get a third component.
 constexpr int stored_width(int components) { return components == 2 ? 3 : components; }
 
-int xdmf_type(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return 4;
-  case Shape::quad4:
-    return 5;
-  case Shape::tet4:
-    return 6;
-  default:
-    return 9;
-  }
-}
-
-const char* xdmf_name(Shape shape) {
-  switch (shape) {
-  case Shape::tri3:
-    return "Triangle";
-  case Shape::quad4:
-    return "Quadrilateral";
-  case Shape::tet4:
-    return "Tetrahedron";
-  default:
-    return "Hexahedron";
-  }
-}
-
 std::vector<Shape> shapes_on_any_rank(const Mesh& mesh) {
   std::vector<Shape> shapes;
-  for (const Shape s : {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8})
+  for (const Shape s : known_shapes())
     if (mesh.has_shape(s)) shapes.push_back(s);
   return shapes;
 }
@@ -52,7 +26,7 @@ std::vector<std::int64_t> connectivity(const Mesh& mesh, bool mixed) {
   for (const CellTable& table : mesh.cells()) {
     const auto nodes = static_cast<std::size_t>(node_count(table.shape));
     for (std::size_t c = 0; c < table.point.size(); ++c) {
-      if (mixed) list.push_back(xdmf_type(table.shape));
+      if (mixed) list.push_back(table.shape->names.xdmf);
       for (std::size_t a = 0; a < nodes; ++a)
         list.push_back(mesh.global_node()[static_cast<std::size_t>(table.connectivity[c * nodes + a])]);
     }
@@ -97,9 +71,10 @@ struct FieldMesh {
         cells(mesh.comm(), static_cast<std::size_t>(mesh.cell_count())),
         numbers(mesh.comm(), connectivity(mesh, shapes.size() > 1).size()), mixed(shapes.size() > 1),
         points(rows_of(mesh, true, mesh.coordinates(), mesh.dim(), 3)),
-        topology(connectivity(mesh, mixed)), entry{{},          mixed ? "Mixed" : xdmf_name(shapes.at(0)),
-                                                   nodes.all,   cells.all,
-                                                   numbers.all, !request.regions.empty()} {
+        topology(connectivity(mesh, mixed)), entry{
+                                                 {},          mixed ? "Mixed" : shapes.at(0)->names.xdmf_name,
+                                                 nodes.all,   cells.all,
+                                                 numbers.all, !request.regions.empty()} {
     std::array<std::uint64_t, 4> sums{checksum(hdf5::bytes_of(points), 3 * nodes.first),
                                       checksum(hdf5::bytes_of(topology), numbers.first),
                                       checksum(hdf5::bytes_of(request.region), cells.first)};

@@ -1,4 +1,4 @@
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 #include <impact/kernel/boundary_load.hpp>
 
 #include <cmath>

@@ -1,22 +1,15 @@
 #include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/cell_batches.hpp>
-#include <sstream>
 
 namespace impact {
 
 namespace {
 
-constexpr int shape_count = 4;
-
 std::string place_without_material(const Mesh& mesh, const CellTable& table, std::size_t cell) {
   const int first = table.connectivity[cell * static_cast<std::size_t>(node_count(table.shape))];
-  std::ostringstream text;
-  text << "mesh: cell near (";
-  for (int i = 0; i < mesh.dim(); ++i)
-    text << (i ? ", " : "") << mesh.coordinates()[static_cast<std::size_t>(first * mesh.dim() + i)];
-  text << ") of " << mesh.regions_of(table.point[cell]) << " has no material; give its region one";
-  return text.str();
+  return "mesh: cell near " + mesh.place(first) + " of " + mesh.regions_of(table.point[cell]) +
+         " has no material; give its region one";
 }
 
 // One more than the largest material index of any rank.
@@ -50,18 +43,20 @@ int CellGroup::lanes_in_use(int batch) const { return std::min(lanes, cell_count
 
 std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell) {
   const int materials = count_materials(mesh, material_of_cell);
+  const auto shapes = static_cast<int>(known_shapes().size());
   // [material][shape][cell of the table of that shape]
-  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(materials * shape_count));
-  const CellTable* table_of_shape[shape_count] = {};
+  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(materials * shapes));
+  std::vector<const CellTable*> table_of_shape(known_shapes().size());
   std::string trouble;
   for (const CellTable& table : mesh.cells()) {
-    table_of_shape[static_cast<int>(table.shape)] = &table;
+    const int shape = index_of(table.shape);
+    table_of_shape[static_cast<std::size_t>(shape)] = &table;
     for (std::size_t c = 0; c < table.point.size() && trouble.empty(); ++c) {
       const int m = material_of_cell[static_cast<std::size_t>(table.point[c] - mesh.cell_start())];
       if (m < 0)
         trouble = place_without_material(mesh, table, c);
       else
-        members[static_cast<std::size_t>(m * shape_count + static_cast<int>(table.shape))].push_back(c);
+        members[static_cast<std::size_t>(m * shapes + shape)].push_back(c);
     }
   }
   throw_first(mesh.comm(), ExitCode::data, trouble);
@@ -75,9 +70,9 @@ std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& mate
   for (std::size_t k = 0; k < members.size(); ++k) {
     if (used_anywhere[k] == 0) continue;
     CellGroup& group = groups.emplace_back();
-    group.shape = static_cast<Shape>(k % shape_count);
-    group.material = static_cast<int>(k) / shape_count;
-    if (!members[k].empty()) pack(*table_of_shape[k % shape_count], members[k], group);
+    group.shape = known_shapes()[k % known_shapes().size()];
+    group.material = static_cast<int>(k) / shapes;
+    if (!members[k].empty()) pack(*table_of_shape[k % known_shapes().size()], members[k], group);
   }
   return groups;
 }

@@ -31,8 +31,12 @@ GmshFile read_file(const MeshRequest& request) {
 }
 
 DMPolytopeType polytope(int dim, int nodes) {
-  if (dim == 2) return nodes == 3 ? DM_POLYTOPE_TRIANGLE : DM_POLYTOPE_QUADRILATERAL;
-  return nodes == 4 ? DM_POLYTOPE_TETRAHEDRON : DM_POLYTOPE_HEXAHEDRON;
+  for (const Shape shape : known_shapes())
+    for (int type = 0; type < DM_NUM_POLYTOPES; ++type)
+      if (shape->dim == dim && shape->nodes == nodes &&
+          shape->names.polytope == std::string(DMPolytopeTypes[type]))
+        return static_cast<DMPolytopeType>(type);
+  throw UserError(ExitCode::data, "mesh: no cell has " + std::to_string(nodes) + " nodes");
 }
 
 PetscInt count_cells(const GmshFile& file) {
@@ -56,12 +60,14 @@ Handle<DM> make_topology(MPI_Comm comm, const GmshFile& file) {
   check(DMSetUp(bare));
   cell = 0;
   for (const GmshBlock& block : file.blocks)
-    for (std::size_t k = 0; block.dim == file.dim && k < block.node.size(); k += at(block.nodes)) {
-      PetscInt cone[8];
-      for (int a = 0; a < block.nodes; ++a) cone[a] = cells + block.node[k + at(a)];
-      check(DMPlexInvertCell(polytope(file.dim, block.nodes),
-                             cone)); // DMPlex's tetrahedra and hexahedra are mirrored
-      check(DMPlexSetCone(bare, cell++, cone));
+    if (block.dim == file.dim) {
+      const DMPolytopeType type = polytope(file.dim, block.nodes);
+      for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) {
+        PetscInt cone[max_nodes];
+        for (int a = 0; a < block.nodes; ++a) cone[a] = cells + block.node[k + at(a)];
+        check(DMPlexInvertCell(type, cone)); // DMPlex's tetrahedra and hexahedra are mirrored
+        check(DMPlexSetCone(bare, cell++, cone));
+      }
     }
   check(DMPlexSymmetrize(bare));
   check(DMPlexStratify(bare));
@@ -102,7 +108,7 @@ void label_elements(DM dm, const GmshFile& file) {
   PetscInt cell = 0;
   for (const GmshBlock& block : file.blocks)
     for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) {
-      PetscInt point = 0, vertex[8], found = 0;
+      PetscInt point = 0, vertex[max_nodes], found = 0;
       const PetscInt* join = nullptr;
       for (int a = 0; a < block.nodes; ++a) vertex[a] = cells + block.node[k + at(a)];
       if (block.dim == file.dim) {

@@ -1,4 +1,4 @@
-#include "symmetric_blocks.hpp"
+#include "matrix_rows.hpp"
 #include "symmetric_product.hpp"
 #include <algorithm>
 #include <limits>
@@ -8,24 +8,51 @@ namespace impact {
 
 namespace {
 
-std::size_t at(int k) { return static_cast<std::size_t>(k); }
-
 // Adds one lane's block of a node pair to a block stored by columns: that of (a, b), or that of (b, a).
 // Gathered first, so that the compiler adds whole registers.
-template <int nodes, int c, bool transposed> void add_block(const double* from, double* to) {
+template <int c, bool transposed> void add_block(const double* from, int nodes, double* to) {
   double block[c * c];
   for (int i = 0; i < c; ++i)
     for (int j = 0; j < c; ++j) block[transposed ? i * c + j : j * c + i] = from[(i * nodes * c + j) * lanes];
   for (int k = 0; k < c * c; ++k) to[k] += block[k];
 }
 
-} // namespace
+/// The blocks of node pairs on and above the diagonal alone, each stored once, column by column, and added at
+/// a precomputed place. Of a cell matrix the blocks [a][b] with a <= b are read.
+class SymmetricBlocks : public MatrixRows {
+public:
+  SymmetricBlocks(const FieldLayout& layout, const NodeGraph& graph, const std::vector<CellGroup>& groups);
+  void add(int group, int batch, const Batch* K) override;
+  void set_diagonal(const std::vector<int>& dofs, double value) override;
+
+private:
+  void count_rows();
+  void create_matrix(const FieldLayout& layout);
+  void find_places();
+  std::uint32_t place_of_own(int row, int slot) const;
+  std::uint32_t place_of_ghost(int row, int slot) const;
+  double* at_place(std::uint32_t block);
+  void store_foreign_rows();
+  void borrow() override;
+  void give_back() override;
+  void add_received(const double* from) override;
+  template <int c> void add_cells(int group, int batch, const Batch* K);
+
+  std::vector<int> diagonal_; // [row] slot of the diagonal
+  // First block of each own row among the own columns, of its foreign columns, of each ghost row. The blocks
+  // of the second and third kind follow each other in elsewhere_.
+  std::vector<std::size_t> own_base_, foreign_base_, ghost_base_;
+  std::vector<int> first_foreign_;  // [row] slot of the first foreign column above the diagonal
+  std::vector<int> ghost_diagonal_; // [ghost row] slot of the diagonal
+  // [group][batch][a][lane][b >= a]: twice the block, own ones before those outside; odd where it is that of
+  // (b, a).
+  std::vector<std::vector<std::uint32_t>> places_;
+  std::vector<std::uint32_t> received_; // blocks, in the order of the messages
+};
 
 SymmetricBlocks::SymmetricBlocks(const FieldLayout& layout, const NodeGraph& graph,
                                  const std::vector<CellGroup>& groups)
-    : graph_(graph), groups_(groups), components_(layout.components()) {
-  if (components_ < 1 || components_ > 3)
-    throw std::logic_error("SymmetricBlocks: 1 to 3 components per node");
+    : MatrixRows(layout, graph, groups) {
   count_rows();
   create_matrix(layout);
   find_places();
@@ -43,7 +70,7 @@ SymmetricBlocks::SymmetricBlocks(const FieldLayout& layout, const NodeGraph& gra
       }
     received.push_back(received.back() + size * count);
   }
-  messages_.emplace(graph_, matrix_, outside_.data() + size * foreign_base_.back(), ghost, received);
+  messages_.emplace(graph_, matrix_, elsewhere_.data() + size * foreign_base_.back(), ghost, received);
 }
 
 void SymmetricBlocks::count_rows() {
@@ -69,35 +96,24 @@ void SymmetricBlocks::count_rows() {
   const std::size_t outside = foreign_base_.back() + ghost_base_.back();
   if (own_base_.back() + outside > std::numeric_limits<std::uint32_t>::max() / 2)
     throw std::length_error("a symmetric matrix has too many blocks on a rank");
-  outside_.resize(outside * at(components_ * components_));
+  elsewhere_.resize(outside * at(components_ * components_));
 }
 
 void SymmetricBlocks::create_matrix(const FieldLayout& layout) {
-  const int rows = graph_.row_count(), c = components_;
   std::vector<PetscInt> start{0}, column;
-  for (int r = 0; r < rows; ++r) {
+  for (int r = 0; r < graph_.row_count(); ++r) {
     const auto list = graph_.columns(r);
     column.insert(column.end(), list.begin() + diagonal_[at(r)], list.begin() + graph_.own_columns(r));
     column.insert(column.end(), list.begin() + first_foreign_[at(r)], list.end());
     start.push_back(static_cast<PetscInt>(column.size()));
   }
-  ISLocalToGlobalMapping mapping = nullptr;
-  check(MatCreate(graph_.comm(), matrix_.out()));
-  check(MatSetSizes(matrix_, rows * c, rows * c, PETSC_DETERMINE, PETSC_DETERMINE));
-  check(MatSetBlockSize(matrix_, c));
-  check(MatSetType(matrix_, MATSBAIJ));
-  check(MatSeqSBAIJSetPreallocationCSR(matrix_, c, start.data(), column.data(), nullptr));
-  check(MatMPISBAIJSetPreallocationCSR(matrix_, c, start.data(), column.data(), nullptr));
-  check(DMGetLocalToGlobalMapping(layout.dm(), &mapping));
-  check(MatSetLocalToGlobalMapping(matrix_, mapping, mapping));
+  create(MATSBAIJ);
+  check(MatSeqSBAIJSetPreallocationCSR(matrix_, components_, start.data(), column.data(), nullptr));
+  check(MatMPISBAIJSetPreallocationCSR(matrix_, components_, start.data(), column.data(), nullptr));
   check(MatSetOption(matrix_, MAT_IGNORE_LOWER_TRIANGULAR, PETSC_TRUE));
-  // The places hold for this pattern only.
-  check(MatSetOption(matrix_, MAT_NEW_NONZERO_LOCATION_ERR, PETSC_TRUE));
-  check(MatSetOption(matrix_, MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE));
-  PetscBool parallel = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(matrix_.get()), MATMPISBAIJ, &parallel));
+  keep_pattern(layout);
   own_block_ = matrix_;
-  if (parallel) check(MatGetDiagonalBlock(matrix_, &own_block_));
+  if (is_parallel()) check(MatGetDiagonalBlock(matrix_, &own_block_));
   use_own_product(own_block_);
 }
 
@@ -155,39 +171,21 @@ void SymmetricBlocks::find_places() {
 
 double* SymmetricBlocks::at_place(std::uint32_t block) {
   const std::size_t size = at(components_ * components_), own = own_base_.back();
-  return block < own ? own_ + block * size : outside_.data() + (block - own) * size;
+  return block < own ? own_ + block * size : elsewhere_.data() + (block - own) * size;
 }
 
-void SymmetricBlocks::open() {
-  if (own_ == nullptr) check(MatSeqSBAIJGetArray(own_block_, &own_));
-}
-
-// PETSc's assembly marks the matrix as changed, so that solvers see it; nothing of ours is left to be sent.
-void SymmetricBlocks::close() {
-  if (own_ == nullptr) return;
-  check(MatSeqSBAIJRestoreArray(own_block_, &own_));
-  own_ = nullptr;
-  check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_TRUE));
-  check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
-  check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
-  check(MatSetOption(matrix_, MAT_NO_OFF_PROC_ENTRIES, PETSC_FALSE));
-}
-
-void SymmetricBlocks::zero() {
-  close();
-  check(MatZeroEntries(matrix_));
-  std::fill(outside_.begin(), outside_.end(), 0.0);
-}
+void SymmetricBlocks::borrow() { check(MatSeqSBAIJGetArray(own_block_, &own_)); }
+void SymmetricBlocks::give_back() { check(MatSeqSBAIJRestoreArray(own_block_, &own_)); }
 
 // A node's rows for all lanes before the next node's, so that its part of K stays in the nearest cache.
-template <int nodes, int c> void SymmetricBlocks::add_cells(int group, int batch, const Batch* K) {
+template <int c> void SymmetricBlocks::add_cells(int group, int batch, const Batch* K) {
   constexpr std::ptrdiff_t size = c * c;
-  constexpr int pairs = nodes * (nodes + 1) / 2;
+  const int nodes = groups_[at(group)].shape->nodes, pairs = nodes * (nodes + 1) / 2;
   const int used = groups_[at(group)].lanes_in_use(batch);
   const std::uint32_t* place = places_[at(group)].data() + static_cast<std::ptrdiff_t>(batch) * pairs * lanes;
   const auto own_blocks = static_cast<std::uint32_t>(own_base_.back());
   double* const own = own_;
-  double* const outside = outside_.data();
+  double* const outside = elsewhere_.data();
   const double* values = reinterpret_cast<const double*>(K);
   const auto at_block = [&](std::uint32_t block) {
     return block < own_blocks ? own + block * size : outside + (block - own_blocks) * size;
@@ -201,32 +199,21 @@ template <int nodes, int c> void SymmetricBlocks::add_cells(int group, int batch
         // brings.
         if constexpr (c == 3) PETSC_Prefetch(at_block(place[pairs * lanes] >> 1), 1, PETSC_PREFETCH_HINT_T0);
         if (*place & 1)
-          add_block<nodes, c, true>(from, to);
+          add_block<c, true>(from, nodes, to);
         else
-          add_block<nodes, c, false>(from, to);
+          add_block<c, false>(from, nodes, to);
       }
-}
-
-template <int nodes> void SymmetricBlocks::add_cells(int group, int batch, const Batch* K) {
-  switch (components_) {
-  case 1:
-    return add_cells<nodes, 1>(group, batch, K);
-  case 2:
-    return add_cells<nodes, 2>(group, batch, K);
-  default:
-    return add_cells<nodes, 3>(group, batch, K);
-  }
 }
 
 void SymmetricBlocks::add(int group, int batch, const Batch* K) {
   open();
-  visit(groups_[at(group)].shape, [&]<class Cell>(Cell) { add_cells<Cell::nodes>(group, batch, K); });
+  with_components(components_, [&](auto c) { add_cells<c>(group, batch, K); });
 }
 
 // PETSc keeps the foreign columns to itself: their rows, few and on the rank's border, are handed over.
 void SymmetricBlocks::store_foreign_rows() {
   const int c = components_;
-  const double* from = outside_.data();
+  const double* from = elsewhere_.data();
   double block[9];
   for (int r = 0; r < graph_.row_count(); ++r) {
     const PetscInt row = graph_.first_node() + r;
@@ -239,19 +226,13 @@ void SymmetricBlocks::store_foreign_rows() {
   }
 }
 
-void SymmetricBlocks::finish() {
-  open();
-  if (messages_->any()) {
-    const int size = components_ * components_;
-    const double* from = messages_->exchange().data();
-    for (const std::uint32_t block : received_) {
-      double* to = at_place(block);
-      for (int i = 0; i < size; ++i) to[i] += *from++;
-    }
-    store_foreign_rows();
-    std::fill(outside_.begin(), outside_.end(), 0.0);
+void SymmetricBlocks::add_received(const double* from) {
+  const int size = components_ * components_;
+  for (const std::uint32_t block : received_) {
+    double* to = at_place(block);
+    for (int i = 0; i < size; ++i) to[i] += *from++;
   }
-  close();
+  store_foreign_rows();
 }
 
 void SymmetricBlocks::set_diagonal(const std::vector<int>& dofs, double value) {
@@ -262,6 +243,13 @@ void SymmetricBlocks::set_diagonal(const std::vector<int>& dofs, double value) {
     own_[own_base_[at(row)] * at(c * c) + at(k * c + k)] = value;
   }
   close();
+}
+
+} // namespace
+
+std::unique_ptr<MatrixRows> make_symmetric_blocks(const FieldLayout& layout, const NodeGraph& graph,
+                                                  const std::vector<CellGroup>& groups) {
+  return std::make_unique<SymmetricBlocks>(layout, graph, groups);
 }
 
 } // namespace impact

@@ -31,19 +31,17 @@ std::vector<char> held_nodes(const Discretisation& d, const BoundaryData& bounda
 }
 
 // What g_1' multiplies in the source: E+, and what else of E-, H_0 the law degrades by the same function; the
-// others are not degraded at all. `drive` strides by `stride`.
-template <class T> T driving_energy(const MaterialParameters& m, const T* drive, std::size_t stride) {
-  T sum = drive[0];
-  if (m.split == Split::none) sum = sum + drive[stride];
-  if (m.gp == PlasticDegradation::ge) sum = sum + drive[2 * stride];
+// others are not degraded at all.
+Batch driving_energy(const MaterialParameters& m, const Drive& drive) {
+  Batch sum = drive.plus;
+  if (m.split == Split::none) sum += drive.minus;
+  if (m.gp == PlasticDegradation::ge) sum += drive.plastic;
   return sum;
 }
 
 // The history of that energy in place of its parts.
-template <class Cell> void put_history(const PointValues<Cell, 1>& H, PointValues<Cell, drive_size>& drive) {
-  for (std::size_t q = 0; q < at(Cell::points); ++q)
-    for (std::size_t k = 0; k < drive_size; ++k)
-      drive.value[q * drive_size + k] = k == 0 ? H.value[q] : Batch(0.0);
+void put_history(const PointValues<1>& H, PointValues<drive_size>& drive) {
+  for (int q = 0; q < H.size; ++q) drive_at(drive.data(), q) = {H.value[q], 0.0, 0.0};
 }
 
 // The norm that SNES saw before its first iteration.
@@ -71,7 +69,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
       width = m.law.parameters.gamma;
     }
   reference_ = 1e-12 * toughness / width * std::pow(d_.mesh.smallest_edge(), d_.dim());
-  const std::size_t points = point_offsets(d_.groups, 1).back();
+  const std::size_t points = d_.point_values(1);
   dissipated_.resize(points);
   if (d_.has_fatigue()) worn_ = &state.row("fatigue");
   if (settings_.bounds == DamageBounds::history)
@@ -121,20 +119,18 @@ void DamageProblem::take_full_steps(SNES snes) {
 template <class Body> bool DamageProblem::visit_batches(const Equation& equation, Vec x, Body&& body) {
   d_.scalar.to_local(x, x_);
   bool sound = true;
-  for_each_batch(d_, damages, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.template gather<Cell::dim>(d_.mesh.coordinates()),
-               u = batch.template gather<Cell::dim>(*step_.u),
-               u_n = batch.template gather<Cell::dim>(*step_.u_n);
-    const auto phi = batch.template gather<1>(x_), phi_n = batch.template gather<1>(*equation.phi_n);
-    auto now = batch.template load<drive_size>(drive_.trial),
-         before = batch.template load<drive_size>(drive_.committed);
+    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.vectors(*step_.u),
+               u_n = batch.vectors(*step_.u_n);
+    const auto phi = batch.scalars(x_), phi_n = batch.scalars(*equation.phi_n);
+    auto now = batch.load<drive_size>(drive_.trial), before = batch.load<drive_size>(drive_.committed);
     if (history_) {
-      put_history<Cell>(batch.template load<1>(history_->trial), now);
-      put_history<Cell>(batch.template load<1>(history_->committed), before);
+      put_history(batch.load<1>(history_->trial), now);
+      put_history(batch.load<1>(history_->committed), before);
     }
-    PointValues<Cell, 1> worn;
-    PointValues<Cell, history_size(frame)> flowed;
+    auto worn = batch.points<1>();
+    auto flowed = batch.histories();
     DamageInput in;
     in.fatigue = batch.read(worn_ && law.fatigues() ? &worn_->committed : nullptr, worn);
     in.history = batch.read(is_ductile(law.parameters) ? &flow_.committed : nullptr, flowed);
@@ -169,13 +165,12 @@ std::vector<SNES> DamageProblem::solvers() const {
 bool DamageProblem::assemble_forces(const Equation& equation, Vec x, Vec f) {
   const Timed timed(Event::damage_residual);
   std::fill(r_.begin(), r_.end(), 0.0);
-  const bool sound = visit_batches(
-      equation, x, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const DamageInput& in) {
-        Batches<Cell::nodes> r{};
-        const int bad = damage_residual<Cell, frame>(batch.law, in, r.data());
-        batch.template scatter<1>(r.data(), r_);
-        return bad;
-      });
+  const bool sound = visit_batches(equation, x, [&](const CellBatch& batch, const DamageInput& in) {
+    auto r = batch.zero(1);
+    const int bad = batch.kernels.damage_residual(batch.law, in, r.data());
+    batch.scatter(r, r_);
+    return bad;
+  });
   field_.assemble(r_, f);
   return sound;
 }
@@ -189,15 +184,14 @@ void DamageProblem::residual(SNES, Vec x, Vec f) {
 
 void DamageProblem::tangent(SNES, Vec x, Mat, Mat) {
   const Timed timed(Event::damage_tangent);
+  CellMatrix K;
   field_.zero_matrix();
-  visit_batches(equation_, x,
-                [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const DamageInput& in) {
-                  Batches<Cell::nodes> r{};
-                  Batches<Cell::nodes * Cell::nodes> K{};
-                  const int bad = damage_tangent<Cell, frame>(batch.law, in, r.data(), K.data());
-                  field_.add(batch, K.data());
-                  return bad;
-                });
+  visit_batches(equation_, x, [&](const CellBatch& batch, const DamageInput& in) {
+    auto r = batch.zero(1);
+    const int bad = batch.kernels.damage_tangent(batch.law, in, r.data(), K.zeroed(batch.nodes()));
+    field_.add(batch, K);
+    return bad;
+  });
   field_.finish_matrix();
   field_.close_matrix(solvers());
 }
@@ -205,13 +199,13 @@ void DamageProblem::tangent(SNES, Vec x, Mat, Mat) {
 void DamageProblem::raise_history() {
   if (!history_) return;
   const Timed timed(Event::damage_points);
-  std::size_t i = 0;
-  for (const CellGroup& group : d_.groups)
-    for (const std::size_t end = i + point_values(group, 1); i < end; ++i) {
-      const double* drive = &drive_.trial[i / lanes * drive_size * lanes + i % lanes];
-      history_->trial[i] =
-          std::max(history_->committed[i], driving_energy(d_.law(group).parameters, drive, lanes));
-    }
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    const auto now = batch.load<drive_size>(drive_.trial);
+    auto H = batch.load<1>(history_->committed);
+    for (int q = 0; q < H.size; ++q)
+      H.value[q] = max(H.value[q], driving_energy(batch.law.parameters, drive_at(now.data(), q)));
+    batch.store(H, history_->trial);
+  });
 }
 
 // phi_n <= phi <= 1; held values are their own bounds.

@@ -40,10 +40,10 @@ void DamageProblem::keep_held(std::vector<double>& force) const {
 // The rate's part of a step or sub-step.
 void DamageProblem::book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt) {
   const Timed timed(Event::damage_points);
-  for_each_batch(d_, damages, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    const auto now = batch.template gather<1>(to), before = batch.template gather<1>(from);
-    auto points = batch.template load<1>(dissipated_);
-    damage_dissipation<Cell>(batch.law, now.data(), before.data(), dt, points.data());
+  for_each_batch(d_, damages, [&](const CellBatch& batch) {
+    const auto now = batch.scalars(to), before = batch.scalars(from);
+    auto points = batch.load<1>(dissipated_);
+    batch.kernels.damage_dissipation(batch.law, now.data(), before.data(), dt, points.data());
     batch.store(points, dissipated_);
   });
   if (!prescribes_) return;

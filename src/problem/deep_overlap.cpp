@@ -16,7 +16,7 @@ constexpr double closed = -1e-9;
 
 using Place = Vector3;
 
-struct Simplex {
+struct SimplexPiece {
   std::array<Place, 4> corner;
   int body = 0;
 };
@@ -26,7 +26,7 @@ double signed_volume(int dim, const Place& a, const Place& b, const Place& c, co
   return dim == 2 ? u[0] * v[1] - u[1] * v[0] : determinant(u, v, minus(d, a));
 }
 
-bool inside(int dim, const Simplex& cell, const Place& x) {
+bool inside(int dim, const SimplexPiece& cell, const Place& x) {
   const double whole = signed_volume(dim, cell.corner[0], cell.corner[1], cell.corner[2], cell.corner[3]);
   for (int i = 0; i <= dim; ++i) {
     std::array<Place, 4> with = cell.corner;
@@ -37,18 +37,18 @@ bool inside(int dim, const Simplex& cell, const Place& x) {
 }
 
 // The cells of this rank as simplices with positive volume, in the reference configuration.
-std::vector<Simplex> simplices(const Discretisation& d, const std::vector<int>& body_of_node) {
+std::vector<SimplexPiece> simplices(const Discretisation& d, const std::vector<int>& body_of_node) {
   static constexpr int of_quad[2][3] = {{0, 1, 2}, {0, 2, 3}};
   static constexpr int of_hex[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
                                        {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
   const int dim = d.dim();
-  std::vector<Simplex> all;
+  std::vector<SimplexPiece> all;
   for (const CellGroup& group : d.groups) {
     const int nodes = node_count(group.shape), pieces = nodes == dim + 1 ? 1 : dim == 2 ? 2 : 6;
     for (int b = 0; b < group.batch_count; ++b)
       for (int l = 0; l < group.lanes_in_use(b); ++l)
         for (int p = 0; p < pieces; ++p) {
-          Simplex cell{};
+          SimplexPiece cell{};
           for (int i = 0; i <= dim; ++i) {
             const int a = pieces == 1 ? i : dim == 2 ? of_quad[p][i] : of_hex[p][i];
             const int node = group.node[at((b * nodes + a) * lanes + l)];
@@ -124,9 +124,9 @@ void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
   if (std::none_of(contacts.begin(), contacts.end(), [&](const auto& c) { return matters(c.settings()); }))
     return;
   const Bodies bodies = find_bodies(d.mesh, d.scalar);
-  const std::vector<Simplex> cells = simplices(d, bodies.of_node);
+  const std::vector<SimplexPiece> cells = simplices(d, bodies.of_node);
   std::vector<Box> boxes;
-  for (const Simplex& cell : cells) {
+  for (const SimplexPiece& cell : cells) {
     Box& box = boxes.emplace_back();
     for (int i = 0; i <= d.dim(); ++i) box.include(cell.corner[at(i)].data());
   }

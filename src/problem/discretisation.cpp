@@ -16,6 +16,12 @@ double Discretisation::softest_modulus() const {
   return softest;
 }
 
+std::size_t Discretisation::point_values(int components) const {
+  std::size_t sum = 0;
+  for (const CellGroup& group : groups) sum += impact::point_values(group, components);
+  return sum;
+}
+
 void zero_dofs(Vec f, const Mesh& mesh, int components, const std::vector<int>& dofs) {
   double* values = nullptr;
   PetscInt start = 0;
@@ -81,8 +87,8 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
         std::string names;
         for (const Group& g : mesh.groups())
           if (g.dim == mesh.dim()) names += (names.empty() ? "" : ", ") + g.name;
-        throw UserError(ExitCode::data, "-material_" + materials[at(m)].law.parameters.id + "_region \"" +
-                                            region + "\": no such region; the mesh has: " + names);
+        throw UserError(ExitCode::data, "-material_" + materials[at(m)].id + "_region \"" + region +
+                                            "\": no such region; the mesh has: " + names);
       }
       for (PetscInt point : mesh.region_cells(region)) {
         int& mine = material[at(point - start)];
@@ -96,8 +102,8 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
   int clash[2] = {first, second};
   max_over_ranks(mesh.comm(), clash);
   if (clash[0] >= 0)
-    throw UserError(ExitCode::data, "-material_" + materials[at(clash[0])].law.parameters.id +
-                                        "_region and -material_" + materials[at(clash[1])].law.parameters.id +
+    throw UserError(ExitCode::data, "-material_" + materials[at(clash[0])].id + "_region and -material_" +
+                                        materials[at(clash[1])].id +
                                         "_region share cells; give each cell one material");
   return material;
 }
@@ -137,19 +143,12 @@ void declare_state(const Discretisation& d, StateTable& table) {
   };
   if (d.has_damage()) add_scalar("phi");
   if (d.has_heat()) add_scalar("theta");
-  std::size_t history = 0, drive = 0, fatigue = 0;
-  for (const CellGroup& group : d.groups) {
-    fatigue += point_values(group, 1);
-    history += point_values(group, history_size(d.frame));
-    drive += point_values(group, drive_size);
-  }
-  StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)}, history);
-  // The virgin state: A = 1, the rest 0.
-  const auto components = at(history_size(d.frame));
-  for (std::size_t i = 0; i < rows.committed.size(); ++i)
-    rows.committed[i] = rows.trial[i] = history_start(static_cast<int>(i / lanes % components));
-  table.add({"drive", Support::cell_point, drive_size}, drive);
-  if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, fatigue);
+  StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)},
+                             d.point_values(history_size(d.frame)));
+  set_virgin(d.frame, rows.committed);
+  rows.trial = rows.committed;
+  table.add({"drive", Support::cell_point, drive_size}, d.point_values(drive_size));
+  if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, d.point_values(1));
 }
 
 } // namespace impact

@@ -10,16 +10,14 @@ namespace impact {
 FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const FatigueStep& step) {
   StateRow &fatigue = state.row("fatigue"), &history = state.row("history");
   FatigueGrowth growth{.dissipated = std::vector<double>(d.materials.size(), 0.0)};
-  for_each_batch(d, fatigues, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d, fatigues, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.template gather<Cell::dim>(d.mesh.coordinates()),
-               u = batch.template gather<Cell::dim>(*step.u),
-               u_n = batch.template gather<Cell::dim>(*step.u_n);
-    const auto phi = batch.template gather<1>(*step.phi);
-    const bool expands = law.parameters.alpha_t != 0, flows = law.flows() || frame == Frame::plane_stress;
-    Gathered<Cell, 1> theta, theta_n;
-    PointValues<Cell, history_size(frame)> now, before;
-    PointValues<Cell, 1> grown, old = batch.template load<1>(fatigue.committed);
+    const auto X = batch.vectors(d.mesh.coordinates()), u = batch.vectors(*step.u),
+               u_n = batch.vectors(*step.u_n), phi = batch.scalars(*step.phi);
+    const bool expands = law.parameters.alpha_t != 0, flows = law.flows() || d.frame == Frame::plane_stress;
+    NodalValues theta = batch.nodal(1), theta_n = batch.nodal(1);
+    auto now = batch.histories(), before = batch.histories();
+    auto grown = batch.points<1>(), old = batch.load<1>(fatigue.committed);
     FatigueInput in;
     in.X = X.data();
     in.u = u.data();
@@ -32,7 +30,7 @@ FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const Fat
     in.fatigue_n = old.data();
     in.dt = step.dt;
     FatigueSums sums;
-    if (batch.broken(fatigue_advance<Cell, frame>(law, in, grown.data(), sums)) != 0) growth.sound = false;
+    if (batch.broken(batch.kernels.fatigue_advance(law, in, grown.data(), sums)) != 0) growth.sound = false;
     batch.store(grown, fatigue.trial);
     growth.dissipated[batch.material()] += batch.sum(sums.dissipation);
     for (int l = 0; l < batch.used(); ++l) growth.least = std::min(growth.least, sums.least[l]);

@@ -16,7 +16,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       field_(d_, held_nodes(boundary_)), theta_(state.row("theta")), history_(state.row("history")),
       drive_(state.row("drive")), x_(d_.node_values(1)), r_(d_.node_values(1)), constant_(d_.node_values(1)),
       flows_(moves && d_.has_plasticity()) {
-  const std::size_t points = point_offsets(d_.groups, 1).back();
+  const std::size_t points = d_.point_values(1);
   points_.resize(points * heat_point_size);
   const int stresses = gradient_size(d_.frame);
   if (moves && settings_.form == HeatForm::energy)
@@ -101,12 +101,12 @@ void HeatProblem::begin(double t_n, double t) {
 
 namespace {
 
-// The values at both ends of a step become those at both ends of a part of it.
-template <class Values> void cut_to(double begin, double end, Values (&ends)[2]) {
-  for (std::size_t i = 0; i < ends[0].value.size(); ++i) {
-    const Batch change = ends[1].value[i] - ends[0].value[i], start = ends[0].value[i];
-    ends[1].value[i] = start + end * change;
-    ends[0].value[i] = start + begin * change;
+// What a row is at both ends of a part of the step.
+template <class Values> void cut_to(double begin, double end, Values& now, Values& before) {
+  for (int i = 0; i < now.size; ++i) {
+    const Batch change = now.value[i] - before.value[i], start = before.value[i];
+    now.value[i] = start + end * change;
+    before.value[i] = start + begin * change;
   }
 }
 
@@ -117,43 +117,47 @@ template <class Values> void cut_to(double begin, double end, Values (&ends)[2])
 template <class Body> bool HeatProblem::visit_batches(const std::vector<double>& theta, Body&& body) {
   const bool energy = settings_.form == HeatForm::energy;
   bool sound = true;
-  for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.template gather<Cell::dim>(d_.mesh.coordinates());
-    const auto now = batch.template gather<1>(theta), before = batch.template gather<1>(theta_at_start());
-    // Of each [start, end].
-    Gathered<Cell, Cell::dim> u[2];
-    Gathered<Cell, 1> phi[2];
-    PointValues<Cell, 1> worn[2], dissipation;
-    PointValues<Cell, history_size(frame)> A[2];
-    PointValues<Cell, drive_size> E[2];
-    PointValues<Cell, gradient_size(frame)> P[2];
+    const auto X = batch.vectors(d_.mesh.coordinates());
+    const auto now = batch.scalars(theta), before = batch.scalars(theta_at_start());
+    auto u = batch.nodal(d_.dim()), u_n = batch.nodal(d_.dim());
+    auto phi = batch.nodal(1), phi_n = batch.nodal(1);
+    auto A = batch.histories(), A_n = batch.histories();
+    auto E = batch.points<drive_size>(), E_n = batch.points<drive_size>();
+    auto P = batch.stresses(), P_n = batch.stresses();
+    auto dissipation = batch.points<1>(), worn = batch.points<1>(), worn_n = batch.points<1>();
     HeatInput in;
-    const auto put = [&](auto& ends, const std::vector<double>* end, const std::vector<double>* start,
-                         const Batch*& in_end, const Batch*& in_start, bool cuts = true) {
-      in_end = batch.read(end, ends[1]);
-      in_start = batch.read(start, ends[0]);
-      if (cuts && end && !window_.whole()) cut_to(window_.begin, window_.end, ends);
+    // What a field is at the ends of the window, for the kernels.
+    const auto put = [&](const std::vector<double>* end, auto& values, const Batch*& in_end,
+                         const std::vector<double>* start, auto& values_n, const Batch*& in_start,
+                         bool cuts = true) {
+      in_end = batch.read(end, values);
+      in_start = batch.read(start, values_n);
+      if (cuts && end && !window_.whole()) cut_to(window_.begin, window_.end, values, values_n);
+    };
+    const auto put_row = [&](const StateRow& row, auto& values, const Batch*& in_end, auto& values_n,
+                             const Batch*& in_start, bool cuts = true) {
+      put(&row.trial, values, in_end, &row.committed, values_n, in_start, cuts);
     };
     in.X = X.data();
     in.theta = now.data();
     in.theta_n = before.data();
-    put(u, step_.u, step_.u_n, in.u, in.u_n);
-    put(phi, step_.phi, step_.phi_n, in.phi, in.phi_n);
-    if (worn_ && law.fatigues()) put(worn, &worn_->trial, &worn_->committed, in.fatigue, in.fatigue_n);
+    put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
+    put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
+    if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
     const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
     if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
         (step_.u && d_.frame == Frame::plane_stress))
-      put(A, &history_.trial, &history_.committed, in.history, in.history_n);
+      put_row(history_, A, in.history, A_n, in.history_n);
     // The exchange of the entropy form takes the energies of the end, like damage.
-    if ((energy && law.softens()) || exchanges)
-      put(E, &drive_.trial, &drive_.committed, in.drive, in.drive_n, energy);
+    if ((energy && law.softens()) || exchanges) put_row(drive_, E, in.drive, E_n, in.drive_n, energy);
     // Linear in time like F: the works of the sub-steps add up to that of the step.
-    if (stress_) put(P, &step_stress_, &stress_->committed, in.stress, in.stress_n);
+    if (stress_) put(&step_stress_, P, in.stress, &stress_->committed, P_n, in.stress_n);
     if (!energy && step_.dissipation) {
       in.dissipation = batch.read(step_.dissipation, dissipation);
       if (!window_.whole())
-        for (Batch& lost : dissipation.value) lost *= window_.end - window_.begin;
+        for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
     }
     in.dt = t_ - t_n_;
     in.theta_h = settings_.theta;
@@ -166,15 +170,14 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
 bool HeatProblem::make_constant_part() {
   const Timed timed(Event::heat_loads);
   std::fill(constant_.begin(), constant_.end(), 0.0);
-  const bool sound = visit_batches(
-      x_, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
-        PointValues<Cell, heat_point_size> points;
-        Batches<Cell::nodes> r{};
-        const int bad = heat_step<Cell, frame>(batch.law, in, points.data(), r.data());
-        batch.store(points, points_);
-        batch.template scatter<1>(r.data(), constant_);
-        return bad;
-      });
+  const bool sound = visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
+    auto points = batch.points<heat_point_size>();
+    auto r = batch.zero(1);
+    const int bad = batch.kernels.heat_step(batch.law, in, points.data(), r.data());
+    batch.store(points, points_);
+    batch.scatter(r, constant_);
+    return bad;
+  });
   load_.assign(constant_.size(), 0.0);
   load_supplied_.assign(supplied_.by_condition.size(), 0.0);
   loads_.add_start(settings_.theta, t_ - t_n_, theta_at_start(), load_, load_supplied_);
@@ -188,14 +191,13 @@ bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec soluti
   supplied_.by_condition = load_supplied_;
   loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_.by_condition);
   for (double& value : r_) value = -value;
-  const bool sound = visit_batches(
-      theta, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
-        auto points = batch.template load<heat_point_size>(points_);
-        Batches<Cell::nodes> part{};
-        const int bad = heat_residual<Cell, frame>(batch.law, in, points.data(), part.data());
-        batch.template scatter<1>(part.data(), r_);
-        return bad;
-      });
+  const bool sound = visit_batches(theta, [&](const CellBatch& batch, const HeatInput& in) {
+    auto points = batch.load<heat_point_size>(points_);
+    auto part = batch.zero(1);
+    const int bad = batch.kernels.heat_residual(batch.law, in, points.data(), part.data());
+    batch.scatter(part, r_);
+    return bad;
+  });
   const bool all_sound = all_ranks_agree(d_.mesh.comm(), sound);
   field_.assemble(r_, f);
   for (const ContactHeat& contact : contacts_) contact.add_residual(solution, f);
@@ -212,13 +214,14 @@ void HeatProblem::residual(SNES, Vec x, Vec f) {
 void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
   const Timed timed(Event::heat_tangent);
   d_.scalar.to_local(x, x_);
+  CellMatrix K;
   field_.zero_matrix();
-  visit_batches(x_, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch, const HeatInput& in) {
-    auto points = batch.template load<heat_point_size>(points_);
-    Batches<Cell::nodes> r{};
-    Batches<Cell::nodes * Cell::nodes> K{};
-    const int bad = heat_tangent<Cell, frame>(batch.law, in, points.data(), r.data(), K.data());
-    field_.add(batch, K.data());
+  visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
+    auto points = batch.load<heat_point_size>(points_);
+    auto r = batch.zero(1);
+    const int bad =
+        batch.kernels.heat_tangent(batch.law, in, points.data(), r.data(), K.zeroed(batch.nodes()));
+    field_.add(batch, K);
     return bad;
   });
   field_.finish_matrix();

@@ -8,9 +8,7 @@ namespace impact {
 namespace {
 
 // Where the lanes of a batch begin in an array [group][batch][lane].
-template <class Cell, Frame frame> std::size_t first_lane(const CellBatch<Cell, frame>& batch) {
-  return batch.first_point / at(Cell::points) + at(batch.number) * lanes;
-}
+std::size_t first_lane(const CellBatch& batch) { return batch.first_cell + at(batch.number) * lanes; }
 
 } // namespace
 
@@ -52,16 +50,18 @@ void HeatLoads::evaluate(double t_n, double t, double theta) {
 
 void HeatLoads::evaluate(double t, int end) {
   for (Source& source : sources_)
-    for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-      const auto X = batch.template gather<Cell::dim>(X_);
-      PointValues<Cell, 1> value{};
-      for (std::size_t q = 0; q < value.size; ++q)
+    for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+      const auto X = batch.vectors(X_);
+      const int nodes = batch.nodes(), dim = d_.dim();
+      auto value = batch.points<1>();
+      for (int q = 0; q < value.size; ++q)
         for (std::size_t l = 0; l < lanes; ++l) {
+          value.value[q].set(static_cast<int>(l), 0);
           if (!source.inside[first_lane(batch) + l]) continue;
           double x[3] = {0, 0, 0};
-          for (std::size_t a = 0; a < at(Cell::nodes); ++a)
-            for (std::size_t k = 0; k < at(Cell::dim); ++k)
-              x[k] += shape_table<Cell>.N[q][a] * X.value[a * at(Cell::dim) + k][static_cast<int>(l)];
+          for (int a = 0; a < nodes; ++a)
+            for (int k = 0; k < dim; ++k)
+              x[k] += batch.group.shape->N[q * nodes + a] * X.value[a * dim + k][static_cast<int>(l)];
           value.value[q].set(static_cast<int>(l), boundary_.scalar_value(source.condition, x, t));
         }
       batch.store(value, source.value[end]);
@@ -82,20 +82,19 @@ void HeatLoads::add_start(double theta, double dt, const std::vector<double>& th
                           std::vector<double>& load, std::vector<double>& supplied) const {
   const double weight[2] = {(1 - theta) * dt, theta * dt};
   for (const Source& source : sources_)
-    for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+    for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
       const auto inside = source.inside.begin() + static_cast<std::ptrdiff_t>(first_lane(batch));
       if (std::none_of(inside, inside + lanes, [](char in) { return in != 0; })) return;
-      const auto X = batch.template gather<Cell::dim>(X_);
-      const auto before = batch.template load<1>(source.value[0]),
-                 now = batch.template load<1>(source.value[1]);
-      Batches<Cell::points> heat;
-      for (std::size_t q = 0; q < heat.size(); ++q)
+      const auto X = batch.vectors(X_);
+      const auto before = batch.load<1>(source.value[0]), now = batch.load<1>(source.value[1]);
+      auto heat = batch.points<1>();
+      for (int q = 0; q < heat.size; ++q)
         for (int l = 0; l < lanes; ++l)
-          heat[q].set(l, weight[0] * before.value[q][l] + weight[1] * now.value[q][l]);
-      Batches<Cell::nodes> r{};
+          heat.value[q].set(l, weight[0] * before.value[q][l] + weight[1] * now.value[q][l]);
+      auto r = batch.zero(1);
       Batch sum = 0;
-      heat_source<Cell, frame>(X.data(), heat.data(), r.data(), sum);
-      batch.template scatter<1>(r.data(), load);
+      batch.kernels.heat_source(X.data(), heat.data(), r.data(), sum);
+      batch.scatter(r, load);
       supplied[at(source.condition)] += batch.sum(sum);
     });
   if (theta == 1) return;

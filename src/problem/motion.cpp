@@ -99,14 +99,14 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
                               double unilateral, std::vector<double>& r) {
   broken_ = {};
   bool sound = true;
-  for_each_batch(d_, deformable, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionFields fields = step_fields(u, accel, batch.law);
     fields.unilateral = unilateral;
-    const MotionBatch<Cell, frame> cells(batch, fields);
-    Batches<Cell::nodes * Cell::dim> force{};
-    const CellStatus status = motion_residual<Cell, frame>(batch.law, cells.in, force.data());
+    const MotionBatch cells(batch, fields);
+    auto force = batch.zero(d_.dim());
+    const CellStatus status = batch.kernels.motion_residual(batch.law, cells.in, force.data());
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
-    batch.template scatter<Cell::dim>(force.data(), r);
+    batch.scatter(force, r);
   });
   return sound;
 }
@@ -206,7 +206,7 @@ std::string MotionProblem::broken_text() const {
   return text_of("%s (J=%.3g) at x=%s in material %s",
                  data[0] <= 0 ? "cell inverted" : "law failed in a cell", data[0],
                  place_text(data + 1, d_.dim(), "%.6g", ",").c_str(),
-                 d_.materials[static_cast<std::size_t>(data[4])].law.parameters.id.c_str());
+                 d_.materials[static_cast<std::size_t>(data[4])].id.c_str());
 }
 
 } // namespace impact

@@ -15,14 +15,16 @@ struct MotionFields {
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
-template <class Cell, Frame frame> struct MotionBatch {
-  Gathered<Cell, Cell::dim> X, u, u_n, accel;
-  Gathered<Cell, 1> phi, theta;
-  PointValues<Cell, history_size(frame)> history;
-  PointValues<Cell, drive_size> drive;
+struct MotionBatch {
+  NodalValues X, u, u_n, accel;
+  BatchArray<max_nodes> phi, theta;
+  PointValues<max_history_size> history;
+  PointValues<drive_size> drive;
   MotionInput in;
 
-  MotionBatch(const CellBatch<Cell, frame>& batch, const MotionFields& fields) {
+  MotionBatch(const CellBatch& batch, const MotionFields& fields)
+      : X(batch.nodes() * batch.d.dim()), u(X.size), u_n(X.size), accel(X.size), phi(batch.nodes()),
+        theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()) {
     in.X = batch.read(fields.X, X);
     in.u = batch.read(fields.u, u);
     in.u_n = batch.read(fields.u_n, u_n);

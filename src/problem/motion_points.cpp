@@ -18,16 +18,16 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
   const bool apart = heat.stress && step_.unilateral_scale != 1;
   double least = 0;
   bool sound = true;
-  for_each_batch(d_, deformable, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     MotionFields fields = step_fields(u_, nullptr, law);
     fields.unilateral = apart ? 0 : 1;
     if (law.softens()) fields.drive = &drive_.committed;
-    const MotionBatch<Cell, frame> cells(batch, fields);
-    PointValues<Cell, history_size(frame)> next;
-    PointValues<Cell, drive_size> driving;
-    PointValues<Cell, 1> dissipation;
-    PointValues<Cell, gradient_size(frame)> stress;
+    const MotionBatch cells(batch, fields);
+    auto next = batch.histories();
+    auto driving = batch.points<drive_size>();
+    auto dissipation = batch.points<1>();
+    auto stress = batch.stresses();
     StepSums step;
     const HeatFeed feed{heat.dissipation ? dissipation.data() : nullptr,
                         heat.stress ? stress.data() : nullptr};
@@ -36,10 +36,10 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
       MotionInput in = cells.in;
       in.unilateral = 2;
       StepSums unused;
-      motion_advance<Cell, frame>(law, in, trial, nullptr, unused, {nullptr, stress.data()});
+      batch.kernels.motion_advance(law, in, trial, nullptr, unused, {nullptr, stress.data()});
       batch.store(stress, *heat.step_stress);
     }
-    const CellStatus status = motion_advance<Cell, frame>(law, cells.in, trial, driving.data(), step, feed);
+    const CellStatus status = batch.kernels.motion_advance(law, cells.in, trial, driving.data(), step, feed);
     sound = batch.broken(status.bad) == 0 && sound;
     if (keeps_history(law)) batch.store(next, history_.trial);
     batch.store(driving, drive_.trial);

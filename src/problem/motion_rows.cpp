@@ -33,19 +33,18 @@ MotionRows::MotionRows(const Discretisation& d, const BoundaryData& boundary, co
 
 double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) const {
   double diagonal = 0;
-  for_each_batch(d_, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    constexpr int dim = Cell::dim, nodes = Cell::nodes, n = nodes * dim;
-    const auto X = batch.template gather<dim>(d_.mesh.coordinates());
-    Batches<nodes * nodes> m{};
-    mass_matrix<Cell, frame>(batch.law, X.data(), m.data());
-    Batches<n * n> K{};
+  CellMatrix m, K;
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    const int dim = d_.dim(), nodes = batch.nodes();
+    const auto X = batch.vectors(d_.mesh.coordinates());
+    batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
+    K.zeroed(nodes * dim);
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j < nodes; ++j)
-        for (int k = 0; k < dim; ++k)
-          K[at((i * dim + k) * n + j * dim + k)] = Batch(factor) * m[at(i * nodes + j)];
+        for (int k = 0; k < dim; ++k) K(i * dim + k, j * dim + k) = Batch(factor) * m(i, j);
     if (masked && rows_.held_batches[at(batch.number_of_group)][at(batch.number)])
-      mask<n>(batch.template gather<dim>(rows_.free).data(), K.data());
-    diagonal += batch.sum(trace<n>(K.data()));
+      K.mask(batch.vectors(rows_.free));
+    diagonal += batch.sum(K.trace());
     assembly.add(batch.number_of_group, batch.number, K.data());
   });
   return diagonal;

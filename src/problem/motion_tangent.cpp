@@ -60,18 +60,17 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
   d_.displacement.to_local(u, u_);
   bool sound = true;
   double diagonal = 0;
+  CellMatrix K;
   assembly_->zero();
-  for_each_batch(d_, deformable, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    constexpr int n = Cell::nodes * Cell::dim;
-    MotionBatch<Cell, frame> cells(batch, step_fields(u_, nullptr, batch.law));
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
+    MotionBatch cells(batch, step_fields(u_, nullptr, batch.law));
     cells.in.mass_shift = mass_shift;
     cells.in.symmetric = symmetric_;
-    Batches<n * n> K;
-    const CellStatus status = motion_tangent<Cell, frame>(batch.law, cells.in, nullptr, K.data());
+    const CellStatus status =
+        batch.kernels.motion_tangent(batch.law, cells.in, nullptr, K.sized(batch.nodes() * d_.dim()));
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
-    if (rows_.held_batches[at(batch.number_of_group)][at(batch.number)])
-      mask<n>(batch.template gather<Cell::dim>(rows_.free).data(), K.data());
-    diagonal += batch.sum(trace<n>(K.data()));
+    if (rows_.held_batches[at(batch.number_of_group)][at(batch.number)]) K.mask(batch.vectors(rows_.free));
+    diagonal += batch.sum(K.trace());
     assembly_->add(batch.number_of_group, batch.number, K.data());
   });
   close_tangent(u, true, diagonal, mass_shift);

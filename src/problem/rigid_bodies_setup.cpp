@@ -20,17 +20,16 @@ bool is_rigid(const Discretisation& d, const CellGroup& group) { return d.law(gr
 // int N_a N_b rho over the cells of rigid materials, to a visitor (node a, node b, value).
 template <class Visitor> void visit_masses(const Discretisation& d, Visitor&& visitor) {
   const auto rigid = [](const PointLaw& law) { return law.rigid(); };
-  for_each_batch(d, rigid, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    constexpr int nodes = Cell::nodes;
+  CellMatrix m;
+  for_each_batch(d, rigid, [&](const CellBatch& batch) {
+    const int nodes = batch.nodes();
     PointLaw law = batch.law;
     if (!(law.parameters.rho > 0)) law.parameters.rho = 1; // the volume then weighs
-    Batches<nodes * nodes> m{};
-    mass_matrix<Cell, frame>(law, batch.template gather<Cell::dim>(d.mesh.coordinates()).data(), m.data());
-    const int* node = batch_nodes<Cell>(batch.group, batch.number);
+    batch.kernels.mass_matrix(law, batch.vectors(d.mesh.coordinates()).data(), m.zeroed(nodes));
+    const int* node = batch_nodes(batch.group, batch.number);
     for (int l = 0; l < batch.used(); ++l)
       for (int i = 0; i < nodes; ++i)
-        for (int j = 0; j < nodes; ++j)
-          visitor(node[i * lanes + l], node[j * lanes + l], m[at(i * nodes + j)][l]);
+        for (int j = 0; j < nodes; ++j) visitor(node[i * lanes + l], node[j * lanes + l], m(i, j)[l]);
   });
 }
 
@@ -105,7 +104,7 @@ void RigidBodies::find_nodes(const Discretisation& d) {
         joined[part] = std::max(joined[part], group.material);
     }
   for (std::vector<int>* flags : {&rigid, &other, &material, &joined}) max_over_ranks(comm_, *flags);
-  const auto id = [&](int m) { return d.materials[at(m)].law.parameters.id; };
+  const auto id = [&](int m) { return d.materials[at(m)].id; };
   for (std::size_t part = 0; part < count; ++part)
     if (rigid[part] && other[part])
       throw UserError(ExitCode::data, "-material_" + id(-material[part]) +

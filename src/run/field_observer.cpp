@@ -25,7 +25,7 @@ void FieldObserver::open(std::optional<double> resume_after) {
   std::int64_t number = 0;
   for (const MaterialAssignment& m : d_.materials)
     for (const std::string& region : m.regions) {
-      file.regions += std::to_string(++number) + " " + region + " " + m.law.parameters.id + "\n";
+      file.regions += std::to_string(++number) + " " + region + " " + m.id + "\n";
       for (const PetscInt point : d_.mesh.region_cells(region))
         by_point[static_cast<std::size_t>(point - d_.mesh.cell_start())] = number;
     }

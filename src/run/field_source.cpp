@@ -65,67 +65,47 @@ std::vector<double> FieldSource::nodal(const std::string& name, const Snapshot& 
 // [group][batch][lane]
 std::vector<double> FieldSource::fatigue_means() const {
   const Discretisation& d = motion_.discretisation();
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
   const std::vector<double>& fatigue = state_.row("fatigue").committed;
-  const auto offset = point_offsets(d.groups, 1);
   std::vector<double> values;
-  for (std::size_t g = 0; g < d.groups.size(); ++g)
-    with_shape(d.groups[g], d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < d.groups[g].batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> reference(d.groups[g], b, X);
-        PointValues<Cell, 1> points;
-        points.load(fatigue, offset[g], b);
-        const Batch mean = cell_mean<Cell, frame>(reference.data(), points.data());
-        for (int l = 0; l < lanes; ++l) values.push_back(mean[l]);
-      }
-    });
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d.mesh.coordinates());
+    const Batch mean = batch.kernels.cell_mean(X.data(), batch.load<1>(fatigue).data());
+    for (int l = 0; l < lanes; ++l) values.push_back(mean[l]);
+  });
   return values;
 }
 
 std::vector<double> FieldSource::cellwise(const std::string& name, const Snapshot&, int& components) const {
   const Discretisation& d = motion_.discretisation();
   components = cell_field(name)->components;
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
+  if (name == "fatigue") return fatigue_means();
   const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
   const StateRow* phi_row = state_.find("phi");
   const StateRow* theta_row = state_.find("theta");
-  const auto offset = point_offsets(d.groups, history_size(d.frame));
-  std::size_t size = 0;
-  for (const CellGroup& group : d.groups) size += static_cast<std::size_t>(group.batch_count) * lanes;
-  std::vector<double> values(size * static_cast<std::size_t>(components));
-  if (name == "fatigue") return fatigue_means();
-  std::size_t cursor = 0;
-  for (std::size_t g = 0; g < d.groups.size(); ++g) {
-    const CellGroup& group = d.groups[g];
-    const PointLaw& law = d.law(group);
-    with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-      constexpr int dim = Cell::dim;
-      for (int b = 0; b < group.batch_count; ++b) {
-        const Gathered<Cell, dim> at(group, b, u), reference(group, b, X);
-        std::optional<Gathered<Cell, 1>> phi, theta;
-        if (phi_row) phi.emplace(group, b, phi_row->committed);
-        if (theta_row) theta.emplace(group, b, theta_row->committed);
-        PointValues<Cell, history_size(frame)> points;
-        points.load(history, offset[g], b);
-        MotionInput in;
-        in.X = reference.data();
-        in.u = at.data();
-        in.u_n =
-            at.data(); // the stress field leaves the viscous part out: it belongs to a step, not to a state
-        in.phi = phi_row ? phi->data() : nullptr;
-        in.theta = theta_row ? theta->data() : nullptr;
-        in.history = points.data();
-        CellOutput out;
-        cell_output<Cell, frame>(law, in, out);
-        const Batch* source = name == "stress"      ? out.stress
-                              : name == "von_mises" ? &out.von_mises
-                              : name == "pressure"  ? &out.pressure
-                                                    : &out.alpha;
-        for (int k = 0; k < components; ++k)
-          for (int l = 0; l < lanes; ++l) values[cursor++] = source[k][l];
-      }
-    });
-  }
+  std::vector<double> values;
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d.mesh.coordinates()), at = batch.vectors(u);
+    std::optional<NodalValues> phi, theta;
+    if (phi_row) phi = batch.scalars(phi_row->committed);
+    if (theta_row) theta = batch.scalars(theta_row->committed);
+    auto points = batch.histories();
+    batch.load(history, points);
+    MotionInput in;
+    in.X = X.data();
+    in.u = at.data();
+    in.u_n = at.data(); // the stress field leaves the viscous part out: it belongs to a step, not to a state
+    in.phi = phi_row ? phi->data() : nullptr;
+    in.theta = theta_row ? theta->data() : nullptr;
+    in.history = points.data();
+    CellOutput out;
+    batch.kernels.cell_output(batch.law, in, out);
+    const Batch* source = name == "stress"      ? out.stress
+                          : name == "von_mises" ? &out.von_mises
+                          : name == "pressure"  ? &out.pressure
+                                                : &out.alpha;
+    for (int k = 0; k < components; ++k)
+      for (int l = 0; l < lanes; ++l) values.push_back(source[k][l]);
+  });
   return values;
 }
 

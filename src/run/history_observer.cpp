@@ -14,42 +14,6 @@ namespace {
 
 constexpr const char* axis[3] = {"x", "y", "z"};
 
-// Reference coordinates of a point in a cell by Newton's method; false when it lies outside.
-template <class Cell> bool locate(const double* X, const double* at, double* N) {
-  constexpr int dim = Cell::dim;
-  typename Cell::Point xi = Cell::centroid();
-  for (int it = 0; it < 30; ++it) {
-    const auto shape = Cell::N(xi);
-    const auto slope = Cell::dN(xi);
-    Vector3 r{};
-    Matrix3 J = unit_matrix;
-    for (int i = 0; i < dim; ++i) {
-      const auto row = static_cast<std::size_t>(3 * i);
-      r[row / 3] = at[i];
-      for (std::size_t j = 0; j < dim; ++j) J[row + j] = 0;
-      for (std::size_t a = 0; a < Cell::nodes; ++a) {
-        const double x = X[static_cast<int>(a) * dim + i];
-        r[row / 3] -= shape[a] * x;
-        for (std::size_t j = 0; j < dim; ++j) J[row + j] += slope[a][j] * x;
-      }
-    }
-    const Vector3 d = inverse(J) * r;
-    double step = 0;
-    for (std::size_t i = 0; i < dim; ++i) {
-      xi[i] += d[i];
-      step = std::max(step, std::abs(d[i]));
-    }
-    if (!(step < 1e3)) return false;
-    if (step < 1e-13) break;
-  }
-  const auto shape = Cell::N(xi);
-  for (int a = 0; a < Cell::nodes; ++a) {
-    N[a] = shape[static_cast<std::size_t>(a)];
-    if (N[a] < -1e-9) return false;
-  }
-  return true;
-}
-
 // Where cell fields, [group][batch][component][lane], have the cell of a mesh point.
 void find_lane(const std::vector<CellGroup>& groups, PetscInt point, std::size_t& batch, std::size_t& lane) {
   std::size_t first = 0;
@@ -87,12 +51,12 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
-    const MaterialParameters& p = d.materials[m].law.parameters;
-    if (p.damage == Damage::none) continue;
+    const auto& [law, regions, id, points] = d.materials[m];
+    if (law.parameters.damage == Damage::none) continue;
     const int numbers = 4 * scenario_.crack_tips;
     cracks_.push_back(
-        {m, {}, state.add({"crack_" + p.id, Support::global, numbers}, static_cast<std::size_t>(numbers))});
-    for (const std::string& region : d.materials[m].regions) {
+        {m, {}, state.add({"crack_" + id, Support::global, numbers}, static_cast<std::size_t>(numbers))});
+    for (const std::string& region : regions) {
       const std::vector<int> more = d.mesh.nodes(region);
       cracks_.back().nodes.insert(cracks_.back().nodes.end(), more.begin(), more.end());
     }
@@ -125,32 +89,23 @@ void HistoryObserver::locate_probes() {
     std::vector<PetscInt> region =
         probe.region.empty() ? std::vector<PetscInt>() : d.mesh.region_cells(probe.region);
     for (const CellTable& table : d.mesh.cells())
-      visit(table.shape, [&]<class Cell>(Cell) {
-        for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
-          if (!probe.region.empty() &&
-              std::find(region.begin(), region.end(), table.point[c]) == region.end())
-            continue;
-          if (probe.region.empty() &&
-              std::find(obstacles.begin(), obstacles.end(), table.point[c]) != obstacles.end())
-            continue;
-          double X[Cell::nodes * Cell::dim], N[Cell::nodes];
-          for (int a = 0; a < Cell::nodes; ++a)
-            for (int k = 0; k < Cell::dim; ++k)
-              X[a * Cell::dim + k] = d.mesh.coordinates()[static_cast<std::size_t>(
-                  table.connectivity[c * static_cast<std::size_t>(Cell::nodes) +
-                                     static_cast<std::size_t>(a)] *
-                      Cell::dim +
-                  k)];
-          if (!locate<Cell>(X, probe.at, N)) continue;
-          found.count = Cell::nodes;
-          find_lane(d.groups, table.point[c], found.batch, found.lane);
-          for (int a = 0; a < Cell::nodes; ++a) {
-            found.nodes[a] =
-                table.connectivity[c * static_cast<std::size_t>(Cell::nodes) + static_cast<std::size_t>(a)];
-            found.N[a] = N[a];
-          }
-        }
-      });
+      for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
+        if (!probe.region.empty() && std::find(region.begin(), region.end(), table.point[c]) == region.end())
+          continue;
+        if (probe.region.empty() &&
+            std::find(obstacles.begin(), obstacles.end(), table.point[c]) != obstacles.end())
+          continue;
+        const int nodes = table.shape->nodes, dim = d.dim();
+        const int* node = &table.connectivity[c * static_cast<std::size_t>(nodes)];
+        double X[3 * max_nodes], N[max_nodes];
+        for (int i = 0; i < nodes * dim; ++i)
+          X[i] = d.mesh.coordinates()[static_cast<std::size_t>(node[i / dim] * dim + i % dim)];
+        if (!locate(table.shape, X, probe.at, N)) continue;
+        found.count = nodes;
+        find_lane(d.groups, table.point[c], found.batch, found.lane);
+        std::copy_n(node, nodes, found.nodes);
+        std::copy_n(N, nodes, found.N);
+      }
     // The lowest rank that holds the point keeps it.
     int rank = 0, size = 1;
     MPI_Comm_rank(d.mesh.comm(), &rank);
@@ -225,19 +180,20 @@ void HistoryObserver::append_cracks(HistoryFile::Row& row) {
       cracked[static_cast<std::size_t>(node)] =
           phi_->committed[static_cast<std::size_t>(node)] > scenario_.crack_level;
     const int count = follow_cracks(d.mesh, d.scalar, cracked, phi_before_, cracks);
-    row.emplace_back("crack_" + p.id + "_count", count);
+    row.emplace_back("crack_" + d.materials[m].id + "_count", count);
     for (std::size_t i = 0; i < cracks.size(); ++i) {
       const Crack& crack = cracks[i];
       kept.committed[4 * i] = crack.there;
       std::copy_n(crack.origin.begin(), 3, &kept.committed[4 * i + 1]);
-      const std::string id = "crack_" + p.id + (i > 0 ? "_" + std::to_string(i + 1) : "");
+      const std::string id = "crack_" + d.materials[m].id + (i > 0 ? "_" + std::to_string(i + 1) : "");
       for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
         row.emplace_back(id + "_origin_" + axis[k], crack.there ? crack.origin[k] : NAN);
       for (std::size_t k = 0; k < static_cast<std::size_t>(d.dim()); ++k)
         row.emplace_back(id + "_tip_" + axis[k], crack.there && !crack.joined ? crack.tip[k] : NAN);
     }
     kept.trial = kept.committed;
-    row.emplace_back("crack_" + p.id + "_measure", ledger_.energies().of[m].fracture / (p.Gc * d.thickness));
+    row.emplace_back("crack_" + d.materials[m].id + "_measure",
+                     ledger_.energies().of[m].fracture / (p.Gc * d.thickness));
   }
   phi_before_ = phi_->committed;
 }

@@ -71,14 +71,13 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
       p.b_d = p.alpha_t = 0;
       p.locking = Locking::none;
     }
-    materials.push_back({PointLaw{p}, m.regions});
+    materials.push_back({PointLaw{p}, m.regions, m.id, m.points});
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;
-    p.id = body.cell.region;
     p.model = Model::rigid;
     p.rho = body.density;
-    materials.push_back({PointLaw{p}, {body.cell.region}});
+    materials.push_back({PointLaw{p}, {body.cell.region}, body.cell.region});
   }
   return materials;
 }

@@ -14,31 +14,31 @@ namespace {
 // The choice of a locking cure, and a word where there is none: for each material and shape, once.
 void report_locking(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion() || s.plane == PlaneMode::stress) return;
-  constexpr const char* names[] = {"linear triangles", "quadrilaterals", "linear tetrahedra", "hexahedra"};
-  constexpr std::size_t shapes = 4;
+  const std::size_t shapes = known_shapes().size();
   std::vector<int> found(d.materials.size() * shapes, 0);
   for (const CellGroup& group : d.groups)
-    found[static_cast<std::size_t>(group.material) * shapes + static_cast<std::size_t>(group.shape)] = 1;
+    found[static_cast<std::size_t>(group.material) * shapes +
+          static_cast<std::size_t>(index_of(group.shape))] = 1;
   MPI_Allreduce(MPI_IN_PLACE, found.data(), static_cast<int>(found.size()), MPI_INT, MPI_MAX, d.mesh.comm());
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const PointLaw& law = d.materials[i / shapes].law;
+    const auto& [law, regions, id, points] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
-    const auto shape = static_cast<Shape>(i % shapes);
-    const bool simplex = shape == Shape::tri3 || shape == Shape::tet4;
+    const Shape shape = known_shapes()[i % shapes];
+    const bool simplex = shape->simplex();
     if (!found[i]) continue;
     if (!simplex && p.locking != Locking::none)
-      check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", p.id.c_str(),
-                        names[i % shapes], p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
+      check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),
+                        shape->names.plural, p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
     // Cells that have a choice of cures lock at the user's will.
     if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
     check(PetscPrintf(
         d.mesh.comm(),
-        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n",
-        p.id.c_str(), names[i % shapes],
+        "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
+        shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
-        !simplex               ? "another -material_<id>_split"
-        : shape == Shape::tri3 ? "quadrilaterals (Recombine Surface in the .geo)"
-                               : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
+        !simplex          ? "another -material_<id>_split"
+        : shape->dim == 2 ? "quadrilaterals (Recombine Surface in the .geo)"
+                          : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
   }
 }
 
@@ -110,7 +110,7 @@ std::string values_text(const Scenario& s, const std::string& id) {
   std::string text;
   for (const MaterialScenario& material : s.materials)
     for (const auto& [name, value, said] : material.options)
-      if (const auto literal = split_literal(said); literal && material.law.id == id)
+      if (const auto literal = split_literal(said); literal && material.id == id)
         text += ", " + name + " " + said +
                 (parse_number(literal->number) == parse_number(value) ? "" : " (" + value + ")");
   return text;
@@ -123,8 +123,9 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   for (const std::string& region : m.regions)
     for (const PetscInt cell : d.mesh.region_cells(region)) cells.push_back(cell);
   // Half a square, a sixth of a cube.
-  const bool simplex = d.mesh.has_shape(d.dim() == 2 ? Shape::tri3 : Shape::tet4) &&
-                       !d.mesh.has_shape(d.dim() == 2 ? Shape::quad4 : Shape::hex8);
+  const auto shapes = known_shapes();
+  const bool simplex = std::all_of(shapes.begin(), shapes.end(),
+                                   [&](Shape shape) { return shape->simplex() || !d.mesh.has_shape(shape); });
   const Extent extent = extent_of(d, cells, simplex ? (d.dim() == 2 ? 2 : 6) : 1);
   const std::string damage =
       p.damage == Damage::none
@@ -133,34 +134,34 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                 (p.split == Split::spectral     ? ", spectral split"
                  : p.split == Split::volumetric ? ", volumetric split"
                                                 : ", no split");
-  check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", p.id.c_str(),
+  check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", m.id.c_str(),
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"
                                            : "elastic",
-                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, p.id).c_str(),
+                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, m.id).c_str(),
                     p.rho * extent.size, extent.narrowest, extent.widest));
   if (p.damage != Damage::none) {
     // A crack is a row of broken cells and what stands beside it (Bourdin, Francfort, Marigo 2008, 8.1).
     check(PetscPrintf(
         comm, "material %s: gamma is %.3g to %.3g cells wide; a crack along the narrowest takes %.3g Gc\n",
-        p.id.c_str(), p.gamma / extent.widest, p.gamma / extent.narrowest,
+        m.id.c_str(), p.gamma / extent.widest, p.gamma / extent.narrowest,
         1 + (p.damage == Damage::at1 ? 0.375 : 0.5) * extent.narrowest / p.gamma));
     // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
     if (p.gamma < 2 * (1 - 1e-6) * extent.narrowest)
       check(PetscPrintf(comm,
                         "impact: WARNING: -material_%s_gamma %.4g is %.3g times its narrowest cell %.4g: a "
                         "crack wants at least 2, or it takes more than Gc; refine where it will run\n",
-                        p.id.c_str(), p.gamma, p.gamma / extent.narrowest, extent.narrowest));
+                        m.id.c_str(), p.gamma, p.gamma / extent.narrowest, extent.narrowest));
     if (p.gamma > extent.length)
       check(
           PetscPrintf(comm,
                       "impact: WARNING: -material_%s_gamma %.4g is %.3g times the size %.4g of its body: no "
                       "crack has room in it; is the unit right?\n",
-                      p.id.c_str(), p.gamma, p.gamma / extent.length, extent.length));
+                      m.id.c_str(), p.gamma, p.gamma / extent.length, extent.length));
   }
   if (s.has_inertia() && !m.law.rigid() && p.rho > 0) {
     const double speed = std::sqrt((p.K + 4 * p.G / 3) / p.rho);
-    check(PetscPrintf(comm, "material %s: h/c_p from %.3g, c_p %.6g\n", p.id.c_str(),
+    check(PetscPrintf(comm, "material %s: h/c_p from %.3g, c_p %.6g\n", m.id.c_str(),
                       extent.narrowest / speed, speed));
   }
 }
@@ -210,7 +211,7 @@ void report_setup(const Scenario& s, const Discretisation& d) {
   if (s.has_heat())
     for (const MaterialAssignment& m : d.materials)
       check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",
-                        m.law.parameters.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
+                        m.id.c_str(), m.law.parameters.c_v, m.law.parameters.conductivity,
                         m.law.parameters.alpha_t, m.law.parameters.theta0));
   report_locking(s, d);
   report_late(comm, s);

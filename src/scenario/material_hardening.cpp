@@ -46,7 +46,8 @@ void read_table(Material& target, const GivenOption& option, const OptionContext
     const LinearTable table = parse_table(text);
     std::vector<std::pair<double, double>> points;
     for (std::size_t i = 0; i < table.t.size(); ++i) points.emplace_back(table.t[i], table.value[i]);
-    target.law.table = std::make_shared<const HardeningTable>(points);
+    target.points = std::make_shared<const HardeningTable>(points);
+    target.law.table = target.points.get();
   } catch (const std::invalid_argument& reason) {
     refuse_option(option, std::string(reason.what()) +
                               "; allowed: a file with two columns of numbers, alpha from 0 and k > 0");

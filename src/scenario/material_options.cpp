@@ -141,7 +141,6 @@ Split automatic_split(const Material& m, const Scenario& scenario) {
 /// The law from what the user said.
 void resolve(Material& m, const Scenario& scenario) {
   Law& law = m.law;
-  law.id = m.id;
   if (given(m.K)) {
     law.K = m.K;
     law.G = m.G;

@@ -43,7 +43,7 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
   pass_.u = d.displacement.make_local();
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
-  if (fields_.heat || exchanges(d)) pass_.dissipation.resize(point_offsets(d.groups, 1).back());
+  if (fields_.heat || exchanges(d)) pass_.dissipation.resize(d.point_values(1));
   const SNES snes = Get(TSGetSNES)(ts_);
   check(SNESSetOptionsPrefix(snes, "coupling_"));
   make_pass_shell(snes, shell_);
@@ -209,8 +209,7 @@ bool Coupling::advance_points(Vec u, PassResult& result) {
     return false;
   }
   const Discretisation& d = fields_.motion.discretisation();
-  std::string refusal =
-      limits_.plastic_strain(d.mesh.comm(), fields_.state.row("history"), history_alpha(d.frame));
+  std::string refusal = limits_.plastic_strain(d.mesh.comm(), d.frame, fields_.state.row("history"));
   if (!refusal.empty()) refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
   return result.inner >= 0;
 }

@@ -23,15 +23,16 @@ constexpr double least_stiffness = 1e-7;
 // [local node] reference volume (area in the plane, of the full ring with its symmetry), all ranks' shares.
 std::vector<double> nodal_volumes(const Discretisation& d) {
   std::vector<double> volume(d.node_values(1));
-  for_each_batch(d, all_laws, [&]<class Cell, Frame frame>(const CellBatch<Cell, frame>& batch) {
-    constexpr int nodes = Cell::nodes;
+  CellMatrix m;
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    const int nodes = batch.nodes();
     PointLaw unit = batch.law;
     unit.parameters.rho = 1;
-    Batches<nodes * nodes> m{};
-    mass_matrix<Cell, frame>(unit, batch.template gather<Cell::dim>(d.mesh.coordinates()).data(), m.data());
-    Batches<nodes> sum{};
-    for (std::size_t i = 0; i < m.size(); ++i) sum[i / at(nodes)] += m[i];
-    batch.template scatter<1>(sum.data(), volume);
+    batch.kernels.mass_matrix(unit, batch.vectors(d.mesh.coordinates()).data(), m.zeroed(nodes));
+    auto sum = batch.zero(1);
+    for (int i = 0; i < nodes; ++i)
+      for (int j = 0; j < nodes; ++j) sum.value[i] += m(i, j);
+    batch.scatter(sum, volume);
   });
   add_up(d.scalar, volume);
   return volume;

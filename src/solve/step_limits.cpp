@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/kernel/point_rows.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
@@ -26,13 +27,9 @@ StepLimits::Refusal StepLimits::damage(double growth) {
   return limit("phi grows", growth, "dphi", settings_.max_dphi);
 }
 
-StepLimits::Refusal StepLimits::plastic_strain(MPI_Comm comm, const StateRow& history, int alpha) {
+StepLimits::Refusal StepLimits::plastic_strain(MPI_Comm comm, Frame frame, const StateRow& history) {
   if (settings_.max_dalpha <= 0) return "";
-  const auto step = at(history.components) * lanes;
-  double growth = 0;
-  for (std::size_t i = at(alpha) * lanes; i < history.trial.size(); i += step)
-    for (std::size_t l = 0; l < lanes; ++l)
-      growth = std::max(growth, history.trial[i + l] - history.committed[i + l]);
+  const double growth = largest_growth(frame, history.committed, history.trial);
   return limit("the plastic strain grows", max_over_ranks(comm, growth), "dalpha", settings_.max_dalpha);
 }
 

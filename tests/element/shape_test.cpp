@@ -1,6 +1,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 
 using namespace impact;
 
@@ -11,14 +11,13 @@ using Cells = testing::Types<Tri3, Quad4, Tet4, Hex8>;
 TYPED_TEST_SUITE(Shapes, Cells);
 
 /// Integral of x^a y^b z^c over the reference cell.
-double exact_moment(Shape s, const int (&power)[3]) {
+template <class Cell> double exact_moment(const int (&power)[3]) {
   const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
-  if (s == Shape::tri3) return factorial(power[0]) * factorial(power[1]) / factorial(power[0] + power[1] + 2);
-  if (s == Shape::tet4)
+  if (Cell::nodes == Cell::dim + 1)
     return factorial(power[0]) * factorial(power[1]) * factorial(power[2]) /
-           factorial(power[0] + power[1] + power[2] + 3);
+           factorial(power[0] + power[1] + power[2] + Cell::dim);
   double m = 1;
-  for (int i = 0; i < dimension(s); ++i) m *= power[i] % 2 ? 0 : 2.0 / (power[i] + 1);
+  for (int i = 0; i < Cell::dim; ++i) m *= power[i] % 2 ? 0 : 2.0 / (power[i] + 1);
   return m;
 }
 
@@ -71,15 +70,39 @@ TYPED_TEST(Shapes, RuleIntegratesQuadraticsExactly) { // hence N_a N_b of affine
           for (int i = 0; i < TypeParam::dim; ++i) f *= std::pow(TypeParam::point(q)[unsigned(i)], power[i]);
           sum += f;
         }
-        EXPECT_NEAR(sum, exact_moment(TypeParam::shape, power), 1e-14) << a << b << c;
+        EXPECT_NEAR(sum, exact_moment<TypeParam>(power), 1e-14) << a << b << c;
       }
 }
 
-TYPED_TEST(Shapes, VisitReachesTheShape) {
-  visit(TypeParam::shape, [](auto cell) {
-    EXPECT_EQ(decltype(cell)::shape, TypeParam::shape);
-    EXPECT_EQ(node_count(decltype(cell)::shape), TypeParam::nodes);
-    EXPECT_EQ(point_count(decltype(cell)::shape), TypeParam::points);
-    EXPECT_EQ(dimension(decltype(cell)::shape), TypeParam::dim);
-  });
+// What a mesh and its files take for a facet: its nodes lie on one side of the cell and every other node on
+// the other.
+TYPED_TEST(Shapes, FacetsHaveTheirNormalsOutward) {
+  using Cell = TypeParam;
+  const auto place = [](int node) {
+    std::array<double, 3> x{};
+    for (unsigned i = 0; i < Cell::dim; ++i)
+      if constexpr (Cell::nodes == Cell::dim + 1)
+        x[i] = node == int(i) + 1;
+      else
+        x[i] = Cell::sign[node][i];
+    return x;
+  };
+  for (const CellFacet& facet : Cell::facets) {
+    const auto a = place(facet[0]), b = place(facet[1]), c = Cell::dim == 3 ? place(facet[2]) : a;
+    std::array<double, 3> n = {b[1] - a[1], a[0] - b[0], 0};
+    if (Cell::dim == 3)
+      for (unsigned i = 0; i < 3; ++i) {
+        const unsigned j = (i + 1) % 3, k = (i + 2) % 3;
+        n[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
+      }
+    int inside = 0;
+    for (int node = 0; node < Cell::nodes; ++node) {
+      const auto x = place(node);
+      double height = 0;
+      for (unsigned i = 0; i < 3; ++i) height += n[i] * (x[i] - a[i]);
+      EXPECT_LE(height, 0);
+      inside += height < 0;
+    }
+    EXPECT_EQ(inside, Cell::nodes - node_count(facet));
+  }
 }

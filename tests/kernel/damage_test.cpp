@@ -104,7 +104,7 @@ struct UniformCell {
       Batch r[4], K[16];
       for (auto& x : r) x = 0.0;
       for (auto& x : K) x = 0.0;
-      damage_tangent<Quad4, Frame::plane_strain>(law, in, r, K);
+      kernels<Quad4, Frame::plane_strain>().damage_tangent(law, in, r, K);
       double sum = 0, slope = 0;
       for (auto& x : r) sum += x[0];
       for (auto& x : K) slope += x[0];
@@ -156,8 +156,8 @@ TYPED_TEST(DamageCell, ResidualAndTangentAreThoseOfTheWeakForm) {
     Batch r[n], only[n], K[n * n];
     for (int a = 0; a < n; ++a) r[a] = only[a] = 0.0;
     for (auto& x : K) x = 0.0;
-    EXPECT_EQ((damage_tangent<Cell, frame>(PointLaw{m}, in, r, K)), 0);
-    EXPECT_EQ((damage_residual<Cell, frame>(PointLaw{m}, in, only)), 0);
+    EXPECT_EQ((kernels<Cell, frame>().damage_tangent(PointLaw{m}, in, r, K)), 0);
+    EXPECT_EQ((kernels<Cell, frame>().damage_residual(PointLaw{m}, in, only)), 0);
     for (int l = 0; l < lanes; ++l) {
       const auto& c = cases[unsigned(l)];
       const std::vector<double> phi(c.phi, c.phi + n);
@@ -204,7 +204,7 @@ TYPED_TEST(DamageCell, ABentUpTangentIsPositiveAndNeverSofterThanTheDerivative) 
       for (auto& x : side) x = 0.0;
     for (const bool convex : {false, true}) {
       in.convex = convex;
-      EXPECT_EQ((damage_tangent<Cell, frame>(PointLaw{m}, in, r, K[convex])), 0);
+      EXPECT_EQ((kernels<Cell, frame>().damage_tangent(PointLaw{m}, in, r, K[convex])), 0);
     }
     for (int trial = 0; trial < 20; ++trial) {
       double x[n], quadratic[2] = {0, 0}, size = 0;
@@ -405,7 +405,7 @@ Profile profile(double h_over_gamma, double stretch) {
   Batch r[4], K[16];
   for (auto& x : r) x = 0.0;
   for (auto& x : K) x = 0.0;
-  damage_tangent<Quad4, Frame::plane_strain>(law, in, r, K);
+  kernels<Quad4, Frame::plane_strain>().damage_tangent(law, in, r, K);
   // nodes 0, 3 on the left and 1, 2 on the right carry the same value: a 2x2 cell matrix, Thomas algorithm
   const int side[4] = {0, 1, 1, 0};
   double k[2][2] = {{0, 0}, {0, 0}};
@@ -424,7 +424,7 @@ Profile profile(double h_over_gamma, double stretch) {
     EnergyInput e;
     e.X = X, e.u = u, e.phi = nodal;
     EnergySums sums;
-    stored_energy<Quad4, Frame::plane_strain>(law, e, sums);
+    kernels<Quad4, Frame::plane_strain>().stored_energy(law, e, sums);
     energy += sums.fracture[0];
   }
   return {phi[unsigned(std::lround(1 / h_over_gamma))], 2 * energy / (m.Gc * h)};
@@ -449,7 +449,7 @@ TEST(Damage, DissipationOfAStep) { // lambda (phi - phi_n)^2 / dt over the volum
   for (auto& p : cell.phi_n) p = 0.2;
   for (auto& p : cell.phi) p = 0.25;
   Batch points[Quad4::points] = {};
-  damage_dissipation<Quad4>(cell.law, cell.phi, cell.phi_n, 1e-5, points);
-  const Batch sum = cell_integral<Quad4, Frame::plane_strain>(cell.X, points);
+  kernels<Quad4, Frame::plane_strain>().damage_dissipation(cell.law, cell.phi, cell.phi_n, 1e-5, points);
+  const Batch sum = kernels<Quad4, Frame::plane_strain>().cell_integral(cell.X, points);
   EXPECT_NEAR(sum[0], 0.8 / 1e-3 * 0.05 * 0.05 / 1e-5 * 1e-6, 1e-12 * sum[0]);
 }

@@ -61,7 +61,7 @@ std::vector<Matrix<double>> undamaged_stress(MaterialParameters m, const referen
 TYPED_TEST(FatigueCell, GrowthIsThatOfThePlainElement) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;
-  constexpr int d = Cell::dim, size = history_size(d);
+  constexpr int d = Cell::dim, size = history_size(frame);
   using History = std::vector<PointHistory<double, d>>;
   Sampler random(61);
   int negative = 0;
@@ -88,7 +88,7 @@ TYPED_TEST(FatigueCell, GrowthIsThatOfThePlainElement) {
     in.theta = in.theta_n = batch.theta;
     in.history = batch.history, in.history_n = history_n, in.fatigue_n = old, in.dt = dt;
     FatigueSums sums;
-    EXPECT_EQ((fatigue_advance<Cell, frame>(PointLaw{m}, in, grown, sums)), 0);
+    EXPECT_EQ((kernels<Cell, frame>().fatigue_advance(PointLaw{m}, in, grown, sums)), 0);
     for (int l = 0; l < lanes; ++l) {
       const auto& c = cases[unsigned(l)];
       const auto S = undamaged_stress(m, c, c.u, History(c.history, c.history + Cell::points));
@@ -140,15 +140,15 @@ TYPED_TEST(FatigueCell, EnergyAndHeatAreThoseOfThePotential) {
     in.form = form, in.dt = 1e-3;
     Batch with[n], without[n];
     for (int a = 0; a < n; ++a) with[a] = without[a] = 0.0;
-    EXPECT_EQ((heat_step<Cell, frame>(PointLaw{m}, in, points, without)), 0);
+    EXPECT_EQ((kernels<Cell, frame>().heat_step(PointLaw{m}, in, points, without)), 0);
     in.fatigue = now, in.fatigue_n = old;
-    EXPECT_EQ((heat_step<Cell, frame>(PointLaw{m}, in, points, with)), 0);
+    EXPECT_EQ((kernels<Cell, frame>().heat_step(PointLaw{m}, in, points, with)), 0);
     EnergyInput stored;
     stored.X = batch.X, stored.u = batch.u, stored.phi = batch.phi, stored.history = batch.history;
     stored.fatigue = now;
     EnergySums sums;
-    stored_energy<Cell, frame>(PointLaw{m}, stored, sums);
-    const Batch mean = cell_mean<Cell, frame>(batch.X, now);
+    kernels<Cell, frame>().stored_energy(PointLaw{m}, stored, sums);
+    const Batch mean = kernels<Cell, frame>().cell_mean(batch.X, now);
     for (int l = 0; l < lanes; ++l) {
       const auto& c = cases[unsigned(l)];
       double expected[n] = {}, scale = 0, energy = 0, volume = 0, integral = 0;
@@ -202,13 +202,13 @@ TEST(Fatigue, WorkOfAStepIsTheChangeOfTheElasticEnergyToThirdOrder) {
     FatigueInput in;
     in.X = X, in.u = u, in.u_n = u_n, in.phi = phi, in.fatigue_n = none;
     FatigueSums sums;
-    fatigue_advance<Quad4, Frame::plane_strain>(PointLaw{m}, in, grown, sums);
+    kernels<Quad4, Frame::plane_strain>().fatigue_advance(PointLaw{m}, in, grown, sums);
     EnergySums now, before;
     EnergyInput at;
     at.X = X, at.u = u;
-    stored_energy<Quad4, Frame::plane_strain>(PointLaw{m}, at, now);
+    kernels<Quad4, Frame::plane_strain>().stored_energy(PointLaw{m}, at, now);
     at.u = u_n;
-    stored_energy<Quad4, Frame::plane_strain>(PointLaw{m}, at, before);
+    kernels<Quad4, Frame::plane_strain>().stored_energy(PointLaw{m}, at, before);
     const double work = grown[0][0] / (m.fatigue_a / m.gamma * 0.25);
     error[k] = std::fabs(work - (now.elastic[0] - before.elastic[0]));
     EXPECT_LT(error[k], 0.02 * work);

@@ -148,8 +148,8 @@ template <class Cell, Frame frame>
 std::vector<Batch> whole_residual(const PointLaw& law, const HeatInput& in) {
   Batch points[Cell::points * heat_point_size];
   std::vector<Batch> r(Cell::nodes, Batch(0.0));
-  EXPECT_EQ((heat_step<Cell, frame>(law, in, points, r.data())), 0);
-  EXPECT_EQ((heat_residual<Cell, frame>(law, in, points, r.data())), 0);
+  EXPECT_EQ((kernels<Cell, frame>().heat_step(law, in, points, r.data())), 0);
+  EXPECT_EQ((kernels<Cell, frame>().heat_residual(law, in, points, r.data())), 0);
   return r;
 }
 
@@ -186,15 +186,15 @@ TYPED_TEST(HeatCell, TangentIsTheDerivativeOfTheResidualAndSymmetric) {
     in.theta_h = k % 3 ? 1 : 0.5;
     Batch points[Cell::points * heat_point_size], theta[Cell::nodes];
     std::vector<Batch> r(Cell::nodes, Batch(0.0)), K(Cell::nodes * Cell::nodes, Batch(0.0));
-    heat_step<Cell, frame>(law, in, points, r.data());
-    EXPECT_EQ((heat_tangent<Cell, frame>(law, in, points, r.data(), K.data())), 0);
+    kernels<Cell, frame>().heat_step(law, in, points, r.data());
+    EXPECT_EQ((kernels<Cell, frame>().heat_tangent(law, in, points, r.data(), K.data())), 0);
     const auto at = [&](int node, double h) {
       for (int a = 0; a < Cell::nodes; ++a) theta[a] = in.theta[a];
       theta[node] += Batch(h);
       HeatInput moved = in;
       moved.theta = theta;
       std::vector<Batch> f(Cell::nodes, Batch(0.0));
-      heat_residual<Cell, frame>(law, moved, points, f.data());
+      kernels<Cell, frame>().heat_residual(law, moved, points, f.data());
       return f;
     };
     for (int b = 0; b < Cell::nodes; ++b) {
@@ -238,17 +238,17 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
       in.u = u[end], in.phi = phi[end], in.theta = theta[end];
       in.drive = end ? drive[0] : drive_n;
       StepSums sums;
-      motion_advance<Cell, frame>(law, in, history[end], drive[end], sums, {nullptr, stress[end]});
+      kernels<Cell, frame>().motion_advance(law, in, history[end], drive[end], sums, {nullptr, stress[end]});
       for (auto& f : force[end]) f = 0;
-      motion_residual<Cell, frame>(law, in, force[end]);
+      kernels<Cell, frame>().motion_residual(law, in, force[end]);
       EnergyInput at;
       at.X = c.batch.X, at.u = u[end], at.phi = phi[end], at.theta = theta[end];
       at.history = m.model == Model::j2 ? history[end] : nullptr;
       at.drive = drive[end];
       EnergySums energies;
       HeatSums heat;
-      stored_energy<Cell, frame>(law, at, energies);
-      stored_heat<Cell, frame>(law, at, heat);
+      kernels<Cell, frame>().stored_energy(law, at, energies);
+      kernels<Cell, frame>().stored_heat(law, at, heat);
       stored += (end ? 1.0 : -1.0) * (energies.elastic + energies.plastic + energies.fracture + heat.energy);
     }
     for (int i = 0; i < dofs; ++i) work += 0.5 * (force[0][i] + force[1][i]) * (u[1][i] - u[0][i]);
@@ -332,8 +332,9 @@ TYPED_TEST(HeatCell, MotionTellsItsDissipationAtThePoints) {
     Batch history[Cell::points * history_size(frame)], plain[Cell::points * history_size(frame)],
         drive[Cell::points * drive_size], dissipation[Cell::points];
     StepSums sums, without;
-    motion_advance<Cell, frame>(law, batch.input(cells[0].dt), history, drive, sums, {dissipation, nullptr});
-    motion_advance<Cell, frame>(law, batch.input(cells[0].dt), plain, drive, without);
+    kernels<Cell, frame>().motion_advance(law, batch.input(cells[0].dt), history, drive, sums,
+                                          {dissipation, nullptr});
+    kernels<Cell, frame>().motion_advance(law, batch.input(cells[0].dt), plain, drive, without, {});
     EXPECT_GT(lane_total(without.plastic_dissipation), 0);
     EXPECT_GT(lane_total(without.viscous_dissipation), 0);
     for (int l = 0; l < lanes; ++l) {
@@ -361,7 +362,7 @@ TYPED_TEST(HeatCell, RefusesATemperatureThatIsNotPositive) {
     r[a] = 0;
   }
   const PointLaw law{hot_aluminium(2)};
-  heat_step<Cell, frame>(law, in, points, r);
+  kernels<Cell, frame>().heat_step(law, in, points, r);
   in.theta = theta;
-  EXPECT_EQ((heat_residual<Cell, frame>(law, in, points, r)), 2);
+  EXPECT_EQ((kernels<Cell, frame>().heat_residual(law, in, points, r)), 2);
 }

@@ -29,7 +29,7 @@ TYPED_TEST(Measure, StoredEnergyIsThatOfThePlainElement) {
     in.X = batch.X, in.u = batch.u, in.v = batch.accel, in.phi = batch.phi, in.theta = batch.theta;
     in.history = batch.history;
     EnergySums sums;
-    stored_energy<Cell, frame>(PointLaw{m}, in, sums);
+    kernels<Cell, frame>().stored_energy(PointLaw{m}, in, sums);
     for (int l = 0; l < lanes; ++l) {
       const auto& c = cases[unsigned(l)];
       const std::vector<double> u(c.u, c.u + c.dofs);
@@ -77,9 +77,9 @@ TYPED_TEST(Measure, StepSumsAreTheDissipationsOfThePlainElement) {
     m.visc_degrade = k % 3 == 0;
     const auto cases = reference::cases<Cell, frame>(random, 0.03);
     const reference::CellBatch<Cell, frame> batch(cases);
-    Batch trial[Cell::points * history_size(d)], drive[Cell::points * drive_size];
+    Batch trial[Cell::points * history_size(frame)], drive[Cell::points * drive_size];
     StepSums sums;
-    motion_advance<Cell, frame>(PointLaw{m}, batch.input(cases[0].dt), trial, drive, sums);
+    kernels<Cell, frame>().motion_advance(PointLaw{m}, batch.input(cases[0].dt), trial, drive, sums, {});
     for (int l = 0; l < lanes; ++l) {
       const auto& c = cases[unsigned(l)];
       double dissipated = 0, viscous = 0, work = 0;
@@ -102,9 +102,9 @@ TYPED_TEST(Measure, StepSumsAreTheDissipationsOfThePlainElement) {
         const double scale = std::pow(reference::det(C), -1.0 / 3) * m.G / 2, ge = reference::g_e1(m, phi);
         viscous += q.weight * m.b_d * (m.visc_degrade ? ge : 1) * square / c.dt;
         work += q.weight * ge * scale * (trial_W - new_W);
-        EXPECT_NEAR(trial[p * history_size(d) + history_size(d) - 1][l], flow.alpha, 1e-13);
+        EXPECT_NEAR(trial[p * history_size(frame) + history_size(frame) - 1][l], flow.alpha, 1e-13);
         for (int i = 0; i < symmetric_size(d); ++i)
-          EXPECT_NEAR(trial[p * history_size(d) + i][l], reference::symmetric<d>(flow.A)[i], 1e-12);
+          EXPECT_NEAR(trial[p * history_size(frame) + i][l], reference::symmetric<d>(flow.A)[i], 1e-12);
         const double W = scale * new_W - 1.5 * m.G,
                      E = drive[p * drive_size][l] + drive[p * drive_size + 1][l];
         const double J = reference::det(F) / reference::J_theta(m, q.at(c.theta)),
@@ -142,7 +142,7 @@ TYPED_TEST(Measure, CellOutputOfAUniformStateIsThatState) {
   MotionInput in = batch.input(1);
   in.theta = nullptr;
   CellOutput out;
-  cell_output<Cell, frame>(PointLaw{m}, in, out);
+  kernels<Cell, frame>().cell_output(PointLaw{m}, in, out);
   const auto F = reference::points<Cell, frame>(cases[0].X)[0].F(cases[0].u);
   auto sigma = reference::kirchhoff(m, F, reference::unit<double>(), 0.0, 0.25, m.theta0);
   for (double& x : sigma) x /= reference::det(F);
@@ -170,11 +170,11 @@ TYPED_TEST(Measure, MassMatrixCarriesTheMassAndTheKineticEnergy) {
   const reference::CellBatch<Cell, frame> batch(cases);
   Batch M[n * n];
   for (auto& x : M) x = 0.0;
-  mass_matrix<Cell, frame>(law, batch.X, M);
+  kernels<Cell, frame>().mass_matrix(law, batch.X, M);
   EnergyInput in;
   in.X = batch.X, in.u = batch.u, in.v = batch.accel;
   EnergySums sums;
-  stored_energy<Cell, frame>(law, in, sums);
+  kernels<Cell, frame>().stored_energy(law, in, sums);
   for (int l = 0; l < lanes; ++l) {
     double mass = 0, kinetic = 0;
     for (int a = 0; a < n; ++a)
@@ -197,10 +197,10 @@ TEST(MeasureOfRegularCells, CellSizeIsTheSmallestHeight) {
     for (int i = 0; i < 3; ++i) hex[3 * a + i] = edge * (1 + i) * (Hex8::sign[a][i] + 1) / 2;
   for (int i = 0; i < 6; ++i) tri[i] = i == 2 || i == 5 ? edge : 0.0;
   for (int i = 0; i < 12; ++i) tet[i] = i == 3 || i == 7 || i == 11 ? edge : 0.0;
-  EXPECT_NEAR(cell_size<Quad4>(quad)[0], edge, 1e-15);
-  EXPECT_NEAR(cell_size<Hex8>(hex)[0], edge, 1e-15);
-  EXPECT_NEAR(cell_size<Tri3>(tri)[0], edge / std::sqrt(2.0), 1e-15);
-  EXPECT_NEAR(cell_size<Tet4>(tet)[0], edge / std::sqrt(3.0), 1e-15);
+  EXPECT_NEAR(Shape::quad4->size(quad)[0], edge, 1e-15);
+  EXPECT_NEAR(Shape::hex8->size(hex)[0], edge, 1e-15);
+  EXPECT_NEAR(Shape::tri3->size(tri)[0], edge / std::sqrt(2.0), 1e-15);
+  EXPECT_NEAR(Shape::tet4->size(tet)[0], edge / std::sqrt(3.0), 1e-15);
 }
 
 TEST(MeasureOfRegularCells,
@@ -216,7 +216,7 @@ TEST(MeasureOfRegularCells,
   in.X = X, in.u = u;
   EnergySums sums;
   const PointLaw law{aluminium()};
-  stored_energy<Quad4, Frame::axisymmetric>(law, in, sums);
+  kernels<Quad4, Frame::axisymmetric>().stored_energy(law, in, sums);
   EXPECT_NEAR(sums.mass[0], law.parameters.rho * std::numbers::pi * (r1 * r1 - r0 * r0) * height,
               1e-13 * sums.mass[0]);
   EXPECT_NEAR(sums.elastic[0], 0, 1e-9);

@@ -41,7 +41,7 @@ TYPED_TEST(MotionInvariance, RigidMotionMakesNoForce) {
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs];
     for (auto& x : r) x = 0.0;
-    const auto status = motion_residual<Cell, frame>(law, batch.input(1), r);
+    const auto status = kernels<Cell, frame>().motion_residual(law, batch.input(1), r);
     EXPECT_EQ(status.bad, 0);
     const double bound = 1e-10 * 72e9 * h * (dim == 2 ? 1 : h);
     for (auto& x : r)
@@ -64,16 +64,16 @@ TYPED_TEST(MotionInvariance, RotatingAPlasticallyStrainedCellTurnsItsForceAndNot
     const PointLaw law{m};
     auto cases = reference::cases<Cell, frame>(random, 0.03, 0.0);
     const reference::CellBatch<Cell, frame> before(cases);
-    constexpr int points = Cell::points, size = history_size(dim);
+    constexpr int points = Cell::points, size = history_size(frame);
     Batch committed[points * size], again[points * size], drive[points * drive_size],
         turned_drive[points * drive_size];
     StepSums sums, more;
     MotionInput in = before.input(1);
-    motion_advance<Cell, frame>(law, in, committed, drive, sums);
+    kernels<Cell, frame>().motion_advance(law, in, committed, drive, sums, {});
     Batch r[dofs], turned[dofs];
     for (int i = 0; i < dofs; ++i) r[i] = turned[i] = 0.0;
     in.history = committed;
-    motion_residual<Cell, frame>(law, in, r);
+    kernels<Cell, frame>().motion_residual(law, in, r);
 
     const double c = std::cos(angle), s = std::sin(angle), Q[3][3] = {{c, -s, 0}, {s, c, 0}, {0, 0, 1}};
     for (auto& cell : cases)
@@ -85,8 +85,8 @@ TYPED_TEST(MotionInvariance, RotatingAPlasticallyStrainedCellTurnsItsForceAndNot
       }
     const reference::CellBatch<Cell, frame> after(cases);
     in.u = after.u;
-    motion_residual<Cell, frame>(law, in, turned);
-    motion_advance<Cell, frame>(law, in, again, turned_drive, more);
+    kernels<Cell, frame>().motion_residual(law, in, turned);
+    kernels<Cell, frame>().motion_advance(law, in, again, turned_drive, more, {});
     double force = 0;
     for (auto& x : r) force = std::fmax(force, std::fabs(x[0]));
     for (int a = 0; a < Cell::nodes; ++a)
@@ -116,7 +116,7 @@ TYPED_TEST(MotionInvariance, NodalForcesBalance) {
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs];
     for (auto& x : r) x = 0.0;
-    motion_residual<Cell, frame>(law, batch.input(cases[0].dt), r);
+    kernels<Cell, frame>().motion_residual(law, batch.input(cases[0].dt), r);
     double size = 0, moment = 0;
     for (auto& x : r) size = std::fmax(size, std::fabs(x[0]));
     for (int i = frame == Frame::axisymmetric ? 1 : 0; i < dim; ++i) {
@@ -158,10 +158,12 @@ TYPED_TEST(MotionInvariance, UniformGradientGivesTheSameForceWithEveryLockingCur
     m.locking = k == 0 ? Locking::none : k == 1 ? Locking::mean : Locking::fbar;
     for (auto& x : r[k]) x = 0.0;
     MotionInput in = batch.input(1);
-    std::vector<Batch> virgin(unsigned(Cell::points * history_size(dim)));
-    for (std::size_t i = 0; i < virgin.size(); ++i) virgin[i] = history_start(int(i) % history_size(dim));
+    std::vector<Batch> virgin(unsigned(Cell::points * history_size(frame)));
+    for (int q = 0; q < Cell::points; ++q)
+      static_cast<PointHistory<Batch, dim>&>(history_at<frame>(virgin.data(), q)) =
+          virgin_history<Batch, dim>();
     in.history = virgin.data();
-    motion_residual<Cell, frame>(PointLaw{m}, in, r[k]);
+    kernels<Cell, frame>().motion_residual(PointLaw{m}, in, r[k]);
   }
   double size = 0;
   for (auto& x : r[0]) size = std::fmax(size, std::fabs(x[0]));
@@ -184,14 +186,14 @@ TYPED_TEST(MotionInvariance, BadLanesAreNamedAndLeaveTheOthersAlone) {
   Batch r[dofs], K[dofs * dofs], expected[dofs];
   for (int i = 0; i < dofs; ++i) r[i] = expected[i] = 0.0;
   for (auto& x : K) x = 0.0;
-  EXPECT_EQ((motion_residual<Cell, frame>(law, good.input(1), expected).bad), 0);
-  const CellStatus status = motion_tangent<Cell, frame>(law, batch.input(1), r, K);
+  EXPECT_EQ((kernels<Cell, frame>().motion_residual(law, good.input(1), expected).bad), 0);
+  const CellStatus status = kernels<Cell, frame>().motion_tangent(law, batch.input(1), r, K);
   EXPECT_EQ(status.bad, 2 | 4);
   EXPECT_LT(status.min_J[1], 0);
   double size = 0;
   for (auto& x : expected) size = std::fmax(size, std::fabs(x[0]));
   for (int i = 0; i < dofs; ++i) EXPECT_NEAR(r[i][0], expected[i][0], 1e-12 * size);
-  Batch trial[Cell::points * history_size(dim)], drive[Cell::points * drive_size];
+  Batch trial[Cell::points * history_size(frame)], drive[Cell::points * drive_size];
   StepSums sums;
-  EXPECT_EQ((motion_advance<Cell, frame>(law, batch.input(1), trial, drive, sums).bad), 2 | 4);
+  EXPECT_EQ((kernels<Cell, frame>().motion_advance(law, batch.input(1), trial, drive, sums, {}).bad), 2 | 4);
 }

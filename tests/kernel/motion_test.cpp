@@ -38,7 +38,7 @@ TYPED_TEST(Motion, ResidualIsThatOfThePlainElement) {
     const reference::CellBatch<Cell, frame> batch(cases);
     Batch r[dofs];
     for (auto& x : r) x = 1.0; // the kernel adds
-    const CellStatus status = motion_residual<Cell, frame>(law, batch.input(cases[0].dt), r);
+    const CellStatus status = kernels<Cell, frame>().motion_residual(law, batch.input(cases[0].dt), r);
     EXPECT_EQ(status.bad, 0);
     for (int l = 0; l < lanes; ++l) {
       const auto& c = cases[unsigned(l)];
@@ -62,8 +62,8 @@ TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
     for (auto& x : r) x = 0.0;
     for (auto& x : only) x = 0.0;
     for (auto& x : K) x = 0.0;
-    motion_tangent<Cell, frame>(law, batch.input(cases[0].dt), r, K);
-    motion_residual<Cell, frame>(law, batch.input(cases[0].dt), only);
+    kernels<Cell, frame>().motion_tangent(law, batch.input(cases[0].dt), r, K);
+    kernels<Cell, frame>().motion_residual(law, batch.input(cases[0].dt), only);
     for (int l = 0; l < lanes; ++l) {
       std::vector<double> exact(unsigned(dofs * dofs));
       for (int j = 0; j < dofs; ++j) {
@@ -84,7 +84,7 @@ TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
 TYPED_TEST(Motion, MaterialWithoutDamageIsDamageableMaterialAtZeroDamage) {
   using Cell = typename TypeParam::Cell;
   constexpr Frame frame = TypeParam::frame;
-  constexpr int dofs = Cell::nodes * Cell::dim, values = Cell::points * history_size(Cell::dim);
+  constexpr int dofs = Cell::nodes * Cell::dim, values = Cell::points * history_size(frame);
   Sampler random(21);
   for (int k = 0; k < 24; ++k) {
     MaterialParameters m = reference::every_option(k);
@@ -110,8 +110,8 @@ TYPED_TEST(Motion, MaterialWithoutDamageIsDamageableMaterialAtZeroDamage) {
       in.mass_shift = 1e9;
       in.symmetric = k % 4 < 2;
       for (Batch& x : out.r) x = 0.0;
-      motion_tangent<Cell, frame>(law, in, out.r, out.K);
-      motion_advance<Cell, frame>(law, in, out.history, out.drive, out.sums);
+      kernels<Cell, frame>().motion_tangent(law, in, out.r, out.K);
+      kernels<Cell, frame>().motion_advance(law, in, out.history, out.drive, out.sums, {});
     };
     evaluate(Damage::at2, with);
     evaluate(Damage::none, without);
@@ -145,9 +145,9 @@ TYPED_TEST(Motion, SymmetricTangentIsTheSymmetricPart) {
     for (auto& x : r) x = 0.0;
     for (int i = 0; i < dofs * dofs; ++i) K[i] = S[i] = 0.0;
     MotionInput in = batch.input(cases[0].dt);
-    motion_tangent<Cell, frame>(law, in, r, K);
+    kernels<Cell, frame>().motion_tangent(law, in, r, K);
     in.symmetric = true;
-    motion_tangent<Cell, frame>(law, in, r, S);
+    kernels<Cell, frame>().motion_tangent(law, in, r, S);
     double size = 0;
     for (int i = 0; i < dofs * dofs; ++i) size = std::fmax(size, std::fabs(K[i][0]));
     for (int i = 0; i < dofs; ++i)
@@ -174,7 +174,7 @@ TYPED_TEST(Motion, ElasticForceIsTheDerivativeOfTheEnergy) {
     Batch r[dofs], K[dofs * dofs];
     for (auto& x : r) x = 0.0;
     for (auto& x : K) x = 0.0;
-    motion_tangent<Cell, frame>(PointLaw{m}, batch.input(cases[0].dt), r, K);
+    kernels<Cell, frame>().motion_tangent(PointLaw{m}, batch.input(cases[0].dt), r, K);
     double size = 0;
     for (auto& x : K) size = std::fmax(size, std::fabs(x[0]));
     for (int i = 0; i < dofs; ++i)
@@ -207,10 +207,10 @@ TYPED_TEST(Motion, InertiaIsTheConsistentMass) {
   in.u = zero;
   Batch unused[dofs];
   for (auto& x : unused) x = 0.0;
-  motion_tangent<Cell, frame>(PointLaw{m}, in, unused, without);
+  kernels<Cell, frame>().motion_tangent(PointLaw{m}, in, unused, without);
   in.accel = batch.accel;
   in.mass_shift = 7e9;
-  motion_tangent<Cell, frame>(PointLaw{m}, in, r, K);
+  kernels<Cell, frame>().motion_tangent(PointLaw{m}, in, r, K);
   for (int l = 0; l < lanes; ++l) {
     const auto& c = cases[unsigned(l)];
     const auto at = reference::points<Cell, frame>(c.X);

@@ -1,5 +1,5 @@
-#include "../../src/kernel/plane_stress.hpp"
 #include "reference_cell.hpp"
+#include <impact/kernel/plane_stress.hpp>
 
 #include <gtest/gtest.h>
 #include <impact/kernel/measure.hpp>
@@ -36,7 +36,7 @@ template <class Cell> struct Outcome {
   int bad;
 
   Outcome(const PointLaw& law, const MotionInput& in)
-      : bad(motion_advance<Cell, sheet>(law, in, history, drive, sums).bad) {}
+      : bad(kernels<Cell, sheet>().motion_advance(law, in, history, drive, sums, {}).bad) {}
 };
 
 // The point's own law in double at a lane of a batch, with the F_33 that an advance found.
@@ -102,13 +102,13 @@ TYPED_TEST(PlaneStress, TangentIsTheDerivativeOfTheResidual) {
     const MotionInput in = batch.input(1e-3);
     Batch K[dofs * dofs], up[dofs], down[dofs], direction[dofs];
     for (int i = 0; i < dofs; ++i) up[i] = down[i] = 0.0;
-    ASSERT_EQ((motion_tangent<Cell, sheet>(law, in, nullptr, K).bad), 0);
+    ASSERT_EQ((kernels<Cell, sheet>().motion_tangent(law, in, nullptr, K).bad), 0);
     const double h = 1e-9;
     for (auto& x : direction) x = random.uniform(-1, 1);
     for (int i = 0; i < dofs; ++i) batch.u[i] += h * direction[i];
-    motion_residual<Cell, sheet>(law, in, up);
+    kernels<Cell, sheet>().motion_residual(law, in, up);
     for (int i = 0; i < dofs; ++i) batch.u[i] -= 2 * h * direction[i];
-    motion_residual<Cell, sheet>(law, in, down);
+    kernels<Cell, sheet>().motion_residual(law, in, down);
     for (int l = 0; l < lanes; ++l) {
       double size = 0, worst = 0;
       for (int i = 0; i < dofs; ++i) {
@@ -189,12 +189,12 @@ TYPED_TEST(PlaneStress, ForceIsTheDerivativeOfTheStoredEnergy) {
     EnergyInput at;
     at.X = batch.X, at.u = batch.u, at.phi = batch.phi, at.theta = batch.theta, at.history = out.history;
     EnergySums sums;
-    stored_energy<Cell, sheet>(law, at, sums);
+    kernels<Cell, sheet>().stored_energy(law, at, sums);
     return sums.elastic;
   };
   Batch force[dofs];
   for (auto& f : force) f = 0.0;
-  motion_residual<Cell, sheet>(law, in, force);
+  kernels<Cell, sheet>().motion_residual(law, in, force);
   const double h = 1e-8;
   for (int i = 0; i < dofs; ++i) {
     batch.u[i] += h;
@@ -220,5 +220,5 @@ TYPED_TEST(PlaneStress, AnInvertedCellIsMarked) {
   for (int a = 0; a < Cell::nodes; ++a) batch.u[2 * a].set(1, -2 * batch.X[2 * a][1]); // mirrored
   Batch r[Cell::nodes * 2];
   for (auto& x : r) x = 0.0;
-  EXPECT_EQ((motion_residual<Cell, sheet>(law, batch.input(1e-3), r).bad), 2);
+  EXPECT_EQ((kernels<Cell, sheet>().motion_residual(law, batch.input(1e-3), r).bad), 2);
 }

@@ -2,14 +2,26 @@
 #include "../material/law_sampler.hpp"
 
 #include <gtest/gtest.h>
-#include <impact/element/shape.hpp>
-#include <impact/kernel/motion.hpp>
+#include <impact/kernel/cell_kernels.hpp>
+#include <impact/kernel/shape.hpp>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 /// A plain scalar element around the plain law: one cell, dense tensors, any locking cure; T is double or
 /// complex, so that forces can be compared with the complex step of the energy and tangents with that of the
 /// force.
+namespace impact {
+
+/// The kernels that the program has for a cell.
+template <class Cell, Frame frame> const CellKernels& kernels() {
+  for (const Shape shape : known_shapes())
+    if (shape->names.polytope == Cell::names.polytope) return shape.kernels(frame);
+  throw std::logic_error(Cell::names.polytope);
+}
+
+} // namespace impact
+
 namespace reference {
 
 using impact::Frame;

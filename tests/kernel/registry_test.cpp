@@ -60,17 +60,17 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
   for (int i = 0; i < dofs; ++i) r[i] = up[i] = down[i] = 0.0;
   for (auto& x : K) x = 0.0;
   StepSums sums;
-  ASSERT_EQ((motion_tangent<Cell, frame>(law, in, r, K).bad), 0) << name;
-  ASSERT_EQ((motion_advance<Cell, frame>(law, in, trial, drive, sums).bad), 0) << name;
+  ASSERT_EQ((kernels<Cell, frame>().motion_tangent(law, in, r, K).bad), 0) << name;
+  ASSERT_EQ((kernels<Cell, frame>().motion_advance(law, in, trial, drive, sums, {}).bad), 0) << name;
 
   // the tangent along a random direction against a central difference
   Batch direction[dofs];
   const double h = 1e-9;
   for (auto& x : direction) x = random.uniform(-1, 1);
   for (int i = 0; i < dofs; ++i) batch.u[i] += h * direction[i];
-  motion_residual<Cell, frame>(law, in, up);
+  kernels<Cell, frame>().motion_residual(law, in, up);
   for (int i = 0; i < dofs; ++i) batch.u[i] -= 2 * h * direction[i];
-  motion_residual<Cell, frame>(law, in, down);
+  kernels<Cell, frame>().motion_residual(law, in, down);
   for (int i = 0; i < dofs; ++i) batch.u[i] += h * direction[i];
   double error = 0, stiffness = 0;
   for (int i = 0; i < dofs; ++i) {
@@ -93,7 +93,7 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
       d.X = in.X, d.u = in.u, d.u_n = in.u_n, d.phi = in.phi, d.phi_n = phi_n, d.drive = d.drive_n = drive;
       d.dt = 1e-4, d.form = form, d.theta_d = form == DamageForm::divided ? 0.5 : 1;
       d.history = in.history, d.convex = true;
-      EXPECT_EQ((damage_tangent<Cell, frame>(law, d, f, J)), 0) << name;
+      EXPECT_EQ((kernels<Cell, frame>().damage_tangent(law, d, f, J)), 0) << name;
       for (int a = 0; a < n; ++a) {
         EXPECT_TRUE(std::isfinite(J[a * n + a][0])) << name;
         EXPECT_GT(J[a * n + a][0], 0) << name;
@@ -103,19 +103,19 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
   e.X = in.X, e.u = in.u, e.v = in.u_n, e.phi = in.phi, e.theta = in.theta, e.history = trial,
   e.drive = drive;
   EnergySums energy;
-  stored_energy<Cell, frame>(law, e, energy);
+  kernels<Cell, frame>().stored_energy(law, e, energy);
   EXPECT_GT(energy.elastic[0], 0) << name;
   EXPECT_EQ(energy.plastic[0] > 0, m.model == Model::j2) << name;
   EXPECT_EQ(energy.fracture[0] > 0, m.damage != Damage::none) << name;
   if (law.exchanges()) {
     Batch exchanged[Cell::points], zero[n];
     for (auto& x : zero) x = 0.0;
-    plastic_exchange<Cell, frame>(law, {in.phi, zero, trial, in.history, drive}, exchanged);
+    kernels<Cell, frame>().plastic_exchange(law, {in.phi, zero, trial, in.history, drive}, exchanged);
     EXPECT_TRUE(std::isfinite(exchanged[0][0])) << name;
   }
   in.history = trial;
   CellOutput out;
-  cell_output<Cell, frame>(law, in, out);
+  kernels<Cell, frame>().cell_output(law, in, out);
   EXPECT_GT(out.von_mises[0], 0) << name;
   EXPECT_LT(out.von_mises[0], 1e11) << name;
 }

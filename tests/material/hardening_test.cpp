@@ -116,7 +116,8 @@ TEST(Hardening, TableOfVoceIsVoceToTheSquareOfItsSpacing) {
     for (int i = 0; i < rows; ++i)
       points.emplace_back(0.1 * i / (rows - 1), hardening(voce, 0.1 * i / (rows - 1)).k);
     m.hardening = HardeningKind::table;
-    m.table = std::make_shared<const HardeningTable>(points);
+    const HardeningTable table(points);
+    m.table = &table;
     double worst = 0;
     for (double alpha = 0; alpha < 0.1; alpha += 1.3e-4)
       worst = std::fmax(worst, std::fabs(hardening(m, alpha).k - hardening(voce, alpha).k));

@@ -1,4 +1,5 @@
 #pragma once
+#include "evaluate_point.hpp"
 #include "reference_law.hpp"
 
 #include <impact/material/point_law.hpp>
@@ -9,7 +10,7 @@ namespace reference {
 inline constexpr int hardening_kinds = 8;
 inline void set_hardening(MaterialParameters& m, int k) {
   using namespace impact;
-  const auto points = {std::pair(0.0, 3.5e8), {0.01, 4.2e8}, {0.02, 4.1e8}, {0.06, 5e8}};
+  static const HardeningTable table({{0.0, 3.5e8}, {0.01, 4.2e8}, {0.02, 4.1e8}, {0.06, 5e8}});
   switch (k) {
   case 1:
     m.linear_h = 1e9;
@@ -20,7 +21,7 @@ inline void set_hardening(MaterialParameters& m, int k) {
     break;
   case 3:
     m.hardening = HardeningKind::table;
-    m.table = std::make_shared<const HardeningTable>(points);
+    m.table = &table;
     break;
   case 4:
     m.rate_c = 0.02, m.rate_0 = 3;

@@ -233,7 +233,7 @@ TEST(Oracle, GeneralState) { // every stress part and energy; in-plane Grad phi
   expect_row("state.Sphi22", S_phi[4]);
   expect_row("state.Sphi12", S_phi[1]);
   EXPECT_EQ(S_phi[8], 0);
-  expect_row("state.psi_phi", crack_energy(m, phi, square(h)));
+  expect_row("state.psi_phi", crack_energy(m, phi, dot(h, h)));
   m.c_v = 2.43e6; // psi_theta = e - theta eta
   expect_row("state.psi_theta",
              thermal_energy(m, 0.0, 1.0, theta) - theta * m.c_v * log_ratio(theta, m.theta0));

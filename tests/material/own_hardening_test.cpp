@@ -1,4 +1,5 @@
 #include "law_sampler.hpp"
+#include "swift_hardening.hpp"
 
 #include <gtest/gtest.h>
 #include <impact/material/modulus.hpp>
@@ -10,18 +11,6 @@ using reference::Complex;
 using reference::Sampler;
 
 namespace impact {
-
-/// Swift: k = K (e_0 + alpha)^n.
-struct SwiftHardening {
-  static constexpr double K = 7e8, e_0 = 0.01, n = 0.2;
-  template <class T> static T stress(const MaterialParameters&, const T& alpha) {
-    return K * pow(T(e_0) + alpha, n);
-  }
-  template <class T> static T potential(const MaterialParameters&, const T& alpha) {
-    const T e = T(e_0) + alpha;
-    return (K / (n + 1)) * (e * pow(e, n) - T(std::pow(e_0, n + 1)));
-  }
-};
 
 /// Ludwik: k = s_y + B alpha^n, with infinite slope at the start.
 struct LudwikHardening {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <functional>
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 
 /// The unit square or cube of one shape of cell, with its nodes moved: text of a mesh file with the region
 /// "solid" and the boundary "boundary" (all of it).

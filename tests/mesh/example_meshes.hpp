@@ -21,11 +21,10 @@ inline MeshRequest example_mesh(const std::string& name, std::map<std::string, s
 /// Unit box with `n` cells along each edge; gmsh runs once for each kind.
 inline Mesh make_block(Shape shape, int n) {
   static std::map<std::pair<Shape, int>, bool> made;
-  const bool simplex = shape == Shape::tri3 || shape == Shape::tet4;
   MeshRequest request = example_mesh("block", {{"dim", std::to_string(dimension(shape))},
-                                               {"simplex", simplex ? "1" : "0"},
+                                               {"simplex", shape->simplex() ? "1" : "0"},
                                                {"n", std::to_string(n)}});
-  request.work_dir += "/block" + std::to_string(static_cast<int>(shape)) + "_" + std::to_string(n);
+  request.work_dir += "/block" + std::to_string(index_of(shape)) + "_" + std::to_string(n);
   if (std::exchange(made[{shape, n}], true)) {
     request.file = request.work_dir + "/block.msh";
     request.parameters.clear();
@@ -33,7 +32,7 @@ inline Mesh make_block(Shape shape, int n) {
   return read_mesh(PETSC_COMM_WORLD, request);
 }
 
-inline constexpr Shape all_shapes[] = {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8};
+inline const Shape all_shapes[] = {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8};
 
 inline double sum_over_ranks(double mine) {
   double all = 0;

@@ -35,21 +35,20 @@ std::array<double, 3> area_vector(const Mesh& mesh, const int* node, int nodes) 
 double volume(const Mesh& mesh) {
   double sum = 0;
   for (const CellTable& table : mesh.cells())
-    visit(table.shape, [&]<class Cell>(Cell) {
-      for (std::size_t c = 0; c < table.point.size(); ++c)
-        for (int q = 0; q < Cell::points; ++q) {
-          double J[3][3] = {};
-          J[2][2] = Cell::dim == 2 ? 1 : 0;
-          for (int a = 0; a < Cell::nodes; ++a)
-            for (int i = 0; i < Cell::dim; ++i)
-              for (int k = 0; k < Cell::dim; ++k)
-                J[i][k] += x_of(mesh, table.connectivity[c * Cell::nodes + static_cast<std::size_t>(a)], i) *
-                           shape_table<Cell>.dN[q][a][k];
-          sum += shape_table<Cell>.weight[q] * (J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
-                                                J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
-                                                J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]));
-        }
-    });
+    for (std::size_t c = 0; c < table.point.size(); ++c)
+      for (int q = 0; q < table.shape->points; ++q) {
+        const int dim = table.shape->dim, nodes = table.shape->nodes;
+        double J[3][3] = {};
+        J[2][2] = dim == 2 ? 1 : 0;
+        for (int a = 0; a < nodes; ++a)
+          for (int i = 0; i < dim; ++i)
+            for (int k = 0; k < dim; ++k)
+              J[i][k] += x_of(mesh, table.connectivity[c * unsigned(nodes) + unsigned(a)], i) *
+                         table.shape->dN[(q * nodes + a) * dim + k];
+        sum += table.shape->weight[q] * (J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
+                                         J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+                                         J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]));
+      }
   return sum_over_ranks(sum);
 }
 
@@ -160,10 +159,9 @@ TEST(Mesh, ScaleMultipliesCoordinates) {
 
 TEST(Mesh, RefinementKeepsGroupsAndVolume) {
   for (const Shape shape : all_shapes) {
-    MeshRequest request =
-        example_mesh("block", {{"dim", std::to_string(dimension(shape))},
-                               {"simplex", shape == Shape::tri3 || shape == Shape::tet4 ? "1" : "0"},
-                               {"n", "2"}});
+    MeshRequest request = example_mesh(
+        "block",
+        {{"dim", std::to_string(dimension(shape))}, {"simplex", shape->simplex() ? "1" : "0"}, {"n", "2"}});
     const Mesh coarse = read_mesh(PETSC_COMM_WORLD, request);
     request.refine = 1;
     const Mesh fine = read_mesh(PETSC_COMM_WORLD, request);

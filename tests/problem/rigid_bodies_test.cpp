@@ -18,8 +18,8 @@ struct RigidOnElastic {
   explicit RigidOnElastic(double friction)
       : d(discretise(run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("rigid_bodies"),
                                        run_test::two_bodies(4, 0.1)),
-                     {{PointLaw{elastic()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}}, Frame::plane_strain,
-                     1)),
+                     {{PointLaw{elastic()}, {"lower"}, "rubber"}, {PointLaw{tool()}, {"upper"}, "tool"}},
+                     Frame::plane_strain, 1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
     rigid.declare_state(state);
@@ -39,13 +39,11 @@ struct RigidOnElastic {
   }
   static MaterialParameters elastic() {
     MaterialParameters m;
-    m.id = "rubber";
     m.K = m.G = m.rho = 1;
     return m;
   }
   static MaterialParameters tool() {
     MaterialParameters m;
-    m.id = "tool";
     m.model = Model::rigid;
     m.rho = 2;
     return m;

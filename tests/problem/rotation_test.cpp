@@ -1,3 +1,4 @@
+#include "../material/evaluate_point.hpp"
 #include <algorithm>
 #include <array>
 #include <cmath>

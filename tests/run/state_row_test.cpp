@@ -14,7 +14,6 @@ using namespace run_test;
 
 Discretisation discretisation(MPI_Comm comm, const std::string& dir) {
   MaterialParameters law;
-  law.id = "all";
   law.model = Model::j2;
   law.damage = Damage::at2;
   law.K = 2;

@@ -25,7 +25,7 @@ struct AllPhysics {
   std::optional<Ledger> ledger;
 
   explicit AllPhysics(Mesh mesh, ContactMethod method)
-      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}}},
+      : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}, "tool"}},
                      Frame::plane_strain, 1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
@@ -56,7 +56,6 @@ struct AllPhysics {
   }
   static MaterialParameters tool() {
     MaterialParameters m;
-    m.id = "tool";
     m.model = Model::rigid;
     m.rho = 1;
     return m;

@@ -21,7 +21,6 @@ constexpr double pi = std::numbers::pi;
 
 MaterialParameters material() {
   MaterialParameters law;
-  law.id = "solid";
   law.K = 2;
   law.G = 1;
   law.b_d = 0.5;

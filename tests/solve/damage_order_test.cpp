@@ -13,23 +13,18 @@ constexpr double pi = std::numbers::pi;
 
 /// Reference place of each quadrature point: body(x, index of its E+ in the row "drive").
 template <class Body> void for_each_point(const Discretisation& d, Body&& body) {
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end());
-  const std::vector<std::size_t> offset = point_offsets(d.groups, drive_size);
-  for (std::size_t g = 0; g < d.groups.size(); ++g)
-    with_shape(d.groups[g], d.frame, [&]<class Cell, Frame frame>() {
-      for (int b = 0; b < d.groups[g].batch_count; ++b) {
-        const Gathered<Cell, Cell::dim> at(d.groups[g], b, X);
-        for (int q = 0; q < Cell::points; ++q)
-          for (int l = 0; l < lanes; ++l) {
-            double x[3] = {0, 0, 0};
-            for (int a = 0; a < Cell::nodes; ++a)
-              for (int k = 0; k < Cell::dim; ++k)
-                x[k] += shape_table<Cell>.N[q][a] * at.value[unsigned(a * Cell::dim + k)][l];
-            const auto point = static_cast<std::size_t>(b * Cell::points + q);
-            body(x, offset[g] + point * drive_size * lanes + static_cast<std::size_t>(l));
-          }
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    const Shape shape = batch.group.shape;
+    const auto X = batch.vectors(d.mesh.coordinates());
+    for (int q = 0; q < shape->points; ++q)
+      for (int l = 0; l < lanes; ++l) {
+        double x[3] = {0, 0, 0};
+        for (int a = 0; a < shape->nodes; ++a)
+          for (int k = 0; k < d.dim(); ++k)
+            x[k] += shape->N[q * shape->nodes + a] * X.value[a * d.dim() + k][l];
+        body(x, (batch.first_point + at((batch.number * shape->points + q) * lanes)) * drive_size + at(l));
       }
-    });
+  });
 }
 
 struct DamageCase {
@@ -59,7 +54,6 @@ struct DamageCase {
 
 MaterialParameters brittle() {
   MaterialParameters law;
-  law.id = "solid";
   law.K = 2;
   law.G = 1;
   law.damage = Damage::at2;

@@ -15,7 +15,6 @@ constexpr double pi = std::numbers::pi;
 
 MaterialParameters conductor() {
   MaterialParameters law;
-  law.id = "solid";
   law.K = 2;
   law.G = 1;
   law.c_v = 1.7;

@@ -1,3 +1,4 @@
+#include "../material/evaluate_point.hpp"
 #include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
 
@@ -65,7 +66,6 @@ template <int dim> Vector<double, dim> divergence(const PointLaw& law, const dou
 
 MaterialParameters soft_solid(Locking locking) {
   MaterialParameters law;
-  law.id = "solid";
   law.K = 2;
   law.G = 1;
   law.rho = 1.5;

@@ -46,7 +46,6 @@ TEST(OwnIntegrator, IsOfFirstOrderAndDamps) {
 // The whole staggered step of the program with it: a bar at rest that a body force sets into motion.
 TEST(OwnIntegrator, CarriesAStepOfTheProgram) {
   MaterialParameters law;
-  law.id = "bar";
   law.K = 1e3;
   law.G = 6e2;
   law.rho = 2;

@@ -29,7 +29,6 @@ std::string distorted(Shape shape, int n) {
 void patch(Mesh mesh, const std::vector<std::string>& boundary, Locking locking, const char* what) {
   constexpr double H[3][3] = {{0.083, -0.061, 0.042}, {0.037, -0.074, 0.055}, {-0.049, 0.066, 0.091}};
   MaterialParameters law;
-  law.id = "solid";
   law.K = 2.5;
   law.G = 1;
   law.locking = locking;

@@ -176,53 +176,53 @@ inline FieldError l2_error(const Mesh& mesh, const std::vector<double>& field, i
   constexpr double ws = 0.34785484513745385737, wm = 0.65214515486254614263;
   constexpr double place[4] = {-s, -m, m, s}, weight[4] = {ws, wm, wm, ws};
   double sums[2] = {0, 0};
-  for (const CellTable& table : mesh.cells())
-    visit(table.shape, [&]<class Cell>(Cell) {
-      constexpr int dim = Cell::dim;
-      constexpr bool simplex = Cell::shape == Shape::tri3 || Cell::shape == Shape::tet4;
-      const std::size_t count = table.connectivity.size() / Cell::nodes;
-      for (std::size_t cell = 0; cell < count; ++cell)
-        for (int q = 0; q < (dim == 3 ? 64 : 16); ++q) {
-          typename Cell::Point xi{};
-          double w = 1;
+  for (const CellTable& table : mesh.cells()) {
+    const bool simplex = table.shape->simplex();
+    const auto dim = table.shape->dim, nodes = table.shape->nodes;
+    const std::size_t count = table.point.size();
+    for (std::size_t cell = 0; cell < count; ++cell)
+      for (int q = 0; q < (dim == 3 ? 64 : 16); ++q) {
+        double xi[3] = {0, 0, 0};
+        double w = 1;
+        for (int k = 0; k < dim; ++k) {
+          const int i = q >> (2 * k) & 3;
+          xi[k] = simplex ? (1 + place[i]) / 2 : place[i];
+          w *= simplex ? weight[i] / 2 : weight[i];
+        }
+        if (simplex) { // the unit cube onto the simplex
+          double left = 1;
           for (int k = 0; k < dim; ++k) {
-            const int i = q >> (2 * k) & 3;
-            xi[unsigned(k)] = simplex ? (1 + place[i]) / 2 : place[i];
-            w *= simplex ? weight[i] / 2 : weight[i];
-          }
-          if constexpr (simplex) { // the unit cube onto the simplex
-            double left = 1;
-            for (int k = 0; k < dim; ++k) {
-              const double along = xi[unsigned(k)];
-              xi[unsigned(k)] = along * left;
-              w *= k + 1 < dim ? std::pow(1 - along, dim - 1 - k) : 1;
-              left *= 1 - along;
-            }
-          }
-          const auto N = Cell::N(xi);
-          const auto dN = Cell::dN(xi);
-          double x[3] = {0, 0, 0}, F[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, dim == 2 ? 1. : 0.}},
-                 value[3] = {0, 0, 0};
-          for (int a = 0; a < Cell::nodes; ++a) {
-            const auto node = static_cast<std::size_t>(table.connectivity[cell * Cell::nodes + unsigned(a)]);
-            for (int i = 0; i < dim; ++i) {
-              const double X = mesh.coordinates()[node * dim + unsigned(i)];
-              x[i] += N[unsigned(a)] * X;
-              for (int j = 0; j < dim; ++j) F[i][j] += X * dN[unsigned(a)][unsigned(j)];
-            }
-            for (int i = 0; i < components; ++i)
-              value[i] += N[unsigned(a)] * field[node * unsigned(components) + unsigned(i)];
-          }
-          const double det = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
-                             F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
-                             F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
-          for (int i = 0; i < components; ++i) {
-            const double is = exact[unsigned(i)](x, t);
-            sums[0] += w * det * (value[i] - is) * (value[i] - is);
-            sums[1] += w * det * is * is;
+            const double along = xi[k];
+            xi[k] = along * left;
+            w *= k + 1 < dim ? std::pow(1 - along, dim - 1 - k) : 1;
+            left *= 1 - along;
           }
         }
-    });
+        double N[max_nodes], dN[3 * max_nodes];
+        table.shape->basis(xi, N, dN);
+        double x[3] = {0, 0, 0}, F[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, dim == 2 ? 1. : 0.}},
+               value[3] = {0, 0, 0};
+        for (int a = 0; a < nodes; ++a) {
+          const auto node =
+              static_cast<std::size_t>(table.connectivity[cell * unsigned(nodes) + unsigned(a)]);
+          for (int i = 0; i < dim; ++i) {
+            const double X = mesh.coordinates()[node * unsigned(dim) + unsigned(i)];
+            x[i] += N[a] * X;
+            for (int j = 0; j < dim; ++j) F[i][j] += X * dN[a * dim + j];
+          }
+          for (int i = 0; i < components; ++i)
+            value[i] += N[a] * field[node * unsigned(components) + unsigned(i)];
+        }
+        const double det = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
+                           F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
+                           F[0][2] * (F[1][0] * F[2][1] - F[1][1] * F[2][0]);
+        for (int i = 0; i < components; ++i) {
+          const double is = exact[unsigned(i)](x, t);
+          sums[0] += w * det * (value[i] - is) * (value[i] - is);
+          sums[1] += w * det * is * is;
+        }
+      }
+  }
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, mesh.comm());
   return {std::sqrt(sums[0]), std::sqrt(sums[1])};
 }

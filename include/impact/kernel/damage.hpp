@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Damage balance of one batch of cells, with Y = g_1' E+ + g_2' E- + g_p' D_p + G_c w'(phi)/gamma -
 /// Fat/gamma and h = a G_c gamma C^-1 Grad phi (or a G_c gamma Grad phi for DamageGradient::material); w, a:
@@ -33,16 +30,5 @@ struct DamageInput {
   double theta_d = 1;  ///< 1 backward Euler, 1/2 trapezoid (the paper)
   bool convex = false; ///< tangent of a concave degradation bent up to positive curvature
 };
-
-/// r [node] += residual. Returns the bit mask of lanes whose result is not finite or whose det F is not
-/// positive.
-template <class Cell, Frame frame> int damage_residual(const PointLaw&, const DamageInput&, Batch* r);
-
-/// r [node] += residual and K [node][node] += its derivative: symmetric in both forms, and constant for the
-/// quadratic degradation. With `convex` a curvature g'' E that outweighs that of the crack energy is raised
-/// to where a tenth of both is left, so that K is positive definite (and larger than the derivative, so that
-/// a step is never longer than Newton's).
-template <class Cell, Frame frame>
-int damage_tangent(const PointLaw&, const DamageInput&, Batch* r, Batch* K);
 
 } // namespace impact

@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Growth of the fatigue variable of one batch of cells over a step (F1'), after the damage solve:
 ///   Fat = Fat_n + (a/gamma) (1 - phi) phi |W|,   W = 1/2 [ 1/2 (S_c + S_c,n) + S_d ] : (C - C_n)
@@ -29,10 +26,5 @@ struct FatigueSums {
   Batch dissipation = 0; ///< int phi (Fat - Fat_n)/gamma
   Batch least = 0;       ///< smallest dissipation per volume at a point, at most 0
 };
-
-/// Writes fatigue [point]. Returns the bit mask of lanes whose det F is not positive or whose result is not
-/// finite.
-template <class Cell, Frame frame>
-int fatigue_advance(const PointLaw&, const FatigueInput&, Batch* fatigue, FatigueSums&);
 
 } // namespace impact

@@ -18,19 +18,6 @@ inline constexpr bool is_flat(Frame f) { return f == Frame::plane_strain || f ==
 /// Number of components of Grad u that the nodes decide on: 11 12 21 22 (plane strain and stress), + 33
 /// (axisymmetric), row-major 3x3 (solid).
 inline constexpr int gradient_size(Frame f) { return is_flat(f) ? 4 : f == Frame::axisymmetric ? 5 : 9; }
-
-/// Point history: components of A = Cp^-1, then alpha. Plane frames: A11 A22 A33 A12 alpha, in plane stress
-/// also F_33 - 1; solid: A11 A22 A33 A12 A23 A13 alpha. The start is A = 1, the rest 0.
-inline constexpr int history_size(Frame f) {
-  return f == Frame::solid ? 7 : f == Frame::plane_stress ? 6 : 5;
-}
-inline constexpr int history_size(int dim) { return dim == 3 ? 7 : 5; }
-/// Where alpha stands in it.
-inline constexpr int history_alpha(Frame f) { return f == Frame::solid ? 6 : 4; }
-inline constexpr double history_start(int component) { return component < 3 ? 1 : 0; }
-
-/// Drive of the damage equation per point: E_plus, E_minus, and H_0(alpha) or what of it is above the
-/// threshold.
-inline constexpr int drive_size = 3;
+inline constexpr int max_gradient_size = 9;
 
 } // namespace impact

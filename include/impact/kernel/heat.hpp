@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Heat balance of one batch of cells over a step, as energies (all rates times dt), with the heat flux
 /// q = -kappa grad theta and []_h weighing t_{n+1} with theta_h and t_n with 1 - theta_h:
@@ -18,9 +15,16 @@ namespace impact {
 
 enum class HeatForm { entropy, energy };
 
-/// What heat_step leaves at each point for heat_residual and heat_tangent: J - 1 of the locking cure and
-/// 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n.
-inline constexpr int heat_point_size = 2;
+/// What heat_step leaves at each point for heat_residual and heat_tangent.
+struct HeatPoint {
+  Batch volume;    ///< J - 1 of the locking cure
+  Batch entropy_n; ///< 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n
+};
+inline constexpr int heat_point_size = sizeof(HeatPoint) / sizeof(Batch);
+inline HeatPoint& heat_point_at(Batch* points, int q) { return reinterpret_cast<HeatPoint*>(points)[q]; }
+inline const HeatPoint& heat_point_at(const Batch* points, int q) {
+  return reinterpret_cast<const HeatPoint*>(points)[q];
+}
 
 struct HeatInput {
   const Batch* X = nullptr;       ///< [node][dim] reference coordinates
@@ -45,24 +49,5 @@ struct HeatInput {
   double theta_h = 1;
   HeatForm form = HeatForm::entropy;
 };
-
-/// What does not depend on the iterate: writes points [point][heat_point_size] and adds to r [node]. To be
-/// called once per solve. Returns the bit mask of lanes whose result is not finite or whose det F is not
-/// positive.
-template <class Cell, Frame frame> int heat_step(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
-
-/// r [node] += what depends on the iterate. Returns the bit mask of lanes with a temperature that is not
-/// positive or a result that is not finite.
-template <class Cell, Frame frame>
-int heat_residual(const PointLaw&, const HeatInput&, const Batch* points, Batch* r);
-
-/// r [node] += the same and K [node][node] += its derivative, symmetric.
-template <class Cell, Frame frame>
-int heat_tangent(const PointLaw&, const HeatInput&, const Batch* points, Batch* r, Batch* K);
-
-/// r [node] += int N_a source dV_0 with source [point] per reference volume; sum (per lane) += int source
-/// dV_0.
-template <class Cell, Frame frame>
-void heat_source(const Batch* X, const Batch* source, Batch* r, Batch& sum);
 
 } // namespace impact

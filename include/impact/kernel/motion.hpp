@@ -1,8 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
-#include <impact/math/batch.hpp>
+#include <impact/kernel/point_data.hpp>
 
 /// Momentum balance of one batch of cells in the total Lagrangian form (105):
 ///   r_aI = int N_a,J P_iJ + rho N_a N_b a_b dV_0,   P = P_dev + p cof F + F (S_phi + S_d).
@@ -51,20 +48,5 @@ struct HeatFeed {
       nullptr;             ///< [point] g_p k_d dalpha + b_d |C - C_n|^2/dt, energy per volume of the step
   Batch* stress = nullptr; ///< [point][gradient_size] P = tau F^-T, all parts
 };
-
-/// r [node][dim] += residual.
-template <class Cell, Frame frame> CellStatus motion_residual(const PointLaw&, const MotionInput&, Batch* r);
-
-/// K [node][dim][node][dim] = the exact derivative of the residual (symmetrised where asked); r += residual
-/// unless nullptr.
-template <class Cell, Frame frame>
-CellStatus motion_tangent(const PointLaw&, const MotionInput&, Batch* r, Batch* K);
-
-/// Evaluates the law at the accepted u: writes trial_history [point][history_size] and drive
-/// [point][drive_size] and adds to the step sums. trial_history may be nullptr for Model::elastic but in
-/// plane stress; it must not alias in.history. What heat asks for is written where it is not nullptr.
-template <class Cell, Frame frame>
-CellStatus motion_advance(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive, StepSums&,
-                          const HeatFeed& heat = {});
 
 } // namespace impact

@@ -32,17 +32,31 @@ template <class T> T crack_energy(const MaterialParameters& m, const T& phi, con
 template <class T, int d>
 Vector<T, d> spatial_gradient(const Tensor<T, d>& inverse_F, const Vector<T, d>& g) {
   Vector<T, d> h;
-  for (int i = 0; i < d; ++i) {
-    h[i] = inverse_F[tensor_index(d, 0, i)] * g[0];
-    for (int j = 1; j < d; ++j) h[i] += inverse_F[tensor_index(d, j, i)] * g[j];
-  }
+  for (int i = 0; i < d; ++i) h[i] = sum<d>([&](int j) { return inverse_F[tensor_index(d, j, i)] * g[j]; });
   return h;
 }
 
-template <class T, int d> T square(const Vector<T, d>& g) {
-  T s = g[0] * g[0];
-  for (int i = 1; i < d; ++i) s += g[i] * g[i];
-  return s;
+/// C^-1 g.
+template <class T, int d> Vector<T, d> raised_gradient(const Tensor<T, d>& inverse_F, const Vector<T, d>& g) {
+  const Vector<T, d> h = spatial_gradient(inverse_F, g);
+  Vector<T, d> w;
+  for (int i = 0; i < d; ++i) w[i] = sum<d>([&](int j) { return inverse_F[tensor_index(d, i, j)] * h[j]; });
+  return w;
+}
+
+/// What the crack energy takes for C^-1 g.
+template <class T, int d>
+Vector<T, d> crack_direction(const MaterialParameters& m, const Tensor<T, d>& inverse_F,
+                             const Vector<T, d>& g) {
+  return m.damage_gradient == DamageGradient::material ? g : raised_gradient(inverse_F, g);
+}
+
+/// psi_phi at a point with Grad phi = g.
+template <class T, int d>
+T crack_energy(const MaterialParameters& m, const T& phi, const Tensor<T, d>& inverse_F,
+               const Vector<T, d>& g) {
+  const Vector<T, d> h = m.damage_gradient == DamageGradient::material ? g : spatial_gradient(inverse_F, g);
+  return crack_energy(m, phi, dot(h, h));
 }
 
 /// tau_phi from the spatial gradient h.

@@ -5,6 +5,7 @@
 namespace impact {
 
 struct CubicDegradation {
+  static constexpr bool convex = false, ductile = false;
   double s;
 
   template <class T> T operator()(const T& phi, const T&) const {

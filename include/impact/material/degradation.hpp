@@ -6,7 +6,8 @@
 #include <impact/math/dual.hpp>
 
 /// Degradations of the energies at one point. A degradation law is a function object g(phi, alpha) of any
-/// scalar with g(0) = 1, g(1) = 0, one file each; its derivatives with respect to phi are taken here, by dual
+/// scalar with g(0) = 1, g(1) = 0, one file each, that says whether it is `convex` (its curvature is never
+/// negative) and `ductile` (it looks at alpha); its derivatives with respect to phi are taken here, by dual
 /// numbers. alpha is the plastic strain at the start of the step: a g that followed it within the step would
 /// lower the yield stress by d_alpha g E+ (theory.md, E17). Every law keeps the residual stiffness k: g ->
 /// (1-k) g + k.
@@ -16,7 +17,7 @@ template <class T> struct Degraded {
   T g, dg, d2g; ///< value, first and second derivative with respect to phi
 };
 
-/// Value and derivatives of a law of one's own or of ours.
+/// Value and derivatives of a law.
 template <class Law, class T>
 Degraded<T> differentiated(const Law& law, const T& phi, const T& alpha, double residual_stiffness = 0) {
   using Slope = Dual<T, 1>;
@@ -27,12 +28,50 @@ Degraded<T> differentiated(const Law& law, const T& phi, const T& alpha, double 
   return {scale * g.v.v + T(residual_stiffness), scale * g.v.d[0], scale * g.d[0].d[0]};
 }
 
-/// Laws beside the quadratic one, kept out of line: the kernels pay no registers for what they seldom use.
+/// A law from outside, compiled where its struct is known: MaterialParameters::own_degradation points to
+/// degradation_functions<Law>, whose Law is made without arguments.
+struct DegradationFunctions {
+  Degraded<Batch> (*at)(const Batch& phi, const Batch& alpha, double residual_stiffness);
+  bool convex, ductile;
+};
+template <class Law>
+inline const DegradationFunctions degradation_functions = {
+    [](const Batch& phi, const Batch& alpha, double k) { return differentiated(Law{}, phi, alpha, k); },
+    Law::convex, Law::ductile};
+
+struct GivenDegradation {
+  const DegradationFunctions& functions;
+  bool convex = functions.convex, ductile = functions.ductile;
+};
 template <class T>
-[[gnu::noinline]] Degraded<T> other_degradation(const MaterialParameters& m, const T& phi, const T& alpha) {
-  if (m.ge == Degradation::cubic)
-    return differentiated(CubicDegradation{m.cubic_s}, phi, alpha, m.residual_stiffness);
-  return differentiated(DuctileDegradation{m.alpha_c}, phi, alpha, m.residual_stiffness);
+Degraded<T> differentiated(const GivenDegradation& law, const T& phi, const T& alpha,
+                           double residual_stiffness) {
+  const auto at = law.functions.at(broadcast(value(phi)), broadcast(value(alpha)), residual_stiffness);
+  const auto g = lanes_of<Value<T>>(at.g), dg = lanes_of<Value<T>>(at.dg), d2g = lanes_of<Value<T>>(at.d2g);
+  return {with_slope(phi, g, dg), with_slope(phi, dg, d2g), T(d2g)};
+}
+
+/// The list of laws: calls f with the one that the parameters name.
+template <class F> decltype(auto) with_degradation(const DegradationParameters& m, F&& f) {
+  switch (m.ge) {
+  case Degradation::cubic:
+    return f(CubicDegradation{m.cubic_s});
+  case Degradation::ductile:
+    return f(DuctileDegradation{m.alpha_c});
+  case Degradation::own:
+    return f(GivenDegradation{*m.own_degradation});
+  default:
+    return f(QuadraticDegradation{});
+  }
+}
+
+/// Laws beside the quadratic one, kept out of line: the kernels pay no registers for what they seldom use.
+/// Their parameters come by value, because a law from outside could reach all others of a material by
+/// reference (hardening.hpp).
+template <class T>
+[[gnu::noinline]] Degraded<T> other_degradation(DegradationParameters m, const T& phi, const T& alpha) {
+  return with_degradation(
+      m, [&](const auto& law) { return differentiated(law, phi, alpha, m.residual_stiffness); });
 }
 
 /// g_e1: deviatoric part and tensile volume, or what the split calls E+.
@@ -41,11 +80,13 @@ template <class T> Degraded<T> degradation(const MaterialParameters& m, const T&
   return differentiated(QuadraticDegradation{}, phi, alpha, m.residual_stiffness);
 }
 
-/// Whether g depends on alpha, and whether its curvature may be negative.
+/// Whether g depends on alpha, and whether its curvature is never negative.
 inline bool is_ductile(const MaterialParameters& m) {
-  return m.damage != Damage::none && m.ge == Degradation::ductile;
+  return m.damage != Damage::none && with_degradation(m, [](const auto& law) { return law.ductile; });
 }
-inline bool is_convex(const MaterialParameters& m) { return m.ge == Degradation::quadratic; }
+inline bool is_convex(const MaterialParameters& m) {
+  return with_degradation(m, [](const auto& law) { return law.convex; });
+}
 
 /// g_e1, g_e2 (of E-) and g_p (plastic potential) at one point.
 template <class T> struct Degradations { Degraded<T> e1, e2, p; };

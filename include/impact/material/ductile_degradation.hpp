@@ -11,6 +11,7 @@
 namespace impact {
 
 struct DuctileDegradation {
+  static constexpr bool convex = false, ductile = true;
   double alpha_c;
 
   template <class T> T operator()(const T& phi, const T& alpha) const {

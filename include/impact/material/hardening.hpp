@@ -33,29 +33,58 @@ template <class Law> bool is_steep(const MaterialParameters& m) {
     return true;
 }
 
-/// The law that the parameters name. A new one is a line in each function.
-struct MaterialHardening {
+/// A law from outside, compiled where its struct is known: MaterialParameters::own_hardening points to
+/// hardening_functions<Law>. One call per point and step of the return, which the laws of the list do
+/// without. The parameters are handed over by value: a kernel whose parameters an unknown function can reach
+/// has to read all of them anew after the call, and is half as fast even where no such law is in use.
+struct HardeningFunctions {
+  Hardening<Batch> (*curve)(MaterialParameters, Batch alpha);
+  Batch (*potential)(MaterialParameters, Batch alpha);
+  bool steep;
+};
+template <class Law>
+inline const HardeningFunctions hardening_functions = {
+    [](MaterialParameters m, Batch alpha) { return hardening<Law>(m, alpha); },
+    [](MaterialParameters m, Batch alpha) { return Law::potential(m, alpha); }, is_steep<Law>({})};
+
+struct GivenHardening {
   template <class T> static Hardening<T> curve(const MaterialParameters& m, const T& alpha) {
-    switch (m.hardening) {
-    case HardeningKind::power:
-      return hardening<PowerHardening>(m, alpha);
-    case HardeningKind::table:
-      return hardening<TableHardening>(m, alpha);
-    default:
-      return hardening<VoceHardening>(m, alpha);
-    }
+    const auto at = m.own_hardening->curve(m, broadcast(value(alpha)));
+    const auto k = lanes_of<Value<T>>(at.k), dk = lanes_of<Value<T>>(at.dk);
+    return {with_slope(alpha, k, dk), T(dk)};
   }
   template <class T> static T potential(const MaterialParameters& m, const T& alpha) {
-    switch (m.hardening) {
-    case HardeningKind::power:
-      return PowerHardening::potential(m, alpha);
-    case HardeningKind::table:
-      return TableHardening::potential(m, alpha);
-    default:
-      return VoceHardening::potential(m, alpha);
-    }
+    const Batch x = broadcast(value(alpha));
+    return with_slope(alpha, lanes_of<Value<T>>(m.own_hardening->potential(m, x)),
+                      lanes_of<Value<T>>(m.own_hardening->curve(m, x).k));
   }
-  static bool steep(const MaterialParameters& m) { return m.hardening == HardeningKind::power; }
+  static bool steep(const MaterialParameters& m) { return m.own_hardening->steep; }
+};
+
+/// The list of laws: calls f with the one that the parameters name.
+template <class F> decltype(auto) with_hardening(const MaterialParameters& m, F&& f) {
+  switch (m.hardening) {
+  case HardeningKind::power:
+    return f(PowerHardening{});
+  case HardeningKind::table:
+    return f(TableHardening{});
+  case HardeningKind::own:
+    return f(GivenHardening{});
+  default:
+    return f(VoceHardening{});
+  }
+}
+
+struct MaterialHardening {
+  template <class T> static Hardening<T> curve(const MaterialParameters& m, const T& alpha) {
+    return with_hardening(m, [&]<class Law>(Law) { return hardening<Law>(m, alpha); });
+  }
+  template <class T> static T potential(const MaterialParameters& m, const T& alpha) {
+    return with_hardening(m, [&]<class Law>(Law) { return Law::potential(m, alpha); });
+  }
+  static bool steep(const MaterialParameters& m) {
+    return with_hardening(m, [&]<class Law>(Law) { return is_steep<Law>(m); });
+  }
 };
 
 /// k_0 and its slope.

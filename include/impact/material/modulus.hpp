@@ -129,17 +129,6 @@ template <int n, class T, int d> void add_crack(Modulus<T, n>& a, double factor,
   });
 }
 
-/// The closed-form modulus of `evaluate` (p from the J of the point).
-template <int n, class T, int d>
-Modulus<T, n> point_modulus(const PointLaw& law, const PointInput<T, d>& in, bool symmetric = false) {
-  const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
-  const Kinematics<T, d> k = kinematics(in.H);
-  const Return<T, d> flow = law.isochoric(in.H, k, in.old, g, law.conditions(in.theta, in.dt));
-  const Volumetric<T> v = law.pressure(k.J_minus_1, thermal_volume(law.parameters, in.theta), g);
-  return assemble_modulus<n>(law_modulus<n>(law.parameters, flow, g.e1.g, g.p.g / g.e1.g, v.p * k.J,
-                                            v.dp * k.J * k.J, T(1.0), false, symmetric));
-}
-
 /// The modulus of any law f: Tensor<Dual<T,n>, d> H -> Symmetric<Dual<T,n>, d> tau by forward
 /// differentiation. The derivatives with respect to Grad u are pushed forward: a_ijkl = (d P_iJ / d F_kL)
 /// F_jJ F_lL.

@@ -1,7 +1,6 @@
 #pragma once
 #include <limits>
-#include <memory>
-#include <string>
+#include <type_traits>
 
 /// The symbols of one material, in any consistent set of units (Table 1 of the paper).
 /// A plain value: no defaults for physical parameters beyond "absent", which the option reader checks.
@@ -15,26 +14,37 @@ enum class Split {
   spectral,
   automatic
 }; ///< what of the elastic energy is E+ (49); automatic: of options, no law has it
-enum class Degradation { quadratic, cubic, ductile }; ///< g_e1(phi), ductile: g_e1(phi, alpha)
-enum class PlasticDegradation { one, ge };            ///< g_p = 1 (the paper's run) or g_p = g_e1
-enum class DamageGradient { spatial, material };      ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
+enum class Degradation { quadratic, cubic, ductile, own }; ///< g_e1(phi), ductile: g_e1(phi, alpha)
+enum class PlasticDegradation { one, ge };                 ///< g_p = 1 (the paper's run) or g_p = g_e1
+enum class DamageGradient { spatial, material }; ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
 enum class Conduction {
   spatial,
   material
 }; ///< isotropic where the body is now, or in the reference body (paper)
 enum class ConductionDegradation { one, ge }; ///< g_theta = 1 or g_theta = g_e1
 enum class Locking { none, mean, fbar };      ///< volumetric locking cure on quads and hexes
-/// k_0(alpha): sigma_y with Voce and linear parts, sigma_y + b alpha^n, or points joined by lines
-enum class HardeningKind { voce, power, table };
+/// k_0(alpha): sigma_y with Voce and linear parts, sigma_y + b alpha^n, points joined by lines, or a law from
+/// outside
+enum class HardeningKind { voce, power, table, own };
 enum class Softening { none, linear, johnson_cook }; ///< f(theta), a factor on k_0
 
-struct HardeningTable; // material/hardening_table.hpp
+struct HardeningTable;       // material/hardening_table.hpp
+struct HardeningFunctions;   // material/hardening.hpp
+struct DegradationFunctions; // material/degradation.hpp
 
-/// All but what lives elsewhere: a copy of it is numbers only.
-struct MaterialNumbers {
+// Parameters stand in the group of what reads them. The kernels for laws with fewer terms copy the groups of
+// their terms as a whole (kernel/motion_terms.hpp): a new parameter is declared in its group, and arrives.
+
+/// What every deforming body has.
+struct ElasticParameters {
+  double K = 0, G = 0; ///< bulk and shear modulus (stress)
+  double rho = 0;      ///< reference density
+};
+
+/// What flow and the cure of locking add.
+struct FlowParameters {
   Model model = Model::elastic;
-  double K = 0, G = 0;                                      ///< bulk and shear modulus (stress)
-  double rho = 0;                                           ///< reference density
+  Locking locking = Locking::none;
   double sigma_y = 0, voce_r = 0, voce_s = 0, linear_h = 0; ///< k = s_y + r(1 - exp(-s alpha)) + H alpha
   HardeningKind hardening = HardeningKind::voce;
   double power_b = 0, power_n = 1; ///< k_0 = s_y + b alpha^n
@@ -42,12 +52,31 @@ struct MaterialNumbers {
   Softening softening = Softening::none;
   double softening_w = 0;                                     ///< linear: f = 1 - w (theta - theta_0)
   double theta_ref = 298.15, theta_melt = 0, softening_m = 1; ///< Johnson-Cook: f = 1 - T*^m
-  double alpha_t = 0, theta0 = 298.15;                        ///< thermal expansion, reference temperature
+  double taylor_quinney = 0.9;                                ///< chi: k_d = chi k (theory.md, E9)
+  const HardeningTable* table = nullptr;                      ///< with HardeningKind::table
+  const HardeningFunctions* own_hardening = nullptr;          ///< with HardeningKind::own
+};
+
+/// What a degradation reads beside phi and alpha.
+struct DegradationParameters {
+  Degradation ge = Degradation::quadratic;
+  double cubic_s = 1e-4;            ///< slope parameter of the cubic degradation
+  double alpha_c = 0;               ///< critical plastic strain of the ductile degradation
+  double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
+  const DegradationFunctions* own_degradation = nullptr; ///< with Degradation::own
+};
+
+/// The symbols of one material. Trivially copyable: a kernel copies what it works with, and a device could
+/// too.
+struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParameters {
+  /// Sets each member by itself: one copy of a constant image hides from the compiler which terms are absent.
+  MaterialParameters() {}
+
+  double alpha_t = 0, theta0 = 298.15; ///< thermal expansion, reference temperature
   double c_v = 0;          ///< heat capacity at fixed J_e per reference volume; 0: without temperature
   double conductivity = 0; ///< 0: adiabatic points
   Conduction conduction = Conduction::spatial;
   ConductionDegradation gtheta = ConductionDegradation::ge;
-  double taylor_quinney = 0.9; ///< chi: k_d = chi k (theory.md, E9)
   Damage damage = Damage::none;
   double Gc = 0, gamma = 0;                           ///< toughness (force/length), layer width (length)
   double c = std::numeric_limits<double>::infinity(); ///< damage rate: lambda = (1 + delta - phi)^zeta / c
@@ -56,19 +85,10 @@ struct MaterialNumbers {
   double b_d = 0;            ///< viscosity: S_d = 2 b_d Cdot (62)
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
-  Degradation ge = Degradation::quadratic;
-  double cubic_s = 1e-4; ///< slope parameter of the cubic degradation
-  double alpha_c = 0;    ///< critical plastic strain of the ductile degradation
   PlasticDegradation gp = PlasticDegradation::one;
   double plastic_threshold = 0; ///< W_0: damage is driven by <H_0 - W_0> (energy per volume)
   DamageGradient damage_gradient = DamageGradient::spatial;
-  double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
-  Locking locking = Locking::none;
 };
-
-struct MaterialParameters : MaterialNumbers {
-  std::string id;
-  std::shared_ptr<const HardeningTable> table; ///< with HardeningKind::table; never changes once it is made
-};
+static_assert(std::is_trivially_copyable_v<MaterialParameters>);
 
 } // namespace impact

@@ -22,6 +22,22 @@ template <class T, int d> struct Return {
   FlowConditions<T> at;  ///< what the flow stress was asked for
 };
 
+/// The elastic predictor: what stays where nothing flows. e = F A F^T - 1 and J23 = J^(-2/3).
+template <class T, int d>
+Return<T, d> predictor(const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
+                       const FlowConditions<T>& at) {
+  Return<T, d> out;
+  out.trial = out.dev_b = J23 * dev(e);
+  out.y = J23 * (T(1.0) + (1.0 / 3) * trace(e));
+  out.scale = T(1.0);
+  out.alpha = alpha_n;
+  out.dbeta = T(0.0);
+  out.plastic = value(J23) < value(J23);
+  out.failed = 0;
+  out.at = at;
+  return out;
+}
+
 /// Predictor, admissibility, return (theory.md, return mapping). `ratio` = g_p/g_e1, the degraded yield
 /// stress over the degraded modulus. e = F A F^T - 1 and J23 = J^(-2/3) define b_trial = J23 (1 + e). The
 /// multiplier is found on values; one more step in T carries its derivative. Law: the hardening.
@@ -30,17 +46,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
                         const T& ratio, const FlowConditions<T>& at = {}) {
   using V = Value<T>;
   const double q = 0.81649658092772603273; // sqrt(2/3)
-  Return<T, d> out;
-
-  // predictor
-  out.trial = J23 * dev(e);
-  out.y = J23 * (T(1.0) + (1.0 / 3) * trace(e));
-  out.dev_b = out.trial;
-  out.scale = T(1.0);
-  out.alpha = alpha_n;
-  out.dbeta = T(0.0);
-  out.failed = 0;
-  out.at = at;
+  Return<T, d> out = predictor(e, J23, alpha_n, at);
 
   // admissibility
   const T N = m.G * sqrt(dot(out.trial, out.trial)), mu = m.G * out.y;

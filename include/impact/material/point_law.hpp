@@ -64,18 +64,7 @@ struct PointLaw {
   Return<T, d> isochoric(const Tensor<T, d>& H, const Kinematics<T, d>& k, const PointHistory<T, d>& old,
                          const Degradations<T>& g, const FlowConditions<T>& at = {}) const {
     Symmetric<T, d> e = left_strain(H);
-    if (!flows()) {
-      Return<T, d> r;
-      r.trial = r.dev_b = k.J23 * dev(e);
-      r.y = k.J23 * (T(1.0) + (1.0 / 3) * trace(e));
-      r.scale = T(1.0);
-      r.alpha = old.alpha;
-      r.dbeta = T(0.0);
-      r.plastic = value(k.J) < value(k.J);
-      r.failed = 0;
-      r.at = at;
-      return r;
-    }
+    if (!flows()) return predictor(e, k.J23, old.alpha, at);
     e = e + push(k.F, old.A - identity<T, d>());
     const bool undegraded = parameters.damage == Damage::none || parameters.gp == PlasticDegradation::ge;
     return return_map(parameters, e, k.J23, old.alpha, undegraded ? T(1.0) : g.p.g / g.e1.g, at);
@@ -153,44 +142,6 @@ struct PointLaw {
     return now;
   }
 };
-
-/// Everything at one point where p comes from the J of the point itself: tau_c, the new history and the
-/// energies.
-template <class T, int d> struct PointInput {
-  Tensor<T, d> H; ///< Grad u
-  PointHistory<T, d> old;
-  T phi, theta;
-  double dt = 0;  ///< 0: at rest
-  T H_n = T(0.0); ///< plastic energy at t_n, read where the law softens
-};
-template <class T, int d> struct PointResponse {
-  Kinematics<T, d> k;
-  Return<T, d> flow;
-  Symmetric<T, d> tau;
-  PointHistory<T, d> history;
-  PointEnergies<T> energy;
-};
-
-template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, const PointInput<T, d>& in) {
-  PointResponse<T, d> out;
-  const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
-  out.k = kinematics(in.H);
-  out.flow = law.isochoric(in.H, out.k, in.old, g, law.conditions(in.theta, in.dt));
-  const Volumetric<T> v = law.pressure(out.k.J_minus_1, thermal_volume(law.parameters, in.theta), g);
-  out.tau = (law.parameters.G * g.e1.g) * out.flow.dev_b;
-  for (int i = 0; i < 3; ++i) out.tau[i] = out.tau[i] + v.p * out.k.J;
-  const T z = trace_excess(out.flow.dev_b, value(out.flow.y) - Value<T>(1.0));
-  out.history = law.updated(out.k, in.old, out.flow, z);
-  out.energy = law.energies(z, v.Je_minus_1, out.history.alpha);
-  if (law.softens()) out.energy.plastic = law.plastic_energy(out.flow, in.old.alpha, in.H_n);
-  if (!law.spectral()) return out;
-  const SpectralSplit<T, d> split = spectral_split(law.parameters, left_strain(in.H), out.k.J_minus_1,
-                                                   thermal_volume(law.parameters, in.theta));
-  out.tau = g.e1.g * split.tau_plus + g.e2.g * split.tau_minus;
-  out.energy.plus = split.plus;
-  out.energy.minus = split.minus;
-  return out;
-}
 
 /// P = tau F^-T
 template <class T, int d>

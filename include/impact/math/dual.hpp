@@ -74,6 +74,25 @@ template <class B, int n> Dual<B, n> seed(const B& x, int i) {
   return r;
 }
 
+/// f(x) as a function of x whose value f and slope df at the value of x are known.
+inline double with_slope(double /*x*/, double f, double /*df*/) { return f; }
+inline Batch with_slope(const Batch& /*x*/, const Batch& f, const Batch& /*df*/) { return f; }
+inline std::complex<double> with_slope(const std::complex<double>& x, double f, double df) {
+  return {f, df * x.imag()};
+}
+template <class B, int n> Dual<B, n> with_slope(const Dual<B, n>& x, const Value<B>& f, const Value<B>& df) {
+  return Dual<B, n>::chain(x, with_slope(x.v, f, df), B(df));
+}
+/// Values as lanes, for functions of a Batch alone, and back.
+inline Batch broadcast(double x) { return x; }
+inline Batch broadcast(const Batch& x) { return x; }
+template <class V> V lanes_of(const Batch& x) {
+  if constexpr (std::is_same_v<V, double>)
+    return x[0];
+  else
+    return x;
+}
+
 inline double select(bool m, double a, double b) { return m ? a : b; }
 inline std::complex<double> select(bool m, const std::complex<double>& a, const std::complex<double>& b) {
   return m ? a : b;

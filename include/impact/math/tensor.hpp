@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/math/dual.hpp>
+#include <impact/math/unroll.hpp>
 
 /// Three-dimensional second-order tensors of a scalar T in two layouts. d = 3: full 3x3. d = 2: the plane
 /// layout, where 13, 23, 31, 32 vanish but 33 does not (plane strain, axisymmetry); sums, products and
@@ -13,7 +14,21 @@ template <class T, int n> struct Vector {
   T c[n];
   T& operator[](int i) { return c[i]; }
   const T& operator[](int i) const { return c[i]; }
+
+  friend Vector operator+(Vector a, const Vector& b) {
+    for (int i = 0; i < n; ++i) a.c[i] += b.c[i];
+    return a;
+  }
+  friend Vector operator*(const T& s, const Vector& a) {
+    Vector r;
+    for (int i = 0; i < n; ++i) r.c[i] = s * a.c[i];
+    return r;
+  }
 };
+
+template <class T, int n> T dot(const Vector<T, n>& a, const Vector<T, n>& b) {
+  return sum<n>([&](int i) { return a[i] * b[i]; });
+}
 
 inline constexpr int tensor_size(int d) { return d == 2 ? 5 : 9; }
 inline constexpr int symmetric_size(int d) { return d == 2 ? 4 : 6; }
@@ -139,25 +154,6 @@ template <class T, int d> Tensor<T, d> inverse(const Tensor<T, d>& F, const T& d
   Tensor<T, d> r = transpose(cofactor(F));
   const T s = T(1.0) / det_F;
   for (int i = 0; i < tensor_size(d); ++i) r[i] = r[i] * s;
-  return r;
-}
-
-template <class T, int d> Symmetric<T, d> inverse(const Symmetric<T, d>& a) {
-  Symmetric<T, d> r;
-  const T s = T(1.0) / det(a);
-  if constexpr (d == 2) {
-    r[0] = a[1] * a[2] * s;
-    r[1] = a[0] * a[2] * s;
-    r[2] = T(1.0) / a[2];
-    r[3] = -(a[3] * a[2] * s);
-  } else {
-    r[0] = (a[1] * a[2] - a[4] * a[4]) * s;
-    r[1] = (a[0] * a[2] - a[5] * a[5]) * s;
-    r[2] = (a[0] * a[1] - a[3] * a[3]) * s;
-    r[3] = (a[4] * a[5] - a[3] * a[2]) * s;
-    r[4] = (a[3] * a[5] - a[0] * a[4]) * s;
-    r[5] = (a[3] * a[4] - a[1] * a[5]) * s;
-  }
   return r;
 }
 

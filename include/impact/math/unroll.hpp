@@ -10,4 +10,12 @@ template <int n, class F> inline void unroll(F&& f) {
   (std::make_integer_sequence<int, n>{});
 }
 
+/// f(0) + ... + f(n-1), in this order. Always inlined: a kernel that is not rid of the closure early keeps
+/// its tensors in memory.
+template <int n, class F> [[gnu::always_inline]] inline auto sum(F&& f) {
+  auto s = f(0);
+  for (int i = 1; i < n; ++i) s += f(i);
+  return s;
+}
+
 } // namespace impact

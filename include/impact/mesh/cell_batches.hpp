@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/math/batch.hpp>
 #include <impact/mesh/mesh.hpp>
+#include <type_traits>
 
 /// Cells of equal shape and material packed lane by lane: the only place that knows lanes and padding. A
 /// short last batch repeats its last cell; those lanes are never scattered or summed. Cells are in the mesh's
@@ -23,34 +24,53 @@ struct CellGroup {
 std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell);
 
 /// The local nodes of one batch, [node][lane].
-template <class Cell> const int* batch_nodes(const CellGroup& group, int batch) {
-  return group.node.data() + static_cast<std::ptrdiff_t>(batch) * Cell::nodes * lanes;
+inline const int* batch_nodes(const CellGroup& group, int batch) {
+  return group.node.data() + static_cast<std::ptrdiff_t>(batch) * group.shape->nodes * lanes;
 }
 
 /// Gathers `components` values per node of one batch from a local array [node][component].
 /// out: [node][component] of Batch.
-template <class Cell, int components>
-void gather(const CellGroup& group, int batch, const double* local, Batch* out) {
-  const int* node = batch_nodes<Cell>(group, batch);
-  for (int a = 0; a < Cell::nodes; ++a) {
+template <int components> void gather(const CellGroup& group, int batch, const double* local, Batch* out) {
+  const int* node = batch_nodes(group, batch);
+  for (int a = 0; a < group.shape->nodes; ++a, node += lanes, out += components) {
     const double* from[lanes];
-    for (int l = 0; l < lanes; ++l)
-      from[l] = local + static_cast<std::ptrdiff_t>(node[a * lanes + l]) * components;
+    for (int l = 0; l < lanes; ++l) from[l] = local + static_cast<std::ptrdiff_t>(node[l]) * components;
     for (int k = 0; k < components; ++k)
-      for (int l = 0; l < lanes; ++l) out[a * components + k].set(l, from[l][k]);
+      for (int l = 0; l < lanes; ++l) out[k].set(l, from[l][k]);
   }
 }
 
 /// Adds [node][component] of Batch to the local array; padding lanes are skipped.
-template <class Cell, int components>
+template <int components>
 void scatter_add(const CellGroup& group, int batch, const Batch* values, double* local) {
-  const int* node = batch_nodes<Cell>(group, batch);
-  const int used = group.lanes_in_use(batch);
+  const int* node = batch_nodes(group, batch);
+  const int used = group.lanes_in_use(batch), nodes = group.shape->nodes;
   for (int l = 0; l < used; ++l)
-    for (int a = 0; a < Cell::nodes; ++a) {
+    for (int a = 0; a < nodes; ++a) {
       double* to = local + static_cast<std::ptrdiff_t>(node[a * lanes + l]) * components;
       for (int k = 0; k < components; ++k) to[k] += values[a * components + k][l];
     }
+}
+
+/// Calls f with the number of components, 1, 2 or 3, as a constant.
+template <class F> decltype(auto) with_components(int components, F&& f) {
+  switch (components) {
+  case 1:
+    return f(std::integral_constant<int, 1>{});
+  case 2:
+    return f(std::integral_constant<int, 2>{});
+  default:
+    return f(std::integral_constant<int, 3>{});
+  }
+}
+
+/// The same, for a number of components that is known at run time.
+inline void gather(const CellGroup& group, int batch, int components, const double* local, Batch* out) {
+  with_components(components, [&](auto c) { gather<c>(group, batch, local, out); });
+}
+inline void scatter_add(const CellGroup& group, int batch, int components, const Batch* values,
+                        double* local) {
+  with_components(components, [&](auto c) { scatter_add<c>(group, batch, values, local); });
 }
 
 } // namespace impact

@@ -1,7 +1,7 @@
 #pragma once
 #include <array>
 #include <functional>
-#include <impact/element/shape.hpp>
+#include <impact/kernel/shape.hpp>
 #include <impact/petsc/handle.hpp>
 #include <map>
 #include <span>
@@ -84,8 +84,10 @@ public:
   std::vector<double> node_shares(const std::string& name) const;
   /// Shortest cell edge over all ranks, computed at construction.
   double smallest_edge() const { return smallest_edge_; }
-  /// Names of the regions that hold a cell point, separated by commas; for messages.
+  /// For messages: names of the regions that hold a cell point, separated by commas; a node's place, "(x,
+  /// y)".
   std::string regions_of(PetscInt cell_point) const;
+  std::string place(int node) const;
 
 private:
   struct CellPlace {
@@ -98,6 +100,8 @@ private:
   void measure_edges();
   DMLabel label(const std::string& name) const;
   std::vector<PetscInt> labelled_points(const std::string& name) const;
+  std::vector<int> closure(PetscInt point) const; // its nodes in the order of DMPlex
+  std::vector<char> owned_elsewhere() const;      // [point] 1: another rank's
 
   Handle<DM> dm_;
   int dim_ = 0, node_count_ = 0, owned_node_count_ = 0;
@@ -105,7 +109,7 @@ private:
   std::vector<double> coordinates_;
   std::vector<CellTable> cells_;
   std::vector<CellPlace> table_of_cell_; // [cell point - cell_start_]
-  unsigned shapes_ = 0;                  // bit per Shape, equal on all ranks
+  std::vector<int> has_shape_;           // [known shape] 1 or 0, equal on all ranks
   std::vector<PetscInt> global_node_;
   std::vector<char> owned_;
   std::vector<Group> groups_;

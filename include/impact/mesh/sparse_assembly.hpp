@@ -14,7 +14,7 @@
 /// symmetric: of all that is added, what stands below the diagonal is passed over.
 namespace impact {
 
-class SymmetricBlocks;
+class MatrixRows;
 
 class SparseAssembly {
 public:
@@ -26,6 +26,10 @@ public:
   /// Same in AIJ with a graph that several fields share; `graph` and `groups` must outlive the assembly.
   /// Collective.
   SparseAssembly(const FieldLayout& layout, const NodeGraph& graph, const std::vector<CellGroup>& groups);
+
+  ~SparseAssembly();
+  SparseAssembly(const SparseAssembly&) = delete;
+  SparseAssembly& operator=(const SparseAssembly&) = delete;
 
   /// Block size set, all values zero and assembled after construction.
   Mat matrix() const;
@@ -42,19 +46,8 @@ public:
   void set_diagonal(const std::vector<int>& dofs, double value);
 
 private:
-  struct Impl;
-  struct Delete {
-    void operator()(Impl*) const;
-    void operator()(SymmetricBlocks*) const;
-  };
-  void create_matrix(const FieldLayout& layout);
-  void open();
-  void close();
-
   std::unique_ptr<const NodeGraph> own_graph_;
-  std::unique_ptr<SymmetricBlocks, Delete> blocks_; // with sbaij, else the two below
-  std::unique_ptr<Impl, Delete> impl_;
-  Handle<Mat> matrix_;
+  std::unique_ptr<MatrixRows> rows_;
 };
 
 } // namespace impact

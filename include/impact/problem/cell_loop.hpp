@@ -1,66 +1,73 @@
 #pragma once
-#include <array>
-#include <cstring>
+#include <algorithm>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <optional>
 #include <span>
 
-/// The loop over batches of cells: gather, kernel, scatter, with the shape and the frame as compile-time
-/// constants.
+/// The loop over batches of cells: gather, kernel, scatter. The kernels of a batch come from its shape and
+/// the frame of the run; no loop names a shape.
 namespace impact {
 
-/// Calls body.template operator()<Cell, frame>() for the shape of `group`.
-template <class Body> void with_shape(const CellGroup& group, Frame frame, Body&& body) {
-  switch (group.shape) {
-  case Shape::tri3:
-    if (frame == Frame::plane_stress) return body.template operator()<Tri3, Frame::plane_stress>();
-    return frame == Frame::axisymmetric ? body.template operator()<Tri3, Frame::axisymmetric>()
-                                        : body.template operator()<Tri3, Frame::plane_strain>();
-  case Shape::quad4:
-    if (frame == Frame::plane_stress) return body.template operator()<Quad4, Frame::plane_stress>();
-    return frame == Frame::axisymmetric ? body.template operator()<Quad4, Frame::axisymmetric>()
-                                        : body.template operator()<Quad4, Frame::plane_strain>();
-  case Shape::tet4:
-    return body.template operator()<Tet4, Frame::solid>();
-  case Shape::hex8:
-    return body.template operator()<Hex8, Frame::solid>();
-  }
-}
+/// What a batch holds, in place: the first `size` of an array that is large enough for any cell.
+template <int capacity> struct BatchArray {
+  int size;
+  Batch value[at(capacity)];
 
-template <int size> using Batches = std::array<Batch, at(size)>;
-
-/// One nodal field of a batch, [node][components], gathered from a local array.
-template <class Cell, int components> struct Gathered {
-  Batches<Cell::nodes * components> value;
-  Gathered() = default;
-  Gathered(const CellGroup& group, int batch, std::span<const double> local) {
-    gather<Cell, components>(group, batch, local.data(), value.data());
+  explicit BatchArray(int count) : size(count) {}
+  BatchArray(const BatchArray& other) : size(other.size) { std::copy_n(other.value, size, value); }
+  BatchArray& operator=(const BatchArray& other) {
+    size = other.size;
+    std::copy_n(other.value, size, value);
+    return *this;
   }
-  const Batch* data() const { return value.data(); }
+  const Batch* data() const { return value; }
+  Batch* data() { return value; }
+  std::span<Batch> all() { return {value, at(size)}; }
+  std::span<const Batch> all() const { return {value, at(size)}; }
 };
 
-/// Point data of one batch, [point][components], copied from and to a row
-/// [group][batch][point][component][lane] (rows are ordinary arrays of double without the alignment of a
-/// Batch).
-template <class Cell, int components> struct PointValues {
-  static constexpr std::size_t size = at(Cell::points * components);
-  Batches<Cell::points * components> value;
-  void load(std::span<const double> row, std::size_t offset, int batch) {
-    std::memcpy(value.data(), row.data() + offset + at(batch) * size * lanes, sizeof(value));
-  }
-  void store(std::vector<double>& row, std::size_t offset, int batch) const {
-    std::memcpy(row.data() + offset + at(batch) * size * lanes, value.data(), sizeof(value));
-  }
-  Batch* data() { return value.data(); }
+/// One nodal field of a batch, [node][components].
+using NodalValues = BatchArray<3 * max_nodes>;
+
+/// Point data of one batch, [point][components].
+template <int most_components> struct PointValues : BatchArray<max_points * most_components> {
+  int components;
+
+  explicit PointValues(const CellGroup& group, int count = most_components)
+      : BatchArray<max_points * most_components>(group.shape->points * count), components(count) {}
 };
 
-/// Where each group starts in a row of `components` per point.
-inline std::vector<std::size_t> point_offsets(const std::vector<CellGroup>& groups, int components) {
-  std::vector<std::size_t> offset(groups.size() + 1, 0);
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    offset[g + 1] = offset[g] + point_values(groups[g], components);
-  return offset;
-}
+/// A matrix over the dofs of a cell, [row][column], whose space serves one batch after the other.
+class CellMatrix {
+public:
+  /// For n dofs, with the entries as they are; with all entries 0.
+  Batch* sized(int n) {
+    rows_ = n;
+    value_.resize(at(n * n));
+    return value_.data();
+  }
+  Batch* zeroed(int n) {
+    std::fill_n(sized(n), n * n, Batch(0.0));
+    return value_.data();
+  }
+  Batch& operator()(int i, int j) { return value_[at(i * rows_ + j)]; }
+  const Batch* data() const { return value_.data(); }
+  /// Rows and columns of held dofs, whose `free` is 0, vanish.
+  void mask(const NodalValues& free) {
+    for (int i = 0; i < rows_; ++i)
+      for (int j = 0; j < rows_; ++j) (*this)(i, j) *= free.value[i] * free.value[j];
+  }
+  Batch trace() const {
+    Batch sum = value_[0];
+    for (int i = 1; i < rows_; ++i) sum += value_[at(i * rows_ + i)];
+    return sum;
+  }
+
+private:
+  int rows_ = 0;
+  std::vector<Batch> value_;
+};
 
 /// Sum of a batch's lanes that hold cells of their own.
 inline double lane_sum(const Batch& value, int lanes_in_use) {
@@ -69,82 +76,91 @@ inline double lane_sum(const Batch& value, int lanes_in_use) {
   return sum;
 }
 
-/// Rows and columns of held dofs, whose `free` is 0, vanish from a cell matrix [dof][dof].
-template <int n> void mask(const Batch* free, Batch* K) {
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) K[i * n + j] *= free[i] * free[j];
-}
-
-template <int n> Batch trace(const Batch* K) {
-  Batch sum = K[0];
-  for (int i = 1; i < n; ++i) sum += K[i * n + i];
-  return sum;
-}
-
 /// One batch of the loop below. Fields are local arrays [node][components], rows
-/// [group][batch][point][component] [lane].
-template <class Cell_, Frame frame_> struct CellBatch {
-  using Cell = Cell_;
-  static constexpr Frame frame = frame_;
-  static constexpr int dim = Cell::dim, nodes = Cell::nodes;
-
+/// [group][batch][point][component][lane], ordinary doubles without the alignment of a Batch.
+struct CellBatch {
+  const Discretisation& d;
   const CellGroup& group;
   const PointLaw& law;
+  const CellKernels& kernels;
   int number_of_group, number;
-  std::size_t first_point; ///< of the group, in a row of one component
+  std::size_t first_point,
+      first_cell; ///< of the group, in rows [group][batch][point][lane], [group][batch][lane]
 
+  int nodes() const { return group.shape->nodes; }
   int used() const { return group.lanes_in_use(number); }
   /// Those bits of `bad` that belong to cells of their own.
   int broken(int bad) const { return bad & ((1 << used()) - 1); }
   std::size_t material() const { return at(group.material); }
   double sum(const Batch& value) const { return lane_sum(value, used()); }
 
-  template <int components> Gathered<Cell, components> gather(std::span<const double> field) const {
-    return {group, number, field};
+  NodalValues gather(std::span<const double> field, int components) const {
+    NodalValues values = nodal(components);
+    impact::gather(group, number, components, field.data(), values.data());
+    return values;
   }
   /// Where the values of a nodal field or of a row stand, for a kernel; null without one.
-  template <int components>
-  const Batch* read(const std::vector<double>* field, Gathered<Cell, components>& values) const {
+  template <int most> const Batch* read(const std::vector<double>* field, BatchArray<most>& values) const {
     if (field == nullptr) return nullptr;
-    impact::gather<Cell, components>(group, number, field->data(), values.value.data());
+    impact::gather(group, number, values.size / nodes(), field->data(), values.data());
     return values.data();
   }
-  template <int components>
-  const Batch* read(const std::vector<double>* row, PointValues<Cell, components>& values) const {
+  template <int most> const Batch* read(const std::vector<double>* row, PointValues<most>& values) const {
     if (row == nullptr) return nullptr;
     load(*row, values);
     return values.data();
   }
-  template <int components> void scatter(const Batch* values, std::vector<double>& field) const {
-    scatter_add<Cell, components>(group, number, values, field.data());
+  NodalValues vectors(std::span<const double> field) const { return gather(field, d.dim()); }
+  NodalValues scalars(std::span<const double> field) const { return gather(field, 1); }
+  /// Nodal values to be filled; to be summed up, 0 at first; and their sum into a field.
+  NodalValues nodal(int components) const { return NodalValues(nodes() * components); }
+  NodalValues zero(int components) const {
+    NodalValues values = nodal(components);
+    std::fill_n(values.value, values.size, Batch(0.0));
+    return values;
   }
-  template <int components>
-  void load(std::span<const double> row, PointValues<Cell, components>& values) const {
-    values.load(row, first_point * components, number);
+  void scatter(const NodalValues& values, std::vector<double>& field) const {
+    scatter_add(group, number, values.size / nodes(), values.data(), field.data());
   }
-  template <int components> PointValues<Cell, components> load(std::span<const double> row) const {
-    PointValues<Cell, components> values;
+
+  /// Point values as they come: of a constant number of components, of histories, of stresses.
+  template <int components> PointValues<components> points() const { return PointValues<components>(group); }
+  PointValues<max_history_size> histories() const {
+    return PointValues<max_history_size>(group, history_size(d.frame));
+  }
+  PointValues<max_gradient_size> stresses() const {
+    return PointValues<max_gradient_size>(group, gradient_size(d.frame));
+  }
+  template <int most> void load(std::span<const double> row, PointValues<most>& values) const {
+    std::copy_n(row.data() + place(values), values.size * lanes, reinterpret_cast<double*>(values.value));
+  }
+  template <int components> PointValues<components> load(std::span<const double> row) const {
+    PointValues<components> values(group);
     load(row, values);
     return values;
   }
-  template <int components>
-  void store(const PointValues<Cell, components>& values, std::vector<double>& row) const {
-    values.store(row, first_point * components, number);
+  template <int most> void store(const PointValues<most>& values, std::vector<double>& row) const {
+    std::copy_n(reinterpret_cast<const double*>(values.value), values.size * lanes,
+                row.data() + place(values));
+  }
+
+private:
+  template <int most> std::size_t place(const PointValues<most>& values) const {
+    return first_point * at(values.components) + at(number) * at(values.size) * lanes;
   }
 };
 
-/// body(const CellBatch<Cell, frame>&) for all cells whose law `takes` says yes to, group by group, with the
-/// shape and the frame as compile-time constants.
+/// body(const CellBatch&) for all cells whose law `takes` says yes to, group by group.
 template <class Takes, class Body> void for_each_batch(const Discretisation& d, Takes&& takes, Body&& body) {
-  std::size_t first = 0;
+  std::size_t point = 0, cell = 0;
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
     const CellGroup& group = d.groups[g];
+    const CellKernels& kernels = group.shape.kernels(d.frame);
     if (takes(d.law(group)))
-      with_shape(group, d.frame, [&]<class Cell, Frame frame>() {
-        for (int b = 0; b < group.batch_count; ++b)
-          body(CellBatch<Cell, frame>{group, d.law(group), static_cast<int>(g), b, first});
-      });
-    first += point_values(group, 1);
+      for (int b = 0; b < group.batch_count; ++b)
+        body(CellBatch{d, group, d.law(group), kernels, static_cast<int>(g), b, point, cell});
+    point += point_values(group, 1);
+    cell += at(group.batch_count) * lanes;
   }
 }
 inline constexpr auto all_laws = [](const PointLaw&) { return true; };

@@ -1,11 +1,11 @@
 #pragma once
 #include <algorithm>
-#include <impact/kernel/frame.hpp>
-#include <impact/material/point_law.hpp>
+#include <impact/kernel/point_data.hpp>
 #include <impact/math/index.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,6 +17,8 @@ namespace impact {
 struct MaterialAssignment {
   PointLaw law;
   std::vector<std::string> regions;
+  std::string id{};                               ///< what the user calls it
+  std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
 };
 
 struct Discretisation {
@@ -56,6 +58,8 @@ struct Discretisation {
            any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
   }
   double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
+  /// Doubles of a row of `components` per quadrature point, of all groups.
+  std::size_t point_values(int components) const;
 };
 
 /// Throws UserError(data) when a region is unknown, a cell has no material or two. Collective.

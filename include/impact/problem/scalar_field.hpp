@@ -33,9 +33,9 @@ public:
 
   void zero_matrix() { assembly_->zero(); }
   /// Adds a cell matrix without the rows and columns of held nodes, which it loses.
-  template <class Cell, Frame frame> void add(const CellBatch<Cell, frame>& batch, Batch* K) {
-    mask<Cell::nodes>(batch.template gather<1>(free_).data(), K);
-    assembly_->add(batch.number_of_group, batch.number, K);
+  void add(const CellBatch& batch, CellMatrix& K) {
+    K.mask(batch.scalars(free_));
+    assembly_->add(batch.number_of_group, batch.number, K.data());
   }
   void finish_matrix() { assembly_->finish(); }
   /// Held rows get the mean of the diagonal; residuals of the solvers cannot fall below what the last digit

@@ -92,8 +92,8 @@ private:
   void locate_probes();
 
   struct Located {
-    int nodes[8];
-    double N[8];
+    int nodes[max_nodes];
+    double N[max_nodes];
     int count = 0;         ///< 0 on ranks that do not hold the probe's cell
     std::size_t batch = 0; ///< of all groups' batches, and the lane: where cell fields have the cell
     std::size_t lane = 0;

@@ -7,6 +7,7 @@
 #include <impact/problem/settings.hpp>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <petscsys.h>
 #include <string>
@@ -49,7 +50,8 @@ struct MaterialScenario {
   double E = absent, nu = absent, K = absent, G = absent;
   double c_v = 0, c_mass = absent; ///< heat capacity per volume, or per mass
   std::vector<std::string> hardening;
-  std::string hardening_table; ///< resolved path of law.table
+  std::string hardening_table;                  ///< resolved path of `points`
+  std::shared_ptr<const HardeningTable> points; ///< what law.table points to
   double sigma_y = 0, linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
   Split split = Split::automatic;
   std::optional<Softening> softening; ///< empty: automatic, and so below

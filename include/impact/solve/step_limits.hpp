@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
+#include <impact/kernel/frame.hpp>
 #include <impact/problem/settings.hpp>
 #include <string>
 
@@ -18,8 +19,8 @@ public:
   /// Why the step is refused; empty where it is not.
   using Refusal = std::string;
   Refusal damage(double growth);
-  /// Rows of [point group][components][lane]; component `alpha` is the plastic strain. Collective.
-  Refusal plastic_strain(MPI_Comm comm, const StateRow& history, int alpha);
+  /// Of the histories of all points. Collective.
+  Refusal plastic_strain(MPI_Comm comm, Frame frame, const StateRow& history);
   /// Collective.
   Refusal temperature(MPI_Comm comm, const StateRow& theta);
   /// Of a step whose prescribed nodes have moved to u. Collective.

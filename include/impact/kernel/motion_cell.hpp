@@ -1,123 +1,13 @@
 #pragma once
-#include "motion_point.hpp"
-#include "motion_terms.hpp"
-#include "plane_stress.hpp"
+#include <impact/kernel/motion_point.hpp>
+#include <impact/kernel/motion_terms.hpp>
+#include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/spatial_map.hpp>
 
 #include <impact/material/modulus.hpp>
 
-/// Residual, tangent and advance of one batch of cells; instantiated in motion_<shape>.cpp.
+/// Residual, tangent and advance of motion.hpp on one batch of cells.
 namespace impact {
-
-template <class Cell> inline constexpr int dofs = Cell::nodes* Cell::dim;
-
-/// The map of the current configuration at one point: inverse[k * dim + j] = dxi_k/dx_j and, axisymmetric,
-/// 1/r.
-template <class Cell, Frame frame> struct CurrentMap {
-  Batch inverse[Cell::dim * Cell::dim];
-  Batch inverse_r;
-};
-
-template <class Cell, Frame frame>
-inline void current_map(const PointMap<Cell, frame>& map, const Tensor<Batch, Cell::dim>& inverse_F,
-                        CurrentMap<Cell, frame>& out) {
-  constexpr int d = Cell::dim;
-  for (int k = 0; k < d; ++k)
-    for (int i = 0; i < d; ++i) {
-      Batch s = map.inverse[k * d] * inverse_F[i];
-      for (int j = 1; j < d; ++j) s += map.inverse[k * d + j] * inverse_F[d * j + i];
-      out.inverse[k * d + i] = s;
-    }
-  if constexpr (frame == Frame::axisymmetric) out.inverse_r = map.inverse_R * inverse_F[4];
-}
-
-/// Spatial gradients g_a of the shape functions, with N_a/r in the axisymmetric frame.
-template <class Cell, Frame frame> struct SpatialGradients {
-  Batch g[Cell::nodes][Cell::dim];
-  Batch ring[frame == Frame::axisymmetric ? Cell::nodes : 1];
-};
-
-template <class Cell, Frame frame>
-inline void spatial_gradients(const CurrentMap<Cell, frame>& map, const double (&N)[Cell::nodes],
-                              const double (&dN)[Cell::nodes][Cell::dim],
-                              SpatialGradients<Cell, frame>& out) {
-  constexpr int d = Cell::dim;
-  for (int a = 0; a < Cell::nodes; ++a)
-    for (int i = 0; i < d; ++i) {
-      Batch s = dN[a][0] * map.inverse[i];
-      for (int k = 1; k < d; ++k) s += dN[a][k] * map.inverse[k * d + i];
-      out.g[a][i] = s;
-    }
-  if constexpr (frame == Frame::axisymmetric)
-    for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = N[a] * map.inverse_r;
-}
-
-/// Fluxes of the internal force at the points, r_ai = int tau_ij g_a,j dV_0: w tau_ij dxi_k/dx_j, which
-/// multiply dN_a/dxi_k, and w tau_33/r, which multiplies N_a in the radial force of the axisymmetric frame.
-template <class Cell, Frame frame> struct Fluxes {
-  Batch flux[Cell::points][Cell::dim * Cell::dim];
-  Batch hoop[frame == Frame::axisymmetric ? Cell::points : 1];
-
-  void set(int q, const CurrentMap<Cell, frame>& map, const Batch& weight,
-           const Symmetric<Batch, Cell::dim>& tau) {
-    constexpr int d = Cell::dim;
-    const Symmetric<Batch, d> w = weight * tau;
-    for (int i = 0; i < d; ++i)
-      for (int k = 0; k < d; ++k) {
-        Batch s = w[symmetric_index(d, i, 0)] * map.inverse[k * d];
-        for (int j = 1; j < d; ++j) s += w[symmetric_index(d, i, j)] * map.inverse[k * d + j];
-        flux[q][i * d + k] = s;
-      }
-    if constexpr (frame == Frame::axisymmetric) hoop[q] = w[2] * map.inverse_r;
-  }
-
-  void add_forces(Batch* r) const {
-    constexpr int d = Cell::dim;
-    add_nodal_forces<Cell, d>(flux, r);
-    if constexpr (frame == Frame::axisymmetric)
-      for (int q = 0; q < Cell::points; ++q)
-        for (int a = 0; a < Cell::nodes; ++a) r[a * d] += shape_table<Cell>.N[q][a] * hoop[q];
-  }
-};
-
-/// K_ai,bk += w g_a,j a_ij,kl g_b,l; only blocks a <= b where `upper`. One column bk after the other, so that
-/// its w a_ij,kl g_b,l stay in registers while the rows pass; unrolled, because branches at the end of loops
-/// of one to eight rounds are mispredicted.
-template <class Cell, Frame frame, bool upper>
-inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
-                          const Modulus<Batch, gradient_size(frame)>& a, const Batch& weight, Batch* K) {
-  constexpr int d = Cell::dim, n = gradient_size(frame), m = dofs<Cell>;
-  unroll<Cell::nodes>([&](auto b) {
-    Batch g[d];
-    for (int l = 0; l < d; ++l) g[l] = weight * G.g[b][l];
-    for (int k = 0; k < d; ++k) {
-      Batch D[n];
-      for (int I = 0; I < n; ++I) {
-        D[I] = a.c[I][d * k] * g[0];
-        for (int l = 1; l < d; ++l) D[I] += a.c[I][d * k + l] * g[l];
-        if constexpr (frame == Frame::axisymmetric)
-          if (k == 0) D[I] += a.c[I][4] * (weight * G.ring[b]);
-      }
-      unroll<(upper ? b + 1 : Cell::nodes)>([&](auto c) {
-        Batch* column = K + c * d * m + b * d + k;
-        for (int i = 0; i < d; ++i) {
-          Batch s = column[i * m];
-          for (int j = 0; j < d; ++j) s += G.g[c][j] * D[d * i + j];
-          if constexpr (frame == Frame::axisymmetric)
-            if (i == 0) s += G.ring[c] * D[4];
-          column[i * m] = s;
-        }
-      });
-    }
-  });
-}
-
-/// v_ai: derivative of the volume ratio J with respect to u_ai, J g_a.
-template <class Cell, Frame frame>
-inline Batch volume_gradient(const SpatialGradients<Cell, frame>& G, int a, int i) {
-  if constexpr (frame == Frame::axisymmetric)
-    if (i == 0) return G.g[a][0] + G.ring[a];
-  return G.g[a][i];
-}
 
 /// rho N_a N_b a_b into r and shift rho N_a N_b into K.
 template <class Cell, Frame frame>
@@ -129,7 +19,7 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
     const Batch w = law.parameters.rho * s.map[q].weight;
     if (r && in.accel)
       for (int i = 0; i < d; ++i) {
-        const Batch f = w * interpolate<Cell>(in.accel, q, i);
+        const Batch f = w * interpolate<Cell, d>(in.accel, q, i);
         for (int a = 0; a < Cell::nodes; ++a) r[a * d + i] += N[q][a] * f;
       }
     if (K && in.mass_shift != 0)
@@ -239,8 +129,7 @@ template <class Cell, Frame frame> struct VolumeCoupling {
     for (int i = 0; i < 3; ++i) dtau[i] += e.dp * e.k.J;
     for (int a = 0; a < Cell::nodes; ++a)
       for (int i = 0; i < d; ++i) {
-        Batch f = dtau[symmetric_index(d, i, 0)] * G.g[a][0];
-        for (int j = 1; j < d; ++j) f += dtau[symmetric_index(d, i, j)] * G.g[a][j];
+        Batch f = sum<d>([&](int j) { return dtau[symmetric_index(d, i, j)] * G.g[a][j]; });
         if constexpr (frame == Frame::axisymmetric)
           if (i == 0) f += dtau[2] * G.ring[a];
         add_row(a * d + i, weight * f, K);
@@ -327,13 +216,26 @@ inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const Ce
   return lost;
 }
 
+/// What the flow of a step dissipates and what elastic energy it releases, at one point of weight w.
+template <int d>
+inline void book_flow(const PointLaw& law, const PointEvaluation<d>& e, const PointHistory<Batch, d>& now,
+                      const PointHistory<Batch, d>& old, const Batch& z_trial, const Batch& z, const Batch& w,
+                      StepSums& sums) {
+  const MaterialParameters& m = law.parameters;
+  const Batch k_d = dissipative_stress(m, e.flow.at, now.alpha, now.alpha - old.alpha);
+  const Batch lost = e.g.p.g * (k_d * (now.alpha - old.alpha));
+  sums.plastic_dissipation += w * lost;
+  sums.least_dissipation = min(lost, sums.least_dissipation);
+  const Batch released = isochoric_energy(m, trace_excess(e.flow.trial, z_trial) - z);
+  sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
+}
+
 /// With `heats` also what the heat balance asks for: two bodies of code, so that a run without heat pays
 /// nothing and keeps its last digits.
 template <class Cell, Frame frame, bool heats, bool spectral>
 inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat) {
   constexpr int d = Cell::dim;
-  const MaterialParameters& m = law.parameters;
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
@@ -353,27 +255,16 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     }
     if (law.softens())
       energy.plastic =
-          law.plastic_energy(e.flow, old.alpha, in.drive ? in.drive[q * drive_size + 2] : Batch(0.0));
+          law.plastic_energy(e.flow, old.alpha, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
     if (trial_history) {
-      Batch* h = trial_history + q * history_size(frame);
-      for (int i = 0; i < symmetric_size(d); ++i) h[i] = now.A[i];
-      h[history_alpha(frame)] = now.alpha;
-      if constexpr (frame == Frame::plane_stress) h[history_size(frame) - 1] = s.H[q][4];
+      HistoryOf<frame>& kept = history_at<frame>(trial_history, q);
+      kept.A = now.A;
+      kept.alpha = now.alpha;
+      if constexpr (frame == Frame::plane_stress) kept.stretch = s.H[q][4];
     }
-    if (drive) {
-      drive[q * drive_size] = energy.plus;
-      drive[q * drive_size + 1] = energy.minus;
-      drive[q * drive_size + 2] = law.plastic_drive(energy.plastic);
-    }
+    if (drive) drive_at(drive, q) = {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
     status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
-    if (law.flows()) {
-      const Batch k_d = dissipative_stress(m, e.flow.at, now.alpha, now.alpha - old.alpha);
-      const Batch lost = e.g.p.g * (k_d * (now.alpha - old.alpha));
-      sums.plastic_dissipation += w * lost;
-      sums.least_dissipation = min(lost, sums.least_dissipation);
-      const Batch released = isochoric_energy(m, trace_excess(e.flow.trial, z_trial) - z);
-      sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
-    }
+    if (law.flows()) book_flow(law, e, now, old, z_trial, z, w, sums);
     if constexpr (heats) {
       if (heat.stress) {
         Vector<Batch, d> h;
@@ -385,7 +276,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     }
     if (law.viscous() && in.u_n) {
       const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
-      const Batch lost = (1 / in.dt) * (viscosity(m, e.g) * dot(dC, dC));
+      const Batch lost = (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
       sums.viscous_dissipation += w * lost;
       sums.least_dissipation = min(lost, sums.least_dissipation);
     }
@@ -397,14 +288,16 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
 template <class Cell, Frame frame, bool tangent, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
                                                        Batch* K) {
-  return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted(law, terms), restricted(in, terms),
+  const LastDigits kept;
+  return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
                                                                 r, K);
 }
 
 template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
                                                         Batch* trial_history, Batch* drive, StepSums& sums) {
-  return advance<Cell, frame, false, terms == Terms::spectral>(restricted(law, terms), restricted(in, terms),
+  const LastDigits kept;
+  return advance<Cell, frame, false, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
                                                                trial_history, drive, sums, {});
 }
 
@@ -412,7 +305,8 @@ template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
-  return advance<Cell, frame, true, false>(restricted(law, terms), restricted(in, terms), trial_history,
+  const LastDigits kept;
+  return advance<Cell, frame, true, false>(restricted<terms>(law), restricted(in, terms), trial_history,
                                            drive, sums, heat);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-#include "cell_geometry.hpp"
-#include "reference_gradient.hpp"
+#include <impact/kernel/cell_geometry.hpp>
+#include <impact/kernel/reference_gradient.hpp>
 
 #include <impact/kernel/motion.hpp>
 #include <impact/material/point_law.hpp>
@@ -24,7 +24,7 @@ template <class Cell, Frame frame> struct CellState {
 template <class Cell, Frame frame>
 inline Batch point_alpha(const PointLaw& law, const Batch* history, int q) {
   if (!is_ductile(law.parameters) || !history) return Batch(0.0);
-  return history[q * history_size(frame) + history_alpha(frame)];
+  return history_at<frame>(history, q).alpha;
 }
 
 template <class Cell, Frame frame>
@@ -34,6 +34,18 @@ inline Degradations<Batch> point_degradations(const PointLaw& law, const Batch* 
                                        point_alpha<Cell, frame>(law, history, q));
   if (law.parameters.damage != Damage::none) g.e2.g += (unilateral - 1) * unilateral_part(g);
   return g;
+}
+
+/// PointLaw::plastic_exchange at one point. Input: phi, phi_n, history, history_n and drive.
+template <class Cell, Frame frame, class Input>
+inline Batch plastic_exchange_at(const PointLaw& law, const Input& in, int q) {
+  const Batch alpha = history_at<frame>(in.history, q).alpha,
+              alpha_n = history_at<frame>(in.history_n, q).alpha;
+  const Drive& drive = drive_at(in.drive, q);
+  return law.plastic_exchange(
+      interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), alpha, alpha_n,
+      PointEnergies<Batch>{drive.plus, drive.minus,
+                           law.softens() ? drive.plastic : plastic_potential(law.parameters, alpha)});
 }
 
 template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
@@ -84,11 +96,7 @@ template <Frame frame>
 inline PointHistory<Batch, dimension(frame)> read_history(const PointLaw& law, const Batch* history, int q) {
   constexpr int dim = dimension(frame);
   if (!law.flows() || !history) return virgin_history<Batch, dim>();
-  const Batch* h = history + q * history_size(frame);
-  PointHistory<Batch, dim> p;
-  for (int i = 0; i < symmetric_size(dim); ++i) p.A[i] = h[i];
-  p.alpha = h[history_alpha(frame)];
-  return p;
+  return history_at<frame>(history, q);
 }
 
 /// What the flow stress hangs on beside alpha.

@@ -1,12 +1,11 @@
-#include "plane_stress.hpp"
-
+#pragma once
 #include <algorithm>
 #include <impact/kernel/fatigue.hpp>
+#include <impact/kernel/plane_stress.hpp>
 #include <impact/material/fatigue.hpp>
 
+/// The growth of fatigue of fatigue.hpp on one batch of cells.
 namespace impact {
-
-namespace {
 
 /// S_c of the undamaged body at one point. The history is that of the displacement: nothing flows here.
 template <class Cell, Frame frame>
@@ -31,7 +30,8 @@ Symmetric<Batch, Cell::dim> undamaged_stress(const PointLaw& law, const CellStat
 }
 
 template <class Cell, Frame frame>
-[[gnu::flatten]] int advance(const PointLaw& law, const FatigueInput& in, Batch* fatigue, FatigueSums& sums) {
+[[gnu::flatten]] int fatigue_advance(const PointLaw& law, const FatigueInput& in, Batch* fatigue,
+                                     FatigueSums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> now, before;
@@ -62,27 +62,5 @@ template <class Cell, Frame frame>
   }
   return bad | bits(~is_finite(finite));
 }
-
-} // namespace
-
-template <class Cell, Frame frame>
-int fatigue_advance(const PointLaw& law, const FatigueInput& in, Batch* fatigue, FatigueSums& sums) {
-  return advance<Cell, frame>(law, in, fatigue, sums);
-}
-
-template int fatigue_advance<Tri3, Frame::plane_strain>(const PointLaw&, const FatigueInput&, Batch*,
-                                                        FatigueSums&);
-template int fatigue_advance<Tri3, Frame::plane_stress>(const PointLaw&, const FatigueInput&, Batch*,
-                                                        FatigueSums&);
-template int fatigue_advance<Tri3, Frame::axisymmetric>(const PointLaw&, const FatigueInput&, Batch*,
-                                                        FatigueSums&);
-template int fatigue_advance<Quad4, Frame::plane_strain>(const PointLaw&, const FatigueInput&, Batch*,
-                                                         FatigueSums&);
-template int fatigue_advance<Quad4, Frame::plane_stress>(const PointLaw&, const FatigueInput&, Batch*,
-                                                         FatigueSums&);
-template int fatigue_advance<Quad4, Frame::axisymmetric>(const PointLaw&, const FatigueInput&, Batch*,
-                                                         FatigueSums&);
-template int fatigue_advance<Tet4, Frame::solid>(const PointLaw&, const FatigueInput&, Batch*, FatigueSums&);
-template int fatigue_advance<Hex8, Frame::solid>(const PointLaw&, const FatigueInput&, Batch*, FatigueSums&);
 
 } // namespace impact

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/math/batch.hpp>
 #include <impact/math/tensor.hpp>
@@ -46,8 +46,7 @@ inline void point_map(const Batch* X, const Batch* jacobian, const double (&N)[C
                       PointMap<Cell, frame>& out) {
   out.weight = w * invert_jacobian<Cell::dim>(jacobian, out.inverse);
   if constexpr (frame == Frame::axisymmetric) {
-    Batch R = N[0] * X[0];
-    for (int a = 1; a < Cell::nodes; ++a) R += N[a] * X[a * Cell::dim];
+    const Batch R = sum<Cell::nodes>([&](int a) { return N[a] * X[a * Cell::dim]; });
     out.inverse_R = Batch(1.0) / R;
     out.weight *= 2 * std::numbers::pi * R;
   }
@@ -57,16 +56,14 @@ inline void point_map(const Batch* X, const Batch* jacobian, const double (&N)[C
 template <class Cell, int components>
 inline void reference_gradient(const double (&dN)[Cell::nodes][Cell::dim], const Batch* nodal, Batch* slope) {
   for (int i = 0; i < components; ++i)
-    for (int k = 0; k < Cell::dim; ++k) {
-      Batch s = dN[0][k] * nodal[i];
-      for (int a = 1; a < Cell::nodes; ++a) s += dN[a][k] * nodal[a * components + i];
-      slope[i * Cell::dim + k] = s;
-    }
+    for (int k = 0; k < Cell::dim; ++k)
+      slope[i * Cell::dim + k] =
+          sum<Cell::nodes>([&](int a) { return dN[a][k] * nodal[a * components + i]; });
 }
 
 /// At one point (or the centroid): gradients of the shape functions, N_a/R of the axisymmetric frame, dV_0.
 template <class Cell, Frame frame> struct PointGeometry {
-  Batch dN[Cell::nodes][Cell::dim];
+  Vector<Batch, Cell::dim> dN[Cell::nodes];
   Batch ring[frame == Frame::axisymmetric ? Cell::nodes : 1];
   Batch weight;
 };
@@ -82,11 +79,8 @@ inline void point_geometry(const Batch* X, const double (&N)[Cell::nodes],
   PointMap<Cell, frame> map;
   point_map<Cell, frame>(X, jacobian, N, w, map);
   for (int a = 0; a < Cell::nodes; ++a)
-    for (int i = 0; i < d; ++i) {
-      Batch s = dN[a][0] * map.inverse[i];
-      for (int j = 1; j < d; ++j) s += dN[a][j] * map.inverse[j * d + i];
-      out.dN[a][i] = s;
-    }
+    for (int i = 0; i < d; ++i)
+      out.dN[a][i] = sum<d>([&](int j) { return dN[a][j] * map.inverse[j * d + i]; });
   out.weight = map.weight;
   if constexpr (frame == Frame::axisymmetric)
     for (int a = 0; a < Cell::nodes; ++a) out.ring[a] = N[a] * map.inverse_R;
@@ -98,29 +92,16 @@ inline void point_geometry(const Batch* X, int q, PointGeometry<Cell, frame>& ou
   point_geometry<Cell, frame>(X, t.N[q], t.dN[q], t.weight[q], out);
 }
 
-/// Value of a nodal scalar at point q.
-template <class Cell> inline Batch interpolate(const Batch* nodal, int q) {
+/// Component i of a nodal field of `components` at point q.
+template <class Cell, int components = 1> inline Batch interpolate(const Batch* nodal, int q, int i = 0) {
   const auto& N = shape_table<Cell>.N[q];
-  Batch s = N[0] * nodal[0];
-  for (int a = 1; a < Cell::nodes; ++a) s += N[a] * nodal[a];
-  return s;
-}
-
-/// Component i of a nodal vector at point q.
-template <class Cell> inline Batch interpolate(const Batch* nodal, int q, int i) {
-  const auto& N = shape_table<Cell>.N[q];
-  Batch s = N[0] * nodal[i];
-  for (int a = 1; a < Cell::nodes; ++a) s += N[a] * nodal[a * Cell::dim + i];
-  return s;
+  return sum<Cell::nodes>([&](int a) { return N[a] * nodal[a * components + i]; });
 }
 
 template <class Cell, Frame frame>
 inline Vector<Batch, Cell::dim> gradient_of_scalar(const PointGeometry<Cell, frame>& g, const Batch* nodal) {
   Vector<Batch, Cell::dim> r;
-  for (int i = 0; i < Cell::dim; ++i) {
-    r[i] = g.dN[0][i] * nodal[0];
-    for (int a = 1; a < Cell::nodes; ++a) r[i] += g.dN[a][i] * nodal[a];
-  }
+  for (int i = 0; i < Cell::dim; ++i) r[i] = sum<Cell::nodes>([&](int a) { return g.dN[a][i] * nodal[a]; });
   return r;
 }
 
@@ -130,11 +111,8 @@ inline Tensor<Batch, Cell::dim> gradient_of_vector(const PointGeometry<Cell, fra
   constexpr int d = Cell::dim;
   Tensor<Batch, d> H;
   for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j) {
-      Batch s = nodal[i] * g.dN[0][j];
-      for (int a = 1; a < Cell::nodes; ++a) s += nodal[a * d + i] * g.dN[a][j];
-      H[d * i + j] = s;
-    }
+    for (int j = 0; j < d; ++j)
+      H[d * i + j] = sum<Cell::nodes>([&](int a) { return nodal[a * d + i] * g.dN[a][j]; });
   if constexpr (d == 2) {
     H[4] = Batch(0.0);
     if constexpr (frame == Frame::axisymmetric)
@@ -151,11 +129,8 @@ inline Tensor<Batch, Cell::dim> mapped_gradient(const PointMap<Cell, frame>& map
   constexpr int d = Cell::dim;
   Tensor<Batch, d> H;
   for (int i = 0; i < d; ++i)
-    for (int j = 0; j < d; ++j) {
-      Batch s = slope[i * d] * map.inverse[j];
-      for (int k = 1; k < d; ++k) s += slope[i * d + k] * map.inverse[k * d + j];
-      H[d * i + j] = s;
-    }
+    for (int j = 0; j < d; ++j)
+      H[d * i + j] = sum<d>([&](int k) { return slope[i * d + k] * map.inverse[k * d + j]; });
   if constexpr (d == 2) H[4] = Batch(0.0);
   if constexpr (frame == Frame::axisymmetric) {
     for (int a = 0; a < Cell::nodes; ++a) H[4] += N[a] * nodal[a * d];
@@ -172,10 +147,7 @@ inline Vector<Batch, Cell::dim> gradient_of_scalar(const PointMap<Cell, frame>& 
   Batch slope[d];
   reference_gradient<Cell, 1>(shape_table<Cell>.dN[q], nodal, slope);
   Vector<Batch, d> r;
-  for (int j = 0; j < d; ++j) {
-    r[j] = slope[0] * map.inverse[j];
-    for (int k = 1; k < d; ++k) r[j] += slope[k] * map.inverse[k * d + j];
-  }
+  for (int j = 0; j < d; ++j) r[j] = sum<d>([&](int k) { return slope[k] * map.inverse[k * d + j]; });
   return r;
 }
 

@@ -1,10 +1,9 @@
 #pragma once
-#include "plane_stress.hpp"
-
 #include <impact/kernel/measure.hpp>
+#include <impact/kernel/plane_stress.hpp>
 #include <impact/material/fatigue.hpp>
 
-/// Integrals over a batch of cells; instantiated in measure_plane.cpp and measure_solid.cpp.
+/// The integrals of measure.hpp over one batch of cells.
 namespace impact {
 
 template <class Cell, Frame frame, bool spectral>
@@ -31,21 +30,18 @@ template <class Cell, Frame frame, bool spectral>
       energy.plus = split.plus;
       energy.minus = split.minus;
     }
-    if (law.softens() && in.drive) energy.plastic = in.drive[q * drive_size + 2];
+    if (law.softens() && in.drive) energy.plastic = drive_at(in.drive, q).plastic;
     sums.elastic += w * (g.e1.g * energy.plus + g.e2.g * energy.minus);
     sums.plastic += w * (g.p.g * ((1 - m.taylor_quinney) * energy.plastic));
-    if (m.damage != Damage::none && in.phi) {
-      const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(s.map[q], in.phi, q);
-      const bool spatial = m.damage_gradient == DamageGradient::spatial;
-      sums.fracture += w * crack_energy(m, interpolate<Cell>(in.phi, q),
-                                        square(spatial ? spatial_gradient(k.inverse_F, grad) : grad));
-    }
+    if (m.damage != Damage::none && in.phi)
+      sums.fracture += w * crack_energy(m, interpolate<Cell>(in.phi, q), k.inverse_F,
+                                        gradient_of_scalar<Cell, frame>(s.map[q], in.phi, q));
     if (in.fatigue && in.phi)
       sums.fatigue += w * fatigue_energy(m, interpolate<Cell>(in.phi, q), in.fatigue[q]);
     sums.mass += m.rho * w;
     if (in.v)
       for (int i = 0; i < d; ++i) {
-        const Batch v = interpolate<Cell>(in.v, q, i);
+        const Batch v = interpolate<Cell, d>(in.v, q, i);
         sums.kinetic += (0.5 * m.rho) * (w * (v * v));
         sums.momentum[i] += m.rho * (w * v);
       }
@@ -100,15 +96,7 @@ template <class Cell, Frame frame> Batch cell_mean(const Batch* X, const Batch* 
 
 template <class Cell, Frame frame>
 void plastic_exchange(const PointLaw& law, const ExchangeInput& in, Batch* points) {
-  constexpr int alpha = history_alpha(frame), size = history_size(frame);
-  for (int q = 0; q < Cell::points; ++q) {
-    const Batch now = in.history[q * size + alpha];
-    const Batch* drive = in.drive + q * drive_size;
-    points[q] = law.plastic_exchange(
-        interpolate<Cell>(in.phi, q), interpolate<Cell>(in.phi_n, q), now, in.history_n[q * size + alpha],
-        PointEnergies<Batch>{drive[0], drive[1],
-                             law.softens() ? drive[2] : plastic_potential(law.parameters, now)});
-  }
+  for (int q = 0; q < Cell::points; ++q) points[q] = plastic_exchange_at<Cell, frame>(law, in, q);
 }
 
 template <class Cell, Frame frame>
@@ -118,7 +106,7 @@ void unilateral_energy(const PointLaw& law, const Batch* X, const Batch* phi, co
     PointGeometry<Cell, frame> g;
     point_geometry<Cell, frame>(X, q, g);
     const Batch m = unilateral_part(point_degradations<Cell, frame>(law, phi, q, history_n));
-    sum += g.weight * (m * (drive[q * drive_size + 1] - drive_n[q * drive_size + 1]));
+    sum += g.weight * (m * (drive_at(drive, q).minus - drive_at(drive_n, q).minus));
   }
 }
 
@@ -159,33 +147,23 @@ template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const B
   }
 }
 
-/// Simplices: the smallest height, 1/max |Grad N_a|. Quads and hexes: the smallest distance of opposite sides
-/// at the centroid, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a.
+/// The smallest height: 1/max |Grad N_a| of the centroid, and for products of lines the smallest distance of
+/// opposite sides there, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a.
 template <class Cell> Batch cell_size(const Batch* X) {
   constexpr int d = Cell::dim;
-  PointGeometry<Cell, d == 2 ? Frame::plane_strain : Frame::solid> g;
-  Batch steepest = Batch(0.0);
   constexpr auto& t = shape_table<Cell>;
-  if constexpr (Cell::nodes == d + 1) {
-    point_geometry(X, t.N0, t.dN0, 1, g);
-    for (int a = 0; a < Cell::nodes; ++a) {
-      Batch s = g.dN[a][0] * g.dN[a][0];
-      for (int i = 1; i < d; ++i) s += g.dN[a][i] * g.dN[a][i];
-      steepest = max(s, steepest);
-    }
-    return Batch(1.0) / sqrt(steepest);
-  } else {
-    point_geometry(X, t.N0, t.dN0, 1, g);
-    for (int k = 0; k < d; ++k) {
-      Vector<Batch, d> row;
-      for (int i = 0; i < d; ++i) {
-        row[i] = Batch(0.0);
-        for (int a = 0; a < Cell::nodes; ++a) row[i] += Cell::sign[a][k] * g.dN[a][i];
-      }
-      steepest = max(square(row), steepest);
-    }
-    return Batch(2.0) / sqrt(steepest);
+  constexpr bool product = requires { Cell::sign; };
+  PointGeometry<Cell, d == 2 ? Frame::plane_strain : Frame::solid> g;
+  point_geometry(X, t.N0, t.dN0, 1, g);
+  Batch steepest = Batch(0.0);
+  for (int k = 0; k < (product ? d : Cell::nodes); ++k) {
+    Vector<Batch, d> row = g.dN[k];
+    if constexpr (product)
+      for (int i = 0; i < d; ++i)
+        row[i] = sum<Cell::nodes>([&](int a) { return Batch(Cell::sign[a][k]) * g.dN[a][i]; });
+    steepest = max(dot(row, row), steepest);
   }
+  return Batch(product ? 2.0 : 1.0) / sqrt(steepest);
 }
 
 } // namespace impact

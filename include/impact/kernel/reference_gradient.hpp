@@ -1,20 +1,34 @@
 #pragma once
-#include <impact/element/shape.hpp>
+#include <impact/element/cells.hpp>
 #include <impact/math/batch.hpp>
 #include <impact/math/unroll.hpp>
 
 /// Gradients of nodal fields with respect to the reference coordinates xi at all points of a cell at once,
 /// and the transpose, which turns fluxes at the points into nodal forces.
 ///
-/// On simplices the gradient is constant. Quadrilaterals and hexahedra pass through the polynomial modes of
-/// the cell, v(xi) = sum_a m_a prod_k xi_k over the directions k in which node a lies at xi_k = +1. Nodes ->
-/// modes and modes -> points are sums and differences of pairs along one direction after the other: 55
-/// operations per component of a hexahedron where sums over the nodes at every point take 192.
+/// On simplices the gradient is constant. Other cells take the sum over their nodes, but quadrilaterals and
+/// hexahedra with the 2-point Gauss product pass through the polynomial modes of the cell, v(xi) = sum_a m_a
+/// prod_k xi_k over the directions k in which node a lies at xi_k = +1. Nodes -> modes and modes -> points
+/// are sums and differences of pairs along one direction after the other: 55 operations per component of a
+/// hexahedron where sums over the nodes at every point take 192.
 namespace impact {
 
 template <class Cell> inline constexpr bool is_simplex = Cell::nodes == Cell::dim + 1;
 
-/// Whether node a lies at the + end of direction k. The points of the rule stand in the order of the nodes.
+/// Whether the cell is a product of lines and its points are those of the 2-point Gauss rule, in the order of
+/// the nodes.
+template <class Cell> constexpr bool has_modes() {
+  if constexpr (requires { Cell::sign; }) {
+    bool same = Cell::points == Cell::nodes && Cell::nodes == 1 << Cell::dim;
+    for (int q = 0; same && q < Cell::points; ++q)
+      for (int k = 0; k < Cell::dim; ++k)
+        same = same && Cell::point(q)[unsigned(k)] == Quad4::gauss * Cell::sign[q][k];
+    return same;
+  }
+  return false;
+}
+
+/// Whether node a lies at the + end of direction k.
 template <class Cell> constexpr bool at_end(int a, int k) { return Cell::sign[a][k] > 0; }
 
 /// The node at the other end of the edge along direction k.
@@ -47,9 +61,9 @@ template <class Cell, int k, int of = k> inline void sums_and_differences(Batch*
   unroll<Cell::nodes>([&](auto node) {
     constexpr int a = node, b = across<Cell>(a, k);
     if constexpr (at_end<Cell>(a, k) && at_end<Cell>(a, of)) {
-      const Batch sum = v[b] + v[a];
+      const Batch both = v[b] + v[a];
       v[a] = v[a] - v[b];
-      v[b] = sum;
+      v[b] = both;
     }
   });
 }
@@ -74,6 +88,11 @@ inline void reference_gradients(const Batch* nodal, Batch (*out)[components * Ce
     if constexpr (is_simplex<Cell>) {
       for (int k = 0; k < d; ++k)
         for (int q = 0; q < Cell::points; ++q) out[q][i * d + k] = nodal[(k + 1) * components + i] - nodal[i];
+    } else if constexpr (!has_modes<Cell>()) {
+      for (int q = 0; q < Cell::points; ++q)
+        for (int k = 0; k < d; ++k)
+          out[q][i * d + k] = sum<Cell::nodes>(
+              [&](int a) { return shape_table<Cell>.dN[q][a][k] * nodal[a * components + i]; });
     } else {
       Batch mode[Cell::nodes];
       unroll<Cell::nodes>([&](auto a) { mode[a] = nodal[a * components + i]; });
@@ -101,26 +120,30 @@ inline void add_nodal_forces(const Batch (*flux)[components * Cell::dim], Batch*
   for (int i = 0; i < components; ++i)
     if constexpr (is_simplex<Cell>) {
       for (int k = 0; k < d; ++k) {
-        Batch sum = flux[0][i * d + k];
-        for (int q = 1; q < Cell::points; ++q) sum += flux[q][i * d + k];
-        nodal[(k + 1) * components + i] += sum;
-        nodal[i] -= sum;
+        const Batch force = sum<Cell::points>([&](int q) { return flux[q][i * d + k]; });
+        nodal[(k + 1) * components + i] += force;
+        nodal[i] -= force;
       }
+    } else if constexpr (!has_modes<Cell>()) {
+      for (int q = 0; q < Cell::points; ++q)
+        for (int a = 0; a < Cell::nodes; ++a)
+          for (int k = 0; k < d; ++k)
+            nodal[a * components + i] += shape_table<Cell>.dN[q][a][k] * flux[q][i * d + k];
     } else {
       Batch mode[Cell::nodes];
       unroll<Cell::nodes>([&](auto a) { mode[a] = Batch(0.0); });
       unroll<d>([&](auto direction) {
         constexpr int k = direction;
-        Batch sum[Cell::nodes];
+        Batch part[Cell::nodes];
         unroll<Cell::nodes>([&](auto point) {
           constexpr int q = point, other = across<Cell>(q, k);
-          if constexpr (at_end<Cell>(q, k)) sum[q] = flux[q][i * d + k] + flux[other][i * d + k];
+          if constexpr (at_end<Cell>(q, k)) part[q] = flux[q][i * d + k] + flux[other][i * d + k];
         });
         unroll<d>([&](auto l) {
-          if constexpr (l != k) sums_and_differences<Cell, l, k>(sum);
+          if constexpr (l != k) sums_and_differences<Cell, l, k>(part);
         });
         unroll<Cell::nodes>([&](auto a) {
-          if constexpr (at_end<Cell>(a, k)) mode[a] += sum[a];
+          if constexpr (at_end<Cell>(a, k)) mode[a] += part[a];
         });
       });
       unroll<Cell::nodes>([&](auto a) { mode[a] *= Batch(mode_scale<Cell>(a)); });

@@ -1,5 +1,5 @@
 #pragma once
-#include "motion_point.hpp"
+#include <impact/kernel/motion_point.hpp>
 
 #include <impact/material/modulus.hpp>
 
@@ -15,8 +15,7 @@ template <class Cell, Frame frame>
 inline void read_thickness(const Batch* history, CellState<Cell, frame>& s) {
   if constexpr (frame == Frame::plane_stress)
     for (int q = 0; q < Cell::points; ++q)
-      s.start_33[q] = s.H[q][4] =
-          history ? history[q * history_size(frame) + history_size(frame) - 1] : Batch(0.0);
+      s.start_33[q] = s.H[q][4] = history ? history_at<frame>(history, q).stretch : Batch(0.0);
 }
 
 /// Sets F_33 of all points, from that at t_n. Returns the lanes in which there is no root in the range.

@@ -1,0 +1,110 @@
+#pragma once
+#include <impact/kernel/damage.hpp>
+#include <impact/kernel/motion_point.hpp>
+#include <impact/kernel/scalar_cell.hpp>
+
+/// The damage balance of damage.hpp on one batch of cells.
+namespace impact {
+
+/// Local source Y and its derivative with respect to phi.
+struct DamageSource {
+  Batch Y, dY;
+};
+inline DamageSource damage_source(const MaterialParameters& m, const Batch& phi, const Batch& alpha,
+                                  const Drive& drive, const Batch& fatigue, bool convex) {
+  const Degradations<Batch> g = degradations(m, phi, alpha);
+  const Regularisation w = regularisation(m);
+  const double crack = w.quadratic * (m.Gc / m.gamma), start = w.linear * (m.Gc / m.gamma);
+  const Batch Y = g.e1.dg * drive.plus + g.e2.dg * drive.minus + g.p.dg * drive.plastic + crack * phi -
+                  (1 / m.gamma) * fatigue + Batch(start);
+  const Batch bend = g.e1.d2g * drive.plus + g.e2.d2g * drive.minus + g.p.d2g * drive.plastic;
+  if (!convex) return {Y, bend + Batch(crack)};
+  return {Y, max(bend + Batch(crack), 0.1 * (Batch(crack) + abs(bend)))};
+}
+
+/// d(1/lambda)/dphi = zeta c (1 + delta - phi)^(-zeta-1), written with lambda.
+inline Batch inverse_viscosity_slope(const MaterialParameters& m, const Batch& lambda, const Batch& phi) {
+  return m.zeta / (lambda * (Batch(1.0 + m.delta) - phi));
+}
+
+template <class Cell, Frame frame, bool tangent>
+[[gnu::flatten]] int damage(const PointLaw& law, const DamageInput& in, Batch* r_out, Batch* K_out) {
+  constexpr int d = Cell::dim;
+  const MaterialParameters& m = law.parameters;
+  const auto& N = shape_table<Cell>.N;
+  const double theta = in.theta_d, crack = crack_flux(m);
+  const bool divided = in.form == DamageForm::divided;
+  ScalarCell<Cell, tangent> cell;
+  int bad = 0;
+  for (int q = 0; q < Cell::points; ++q) {
+    PointGeometry<Cell, frame> X;
+    point_geometry<Cell, frame>(in.X, q, X);
+    const Batch phi = interpolate<Cell>(in.phi, q), phi_n = interpolate<Cell>(in.phi_n, q);
+    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi),
+                           grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
+    const Batch fatigue = in.fatigue ? in.fatigue[q] : Batch(0.0);
+    const Batch alpha = point_alpha<Cell, frame>(law, in.history, q);
+    const Batch lambda = damage_viscosity(m, phi_n);
+    // Both forms are w * inertia * (phi - phi_n) + w * scale * [Y, h]: the divided one multiplied by
+    // dt/lambda.
+    const Batch inertia = divided ? Batch(1.0) : lambda * (1 / in.dt);
+    const Batch scale = divided ? in.dt / lambda : Batch(1.0);
+
+    const Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(X, in.u);
+    const Batch J = Batch(1.0) + detm1(H);
+    bad |= bits(~(J > Batch(0.0)));
+    const Tensor<Batch, d> inverse_F = inverse(plus_identity(H), J);
+    const DamageSource now = damage_source(m, phi, alpha, drive_at(in.drive, q), fatigue, in.convex);
+    Vector<Batch, d> flux = Batch(theta) * crack_direction(m, inverse_F, grad);
+    Vector<Batch, d> frozen = Batch(theta) * crack_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
+    Batch local = theta * now.Y;
+    if (theta < 1) {
+      const Tensor<Batch, d> H_n = gradient_of_vector<Cell, frame>(X, in.u_n);
+      const Tensor<Batch, d> inverse_F_n = inverse(plus_identity(H_n), Batch(1.0) + detm1(H_n));
+      local += (1 - theta) * damage_source(m, phi_n, alpha, drive_at(in.drive_n, q), fatigue, false).Y;
+      const Vector<Batch, d> flux_n = Batch(1 - theta) * crack_direction(m, inverse_F_n, grad_n);
+      flux = flux + flux_n;
+      frozen = frozen + flux_n;
+    }
+    local = inertia * (phi - phi_n) + scale * local;
+    if (divided) // w . Grad(1/lambda_n) term (112)
+      local += (in.dt * crack) * (inverse_viscosity_slope(m, lambda, phi_n) * dot(grad_n, frozen));
+    local *= X.weight;
+    const Batch gradient_scale = crack * (scale * X.weight);
+    for (int a = 0; a < Cell::nodes; ++a) cell.r[a] += N[q][a] * local + gradient_scale * dot(X.dN[a], flux);
+    if constexpr (tangent) {
+      const Batch reaction = X.weight * (inertia + theta * (scale * now.dY));
+      for (int b = 0; b < Cell::nodes; ++b) {
+        const Vector<Batch, d> w = crack_direction(m, inverse_F, X.dN[b]);
+        for (int a = 0; a <= b; ++a)
+          cell.K[a * Cell::nodes + b] +=
+              (N[q][a] * N[q][b]) * reaction + theta * (gradient_scale * dot(X.dN[a], w));
+      }
+    }
+  }
+  return bad | cell.add_to(r_out, K_out);
+}
+
+template <class Cell, Frame frame> int damage_residual(const PointLaw& law, const DamageInput& in, Batch* r) {
+  return damage<Cell, frame, false>(law, in, r, nullptr);
+}
+
+template <class Cell, Frame frame>
+int damage_tangent(const PointLaw& law, const DamageInput& in, Batch* r, Batch* K) {
+  return damage<Cell, frame, true>(law, in, r, K);
+}
+
+/// lambda(phi_n) (phi - phi_n)^2 / dt per volume.
+template <class Cell>
+void damage_dissipation(const PointLaw& law, const Batch* phi, const Batch* phi_n, double dt, Batch* points) {
+  for (int q = 0; q < Cell::points; ++q) {
+    Batch old = Batch(0.0), step = old;
+    for (int a = 0; a < Cell::nodes; ++a) {
+      old += shape_table<Cell>.N[q][a] * phi_n[a];
+      step += shape_table<Cell>.N[q][a] * (phi[a] - phi_n[a]);
+    }
+    points[q] += (1 / dt) * (damage_viscosity(law.parameters, old) * (step * step));
+  }
+}
+
+} // namespace impact

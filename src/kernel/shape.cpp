@@ -1,0 +1,59 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/kernel/shape.hpp>
+#include <impact/math/rotation.hpp>
+
+namespace impact {
+
+namespace {
+
+// The list of all shapes.
+std::vector<Shape>& shapes() {
+  static std::vector<Shape> list = {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8};
+  return list;
+}
+
+} // namespace
+
+std::span<const Shape> known_shapes() { return shapes(); }
+
+int index_of(Shape shape) {
+  return static_cast<int>(std::find(shapes().begin(), shapes().end(), shape) - shapes().begin());
+}
+
+KnownShape::KnownShape(const CellShape& cell) { shapes().emplace_back(cell); }
+KnownShape::~KnownShape() { shapes().pop_back(); }
+
+bool locate(Shape shape, const double* X, const double* at, double* N) {
+  const int dim = shape->dim, nodes = shape->nodes;
+  std::array<double, 3> xi = shape->centroid;
+  double slope[3 * max_nodes];
+  for (int it = 0; it < 30; ++it) {
+    shape->basis(xi.data(), N, slope);
+    Vector3 r{};
+    Matrix3 J = unit_matrix;
+    for (int i = 0; i < dim; ++i) {
+      const auto row = static_cast<std::size_t>(3 * i);
+      r[row / 3] = at[i];
+      for (std::size_t j = 0; j < static_cast<std::size_t>(dim); ++j) J[row + j] = 0;
+      for (int a = 0; a < nodes; ++a) {
+        const double x = X[a * dim + i];
+        r[row / 3] -= N[a] * x;
+        for (std::size_t j = 0; j < static_cast<std::size_t>(dim); ++j)
+          J[row + j] += slope[a * dim + static_cast<int>(j)] * x;
+      }
+    }
+    const Vector3 d = inverse(J) * r;
+    double step = 0;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(dim); ++i) {
+      xi[i] += d[i];
+      step = std::max(step, std::abs(d[i]));
+    }
+    if (!(step < 1e3)) return false;
+    if (step < 1e-13) break;
+  }
+  shape->basis(xi.data(), N, slope);
+  return std::none_of(N, N + nodes, [](double value) { return value < -1e-9; });
+}
+
+} // namespace impact
