@@ -268,43 +268,57 @@ std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {
 void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<double>& v) const {
   if (empty()) return;
   std::vector<RigidPose> pose = poses(mass_sums(u));
-  const std::vector<Sums> sums_of_v = mass_sums(v);
-  std::vector<Vector3> speed(bodies_.size()), spin(bodies_.size());
-  struct Start {
-    double value, rate;
-  };
+  const std::vector<Sums> speed = mass_sums(v);
+  std::vector<RigidVector> rate(bodies_.size());
   const double h = 1e-3 * dt;
-  const auto start_of = [&](const Hold& on, const RigidBody& body) -> Start {
-    if (!on.data) return {0, 0};
-    const auto data = [&](double t) { return (*on.data)(body.centre.data(), dim_, t); };
-    if (on.rate) return {0, data(0)};
-    return {data(0), (-3 * data(0) + 4 * data(h) - data(2 * h)) / (2 * h)}; // one-sided
+  // Slope at t = 0 of data over t, one-sided.
+  const auto slope = [&](const Expression& data, const double* x) {
+    return (-3 * data(x, dim_, 0) + 4 * data(x, dim_, h) - data(x, dim_, 2 * h)) / (2 * h);
   };
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidBody& body = bodies_[b];
     for (std::size_t k = 0; k < at(dim_); ++k) {
-      speed[b][k] = sums_of_v[b].sum[k] / body.mass;
-      const Hold on = hold(body, k);
-      if (!on.held) continue;
-      const Start start = start_of(on, body);
-      speed[b][k] = start.rate;
-      if (!on.rate || !on.data) pose[b].moved[k] = start.value;
+      const int c = body.held[k];
+      rate[b][k] = speed[b].sum[k] / body.mass;
+      if (c == RigidBody::free_motion) continue;
+      const BoundaryCondition* bc = c < 0 ? nullptr : &conditions_[at(c)];
+      const bool moves = bc != nullptr && bc->component[k].has_value(),
+                 fast = moves && bc->type == BcType::velocity;
+      if (!fast) pose[b].moved[k] = moves ? (*bc->component[k])(body.centre.data(), dim_, 0) : 0;
+      rate[b][k] = fast    ? (*bc->component[k])(body.centre.data(), dim_, 0)
+                   : moves ? slope(*bc->component[k], body.centre.data())
+                           : 0;
     }
-    Vector3 angle{};
-    for (std::size_t k = 0; k < 3; ++k) angle[k] = start_of(hold(body, 3 + k), body).value;
-    if (turns_as_told(body)) pose[b].turned = rotation_of(angle);
+    Vector3 angle{}, spin{};
+    bool held[3] = {}, all_told = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int c = body.held[3 + k];
+      held[k] = c != RigidBody::free_motion;
+      if (dim_ == 3 || k == 2) all_told = all_told && held[k];
+      if (c < 0) continue;
+      const BoundaryCondition& bc = conditions_[at(c)];
+      if (!bc.rotation[k]) continue;
+      if (bc.type == BcType::velocity) {
+        spin[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
+        all_told = false;
+        continue;
+      }
+      angle[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
+      spin[k] = slope(*bc.rotation[k], body.centre.data());
+    }
+    if (all_told) pose[b].turned = rotation_of(angle);
     const Matrix3& R = pose[b].turned;
-    spin[b] = spin_by(dim_, body, R, axial(sums_of_v[b].moment * transposed(R)));
-    for (std::size_t k = 0; k < 3; ++k)
-      if (const Hold on = hold(body, 3 + k); on.held) spin[b][k] = start_of(on, body).rate;
+    const Vector3 free = spin_by(dim_, body, R, axial(speed[b].moment * transposed(R)));
+    for (std::size_t k = 0; k < 3; ++k) rate[b][3 + k] = held[k] ? spin[k] : free[k];
   }
   for (std::size_t i = 0; i < node_.size(); ++i) {
     const auto b = at(body_[i]);
-    const Vector3 Y = arm(i), r = pose[b].turned * Y, turning = cross(spin[b], r);
+    const Vector3 Y = arm(i), r = pose[b].turned * Y,
+                  turning = cross(Vector3{rate[b][3], rate[b][4], rate[b][5]}, r);
     for (std::size_t k = 0; k < at(dim_); ++k) {
       const std::size_t dof = at(dim_ * node_[i]) + k;
       u[dof] = pose[b].moved[k] + (r[k] - Y[k]);
-      v[dof] = speed[b][k] + turning[k];
+      v[dof] = rate[b][k] + turning[k];
     }
   }
 }
