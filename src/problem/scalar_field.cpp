@@ -14,11 +14,6 @@ ScalarField::ScalarField(const Discretisation& d, std::vector<char> held)
 
 void ScalarField::build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>& extra) {
   assembly_.emplace(d_.scalar, d_.mesh, d_.groups, extra);
-  // Conjugate gradients want symmetric blocks of the ranks: bjacobi factorises those by ICC, others by ILU.
-  const Mat block = Get(MatGetDiagonalBlock)(matrix());
-  if (block == matrix()) return;
-  check(MatSetOption(block, MAT_SYMMETRIC, PETSC_TRUE));
-  check(MatSetOption(block, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
 }
 
 void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations) const {
@@ -27,8 +22,17 @@ void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, in
   const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPSetType(ksp, KSPCG));
   check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  const bool alone = Get(MatGetDiagonalBlock)(matrix()) == matrix();
-  check(PCSetType(Get(KSPGetPC)(ksp), alone ? PCICC : PCBJACOBI));
+  const PC pc = Get(KSPGetPC)(ksp);
+  int ranks = 1;
+  MPI_Comm_size(d_.mesh.comm(), &ranks);
+  if (ranks == 1) return check(PCSetType(pc, PCICC));
+  // Conjugate gradients want symmetric blocks; bjacobi would factorise them by ILU, and those of the bounded
+  // solve are parts of the matrix that nothing but an option reaches.
+  check(PCSetType(pc, PCBJACOBI));
+  const std::string inner = "-" + std::string(Get(SNESGetOptionsPrefix)(snes)) + "sub_pc_type";
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, inner.c_str(), &set));
+  if (!set) check(PetscOptionsSetValue(nullptr, inner.c_str(), "icc"));
 }
 
 void ScalarField::assemble(const std::vector<double>& r, Vec f) const {
