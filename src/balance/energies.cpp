@@ -1,16 +1,12 @@
 #include <algorithm>
 #include <impact/balance/energies.hpp>
 #include <impact/kernel/cell_kernels.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <optional>
 
 namespace impact {
 
 namespace {
-
-std::vector<double> reference_places(const Discretisation& d) {
-  return {d.mesh.coordinates().begin(), d.mesh.coordinates().end()};
-}
 
 // The order of the sums is part of their values: cell by cell, then over ranks.
 void add(const EnergySums& sums, int used, MaterialEnergies& to) {
@@ -21,8 +17,6 @@ void add(const EnergySums& sums, int used, MaterialEnergies& to) {
   to.fatigue += lane_sum(sums.fatigue, used);
   for (int k = 0; k < 3; ++k) to.momentum[k] += lane_sum(sums.momentum[k], used);
 }
-
-bool damages(const PointLaw& law) { return law.parameters.damage != Damage::none; }
 
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {
   double most[4] = {0, 0, 0, 0};
@@ -35,7 +29,7 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   largest(rows.fatigue, most[3]);
   const std::vector<double>& history = trial ? rows.history.trial : rows.history.committed;
   most[1] = largest_alpha(d.frame, history);
-  MPI_Allreduce(MPI_IN_PLACE, most, 4, MPI_DOUBLE, MPI_MAX, d.mesh.comm());
+  max_over_ranks(d.mesh.comm(), most);
   energies.phi_max = most[0];
   energies.alpha_max = most[1];
   energies.theta_max = most[2];
@@ -52,37 +46,28 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;
   d.displacement.to_local(u, u_local);
   if (v) d.displacement.to_local(v, v_local);
-  const auto half = [trial](const StateRow& row) -> const std::vector<double>& {
-    return trial ? row.trial : row.committed;
+  const auto half = [trial](const StateRow* row) {
+    return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
   };
-  const std::vector<double> places = reference_places(d);
   Energies energies;
   energies.of.resize(d.materials.size());
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     MaterialEnergies& mine = energies.of[batch.material()];
-    const auto X = batch.vectors(places), at = batch.vectors(u_local), speed = batch.vectors(v_local);
-    std::optional<NodalValues> phi, theta;
-    if (rows.phi) phi = batch.scalars(half(*rows.phi));
-    if (rows.theta) theta = batch.scalars(half(*rows.theta));
+    const auto X = batch.vectors(d.mesh.coordinates()), moved = batch.vectors(u_local),
+               speed = batch.vectors(v_local);
+    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
     auto points = batch.histories();
-    batch.load(half(rows.history), points);
+    auto fatigue = batch.points<1>();
+    auto driven = batch.points<drive_size>();
     EnergyInput in;
     in.X = X.data();
-    in.u = at.data();
+    in.u = moved.data();
     in.v = v ? speed.data() : nullptr;
-    in.phi = rows.phi ? phi->data() : nullptr;
-    in.theta = rows.theta ? theta->data() : nullptr;
-    in.history = points.data();
-    auto fatigue = batch.points<1>();
-    if (rows.fatigue) {
-      batch.load(half(*rows.fatigue), fatigue);
-      in.fatigue = fatigue.data();
-    }
-    auto driven = batch.points<drive_size>();
-    if (batch.law.softens()) {
-      batch.load(half(rows.drive), driven);
-      in.drive = driven.data();
-    }
+    in.phi = batch.read(half(rows.phi), phi);
+    in.theta = batch.read(half(rows.theta), theta);
+    in.history = batch.read(half(&rows.history), points);
+    in.fatigue = batch.read(half(rows.fatigue), fatigue);
+    in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, driven);
     EnergySums sums;
     batch.kernels.stored_energy(batch.law, in, sums);
     add(sums, batch.used(), mine);
@@ -92,32 +77,23 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     mine.thermal += batch.sum(heat.energy);
     mine.entropy += batch.sum(heat.entropy);
   });
-  static_assert(sizeof(MaterialEnergies) == 10 * sizeof(double));
-  MPI_Allreduce(MPI_IN_PLACE, energies.of.data(), static_cast<int>(10 * energies.of.size()), MPI_DOUBLE,
-                MPI_SUM, d.mesh.comm());
-  MaterialEnergies& total = energies.total;
-  for (MaterialEnergies& part : energies.of) {
-    for (double* number = &part.kinetic; number != &part.kinetic + 10; ++number) *number *= d.thickness;
-    total.kinetic += part.kinetic;
-    total.elastic += part.elastic;
-    total.plastic += part.plastic;
-    total.fracture += part.fracture;
-    total.fatigue += part.fatigue;
-    total.thermal += part.thermal;
-    total.entropy += part.entropy;
+  constexpr std::size_t numbers = sizeof(MaterialEnergies) / sizeof(double), without_momentum = numbers - 3;
+  const std::span<double> all(&energies.of.data()->kinetic, numbers * energies.of.size());
+  sum_over_ranks(d.mesh.comm(), all);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i] *= d.thickness;
+    if (i % numbers < without_momentum) (&energies.total.kinetic)[i % numbers] += all[i];
   }
   find_peaks(d, rows, trial, energies);
   return energies;
 }
 
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {
-  const std::vector<double> places = reference_places(d);
-  const std::size_t materials = d.materials.size();
   DamageLosses losses;
-  losses.by_damage.resize(materials);
-  losses.by_exchange.resize(materials);
+  losses.by_damage.resize(d.materials.size());
+  losses.by_exchange.resize(d.materials.size());
   for_each_batch(d, damages, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(places);
+    const auto X = batch.vectors(d.mesh.coordinates());
     const auto by_damage = batch.load<1>(step.damage_dissipation);
     auto all = by_damage;
     losses.by_damage[batch.material()] += batch.sum(batch.kernels.cell_integral(X.data(), by_damage.data()));
@@ -143,19 +119,17 @@ DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, c
     for (const Batch& at_point : all.all())
       for (int l = 0; l < batch.used(); ++l) losses.least = std::min(losses.least, at_point[l]);
   });
-  for (std::vector<double>* sums : {&losses.by_damage, &losses.by_exchange})
-    MPI_Allreduce(MPI_IN_PLACE, sums->data(), static_cast<int>(materials), MPI_DOUBLE, MPI_SUM,
-                  d.mesh.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &losses.least, 1, MPI_DOUBLE, MPI_MIN, d.mesh.comm());
+  sum_over_ranks(d.mesh.comm(), losses.by_damage);
+  sum_over_ranks(d.mesh.comm(), losses.by_exchange);
+  losses.least = min_over_ranks(d.mesh.comm(), losses.least);
   return losses;
 }
 
 double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std::span<const double> phi,
                               const std::vector<double>& drive_n) {
-  const std::vector<double> places = reference_places(d);
   double sum = 0;
   for_each_batch(d, damages, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(places), seen = batch.scalars(phi);
+    const auto X = batch.vectors(d.mesh.coordinates()), seen = batch.scalars(phi);
     const auto after = batch.load<drive_size>(rows.drive.trial), before = batch.load<drive_size>(drive_n);
     auto flowed = batch.histories();
     batch.load(rows.history.committed, flowed);
@@ -164,8 +138,7 @@ double find_unilateral_energy(const Discretisation& d, const BodyRows& rows, std
                                     before.data(), part);
     sum += batch.sum(part);
   });
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-  return sum;
+  return sum_over_ranks(d.mesh.comm(), sum);
 }
 
 } // namespace impact

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/balance/ledger.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 
 namespace impact {
@@ -37,18 +38,15 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 }
 
 void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
-  const Discretisation& d = motion_.discretisation();
   measure(u, v, false);
   for (const ContactStep& contact : motion_.contacts().step(u)) sum(contact_store) += contact.energy;
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));
-  sum(kept) = d.thickness * forces_.start(integrator, dt, u, a);
+  sum(kept) = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a);
   sum(kept_at_start) = sum(kept);
   sum(start_energy) = stored();
-  std::vector<double> local = d.displacement.make_local();
-  d.displacement.to_local(u, local);
-  reactions_.find(forces_.reactions(), local);
+  reactions_.find(forces_.reactions(), u);
 }
 
 void Ledger::resume(Vec u, Vec v) {
@@ -58,8 +56,7 @@ void Ledger::resume(Vec u, Vec v) {
 
 void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   const Timed timed(Event::balances);
-  const Discretisation& d = motion_.discretisation();
-  const double w = d.thickness;
+  const double w = motion_.discretisation().thickness;
   energies_before_ = energies_;
   const StepWork work = forces_.book(step, u, v, a, sum(grown) / w);
   const double work_internal = w * work.internal;
@@ -86,9 +83,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a) {
   if (choice_.coupling_error) find_coupling_error(step);
   if (heat_) heat_->book(step, w);
   book_scale();
-  std::vector<double> u_local = d.displacement.make_local();
-  d.displacement.to_local(u, u_local);
-  reactions_.find(forces_.reactions(), u_local);
+  reactions_.find(forces_.reactions(), u);
 }
 
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
@@ -148,9 +143,7 @@ double Ledger::unilateral_energy(std::span<const double> phi) const {
   if (!heat_) return find_unilateral_energy(motion_.discretisation(), rows_, phi, rows_.drive.committed);
   // At the temperature that the force saw, too.
   const std::vector<double> flow = rows_.history.trial, driving = rows_.drive.trial;
-  const FieldLayout& layout = motion_.discretisation().displacement;
-  const Handle<Vec> u_n = layout.make_global();
-  layout.to_global(state_.row("u").committed, u_n);
+  const Handle<Vec> u_n = motion_.discretisation().global_of(state_.row("u").committed);
   MotionProblem::Increments unused;
   motion_.advance(u_n, unused);
   const std::vector<double> before = rows_.drive.trial;
@@ -162,11 +155,10 @@ double Ledger::unilateral_energy(std::span<const double> phi) const {
 // On free dofs the change of the internal forces is the residual of a next pass, elsewhere that of the
 // reactions.
 void Ledger::find_coupling_error(const StepRecord& step) {
-  PetscReal change = 0, size = 0;
   const Handle<Vec> difference = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(difference, -1, step.forces->internal, step.internal_of_next_pass));
-  check(VecNorm(difference, NORM_2, &change));
-  check(VecNorm(step.forces->internal, NORM_2, &size));
+  const PetscReal change = Get(VecNorm)(difference, NORM_2);
+  const PetscReal size = Get(VecNorm)(step.forces->internal, NORM_2);
   coupling_error_ = size > 0 ? change / size : 0;
 }
 

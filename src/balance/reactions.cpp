@@ -1,7 +1,19 @@
 #include <algorithm>
 #include <impact/balance/reactions.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
+
+namespace {
+
+std::vector<std::string> heat_contacts(MotionProblem& motion, bool moves) {
+  std::vector<std::string> ids;
+  for (const ContactInterface& contact : motion.contacts())
+    if (contact.passes_heat() && moves) ids.push_back(contact.id());
+  return ids;
+}
+
+} // namespace
 
 Reactions::Reactions(MotionProblem& motion, const StateTable& state)
     : motion_(motion), theta_(state.find("theta")) {
@@ -16,22 +28,24 @@ Reactions::Reactions(MotionProblem& motion, const StateTable& state)
   }
 }
 
-void Reactions::find(const std::vector<double>& force, const std::vector<double>& u) {
+void Reactions::find(const std::vector<double>& force, Vec u) {
   const Discretisation& d = motion_.discretisation();
-  const auto dim = static_cast<std::size_t>(d.dim());
-  for (OfCondition& c : of_) {
-    c.force = c.moment = c.mean = {};
-    c.count = static_cast<double>(c.nodes.size());
-    c.mean_theta = 0;
-    for (const int node : c.nodes) {
-      for (std::size_t k = 0; k < dim; ++k) c.mean[k] += u[static_cast<std::size_t>(node) * dim + k];
-      if (theta_) c.mean_theta += theta_->trial[static_cast<std::size_t>(node)];
+  const auto dim = at(d.dim());
+  const std::vector<double> moved = d.local_of(u);
+  constexpr std::size_t numbers = 8; // of a condition: force, sum of u, nodes, sum of theta
+  std::vector<double> sums(numbers * of_.size(), 0.0);
+  for (std::size_t c = 0; c < of_.size(); ++c) {
+    of_[c].moment = {};
+    double* sum = &sums[numbers * c];
+    sum[6] = static_cast<double>(of_[c].nodes.size());
+    for (const int node : of_[c].nodes) {
+      for (std::size_t k = 0; k < dim; ++k) sum[3 + k] += moved[at(node) * dim + k];
+      if (theta_) sum[7] += theta_->trial[at(node)];
     }
   }
   for (const FixedDof& fixed : motion_.boundary().fixed())
     if (d.mesh.owned(fixed.dof / d.dim()))
-      of_[static_cast<std::size_t>(fixed.condition)].force[static_cast<std::size_t>(fixed.component)] +=
-          d.thickness * force[static_cast<std::size_t>(fixed.dof)];
+      sums[numbers * at(fixed.condition) + at(fixed.component)] += d.thickness * force[at(fixed.dof)];
   const RigidBodies& rigid = motion_.rigid();
   int rank = 0;
   MPI_Comm_rank(d.mesh.comm(), &rank);
@@ -41,28 +55,23 @@ void Reactions::find(const std::vector<double>& force, const std::vector<double>
       if (c < 0) continue;
       const double value = d.thickness * rigid.reactions(static_cast<int>(b))[k];
       if (k >= 3)
-        of_[static_cast<std::size_t>(c)].moment[k - 3] += value;
+        of_[at(c)].moment[k - 3] += value;
       else if (k < dim && rank == 0) // the same on all ranks, which are summed below
-        of_[static_cast<std::size_t>(c)].force[k] += value;
+        sums[numbers * at(c) + k] += value;
     }
-  constexpr std::size_t numbers = 8;
-  std::vector<double> sums;
-  for (const OfCondition& c : of_)
-    sums.insert(sums.end(),
-                {c.force[0], c.force[1], c.force[2], c.mean[0], c.mean[1], c.mean[2], c.count, c.mean_theta});
-  MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, d.mesh.comm());
-  for (std::size_t i = 0; i < of_.size(); ++i) {
-    const double* sum = &sums[numbers * i];
+  sum_over_ranks(d.mesh.comm(), sums);
+  for (std::size_t c = 0; c < of_.size(); ++c) {
+    const double* sum = &sums[numbers * c];
     const double count = std::max(1.0, sum[6]);
-    of_[i].force = {sum[0], sum[1], sum[2]};
-    of_[i].mean = {sum[3] / count, sum[4] / count, sum[5] / count};
-    of_[i].mean_theta = sum[7] / count;
+    of_[c].force = {sum[0], sum[1], sum[2]};
+    of_[c].mean = {sum[3] / count, sum[4] / count, sum[5] / count};
+    of_[c].mean_theta = sum[7] / count;
   }
 }
 
 void Reactions::append(HistoryFile::Row& row, const std::function<double(std::size_t)>& heat) const {
   static constexpr const char* axis[3] = {"x", "y", "z"};
-  const auto dim = static_cast<std::size_t>(motion_.discretisation().dim());
+  const auto dim = at(motion_.discretisation().dim());
   const auto& conditions = motion_.boundary().conditions();
   for (std::size_t c = 0; c < conditions.size(); ++c) {
     const BcType type = conditions[c].type;
@@ -73,10 +82,8 @@ void Reactions::append(HistoryFile::Row& row, const std::function<double(std::si
       row.emplace_back("mean_" + id + "_theta", of_[c].mean_theta);
       continue;
     }
-    const bool holds = type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
-                       type == BcType::velocity || type == BcType::acceleration;
     for (std::size_t k = 0; k < dim; ++k)
-      if (holds) row.emplace_back("reaction_" + id + "_" + axis[k], of_[c].force[k]);
+      if (prescribes_motion(type)) row.emplace_back("reaction_" + id + "_" + axis[k], of_[c].force[k]);
     for (std::size_t k = 0; k < 3; ++k)
       if (turns(static_cast<int>(c), k)) row.emplace_back("moment_" + id + "_" + axis[k], of_[c].moment[k]);
     for (std::size_t k = 0; k < dim; ++k) row.emplace_back("mean_" + id + "_u" + axis[k], of_[c].mean[k]);
@@ -87,6 +94,30 @@ bool Reactions::turns(int condition, std::size_t axis) const {
   const auto& bodies = motion_.rigid().bodies();
   return std::any_of(bodies.begin(), bodies.end(),
                      [&](const RigidBody& body) { return body.held[3 + axis] == condition; });
+}
+
+HeatBook::HeatBook(MotionProblem& motion, StateTable& state, bool moves)
+    : conditions_(motion.boundary().conditions().size()), contacts_(heat_contacts(motion, moves)),
+      row_([&]() -> StateRow& {
+        const std::size_t columns = conditions_ + 2 * contacts_.size() + 2;
+        return state.add({"ledger_heat", Support::global, static_cast<int>(columns)}, columns);
+      }()) {}
+
+void HeatBook::book(const StepRecord& step, double thickness) {
+  const auto& [by_condition, by_contact, entropy] = *step.heat;
+  for (std::size_t c = 0; c < by_condition.size(); ++c) row_.trial[c] += thickness * by_condition[c];
+  for (std::size_t c = 0; c < by_contact.size(); ++c) {
+    row_.trial[conditions_ + 2 * c] += thickness * by_contact[c].conducted;
+    row_.trial[conditions_ + 2 * c + 1] += thickness * by_contact[c].outside;
+  }
+  row_.trial[row_.trial.size() - 2] += thickness * entropy;
+}
+
+double HeatBook::supplied() const {
+  double total = 0;
+  for (std::size_t c = 0; c < conditions_; ++c) total += row_.trial[c];
+  for (std::size_t c = 0; c < contacts_.size(); ++c) total += row_.trial[conditions_ + 2 * c + 1];
+  return total;
 }
 
 } // namespace impact

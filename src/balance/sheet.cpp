@@ -1,15 +1,9 @@
-#include <cstdio>
 #include <impact/balance/ledger.hpp>
 
 // The ledger as columns of the history, and as the sheet at the end of the log.
 namespace impact {
 
 void Ledger::append(HistoryFile::Row& row) const {
-  append_energies(row);
-  reactions_.append(row, [&](std::size_t condition) { return heat_->supplied_by(condition); });
-}
-
-void Ledger::append_energies(HistoryFile::Row& row) const {
   const Discretisation& d = motion_.discretisation();
   const bool contact = !motion_.contacts().empty(), heat = d.has_heat();
   const MaterialEnergies& total = energies_.total;
@@ -50,6 +44,7 @@ void Ledger::append_energies(HistoryFile::Row& row) const {
                             {"fatigue_max", d.has_fatigue(), energies_.fatigue_max}};
   for (const Column& column : columns)
     if (column.there) row.emplace_back(column.name, column.value);
+  reactions_.append(row, [&](std::size_t condition) { return heat_->supplied_by(condition); });
 }
 
 void Ledger::append_contact_heat(HistoryFile::Row& row) const {
@@ -126,21 +121,12 @@ std::vector<Ledger::Line> Ledger::sheet() const {
 std::string Ledger::report() const {
   const auto& materials = motion_.discretisation().materials;
   const std::size_t columns = materials.size() > 1 ? materials.size() : 0;
-  char cell[64];
-  std::snprintf(cell, sizeof(cell), "%-32s %12s", "energy since t = 0", "total");
-  std::string text = cell;
-  for (std::size_t m = 0; m < columns; ++m) {
-    std::snprintf(cell, sizeof(cell), " %12.12s", materials[m].id.c_str());
-    text += cell;
-  }
+  std::string text = text_of("%-32s %12s", "energy since t = 0", "total");
+  for (std::size_t m = 0; m < columns; ++m) text += text_of(" %12.12s", materials[m].id.c_str());
   for (const Line& line : sheet()) {
     if (!line.there) continue;
-    std::snprintf(cell, sizeof(cell), "\n  %-30s %12.5g", line.name.c_str(), line.total);
-    text += cell;
-    for (std::size_t m = 0; line.of && m < columns; ++m) {
-      std::snprintf(cell, sizeof(cell), " %12.5g", line.of(m));
-      text += cell;
-    }
+    text += text_of("\n  %-30s %12.5g", line.name.c_str(), line.total);
+    for (std::size_t m = 0; line.of && m < columns; ++m) text += text_of(" %12.5g", line.of(m));
   }
   return text + "\n";
 }

@@ -1,35 +1,27 @@
-#include <algorithm>
 #include <impact/balance/work.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
 namespace {
 
-// Sum over the owned dofs of a . b; both local arrays.
+// Sum over the owned dofs of a . b; both local arrays [node][dim].
 double dot(const Mesh& mesh, const std::vector<double>& a, const std::vector<double>& b) {
-  // A rank may have no nodes at all.
-  const auto components = a.size() / static_cast<std::size_t>(std::max(mesh.node_count(), 1));
+  const auto components = at(mesh.dim());
   double sum = 0;
-  for (int node = 0; node < mesh.node_count(); ++node) {
-    if (!mesh.owned(node)) continue;
-    for (std::size_t k = 0; k < components; ++k) {
-      const std::size_t i = static_cast<std::size_t>(node) * components + k;
-      sum += a[i] * b[i];
-    }
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, mesh.comm());
-  return sum;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if (mesh.owned(static_cast<int>(i / components))) sum += a[i] * b[i];
+  return sum_over_ranks(mesh.comm(), sum);
 }
 
 StateRow& add_force(StateTable& state, const Discretisation& d, const char* name) {
   return state.add({name, Support::vertex, d.dim()}, d.node_values(d.dim()));
 }
 
-std::vector<double> local_of(const Discretisation& d, Vec force) {
-  std::vector<double> local = d.displacement.make_local();
-  if (force) d.displacement.to_local(force, local);
-  return local;
+// [node][dim], zero where the unilateral stress does not act apart.
+std::vector<double> unilateral_of(const Discretisation& d, const ForceParts& parts) {
+  return parts.unilateral ? d.local_of(parts.unilateral) : d.displacement.make_local();
 }
 
 } // namespace
@@ -43,13 +35,6 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       left_(add_force(state, motion.discretisation(), "force_left")),
       step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")) {}
 
-Handle<Vec> ForceBook::global_of(const StateRow& row) const {
-  const FieldLayout& layout = motion_.discretisation().displacement;
-  Handle<Vec> values = layout.make_global();
-  layout.to_global(row.committed, values);
-  return values;
-}
-
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
   std::vector<double> mean(row.trial.size());
   for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = 0.5 * (row.committed[i] + row.trial[i]);
@@ -58,7 +43,7 @@ double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) 
 
 bool ForceBook::in_rigid_body(std::size_t dof) const {
   const std::vector<int>& body = motion_.rigid().body_of_node();
-  return !body.empty() && body[dof / static_cast<std::size_t>(motion_.discretisation().dim())] >= 0;
+  return !body.empty() && body[dof / at(motion_.discretisation().dim())] >= 0;
 }
 
 double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
@@ -75,7 +60,7 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
     d.displacement.to_local(Ma, inertia_force_.trial);
     kept = integrator.kept_at_start(dt, a, Ma);
   }
-  const std::vector<double> loads = external_.trial, unilateral = local_of(d, parts.unilateral);
+  const std::vector<double> loads = external_.trial, unilateral = unilateral_of(d, parts);
   reactions_ = internal_.trial;
   for (std::size_t i = 0; i < loads.size(); ++i) {
     // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step.
@@ -96,14 +81,15 @@ ShockWork ForceBook::find_shock(const StepRecord& step) const {
   double size = 0;
   check(VecNorm(step.contact_shock, NORM_INFINITY, &size));
   if (size == 0) return shock;
-  const Handle<Vec> u_n = global_of(u_), v_n = global_of(v_), mean = d.displacement.make_global(),
-                    jump = d.displacement.make_global(), beside = d.displacement.make_global();
+  const Handle<Vec> u_n = d.global_of(u_.committed), v_n = d.global_of(v_.committed),
+                    mean = d.displacement.make_global(), jump = d.displacement.make_global(),
+                    beside = d.displacement.make_global();
   check(VecWAXPY(jump, -1, v_n, step.start_velocity));
   motion_.mass_multiply(jump, beside);
   check(VecAXPY(beside, -step.dt, step.contact_shock));
   check(VecWAXPY(mean, 0.5, jump, v_n));
-  const std::vector<double> speed = local_of(d, mean), force = local_of(d, step.contact_shock);
-  std::vector<double> other = local_of(d, beside), held = other;
+  const std::vector<double> speed = d.local_of(mean), force = d.local_of(step.contact_shock);
+  std::vector<double> other = d.local_of(beside), held = other;
   for (std::size_t i = 0; i < speed.size(); ++i) {
     if (!motion_.boundary().fixed_mask()[i]) held[i] = 0;
     if (!in_rigid_body(i)) other[i] = 0;
@@ -120,9 +106,9 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
                                                    double grown) {
   const Discretisation& d = motion_.discretisation();
   const Integrator& weights = step.integrator;
-  const Handle<Vec> du = global_of(u_), a_n = global_of(a_), df = global_of(step_acceleration_),
-                    struck = global_of(v_), lag = d.displacement.make_global(),
-                    f = d.displacement.make_global();
+  const Handle<Vec> du = d.global_of(u_.committed), a_n = d.global_of(a_.committed),
+                    df = d.global_of(step_acceleration_.committed), struck = d.global_of(v_.committed),
+                    lag = d.displacement.make_global(), f = d.displacement.make_global();
   const auto times_mass = [&](Vec of) {
     Handle<Vec> force = d.displacement.make_global();
     motion_.mass_multiply(of, force);
@@ -168,7 +154,7 @@ double ForceBook::take_over_forces(const StepRecord& step, Vec u, Vec a, std::ve
   d.displacement.to_local(step.left, left_.trial);
   if (!inertia_) return motion_.book_rigid_reactions(u, nullptr, 1);
   const double beta = step.integrator.beta, alpha_m = step.integrator.alpha_m;
-  Handle<Vec> a_eq = global_of(a_), force = d.displacement.make_global();
+  Handle<Vec> a_eq = d.global_of(a_.committed), force = d.displacement.make_global();
   motion_.mass_multiply(step.contact_acceleration, force);
   check(VecScale(force, step.stabilised || step.unilateral ? 2 * beta : alpha_m));
   d.displacement.to_local(force, corrected);
@@ -212,9 +198,9 @@ StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double gro
   std::vector<double> corrected = d.displacement.make_local();
   work.rigid = take_over_forces(step, u, a, corrected);
   // m tau- of broken points acts over the step as a whole, like the stabilised contact.
-  const std::vector<double> unilateral = local_of(d, step.forces->unilateral);
+  const std::vector<double> unilateral = unilateral_of(d, *step.forces);
   const std::vector<double> over_step = close_balance(step, corrected, unilateral);
-  std::vector<double> du = local_of(d, u);
+  std::vector<double> du = d.local_of(u);
   for (std::size_t i = 0; i < du.size(); ++i) du[i] -= u_.committed[i];
   work.internal = mean_work(du, internal_);
   work.external = mean_work(du, external_);

@@ -21,11 +21,6 @@ constexpr std::array<double, 5> gauss_x = {0.04691007703066800, 0.23076534494715
 constexpr std::array<double, 5> gauss_w = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
                                            0.23931433524968324, 0.11846344252809454};
 
-bool prescribes_motion(BcType type) {
-  return type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
-         type == BcType::velocity || type == BcType::acceleration;
-}
-
 std::string available_groups(const Mesh& mesh) {
   std::string text;
   for (int d = mesh.dim(); d >= 0; --d) {
@@ -340,10 +335,6 @@ void BoundaryData::traction(const LoadedFacets& load, const double* x, double t,
   const BoundaryCondition& bc = conditions_[c];
   const double share = bc.type == BcType::force ? 1 / force_area_[c] : 1;
   for (int k = 0; k < dim_; ++k) value[k] = bc.component[k] ? share * (*bc.component[k])(x, dim_, t) : 0.0;
-}
-
-double BoundaryData::pressure(const LoadedFacets& load, const double* x, double t) const {
-  return (*conditions_[at(load.condition)].value)(x, dim_, t);
 }
 
 } // namespace impact

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/callback.hpp>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/damage.hpp>
 
@@ -10,8 +10,6 @@
 namespace impact {
 
 namespace {
-
-constexpr auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
 
 // Laws whose unconstrained problem has no solution, or not the wanted one: AT1 would take virgin material
 // below 0, a concave degradation may have no minimum at all.
@@ -25,9 +23,7 @@ std::vector<char> held_nodes(const Discretisation& d, const BoundaryData& bounda
   for (const CellGroup& group : d.groups)
     if (damages(d.law(group)))
       for (int node : group.node) touched[at(node)] = 1;
-  const Handle<Vec> sum = d.scalar.make_global();
-  d.scalar.add_to_global(touched, sum);
-  d.scalar.to_local(sum, touched);
+  add_up(d.scalar, touched);
   std::vector<char> held;
   for (std::size_t i = 0; i < touched.size(); ++i)
     held.push_back(boundary.damage_condition()[i] >= 0 || touched[i] == 0);
@@ -60,11 +56,10 @@ PetscReal first_residual(SNES snes) {
 
 DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, const DamageScenario& settings)
-    : d_(discretisation), boundary_(boundary), settings_(settings),
-      field_(d_, "damage_", held_nodes(d_, boundary_)), phi_(state.row("phi")), drive_(state.row("drive")),
-      flow_(state.row("history")), x_(d_.node_values(1)), r_(d_.node_values(1)),
-      substep_start_(d_.scalar.make_local()), substep_end_(substep_start_), lower_(d_.scalar.make_global()),
-      upper_(d_.scalar.make_global()) {
+    : d_(discretisation), boundary_(boundary), settings_(settings), field_(d_, held_nodes(d_, boundary_)),
+      phi_(state.row("phi")), drive_(state.row("drive")), flow_(state.row("history")), x_(d_.node_values(1)),
+      r_(d_.node_values(1)), substep_start_(d_.scalar.make_local()), substep_end_(substep_start_),
+      lower_(d_.scalar.make_global()), upper_(d_.scalar.make_global()) {
   double toughness = 0, width = 1;
   const bool vi = settings_.bounds == DamageBounds::vi;
   for (const MaterialAssignment& m : d_.materials)
@@ -74,8 +69,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
       width = m.law.parameters.gamma;
     }
   reference_ = 1e-12 * toughness / width * std::pow(d_.mesh.smallest_edge(), d_.dim());
-  std::size_t points = 0;
-  for (const CellGroup& group : d_.groups) points += point_values(group, 1);
+  const std::size_t points = d_.point_values(1);
   dissipated_.resize(points);
   if (d_.has_fatigue()) worn_ = &state.row("fatigue");
   if (settings_.bounds == DamageBounds::history)
@@ -106,13 +100,7 @@ Handle<SNES> DamageProblem::make_solver(bool bounded) {
     check(SNESSetType(snes, SNESNEWTONLS));
     return snes;
   }
-  PetscBool gamg = PETSC_FALSE;
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  check(SNESGetKSP(snes, &ksp));
-  check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &gamg));
-  if (gamg)
+  if (has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes)), PCGAMG))
     throw UserError(ExitCode::usage,
                     "-damage_pc_type gamg does not work with -damage_bounds vi (the reduced "
                     "system changes its size); use icc, jacobi or hypre, or -damage_bounds history");
@@ -122,21 +110,20 @@ Handle<SNES> DamageProblem::make_solver(bool bounded) {
 // A matrix that is larger than the derivative makes steps that lower the energy but not always the residual,
 // which may grow by orders of magnitude where a crack forms.
 void DamageProblem::take_full_steps(SNES snes) {
-  SNESLineSearch search = nullptr;
-  check(SNESGetLineSearch(snes, &search));
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
   check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
   check(SNESSetDivergenceTolerance(snes, -1));
 }
 
 // body(batch, input of the kernels at x) answers with the lanes that lost their meaning; false where any did.
-template <class Body> bool DamageProblem::visit_batches(Vec x, Body&& body) {
+template <class Body> bool DamageProblem::visit_batches(const Equation& equation, Vec x, Body&& body) {
   d_.scalar.to_local(x, x_);
   bool sound = true;
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.vectors(*step_.u),
                u_n = batch.vectors(*step_.u_n);
-    const auto phi = batch.scalars(x_), phi_n = batch.scalars(*step_.phi_n);
+    const auto phi = batch.scalars(x_), phi_n = batch.scalars(*equation.phi_n);
     auto now = batch.load<drive_size>(drive_.trial), before = batch.load<drive_size>(drive_.committed);
     if (history_) {
       put_history(batch.load<1>(history_->trial), now);
@@ -145,14 +132,8 @@ template <class Body> bool DamageProblem::visit_batches(Vec x, Body&& body) {
     auto worn = batch.points<1>();
     auto flowed = batch.histories();
     DamageInput in;
-    if (worn_ && law.fatigues()) {
-      batch.load(worn_->committed, worn);
-      in.fatigue = worn.data();
-    }
-    if (is_ductile(law.parameters)) {
-      batch.load(flow_.committed, flowed);
-      in.history = flowed.data();
-    }
+    in.fatigue = batch.read(worn_ && law.fatigues() ? &worn_->committed : nullptr, worn);
+    in.history = batch.read(is_ductile(law.parameters) ? &flow_.committed : nullptr, flowed);
     in.X = X.data();
     in.u = u.data();
     in.u_n = u_n.data();
@@ -160,9 +141,9 @@ template <class Body> bool DamageProblem::visit_batches(Vec x, Body&& body) {
     in.phi_n = phi_n.data();
     in.drive = now.data();
     in.drive_n = before.data();
-    in.dt = step_.dt;
-    in.form = settings_.form;
-    in.theta_d = settings_.theta;
+    in.dt = equation.dt;
+    in.form = equation.form;
+    in.theta_d = equation.theta;
     in.convex = true;
     sound = batch.broken(body(batch, in)) == 0 && sound;
   });
@@ -181,10 +162,10 @@ std::vector<SNES> DamageProblem::solvers() const {
   return all;
 }
 
-bool DamageProblem::assemble_forces(Vec x, Vec f) {
+bool DamageProblem::assemble_forces(const Equation& equation, Vec x, Vec f) {
   const Timed timed(Event::damage_residual);
   std::fill(r_.begin(), r_.end(), 0.0);
-  const bool sound = visit_batches(x, [&](const CellBatch& batch, const DamageInput& in) {
+  const bool sound = visit_batches(equation, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_residual(batch.law, in, r.data());
     batch.scatter(r, r_);
@@ -195,7 +176,7 @@ bool DamageProblem::assemble_forces(Vec x, Vec f) {
 }
 
 void DamageProblem::residual(SNES, Vec x, Vec f) {
-  const bool sound = assemble_forces(x, f);
+  const bool sound = assemble_forces(equation_, x, f);
   field_.zero_held(f);
   if (!sound)
     for (SNES snes : solvers()) check(SNESSetFunctionDomainError(snes));
@@ -205,7 +186,7 @@ void DamageProblem::tangent(SNES, Vec x, Mat, Mat) {
   const Timed timed(Event::damage_tangent);
   CellMatrix K;
   field_.zero_matrix();
-  visit_batches(x, [&](const CellBatch& batch, const DamageInput& in) {
+  visit_batches(equation_, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_tangent(batch.law, in, r.data(), K.zeroed(batch.nodes()));
     field_.add(batch, K);
@@ -243,16 +224,16 @@ void DamageProblem::clip() {
 
 bool DamageProblem::within_bounds() const {
   const Handle<Vec> beyond = d_.scalar.make_global();
-  PetscReal below = 0, above = 0;
   check(VecWAXPY(beyond, -1, field_.solution(), lower_));
-  check(VecMax(beyond, nullptr, &below));
+  const PetscReal below = Get(VecMax)(beyond, nullptr);
   check(VecWAXPY(beyond, -1, upper_, field_.solution()));
-  check(VecMax(beyond, nullptr, &above));
+  const PetscReal above = Get(VecMax)(beyond, nullptr);
   return below <= 1e-14 && above <= 1e-14;
 }
 
 ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
   step_ = step;
+  equation_ = {settings_.form, settings_.theta, step.dt, step.phi_n};
   work_ = 0;
   std::fill(dissipated_.begin(), dissipated_.end(), 0.0);
   raise_history();
@@ -298,9 +279,8 @@ ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
 // Its own first residual is small already: it is held to the accuracy of the unconstrained solve, and not
 // below what a round-off of phi makes in the stiffest row (a cell stretched by an open crack).
 ScalarOutcome DamageProblem::solve_bounded(double start_norm) {
-  PetscReal stiffest = 0;
   check(SNESVISetVariableBounds(bounded_, lower_, upper_));
-  check(VecMax(field_.diagonal(), nullptr, &stiffest));
+  const PetscReal stiffest = Get(VecMax)(field_.diagonal(), nullptr);
   check(SNESSetTolerances(bounded_, std::max({reference_, 1e-9 * start_norm, 1e-12 * stiffest}),
                           PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   return solve_field(bounded_, field_.solution(), mailbox_);

@@ -8,20 +8,20 @@
 /// What a solved step of damage dissipated, and the work of the microforces that prescribe phi.
 namespace impact {
 
+namespace {
+
+constexpr double no_rate = std::numeric_limits<double>::infinity(); // as dt
+
+} // namespace
+
 // Nodal forces of the weak form at phi, held nodes included: those of the energy, and with a finite dt those
 // of the rate too.
-void DamageProblem::microforces(const std::vector<double>& phi, double dt, std::vector<double>& force) {
-  const DamageScenario settings = settings_;
-  const double step_dt = step_.dt;
-  settings_.form = DamageForm::multiplied;
-  settings_.theta = 1;
-  step_.dt = dt;
+void DamageProblem::microforces(const std::vector<double>& phi, const std::vector<double>& phi_n, double dt,
+                                std::vector<double>& force) {
   const Handle<Vec> x = d_.scalar.make_global(), f = d_.scalar.make_global();
   d_.scalar.to_global(phi, x);
-  assemble_forces(x, f);
+  assemble_forces({DamageForm::multiplied, 1, dt, &phi_n}, x, f);
   d_.scalar.to_local(f, force);
-  settings_ = settings;
-  step_.dt = step_dt;
 }
 
 double DamageProblem::held_work(const std::vector<double>& force, const std::vector<double>& from,
@@ -40,7 +40,6 @@ void DamageProblem::keep_held(std::vector<double>& force) const {
 // The rate's part of a step or sub-step.
 void DamageProblem::book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt) {
   const Timed timed(Event::damage_points);
-  const auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const auto now = batch.scalars(to), before = batch.scalars(from);
     auto points = batch.load<1>(dissipated_);
@@ -49,11 +48,8 @@ void DamageProblem::book_rate(const std::vector<double>& from, const std::vector
   });
   if (!prescribes_) return;
   std::vector<double> with = d_.scalar.make_local(), without = with;
-  const std::vector<double>* phi_n = step_.phi_n;
-  step_.phi_n = &from;
-  microforces(to, dt, with);
-  microforces(to, std::numeric_limits<double>::infinity(), without);
-  step_.phi_n = phi_n;
+  microforces(to, from, dt, with);
+  microforces(to, from, no_rate, without);
   for (std::size_t i = 0; i < with.size(); ++i) with[i] -= without[i];
   keep_held(with);
   work_ += held_work(with, from, to);
@@ -63,7 +59,7 @@ void DamageProblem::book_rate(const std::vector<double>& from, const std::vector
 void DamageProblem::book_energy(const std::vector<double>& from, const std::vector<double>& to) {
   std::fill(microforce_->trial.begin(), microforce_->trial.end(), 0.0);
   if (prescribes_) {
-    microforces(to, std::numeric_limits<double>::infinity(), microforce_->trial);
+    microforces(to, *equation_.phi_n, no_rate, microforce_->trial);
     keep_held(microforce_->trial);
   }
   work_ += (held_work(microforce_->committed, from, to) + held_work(microforce_->trial, from, to)) / 2;
@@ -71,10 +67,10 @@ void DamageProblem::book_energy(const std::vector<double>& from, const std::vect
 
 void DamageProblem::start(const std::vector<double>& u) {
   const std::vector<double>& phi = phi_.committed;
-  step_ = {.dt = std::numeric_limits<double>::infinity(), .u = &u, .u_n = &u, .phi_n = &phi};
+  step_ = {.u = &u, .u_n = &u};
   raise_history();
   std::vector<double>& force = microforce_->trial;
-  microforces(phi, step_.dt, force);
+  microforces(phi, phi, no_rate, force);
   // What would grow at once without a rate is let go within the first step; with one it dissipates.
   const bool at_once = std::none_of(d_.materials.begin(), d_.materials.end(), [](const auto& m) {
     return m.law.parameters.damage != Damage::none && std::isfinite(m.law.parameters.c);

@@ -1,8 +1,16 @@
-#include <impact/petsc/callback.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/problem/damage.hpp>
 #include <petscts.h>
 
 namespace impact {
+
+// Callbacks whose context is the application's, not an argument.
+template <void (DamageProblem::*method)(TS)> PetscErrorCode DamageProblem::call(TS ts) {
+  DamageProblem* self = nullptr;
+  if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
+  return self->mailbox_.guarded([&] { (self->*method)(ts); });
+}
 
 void DamageProblem::make_substeps() {
   if (settings_.substep == 0) return;
@@ -19,19 +27,9 @@ void DamageProblem::make_substeps() {
   check(TSSetIFunction(substeps_, nullptr, Callback<&DamageProblem::substep_residual>::call, this));
   check(TSSetIJacobian(substeps_, field_.matrix(), field_.matrix(),
                        Callback<&DamageProblem::substep_tangent>::call, this));
-  // Its context is the application's, not an argument.
-  check(TSSetPreStep(substeps_, [](TS ts) -> PetscErrorCode {
-    DamageProblem* self = nullptr;
-    if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
-    return self->mailbox_.guarded([&] { self->start_substep(ts); });
-  }));
-  check(TSSetPostStep(substeps_, [](TS ts) -> PetscErrorCode {
-    DamageProblem* self = nullptr;
-    if (const PetscErrorCode code = TSGetApplicationContext(ts, &self); code != 0) return code;
-    return self->mailbox_.guarded([&] { self->finish_substep(ts); });
-  }));
-  SNES snes = nullptr;
-  check(TSGetSNES(substeps_, &snes));
+  check(TSSetPreStep(substeps_, call<&DamageProblem::start_substep>));
+  check(TSSetPostStep(substeps_, call<&DamageProblem::finish_substep>));
+  const SNES snes = Get(TSGetSNES)(substeps_);
   field_.prepare(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS, reference_,
                  1e-9, 100);
   if (bounded_at_once_) take_full_steps(snes);
@@ -41,40 +39,33 @@ void DamageProblem::make_substeps() {
 
 // lambda and the lower bound belong to the damage at the start of the sub-step.
 void DamageProblem::start_substep(TS ts) {
-  Vec x = nullptr;
-  check(TSGetSolution(ts, &x));
+  const Vec x = Get(TSGetSolution)(ts);
   d_.scalar.to_local(x, substep_start_);
-  step_.phi_n = &substep_start_;
+  equation_.phi_n = &substep_start_;
   if (settings_.bounds != DamageBounds::vi) return;
   set_bounds(substep_start_, substep_start_);
-  SNES snes = nullptr;
-  check(TSGetSNES(ts, &snes));
+  const SNES snes = Get(TSGetSNES)(ts);
   check(SNESVISetVariableBounds(snes, lower_, upper_));
 }
 
 void DamageProblem::finish_substep(TS ts) {
-  Vec x = nullptr;
-  PetscReal start = 0, end = 0;
-  check(TSGetSolution(ts, &x));
-  check(TSGetPrevTime(ts, &start));
-  check(TSGetTime(ts, &end));
+  const Vec x = Get(TSGetSolution)(ts);
+  const PetscReal start = Get(TSGetPrevTime)(ts);
+  const PetscReal end = Get(TSGetTime)(ts);
   d_.scalar.to_local(x, substep_end_);
   book_rate(substep_start_, substep_end_, end - start);
 }
 
 void DamageProblem::substep_residual(TS ts, PetscReal, Vec x, Vec, Vec f) {
   // The rate is (x - start)/(theta dt) at the stage of a theta method.
-  PetscReal dt = 0, theta = 1;
-  PetscBool is_theta = PETSC_FALSE;
-  check(TSGetTimeStep(ts, &dt));
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ts), TSTHETA, &is_theta));
-  if (is_theta) check(TSThetaGetTheta(ts, &theta));
-  step_.dt = theta * dt;
+  PetscReal theta = 1;
+  if (has_type(ts, TSTHETA)) check(TSThetaGetTheta(ts, &theta));
+  equation_.dt = theta * Get(TSGetTimeStep)(ts);
   residual(nullptr, x, f);
 }
 
 void DamageProblem::substep_tangent(TS, PetscReal, Vec x, Vec, PetscReal shift, Mat J, Mat P) {
-  step_.dt = 1 / shift;
+  equation_.dt = 1 / shift;
   tangent(nullptr, x, J, P);
 }
 
@@ -92,8 +83,7 @@ ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   check(TSSetMaxTime(substeps_, step.dt));
   check(TSSetMaxSteps(substeps_, PETSC_MAX_INT));
   const PetscErrorCode code = TSSolve(substeps_, field_.solution());
-  TSConvergedReason reason = TS_CONVERGED_ITERATING;
-  check(TSGetConvergedReason(substeps_, &reason));
+  const TSConvergedReason reason = Get(TSGetConvergedReason)(substeps_);
   if (reason < 0) {
     last_petsc_message();
     outcome.reason = SNES_DIVERGED_INNER;

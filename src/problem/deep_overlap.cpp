@@ -1,20 +1,17 @@
 #include <algorithm>
-#include <cstdio>
 #include <impact/contact/box_tree.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/problem/deep_overlap.hpp>
+#include <impact/problem/rigid_motion.hpp>
 
 namespace impact {
 
 namespace {
 
-// A node is tried at this part of the way to the middles of its own cells. Less deep is for the pairs to see;
-// where surfaces touch that place lies outside the other body. Cells are closed, so that none is missed
-// between two.
-constexpr double inwards = 1, closed = -1e-9;
+// Cells are closed, so that no place is missed between two.
+constexpr double closed = -1e-9;
 
 using Place = Vector3;
 
@@ -93,7 +90,8 @@ std::vector<double> sums_around(const Discretisation& d) {
   return sum;
 }
 
-// Coordinates [node][3], a little inside their body, of the owned nodes of a side, of all ranks.
+// Means [node][3] of the corners of the cells around the owned nodes of a side, of all ranks. What is less
+// deep is for the pairs to see, and where surfaces touch that place lies outside the other body.
 std::vector<double> places_of(const Discretisation& d, const std::vector<double>& around,
                               const std::string& side) {
   std::vector<double> mine;
@@ -101,10 +99,7 @@ std::vector<double> places_of(const Discretisation& d, const std::vector<double>
   for (int node : d.mesh.nodes(side)) {
     if (!d.mesh.owned(node)) continue;
     const double* sum = &around[at((dim + 1) * node)];
-    for (int k = 0; k < 3; ++k)
-      mine.push_back(k < dim ? (1 - inwards) * d.mesh.coordinates()[at(node * dim + k)] +
-                                   inwards * sum[k] / sum[dim]
-                             : 0);
+    for (int k = 0; k < 3; ++k) mine.push_back(k < dim ? sum[k] / sum[dim] : 0);
   }
   int ranks = 1;
   MPI_Comm_size(d.mesh.comm(), &ranks);
@@ -163,10 +158,8 @@ void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
       }
       deep = min_over_ranks(d.mesh.comm(), deep);
       if (deep == static_cast<int>(places.size() / 3)) continue;
-      char where[120];
-      std::snprintf(where, sizeof where, d.dim() == 2 ? "(%.4g, %.4g)" : "(%.4g, %.4g, %.4g)",
-                    places[at(3 * deep)], places[at(3 * deep + 1)], places[at(3 * deep + 2)]);
-      throw UserError(ExitCode::data, "contact " + settings.id + ": `" + side + "` lies around " + where +
+      throw UserError(ExitCode::data, "contact " + settings.id + ": `" + side + "` lies around " +
+                                          place_text(&places[at(3 * deep)], d.dim()) +
                                           " inside the body of `" + other + "`, deeper than -contact_" +
                                           settings.id +
                                           "_search_radius sees; part the bodies, or use -contact_" +

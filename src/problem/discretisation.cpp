@@ -1,19 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdarg>
+#include <cstdio>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
 
 namespace impact {
-
-namespace {
-
-template <class Test> bool any_law(const Discretisation& d, Test&& test) {
-  return std::any_of(d.materials.begin(), d.materials.end(),
-                     [&](const MaterialAssignment& m) { return test(m.law); });
-}
-
-} // namespace
 
 double Discretisation::softest_modulus() const {
   double softest = HUGE_VAL;
@@ -29,29 +22,51 @@ std::size_t Discretisation::point_values(int components) const {
   return sum;
 }
 
-bool Discretisation::has_damage() const {
-  return any_law(*this, [](const PointLaw& law) { return law.parameters.damage != Damage::none; });
+void zero_dofs(Vec f, const Mesh& mesh, int components, const std::vector<int>& dofs) {
+  double* values = nullptr;
+  PetscInt start = 0;
+  check(VecGetOwnershipRange(f, &start, nullptr));
+  check(VecGetArray(f, &values));
+  for (int dof : dofs)
+    values[mesh.global_node()[at(dof / components)] * components + dof % components - start] = 0;
+  check(VecRestoreArray(f, &values));
 }
 
-bool Discretisation::has_fatigue() const {
-  return any_law(*this, [](const PointLaw& law) { return law.fatigues(); });
+void add_up(const FieldLayout& layout, std::vector<double>& local) {
+  const Handle<Vec> total = layout.make_global();
+  layout.add_to_global(local, total);
+  layout.to_local(total, local);
 }
 
-bool Discretisation::has_viscosity() const {
-  return any_law(*this, [](const PointLaw& law) { return law.parameters.b_d > 0; });
+std::vector<double> Discretisation::local_of(Vec u) const {
+  std::vector<double> local = displacement.make_local();
+  displacement.to_local(u, local);
+  return local;
 }
 
-bool Discretisation::has_plasticity() const {
-  return any_law(*this, [](const PointLaw& law) { return law.parameters.model == Model::j2; });
+Handle<Vec> Discretisation::global_of(const std::vector<double>& u) const {
+  Handle<Vec> global = displacement.make_global();
+  displacement.to_global(u, global);
+  return global;
 }
 
-bool Discretisation::has_heat() const {
-  return any_law(*this, [](const PointLaw& law) { return law.parameters.c_v > 0; });
+std::string text_of(const char* format, ...) {
+  char text[400];
+  va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof(text), format, values);
+  va_end(values);
+  return text;
 }
 
-bool Discretisation::temperature_moves() const {
-  return has_heat() &&
-         any_law(*this, [](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
+std::string place_text(const double* x, int dim, const char* format, const char* between) {
+  std::string text;
+  for (int k = 0; k < dim; ++k) {
+    char number[32];
+    std::snprintf(number, sizeof(number), format, x[k]);
+    text += (k > 0 ? between : "(") + std::string(number);
+  }
+  return text + ")";
 }
 
 std::size_t point_values(const CellGroup& group, int components) {
@@ -115,28 +130,19 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
           is_flat(frame) ? thickness : 1.0};
 }
 
-Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
-                          double thickness) {
-  return discretise(std::move(mesh), std::move(materials),
-                    axisymmetric ? Frame::axisymmetric : Frame::plane_strain, thickness);
-}
-
 void declare_state(const Discretisation& d, StateTable& table) {
   for (const char* name : {"u", "v", "a", "mean_rate", "prescribed_velocity"}) {
     StateRow row{name, Support::vertex, d.dim()};
     row.output = name[1] == '\0';
     table.add(std::move(row), d.node_values(d.dim()));
   }
-  if (d.has_damage()) {
-    StateRow phi{"phi", Support::vertex, 1};
-    phi.output = true;
-    table.add(std::move(phi), d.node_values(1));
-  }
-  if (d.has_heat()) {
-    StateRow theta{"theta", Support::vertex, 1};
-    theta.output = true;
-    table.add(std::move(theta), d.node_values(1));
-  }
+  const auto add_scalar = [&](const char* name) {
+    StateRow row{name, Support::vertex, 1};
+    row.output = true;
+    table.add(std::move(row), d.node_values(1));
+  };
+  if (d.has_damage()) add_scalar("phi");
+  if (d.has_heat()) add_scalar("theta");
   StateRow& rows = table.add({"history", Support::cell_point, history_size(d.frame)},
                              d.point_values(history_size(d.frame)));
   set_virgin(d.frame, rows.committed);

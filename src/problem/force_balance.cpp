@@ -1,33 +1,29 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/force_balance.hpp>
+#include <numeric>
 
 namespace impact {
 
 namespace {
 
-// Of each owned node, in the order of the vectors: the stiffest material that meets there.
-std::vector<int> stiffest_material(const Discretisation& d, const std::vector<std::size_t>& row) {
-  std::vector<int> order(d.materials.size()), stiffest(row.size(), 0);
-  for (std::size_t m = 0; m < order.size(); ++m) order[m] = static_cast<int>(m);
+// The stiffest material that meets at each of these nodes.
+std::vector<int> stiffest_material(const Discretisation& d, const std::vector<std::size_t>& nodes) {
+  std::vector<int> order(d.materials.size()), stiffest(nodes.size(), 0);
+  std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return d.materials[at(a)].law.parameters.K < d.materials[at(b)].law.parameters.K;
   });
-  const Handle<Vec> touched = d.scalar.make_global();
   for (int m : order) {
-    std::vector<double> mine = d.scalar.make_local();
+    std::vector<double> touched = d.scalar.make_local();
     for (const CellGroup& group : d.groups)
       if (group.material == m)
-        for (int node : group.node) mine[at(node)] = 1;
-    check(VecSet(touched, 0));
-    d.scalar.add_to_global(mine, touched);
-    const double* values = nullptr;
-    check(VecGetArrayRead(touched, &values));
-    for (std::size_t i = 0; i < row.size(); ++i)
-      if (values[i] > 0) stiffest[i] = m;
-    check(VecRestoreArrayRead(touched, &values));
+        for (int node : group.node) touched[at(node)] = 1;
+    add_up(d.scalar, touched);
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (touched[nodes[i]] > 0) stiffest[i] = m;
   }
   return stiffest;
 }
@@ -85,10 +81,7 @@ void ForceBalance::start() {
 void ForceBalance::note_tangent(Vec u, Vec cells, Vec all) {
   constexpr double last_digits = 1e-15;
   forget();
-  const double *moves = nullptr, *bulk = nullptr, *whole = nullptr;
-  check(VecGetArrayRead(u, &moves));
-  check(VecGetArrayRead(cells, &bulk));
-  check(VecGetArrayRead(all, &whole));
+  const Entries moves(u), bulk(cells), whole(all);
   const auto dim = at(dim_);
   for (std::size_t i = 0; i < part_of_node_.size(); ++i) {
     double moved = 0;
@@ -99,21 +92,16 @@ void ForceBalance::note_tangent(Vec u, Vec cells, Vec all) {
       rounding_[at(part_of_node_[i])] += last_digits * last_digits * error * error;
     }
   }
-  check(VecRestoreArrayRead(all, &whole));
-  check(VecRestoreArrayRead(cells, &bulk));
-  check(VecRestoreArrayRead(u, &moves));
 }
 
 void ForceBalance::judge(Vec f, double atol, double rtol) {
   const auto parts = at(parts_), dim = at(dim_);
   std::fill(sums_.begin(), sums_.begin() + parts_, 0.0);
   std::copy(rounding_.begin(), rounding_.end(), sums_.begin() + parts_);
-  const double* values = nullptr;
-  check(VecGetArrayRead(f, &values));
+  const Entries values(f);
   for (std::size_t i = 0; i < part_of_node_.size(); ++i)
     for (std::size_t k = dim * i; k < dim * (i + 1); ++k)
       sums_[at(part_of_node_[i])] += values[k] * values[k];
-  check(VecRestoreArrayRead(f, &values));
   sum_over_ranks(comm_, sums_);
   if (first_ < 0) {
     first_ = 0;

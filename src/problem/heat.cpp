@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/petsc/callback.hpp>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/heat.hpp>
@@ -14,11 +13,10 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
                          const BoundaryData& boundary, const HeatScenario& settings, bool moves,
                          const ContactSet* contacts)
     : d_(discretisation), boundary_(boundary), settings_(settings), loads_(d_, boundary_),
-      field_(d_, "heat_", held_nodes(boundary_)), theta_(state.row("theta")), history_(state.row("history")),
+      field_(d_, held_nodes(boundary_)), theta_(state.row("theta")), history_(state.row("history")),
       drive_(state.row("drive")), x_(d_.node_values(1)), r_(d_.node_values(1)), constant_(d_.node_values(1)),
-      supplied_(boundary_.conditions().size(), 0.0), flows_(moves && d_.has_plasticity()) {
-  std::size_t points = 0;
-  for (const CellGroup& group : d_.groups) points += point_values(group, 1);
+      flows_(moves && d_.has_plasticity()) {
+  const std::size_t points = d_.point_values(1);
   points_.resize(points * heat_point_size);
   const int stresses = gradient_size(d_.frame);
   if (moves && settings_.form == HeatForm::energy)
@@ -32,7 +30,8 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   if (contacts && moves)
     for (const ContactInterface& contact : *contacts)
       if (contact.passes_heat()) contacts_.emplace_back(d_.mesh, contact);
-  contact_heat_.resize(contacts_.size());
+  supplied_ = {std::vector<double>(boundary_.conditions().size(), 0.0),
+               std::vector<ContactHeat::Heat>(contacts_.size())};
   if (settings_.substep > 0 && !contacts_.empty())
     throw UserError(ExitCode::usage, "-heat_ts_dt: no sub-steps where heat passes a contact; remove it, or "
                                      "choose a smaller -ts_dt");
@@ -116,75 +115,49 @@ template <class Values> void cut_to(double begin, double end, Values& now, Value
 // body(batch, input of the kernels at theta) answers with the lanes that lost their meaning; false where any
 // did.
 template <class Body> bool HeatProblem::visit_batches(const std::vector<double>& theta, Body&& body) {
-  const std::vector<double>& theta_n = theta_at_start();
-  const auto cut = [this](auto& now, auto& before) {
-    if (!window_.whole()) cut_to(window_.begin, window_.end, now, before);
-  };
   const bool energy = settings_.form == HeatForm::energy;
   bool sound = true;
   for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     const auto X = batch.vectors(d_.mesh.coordinates());
-    const auto now = batch.scalars(theta), before = batch.scalars(theta_n);
+    const auto now = batch.scalars(theta), before = batch.scalars(theta_at_start());
+    auto u = batch.nodal(d_.dim()), u_n = batch.nodal(d_.dim());
+    auto phi = batch.nodal(1), phi_n = batch.nodal(1);
     auto A = batch.histories(), A_n = batch.histories();
     auto E = batch.points<drive_size>(), E_n = batch.points<drive_size>();
     auto P = batch.stresses(), P_n = batch.stresses();
     auto dissipation = batch.points<1>(), worn = batch.points<1>(), worn_n = batch.points<1>();
-    std::optional<NodalValues> u, u_n;
-    std::optional<NodalValues> phi, phi_n;
     HeatInput in;
-    // The committed and the trial half of a row at both ends of the window.
-    const auto load = [&](const StateRow& row, auto& end, auto& start, bool cuts = true) {
-      batch.load(row.trial, end);
-      batch.load(row.committed, start);
-      if (cuts) cut(end, start);
+    // What a field is at the ends of the window, for the kernels.
+    const auto put = [&](const std::vector<double>* end, auto& values, const Batch*& in_end,
+                         const std::vector<double>* start, auto& values_n, const Batch*& in_start,
+                         bool cuts = true) {
+      in_end = batch.read(end, values);
+      in_start = batch.read(start, values_n);
+      if (cuts && end && !window_.whole()) cut_to(window_.begin, window_.end, values, values_n);
+    };
+    const auto put_row = [&](const StateRow& row, auto& values, const Batch*& in_end, auto& values_n,
+                             const Batch*& in_start, bool cuts = true) {
+      put(&row.trial, values, in_end, &row.committed, values_n, in_start, cuts);
     };
     in.X = X.data();
     in.theta = now.data();
     in.theta_n = before.data();
-    if (step_.u) {
-      u = batch.vectors(*step_.u);
-      u_n = batch.vectors(*step_.u_n);
-      cut(*u, *u_n);
-      in.u = u->data();
-      in.u_n = u_n->data();
-    }
-    if (step_.phi) {
-      phi = batch.scalars(*step_.phi);
-      phi_n = batch.scalars(*step_.phi_n);
-      cut(*phi, *phi_n);
-      in.phi = phi->data();
-      in.phi_n = phi_n->data();
-    }
-    if (worn_ && law.fatigues()) {
-      load(*worn_, worn, worn_n);
-      in.fatigue = worn.data();
-      in.fatigue_n = worn_n.data();
-    }
+    put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
+    put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
+    if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
     const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
     if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
-        (step_.u && d_.frame == Frame::plane_stress)) {
-      load(history_, A, A_n);
-      in.history = A.data();
-      in.history_n = A_n.data();
-    }
-    if ((energy && law.softens()) || exchanges) {
-      load(drive_, E, E_n, energy); // the exchange of the entropy form takes that of the end, like damage
-      in.drive = E.data();
-      in.drive_n = E_n.data();
-    }
-    if (stress_) {
-      batch.load(step_stress_, P);
-      batch.load(stress_->committed, P_n);
-      cut(P, P_n); // linear in time like F: the works of the sub-steps add up to that of the step
-      in.stress = P.data();
-      in.stress_n = P_n.data();
-    }
+        (step_.u && d_.frame == Frame::plane_stress))
+      put_row(history_, A, in.history, A_n, in.history_n);
+    // The exchange of the entropy form takes the energies of the end, like damage.
+    if ((energy && law.softens()) || exchanges) put_row(drive_, E, in.drive, E_n, in.drive_n, energy);
+    // Linear in time like F: the works of the sub-steps add up to that of the step.
+    if (stress_) put(&step_stress_, P, in.stress, &stress_->committed, P_n, in.stress_n);
     if (!energy && step_.dissipation) {
-      batch.load(*step_.dissipation, dissipation);
+      in.dissipation = batch.read(step_.dissipation, dissipation);
       if (!window_.whole())
         for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
-      in.dissipation = dissipation.data();
     }
     in.dt = t_ - t_n_;
     in.theta_h = settings_.theta;
@@ -206,7 +179,7 @@ bool HeatProblem::make_constant_part() {
     return bad;
   });
   load_.assign(constant_.size(), 0.0);
-  load_supplied_.assign(supplied_.size(), 0.0);
+  load_supplied_.assign(supplied_.by_condition.size(), 0.0);
   loads_.add_start(settings_.theta, t_ - t_n_, theta_at_start(), load_, load_supplied_);
   for (std::size_t i = 0; i < load_.size(); ++i) constant_[i] -= load_[i];
   return all_ranks_agree(d_.mesh.comm(), sound);
@@ -215,8 +188,8 @@ bool HeatProblem::make_constant_part() {
 bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec solution, Vec f) {
   const Timed timed(Event::heat_residual);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -constant_[i];
-  supplied_ = load_supplied_;
-  loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_);
+  supplied_.by_condition = load_supplied_;
+  loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_.by_condition);
   for (double& value : r_) value = -value;
   const bool sound = visit_batches(theta, [&](const CellBatch& batch, const HeatInput& in) {
     auto points = batch.load<heat_point_size>(points_);
@@ -274,25 +247,25 @@ void HeatProblem::book() {
   assemble_residual(x_, solution, residual);
   d_.scalar.to_local(residual, r_);
   for (int node : field_.owned_held())
-    supplied_[at(boundary_.temperature_condition()[at(node)])] += r_[at(node)];
+    supplied_.by_condition[at(boundary_.temperature_condition()[at(node)])] += r_[at(node)];
   // Loads of this rank's cells and facets, and what flows in at held nodes: each node's heat at its
   // temperature.
-  std::vector<double> heat = load_, counted = supplied_;
+  std::vector<double> heat = load_, counted = supplied_.by_condition;
   loads_.add_end(settings_.theta * (t_ - t_n_), x_, heat, counted);
   for (int node : field_.owned_held()) heat[at(node)] += r_[at(node)];
   if (!contacts_.empty()) {
     // What rigid bodies conducted, at the owners of the nodes.
     check(VecSet(residual, 0));
     for (std::size_t i = 0; i < contacts_.size(); ++i)
-      contact_heat_[i] = contacts_[i].book(solution, residual);
+      supplied_.by_contact[i] = contacts_[i].book(solution, residual);
     d_.scalar.to_local(residual, r_);
     for (std::size_t i = 0; i < heat.size(); ++i)
       if (d_.mesh.owned(static_cast<int>(i))) heat[i] += r_[i];
   }
-  entropy_supplied_ = 0;
-  for (std::size_t i = 0; i < heat.size(); ++i) entropy_supplied_ += heat[i] / x_[i];
-  entropy_supplied_ = sum_over_ranks(d_.mesh.comm(), entropy_supplied_);
-  sum_over_ranks(d_.mesh.comm(), supplied_);
+  double entropy = 0;
+  for (std::size_t i = 0; i < heat.size(); ++i) entropy += heat[i] / x_[i];
+  supplied_.entropy = sum_over_ranks(d_.mesh.comm(), entropy);
+  sum_over_ranks(d_.mesh.comm(), supplied_.by_condition);
 }
 
 const std::vector<double>& HeatProblem::theta_at_start() const {
@@ -308,8 +281,8 @@ ScalarOutcome HeatProblem::solve(const HeatStep& step, std::vector<double>& thet
 
 ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta) {
   const double t_n = t_n_, t = t_;
-  std::vector<double> supplied(supplied_.size(), 0.0);
-  double entropy_supplied = 0;
+  Supply supplied;
+  supplied.by_condition.resize(supplied_.by_condition.size());
   ScalarOutcome sum;
   theta = theta_.committed;
   for (int k = 0; k < count; ++k) {
@@ -319,21 +292,20 @@ ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta)
     const ScalarOutcome part = solve_window(theta);
     sum = {part.reason, sum.newton + part.newton, sum.linear + part.linear, part.cause};
     if (part.reason < 0) break;
-    for (std::size_t c = 0; c < supplied.size(); ++c) supplied[c] += supplied_[c];
-    entropy_supplied += entropy_supplied_;
+    for (std::size_t c = 0; c < supplied.by_condition.size(); ++c)
+      supplied.by_condition[c] += supplied_.by_condition[c];
+    supplied.entropy += supplied_.entropy;
   }
   window_ = {};
   begin(t_n, t);
   supplied_ = std::move(supplied);
-  entropy_supplied_ = entropy_supplied;
   return sum;
 }
 
 // Where it is colder than nothing the points of a cell may still be warm.
 void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
   PetscInt row = 0, start = 0, end = 0;
-  PetscReal coldest = 0;
-  check(VecMin(field_.solution(), &row, &coldest));
+  const PetscReal coldest = Get(VecMin)(field_.solution(), &row);
   if (coldest > 0) return;
   outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
   double x[3] = {0, 0, 0};
@@ -342,14 +314,7 @@ void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
     if (d_.mesh.global_node()[at(i)] == row)
       std::copy_n(&d_.mesh.coordinates()[at(i * d_.dim())], d_.dim(), x);
   sum_over_ranks(d_.mesh.comm(), x);
-  char text[160];
-  std::snprintf(text, sizeof(text), "%.6g K at x=(%.6g,%.6g%s", coldest, x[0], x[1],
-                d_.dim() == 2 ? ")" : "");
-  outcome.cause = text;
-  if (d_.dim() == 3) {
-    std::snprintf(text, sizeof(text), ",%.6g)", x[2]);
-    outcome.cause += text;
-  }
+  outcome.cause = text_of("%.6g K at x=", coldest) + place_text(x, d_.dim(), "%.6g", ",");
 }
 
 ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {

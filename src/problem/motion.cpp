@@ -1,8 +1,6 @@
 #include "motion_batch.hpp"
-#include "owned_dofs.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/motion.hpp>
@@ -59,8 +57,7 @@ void MotionProblem::begin(const MotionStep& step) {
 }
 
 void MotionProblem::impose(Vec u) const {
-  std::vector<double> local = d_.displacement.make_local();
-  d_.displacement.to_local(u, local);
+  std::vector<double> local = d_.local_of(u);
   boundary_.set_displacement(step_.t_n, step_.t, *step_.u_n, state_.row("prescribed_velocity").committed,
                              local);
   d_.displacement.to_global(local, u);
@@ -118,7 +115,7 @@ void MotionProblem::add_pressures(const std::vector<double>& u, double sign, std
   for (const LoadedFacets& load : boundary_.pressures())
     add_follower_pressure(
         load.facets, d_.frame, X_, u,
-        [&](const double* x) { return sign * boundary_.pressure(load, x, step_.t); }, r);
+        [&](const double* x) { return sign * boundary_.scalar_value(load.condition, x, step_.t); }, r);
 }
 
 bool MotionProblem::residual(Vec u, Vec a, Vec f) {
@@ -137,7 +134,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   d_.displacement.add_to_global(r_, f);
   contacts_.add_forces(u, step_.contact_scale, f);
   rigid_->reduce(u, f, accel);
-  zero_owned(f, d_.mesh, d_.dim(), rows_.prescribed);
+  zero_dofs(f, d_.mesh, d_.dim(), rows_.prescribed);
   return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
@@ -149,7 +146,7 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
   check(VecScale(f, shift));
   contacts_.add_forces(w, step_.contact_scale, f);
   rigid_->reduce(w, f);
-  zero_owned(f, d_.mesh, d_.dim(), rows_.prescribed);
+  zero_dofs(f, d_.mesh, d_.dim(), rows_.prescribed);
 }
 
 void MotionProblem::parts(Vec u, ForceParts& parts) {
@@ -174,9 +171,8 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   add_pressures(u_, 1, r_);
   set(parts.external);
   if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
-    const Handle<Vec> f = d_.displacement.make_global(), Mf = d_.displacement.make_global();
-    d_.displacement.to_global(body_, f);
-    mass_.multiply(f, Mf);
+    const Handle<Vec> Mf = d_.displacement.make_global();
+    mass_.multiply(d_.global_of(body_), Mf);
     check(VecAXPY(parts.external, 1, Mf));
   }
   if (!parts.contact) parts.contact = d_.displacement.make_global();
@@ -207,16 +203,10 @@ std::string MotionProblem::broken_text() const {
   double data[5] = {broken_.min_J, broken_.x[0], broken_.x[1], broken_.x[2],
                     static_cast<double>(broken_.material)};
   MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d_.mesh.comm());
-  char text[240];
-  const char* what = data[0] <= 0 ? "cell inverted" : "law failed in a cell";
-  const auto& id = d_.materials[static_cast<std::size_t>(data[4])].id;
-  if (d_.dim() == 2)
-    std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g) in material %s", what, data[0], data[1],
-                  data[2], id.c_str());
-  else
-    std::snprintf(text, sizeof(text), "%s (J=%.3g) at x=(%.6g,%.6g,%.6g) in material %s", what, data[0],
-                  data[1], data[2], data[3], id.c_str());
-  return text;
+  return text_of("%s (J=%.3g) at x=%s in material %s",
+                 data[0] <= 0 ? "cell inverted" : "law failed in a cell", data[0],
+                 place_text(data + 1, d_.dim(), "%.6g", ",").c_str(),
+                 d_.materials[static_cast<std::size_t>(data[4])].id.c_str());
 }
 
 } // namespace impact

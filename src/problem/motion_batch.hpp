@@ -25,24 +25,14 @@ struct MotionBatch {
   MotionBatch(const CellBatch& batch, const MotionFields& fields)
       : X(batch.nodes() * batch.d.dim()), u(X.size), u_n(X.size), accel(X.size), phi(batch.nodes()),
         theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()) {
-    const auto nodal = [&](const std::vector<double>* field, auto& values) -> const Batch* {
-      if (field == nullptr) return nullptr;
-      gather(batch.group, batch.number, values.size / batch.nodes(), field->data(), values.data());
-      return values.data();
-    };
-    const auto points = [&](const std::vector<double>* row, auto& values) -> const Batch* {
-      if (row == nullptr) return nullptr;
-      batch.load(*row, values);
-      return values.data();
-    };
-    in.X = nodal(fields.X, X);
-    in.u = nodal(fields.u, u);
-    in.u_n = nodal(fields.u_n, u_n);
-    in.accel = nodal(fields.accel, accel);
-    in.phi = nodal(fields.phi, phi);
-    in.theta = nodal(fields.theta, theta);
-    in.history = points(fields.history, history);
-    in.drive = points(fields.drive, drive);
+    in.X = batch.read(fields.X, X);
+    in.u = batch.read(fields.u, u);
+    in.u_n = batch.read(fields.u_n, u_n);
+    in.accel = batch.read(fields.accel, accel);
+    in.phi = batch.read(fields.phi, phi);
+    in.theta = batch.read(fields.theta, theta);
+    in.history = batch.read(fields.history, history);
+    in.drive = batch.read(fields.drive, drive);
     in.dt = fields.dt;
     in.unilateral = fields.unilateral;
   }

@@ -1,5 +1,6 @@
 #include "motion_batch.hpp"
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/motion.hpp>
@@ -21,9 +22,8 @@ void MotionProblem::rebuild_matrix() {
 }
 
 void MotionProblem::make_shell() {
-  PetscInt rows = 0;
   linearised_at_ = d_.displacement.make_global();
-  check(VecGetLocalSize(linearised_at_, &rows));
+  const PetscInt rows = Get(VecGetLocalSize)(linearised_at_);
   check(MatCreateShell(d_.mesh.comm(), rows, rows, PETSC_DETERMINE, PETSC_DETERMINE, this, shell_.out()));
   PetscErrorCode (*apply)(Mat, Vec, Vec) = [](Mat shell, Vec x, Vec y) -> PetscErrorCode {
     MotionProblem* self = nullptr;
@@ -50,8 +50,9 @@ bool MotionProblem::update_contact(Vec u) {
 void MotionProblem::add_pressure_tangent(const std::vector<double>& u) {
   for (const LoadedFacets& load : boundary_.pressures())
     add_follower_pressure_tangent(
-        load.facets, d_.frame, X_, u, [&](const double* x) { return -boundary_.pressure(load, x, step_.t); },
-        rows_.none, d_.mesh.global_node(), matrix());
+        load.facets, d_.frame, X_, u,
+        [&](const double* x) { return -boundary_.scalar_value(load.condition, x, step_.t); }, rows_.none,
+        d_.mesh.global_node(), matrix());
 }
 
 bool MotionProblem::tangent(Vec u, double mass_shift) {

@@ -1,17 +1,17 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <span>
 
-/// Motion of rigid bodies: what a solve and a step need. Set-up: rigid_bodies_setup.cpp; what conditions
-/// prescribe: rigid_data.cpp; their reactions: rigid_book.cpp.
+/// Motion of rigid bodies: what a solve and a step need, and the reactions of what is prescribed. Set-up:
+/// rigid_bodies_setup.cpp; what conditions prescribe: rigid_data.cpp.
 namespace impact {
 
 namespace {
 
-Vector3 second_half(const RigidVector& v) { return {v[3], v[4], v[5]}; }
+Vector3 plus(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 // int rho (r.q 1 - r q^T) for arms r = A Y, q = B Y.
 Matrix3 inertia_of(const Matrix3& A, const Matrix3& E, const Matrix3& B) {
@@ -26,20 +26,6 @@ Vector3 spin_by(int dim, const RigidBody& body, const Matrix3& R, const Vector3&
   if (dim == 2) return {0, 0, L[2] / (body.second[0] + body.second[4])};
   return inverse(inertia_of(R, body.second, R)) * L;
 }
-
-// Entries of an owned vector, opened for reading.
-class Owned {
-public:
-  explicit Owned(Vec vec) : vec_(vec) { check(VecGetArrayRead(vec_, &values_)); }
-  Owned(const Owned&) = delete;
-  Owned& operator=(const Owned&) = delete;
-  ~Owned() { VecRestoreArrayRead(vec_, &values_); }
-  double operator[](int i) const { return values_[i]; }
-
-private:
-  Vec vec_;
-  const double* values_ = nullptr;
-};
 
 } // namespace
 
@@ -64,7 +50,7 @@ template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight w
 }
 
 std::vector<RigidBodies::Sums> RigidBodies::sums_of(Weight weight, Vec f) const {
-  const Owned values(f);
+  const Entries values(f);
   return sums(weight, [&](std::size_t i, int k) { return values[row_[i] + k]; });
 }
 
@@ -88,7 +74,10 @@ std::vector<RigidPose> RigidBodies::poses(const std::vector<Sums>& of_u) const {
 template <class Field> void RigidBodies::set_nodes(Vec u, Field&& field) const {
   double* values = nullptr;
   check(VecGetArray(u, &values));
-  for (std::size_t i = 0; i < owned_; ++i) field(i, values + row_[i]);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    const Vector3 value = field(at(body_[i]), arm(i));
+    std::copy_n(value.begin(), dim_, values + row_[i]);
+  }
   check(VecRestoreArray(u, &values));
 }
 
@@ -114,29 +103,24 @@ void RigidBodies::retract(Vec u) const {
   for (std::size_t b = 0; b < pose.size(); ++b) pose[b] = admissible(b, pose[b]);
   for (RigidPose& p : pose)
     for (std::size_t k = 0; k < 9; k += 4) p.turned[k] -= 1;
-  set_nodes(u, [&](std::size_t i, double* mine) {
-    const RigidPose& p = pose[at(body_[i])];
-    const Vector3 turned = p.turned * arm(i);
-    for (int k = 0; k < dim_; ++k) mine[k] = p.moved[at(k)] + turned[at(k)];
-  });
+  set_nodes(u, [&](std::size_t b, const Vector3& Y) { return plus(pose[b].moved, pose[b].turned * Y); });
 }
 
 void RigidBodies::put_change(Vec u, Vec from, Vec to) const {
-  const Owned before(from), goal(to);
-  set_nodes(u, [&](std::size_t i, double* mine) {
-    for (int k = 0; k < dim_; ++k) mine[k] += goal[row_[i] + k] - before[row_[i] + k];
-  });
+  const Entries before(from), goal(to);
+  double* values = nullptr;
+  check(VecGetArray(u, &values));
+  for (std::size_t i = 0; i < owned_; ++i)
+    for (int k = row_[i]; k < row_[i] + dim_; ++k) values[k] += goal[k] - before[k];
+  check(VecRestoreArray(u, &values));
 }
 
 void RigidBodies::keep_bodies_only(Vec f) const {
-  PetscInt size = 0;
-  double* values = nullptr;
-  check(VecGetLocalSize(f, &size));
-  check(VecGetArray(f, &values));
-  std::vector<double> kept(at(size), 0.0);
-  for (std::size_t i = 0; i < owned_; ++i) std::copy_n(values + row_[i], dim_, kept.begin() + row_[i]);
-  std::copy(kept.begin(), kept.end(), values);
-  check(VecRestoreArray(f, &values));
+  Handle<Vec> all;
+  check(VecDuplicate(f, all.out()));
+  check(VecSet(all, 0));
+  put_change(all, all, f);
+  check(VecCopy(all, f));
 }
 
 void RigidBodies::place(Vec u) {
@@ -159,19 +143,15 @@ void RigidBodies::reduce(Vec u, Vec f, const std::vector<double>* acceleration) 
     const std::vector<Sums> inertia = mass_sums(*acceleration);
     for (std::size_t b = 0; b < total.size(); ++b) total[b].add(inertia[b]);
   }
-  set_nodes(f, [&](std::size_t, double* mine) { std::fill(mine, mine + dim_, 0.0); });
+  set_nodes(f, [](std::size_t, const Vector3&) { return Vector3{}; });
   double* values = nullptr;
   check(VecGetArray(f, &values));
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidPlace& place = reduction_.bodies()[b];
     const Vector3 moment = axial(total[b].moment * transposed(place.test));
-    for (int k = 0; k < dim_; ++k)
-      if (slot_row_[b][0] >= 0 && !place.held[at(k)]) values[slot_row_[b][0] + k] = total[b].sum[at(k)];
-    for (int k = 0; k < reduction_.rotations(); ++k) {
-      const std::size_t axis = dim_ == 3 ? at(k) : 2;
-      if (slot_row_[b][1] >= 0 && !place.held[3 + axis])
-        values[slot_row_[b][1] + k] = moment[axis] / place.length;
-    }
+    visit_unknowns(b, [&](int row, int, std::size_t c) {
+      if (!place.held[c]) values[row] = c < 3 ? total[b].sum[c] : moment[c - 3] / place.length;
+    });
   }
   check(VecRestoreArray(f, &values));
   if (acceleration != nullptr || !dynamic_) forces_ = std::move(total);
@@ -180,28 +160,25 @@ void RigidBodies::reduce(Vec u, Vec f, const std::vector<double>* acceleration) 
 void RigidBodies::expand(Vec u, Vec du) {
   if (empty()) return;
   place(u);
+  const int width = dim_ + reduction_.rotations();
   std::vector<double> change(6 * bodies_.size(), 0.0);
-  {
-    const Owned values(du);
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      if (slot_row_[b][0] >= 0)
-        for (int k = 0; k < dim_; ++k) change[6 * b + at(k)] = values[slot_row_[b][0] + k];
-      if (slot_row_[b][1] >= 0)
-        for (int k = 0; k < reduction_.rotations(); ++k)
-          change[6 * b + 3 + at(k)] = values[slot_row_[b][1] + k];
-    }
-  }
+  double* values = nullptr;
+  check(VecGetArray(du, &values));
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    visit_unknowns(b, [&](int row, int r, std::size_t) { change[6 * b + at(r)] = values[row]; });
   sum_over_ranks(comm_, change);
-  set_nodes(du, [&](std::size_t i, double* mine) {
-    const auto b = at(body_[i]);
+  for (std::size_t i = 0; i < owned_; ++i) {
+    const RigidPlace& place = reduction_.bodies()[at(body_[i])];
+    const double* of_body = &change[6 * at(body_[i])];
     double mode[6];
     for (int k = 0; k < dim_; ++k) {
-      const RigidPlace& place = reduction_.bodies()[b];
       reduction_.modes(place, place.trial, &X_[at(dim_) * i], k, mode);
-      mine[k] = change[6 * b + at(k)];
-      for (int r = 0; r < reduction_.rotations(); ++r) mine[k] += mode[dim_ + r] * change[6 * b + 3 + at(r)];
+      double& mine = values[row_[i] + k];
+      mine = of_body[k];
+      for (int r = dim_; r < width; ++r) mine += mode[r] * of_body[r];
     }
-  });
+  }
+  check(VecRestoreArray(du, &values));
 }
 
 void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
@@ -229,7 +206,7 @@ void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
     for (int k = 0; k < dim_; ++k) block[k * width + k] = mass_shift * bodies_[b].mass;
     for (int i = dim_; i < width; ++i)
       for (int j = dim_; j < width; ++j) {
-        const std::size_t p = dim_ == 3 ? at(i - 3) : 2, q = dim_ == 3 ? at(j - 3) : 2;
+        const std::size_t p = component_of(i) - 3, q = component_of(j) - 3;
         block[i * width + j] = turn[3 * p + q] / (place.length * place.length);
       }
     check(MatSetValues(K, width, rows, width, rows, block, ADD_VALUES));
@@ -243,22 +220,18 @@ void RigidBodies::accelerate(Vec f, Vec a) const {
     for (double& component : total[b].sum) component /= bodies_[b].mass;
     total[b].moment = total[b].moment * inverse(bodies_[b].second);
   }
-  set_nodes(a, [&](std::size_t i, double* mine) {
-    const Sums& of_body = total[at(body_[i])];
-    const Vector3 turning = of_body.moment * arm(i);
-    for (int k = 0; k < dim_; ++k) mine[k] = of_body.sum[at(k)] + turning[at(k)];
-  });
+  set_nodes(a, [&](std::size_t b, const Vector3& Y) { return plus(total[b].sum, total[b].moment * Y); });
 }
 
 void RigidBodies::strike(Vec f, Vec gain) const {
   if (empty()) return;
   const std::vector<Sums> total = sums_of(Weight::one, f);
-  std::vector<RigidVector> rate(bodies_.size());
+  std::vector<Vector3> speed(bodies_.size()), spin(bodies_.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidBody& body = bodies_[b];
     const Matrix3& R = start_[b].turned;
     for (std::size_t k = 0; k < at(dim_); ++k)
-      if (body.held[k] == RigidBody::free_motion) rate[b][k] = total[b].sum[k] / body.mass;
+      if (body.held[k] == RigidBody::free_motion) speed[b][k] = total[b].sum[k] / body.mass;
     Vector3 moment = axial(total[b].moment * transposed(R));
     Matrix3 J = inertia_of(R, body.second, R);
     if (dim_ == 2) J = {1, 0, 0, 0, 1, 0, 0, 0, body.second[0] + body.second[4]};
@@ -267,13 +240,10 @@ void RigidBodies::strike(Vec f, Vec gain) const {
       moment[k] = 0;
       for (std::size_t j = 0; j < 3; ++j) J[3 * k + j] = J[3 * j + k] = j == k ? 1 : 0;
     }
-    const Vector3 spin = inverse(J) * moment;
-    std::copy(spin.begin(), spin.end(), rate[b].begin() + 3);
+    spin[b] = inverse(J) * moment;
   }
-  set_nodes(gain, [&](std::size_t i, double* mine) {
-    const auto b = at(body_[i]);
-    const Vector3 turning = cross(second_half(rate[b]), start_[b].turned * arm(i));
-    for (int k = 0; k < dim_; ++k) mine[k] = rate[b][at(k)] + turning[at(k)];
+  set_nodes(gain, [&](std::size_t b, const Vector3& Y) {
+    return plus(speed[b], cross(spin[b], start_[b].turned * Y));
   });
 }
 
@@ -297,11 +267,8 @@ std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {
 
 void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<double>& v) const {
   if (empty()) return;
-  const auto local = [&](const std::vector<double>& field) {
-    return sums(Weight::mass, [&](std::size_t i, int k) { return field[at(dim_ * node_[i] + k)]; });
-  };
-  std::vector<RigidPose> pose = poses(local(u));
-  const std::vector<Sums> speed = local(v);
+  std::vector<RigidPose> pose = poses(mass_sums(u));
+  const std::vector<Sums> speed = mass_sums(v);
   std::vector<RigidVector> rate(bodies_.size());
   const double h = 1e-3 * dt;
   // Slope at t = 0 of data over t, one-sided.
@@ -341,22 +308,73 @@ void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<dou
     }
     if (all_told) pose[b].turned = rotation_of(angle);
     const Matrix3& R = pose[b].turned;
-    Vector3 free = axial(speed[b].moment * transposed(R));
-    if (dim_ == 2)
-      free = {0, 0, free[2] / (body.second[0] + body.second[4])};
-    else
-      free = inverse(inertia_of(R, body.second, R)) * free;
+    const Vector3 free = spin_by(dim_, body, R, axial(speed[b].moment * transposed(R)));
     for (std::size_t k = 0; k < 3; ++k) rate[b][3 + k] = held[k] ? spin[k] : free[k];
   }
   for (std::size_t i = 0; i < node_.size(); ++i) {
     const auto b = at(body_[i]);
-    const Vector3 Y = arm(i), r = pose[b].turned * Y, turning = cross(second_half(rate[b]), r);
+    const Vector3 Y = arm(i), r = pose[b].turned * Y,
+                  turning = cross(Vector3{rate[b][3], rate[b][4], rate[b][5]}, r);
     for (std::size_t k = 0; k < at(dim_); ++k) {
       const std::size_t dof = at(dim_ * node_[i]) + k;
       u[dof] = pose[b].moved[k] + (r[k] - Y[k]);
       v[dof] = rate[b][k] + turning[k];
     }
   }
+}
+
+double RigidBodies::strike_power(Vec f, Vec u, Vec v) const {
+  if (empty()) return 0;
+  const std::vector<Sums> total = sums_of(Weight::one, f);
+  const std::vector<RigidMotionState> moves = motion(u, v);
+  double power = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Vector3 moment = axial(total[b].moment * transposed(start_[b].turned));
+    for (std::size_t k = 0; k < 6; ++k)
+      if (bodies_[b].held[k] >= 0) power -= moves[b].velocity[k] * (k < 3 ? total[b].sum[k] : moment[k - 3]);
+  }
+  return power;
+}
+
+double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {
+  if (empty()) return 0;
+  Handle<Vec> copy;
+  check(VecDuplicate(f, copy.out()));
+  check(VecCopy(f, copy));
+  std::vector<Sums> kept = forces_;
+  std::vector<double> still;
+  if (acceleration == nullptr) still.assign(at(dim_) * body_of_node_.size(), 0.0);
+  reduce(u, copy, acceleration != nullptr ? acceleration : &still);
+  double work = 0;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const RigidPlace& place = reduction_.bodies()[b];
+    const Vector3 moment = axial(forces_[b].moment * transposed(place.test));
+    const Vector3 turn = cayley_vector(now_[b].turned * transposed(start_[b].turned));
+    for (std::size_t k = 0; k < 6; ++k) {
+      const std::size_t entry = 7 * b + 1 + k;
+      const double before = row_state_->committed[entry];
+      double& now = row_state_->trial[entry];
+      now = 0;
+      if (bodies_[b].held[k] == RigidBody::free_motion || (k < 3 && k >= at(dim_))) continue;
+      now = factor * (k < 3 ? forces_[b].sum[k] : moment[k - 3]);
+      const double way = k < 3 ? now_[b].moved[k] - start_[b].moved[k] : turn[k - 3];
+      work += (dynamic_ ? now : (now + before) / 2) * way;
+    }
+  }
+  forces_ = std::move(kept);
+  return work;
+}
+
+const double* RigidBodies::reactions(int body) const { return &row_state_->trial[7 * at(body) + 1]; }
+
+double RigidBodies::angle(int body) const { return row_state_->trial[7 * at(body)]; }
+
+void RigidBodies::advance(Vec u) {
+  if (empty()) return;
+  const std::vector<RigidPose> pose = poses(sums_of(Weight::mass, u));
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    row_state_->trial[7 * b] =
+        row_state_->committed[7 * b] + rotation_vector(pose[b].turned * transposed(start_[b].turned))[2];
 }
 
 } // namespace impact

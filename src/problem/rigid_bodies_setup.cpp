@@ -32,15 +32,31 @@ template <class Visitor> void visit_masses(const Discretisation& d, Visitor&& vi
   });
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.4g", value);
-  return text;
-}
-
-bool moves_bodies(BcType type) {
-  return type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
-         type == BcType::velocity || type == BcType::acceleration;
+// Puts bodies into an order that does not depend on the partition, and numbers behind names that several
+// have; answers with the new place of each.
+std::vector<int> sort_bodies(std::vector<RigidBody>& bodies) {
+  std::vector<int> order(bodies.size()), place(bodies.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const RigidBody &p = bodies[at(a)], &q = bodies[at(b)];
+    if (p.name != q.name) return p.name < q.name;
+    const double close = 1e-9 * (p.length + q.length);
+    for (std::size_t k = 0; k < 3; ++k)
+      if (std::abs(p.centre[k] - q.centre[k]) > close) return p.centre[k] < q.centre[k];
+    return false;
+  });
+  std::vector<RigidBody> sorted;
+  for (int b : order) {
+    const std::string& name = bodies[at(b)].name;
+    const auto same = [&](int other) { return bodies[at(other)].name == name; };
+    const auto end = order.begin() + static_cast<std::ptrdiff_t>(sorted.size()) + 1;
+    place[at(b)] = static_cast<int>(sorted.size());
+    sorted.push_back(bodies[at(b)]);
+    if (std::count_if(order.begin(), order.end(), same) > 1)
+      sorted.back().name += "_" + std::to_string(std::count_if(order.begin(), end, same));
+  }
+  bodies = std::move(sorted);
+  return place;
 }
 
 } // namespace
@@ -57,18 +73,15 @@ RigidBodies::RigidBodies(const Discretisation& d, const std::vector<BoundaryCond
   resolve(d, t_end);
   if (empty()) return;
   // Rows that no unknown uses.
-  for (std::size_t i = 0; i < owned_; ++i) idle_.push_back(static_cast<int>(i));
-  std::vector<int> dofs;
-  for (int place : idle_)
-    for (int k = 0; k < dim_; ++k) {
-      const auto b = at(body_[at(place)]);
-      const int row = row_[at(place)];
-      bool used = row == slot_row_[b][0] && !reduction_.bodies()[b].held[at(k)];
-      if (row == slot_row_[b][1] && k < reduction_.rotations())
-        used = used || !reduction_.bodies()[b].held[3 + (dim_ == 3 ? at(k) : 2)];
-      if (!used) dofs.push_back(dim_ * node_[at(place)] + k);
-    }
-  idle_ = std::move(dofs);
+  std::vector<int> used;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    visit_unknowns(b, [&](int row, int, std::size_t component) {
+      if (!reduction_.bodies()[b].held[component]) used.push_back(row);
+    });
+  std::sort(used.begin(), used.end());
+  for (std::size_t i = 0; i < owned_; ++i)
+    for (int k = 0; k < dim_; ++k)
+      if (!std::binary_search(used.begin(), used.end(), row_[i] + k)) idle_.push_back(dim_ * node_[i] + k);
 }
 
 void RigidBodies::find_nodes(const Discretisation& d) {
@@ -130,12 +143,9 @@ void RigidBodies::find_nodes(const Discretisation& d) {
 
 void RigidBodies::weigh(const Discretisation& d) {
   const auto dims = at(dim_);
-  // A global sum of what cells of all ranks add to a node, back on its owner.
   std::vector<double> mass = d.displacement.make_local();
   visit_masses(d, [&](int a, int, double m) { mass[dims * at(a)] += m; });
-  const Handle<Vec> total = d.displacement.make_global();
-  d.displacement.add_to_global(mass, total);
-  d.displacement.to_local(total, mass);
+  add_up(d.displacement, mass);
   std::vector<double> sums(4 * bodies_.size(), 0.0);
   for (std::size_t i = 0; i < owned_; ++i) {
     mass_.push_back(mass[dims * at(node_[i])]);
@@ -154,9 +164,7 @@ void RigidBodies::weigh(const Discretisation& d) {
     const Vector3& centre = bodies_[at(body_of_node_[at(a)])].centre;
     for (std::size_t k = 0; k < dims; ++k) first[dims * at(a) + k] += m * (X[dims * at(c) + k] - centre[k]);
   });
-  check(VecSet(total, 0));
-  d.displacement.add_to_global(first, total);
-  d.displacement.to_local(total, first);
+  add_up(d.displacement, first);
   std::vector<double> second(9 * bodies_.size(), 0.0);
   for (std::size_t i = 0; i < owned_; ++i) {
     const Vector3 Y = arm(i);
@@ -177,66 +185,35 @@ void RigidBodies::weigh(const Discretisation& d) {
     const double relative =
         dim_ == 2 ? determinant(E) / (size * size) : determinant(E) / (size * size * size);
     if (!(relative > 1e-18))
-      throw UserError(ExitCode::data, "-material_" + body.name + "_model rigid: the body around (" +
-                                          number(body.centre[0]) + ", " + number(body.centre[1]) +
-                                          (dim_ == 3 ? ", " + number(body.centre[2]) : "") +
-                                          ") has no inertia against a rotation; mesh it with more cells");
+      throw UserError(ExitCode::data, "-material_" + body.name + "_model rigid: the body around " +
+                                          place_text(body.centre.data(), dim_) +
+                                          " has no inertia against a rotation; mesh it with more cells");
     body.length = std::sqrt(size / body.mass);
   }
-  // The order of bodies must not depend on the partition.
-  std::vector<std::size_t> order(bodies_.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    const RigidBody &p = bodies_[a], &q = bodies_[b];
-    if (p.name != q.name) return p.name < q.name;
-    const double close = 1e-9 * (p.length + q.length);
-    for (std::size_t k = 0; k < 3; ++k)
-      if (std::abs(p.centre[k] - q.centre[k]) > close) return p.centre[k] < q.centre[k];
-    return false;
-  });
-  std::vector<RigidBody> sorted;
-  std::vector<int> place(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    place[order[i]] = static_cast<int>(i);
-    sorted.push_back(bodies_[order[i]]);
-  }
+  const std::vector<int> place = sort_bodies(bodies_);
   for (int& body : body_) body = place[at(body)];
   for (int& body : body_of_node_)
     if (body >= 0) body = place[at(body)];
-  for (std::size_t i = 0; i < sorted.size();) {
-    std::size_t end = i;
-    while (end < sorted.size() && sorted[end].name == sorted[i].name) ++end;
-    for (std::size_t k = i, n = 1; end - i > 1 && k < end; ++k, ++n)
-      sorted[k].name += "_" + std::to_string(n);
-    i = end;
-  }
-  bodies_ = std::move(sorted);
 }
 
 void RigidBodies::choose_slots(const Discretisation& d) {
   // The two lowest global nodes of each body.
-  constexpr double none = 1e300;
-  const auto global = [&](std::size_t i) { return static_cast<double>(d.mesh.global_node()[at(node_[i])]); };
-  std::vector<double> first(bodies_.size(), none), second(bodies_.size(), none);
-  for (std::size_t i = 0; i < owned_; ++i) {
-    double& low = first[at(body_[i])];
-    low = std::min(low, global(i));
-  }
-  min_over_ranks(comm_, first);
-  for (std::size_t i = 0; i < owned_; ++i) {
-    double& low = second[at(body_[i])];
-    if (global(i) > first[at(body_[i])]) low = std::min(low, global(i));
-  }
-  min_over_ranks(comm_, second);
+  std::array<std::vector<double>, 2> lowest;
   slot_row_.assign(bodies_.size(), {-1, -1});
-  for (std::size_t i = 0; i < owned_; ++i) {
-    const auto b = at(body_[i]);
-    if (global(i) == first[b]) slot_row_[b][0] = row_[i];
-    if (global(i) == second[b]) slot_row_[b][1] = row_[i];
+  for (std::size_t slot = 0; slot < 2; ++slot) {
+    const auto global = [&](std::size_t i) { return double(d.mesh.global_node()[at(node_[i])]); };
+    std::vector<double>& low = lowest[slot];
+    low.assign(bodies_.size(), HUGE_VAL);
+    for (std::size_t i = 0; i < owned_; ++i)
+      if (const auto b = at(body_[i]); slot == 0 || global(i) > lowest[0][b])
+        low[b] = std::min(low[b], global(i));
+    min_over_ranks(comm_, low);
+    for (std::size_t i = 0; i < owned_; ++i)
+      if (global(i) == low[at(body_[i])]) slot_row_[at(body_[i])][slot] = row_[i];
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     RigidPlace& place = reduction_.bodies().emplace_back();
-    place.slot = {static_cast<PetscInt>(first[b]), static_cast<PetscInt>(second[b])};
+    place.slot = {static_cast<PetscInt>(lowest[0][b]), static_cast<PetscInt>(lowest[1][b])};
     place.length = bodies_[b].length;
     place.centre = bodies_[b].centre;
   }
@@ -247,7 +224,7 @@ void RigidBodies::resolve(const Discretisation& d, double t_end) {
     for (RigidBody& body : bodies_) body.held[0] = body.held[5] = RigidBody::not_possible;
   for (std::size_t c = 0; c < conditions_.size(); ++c) {
     const BoundaryCondition& bc = conditions_[c];
-    if (!moves_bodies(bc.type)) continue;
+    if (!prescribes_motion(bc.type)) continue;
     const bool turns = bc.rotation[0] || bc.rotation[1] || bc.rotation[2];
     if (bodies_.empty() && !turns) continue;
     std::vector<int> on(bodies_.size() + 1, 0);

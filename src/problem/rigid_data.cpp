@@ -8,12 +8,14 @@
 /// What the conditions prescribe of rigid bodies.
 namespace impact {
 
-RigidBodies::Hold RigidBodies::hold(const RigidBody& body, std::size_t k) const {
-  const int c = body.held[k];
-  if (c < 0) return {c != RigidBody::free_motion};
-  const BoundaryCondition& bc = conditions_[at(c)];
+RigidBodies::Hold RigidBodies::hold_by(int condition, std::size_t k) const {
+  const BoundaryCondition& bc = conditions_[at(condition)];
   const std::optional<Expression>& data = k < 3 ? bc.component[k] : bc.rotation[k - 3];
   return {true, bc.type == BcType::velocity, data ? &*data : nullptr};
+}
+
+RigidBodies::Hold RigidBodies::hold(const RigidBody& body, std::size_t k) const {
+  return body.held[k] < 0 ? Hold{body.held[k] != RigidBody::free_motion} : hold_by(body.held[k], k);
 }
 
 // Rotation components as the conditions say them at time t: angles, or what velocities add since t_n.
@@ -63,22 +65,21 @@ void RigidBodies::require_agreement(double t_n, double t) const {
   static constexpr const char* names[6] = {"ux", "uy", "uz", "rx", "ry", "rz"};
   for (const auto& [b, k, one, two] : shared_) {
     const RigidBody& body = bodies_[b];
-    const BoundaryCondition &first = conditions_[at(one)], &other = conditions_[at(two)];
-    const auto rate = [](const BoundaryCondition& of) { return of.type == BcType::velocity; };
+    const Hold first = hold_by(one, k), other = hold_by(two, k);
     // Of two velocities the values, of a velocity and a place what they change in the step.
-    const bool changes = rate(first) != rate(other);
-    const auto value = [&, component = k](const BoundaryCondition& of) {
-      const auto& data = component < 3 ? of.component[component] : of.rotation[component - 3];
-      if (!data) return 0.0;
+    const bool changes = first.rate != other.rate;
+    const auto value = [&](const Hold& on) {
       const double* x = body.centre.data();
-      if (changes && rate(of)) return integral(*data, x, dim_, t_n, t);
-      return (*data)(x, dim_, t) - (changes ? (*data)(x, dim_, t_n) : 0.0);
+      if (!on.data) return 0.0;
+      if (changes && on.rate) return integral(*on.data, x, dim_, t_n, t);
+      return (*on.data)(x, dim_, t) - (changes ? (*on.data)(x, dim_, t_n) : 0.0);
     };
     const double here = value(first), there = value(other);
     const double rounding = changes ? 1e-12 * body.length : 0;
     if (std::abs(here - there) > 1e-9 * std::max(std::abs(here), std::abs(there)) + rounding)
-      throw UserError(ExitCode::data, "-bc_" + first.id + " and -bc_" + other.id + " prescribe different " +
-                                          names[k] + " (" + number_text(here) + ", " + number_text(there) +
+      throw UserError(ExitCode::data, "-bc_" + conditions_[at(one)].id + " and -bc_" +
+                                          conditions_[at(two)].id + " prescribe different " + names[k] +
+                                          " (" + number_text(here) + ", " + number_text(there) +
                                           " at t=" + number_text(t) + ") of the rigid body " + body.name +
                                           "; leave the component out of one of them");
   }

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -32,9 +31,7 @@ void rigid_modes(Frame frame, const double* x, int k, double* mode) {
 }
 
 std::string rounded(double value, double scale) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.4g", std::abs(value) < 1e-9 * scale ? 0.0 : value);
-  return text;
+  return text_of("%.4g", std::abs(value) < 1e-9 * scale ? 0.0 : value);
 }
 
 // Eigenvalues by rising size with their unit vectors, of a small symmetric matrix [n][n].
@@ -166,6 +163,10 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
   const int modes = mode_count(d.frame), dim = d.dim();
   const auto n = at(modes);
   std::vector<double> gram(at(bodies.count) * n * n, 0.0);
+  const auto add = [&](std::size_t b, const double* mode) {
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
+  };
   const auto X = d.mesh.coordinates();
   for (const FixedDof& fixed : boundary.fixed()) {
     const int node = fixed.dof / dim;
@@ -175,23 +176,22 @@ std::vector<double> gram_matrices(const Discretisation& d, const BoundaryData& b
     for (int k = 0; k < dim; ++k)
       x[k] = (X[at(node * dim + k)] - geometry.centre[b][at(k)]) / geometry.size[b];
     rigid_modes(d.frame, x, fixed.component, mode);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
+    add(b, mode);
   }
   sum_over_ranks(d.mesh.comm(), gram);
   // What is prescribed of a rigid body belongs to its centre of mass.
   for (const RigidBody& body : rigid.bodies()) {
     const auto b = at(body.component);
+    double x[3], mode[6] = {};
+    for (std::size_t k = 0; k < 3; ++k) x[k] = (body.centre[k] - geometry.centre[b][k]) / geometry.size[b];
     for (std::size_t c = 0; c < 6; ++c) {
       if (body.held[c] < 0 || (c < 3 && c >= at(dim))) continue;
-      double x[3] = {0, 0, 0}, mode[6] = {};
-      for (std::size_t k = 0; k < 3; ++k) x[k] = (body.centre[k] - geometry.centre[b][k]) / geometry.size[b];
+      std::fill(mode, mode + 6, 0.0);
       if (c < 3)
         rigid_modes(d.frame, x, static_cast<int>(c), mode);
       else
         mode[dim == 3 ? c : 2] = 1;
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j) gram[(b * n + i) * n + j] += mode[i] * mode[j];
+      add(b, mode);
     }
   }
   return gram;
@@ -248,7 +248,6 @@ std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryDa
   const std::vector<double> gram = gram_matrices(d, boundary, bodies, geometry, rigid);
   const auto entries = static_cast<std::ptrdiff_t>(mode_count(d.frame) * mode_count(d.frame));
   std::vector<FreeBody> free;
-  std::vector<std::size_t> number; // of the free bodies
   for (std::size_t b = 0; b < at(bodies.count); ++b) {
     const auto start = gram.begin() + static_cast<std::ptrdiff_t>(b) * entries;
     std::vector<std::string> motions =
@@ -256,26 +255,19 @@ std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryDa
     if (motions.empty()) continue;
     free.push_back(
         {"", geometry.centre[b], std::move(motions), false, static_cast<int>(b), geometry.size[b]});
-    number.push_back(b);
   }
   if (free.empty()) return free;
   const std::vector<std::string> regions = name_regions(d.mesh, bodies);
   const std::vector<int> touched = touched_bodies(d, bodies, contacts, rigid);
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    free[i].regions = regions[number[i]];
-    free[i].touched = touched[number[i]] != 0;
+  for (FreeBody& body : free) {
+    body.regions = regions[at(body.number)];
+    body.touched = touched[at(body.number)] != 0;
   }
   return free;
 }
 
 std::string describe(const FreeBody& body, int dim) {
-  std::string text = "the body of region " + body.regions + " around (";
-  for (int k = 0; k < dim; ++k) {
-    char value[32];
-    std::snprintf(value, sizeof(value), "%s%.4g", k > 0 ? ", " : "", body.centre[at(k)]);
-    text += value;
-  }
-  return text + ")";
+  return "the body of region " + body.regions + " around " + place_text(body.centre.data(), dim);
 }
 
 std::vector<std::string> require_held_bodies(const Discretisation& d, const BoundaryData& boundary,

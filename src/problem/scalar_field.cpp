@@ -1,11 +1,11 @@
-#include "owned_dofs.hpp"
+#include <impact/petsc/field_solver.hpp>
 #include <impact/problem/scalar_field.hpp>
 
 namespace impact {
 
-ScalarField::ScalarField(const Discretisation& d, const char* prefix, std::vector<char> held)
-    : d_(d), prefix_(prefix), held_(std::move(held)), solution_(d.scalar.make_global()),
-      residual_(d.scalar.make_global()), diagonal_(d.scalar.make_global()) {
+ScalarField::ScalarField(const Discretisation& d, std::vector<char> held)
+    : d_(d), held_(std::move(held)), solution_(d.scalar.make_global()), residual_(d.scalar.make_global()),
+      diagonal_(d.scalar.make_global()) {
   for (int node = 0; node < static_cast<int>(held_.size()); ++node) {
     free_.push_back(held_[at(node)] ? 0 : 1);
     if (held_[at(node)] && d_.mesh.owned(node)) owned_held_.push_back(node);
@@ -17,11 +17,22 @@ void ScalarField::build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>&
 }
 
 void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations) const {
-  KSP ksp = nullptr;
   check(SNESSetType(snes, type));
   check(SNESSetTolerances(snes, atol, rtol, 0, most_iterations, PETSC_DEFAULT));
-  check(SNESGetKSP(snes, &ksp));
-  set_scalar_solver_defaults(ksp, prefix_);
+  const KSP ksp = Get(SNESGetKSP)(snes);
+  check(KSPSetType(ksp, KSPCG));
+  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  const PC pc = Get(KSPGetPC)(ksp);
+  int ranks = 1;
+  MPI_Comm_size(d_.mesh.comm(), &ranks);
+  if (ranks == 1) return check(PCSetType(pc, PCICC));
+  // Conjugate gradients want symmetric blocks; bjacobi would factorise them by ILU, and those of the bounded
+  // solve are parts of the matrix that nothing but an option reaches.
+  check(PCSetType(pc, PCBJACOBI));
+  const std::string inner = "-" + std::string(Get(SNESGetOptionsPrefix)(snes)) + "sub_pc_type";
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, inner.c_str(), &set));
+  if (!set) check(PetscOptionsSetValue(nullptr, inner.c_str(), "icc"));
 }
 
 void ScalarField::assemble(const std::vector<double>& r, Vec f) const {
@@ -29,7 +40,7 @@ void ScalarField::assemble(const std::vector<double>& r, Vec f) const {
   d_.scalar.add_to_global(r, f);
 }
 
-void ScalarField::zero_held(Vec f) const { zero_owned(f, d_.mesh, 1, owned_held_); }
+void ScalarField::zero_held(Vec f) const { zero_dofs(f, d_.mesh, 1, owned_held_); }
 
 void ScalarField::close_matrix(std::span<const SNES> solvers, Vec sizes) {
   double sum = 0;

@@ -59,6 +59,21 @@ void scatter(const FacetNodes& n, int dim, std::array<double, 12>& load, std::ve
   load.fill(0);
 }
 
+// matrix += K, over `components` of each node without the held ones; K then is zero.
+template <std::size_t size>
+void add_block(const FacetNodes& n, int components, const std::vector<char>& held,
+               std::span<const PetscInt> global_node, std::array<double, size>& K, Mat matrix) {
+  std::array<PetscInt, 12> row{};
+  const int count = n.count * components;
+  for (int i = 0; i < count; ++i) {
+    const int node = n.node[at(i / components)], k = i % components;
+    row[at(i)] =
+        held[at(node * components + k)] ? -1 : global_node[at(node)] * components + k; // -1: left out
+  }
+  check(MatSetValues(matrix, count, row.data(), count, row.data(), K.data(), ADD_VALUES));
+  K.fill(0);
+}
+
 } // namespace
 
 void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -103,17 +118,7 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
       [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
         add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), K.data());
       },
-      [&](const FacetNodes& n) {
-        std::array<PetscInt, 12> row{};
-        for (int i = 0; i < n.count * dim; ++i) {
-          const int node = n.node[at(i / dim)];
-          const bool held = fixed[at(node * dim + i % dim)] != 0;
-          row[at(i)] = held ? -1 : global_node[at(node)] * dim + i % dim; // negative: left out
-        }
-        check(
-            MatSetValues(matrix, n.count * dim, row.data(), n.count * dim, row.data(), K.data(), ADD_VALUES));
-        K.fill(0);
-      });
+      [&](const FacetNodes& n) { add_block(n, dim, fixed, global_node, K, matrix); });
 }
 
 void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -153,13 +158,7 @@ void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::
         for (int a = 0; a < n.count; ++a)
           for (int b = 0; b < n.count; ++b) K[at(a * n.count + b)] += h * p.N[a] * p.N[b];
       },
-      [&](const FacetNodes& n) {
-        std::array<PetscInt, 4> row{};
-        for (std::size_t a = 0; a < at(n.count); ++a)
-          row[a] = held[at(n.node[a])] ? -1 : global_node[at(n.node[a])]; // negative: left out
-        check(MatSetValues(matrix, n.count, row.data(), n.count, row.data(), K.data(), ADD_VALUES));
-        K.fill(0);
-      });
+      [&](const FacetNodes& n) { add_block(n, 1, held, global_node, K, matrix); });
 }
 
 } // namespace impact

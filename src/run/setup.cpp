@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
-#include <impact/problem/deep_overlap.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>

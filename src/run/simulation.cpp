@@ -269,7 +269,7 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
                     stage_.ledger.balance(), stage_.ledger.balance_first_law()));
   check(PetscPrintf(comm_, "%s", stage_.ledger.report().c_str()));
   energy_.report_end(snapshot_.time);
-  if (const long ways = stage_.coupling.motion_solver().second_ways(); ways > 0)
+  if (const long ways = stage_.coupling.motion_solver().counts().second_ways; ways > 0)
     check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", ways));
   const char* file = checkpoints_.file().c_str();
   if (!stopped_by_.empty())

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/solve/augmentation.hpp>
 #include <impact/time/types.hpp>
 
@@ -24,10 +25,9 @@ void Augmentation::begin_attempt() {
 }
 
 SNESConvergedReason Augmentation::solve(Vec u, PetscReal rtol) {
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   rtol_ = rtol;
   check(SNESSolve(snes_, nullptr, u));
-  check(SNESGetConvergedReason(snes_, &reason));
+  const SNESConvergedReason reason = Get(SNESGetConvergedReason)(snes_);
   if (reason < 0 && failure_.empty()) failure_ = std::string("uzawa: ") + SNESConvergedReasons[reason];
   return reason;
 }

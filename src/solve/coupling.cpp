@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
@@ -45,20 +44,16 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
   if (fields_.heat || exchanges(d)) pass_.dissipation.resize(d.point_values(1));
-  if (fields_.state.find("fatigue")) fatigue_.emplace(d, fields_.state);
-  SNES snes = nullptr;
-  check(TSGetSNES(ts_, &snes));
+  const SNES snes = Get(TSGetSNES)(ts_);
   check(SNESSetOptionsPrefix(snes, "coupling_"));
   make_pass_shell(snes, shell_);
   check(SNESSetTolerances(snes, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
 }
 
 void Coupling::give_up(PetscInt passes, PetscReal change) {
-  char text[160];
-  std::snprintf(text, sizeof(text), "%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)",
-                static_cast<int>(passes), settings_.follow_cracks ? " in which phi does not grow" : "",
-                pass_.changing, change);
-  failure_ = text;
+  failure_ =
+      text_of("%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)", static_cast<int>(passes),
+              settings_.follow_cracks ? " in which phi does not grow" : "", pass_.changing, change);
 }
 
 // What an attempt holds fixed in all its passes; phi and theta are those of the pass.
@@ -69,6 +64,52 @@ MotionStep Coupling::frozen_step() const {
   step.contact_scale = update_.contact_scale();
   step.unilateral_scale = update_.unilateral_scale();
   return step;
+}
+
+// Between steps the viscous stress still wants C at an earlier time: a backward step short against everything
+// else.
+void Coupling::begin_between_steps(double t, Vec u, Vec v) {
+  const Discretisation& d = fields_.motion.discretisation();
+  const PetscReal dt = Get(TSGetTimeStep)(ts_);
+  const double h = 1e-6 * dt;
+  u_before_ = d.local_of(u);
+  const std::vector<double> rate = d.local_of(v);
+  for (std::size_t i = 0; i < u_before_.size(); ++i) u_before_[i] -= h * rate[i];
+  MotionStep step = frozen_step();
+  step.t_n = t - h;
+  step.t = t;
+  step.dt = h;
+  step.u_n = &u_before_;
+  if (fields_.damage) step.phi = &fields_.state.row("phi").committed;
+  if (fields_.heat) step.theta = &fields_.state.row("theta").committed;
+  fields_.motion.begin(step);
+}
+
+void Coupling::start(Vec u, Vec a) {
+  MotionProblem& motion = fields_.motion;
+  StateTable& state = fields_.state;
+  const FieldLayout& layout = motion.discretisation().displacement;
+  if (fields_.heat && settings_.moves)
+    if (const HeatRows rows = fields_.heat->rows(); rows.stress) {
+      MotionProblem::Increments unused;
+      motion.advance(u, unused, {nullptr, rows.stress});
+      state.row("stress").committed = *rows.stress;
+      state.rollback();
+    }
+  if (fields_.damage) {
+    layout.to_local(u, pass_.u);
+    fields_.damage->start(pass_.u);
+  }
+  if (!integrator_of(ts_).inertia) return;
+  // M a_0 = F_ext - F_int(u_0, v_0) without contact on the free dofs; prescribed dofs keep the rate of their
+  // data.
+  ForceParts forces;
+  motion.parts(u, forces);
+  check(VecAXPY(forces.external, -1, forces.internal));
+  layout.to_global(state.row("a").committed, a);
+  motion.mass_solve(forces.external, a);
+  motion.rigid().accelerate(forces.external, a);
+  set_acceleration(ts_, a);
 }
 
 void Coupling::before_attempt(const Attempt& attempt) {
@@ -135,7 +176,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   if (!advance_points(u, result)) return result;
   if (fields_.damage || fields_.heat) fields_.motion.discretisation().displacement.to_local(u, pass_.u);
   if (fields_.damage) damage_pass(result);
-  if (fatigue_ && result.inner >= 0) fatigue_pass(result);
+  if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
   return result;
 }
@@ -203,8 +244,8 @@ void Coupling::fatigue_pass(PassResult& result) {
     fatigue.theta = &pass_.theta;
     fatigue.theta_n = &fields_.state.row("theta").committed;
   }
-  if (!fatigue_->advance(fatigue))
-    refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
+  fatigue_ = grow_fatigue(fields_.motion.discretisation(), fields_.state, fatigue);
+  if (!fatigue_.sound) refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
 }
 
 void Coupling::heat_pass(Vec u, PassResult& result) {
@@ -294,14 +335,10 @@ StepRecord Coupling::record(Vec u) {
     const bool in_heat = fields_.heat && fields_.heat->takes_work_of_damage();
     record.prescribed_damage_work = in_heat ? 0 : damage->prescribed_work();
   }
-  if (fatigue_) {
-    record.fatigue_dissipation = fatigue_->dissipated();
-    record.least_fatigue = fatigue_->least_dissipation();
-  }
+  record.fatigue_dissipation = fatigue_.dissipated;
+  record.least_fatigue = fatigue_.least;
   if (const HeatProblem* heat = fields_.heat) {
-    record.heat_supplied = heat->supplied();
-    record.contact_heat = heat->contact_heat();
-    record.entropy_supplied = heat->entropy_supplied();
+    record.heat = &heat->supplied();
   }
   if (settings_.report_error) {
     const std::vector<double> phi = pass_.phi, theta = pass_.theta;

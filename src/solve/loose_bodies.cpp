@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -32,9 +33,7 @@ std::vector<double> nodal_volumes(const Discretisation& d) {
       for (int j = 0; j < nodes; ++j) sum.value[i] += m(i, j);
     batch.scatter(sum, volume);
   });
-  const Handle<Vec> total = d.scalar.make_global();
-  d.scalar.add_to_global(volume, total);
-  d.scalar.to_local(total, volume);
+  add_up(d.scalar, volume);
   return volume;
 }
 
@@ -148,26 +147,25 @@ double LooseBodies::approach_of(Body& body, const std::vector<ContactReach>& rea
 
 void LooseBodies::weigh(Vec u, Vec r) {
   // A step that was cut and did good may be longer the next time.
-  PetscReal norm = 0;
-  check(VecNorm(r, NORM_2, &norm));
+  const PetscReal norm = Get(VecNorm)(r, NORM_2);
   stride_ = limited_ && norm <= norm_ ? 2 * stride_ : 1;
   norm_ = norm;
   const std::vector<ContactReach> reach = contacts_->reach(u);
   const auto dim = at(d_->dim());
   // Force and moment about the centre, of each body.
-  std::vector<double> sums(6 * bodies_.size(), 0.0), local = d_->displacement.make_local();
-  d_->displacement.to_local(r, local);
+  std::vector<double> sums(6 * bodies_.size(), 0.0);
+  const std::vector<double> local = d_->local_of(r);
   for (const Node& node : nodes_) {
     const auto first = dim * at(node.local);
     double* of = &sums[6 * at(node.body)];
-    std::array<double, 3> f{}, x{};
+    Vector3 f{}, x{};
     for (std::size_t k = 0; k < dim; ++k) {
       f[k] = local[first + k];
       x[k] = d_->mesh.coordinates()[first + k] - bodies_[at(node.body)].centre[k];
       of[k] += f[k];
     }
-    for (std::size_t k = 0; k < 3; ++k)
-      of[3 + k] += x[(k + 1) % 3] * f[(k + 2) % 3] - x[(k + 2) % 3] * f[(k + 1) % 3];
+    const Vector3 moment = cross(x, f);
+    for (std::size_t k = 0; k < 3; ++k) of[3 + k] += moment[k];
   }
   sum_over_ranks(d_->mesh.comm(), sums);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
@@ -217,8 +215,7 @@ bool LooseBodies::rest(Vec u) const {
 }
 
 double LooseBodies::part_of(Vec du) { // (H3)
-  std::vector<double> local = d_->displacement.make_local();
-  d_->displacement.to_local(du, local);
+  const std::vector<double> local = d_->local_of(du);
   const auto dim = at(d_->dim());
   double most = 0; // over what is allowed
   for (const Node& node : nodes_) {

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/petsc/callback.hpp>
-#include <impact/petsc/forget.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/solve/motion_solver.hpp>
 #include <impact/time/types.hpp>
 
@@ -48,12 +48,7 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
 // solves close need directions of the iterate, though: 4 iterations with full Newton, 15 without (patch
 // test); and what contact alone holds has another mass in each matrix (H2).
 void MotionSolver::choose_reuse(double reuse) {
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  PetscBool factorises = PETSC_FALSE;
-  check(SNESGetKSP(snes_, &ksp));
-  check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factorises, PCLU, PCCHOLESKY, ""));
+  const bool factorises = has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)), PCLU, PCCHOLESKY);
   if (reuse >= 0)
     reuse_ = TangentReuse(reuse);
   else if (factorises && !motion_.contacts().demands().closes_gaps && loose_.empty())
@@ -110,7 +105,7 @@ bool MotionSolver::refresh_contact(Vec u) {
 }
 
 void MotionSolver::begin_attempt(PetscInt number) {
-  counts_ = {.longest = number > 1 ? counts_.longest : 0};
+  counts_ = {.longest = number > 1 ? counts_.longest : 0, .second_ways = counts_.second_ways};
   if (number <= 1) second_way_first_ = false;
   reuse_.forget();
   cell_broke_ = false;
@@ -134,8 +129,7 @@ void MotionSolver::enter_step(Vec u, Vec goal) {
   const Handle<Vec> ahead = d.displacement.make_global();
   motion_.rigid().retract(u);
   check(VecWAXPY(ahead, -1, u, goal));
-  PetscReal largest = 0;
-  check(VecNorm(ahead, NORM_INFINITY, &largest));
+  const PetscReal largest = Get(VecNorm)(ahead, NORM_INFINITY);
   // A jump below that strains the layer by so little that its answer is linear too.
   const double small = 1e-7 * d.mesh.smallest_edge();
   if (largest <= small) check(VecCopy(goal, u));
@@ -154,7 +148,7 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   motion_.contacts().start_newton(u);
   const Handle<Vec> r = layout.make_global(), other = layout.make_global(), step = layout.make_global(),
                     start = layout.make_global();
-  PetscReal atol = 0, slope[2] = {0, 0}, norm[2] = {0, 0};
+  PetscReal atol = 0;
   check(SNESGetTolerances(snes_, &atol, nullptr, nullptr, nullptr, nullptr));
   hooks_.conduct.iterate = u;
   tangents_ = 0;
@@ -164,8 +158,8 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   motion_.balance().start();
   motion_.balance().judge(r, atol, rtol_);
   if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
-  check(VecNorm(r, NORM_2, &norm[0]));
-  check(SNESMonitor(snes_, 0, norm[0])); // that of the next iteration follows, under the number 0 too
+  const PetscReal norm = Get(VecNorm)(r, NORM_2);
+  check(SNESMonitor(snes_, 0, norm)); // that of the next iteration follows, under the number 0 too
   if (!linear_step(u, r, step)) return cell_broke_ = false;
   check(VecAXPY(u, -1, step));
   motion_.impose(u);
@@ -175,11 +169,9 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
     return true;
   }
   check(SNESComputeFunction(snes_, u, other));
-  check(VecDot(r, step, &slope[0]));
-  check(VecDot(other, step, &slope[1]));
-  check(VecNorm(other, NORM_2, &norm[1]));
-  if (cell_broke_ || !(std::abs(slope[1]) < std::abs(slope[0]))) return cell_broke_ = false;
-  if (norm[1] > reuse_.reduction() * norm[0]) reuse_.forget();
+  const bool better = std::abs(Get(VecDot)(other, step)) < std::abs(Get(VecDot)(r, step));
+  if (cell_broke_ || !better) return cell_broke_ = false;
+  if (Get(VecNorm)(other, NORM_2) > reuse_.reduction() * norm) reuse_.forget();
   return true;
 }
 
@@ -201,18 +193,13 @@ void MotionSolver::add_jump(Vec u, Vec ahead, double part, Vec r) {
 }
 
 bool MotionSolver::linear_step(Vec u, Vec r, Vec step) {
-  KSP ksp = nullptr;
-  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  PetscInt linear = 0;
   check(SNESComputeJacobian(snes_, u, motion_.jacobian(), motion_.matrix()));
-  check(SNESGetKSP(snes_, &ksp));
+  const KSP ksp = Get(SNESGetKSP)(snes_);
   check(KSPSetOperators(ksp, motion_.jacobian(), motion_.matrix()));
   check(KSPSolve(ksp, r, step));
-  check(KSPGetConvergedReason(ksp, &reason));
-  check(KSPGetIterationNumber(ksp, &linear));
   counts_.newton += 1;
-  counts_.linear += linear;
-  return reason >= 0 && !cell_broke_;
+  counts_.linear += Get(KSPGetIterationNumber)(ksp);
+  return Get(KSPGetConvergedReason)(ksp) >= 0 && !cell_broke_;
 }
 
 SNESConvergedReason MotionSolver::solve(Vec u, PetscReal rtol, PetscInt most, bool second_way) {
@@ -256,9 +243,8 @@ bool MotionSolver::has_second_way() const {
 // active set that does not come to rest: multipliers outside Newton's method do not change it.
 SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   const std::string first = line_search_of(snes_);
-  SNESLineSearch search = nullptr;
-  ++second_ways_;
-  check(SNESGetLineSearch(snes_, &search));
+  ++counts_.second_ways;
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
   for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
   check(VecCopy(start_, u));
   motion_.contacts().start_newton(u);
@@ -277,11 +263,9 @@ SNESConvergedReason MotionSolver::newton(Vec u, PetscInt most) {
   loose_.start_solve();
   check(SNESSolve(snes_, nullptr, u));
   hooks_.conduct.goes_on = false;
-  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-  PetscInt iterations = 0, linear = 0;
-  check(SNESGetConvergedReason(snes_, &reason));
-  check(SNESGetIterationNumber(snes_, &iterations));
-  check(SNESGetLinearSolveIterations(snes_, &linear));
+  SNESConvergedReason reason = Get(SNESGetConvergedReason)(snes_);
+  const PetscInt iterations = Get(SNESGetIterationNumber)(snes_);
+  const PetscInt linear = Get(SNESGetLinearSolveIterations)(snes_);
   // No reason but a residual within its tolerance counts. A line search that found none smaller may have met
   // its rounding, which the last tangent told.
   if (reason > 0 && !motion_.balance().holds()) reason = SNES_DIVERGED_LINE_SEARCH;

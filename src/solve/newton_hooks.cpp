@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/petsc/callback.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/solve/newton_hooks.hpp>
 #include <impact/time/types.hpp>
 
@@ -11,13 +12,57 @@ namespace {
 // A residual within this multiple of its tolerance is near the solution.
 constexpr double near_balance = 10;
 
+bool alike(double a, double b, double part) { return std::abs(a - b) <= part * std::max(a, b); }
+
 } // namespace
 
+void NewtonWatch::start(bool full_steps) {
+  full_steps_ = full_steps;
+  unchanged_ = 0;
+  norms_.clear();
+}
+
+void NewtonWatch::note(double norm) {
+  // Far from the solution an active set that grows by a node at a time looks the same.
+  const bool near = !norms_.empty() && norm < 1e-3 * norms_.front();
+  const double last = norms_.empty() ? 0 : norms_.back();
+  unchanged_ = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9) ? unchanged_ + 1 : 0;
+  norms_.push_back(norm);
+}
+
+int NewtonWatch::cycle() const {
+  constexpr std::size_t longest = 6, least_compared = 4;
+  const std::size_t n = norms_.size();
+  for (std::size_t period = 2; period <= longest; ++period) {
+    const std::size_t compared = std::max(period, least_compared);
+    if (n < period + compared) return 0;
+    const auto last = norms_.end() - static_cast<std::ptrdiff_t>(compared);
+    const bool repeats = std::equal(last, norms_.end(), last - static_cast<std::ptrdiff_t>(period),
+                                    [](double a, double b) { return alike(a, b, 0.04); });
+    const auto [low, high] =
+        std::minmax_element(norms_.end() - static_cast<std::ptrdiff_t>(period), norms_.end());
+    if (repeats && !alike(*low, *high, 0.1)) return static_cast<int>(period);
+  }
+  return 0;
+}
+
+bool TangentReuse::serves(SNES snes, PetscReal dt, PetscReal shift) {
+  if (reduction_ <= 0) return false;
+  const PetscInt iteration = Get(SNESGetIterationNumber)(snes);
+  const PetscReal norm = Get(SNESGetFunctionNorm)(snes);
+  // A solve's first iteration tries the tangent of the solve before: its reduction is known only afterwards.
+  const bool reduces = iteration == 0 || norm <= reduction_ * norm_;
+  const bool serves = valid_ && dt == dt_ && shift == shift_ && reduces;
+  valid_ = true;
+  dt_ = dt;
+  shift_ = shift;
+  norm_ = norm;
+  return serves;
+}
+
 std::string line_search_of(SNES snes) {
-  SNESLineSearch search = nullptr;
-  SNESLineSearchType type = nullptr;
-  check(SNESGetLineSearch(snes, &search));
-  check(SNESLineSearchGetType(search, &type));
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
+  const SNESLineSearchType type = Get(SNESLineSearchGetType)(search);
   return type ? type : "";
 }
 
@@ -30,11 +75,9 @@ void NewtonHooks::install(SNES snes) {
   // was nearly zero by any factor.
   if (motion_.contacts().demands().closes_gaps || !loose_.empty())
     check(SNESSetDivergenceTolerance(snes, -1));
-  SNESLineSearch search = nullptr;
-  KSP ksp = nullptr;
-  check(SNESGetLineSearch(snes, &search));
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
   check(SNESLineSearchSetPostCheck(search, Callback<&NewtonHooks::after_step>::call, this));
-  check(SNESGetKSP(snes, &ksp));
+  const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPSetPreSolve(ksp, Callback<&NewtonHooks::before_linear_solve>::call, this));
   check(KSPSetPostSolve(ksp, Callback<&NewtonHooks::after_linear_solve>::call, this));
   check(SNESSetConvergenceTest(snes, Callback<&NewtonHooks::test>::call, this, nullptr));
@@ -101,8 +144,7 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
     open_ = HUGE_VAL;
   }
   *reason = balance.test(snes, it, norm);
-  Vec u = nullptr;
-  check(SNESGetSolution(snes, &u));
+  const Vec u = Get(SNESGetSolution)(snes);
   if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
       *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <impact/problem/discretisation.hpp>
 #include <impact/solve/phi_passes.hpp>
 
 namespace impact {
@@ -118,10 +118,7 @@ double PhiPasses::extent(const std::vector<double>& phi) const {
 }
 
 std::string PhiPasses::crack_length(const std::vector<double>& phi) const {
-  char text[80];
-  std::snprintf(text, sizeof(text), "phi > %.3g on %.4g %s", settings_.crack_level, extent(phi),
-                settings_.length_unit.c_str());
-  return text;
+  return text_of("phi > %.3g on %.4g %s", settings_.crack_level, extent(phi), settings_.length_unit.c_str());
 }
 
 void PhiPasses::report(PetscInt pass, const StateRow& phi) {
@@ -138,10 +135,8 @@ void PhiPasses::report(PetscInt pass, const StateRow& phi) {
 std::string PhiPasses::text(PetscInt passes, const StateTable& state) const {
   if (!runs_) return "";
   const StateRow& phi = state.row("phi");
-  char text[120];
-  std::snprintf(text, sizeof(text), ", %.4g before; %d passes", extent(phi.committed),
-                static_cast<int>(passes));
-  return "crack ran: " + crack_length(phi.trial) + text;
+  return "crack ran: " + crack_length(phi.trial) +
+         text_of(", %.4g before; %d passes", extent(phi.committed), static_cast<int>(passes));
 }
 
 } // namespace impact

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/solve/solver_defaults.hpp>
 
 namespace impact {
@@ -26,8 +26,7 @@ int ranks_of(KSP ksp) {
 // Before the options are read.
 void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
   const bool half = defaults.matrix == MatrixFormat::sbaij;
-  PC pc = nullptr;
-  check(KSPGetPC(ksp, &pc));
+  const PC pc = Get(KSPGetPC)(ksp);
   if (defaults.direct) {
     check(KSPSetType(ksp, KSPPREONLY));
     check(PCSetType(pc, half ? PCCHOLESKY : PCLU));
@@ -47,10 +46,8 @@ void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
 // Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
 void check_preconditioner(KSP ksp, MatrixFormat matrix) {
   if (matrix != MatrixFormat::sbaij) return;
-  PC pc = nullptr;
-  PCType type = nullptr;
-  check(KSPGetPC(ksp, &pc));
-  check(PCGetType(pc, &type));
+  const PC pc = Get(KSPGetPC)(ksp);
+  const PCType type = Get(PCGetType)(pc);
   const int ranks = ranks_of(ksp);
   const std::string name = type ? type : PCNONE;
   if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE) return;
@@ -72,21 +69,17 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     if (m.law.parameters.rho > 0 && !m.law.rigid())
       speed = std::max(speed, longitudinal_speed(m.law.parameters));
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
-  char text[160];
   const bool small = dofs <= (d.dim() == 2 ? 100000 : 20000);
   if (choice.resolves_waves() && !d.has_viscosity() && !demands.frictional && !demands.rigid &&
       !(demands.closes_gaps && small)) {
     choice.direct = false;
     choice.symmetric = true;
-    std::snprintf(text, sizeof(text), "dt is %.3g times h/c_p", choice.cfl);
-  } else if (small) {
-    std::snprintf(text, sizeof(text), "%lld dofs", static_cast<long long>(dofs));
+    choice.reason = text_of("dt is %.3g times h/c_p", choice.cfl);
   } else {
-    choice.direct = false;
-    choice.multigrid = true;
-    std::snprintf(text, sizeof(text), "%lld dofs", static_cast<long long>(dofs));
+    choice.direct = small;
+    choice.multigrid = !small;
+    choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
   }
-  choice.reason = text;
   const std::string ksp = option_text("-motion_ksp_type"), pc = option_text("-motion_pc_type");
   // A preconditioner that only improves a guess wants a Krylov method around it.
   const bool exact = pc.empty() || pc == "lu" || pc == "cholesky";
@@ -102,11 +95,9 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
 }
 
 void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell) {
-  KSP ksp = nullptr;
-  PC pc = nullptr;
   SNESLineSearch search = nullptr;
-  check(SNESGetKSP(snes, &ksp));
-  check(KSPGetPC(ksp, &pc));
+  const KSP ksp = Get(SNESGetKSP)(snes);
+  const PC pc = Get(KSPGetPC)(ksp);
   set_linear_solver(ksp, defaults);
   if (shell) {
     // The preconditioner sees the bulk alone: a direct "solve" with it would solve the wrong system, and
@@ -122,9 +113,7 @@ void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_step
   check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   check(SNESSetFromOptions(snes));
   check_preconditioner(ksp, defaults.matrix);
-  PetscBool preonly = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &preonly));
-  if (shell && preonly)
+  if (shell && has_type(ksp, KSPPREONLY))
     throw UserError(ExitCode::usage,
                     "-motion_ksp_type preonly: not with -contact_operator shell, whose preconditioner "
                     "does not see the contact; use gmres, or -contact_operator assembled");

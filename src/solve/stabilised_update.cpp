@@ -1,4 +1,5 @@
-#include <impact/petsc/callback.hpp>
+#include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/solve/stabilised_update.hpp>
 #include <impact/time/types.hpp>
@@ -53,13 +54,12 @@ void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
 // The forces that act over the step as a whole: of contact, and of what is crushed.
 void StabilisedUpdate::take_out_step_forces(Vec contact_force, Vec u, Vec v, Vec a) {
   const Handle<Vec> force = motion_.discretisation().displacement.make_global();
-  PetscReal size = 0;
   if (stabilise_) check(VecCopy(contact_force, force));
   if (unilateral_) {
     motion_.parts(u, forces_);
     check(VecAXPY(force, -1, forces_.unilateral));
   }
-  check(VecNorm(force, NORM_INFINITY, &size));
+  const PetscReal size = Get(VecNorm)(force, NORM_INFINITY);
   if (size == 0) return;
   const Integrator& p = integrator_of(ts_);
   check(VecScale(force, 1 / (2 * p.beta)));
@@ -75,11 +75,10 @@ void StabilisedUpdate::take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a)
   ForceParts forces;
   motion_.parts(u, forces);
   if (!stabilise_) check(VecAXPY(forces.external, 1, contact_force));
-  const Handle<Vec> kept = d.displacement.make_global(), before = d.displacement.make_global(),
-                    taken = d.displacement.make_global();
+  const Handle<Vec> kept = d.displacement.make_global(), taken = d.displacement.make_global(),
+                    before = d.global_of(state_.row("a").committed);
   check(VecCopy(a, kept));
   motion_.rigid().accelerate(forces.external, kept);
-  d.displacement.to_global(state_.row("a").committed, before);
   // a_m = alpha_m a + (1 - alpha_m) a_n is what the forces give.
   check(VecAXPBYPCZ(taken, -1 / p.alpha_m, (1 - p.alpha_m) / p.alpha_m, 0, kept, before));
   check(VecAXPY(taken, 1, a));
@@ -151,9 +150,7 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   check(SNESSetTolerances(snes, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
   // Full steps: the problem is convex, and a search for a smaller residual stalls where a point opens or
   // closes.
-  SNESLineSearch search = nullptr;
-  check(SNESGetLineSearch(snes, &search));
-  check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
+  check(SNESLineSearchSetType(Get(SNESGetLineSearch)(snes), SNESLINESEARCHBASIC));
   solver_.hooks().install(snes);
   solver_.hooks().conduct.iterate = w;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
@@ -180,17 +177,13 @@ void StabilisedUpdate::warn(double t_n, SNESConvergedReason reason) {
 // The motion's own solver, unless that needs a definite matrix: a pressed point on a vertex makes it
 // indefinite.
 KSP StabilisedUpdate::projection_solver() {
-  KSP ksp = nullptr;
-  PetscBool definite = PETSC_FALSE;
-  check(SNESGetKSP(solver_.snes(), &ksp));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(ksp), &definite, KSPCG, KSPMINRES, ""));
-  if (!definite) return ksp;
+  const KSP ksp = Get(SNESGetKSP)(solver_.snes());
+  if (!has_type(ksp, KSPCG, KSPMINRES)) return ksp;
   if (!projection_ksp_) {
-    PC pc = nullptr;
     check(KSPCreate(motion_.discretisation().mesh.comm(), projection_ksp_.out()));
     check(KSPSetType(projection_ksp_, KSPGMRES));
     check(KSPSetTolerances(projection_ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-    check(KSPGetPC(projection_ksp_, &pc));
+    const PC pc = Get(KSPGetPC)(projection_ksp_);
     check(PCSetType(pc, PCJACOBI)); // mass and a few penalties: well conditioned by its diagonal
   }
   return projection_ksp_;

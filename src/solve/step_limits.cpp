@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <impact/kernel/point_data.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <impact/problem/discretisation.hpp>
 #include <impact/solve/step_limits.hpp>
 
 namespace impact {
@@ -19,9 +19,7 @@ bool StepLimits::at_least_step() const { return dt_ <= 1e-3 * settings_.dt; }
 StepLimits::Refusal StepLimits::limit(const char* what, double increment, const char* option, double most) {
   utilisation_ = std::max(utilisation_, increment / most);
   if (increment <= most || at_least_step()) return "";
-  char text[120];
-  std::snprintf(text, sizeof(text), "%s by %.3g, -ts_adapt_%s is %.3g", what, increment, option, most);
-  return text;
+  return text_of("%s by %.3g, -ts_adapt_%s is %.3g", what, increment, option, most);
 }
 
 StepLimits::Refusal StepLimits::damage(double growth) {
@@ -49,11 +47,9 @@ StepLimits::Refusal StepLimits::closing(const ContactSet& contacts, Vec u) const
   if (!inertia_ || settings_.max_closing <= 0 || at_least_step()) return "";
   for (const ContactInterface& contact : contacts) {
     const double depth = contact.constraints().closed_within_step(u, settings_.max_closing);
-    if (depth == 0) continue;
-    char text[200];
-    std::snprintf(text, sizeof(text), "contact %.80s would close %.3g facets deep, -ts_adapt_closing is %.3g",
-                  contact.id().c_str(), depth, settings_.max_closing);
-    return text;
+    if (depth > 0)
+      return text_of("contact %.80s would close %.3g facets deep, -ts_adapt_closing is %.3g",
+                     contact.id().c_str(), depth, settings_.max_closing);
   }
   return "";
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/time/integrator.hpp>
 #include <limits>
 
@@ -37,8 +38,7 @@ PetscReal Integrator::stability_limit() const {
 namespace {
 
 PetscReal dot(Vec x, Vec y) {
-  PetscReal value = 0;
-  check(VecDot(x, y, &value));
+  const PetscReal value = Get(VecDot)(x, y);
   return value;
 }
 

@@ -1,6 +1,7 @@
-#include "control.hpp"
+#include "step_data.hpp"
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/field_solver.hpp>
 #include <limits>
 #include <memory>
 #include <string>
@@ -87,32 +88,6 @@ void check_step(PetscReal dt) {
                     "-ts_dt: " + std::to_string(dt) + "; allowed: > 0; give the largest time step");
 }
 
-void check_table(const std::vector<PetscReal>& times, const std::vector<PetscReal>& dts) {
-  const bool lengths = dts.size() == times.size() || dts.size() + 1 == times.size();
-  const bool increasing =
-      std::adjacent_find(times.begin(), times.end(), [](auto a, auto b) { return !(a < b); }) == times.end();
-  const bool positive =
-      std::all_of(dts.begin(), dts.end(), [](auto dt) { return dt > 0 && std::isfinite(dt); });
-  if (times.empty() && dts.empty()) return;
-  if (!lengths || dts.empty() || !increasing || !positive)
-    throw UserError(ExitCode::usage,
-                    "-ts_times, -ts_dts: " + std::to_string(times.size()) + " times and " +
-                        std::to_string(dts.size()) +
-                        " steps; allowed: increasing times, steps > 0, as many steps as times or one "
-                        "fewer; for example -ts_times 0,10,50 -ts_dts 1,0.1");
-}
-
-// Not by PetscOptionsRealArray, whose -help prints the whole array.
-std::vector<PetscReal> read_reals(OptionItems PetscOptionsObject, const char* name) {
-  std::vector<PetscReal> values(1000);
-  auto count = static_cast<PetscInt>(values.size());
-  PetscBool given = PETSC_FALSE;
-  check(PetscOptionsGetRealArray(PetscOptionsObject->options, PetscOptionsObject->prefix, name, values.data(),
-                                 &count, &given));
-  values.resize(given ? static_cast<std::size_t>(count) : 0);
-  return values;
-}
-
 PetscErrorCode set_from_options(TSAdapt adapt, OptionItems PetscOptionsObject) {
   return self(adapt).mailbox.guarded([&] {
     StepControl& control = self(adapt);
@@ -127,12 +102,6 @@ PetscErrorCode set_from_options(TSAdapt adapt, OptionItems PetscOptionsObject) {
                       "-ts_adapt_grow, _easy_steps, _easy_its: " + std::to_string(control.grow) + ", " +
                           std::to_string(control.easy_steps) + ", " + std::to_string(control.easy_its) +
                           "; allowed: >= 1, >= 1, >= 0; leave them out for 1.5, 4, 10");
-    auto times = read_reals(PetscOptionsObject, "-ts_times");
-    auto dts = read_reals(PetscOptionsObject, "-ts_dts");
-    if (times.empty() && dts.empty()) return;
-    check_table(times, dts);
-    control.table_times = std::move(times);
-    control.table_dts = std::move(dts);
   });
 }
 
@@ -162,14 +131,9 @@ PetscErrorCode create(TSAdapt adapt) {
 } // namespace
 
 StepControl* find_control(TS ts) {
-  TSAdapt adapt = nullptr;
-  check(TSGetAdapt(ts, &adapt));
-  TSAdaptType type = nullptr;
-  check(TSAdaptGetType(adapt, &type));
-  if (type == nullptr) check(TSAdaptSetType(adapt, step_control_type));
-  PetscBool ours = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(adapt), step_control_type, &ours));
-  return ours ? &self(adapt) : nullptr;
+  const TSAdapt adapt = Get(TSGetAdapt)(ts);
+  if (Get(TSAdaptGetType)(adapt) == nullptr) check(TSAdaptSetType(adapt, step_control_type));
+  return has_type(adapt, step_control_type) ? &self(adapt) : nullptr;
 }
 
 StepPlan plan_step(TS ts, StepControl& control) {
@@ -214,23 +178,12 @@ void set_step_control_state(TS ts, const StepControlState& state) { control_of(t
 
 void set_exact_times(TS ts, std::vector<PetscReal> times) { control_of(ts).times = std::move(times); }
 
-void set_step_period(TS ts, PetscReal period) {
-  if (!(period >= 0) || !std::isfinite(period))
-    throw UserError(ExitCode::usage, "-ts_period: " + std::to_string(period) +
-                                         "; allowed: > 0; give the period of the load, or leave it out");
-  control_of(ts).period = period;
-}
+void set_step_period(TS ts, PetscReal period) { control_of(ts).period = period; }
 
 void set_step_table(TS ts, std::vector<PetscReal> times, std::vector<PetscReal> dts) {
-  detail::check_table(times, dts);
   detail::StepControl& control = control_of(ts);
   control.table_times = std::move(times);
   control.table_dts = std::move(dts);
-}
-
-void set_step_limit(TS ts, PetscReal dt) {
-  detail::check_step(dt);
-  control_of(ts).limit = dt;
 }
 
 } // namespace impact

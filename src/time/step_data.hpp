@@ -1,15 +1,70 @@
 #pragma once
-#include "ts_adapter.hpp"
-#include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/time/integrator.hpp>
-#include <impact/time/step_hooks.hpp>
+#include <impact/time/step_control.hpp>
+#include <impact/time/types.hpp>
+#include <vector>
 
-/// What the types newmark and static keep in TS::data, and the stages of a step that the step loop calls.
+// The only door to PETSc's private TS header: a TS type or TSAdapt type cannot be written without it. What
+// changed between versions is met here, so that the files that include this one read the same for all of
+// them.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wshadow"
+#include <petsc/private/tsimpl.h>
+#pragma GCC diagnostic pop
+
+#if PETSC_VERSION_LT(3, 18, 0)
+#error "impact needs PETSc 3.18 or later"
+#endif
+
+/// What the types newmark and static keep in TS::data and step_control in TSAdapt::data, and what the step
+/// loop asks of the control.
 namespace impact::detail {
 
-inline constexpr const char* newmark_type = "newmark";
-inline constexpr const char* static_type = "static";
+// PetscOptionItems became a pointer in a later version; the slot of the operation knows which it is.
+template <class Operation> struct LastArgument;
+template <class First, class Last> struct LastArgument<PetscErrorCode (*)(First, Last)> {
+  using type = Last;
+};
+using OptionItems = LastArgument<decltype(_TSOps::setfromoptions)>::type;
+
+#if PETSC_VERSION_GE(3, 22, 0)
+inline constexpr PetscInt unlimited = PETSC_UNLIMITED;
+#else
+inline constexpr PetscInt unlimited = -1;
+#endif
+
+inline constexpr const char* step_control_type = "step_control";
+
+struct StepPlan {
+  PetscReal dt = 0;
+  PetscReal t = 0; // end of the step; bit for bit a given time when one is hit
+};
+
+struct StepControl {
+  StepControlState state;
+  PetscReal limit = 0; // -ts_dt; 0: taken from the TS at the first step
+  PetscReal grow = 1.5;
+  PetscInt easy_steps = 4, easy_its = 10;
+  PetscInt effort = 0;       // iterations of the step under judgement
+  PetscReal utilisation = 0; // part of its limits that the step under judgement used up; 0: there are none
+  PetscReal period = 0;      // of a cyclic load, whose middles and ends are hit; 0: none
+  std::vector<PetscReal> times;
+  std::vector<PetscReal> table_times, table_dts;
+  Mailbox mailbox;
+};
+
+/// The control of this TS, or null when another TSAdapt type was chosen.
+StepControl* find_control(TS ts);
+/// The next try from the current time with the remembered dt.
+StepPlan plan_step(TS ts, StepControl& control);
+/// Below it no step is tried at time t: what thirty halvings of -ts_dt did not help does not come from the
+/// length of the step.
+PetscReal smallest_step(const StepControl& control, PetscReal t);
+/// A try was refused; ts->time_step is already the reduced one.
+void note_rejection(TS ts, StepControl& control);
+
+void register_step_control();
 
 /// u_n and v_n are the TS's own vectors, untouched until a try is accepted, so that nothing needs to be
 /// restored.
@@ -27,18 +82,5 @@ struct StepData {
   Handle<Vec> a; // a_n; empty until set
   Trial trial;
 };
-
-/// Throws std::logic_error when the TS has neither type.
-StepData& step_data(TS ts);
-
-/// v, a and a_m of the trial for displacement u (97-98).
-void find_rates(TS ts, StepData& self, Vec u);
-/// An implicit stage: predictor, guess and nonlinear solve into trial.u. True when it converged; otherwise
-/// TSAdaptCheckStage has cut ts->time_step.
-bool solve_stage(TS ts, StepData& self);
-/// -ts_newmark_beta, _gamma, _rho, _guess.
-void read_newmark_options(StepData& self, OptionItems PetscOptionsObject);
-/// Throws UserError for weights of Newmark's family that are out of range.
-void check_newmark(const Integrator& integrator);
 
 } // namespace impact::detail

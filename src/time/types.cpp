@@ -1,8 +1,7 @@
-#include "control.hpp"
 #include "step_data.hpp"
 #include <algorithm>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/time/types.hpp>
 #include <memory>
 #include <stdexcept>
 
@@ -12,22 +11,65 @@ namespace detail {
 
 namespace {
 
+constexpr const char *newmark_type = "newmark", *static_type = "static";
+
 StepData& self(TS ts) { return *static_cast<StepData*>(ts->data); }
 
-bool has_our_type(TS ts) {
-  PetscBool ours = PETSC_FALSE;
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(ts), &ours, newmark_type, static_type, ""));
-  return ours;
-}
-
-} // namespace
+bool has_our_type(TS ts) { return has_type(ts, newmark_type, static_type); }
 
 StepData& step_data(TS ts) {
   if (!has_our_type(ts)) throw std::logic_error("the TS is of neither type newmark nor static");
   return self(ts);
 }
 
-namespace {
+// Sets u_tilde and the first guess of trial.u.
+void predict(TS ts, StepData& self) {
+  const Attempt& step = self.attempt;
+  Trial& trial = self.trial;
+  if (!self.integrator.inertia) return check(VecCopy(ts->vec_sol, trial.u));
+  check(VecWAXPY(trial.u_tilde, step.dt, ts->vec_dot, ts->vec_sol));
+  check(VecCopy(ts->vec_dot, trial.v_start));
+  if (self.hooks.predict) self.hooks.predict(ts, step, trial.u_tilde, trial.v_start);
+  if (self.extrapolate)
+    check(VecWAXPY(trial.u, step.dt * step.dt / 2, self.a, trial.u_tilde));
+  else
+    check(VecCopy(ts->vec_sol, trial.u));
+}
+
+// v, a and a_m of the trial for displacement u (97-98).
+void find_rates(TS ts, StepData& self, Vec u) {
+  Trial& trial = self.trial;
+  if (!self.integrator.inertia) {
+    check(VecWAXPY(trial.v, -1, ts->vec_sol, u));
+    return check(VecScale(trial.v, 1 / self.attempt.dt));
+  }
+  const auto [chi1, chi3, chi4, chi6] = self.integrator.coefficients(self.attempt.dt);
+  const PetscReal alpha_m = self.integrator.alpha_m;
+  check(VecWAXPY(trial.a, -1, trial.u_tilde, u));
+  check(VecCopy(trial.v_start, trial.v));
+  check(VecAXPBYPCZ(trial.v, chi4, chi6, 1, trial.a, self.a)); // (97)
+  check(VecAXPBY(trial.a, -chi3, chi1, self.a));               // (98)
+  check(VecCopy(trial.a, trial.a_m));
+  if (alpha_m != 1) check(VecAXPBY(trial.a_m, 1 - alpha_m, alpha_m, self.a));
+}
+
+// Predictor, guess and nonlinear solve into trial.u. True when it converged; otherwise TSAdaptCheckStage has
+// cut ts->time_step.
+bool solve_stage(TS ts, StepData& self) {
+  Vec u = self.trial.u;
+  predict(ts, self);
+  if (self.hooks.guess) self.hooks.guess(ts, self.attempt, u);
+  check(TSPreStage(ts, self.attempt.t));
+  check(SNESSolve(ts->snes, nullptr, u));
+  const PetscInt nonlinear = Get(SNESGetIterationNumber)(ts->snes);
+  const PetscInt linear = Get(SNESGetLinearSolveIterations)(ts->snes);
+  ts->snes_its += nonlinear;
+  ts->ksp_its += linear;
+  check(TSPostStage(ts, self.attempt.t, 0, &u));
+  PetscBool converged = PETSC_FALSE;
+  check(TSAdaptCheckStage(ts->adapt, ts, self.attempt.t, u, &converged));
+  return converged;
+}
 
 // Sets ts->time_step and the attempt. A foreign TSAdapt has set ts->time_step itself.
 void begin_attempt(TS ts, StepData& data, PetscInt number) {
@@ -141,6 +183,37 @@ PetscErrorCode jacobian(SNES, Vec u, Mat J, Mat P, TS ts) {
   });
 }
 
+void check_range(const char* option, PetscReal value, bool allowed, const char* range, const char* remedy) {
+  if (!allowed)
+    throw UserError(ExitCode::usage, std::string(option) + ": " + std::to_string(value) +
+                                         "; allowed: " + range + "; " + remedy);
+}
+
+// -ts_newmark_beta, _gamma, _rho, _guess.
+void read_newmark_options(StepData& self, OptionItems PetscOptionsObject) {
+  Integrator& p = self.integrator;
+  PetscReal rho = 1;
+  PetscBool beta = PETSC_FALSE, gamma = PETSC_FALSE, radius = PETSC_FALSE;
+  check(PetscOptionsReal("-ts_newmark_beta", "Newmark's beta", nullptr, p.beta, &p.beta, &beta));
+  check(PetscOptionsReal("-ts_newmark_gamma", "Newmark's gamma", nullptr, p.gamma, &p.gamma, &gamma));
+  check(PetscOptionsReal("-ts_newmark_rho", "Spectral radius at infinite frequency", nullptr, rho, &rho,
+                         &radius));
+  const char* const guesses[] = {"previous", "extrapolated"};
+  PetscInt guess = self.extrapolate ? 1 : 0;
+  check(PetscOptionsEList("-ts_newmark_guess", "Start of the nonlinear solve", nullptr, guesses, 2,
+                          guesses[guess], &guess, nullptr));
+  self.extrapolate = guess == 1;
+  if (radius) {
+    check_range("-ts_newmark_rho", rho, rho >= 0 && rho <= 1, "0 <= rho <= 1", "1 damps nothing, 0 most");
+    check_range("-ts_newmark_rho", rho, !beta && !gamma,
+                "not together with -ts_newmark_beta or -ts_newmark_gamma", "give one or the other");
+    p = newmark_with_radius(rho);
+  }
+  check_range("-ts_newmark_beta", p.beta, p.beta > 0 && p.beta <= 1, "0 < beta <= 1", "leave it out for 1/4");
+  check_range("-ts_newmark_gamma", p.gamma, p.gamma >= 0.5 && p.gamma <= 2,
+              "1/2 <= gamma <= 2, stable from 1/2 on", "leave it out for 1/2");
+}
+
 PetscErrorCode set_from_options(TS ts, OptionItems PetscOptionsObject) {
   return self(ts).mailbox.guarded([&] {
     if (self(ts).integrator.inertia) read_newmark_options(self(ts), PetscOptionsObject);
@@ -193,8 +266,6 @@ PetscErrorCode create_static(TS ts) { return create(ts, false); }
 // What the hooks or the options threw first, else what PETSc said.
 void deliver(TS ts, PetscErrorCode code) {
   if (code == 0) return;
-  TSAdapt adapt = nullptr;
-  check(TSGetAdapt(ts, &adapt));
   if (StepControl* const control = find_control(ts)) control->mailbox.deliver({});
   if (has_our_type(ts)) self(ts).mailbox.deliver(code);
   check(code);

@@ -85,7 +85,7 @@ class Bench {
 public:
   Bench(int dim, int n, const Law& law, int repetitions, MatrixFormat format = MatrixFormat::aij)
       : law_(law), repetitions_(repetitions), mark_(format == MatrixFormat::sbaij ? ", sbaij" : ""),
-        d_(discretise(unit_box(dim, n), {{PointLaw{law.parameters}, {"solid"}}}, false, 1)),
+        d_(discretise(unit_box(dim, n), {{PointLaw{law.parameters}, {"solid"}}}, Frame::plane_strain, 1)),
         boundary_(d_.mesh, {held_hull()}, 1),
         motion_(d_, declared(), boundary_, contacts_, false, ContactOperator::assembled, format),
         u_(d_.displacement.make_global()), f_(d_.displacement.make_global()) {

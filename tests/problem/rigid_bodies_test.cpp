@@ -19,7 +19,7 @@ struct RigidOnElastic {
       : d(discretise(run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("rigid_bodies"),
                                        run_test::two_bodies(4, 0.1)),
                      {{PointLaw{elastic()}, {"lower"}, "rubber"}, {PointLaw{tool()}, {"upper"}, "tool"}},
-                     false, 1)),
+                     Frame::plane_strain, 1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
     rigid.declare_state(state);

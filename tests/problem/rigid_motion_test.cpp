@@ -56,8 +56,9 @@ std::vector<FreeBody> free_bodies(const std::string& text, const Words& regions,
                                   std::vector<BoundaryCondition> conditions, bool axisymmetric = false) {
   MaterialParameters law;
   law.K = law.G = 1;
-  const Discretisation d = discretise(run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("rigid"), text),
-                                      {{PointLaw{law}, regions}}, axisymmetric, 1);
+  const Discretisation d =
+      discretise(run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("rigid"), text),
+                 {{PointLaw{law}, regions}}, axisymmetric ? Frame::axisymmetric : Frame::plane_strain, 1);
   const BoundaryData boundary(d.mesh, std::move(conditions), 1);
   return find_free_bodies(d, boundary);
 }

@@ -25,7 +25,7 @@ Discretisation discretisation(MPI_Comm comm, const std::string& dir) {
   std::vector<std::string> regions;
   for (const Group& group : mesh.groups())
     if (group.dim == mesh.dim()) regions.push_back(group.name);
-  return discretise(std::move(mesh), {{PointLaw{law}, regions}}, false, 1);
+  return discretise(std::move(mesh), {{PointLaw{law}, regions}}, Frame::plane_strain, 1);
 }
 
 /// The state of a run on this mesh with a row of each support that no code knows by name.

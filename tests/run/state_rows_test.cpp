@@ -26,7 +26,7 @@ struct AllPhysics {
 
   explicit AllPhysics(Mesh mesh, ContactMethod method)
       : d(discretise(std::move(mesh), {{PointLaw{law()}, {"lower"}}, {PointLaw{tool()}, {"upper"}, "tool"}},
-                     false, 1)),
+                     Frame::plane_strain, 1)),
         rigid(d, {}, 1), boundary(d.mesh, {}, 1, rigid.body_of_node()) {
     declare_state(d, state);
     rigid.declare_state(state);

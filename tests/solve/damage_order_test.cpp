@@ -35,7 +35,7 @@ struct DamageCase {
 
   DamageCase(Mesh mesh, const MaterialParameters& law, std::vector<BoundaryCondition> conditions,
              const DamageScenario& settings)
-      : d(discretise(std::move(mesh), {{PointLaw{law}, {"solid"}}}, false, 1)),
+      : d(discretise(std::move(mesh), {{PointLaw{law}, {"solid"}}}, Frame::plane_strain, 1)),
         boundary(d.mesh, std::move(conditions), 1) {
     declare_state(d, state);
     damage.emplace(d, state, boundary, settings);

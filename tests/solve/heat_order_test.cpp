@@ -40,7 +40,8 @@ struct HeatCase {
 
   HeatCase(Mesh mesh, bool ring, const MaterialParameters& law, std::vector<BoundaryCondition> conditions,
            const HeatScenario& settings)
-      : d(discretise(std::move(mesh), {{PointLaw{law}, {"solid"}}}, ring, 1)),
+      : d(discretise(std::move(mesh), {{PointLaw{law}, {"solid"}}},
+                     ring ? Frame::axisymmetric : Frame::plane_strain, 1)),
         boundary(d.mesh, std::move(conditions), 1), heat(declared(), state, boundary, settings, false) {}
 
   /// From the exact temperature at t = 0 to t_end.

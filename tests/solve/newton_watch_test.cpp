@@ -1,6 +1,6 @@
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/solve/newton_watch.hpp>
+#include <impact/solve/newton_hooks.hpp>
 #include <vector>
 
 using impact::NewtonWatch;

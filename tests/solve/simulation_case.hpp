@@ -49,7 +49,8 @@ class MotionCase {
 public:
   MotionCase(Mesh mesh, const MaterialParameters& law, std::vector<BoundaryCondition> conditions,
              const CaseSettings& settings)
-      : settings_(settings), d_(discretise(std::move(mesh), {{PointLaw{law}, {"solid"}}}, false, 1)),
+      : settings_(settings),
+        d_(discretise(std::move(mesh), {{PointLaw{law}, {"solid"}}}, Frame::plane_strain, 1)),
         boundary_(d_.mesh, std::move(conditions), settings.t_end) {
     register_time_types();
     declare_state(d_, state_);

@@ -116,7 +116,6 @@ TEST(Newmark, OptionsOutOfRangeAreUserErrors) {
                                       {{"-ts_newmark_beta", "0"}},
                                       {{"-ts_newmark_gamma", "0.4"}},
                                       {{"-ts_newmark_rho", "0.8"}, {"-ts_newmark_beta", "0.3"}},
-                                      {{"-ts_times", "0,2,1"}, {"-ts_dts", "1,1"}},
                                       {{"-ts_adapt_grow", "0.5"}}};
   for (const auto& entries : wrong) {
     const Options options(entries);

@@ -5,7 +5,6 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/time/step_control.hpp>
-#include <impact/time/step_hooks.hpp>
 #include <impact/time/types.hpp>
 #include <limits>
 #include <string>

@@ -93,8 +93,8 @@ TEST(StepControl, LeavesNoSliver) {
 }
 
 TEST(StepControl, FollowsTheStepTable) {
-  const Options options(Entries{{"-ts_times", "0,1,2"}, {"-ts_dts", "0.5,0.25"}});
   Watched watched;
+  set_step_table(watched.simulation.ts, {0, 1, 2}, {0.5, 0.25});
   run(watched.simulation, 7, 2.5);
   expect_near(watched.dts, {.5, .5, .25, .25, .25, .25, .25, .25});
   EXPECT_EQ(watched.times[1], 1);
@@ -220,15 +220,6 @@ TEST(StepControl, StepThatIsNotPositiveIsAUserError) {
   check(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
   EXPECT_THROW(run(watched.simulation, -0.1, 1), UserError);
   check(PetscPopErrorHandler());
-  EXPECT_THROW(set_step_limit(watched.simulation.ts, 0), UserError);
-}
-
-TEST(StepControl, LimitCanBeChangedBetweenRuns) {
-  Watched watched;
-  run(watched.simulation, 0.1, 0.2);
-  set_step_limit(watched.simulation.ts, 0.05);
-  run(watched.simulation, 0.1, 0.3);
-  expect_near(watched.dts, {.1, .1, .05, .05});
 }
 
 TEST(StepControl, AnotherAdaptTypeIsNamedInTheError) {

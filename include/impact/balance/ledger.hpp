@@ -1,6 +1,5 @@
 #pragma once
 #include <impact/balance/energies.hpp>
-#include <impact/balance/heat_book.hpp>
 #include <impact/balance/reactions.hpp>
 #include <impact/balance/work.hpp>
 #include <optional>
@@ -102,7 +101,6 @@ private:
   double stored() const;
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
-  void append_energies(HistoryFile::Row& row) const;
   std::vector<Line> sheet() const;
 
   // Members beyond twelve: the books of one sheet, each with its own rows of the table.

@@ -1,20 +1,23 @@
 #pragma once
+#include <functional>
 #include <impact/io/history_file.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/solve/step_record.hpp>
+#include <string>
 #include <vector>
 
-/// Supports act on bodies, and their nodes move: each condition has its force and, on rigid bodies,
-/// the moment, of plane problems for the whole thickness; means over the condition's nodes.
+/// Boundary conditions act on bodies: forces and moments of supports, heat and entropy that came in; of plane
+/// problems for the whole thickness.
 namespace impact {
 
+/// Each condition has its force and, on rigid bodies, the moment; means over the condition's nodes.
 class Reactions {
 public:
   Reactions(MotionProblem& motion, const StateTable& state);
 
-  /// `force` [node][dim] closes the balance of momentum on prescribed dofs, at displacements u [node][dim].
-  /// Collective.
-  void find(const std::vector<double>& force, const std::vector<double>& u);
+  /// `force` [node][dim] closes the balance of momentum on prescribed dofs, at displacement u. Collective.
+  void find(const std::vector<double>& force, Vec u);
   /// Their columns; `heat` of each condition since t = 0 stands beside the temperature of thermal ones.
   void append(HistoryFile::Row& row, const std::function<double(std::size_t)>& heat) const;
 
@@ -22,13 +25,40 @@ private:
   struct OfCondition {
     std::vector<int> nodes; // owned
     Vector3 force{}, moment{}, mean{};
-    double count = 0, mean_theta = 0;
+    double mean_theta = 0;
   };
   bool turns(int condition, std::size_t axis) const; // prescribes a rotation of a rigid body
 
   MotionProblem& motion_;
   const StateRow* theta_;
   std::vector<OfCondition> of_;
+};
+
+/// Heat and entropy since t = 0: one global row of the state table, so that a restart goes on with it.
+class HeatBook {
+public:
+  /// Adds the row. Contacts that pass heat count where bodies move.
+  HeatBook(MotionProblem& motion, StateTable& state, bool moves);
+
+  void start(double entropy) { row_.trial.back() = entropy; }
+  void book(const StepRecord& step, double thickness);
+
+  /// By conditions, and by contacts from what is no body.
+  double supplied() const;
+  double supplied_by(std::size_t condition) const { return row_.trial[condition]; }
+  /// Ids of the contacts that pass heat, and what was conducted into the secondary side of each.
+  const std::vector<std::string>& contacts() const { return contacts_; }
+  double conducted(std::size_t contact) const { return row_.trial[conditions_ + 2 * contact]; }
+  /// Entropy beside what was there at the start and came in.
+  double entropy_produced(double entropy) const {
+    return entropy - row_.trial[row_.trial.size() - 2] - row_.trial.back();
+  }
+
+private:
+  std::size_t conditions_;
+  std::vector<std::string> contacts_;
+  /// [condition], [contact]{conducted, from outside}, entropy supplied, entropy at the start
+  StateRow& row_;
 };
 
 } // namespace impact

@@ -49,7 +49,6 @@ private:
   double take_over_forces(const StepRecord& step, Vec u, Vec a, std::vector<double>& corrected);
   std::vector<double> close_balance(const StepRecord& step, const std::vector<double>& corrected,
                                     const std::vector<double>& unilateral);
-  Handle<Vec> global_of(const StateRow& row) const; ///< of t_n
   double mean_work(const std::vector<double>& du, const StateRow& row) const;
   bool in_rigid_body(std::size_t dof) const;
 

@@ -2,10 +2,61 @@
 #include <impact/petsc/error.hpp>
 #include <petscsnes.h>
 #include <string>
+#include <tuple>
 
 /// What the nonlinear solvers of all fields have in common: only a residual within its tolerance is a
 /// solution.
 namespace impact {
+
+/// The value that a function of PETSc leaves in its last argument: Get(SNESGetKSP)(snes).
+template <class... Parameters> class Get {
+public:
+  explicit Get(PetscErrorCode (*call)(Parameters...),
+               const std::source_location& where = std::source_location::current())
+      : call_(call), where_(where) {}
+  template <class... Arguments> auto operator()(const Arguments&... arguments) const {
+    std::remove_pointer_t<std::tuple_element_t<sizeof...(Arguments), std::tuple<Parameters...>>> value{};
+    check(call_(arguments..., &value), where_);
+    return value;
+  }
+
+private:
+  PetscErrorCode (*call_)(Parameters...);
+  std::source_location where_;
+};
+
+/// Whether an object of PETSc has one of these types.
+template <class Object, class... Types> bool has_type(Object object, Types... types) {
+  PetscBool has = PETSC_FALSE;
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(object), &has, types..., ""));
+  return has;
+}
+
+/// Owned entries of a vector, opened for reading in a scope.
+class Entries {
+public:
+  explicit Entries(Vec vec) : vec_(vec) { check(VecGetArrayRead(vec_, &values_)); }
+  Entries(const Entries&) = delete;
+  Entries& operator=(const Entries&) = delete;
+  ~Entries() { VecRestoreArrayRead(vec_, &values_); }
+  template <class Index> double operator[](Index i) const { return values_[i]; }
+
+private:
+  Vec vec_;
+  const double* values_ = nullptr;
+};
+
+/// A member function as PETSc calls it back: Callback<&Class::method>::call takes the method's arguments and
+/// then the object as its context. The class offers `Mailbox& mailbox()`, where exceptions wait until the
+/// solve has returned.
+template <auto method> struct Callback;
+
+template <class Object, class... Arguments, void (Object::*method)(Arguments...)> struct Callback<method> {
+  static PetscErrorCode call(Arguments... arguments, void* context) {
+    auto& self = *static_cast<Object*>(context);
+    return self.mailbox().guarded([&] { (self.*method)(arguments...); });
+  }
+};
 
 /// How the solve for a scalar field ended.
 struct ScalarOutcome {
@@ -24,9 +75,9 @@ void allow_rounding(SNES snes, Vec sizes);
 /// residual, SNES_CONVERGED_FNORM_ABS where a line search found no smaller one than rounding allows.
 SNESConvergedReason reason_by_residual(SNES snes);
 
-/// cg + icc, in blocks of the ranks, for the linear solver of a scalar field whose options bear `prefix`:
-/// before they are read.
-void set_scalar_solver_defaults(KSP ksp, const char* prefix);
+/// Leaves the linear solver of `snes` as if it had never solved: factors, hierarchies, and what a
+/// preconditioner keeps beside them. Collective.
+void forget_factors(SNES snes);
 
 /// The linear solver that `snes` has: "preonly + lu by mumps".
 std::string linear_solver_text(SNES snes);

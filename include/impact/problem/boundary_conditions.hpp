@@ -25,6 +25,10 @@ enum class BcType {
   heat_source
 };
 
+inline bool prescribes_motion(BcType type) {
+  return type == BcType::fix || type == BcType::displacement || type == BcType::symmetry ||
+         type == BcType::velocity || type == BcType::acceleration;
+}
 inline bool is_thermal(BcType type) {
   return type == BcType::temperature || type == BcType::heat_flux || type == BcType::convection ||
          type == BcType::heat_source;

@@ -29,6 +29,7 @@ double integral(const Expression& rate, const double* x, int dim, double t0, dou
 /// Which coordinate is constant over nodes of any ranks, -1: none. Collective.
 int plane_axis(const Mesh& mesh, const std::vector<int>& nodes);
 
+// Members and functions beyond the usual: one list and one question for each kind of condition.
 class BoundaryData {
 public:
   /// Finds groups, checks components and conflicts (two conditions with different values on one dof at t = 0
@@ -68,8 +69,8 @@ public:
   /// Facets with a heat flux or a convection, and the condition of regions with a heat source.
   const std::vector<LoadedFacets>& heat_fluxes() const { return heat_fluxes_; }
   std::vector<int> heat_sources() const;
-  /// Scalar (flux inwards, temperature around, source) and coefficient of a thermal condition at a reference
-  /// point.
+  /// Scalar (pressure, flux inwards, temperature around, source) and coefficient of a condition at a
+  /// reference point.
   double scalar_value(int condition, const double* x, double t) const;
   double ambient_temperature(int condition, const double* x, double t) const; ///< of a convection, K
   double heat_coefficient(int condition, const double* x, double t) const;
@@ -82,7 +83,6 @@ public:
   const std::vector<LoadedFacets>& pressures() const { return pressures_; } ///< follower, per current area
   /// Value of a traction or force condition at a reference point, per reference area. t [dim].
   void traction(const LoadedFacets& load, const double* x, double t, double* value) const;
-  double pressure(const LoadedFacets& load, const double* x, double t) const;
 
 private:
   void resolve_fixed(const Mesh& mesh, std::span<const int> body_of_node);

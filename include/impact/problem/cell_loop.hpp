@@ -95,15 +95,27 @@ struct CellBatch {
   double sum(const Batch& value) const { return lane_sum(value, used()); }
 
   NodalValues gather(std::span<const double> field, int components) const {
-    NodalValues values(nodes() * components);
+    NodalValues values = nodal(components);
     impact::gather(group, number, components, field.data(), values.data());
     return values;
   }
+  /// Where the values of a nodal field or of a row stand, for a kernel; null without one.
+  template <int most> const Batch* read(const std::vector<double>* field, BatchArray<most>& values) const {
+    if (field == nullptr) return nullptr;
+    impact::gather(group, number, values.size / nodes(), field->data(), values.data());
+    return values.data();
+  }
+  template <int most> const Batch* read(const std::vector<double>* row, PointValues<most>& values) const {
+    if (row == nullptr) return nullptr;
+    load(*row, values);
+    return values.data();
+  }
   NodalValues vectors(std::span<const double> field) const { return gather(field, d.dim()); }
   NodalValues scalars(std::span<const double> field) const { return gather(field, 1); }
-  /// Nodal values to be summed up, 0 at first; and their sum into a field.
+  /// Nodal values to be filled; to be summed up, 0 at first; and their sum into a field.
+  NodalValues nodal(int components) const { return NodalValues(nodes() * components); }
   NodalValues zero(int components) const {
-    NodalValues values(nodes() * components);
+    NodalValues values = nodal(components);
     std::fill_n(values.value, values.size, Batch(0.0));
     return values;
   }
@@ -153,5 +165,7 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
 }
 inline constexpr auto all_laws = [](const PointLaw&) { return true; };
 inline constexpr auto deformable = [](const PointLaw& law) { return !law.rigid(); };
+inline constexpr auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
+inline constexpr auto fatigues = [](const PointLaw& law) { return law.fatigues(); };
 
 } // namespace impact

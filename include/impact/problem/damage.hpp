@@ -50,9 +50,16 @@ private:
   void residual(SNES, Vec x, Vec f);
   void tangent(SNES, Vec x, Mat, Mat);
   Handle<SNES> make_solver(bool bounded);
-  template <class Body> bool visit_batches(Vec x, Body&& body);
-  bool assemble_forces(Vec x, Vec f);
-  void microforces(const std::vector<double>& phi, double dt, std::vector<double>& force);
+  /// What the kernels are given beside the fields.
+  struct Equation {
+    DamageForm form;
+    double theta, dt;
+    const std::vector<double>* phi_n; ///< local [node]
+  };
+  template <class Body> bool visit_batches(const Equation& equation, Vec x, Body&& body);
+  bool assemble_forces(const Equation& equation, Vec x, Vec f);
+  void microforces(const std::vector<double>& phi, const std::vector<double>& phi_n, double dt,
+                   std::vector<double>& force);
   void keep_held(std::vector<double>& force) const;
   double held_work(const std::vector<double>& force, const std::vector<double>& from,
                    const std::vector<double>& to) const;
@@ -66,6 +73,7 @@ private:
   bool within_bounds() const;
   ScalarOutcome solve_bounded(double start_norm);
   void make_substeps();
+  template <void (DamageProblem::*method)(TS)> static PetscErrorCode call(TS ts);
   void start_substep(TS ts);
   void finish_substep(TS ts);
   void substep_residual(TS ts, PetscReal, Vec x, Vec, Vec f);
@@ -77,6 +85,7 @@ private:
   DamageScenario settings_;
   ScalarField field_;
   DamageStep step_;
+  Equation equation_; ///< of the step or sub-step that is being solved
   Mailbox mailbox_;
   StateRow &phi_, &drive_, &flow_;
   StateRow* worn_ = nullptr;       ///< row "fatigue"

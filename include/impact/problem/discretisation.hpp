@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <impact/kernel/point_data.hpp>
 #include <impact/math/index.hpp>
 #include <impact/mesh/cell_batches.hpp>
@@ -32,26 +33,53 @@ struct Discretisation {
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
   std::size_t node_values(int components) const { return at(mesh.node_count() * components); }
+  std::vector<double> local_of(Vec u) const; ///< [node][dim] of a displacement or force. Collective.
+  Handle<Vec> global_of(const std::vector<double>& u) const; ///< of owned nodes' [node][dim]. Collective.
+  template <class Test> bool any_law(Test&& test) const {
+    return std::any_of(materials.begin(), materials.end(), [&](const auto& m) { return test(m.law); });
+  }
+  bool has_damage() const {
+    return any_law([](const PointLaw& law) { return law.parameters.damage != Damage::none; });
+  }
+  bool has_fatigue() const {
+    return any_law([](const PointLaw& law) { return law.fatigues(); });
+  }
+  bool has_viscosity() const {
+    return any_law([](const PointLaw& law) { return law.viscous(); });
+  }
+  bool has_plasticity() const {
+    return any_law([](const PointLaw& law) { return law.flows(); });
+  }
+  bool has_heat() const { ///< every material has a heat capacity then
+    return any_law([](const PointLaw& law) { return law.parameters.c_v > 0; });
+  }
+  bool temperature_moves() const { ///< motion sees it: expansion, softening
+    return has_heat() &&
+           any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
+  }
   double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
   /// Doubles of a row of `components` per quadrature point, of all groups.
   std::size_t point_values(int components) const;
-  bool has_damage() const;
-  bool has_fatigue() const;
-  bool has_viscosity() const;
-  bool has_plasticity() const;
-  bool has_heat() const;          ///< every material has a heat capacity then
-  bool temperature_moves() const; ///< motion sees it: expansion, softening
 };
 
 /// Throws UserError(data) when a region is unknown, a cell has no material or two. Collective.
 /// `plane`: of a 2D mesh; a 3D one wants plane_strain, which is passed over.
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, Frame plane,
                           double thickness);
-Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, bool axisymmetric,
-                          double thickness);
 
 /// Adds the rows that the physics at hand keeps: u, v, a, phi, theta, history, drive, fatigue.
 void declare_state(const Discretisation& discretisation, StateTable& table);
+
+/// f = 0 at owned local dofs of a nodal field: prescribed ones have no residual.
+void zero_dofs(Vec f, const Mesh& mesh, int components, const std::vector<int>& dofs);
+
+/// What all ranks added to the nodes of a field, on each of them. Collective.
+void add_up(const FieldLayout& layout, std::vector<double>& local);
+
+/// As printf has it.
+[[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...);
+/// "(0.25, 1)": a place for messages; `format` of a number.
+std::string place_text(const double* x, int dim, const char* format = "%.4g", const char* between = ", ");
 
 /// Doubles that one group needs for `components` per quadrature point: [batch][point][component][lane].
 std::size_t point_values(const CellGroup& group, int components);

@@ -16,26 +16,14 @@ struct FatigueStep {
   const std::vector<double>* theta_n = nullptr;
 };
 
-class FatigueUpdate {
-public:
-  /// Needs the row "fatigue" (declare_state).
-  FatigueUpdate(const Discretisation& discretisation, StateTable& state);
-
-  /// Writes the trial half of "fatigue" from the committed one. False on all ranks when a value is not finite
-  /// anywhere. Collective.
-  bool advance(const FatigueStep& step);
-
-  /// Energy that the growth of the last advance dissipates, of each material and per unit thickness, all
-  /// ranks.
-  const std::vector<double>& dissipated() const { return dissipated_; }
-  /// Smallest of it per volume at a point, at most 0.
-  double least_dissipation() const { return least_; }
-
-private:
-  const Discretisation& d_;
-  StateRow &fatigue_, &history_;
-  std::vector<double> dissipated_;
-  double least_ = 0;
+/// What came of it.
+struct FatigueGrowth {
+  bool sound = true;              ///< on all ranks: every value is finite
+  std::vector<double> dissipated; ///< energy of each material and per unit thickness, all ranks
+  double least = 0;               ///< smallest of it per volume at a point, at most 0
 };
+
+/// Writes the trial half of "fatigue" from the committed one. Collective.
+FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const FatigueStep& step);
 
 } // namespace impact

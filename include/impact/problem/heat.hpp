@@ -3,10 +3,10 @@
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/problem/heat_loads.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/scalar_field.hpp>
 #include <impact/problem/settings.hpp>
+#include <impact/problem/surface_load.hpp>
 #include <string>
 
 /// The heat balance of one step: SNES `heat_` for the temperature at t_{n+1} with displacement and damage
@@ -47,13 +47,13 @@ public:
   /// Where MotionProblem::advance leaves what this balance takes from it.
   HeatRows rows();
 
-  /// Heat that each condition supplied in the solved step, through prescribed temperatures too: all ranks,
-  /// per unit thickness.
-  const std::vector<double>& supplied() const { return supplied_; }
-  /// What passed each of the contacts that pass heat, in their order: all ranks, per unit thickness.
-  const std::vector<ContactHeat::Heat>& contact_heat() const { return contact_heat_; }
-  /// The same heat node by node over the temperature at t_{n+1}.
-  double entropy_supplied() const { return entropy_supplied_; }
+  /// What came in during the solved step: all ranks, per unit thickness.
+  struct Supply {
+    std::vector<double> by_condition;          ///< through prescribed temperatures too
+    std::vector<ContactHeat::Heat> by_contact; ///< that passes heat, in their order
+    double entropy = 0;                        ///< the same heat node by node over the temperature at t_{n+1}
+  };
+  const Supply& supplied() const { return supplied_; }
   /// Drops lagged factors. Collective.
   void forget_factors();
 
@@ -92,15 +92,14 @@ private:
   StateRow &theta_, &history_, &drive_;
   StateRow *worn_ = nullptr, *stress_ = nullptr; // rows "fatigue"; "stress", of the energy form with motion
   std::vector<double> theta_before_, x_, r_, constant_;
-  std::vector<double> points_;                   ///< like rows of the table
-  std::vector<double> step_stress_;              // HeatRows
-  std::vector<double> supplied_, load_supplied_; ///< load_supplied_: by what the temperature does not change
-  std::vector<double> load_;                     ///< its nodal heat
-  double entropy_supplied_ = 0;
+  std::vector<double> points_;      ///< like rows of the table
+  std::vector<double> step_stress_; // HeatRows
+  Supply supplied_;
+  std::vector<double> load_,
+      load_supplied_;       ///< nodal heat by what the temperature does not change, and its sums
   double residual_tol_ = 0; ///< absolute, as the options say
   bool flows_;
   std::vector<ContactHeat> contacts_;
-  std::vector<ContactHeat::Heat> contact_heat_;
   Handle<SNES> snes_;
   Handle<Vec> held_nodes_;
 };

@@ -1,7 +1,7 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
 #include <impact/problem/force_balance.hpp>
-#include <impact/problem/mass.hpp>
+#include <impact/problem/motion_rows.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
 #include <string>
@@ -48,7 +48,8 @@ struct ForceParts {
   Handle<Vec> unilateral; ///< of m tau-, which `internal` then lacks; null where it acts like the rest
 };
 
-// Members beyond twelve: what is given at construction, and the work arrays of three evaluations.
+// Members beyond twelve: what is given at construction, and the work arrays of three evaluations. Functions
+// beyond twenty: it is also the door to what it was given.
 class MotionProblem {
 public:
   /// `rigid` may be null: no rigid bodies. Without `solved` bodies stay where they are: nothing but the

@@ -45,6 +45,8 @@ struct RigidMotionState {
   Vector3 spin{}; ///< angular momentum about the centre of mass; plane: per unit thickness
 };
 
+// Members and functions beyond the usual: where nodes, masses and conditions of all bodies are, and one
+// question each that a solve, a step or a balance asks of them.
 class RigidBodies {
 public:
   /// No bodies.
@@ -140,10 +142,20 @@ private:
   std::vector<Sums> mass_sums(const std::vector<double>& field) const; ///< local [node][dim]
   std::vector<Sums> sums_of(Weight weight, Vec f) const;
   std::vector<RigidPose> poses(const std::vector<Sums>& of_u) const;
+  /// u = field(body, reference arm) on the nodes of bodies.
   template <class Field> void set_nodes(Vec u, Field&& field) const;
+  /// Of a body's unknowns which component it is, 0..5.
+  std::size_t component_of(int unknown) const { return unknown == 2 && dim_ == 2 ? 5 : at(unknown); }
+  /// visit(entry of an owned vector, unknown, component) for the unknowns of a body that are on this rank.
+  template <class Visit> void visit_unknowns(std::size_t body, Visit&& visit) const {
+    for (int r = 0; r < dim_ + reduction_.rotations(); ++r)
+      if (const int row = slot_row_[body][r < dim_ ? 0 : 1]; row >= 0)
+        visit(row + r % dim_, r, component_of(r));
+  }
   void place(Vec u);
   RigidPose admissible(std::size_t body, RigidPose pose) const;
   Hold hold(const RigidBody& body, std::size_t component) const;
+  Hold hold_by(int condition, std::size_t component) const;
   Vector3 rotation_data(const RigidBody& body, double t) const;
   bool turns_as_told(const RigidBody& body) const;
   Vector3 arm(std::size_t place) const;

@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-/// Bodies that could move rigidly: without inertia their stiffness matrix is singular, and a solver ends with
+/// What no solver can mend: bodies that stand in each other at the start, at any depth, and bodies that could
+/// move rigidly: without inertia their stiffness matrix is singular, and a solver ends with
 /// a pivot or with a nonsense displacement instead of a sentence.
 namespace impact {
 
@@ -35,5 +36,11 @@ std::string describe(const FreeBody& body, int dim);
 std::vector<std::string> require_held_bodies(const Discretisation& discretisation,
                                              const BoundaryData& boundary, const ContactSet& contacts,
                                              const RigidBodies& rigid = {});
+
+/// Throws UserError(data) where a node of one side of a contact lies inside a cell of the other side's
+/// bodies, unless the contact allows overlaps: what lies deeper than the pairs of the search reach has no
+/// force. To be called after ContactInterface::initial_overlap, which names and mends what the pairs see. O(n
+/// log n). Collective.
+void refuse_deep_overlaps(const Discretisation& discretisation, const ContactSet& contacts);
 
 } // namespace impact

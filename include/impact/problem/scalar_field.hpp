@@ -11,8 +11,8 @@ namespace impact {
 
 class ScalarField {
 public:
-  /// Nodes with `held` [local node] have no equation. Options bear `prefix`. Collective.
-  ScalarField(const Discretisation& discretisation, const char* prefix, std::vector<char> held);
+  /// Nodes with `held` [local node] have no equation. Collective.
+  ScalarField(const Discretisation& discretisation, std::vector<char> held);
 
   Mat matrix() const { return assembly_->matrix(); }
   const std::vector<char>& held() const { return held_; }
@@ -22,8 +22,8 @@ public:
 
   /// Makes the matrix, with places for `extra` pairs of nodes. Collective.
   void build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>& extra = {});
-  /// Gives a new solver its type, its tolerances and the defaults of its linear solver: before its options
-  /// are read. Collective.
+  /// Gives a new solver its type, its tolerances and the defaults of its linear solver, cg + icc in blocks of
+  /// the ranks: before its options are read. Collective.
   void prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations) const;
 
   /// f = sum over the ranks of the local r. Collective.
@@ -46,7 +46,6 @@ public:
 
 private:
   const Discretisation& d_;
-  const char* prefix_;
   std::vector<char> held_;
   std::vector<double> free_; // 1 where not held
   std::vector<int> owned_held_;

@@ -2,7 +2,7 @@
 #include <impact/mesh/state_table.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/scenario/scenario.hpp>
-#include <impact/time/step_hooks.hpp>
+#include <impact/time/types.hpp>
 
 /// One run from a validated scenario to its last output.
 namespace impact {

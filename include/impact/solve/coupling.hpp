@@ -7,7 +7,6 @@
 #include <impact/solve/stabilised_update.hpp>
 #include <impact/solve/step_limits.hpp>
 #include <impact/solve/step_record.hpp>
-#include <optional>
 
 /// One step's staggered fixed point, SNES shell `coupling_` of the TS. Its pass solves one field after
 /// another with the others frozen, until phi and theta rest (theory.md, 10):
@@ -94,7 +93,7 @@ private:
   StabilisedUpdate update_;
   PhiPasses phi_passes_;
   StepLimits limits_;
-  std::optional<FatigueUpdate> fatigue_;
+  FatigueGrowth fatigue_;
   PassShell shell_;
   StepCounts counts_; // of damage and heat
   Pass pass_;

@@ -4,7 +4,6 @@
 #include <impact/solve/loose_bodies.hpp>
 #include <impact/solve/newton_hooks.hpp>
 #include <impact/solve/solver_defaults.hpp>
-#include <impact/solve/tangent_reuse.hpp>
 #include <petscts.h>
 
 /// Newton's method for the motion at a given phi and theta: SNES `motion_` on
@@ -15,12 +14,14 @@
 /// circles (theory.md, 7).
 namespace impact {
 
+// Members beyond twelve: collaborators, vectors, and what is counted of a solve and of an attempt.
 class MotionSolver {
 public:
   struct Counts {
     PetscInt newton = 0, linear = 0; ///< of the attempt
     PetscInt longest = 0;            ///< iterations of the longest solve of the step, refused tries included
     PetscInt hardest = 0;            ///< tangents of the hardest solve of the attempt
+    long second_ways = 0;            ///< solves of this run that were tried once more
   };
 
   /// `reuse`: of the tangent, see TangentReuse; negative: as suits the linear solver. The references must
@@ -56,8 +57,6 @@ public:
   PetscReal rtol() const { return rtol_; }
   PetscInt most_iterations() const;
   const Counts& counts() const { return counts_; }
-  /// Solves of this run that were tried once more.
-  long second_ways() const { return second_ways_; }
   /// A cell lost its meaning in the last solve.
   bool cell_broke() const { return cell_broke_; }
   /// The residual that the last solve left.
@@ -87,8 +86,7 @@ private:
   PetscReal rtol_ = 0; // as the options say
   Counts counts_;
   PetscInt tangents_ = 0, iterations_ = 0; // of one solve, both its ways
-  long second_ways_ = 0;
-  bool second_way_first_ = false; // in the next try of a step
+  bool second_way_first_ = false;          // in the next try of a step
   bool cell_broke_ = false;
 };
 

@@ -2,15 +2,58 @@
 #include <impact/petsc/error.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/solve/loose_bodies.hpp>
-#include <impact/solve/newton_watch.hpp>
-#include <impact/solve/tangent_reuse.hpp>
 #include <petscts.h>
+#include <vector>
 
 /// What Newton's method for displacements does beside its equations, in any SNES over them: multipliers of
 /// the semismooth method and sliding follow every iterate before the residual is evaluated there, linear
 /// solves close gaps, steps of rigid bodies go from their unknowns to their nodes and back to rotations, and
 /// balance, gaps and a watch over cycles say when it ends (theory.md, 7).
 namespace impact {
+
+/// Tells from the norms of its residuals when Newton's method will not converge: where an active set does not
+/// come to rest the iterates go round in circles, and steps taken in full that hardly change the residual
+/// close nothing any more. What converges shows neither.
+class NewtonWatch {
+public:
+  /// `full_steps`: no line search, whose short steps may change the residual little and lead on.
+  void start(bool full_steps);
+  /// To be told the norm at every iterate, the first one included.
+  void note(double norm);
+  /// Iterates of the cycle in which the norms end, or 0: all norms of the last round are those of the round
+  /// before to 4 %, of a cycle of two or three those of the last four iterates; the norms within it differ by
+  /// more than a tenth. A cycle of n iterates is seen after 2 n of them, or n + 4 if that is more.
+  int cycle() const;
+  /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
+  /// than a third where it is a thousandth of the first one already.
+  bool stalls() const { return full_steps_ && unchanged_ >= 5; }
+
+private:
+  bool full_steps_ = false;
+  int unchanged_ = 0; ///< steps in a row that did so
+  std::vector<double> norms_;
+};
+
+/// Modified Newton where factorisations cost more than iterations: a factorised tangent serves on while each
+/// iteration with it still reduces the residual enough, over all passes of a step.
+class TangentReuse {
+public:
+  /// `reduction`: largest quotient of two residual norms in a row at which the tangent serves on; 0: full
+  /// Newton.
+  explicit TangentReuse(double reduction) : reduction_(reduction) {}
+
+  /// To be asked once in each iteration of `snes`, with what the tangent depends on beside the state. The
+  /// same on all ranks.
+  bool serves(SNES snes, PetscReal dt, PetscReal shift);
+  double reduction() const { return reduction_; }
+  /// The matrix holds something else, or nothing any more.
+  void forget() { valid_ = false; }
+
+private:
+  double reduction_;
+  bool valid_ = false;
+  PetscReal dt_ = 0, shift_ = 0, norm_ = 0;
+};
 
 class NewtonHooks {
 public:

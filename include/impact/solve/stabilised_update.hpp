@@ -1,7 +1,6 @@
 #pragma once
 #include <impact/mesh/state_table.hpp>
 #include <impact/solve/motion_solver.hpp>
-#include <impact/time/step_hooks.hpp>
 #include <impact/time/types.hpp>
 
 /// What impacts change of an integrator's step (theory.md, 7). The contact-stabilised update (P. Deuflhard,

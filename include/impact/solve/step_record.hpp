@@ -1,6 +1,5 @@
 #pragma once
-#include <impact/contact/contact_heat.hpp>
-#include <impact/problem/motion.hpp>
+#include <impact/problem/heat.hpp>
 #include <impact/time/integrator.hpp>
 #include <petscvec.h>
 #include <span>
@@ -49,9 +48,7 @@ struct StepRecord {
   std::span<const double> fatigue_dissipation; ///< by the growth of fatigue, of each material; empty without
   double least_fatigue = 0;                    ///< smallest of it per volume at a point, at most 0
 
-  std::span<const double> heat_supplied;           ///< by each condition; empty without heat
-  std::span<const ContactHeat::Heat> contact_heat; ///< what passed the contacts that pass heat
-  double entropy_supplied = 0;
+  const HeatProblem::Supply* heat = nullptr; ///< null without heat
 
   /// With -coupling_error: internal forces with the phi and theta of the end in place of those that the last
   /// motion solve saw, which is what another pass would have to balance. Else null.

@@ -4,8 +4,8 @@
 
 /// Step-size control of the TSAdapt type `step_control`: a failed try halves dt
 /// (-ts_adapt_scale_solve_failed), four easy steps in a row (-ts_adapt_easy_steps) let it grow by 1.5
-/// (-ts_adapt_grow) up to the limit: -ts_dt, or the step table -ts_times t0,t1,.. -ts_dts d0,d1,.. (dt = d_i
-/// between t_i and t_{i+1}; the last d goes on). A step is easy when it took at most -ts_adapt_easy_its
+/// (-ts_adapt_grow) up to the limit: -ts_dt, or the step table t_0, t_1, .., d_0, d_1, .. (dt = d_i between
+/// t_i and t_{i+1}; the last d goes on). A step is easy when it took at most -ts_adapt_easy_its
 /// (default 10) iterations. Where the hook `utilisation` measures the step's increments against limits, dt
 /// follows it instead of the count of easy steps: grown after each easy step, and at most what is expected to
 /// use up 0.6 of them. The run gives up with TS_DIVERGED_STEP_REJECTED after -ts_max_reject (10) refused
@@ -31,15 +31,10 @@ void set_step_control_state(TS ts, const StepControlState& state);
 /// Replaces the list of times to be hit exactly (any order; those in the past are ignored).
 void set_exact_times(TS ts, std::vector<PetscReal> times);
 
-/// Makes the middles and the ends of the periods of a cyclic load times to be hit exactly; 0: none. Throws
-/// UserError unless it is finite and not negative.
+/// Makes the middles and the ends of the periods of a cyclic load times to be hit exactly; 0: none.
 void set_step_period(TS ts, PetscReal period);
 
 /// Replaces the step table: increasing times, dts > 0, as many as times or one fewer; both empty: none.
-/// Throws UserError.
 void set_step_table(TS ts, std::vector<PetscReal> times, std::vector<PetscReal> dts);
-
-/// A new limit in place of -ts_dt, from the next step on. Throws UserError unless dt > 0.
-void set_step_limit(TS ts, PetscReal dt);
 
 } // namespace impact
