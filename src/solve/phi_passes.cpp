@@ -19,9 +19,7 @@ void PhiPasses::begin(const StateRow& phi) {
   record_ = owned_sum(phi.committed);
   gains_ = 0;
   runs_ = false;
-  reach_ = first_reach;
-  since_leap_ = 0;
-  leap_.clear();
+  leap_ = {.change = {}, .reach = first_reach};
   said_ = MPI_Wtime();
 }
 
@@ -77,13 +75,14 @@ double PhiPasses::next_factor() {
 // until two plain passes agree again; whether phi still wants to go its way there tells how long that may be.
 double PhiPasses::leap(double cosine) {
   constexpr double alike = 0.9, longest = 30, farthest = 0.5;
-  ++since_leap_;
-  if (since_leap_ == 2 && !leap_.empty())
-    reach_ = owned_dot(leap_, change_) > 0 ? std::min(farthest, 2 * reach_) : reach_ / 2;
-  if (since_leap_ < 3 || !(cosine >= alike) || reach_ <= largest_) return 1;
-  leap_ = change_;
-  since_leap_ = 0;
-  return std::min(longest, reach_ / largest_);
+  ++leap_.passes;
+  if (leap_.passes == 2 && !leap_.change.empty())
+    leap_.reach =
+        owned_dot(leap_.change, change_) > 0 ? std::min(farthest, 2 * leap_.reach) : leap_.reach / 2;
+  if (leap_.passes < 3 || !(cosine >= alike) || leap_.reach <= largest_) return 1;
+  leap_.change = change_;
+  leap_.passes = 0;
+  return std::min(longest, leap_.reach / largest_);
 }
 
 void PhiPasses::relax(PetscInt pass, const StateRow& phi, std::vector<double>& start) {

@@ -22,6 +22,7 @@ struct LedgerChoice {
   bool unilateral = false;     ///< as StepRecord says of each step
 };
 
+// Members beyond twelve: the books of one sheet, each with its own rows of the table.
 class Ledger {
 public:
   /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
@@ -103,7 +104,6 @@ private:
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
   std::vector<Line> sheet() const;
 
-  // Members beyond twelve: the books of one sheet, each with its own rows of the table.
   MotionProblem& motion_;
   StateTable& state_;
   BodyRows rows_;

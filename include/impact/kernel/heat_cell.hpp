@@ -114,7 +114,7 @@ template <class Cell, Frame frame>
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
-  const bool energy = in.form == HeatForm::energy, damages = m.damage != Damage::none && in.phi;
+  const bool energy = in.form == HeatForm::energy, has_damage = m.damage != Damage::none && in.phi;
   const HeatState<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history, in.drive);
   const HeatState<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n);
   int bad = 0;
@@ -147,7 +147,7 @@ template <class Cell, Frame frame>
               (g_vn * volumetric_energy(m, Je_n) + theta_n * entropy_n);
     else if (in.dissipation)
       local -= in.dissipation[q];
-    if (damages) add_damage<Cell, frame>(law, in, X, inverse_F, q, local, flux);
+    if (has_damage) add_damage<Cell, frame>(law, in, X, inverse_F, q, local, flux);
     if (energy && in.u && in.stress)
       local -= work_of_stress<Cell, frame>(in, now.cell.H[q], before.cell.H[q], q);
     if (in.theta_h < 1 && m.conductivity != 0) {

@@ -12,6 +12,7 @@
 /// So neither the stiffness nor the load nor the rounding of one part excuses forces left on another.
 namespace impact {
 
+// Members beyond twelve: lengths of the problem, and for each part its sum, its rounding error, its history.
 class ForceBalance {
 public:
   /// Collective.

@@ -52,10 +52,12 @@ private:
   double record_ = 0;                          // largest sum of phi so far
   int gains_ = 0;                              // passes in a row with a new one
   bool runs_ = false;                          // phi grew in one pass after the other, and is followed
-  std::vector<double> leap_;                   // the change that the last leap enlarged
-  double reach_ = 0;                           // by how much the next one may change phi
-  int since_leap_ = 0;                         // passes
-  double said_ = 0;                            // wall time of the last report
+  struct Leap {
+    std::vector<double> change; // that the last one enlarged
+    double reach = 0;           // by how much the next one may change phi
+    int passes = 0;             // since the last one
+  } leap_;
+  double said_ = 0; // wall time of the last report
 };
 
 } // namespace impact
