@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that includes follow the layers: arrows only downwards, and no PETSc or MPI in a dry layer.
+"""Checks that includes follow the layers: arrows only downwards, and no PETSc or MPI in a dry layer; and that the files that
+the pages name are there.
 
     tools/check_layers.py
 """
@@ -27,6 +28,8 @@ BELOW = {
 }
 DRY = {"math", "material", "element", "kernel"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+PAGES = ("README.md", "src/README.md", "src/theory.md", "tests/README.md", "options/README.md")
+NAMED = re.compile(r"\b(?:src|include|tests|tools|options|meshes)/[\w/]+\.(?:[ch]pp|py|md|opts|geo)\b")
 STANDARD = re.compile(r"^(c?[a-z_]+|bits/[a-z_]+\.h)$")  # the C++ standard library's headers have no suffix
 
 
@@ -85,6 +88,9 @@ def main():
                 includes += 1
                 if message := complaint(root, file, *match.groups()):
                     problems.append(f"{file.relative_to(root)}:{number}: {message}")
+    for page in PAGES:
+        for number, line in enumerate((root / page).read_text(encoding="utf-8").splitlines(), 1):
+            problems += [f"{page}:{number}: {name} does not exist" for name in NAMED.findall(line) if not (root / name).is_file()]
     print(*problems, sep="\n", end="\n" if problems else "")
     print(f"layers: {len(files)} files, {includes} includes, {len(problems)} problems")
     return 1 if problems or not files else 0
