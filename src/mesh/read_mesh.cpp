@@ -159,7 +159,7 @@ void append(GmshFile& file, const AddedCell& cell, double scale) {
     for (double component : X) file.x.push_back(component / scale);
   }
   file.groups.push_back({cell.region, file.dim, 0});
-  file.blocks.insert(file.blocks.begin(), std::move(block)); // DMPlex refines simplices before other cells
+  file.blocks.insert(file.blocks.begin(), std::move(block));
 }
 
 } // namespace
@@ -190,6 +190,8 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
       for (const AddedCell& cell : added) append(file, cell, request.scale);
     });
   }
+  // DMPlex refines cells of one kind after the other, simplices first; on several ranks they are sent so.
+  if (request.refine > 0) std::ranges::stable_sort(file.blocks, {}, &GmshBlock::nodes);
   std::vector<Group> groups = share_groups(comm, file.groups);
   Handle<DM> dm = make_topology(comm, file);
   set_coordinates(dm, file, request.scale);

@@ -26,9 +26,8 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(at, what.size(), with);
 }
 
-Mesh read_text(const std::string& text, const std::string& name = "case.msh") {
+Mesh read_text(const std::string& text, const std::string& name = "case.msh", MeshRequest request = {}) {
   on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(name, std::ios::binary) << text; });
-  MeshRequest request;
   request.file = name;
   return read_mesh(PETSC_COMM_WORLD, request);
 }
@@ -40,6 +39,13 @@ TEST(GmshFile, ReadsNamesWithBlanks) {
   EXPECT_EQ(mesh.global_cell_count(), 2);
   EXPECT_EQ(sum_over_ranks(static_cast<double>(mesh.region_cells("right half").size())), 1);
   EXPECT_EQ(sum_over_ranks(mesh.facets("foot").count()), 2);
+}
+
+TEST(GmshFile, RefinesTrianglesBehindQuadrilaterals) {
+  const std::string mixed = replaced(good, "2 2 3 1\n4 2 3 6 5", "2 2 2 1\n4 2 3 6");
+  MeshRequest request;
+  request.refine = 1;
+  EXPECT_EQ(read_text(mixed, "mixed.msh", request).global_cell_count(), 8);
 }
 
 TEST(GmshFile, TurnsClockwiseCells) {
