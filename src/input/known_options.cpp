@@ -285,9 +285,12 @@ void try_options(const std::string& prefix, const std::function<void()>& set_up)
 }
 
 std::string refused_option(const std::string& petsc_message) {
+  const KnownOptions& known = KnownOptions::get();
   std::vector<GivenOption> options;
-  for (const std::string& name : option_names())
+  for (const std::string& name : option_names()) {
+    if (known.of_solver(name) == nullptr && !known.global().contains(lower_case(name))) continue; // ours
     if (const auto text = option_text(name)) options.push_back({"-" + name, *text});
+  }
   return explain(petsc_message, "", options);
 }
 

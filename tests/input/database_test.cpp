@@ -3,6 +3,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <impact/input/database.hpp>
+#include <impact/input/known_options.hpp>
 #include <impact/input/option_text.hpp>
 #include <impact/input/spelling.hpp>
 #include <impact/petsc/error.hpp>
@@ -29,6 +30,14 @@ TEST(OptionDatabase, OptionsThatNobodyReadAreListed) {
   const auto left = impact::unread_options();
   ASSERT_EQ(left.size(), 1u);
   EXPECT_EQ(left[0].key + " " + left[0].text, "-motion_ksp_type cg");
+}
+
+TEST(OptionDatabase, PetscIsNotSaidToRefuseWhatIsOurs) {
+  OptionsScope options({{"-bc_slide_ux", "0"}, {"-motion_ksp_max_it", "-7"}});
+  EXPECT_EQ(impact::refused_option("Point 0 is not a quadrilateral [2, 1912)"), "");
+  EXPECT_NE(impact::refused_option("Maximum number of iterations -7 must be non-negative")
+                .find("-motion_ksp_max_it \"-7\": PETSc refuses it"),
+            std::string::npos);
 }
 
 TEST(OptionDatabase, ALineOfAnOptionsFileReadsBackTheSame) {
