@@ -47,7 +47,7 @@ def initialises(head, rest):
     """Whether braces after this head hold values, or the first members that a constructor sets."""
     word = rest.lstrip()[:1]
     return word in (";", ",", "{") and not re.match(r"\s*(?:\w+:\s*)*(?:template\s*<.*>\s*)?(class|struct|enum|union)\b", head, re.DOTALL) and (
-        word != "{" or ")" in head and ":" in head.rsplit(")", 1)[-1] + head)
+        word != "{" or ")" in head and ":" in head)
 
 
 def without_angles(text):

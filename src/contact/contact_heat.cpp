@@ -2,6 +2,7 @@
 #include <impact/contact/contact_heat.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -112,7 +113,7 @@ ContactHeat::Heat ContactHeat::book(Vec theta, Vec nodal) const {
       given[at(path.node[k])] += path.share[k] * in;
   }
   exchange_.add(given, nodal);
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  sum_over_ranks(mesh_->comm(), sum);
   return {sum[0], sum[1], rigid() ? sum[0] - (1 - split_) * sum[1] : 0};
 }
 

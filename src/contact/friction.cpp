@@ -4,6 +4,7 @@
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -119,7 +120,7 @@ bool Friction::follow(const Constraints& constraints, Vec u) {
     kind[at(c.index)] = t.slides ? moves : traction(c).slides ? turns : holds;
   });
   std::array<int, 2> any = {kind != kind_ ? 1 : 0, std::count(kind.begin(), kind.end(), turns) > 0 ? 1 : 0};
-  MPI_Allreduce(MPI_IN_PLACE, any.data(), 2, MPI_INT, MPI_MAX, constraints.comm());
+  max_over_ranks(constraints.comm(), any);
   kind_ = std::move(kind);
   reverses_ = any[1] == 1;
   return any[0] == 1;

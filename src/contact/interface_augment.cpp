@@ -4,6 +4,7 @@
 #include <impact/kernel/frame.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 /// Augmentation of a ContactInterface, and its totals after an accepted step.
 namespace impact {
@@ -37,7 +38,7 @@ struct Largest {
   }
   AugmentReport over_ranks(int active, MPI_Comm comm) {
     MPI_Allreduce(MPI_IN_PLACE, this, sizeof *this / sizeof(double), MPI_DOUBLE, MPI_MAX, comm);
-    MPI_Allreduce(MPI_IN_PLACE, &active, 1, MPI_INT, MPI_SUM, comm);
+    active = sum_over_ranks(comm, active);
     return {.penetration = penetration,
             .largest_gap = gap,
             .multiplier = multiplier,
@@ -156,7 +157,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
     constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
       *now.spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
     });
-    MPI_Allreduce(MPI_IN_PLACE, now.spring, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+    *now.spring = sum_over_ranks(mesh_->comm(), *now.spring);
   }
   if (friction_.acts()) {
     *now.heat = *before.heat + step(u).friction_loss / thickness();

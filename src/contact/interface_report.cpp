@@ -5,6 +5,7 @@
 #include <impact/kernel/frame.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <limits>
 
 /// What a ContactInterface tells of a solution: energies of a step for the ledger, history columns, output
@@ -59,7 +60,7 @@ void ContactInterface::add_force(const Constraint& c, Vector& force) const {
 ContactInterface::Vector ContactInterface::total_force(Vec u) const {
   Vector force{};
   constraints_->visit(u, Derivatives::first, [&](const Constraint& c) { add_force(c, force); });
-  MPI_Allreduce(MPI_IN_PLACE, force.data(), 3, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  sum_over_ranks(mesh_->comm(), force);
   if (constraints_->works_exactly()) // what the trapezoidal rule makes the mean of
     for (std::size_t k = 0; k < constraints_->dim(); ++k)
       force[k] = 2 * force[k] - totals(totals_->committed).force[k];
@@ -147,8 +148,8 @@ ContactReach ContactInterface::reach(Vec u) const {
     if (c.gap < touch) stiffness += c.weight * eps;
   });
   if (most[0] == -infinity) most[2] = -search().nearest_nodes(values);
-  MPI_Allreduce(MPI_IN_PLACE, most.data(), 3, MPI_DOUBLE, MPI_MAX, mesh_->comm());
-  MPI_Allreduce(MPI_IN_PLACE, &stiffness, 1, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  max_over_ranks(mesh_->comm(), most);
+  stiffness = sum_over_ranks(mesh_->comm(), stiffness);
   return {-most[0], -most[2], most[1] > 0 ? 0 : stiffness, most[1] > 0};
 }
 

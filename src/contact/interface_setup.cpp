@@ -7,6 +7,7 @@
 #include <impact/contact/resolve_settings.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 /// Construction of a ContactInterface and the overlap at the start.
 namespace impact {
@@ -137,7 +138,7 @@ InitialOverlapReport ContactInterface::initial_overlap() {
     if (mesh_->owned(node)) ++moved;
     for (std::size_t k = 0; k < d; ++k) report.shift[d * at(node) + k] /= said[d * at(node)];
   }
-  MPI_Allreduce(&moved, &report.nodes, 1, MPI_INT, MPI_SUM, mesh_->comm());
+  report.nodes = sum_over_ranks(mesh_->comm(), moved);
   return report;
 }
 

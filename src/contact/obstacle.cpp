@@ -4,6 +4,7 @@
 #include <impact/math/rotation.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -270,7 +271,7 @@ std::array<double, 3> pole_of(const ContactSettings& settings, const Mesh& mesh,
   const auto d = index(mesh.dim());
   for (std::size_t i = 0; i < secondary.X.size(); ++i) sum[i % d] += secondary.X[i];
   sum[3] = static_cast<double>(secondary.X.size() / d);
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 4, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  sum_over_ranks(mesh.comm(), sum);
   const Vector3 axis = {settings.axis[0], settings.axis[1], settings.axis[2]};
   const auto drop_axis = [&](Vector3& way) {
     const double along = dot(way, axis);

@@ -3,6 +3,7 @@
 #include <impact/contact/pair_search.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -123,7 +124,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   static_slack_.assign(nodes.size(), local_ ? HUGE_VAL : skin() / 2);
   smallest_ = std::min(tighten(secondary_slot_, static_X_, static_slack_),
                        tighten(primary_slot_, static_X_, static_slack_));
-  MPI_Allreduce(MPI_IN_PLACE, &smallest_, 1, MPI_DOUBLE, MPI_MIN, mesh.comm());
+  smallest_ = min_over_ranks(mesh.comm(), smallest_);
   if (kind == Primary::rigid) return;
   const SearchSecondary own = secondary_at(static_X_);
   const std::vector<SearchFacet> other = primary_at(static_X_);
@@ -161,13 +162,13 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += static_X_[i];
   const bool finite = all_finite(x);
   // Not a number; moved since the list was built; moved since the start of the step, by side.
-  std::array<double, 4> mine = {finite ? 0.0 : 1.0, 0, 0, 0}, all{};
-  if (finite && !list_.outdated) mine[1] = largest_part(x, list_.built_at, dim_, static_slack_);
+  std::array<double, 4> all = {finite ? 0.0 : 1.0, 0, 0, 0};
+  if (finite && !list_.outdated) all[1] = largest_part(x, list_.built_at, dim_, static_slack_);
   if (finite && !static_start_.empty()) {
-    mine[2] = largest_move(x, static_start_, dim_, secondary_slot_);
-    mine[3] = largest_move(x, static_start_, dim_, primary_slot_);
+    all[2] = largest_move(x, static_start_, dim_, secondary_slot_);
+    all[3] = largest_move(x, static_start_, dim_, primary_slot_);
   }
-  MPI_Allreduce(mine.data(), all.data(), 4, MPI_DOUBLE, MPI_MAX, mesh_->comm());
+  max_over_ranks(mesh_->comm(), all);
   const Outcome owed = std::exchange(restored_, Outcome::kept);
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
   if (all[0] > 0) return owed;
@@ -274,7 +275,7 @@ double PairSearch::pairs_per_facet() const {
   const std::vector<int>& offset = list_.candidates.offset;
   for (std::size_t f = 0; f + 1 < offset.size(); ++f)
     if (offset[f + 1] > offset[f]) sum = {sum[0] + offset[f + 1] - offset[f], sum[1] + 1};
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 2, MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  sum_over_ranks(mesh_->comm(), sum);
   return sum[1] > 0 ? sum[0] / sum[1] : 0;
 }
 

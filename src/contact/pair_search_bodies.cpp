@@ -1,5 +1,6 @@
 #include <impact/contact/pair_search.hpp>
 #include <impact/math/index.hpp>
+#include <impact/petsc/ranks.hpp>
 
 /// Pairs of a PairSearch whose facets belong to one body: which of them may touch (self_contact.hpp).
 namespace impact {
@@ -30,7 +31,7 @@ bool PairSearch::find_shapes(const SearchSecondary& secondary, const std::vector
     const int* slot = &secondary_slot_[at(corners_) * f];
     shapes_.push_back(facet_shape(dim_, in_space(slot, static_X_), body_at(*slot, 0)));
   }
-  MPI_Allreduce(MPI_IN_PLACE, has.data(), 2 * bodies.count, MPI_INT, MPI_MAX, mesh_->comm());
+  max_over_ranks(mesh_->comm(), has);
   bool both = false;
   for (std::size_t b = 0; b < has.size(); b += 2) both = both || (has[b] != 0 && has[b + 1] != 0);
   if (both)

@@ -4,6 +4,7 @@
 #include <impact/contact/resolve_settings.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <limits>
 
 namespace impact {
@@ -111,8 +112,8 @@ double set_automatic_values(ContactSettings& settings, const ContactEnvironment&
     longest[1] = std::max(longest[1], length);
     longest[2] = std::max(longest[2], -length);
   }
-  MPI_Allreduce(MPI_IN_PLACE, longest.data(), 3, MPI_DOUBLE, MPI_MAX, comm);
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 3, MPI_DOUBLE, MPI_SUM, comm);
+  max_over_ranks(comm, longest);
+  sum_over_ranks(comm, sum);
   const double h = sum[0] / sum[1];
   const double spacing = longest[0] / settings.points;
   if (!settings.rigid() && settings.method == ContactMethod::gauss_points &&

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/self_contact.hpp>
 #include <impact/math/vector3.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <limits>
 
 namespace impact {
@@ -39,7 +40,7 @@ Vector3 farthest(MPI_Comm comm, const std::vector<FacetShape>& shapes, const Vec
   };
   double most = 0;
   for (const FacetShape& shape : shapes) most = std::max(most, length(offset(shape)));
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm);
+  most = max_over_ranks(comm, most);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   // Coordinate by coordinate, so that a reduction finds it.
   Vector3 first = {infinity, infinity, infinity}, result{};
@@ -49,7 +50,7 @@ Vector3 farthest(MPI_Comm comm, const std::vector<FacetShape>& shapes, const Vec
       for (std::size_t j = 0; j < k; ++j) tied = tied && shape.centre[j] == first[j];
       if (tied && shape.centre[k] < first[k]) first[k] = shape.centre[k];
     }
-    MPI_Allreduce(MPI_IN_PLACE, &first[k], 1, MPI_DOUBLE, MPI_MIN, comm);
+    first[k] = min_over_ranks(comm, first[k]);
   }
   FacetShape found;
   found.centre = first;
@@ -92,7 +93,7 @@ SelfContact::SelfContact(MPI_Comm comm, int dim, const std::vector<FacetShape>& 
     for (std::size_t k = 0; k < 3; ++k) sum[k] += shape.centre[k];
     sum[3] += 1;
   }
-  MPI_Allreduce(MPI_IN_PLACE, sum.data(), 4, MPI_DOUBLE, MPI_SUM, comm);
+  sum_over_ranks(comm, sum);
   const Vector3 centre = {sum[0] / sum[3], sum[1] / sum[3], sum[2] / sum[3]};
   auto& [d, e, f] = direction_;
   const Vector3 far = farthest(comm, shapes, centre, {});

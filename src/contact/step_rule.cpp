@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/constraints.hpp>
 #include <impact/math/index.hpp>
+#include <impact/petsc/ranks.hpp>
 
 /// Contact in a step (theory.md, motion in time): forces along the gradients at its middle, where a turn of
 /// both bodies, however far, is an infinitesimal one of the mean configuration: du = spin x (x_n +
@@ -43,7 +44,7 @@ double Constraints::closed_within_step(Vec u, double least) const {
   const auto deepest = [&] {
     double largest = 0;
     for (double d : depth) largest = std::max(largest, d / mean_length_);
-    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm());
+    largest = max_over_ranks(comm(), largest);
     return largest > least ? largest : 0;
   };
   form_->visit(nodes().displacement(u), Derivatives::none,

@@ -4,6 +4,7 @@
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <numbers>
 #include <numeric>
 
@@ -57,9 +58,7 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
     surface.reversed.push_back(dim != 2 || cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);
   }
-  int mine = surface.count(), all = 0;
-  MPI_Allreduce(&mine, &all, 1, MPI_INT, MPI_SUM, mesh.comm());
-  if (all == 0)
+  if (sum_over_ranks(mesh.comm(), surface.count()) == 0)
     throw UserError(ExitCode::data, "contact " + contact + ": boundary `" + group + "` has no facets");
   return surface;
 }

@@ -17,6 +17,16 @@ const std::pair<std::string, std::vector<double> ContactFields::*> contact_field
     {"contact_traction", &ContactFields::traction},
     {"contact_slip", &ContactFields::slip}};
 
+// Mean over each cell of a row with one number per point.
+Batch cell_mean(const CellBatch& batch, const std::vector<double>& row) {
+  const auto X = batch.vectors(batch.d.mesh.coordinates());
+  const auto values = batch.load<1>(row);
+  auto ones = batch.points<1>();
+  std::ranges::fill(ones.all(), Batch(1.0));
+  const auto integral = batch.kernels.cell_integral;
+  return integral(X.data(), values.data()) / integral(X.data(), ones.data());
+}
+
 } // namespace
 
 void FieldSource::require(const std::string& key, const std::string& name, bool nodal_only) const {
@@ -47,40 +57,39 @@ FieldValues FieldSource::values(const std::string& name, Vec u) const {
 
 std::vector<double> FieldSource::cell_means(const std::string& name, int components) const {
   const Discretisation& d = motion_.discretisation();
+  const auto values_of = [&](const char* row) {
+    const StateRow* const found = state_.find(row);
+    return found == nullptr ? nullptr : &found->committed;
+  };
   const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
-  const StateRow *const phi_row = state_.find("phi"), *const theta_row = state_.find("theta"),
-                        *const fatigue = name == "fatigue" ? &state_.row(name) : nullptr;
+  const auto *const phi_row = values_of("phi"), *const theta_row = values_of("theta");
+  const StateRow* const fatigue = name == "fatigue" ? &state_.row(name) : nullptr;
   std::vector<double> values;
-  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(d.mesh.coordinates()), place = batch.vectors(u);
-    CellOutput out;
-    Batch mean;
-    if (fatigue != nullptr) {
-      const auto integral = batch.kernels.cell_integral;
-      const std::vector<Batch> ones(at(batch.group.shape->points), Batch(1.0));
-      mean = integral(X.data(), batch.load<1>(fatigue->committed).data()) / integral(X.data(), ones.data());
-    } else {
-      std::optional<NodalValues> phi, theta;
-      if (phi_row) phi = batch.scalars(phi_row->committed);
-      if (theta_row) theta = batch.scalars(theta_row->committed);
-      auto points = batch.histories();
-      batch.load(history, points);
-      MotionInput in;
-      in.X = X.data();
-      // The stress field leaves the viscous part out: it belongs to a step, not to a state.
-      in.u = in.u_n = place.data();
-      in.phi = phi ? phi->data() : nullptr;
-      in.theta = theta ? theta->data() : nullptr;
-      in.history = points.data();
-      batch.kernels.cell_output(batch.law, in, out);
-    }
-    const Batch* const source = fatigue               ? &mean
-                                : name == "stress"    ? out.stress
-                                : name == "von_mises" ? &out.von_mises
-                                : name == "pressure"  ? &out.pressure
-                                                      : &out.alpha;
+  const auto append = [&](const Batch* source) {
     for (int k = 0; k < components; ++k)
       for (int l = 0; l < lanes; ++l) values.push_back(source[k][l]);
+  };
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    if (fatigue != nullptr) {
+      const Batch mean = cell_mean(batch, fatigue->committed);
+      return append(&mean);
+    }
+    const auto X = batch.vectors(d.mesh.coordinates()), place = batch.vectors(u);
+    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
+    auto points = batch.histories();
+    MotionInput in;
+    in.X = X.data();
+    // The stress field leaves the viscous part out: it belongs to a step, not to a state.
+    in.u = in.u_n = place.data();
+    in.phi = batch.read(phi_row, phi);
+    in.theta = batch.read(theta_row, theta);
+    in.history = batch.read(&history, points);
+    CellOutput out;
+    batch.kernels.cell_output(batch.law, in, out);
+    append(name == "stress"      ? out.stress
+           : name == "von_mises" ? &out.von_mises
+           : name == "pressure"  ? &out.pressure
+                                 : &out.alpha);
   });
   return values;
 }

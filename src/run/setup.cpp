@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>
@@ -195,8 +196,7 @@ bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {
     for (int node : setup.discretisation.mesh.nodes(side))
       if (setup.rigid.body_of_node()[at(node)] < 0) deformable = 1;
   }
-  MPI_Allreduce(MPI_IN_PLACE, &deformable, 1, MPI_INT, MPI_MAX, setup.discretisation.mesh.comm());
-  return deformable == 0;
+  return max_over_ranks(setup.discretisation.mesh.comm(), deformable) == 0;
 }
 
 } // namespace impact

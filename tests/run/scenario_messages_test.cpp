@@ -230,6 +230,9 @@ const std::vector<Row>& rows() {
       {{{"-ts_times", "0,1,2"}, {"-ts_dts", "0.1"}},
        ExitCode::usage,
        "-ts_dts \"0.1\": 1 steps for 3 times; allowed: one step less than times"},
+      {{{"-ts_times", "0,2,1"}, {"-ts_dts", "0.1,0.1"}},
+       ExitCode::usage,
+       "-ts_times \"0,2,1\": not increasing; allowed: increasing times"},
       {{{"-motion_mat_type", "sbaij"}, {"-material_beam_model", "j2"}, {"-material_beam_sigma_y", "1 MPa"}},
        ExitCode::usage,
        "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -material_beam_model j2 is not; "

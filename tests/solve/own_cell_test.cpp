@@ -1,5 +1,6 @@
 #include "simulation_case.hpp"
 #include "wedge6.hpp"
+#include <impact/petsc/ranks.hpp>
 #include <random>
 
 // A cell that the program does not have (wedge6.hpp) is met in a mesh, is checked there, and carries a step.
@@ -71,7 +72,7 @@ TEST(OwnCell, FacetsOfBothKindsCloseTheBody) {
     }
     area[3] += std::hypot(n[0], n[1], n[2]);
   }
-  MPI_Allreduce(MPI_IN_PLACE, area, 4, MPI_DOUBLE, MPI_SUM, PETSC_COMM_WORLD);
+  sum_over_ranks(PETSC_COMM_WORLD, area);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(area[i], 0, 1e-14);
   EXPECT_NEAR(area[3], 6, 1e-13);
 }

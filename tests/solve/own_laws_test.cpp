@@ -2,6 +2,7 @@
 #include "../material/swift_hardening.hpp"
 #include "../mesh/box_mesh.hpp"
 #include "simulation_case.hpp"
+#include <impact/petsc/ranks.hpp>
 
 // A hardening and a degradation that the program does not have, one file each, carry a step; and what the
 // program has gives the same when it comes by the way of laws from outside.
@@ -51,8 +52,7 @@ MaterialParameters brittle() {
 double difference(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
-  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
-  return largest;
+  return max_over_ranks(PETSC_COMM_WORLD, largest);
 }
 
 TEST(OwnLaws, AHardeningOfTheListIsTheSameFromOutside) {
@@ -74,9 +74,7 @@ TEST(OwnLaws, AHardeningFromOutsideCarriesAStep) {
   MotionCase run = pulled(law);
   run.run();
   const Discretisation& d = run.discretisation();
-  double alpha = largest_alpha(d.frame, run.scalar("history"));
-  MPI_Allreduce(MPI_IN_PLACE, &alpha, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
-  EXPECT_GT(alpha, 1e-3);
+  EXPECT_GT(max_over_ranks(PETSC_COMM_WORLD, largest_alpha(d.frame, run.scalar("history"))), 1e-3);
   ASSERT_EQ(run.iterations.size(), 2u) << "no step may be cut";
   EXPECT_LE(run.iterations[1], 8);
 }
@@ -101,8 +99,8 @@ TEST(OwnLaws, ADegradationFromOutsideCarriesAStep) {
   MotionCase run = pulled(law);
   run.run();
   const std::vector<double>& phi = run.scalar("phi");
-  double largest = phi.empty() ? 0 : *std::max_element(phi.begin(), phi.end());
-  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD);
+  const double largest =
+      max_over_ranks(PETSC_COMM_WORLD, phi.empty() ? 0 : *std::max_element(phi.begin(), phi.end()));
   EXPECT_GT(largest, 0.05);
   EXPECT_LT(largest, 1);
 }

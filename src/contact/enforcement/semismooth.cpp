@@ -4,6 +4,7 @@
 #include <impact/contact/friction.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -129,7 +130,7 @@ public:
     });
     for (double x : constraints.nodes().current(values)) coordinate = std::max(coordinate, std::abs(x));
     std::array<double, 3> largest = {gap, force_of_gap, coordinate};
-    MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, constraints.comm());
+    max_over_ranks(constraints.comm(), largest);
     const bool rounding = largest[0] <= 1e-14 * largest[2];
     return {rounding || (largest[0] <= newton_gap * constraints.mean_length() && largest[1] <= force),
             largest[0] / constraints.mean_length()};
