@@ -6,6 +6,7 @@
 #include <impact/kernel/shape.hpp>
 #include <numbers>
 #include <stdexcept>
+#include <string_view>
 #include <vector>
 
 /// A plain scalar element around the plain law: one cell, dense tensors, any locking cure; T is double or
@@ -16,7 +17,7 @@ namespace impact {
 /// The kernels that the program has for a cell.
 template <class Cell, Frame frame> const CellKernels& kernels() {
   for (const Shape shape : known_shapes())
-    if (shape->names.polytope == Cell::names.polytope) return shape.kernels(frame);
+    if (shape->names.polytope == std::string_view(Cell::names.polytope)) return shape.kernels(frame);
   throw std::logic_error(Cell::names.polytope);
 }
 
