@@ -16,10 +16,10 @@ namespace {
 
 // Elements of a type in gmsh's manual, section "MSH file format", without groups.
 GmshBlock kind_of(std::int64_t type) {
-  if (type == 15) return {0, 1, {}, {}};
-  if (type == 1) return {1, 2, {}, {}};
+  if (type == 15) return {0, 1, 0, {}};
+  if (type == 1) return {1, 2, 0, {}};
   for (const Shape shape : known_shapes())
-    if (shape->names.gmsh == type) return {shape->dim, shape->nodes, {}, {}};
+    if (shape->names.gmsh == type) return {shape->dim, shape->nodes, 0, {}};
   if (type == 6 || type == 7)
     throw UserError(ExitCode::data,
                     "prisms or pyramids; allowed are triangles, quadrilaterals, tetrahedra and hexahedra");
@@ -249,9 +249,13 @@ private:
   }
 
   GmshBlock& block(GmshBlock b, const std::vector<int>& tags) {
-    for (const int tag : tags) b.groups.push_back(group(b.dim, tag));
+    std::vector<int> groups;
+    for (const int tag : tags) groups.push_back(group(b.dim, tag));
+    const auto found = std::find(file_.sets.begin(), file_.sets.end(), groups);
+    b.set = static_cast<int>(found - file_.sets.begin());
+    if (found == file_.sets.end()) file_.sets.push_back(std::move(groups));
     const GmshBlock* last = file_.blocks.empty() ? nullptr : &file_.blocks.back();
-    if (!last || last->nodes != b.nodes || last->dim != b.dim || last->groups != b.groups)
+    if (!last || last->nodes != b.nodes || last->dim != b.dim || last->set != b.set)
       file_.blocks.push_back(std::move(b));
     return file_.blocks.back();
   }
