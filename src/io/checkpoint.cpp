@@ -93,19 +93,26 @@ hdf5::DataSet state_set(const CheckpointState& state, const StateRow& row, const
 /// From the entities as stored, each rank a slab of them, to those of this rank, ghosts included. Collective.
 /// Throws UserError(io) for another mesh.
 Handle<PetscSF> from_stored(MPI_Comm comm, const std::string& file, const Entities& set, PetscLayout* slabs) {
-  std::vector<PetscInt> place;
+  PetscInt begin = 0, own = PETSC_DECIDE, all = static_cast<PetscInt>(set.slab.all);
+  check(PetscSplitOwnership(comm, &own, &all));
+  MPI_Scan(&own, &begin, 1, MPIU_INT, MPI_SUM, comm);
+  begin -= own;
+  std::vector<double> known;
   bool found = true;
   agree_on_errors(comm, [&] {
-    const std::vector<double> known = hdf5::Reader(file).numbers(path_in("/keys", set.name));
-    place = find_keys(known, set.keys);
-    found = known.size() == 2 * set.slab.all && std::ranges::find(place, PetscInt{-1}) == place.end();
+    const hdf5::Reader stored(file);
+    const std::string path = path_in("/keys", set.name);
+    found = stored.extent(path).at(0) == set.slab.all;
+    if (found) known = stored.rows(path, static_cast<hsize_t>(begin), static_cast<hsize_t>(own));
   });
+  const std::vector<PetscInt> place = find_keys(comm, known, begin, set.keys);
+  found = found && std::ranges::find(place, PetscInt{-1}) == place.end();
   if (!all_ranks_agree(comm, found))
     throw UserError(ExitCode::io,
                     "cannot use checkpoint " + file +
                         ": it belongs to another mesh; give the mesh, scale and refinement of its run");
   Handle<PetscSF> sf;
-  check(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, static_cast<PetscInt>(set.slab.all), 1, slabs));
+  check(PetscLayoutCreateFromSizes(comm, own, all, 1, slabs));
   check(PetscSFCreate(comm, sf.out()));
   check(PetscSFSetGraphLayout(sf, *slabs, static_cast<PetscInt>(place.size()), nullptr, PETSC_COPY_VALUES,
                               place.data()));

@@ -110,7 +110,8 @@ ElementRows rows_of(MPI_Comm comm, const GmshFile& file) {
     width = std::max<long>(width, 1 + block.nodes);
     ++cells;
   });
-  MPI_Exscan(&cells, &first, 1, MPI_LONG, MPI_SUM, comm);
+  MPI_Scan(&cells, &first, 1, MPI_LONG, MPI_SUM, comm);
+  first -= cells;
   ElementRows rows{at(max_over_ranks(comm, width)), {}, {}};
   rows.cells.reserve(rows.width * at(cells));
   for_each_element(file, true, [&](const GmshBlock& block, const int* node) {

@@ -44,6 +44,7 @@ struct Part {
       if (block.dim == file.dim) vertex.insert(vertex.end(), block.node.begin(), block.node.end());
     std::sort(vertex.begin(), vertex.end());
     vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+    vertex.shrink_to_fit();
     PetscLayout nodes = nullptr;
     check(
         PetscLayoutCreateFromSizes(comm, static_cast<PetscInt>(file.x.size() / 3), PETSC_DECIDE, 1, &nodes));
