@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstring>
 #include <impact/io/durable_file.hpp>
+#include <impact/io/mesh_file.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
 #include <petscsf.h>
@@ -89,68 +90,29 @@ hdf5::DataSet state_set(const CheckpointState& state, const StateRow& row, const
                     });
 }
 
-/// The mesh of the run as its file had it, before it was refined, distributed and ordered.
-struct StoredMesh {
-  std::string groups;    // lines of dimension, tag and name
-  std::vector<double> x; // [node][3]
-  std::vector<std::int64_t>
-      blocks; // of each: dimension, nodes of an element, numbers of groups and nodes, both
-
-  explicit StoredMesh(const GmshFile& mesh) : x(mesh.x) {
-    for (const GmshGroup& group : mesh.groups)
-      groups += std::to_string(group.dim) + " " + std::to_string(group.tag) + " " + group.name + "\n";
-    for (const GmshBlock& block : mesh.blocks) {
-      blocks.insert(blocks.end(), {block.dim, block.nodes, static_cast<std::int64_t>(block.groups.size()),
-                                   static_cast<std::int64_t>(block.node.size())});
-      blocks.insert(blocks.end(), block.groups.begin(), block.groups.end());
-      blocks.insert(blocks.end(), block.node.begin(), block.node.end());
-    }
-  }
-};
-
-GmshFile stored_mesh(const hdf5::Reader& file) {
-  GmshFile mesh;
-  mesh.x = file.numbers("/mesh/nodes");
-  std::istringstream groups(file.text("/mesh/groups"));
-  for (GmshGroup group; groups >> group.dim >> group.tag;) {
-    groups.get(); // the blank before the name
-    std::getline(groups, group.name);
-    mesh.groups.push_back(group);
-  }
-  const std::vector<double> blocks = file.numbers("/mesh/blocks");
-  auto at = blocks.begin();
-  const auto next = [&] { return static_cast<int>(*at++); };
-  const auto list = [&](int count) {
-    std::vector<int> numbers(static_cast<std::size_t>(count));
-    std::ranges::generate(numbers, next);
-    return numbers;
-  };
-  while (at != blocks.end()) {
-    const int dim = next(), nodes = next(), groups_of_block = next(), length = next();
-    GmshBlock block{dim, nodes, list(groups_of_block), {}};
-    block.node = list(length);
-    mesh.dim = std::max(mesh.dim, dim);
-    mesh.blocks.push_back(std::move(block));
-  }
-  return mesh;
-}
-
 /// From the entities as stored, each rank a slab of them, to those of this rank, ghosts included. Collective.
 /// Throws UserError(io) for another mesh.
 Handle<PetscSF> from_stored(MPI_Comm comm, const std::string& file, const Entities& set, PetscLayout* slabs) {
-  std::vector<PetscInt> place;
+  PetscInt begin = 0, own = PETSC_DECIDE, all = static_cast<PetscInt>(set.slab.all);
+  check(PetscSplitOwnership(comm, &own, &all));
+  MPI_Scan(&own, &begin, 1, MPIU_INT, MPI_SUM, comm);
+  begin -= own;
+  std::vector<double> known;
   bool found = true;
   agree_on_errors(comm, [&] {
-    const std::vector<double> known = hdf5::Reader(file).numbers(path_in("/keys", set.name));
-    place = find_keys(known, set.keys);
-    found = known.size() == 2 * set.slab.all && std::ranges::find(place, PetscInt{-1}) == place.end();
+    const hdf5::Reader stored(file);
+    const std::string path = path_in("/keys", set.name);
+    found = stored.extent(path).at(0) == set.slab.all;
+    if (found) known = stored.rows(path, static_cast<hsize_t>(begin), static_cast<hsize_t>(own));
   });
+  const std::vector<PetscInt> place = find_keys(comm, known, begin, set.keys);
+  found = found && std::ranges::find(place, PetscInt{-1}) == place.end();
   if (!all_ranks_agree(comm, found))
     throw UserError(ExitCode::io,
                     "cannot use checkpoint " + file +
                         ": it belongs to another mesh; give the mesh, scale and refinement of its run");
   Handle<PetscSF> sf;
-  check(PetscLayoutCreateFromSizes(comm, PETSC_DECIDE, static_cast<PetscInt>(set.slab.all), 1, slabs));
+  check(PetscLayoutCreateFromSizes(comm, own, all, 1, slabs));
   check(PetscSFCreate(comm, sf.out()));
   check(PetscSFSetGraphLayout(sf, *slabs, static_cast<PetscInt>(place.size()), nullptr, PETSC_COPY_VALUES,
                               place.data()));
@@ -208,12 +170,8 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
   for (const auto& row : state_.table.rows())
     if (row->checkpointed) sets.push_back(state_set(state_, *row, set_of(*row, entities_), buffer));
   std::optional<StoredMesh> mesh;
-  if (state_.file != nullptr) {
-    mesh.emplace(*state_.file);
-    sets.push_back(hdf5::whole(comm, "/mesh/nodes", mesh->x));
-    sets.push_back(hdf5::whole(comm, "/mesh/groups", mesh->groups));
-    sets.push_back(hdf5::whole(comm, "/mesh/blocks", mesh->blocks));
-  }
+  if (state_.file != nullptr)
+    std::ranges::move(mesh.emplace(comm, *state_.file).data_sets(), std::back_inserter(sets));
   double megabytes = 0;
   for (const hdf5::DataSet& set : sets)
     megabytes +=
@@ -248,16 +206,11 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
 }
 
 std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoint& checkpoint) {
-  std::optional<GmshFile> mesh;
   int found = 0;
-  on_rank_zero(comm, [&] {
-    const hdf5::Reader file(checkpoint.file);
-    if (file.has("/mesh")) mesh = stored_mesh(file);
-    found = mesh ? 1 : 0;
-  });
+  on_rank_zero(comm, [&] { found = hdf5::Reader(checkpoint.file).has("/mesh") ? 1 : 0; });
   MPI_Bcast(&found, 1, MPI_INT, 0, comm);
-  if (found == 1 && !mesh) mesh.emplace();
-  return mesh;
+  if (found == 0) return {};
+  return read_stored_mesh(comm, checkpoint.file);
 }
 
 } // namespace impact

@@ -16,7 +16,7 @@ namespace impact {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* format = "impact checkpoint 4";
+constexpr const char* format = "impact checkpoint 5";
 
 fs::path manifest_of(const fs::path& file) { return fs::path(file).replace_extension(".manifest"); }
 

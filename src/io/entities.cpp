@@ -3,9 +3,9 @@
 #include <bit>
 #include <impact/io/checksum.hpp>
 #include <impact/math/index.hpp>
+#include <impact/mesh/exchange.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/petsc/error.hpp>
-#include <numeric>
 
 namespace impact {
 
@@ -157,21 +157,41 @@ std::size_t row_width(const Mesh& mesh, const std::vector<CellGroup>& groups, co
   return width;
 }
 
-std::vector<PetscInt> find_keys(const std::vector<double>& known, const std::vector<double>& wanted) {
-  const auto key = [](const std::vector<double>& keys, std::size_t k) {
-    return std::pair(keys[2 * k], keys[2 * k + 1]);
+std::vector<PetscInt> find_keys(MPI_Comm comm, const std::vector<double>& known, PetscInt first,
+                                const std::vector<double>& wanted) {
+  struct Key {
+    double key[2];
+    PetscInt place;
+    auto operator<=>(const Key&) const = default;
   };
-  std::vector<std::size_t> order(known.size() / 2);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return key(known, a) < key(known, b); });
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  using Messages = std::vector<std::vector<Key>>;
+  const auto home = [&](double key) {
+    return static_cast<std::uint64_t>(key) % static_cast<unsigned>(ranks);
+  };
+  const auto sent = [&](const std::vector<double>& keys, PetscInt begin) {
+    Messages out(at(ranks));
+    for (std::size_t k = 0; 2 * k < keys.size(); ++k)
+      out[home(keys[2 * k])].push_back({{keys[2 * k], keys[2 * k + 1]}, begin + static_cast<PetscInt>(k)});
+    return all_to_all(comm, out);
+  };
+  std::vector<Key> met;
+  for (const auto& message : sent(known, first)) met.insert(met.end(), message.begin(), message.end());
+  std::ranges::sort(met);
+  Messages asked = sent(wanted, 0);
+  std::vector<std::vector<PetscInt>> answers(at(ranks));
+  const auto before = [](const Key& a, const Key& b) {
+    return std::pair(a.key[0], a.key[1]) < std::pair(b.key[0], b.key[1]);
+  };
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const Key& key : asked[r]) {
+      const auto same = std::ranges::equal_range(met, key, before);
+      answers[r].insert(answers[r].end(), {key.place, same.size() == 1 ? same.front().place : -1});
+    }
   std::vector<PetscInt> places(wanted.size() / 2, -1);
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const auto at =
-        std::ranges::partition_point(order, [&](std::size_t i) { return key(known, i) < key(wanted, k); });
-    const bool found = at != order.end() && key(known, *at) == key(wanted, k);
-    const bool twice = found && at + 1 != order.end() && key(known, *(at + 1)) == key(wanted, k);
-    if (found && !twice) places[k] = static_cast<PetscInt>(*at);
-  }
+  for (const auto& answer : all_to_all(comm, answers))
+    for (std::size_t k = 0; k < answer.size(); k += 2) places[at(answer[k])] = answer[k + 1];
   return places;
 }
 

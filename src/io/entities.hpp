@@ -36,8 +36,10 @@ struct RowPlace {
 std::size_t for_each_place(const Mesh& mesh, const std::vector<CellGroup>& groups, const StateRow& row,
                            bool all, const std::function<void(const RowPlace&)>& use);
 
-/// For each entity of this rank, ghosts included, the place of its key among `known` ([k][2]); -1 where there
-/// is none or more than one.
-std::vector<PetscInt> find_keys(const std::vector<double>& known, const std::vector<double>& wanted);
+/// For each entity of this rank, ghosts included, the place of its key among those that are known ([k][2],
+/// each rank a part that begins at `first`); -1 where there is none or more than one. Keys meet on a rank
+/// that they name, so that no rank needs them all. Collective.
+std::vector<PetscInt> find_keys(MPI_Comm comm, const std::vector<double>& known, PetscInt first,
+                                const std::vector<double>& wanted);
 
 } // namespace impact

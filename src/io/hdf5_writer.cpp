@@ -85,6 +85,7 @@ Layout lay_out(const std::vector<DataSet>& sets) {
   H5Pset_create_intermediate_group(parents, 1);
   H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
   H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
+  H5Pset_obj_track_times(creation, false); // equal numbers make equal files
   const Id file(checked(H5Fcreate("layout", H5F_ACC_TRUNC, H5P_DEFAULT, access), "file"), H5Fclose);
   for (const DataSet& set : sets) {
     const hid_t type = set.kind == Kind::real      ? H5T_IEEE_F64LE

@@ -59,6 +59,9 @@ void check_nodes(GmshFile& file) {
 
 void check_duplicates(GmshFile& file, bool version4) {
   std::vector<std::array<int, 8>> cells;
+  std::size_t count = 0;
+  for_each_cell(file, [&](const int*, Shape) { ++count; });
+  cells.reserve(count);
   for_each_cell(file, [&](const int* node, Shape shape) {
     auto& key = cells.emplace_back();
     key.fill(-1);
@@ -191,6 +194,9 @@ void check_hanging_nodes(const GmshFile& file, const std::vector<std::pair<int, 
 
 void check_facets(GmshFile& file) {
   std::vector<FacetKey> facets;
+  std::size_t count = 0;
+  for_each_cell(file, [&](const int*, Shape shape) { count += shape->facets.size(); });
+  facets.reserve(count);
   for_each_cell(file, [&](const int* node, Shape shape) {
     for (const CellFacet& local : shape->facets) facets.push_back(facet_key(node, local));
   });

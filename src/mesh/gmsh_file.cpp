@@ -3,10 +3,9 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <impact/math/index.hpp>
 #include <impact/mesh/gmsh.hpp>
-#include <set>
-#include <sstream>
-#include <unordered_map>
+#include <optional>
 
 namespace impact {
 
@@ -16,10 +15,10 @@ namespace {
 
 // Elements of a type in gmsh's manual, section "MSH file format", without groups.
 GmshBlock kind_of(std::int64_t type) {
-  if (type == 15) return {0, 1, {}, {}};
-  if (type == 1) return {1, 2, {}, {}};
+  if (type == 15) return {0, 1, 0, {}};
+  if (type == 1) return {1, 2, 0, {}};
   for (const Shape shape : known_shapes())
-    if (shape->names.gmsh == type) return {shape->dim, shape->nodes, {}, {}};
+    if (shape->names.gmsh == type) return {shape->dim, shape->nodes, 0, {}};
   if (type == 6 || type == 7)
     throw UserError(ExitCode::data,
                     "prisms or pyramids; allowed are triangles, quadrilaterals, tetrahedra and hexahedra");
@@ -109,6 +108,33 @@ private:
   const char *p_, *end_;
 };
 
+/// Numbers from 0 by gmsh's tags, which mostly are consecutive.
+class NodeTags {
+public:
+  void reserve(std::size_t count) { nodes_.reserve(count); }
+  void add(std::int64_t tag) { nodes_.emplace_back(tag, static_cast<int>(nodes_.size())); }
+  std::size_t size() const { return nodes_.size(); }
+  /// After the last one.
+  void sort() {
+    std::ranges::sort(nodes_);
+    const auto twin = std::ranges::adjacent_find(nodes_, {}, &Node::first);
+    if (twin != nodes_.end()) garbled("node " + std::to_string(twin->first) + " occurs twice");
+  }
+  int find(std::int64_t tag) const {
+    const std::uint64_t guess =
+        nodes_.empty() ? 0 : static_cast<std::uint64_t>(tag) - static_cast<std::uint64_t>(nodes_[0].first);
+    if (guess < nodes_.size() && nodes_[guess].first == tag) return nodes_[guess].second;
+    const auto found = std::ranges::lower_bound(nodes_, tag, {}, &Node::first);
+    if (found == nodes_.end() || found->first != tag)
+      garbled("an element uses node " + std::to_string(tag) + ", which is not there");
+    return found->second;
+  }
+
+private:
+  using Node = std::pair<std::int64_t, int>;
+  std::vector<Node> nodes_;
+};
+
 class Reader {
 public:
   Reader(const char* begin, const char* end) : in_(begin, end) {}
@@ -181,30 +207,27 @@ private:
     in_.expect_end("Entities");
   }
 
-  void add_node(std::int64_t tag) {
-    if (!node_of_tag_.emplace(tag, static_cast<int>(node_of_tag_.size())).second)
-      garbled("node " + std::to_string(tag) + " occurs twice");
-  }
   void read_nodes4() {
     const std::size_t blocks = in_.count(in_.size()), total = in_.count(in_.size());
     in_.size();
     in_.size();
-    node_of_tag_.reserve(total);
+    tags_.reserve(total);
     file_.x.reserve(3 * total);
     for (std::size_t b = 0; b < blocks; ++b) {
       const std::int64_t dim = in_.integer();
       in_.integer();
       const std::int64_t parametric = in_.integer();
       const std::size_t n = in_.count(in_.size());
-      for (std::size_t k = 0; k < n; ++k) add_node(in_.size());
+      for (std::size_t k = 0; k < n; ++k) tags_.add(in_.size());
       for (std::size_t k = 0; k < n; ++k) {
         for (int i = 0; i < 3; ++i) file_.x.push_back(in_.number());
         for (std::int64_t i = 0; parametric != 0 && i < dim; ++i) in_.number();
       }
     }
-    if (node_of_tag_.size() != total)
+    if (tags_.size() != total)
       garbled("$Nodes announces " + std::to_string(total) + " nodes, but has " +
-              std::to_string(node_of_tag_.size()));
+              std::to_string(tags_.size()));
+    tags_.sort();
     nodes_ = true;
     in_.expect_end("Nodes");
   }
@@ -212,18 +235,12 @@ private:
     const std::size_t total = in_.count(in_.ascii_integer());
     if (in_.binary) in_.end_line();
     for (std::size_t k = 0; k < total; ++k) {
-      add_node(in_.integer());
+      tags_.add(in_.integer());
       for (int i = 0; i < 3; ++i) file_.x.push_back(in_.number());
     }
+    tags_.sort();
     nodes_ = true;
     in_.expect_end("Nodes");
-  }
-
-  int node(std::int64_t tag) const {
-    const auto found = node_of_tag_.find(tag);
-    if (found == node_of_tag_.end())
-      garbled("an element uses node " + std::to_string(tag) + ", which is not there");
-    return found->second;
   }
 
   // Groups of one (dim, tag) and groups of one name and dimension are the same.
@@ -249,9 +266,13 @@ private:
   }
 
   GmshBlock& block(GmshBlock b, const std::vector<int>& tags) {
-    for (const int tag : tags) b.groups.push_back(group(b.dim, tag));
+    std::vector<int> groups;
+    for (const int tag : tags) groups.push_back(group(b.dim, tag));
+    const auto found = std::find(file_.sets.begin(), file_.sets.end(), groups);
+    b.set = static_cast<int>(found - file_.sets.begin());
+    if (found == file_.sets.end()) file_.sets.push_back(std::move(groups));
     const GmshBlock* last = file_.blocks.empty() ? nullptr : &file_.blocks.back();
-    if (!last || last->nodes != b.nodes || last->dim != b.dim || last->groups != b.groups)
+    if (!last || last->nodes != b.nodes || last->dim != b.dim || last->set != b.set)
       file_.blocks.push_back(std::move(b));
     return file_.blocks.back();
   }
@@ -269,9 +290,10 @@ private:
         garbled("an element block of dimension " + std::to_string(dim) + " with elements of another");
       const std::size_t n = in_.count(in_.size());
       GmshBlock& out = block(kind, physical_of_entity_[{dim, entity}]);
+      if (n <= in_.left() / at(kind.nodes)) out.node.reserve(out.node.size() + n * at(kind.nodes));
       for (std::size_t k = 0; k < n; ++k, ++seen) {
         in_.size();
-        for (int a = 0; a < kind.nodes; ++a) out.node.push_back(node(in_.size()));
+        for (int a = 0; a < kind.nodes; ++a) out.node.push_back(tags_.find(in_.size()));
       }
     }
     if (seen != total)
@@ -299,7 +321,7 @@ private:
       for (std::size_t t = in_.count(tag_count); t > 0; --t) tags.push_back(static_cast<int>(in_.integer()));
       tags.resize(tags.empty() || tags[0] == 0 ? 0 : 1);
       GmshBlock& out = block(kind, tags);
-      for (int a = 0; a < kind.nodes; ++a) out.node.push_back(node(in_.integer()));
+      for (int a = 0; a < kind.nodes; ++a) out.node.push_back(tags_.find(in_.integer()));
     }
     elements_ = true;
     in_.expect_end("Elements");
@@ -310,7 +332,7 @@ private:
   bool version4_ = true, nodes_ = false, elements_ = false; // what has been read
   std::map<std::pair<int, int>, std::string> names_;
   std::map<std::pair<int, std::int64_t>, std::vector<int>> physical_of_entity_;
-  std::unordered_map<std::int64_t, int> node_of_tag_;
+  NodeTags tags_;
 };
 
 } // namespace
@@ -321,7 +343,9 @@ Shape GmshBlock::shape() const {
   throw UserError(ExitCode::data, "mesh: no cell has " + std::to_string(nodes) + " nodes");
 }
 
-GmshFile read_gmsh(const std::string& path) {
+namespace {
+
+std::string text_of(const std::string& path) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) throw UserError(ExitCode::io, path + ": cannot be opened; is the path right?");
   const std::streamoff length = in.tellg();
@@ -329,10 +353,21 @@ GmshFile read_gmsh(const std::string& path) {
   std::string text(static_cast<std::size_t>(length), '\0');
   in.seekg(0);
   if (!in.read(text.data(), length)) throw UserError(ExitCode::io, path + ": cannot be read");
+  return text;
+}
+
+} // namespace
+
+GmshFile read_gmsh(const std::string& path) {
+  std::string text = text_of(path);
   try {
-    Reader reader(text.data(), text.data() + text.size());
-    GmshFile file = reader.read();
-    check_gmsh(file, reader.version4());
+    std::optional<Reader> reader(std::in_place, text.data(), text.data() + text.size());
+    GmshFile file = reader->read();
+    const bool version4 = reader->version4();
+    reader.reset(); // the checks need the memory
+    text = {};
+    text.shrink_to_fit();
+    check_gmsh(file, version4);
     return file;
   } catch (const UserError& error) {
     throw UserError(error.code(), path + ": " + error.what());

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <impact/mesh/exchange.hpp>
 #include <impact/mesh/node_graph.hpp>
 #include <limits>
 #include <numeric>
@@ -8,26 +9,6 @@
 namespace impact {
 
 namespace {
-
-// One message of integers to each rank, one from each; a set-up step, so that the dense exchange does not
-// matter.
-std::vector<std::vector<PetscInt>> all_to_all(MPI_Comm comm, const std::vector<std::vector<PetscInt>>& out) {
-  const std::size_t ranks = out.size();
-  std::vector<int> sendcount(ranks), receivecount(ranks), sendat(ranks + 1), receiveat(ranks + 1);
-  for (std::size_t r = 0; r < ranks; ++r) sendcount[r] = static_cast<int>(out[r].size());
-  MPI_Alltoall(sendcount.data(), 1, MPI_INT, receivecount.data(), 1, MPI_INT, comm);
-  std::partial_sum(sendcount.begin(), sendcount.end(), sendat.begin() + 1);
-  std::partial_sum(receivecount.begin(), receivecount.end(), receiveat.begin() + 1);
-  std::vector<PetscInt> packed, received(at(receiveat.back()));
-  packed.reserve(at(sendat.back()));
-  for (const auto& message : out) packed.insert(packed.end(), message.begin(), message.end());
-  MPI_Alltoallv(packed.data(), sendcount.data(), sendat.data(), MPIU_INT, received.data(),
-                receivecount.data(), receiveat.data(), MPIU_INT, comm);
-  std::vector<std::vector<PetscInt>> in(ranks);
-  for (std::size_t r = 0; r < ranks; ++r)
-    in[r].assign(received.begin() + receiveat[r], received.begin() + receiveat[r + 1]);
-  return in;
-}
 
 // A cell in the packed order of its group.
 const int* nodes_of(const CellGroup& group, int cell) {

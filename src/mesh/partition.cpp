@@ -12,50 +12,71 @@
 namespace {
 
 // Part of each vertex. METIS itself is not made for as many parts as vertices.
-int metis_parts(PetscInt parts, PetscInt vertices, const PetscInt* start, const PetscInt* neighbour,
-                const idx_t* weight, std::vector<idx_t>& part) {
+int metis_parts(PetscInt parts, std::vector<idx_t>& start, std::vector<idx_t>& neighbour, idx_t* weight,
+                std::vector<idx_t>& part) {
+  idx_t vertices = static_cast<idx_t>(start.size()) - 1, constraints = 1,
+        part_count = static_cast<idx_t>(parts), cut = 0;
   part.assign(static_cast<std::size_t>(vertices), 0);
   if (parts == 1) return METIS_OK;
   if (vertices <= parts) {
     std::iota(part.begin(), part.end(), idx_t{0});
     return METIS_OK;
   }
-  std::vector<idx_t> from(start, start + vertices + 1), to(neighbour, neighbour + start[vertices]);
-  idx_t n = static_cast<idx_t>(vertices), constraints = 1, part_count = static_cast<idx_t>(parts), cut = 0;
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_SEED] = 1;
-  return METIS_PartGraphKway(&n, &constraints, from.data(), to.data(), const_cast<idx_t*>(weight), nullptr,
+  return METIS_PartGraphKway(&vertices, &constraints, start.data(), neighbour.data(), weight, nullptr,
                              nullptr, &part_count, nullptr, nullptr, options, &cut, part.data());
 }
 
+// The numbers of all ranks, in their order, on rank 0; how many each has is told there too.
+std::vector<idx_t> on_first_rank(MPI_Comm comm, const idx_t* mine, PetscInt size, std::vector<int>& counts) {
+  const int own = static_cast<int>(size);
+  MPI_Gather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, 0, comm);
+  std::vector<int> from(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), from.begin() + 1);
+  std::vector<idx_t> all(static_cast<std::size_t>(from.back()));
+  MPI_Gatherv(mine, own, MPIU_INT, all.data(), counts.data(), from.data(), MPIU_INT, 0, comm);
+  return all;
+}
+
+// METIS works on one rank: the graph goes to rank 0, wherever its vertices are, and the parts come back.
 PetscErrorCode partition(PetscPartitioner self, PetscInt parts, PetscInt vertices, PetscInt start[],
                          PetscInt neighbour[], PetscSection weights, PetscSection,
 #if PETSC_VERSION_GE(3, 21, 0)
                          PetscSection,
 #endif
                          PetscSection result, IS* order) {
+  static_assert(sizeof(idx_t) == sizeof(PetscInt));
   PetscFunctionBegin;
   const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(self));
-  int holding = vertices > 0 ? 1 : 0, holders = 0;
-  PetscCallMPI(MPI_Allreduce(&holding, &holders, 1, MPI_INT, MPI_SUM, comm));
-  PetscCheck(holders <= 1, comm, PETSC_ERR_SUP,
-             "partitioner metis needs the whole mesh on one rank; use -petscpartitioner_type ptscotch");
-  std::vector<idx_t> weight, part;
-  if (weights && vertices > 0) {
-    PetscInt first = 0, end = 0;
-    PetscCall(PetscSectionGetChart(weights, &first, &end));
-    for (PetscInt v = first; v < end && v < first + vertices; ++v) {
-      PetscInt dofs = 0;
-      PetscCall(PetscSectionGetDof(weights, v, &dofs));
-      weight.push_back(static_cast<idx_t>(dofs));
-    }
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  std::vector<idx_t> degree, weight;
+  PetscInt first = 0, end = 0;
+  if (weights) PetscCall(PetscSectionGetChart(weights, &first, &end));
+  for (PetscInt v = 0; v < vertices; ++v) {
+    PetscInt dofs = 0;
+    if (first + v < end) PetscCall(PetscSectionGetDof(weights, first + v, &dofs));
+    degree.push_back(start[v + 1] - start[v]);
+    weight.push_back(std::max<PetscInt>(dofs, 1)); // 1 where no weight is said
   }
-  const bool weighted = static_cast<PetscInt>(weight.size()) == vertices && vertices > 0;
-  PetscCheck(metis_parts(parts, vertices, start, neighbour, weighted ? weight.data() : nullptr, part) ==
-                 METIS_OK,
-             PETSC_COMM_SELF, PETSC_ERR_LIB, "METIS failed");
+  std::vector<int> counts(rank == 0 ? static_cast<std::size_t>(ranks) : 0), ignored = counts;
+  std::vector<idx_t> to = on_first_rank(comm, neighbour, vertices > 0 ? start[vertices] : 0, ignored),
+                     weight_of = on_first_rank(comm, weight.data(), vertices, ignored),
+                     from = on_first_rank(comm, degree.data(), vertices, counts), all,
+                     part(static_cast<std::size_t>(vertices));
+  from.insert(from.begin(), 0);
+  std::partial_sum(from.begin(), from.end(), from.begin());
+  int code = rank == 0 ? metis_parts(parts, from, to, weight_of.data(), all) : METIS_OK;
+  MPI_Bcast(&code, 1, MPI_INT, 0, comm);
+  PetscCheck(code == METIS_OK, comm, PETSC_ERR_LIB, "METIS failed");
+  std::vector<int> place(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), place.begin() + 1);
+  MPI_Scatterv(all.data(), counts.data(), place.data(), MPIU_INT, part.data(), static_cast<int>(vertices),
+               MPIU_INT, 0, comm);
   std::vector<PetscInt> count(static_cast<std::size_t>(parts) + 1, 0), list(part.size());
   for (const idx_t p : part) ++count[static_cast<std::size_t>(p) + 1];
   for (PetscInt p = 0; p < parts; ++p)
@@ -81,8 +102,7 @@ namespace impact {
 namespace {
 
 // Makes the partitioner type `metis` known to PETSc (Debian's PETSc is built without METIS). It takes vertex
-// weights from the DM's local section and needs the whole graph on one rank, which is where a file has been
-// read; any other graph is refused with advice to take ptscotch. Equal input gives equal parts.
+// weights from the DM's local section. Equal input gives equal parts.
 void register_metis_partitioner() {
   static bool done = false; // PETSc's list of types is as global
   if (!done) check(PetscPartitionerRegister("metis", create));

@@ -3,12 +3,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <impact/math/index.hpp>
+#include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <limits>
-#include <sstream>
 
 namespace impact {
 
@@ -17,15 +17,12 @@ namespace {
 GmshFile read_file(const MeshRequest& request) {
   const std::string ending = std::filesystem::path(request.file).extension().string();
   if (ending != ".msh" && ending != ".geo")
-    throw UserError(ExitCode::usage, request.file + ": unknown kind of mesh file; allowed .msh and .geo");
+    throw UserError(ExitCode::usage, request.file +
+                                         ": unknown kind of mesh file; allowed .msh, .geo, and .h5 as "
+                                         "-mesh_convert writes it");
   if (!std::filesystem::exists(request.file)) throw UserError(ExitCode::io, request.file + ": no such file");
-  if (!(request.scale > 0) || !std::isfinite(request.scale))
-    throw UserError(ExitCode::usage, "mesh scale must be positive and finite");
-  if (ending == ".geo") return read_gmsh(run_gmsh(request));
-  if (!request.parameters.empty())
-    throw UserError(ExitCode::usage,
-                    request.file + ": -mesh_set_" + request.parameters.begin()->first + " needs a .geo file");
-  return read_gmsh(request.file);
+  check_request(request);
+  return read_gmsh(ending == ".geo" ? run_gmsh(request) : request.file);
 }
 
 PetscInt count_cells(const GmshFile& file) {
@@ -35,13 +32,71 @@ PetscInt count_cells(const GmshFile& file) {
   return count;
 }
 
-// Cells and vertices only; the file is empty but for its dimension on all ranks but the first.
-Handle<DM> make_topology(MPI_Comm comm, const GmshFile& file) {
+/// The cells of this rank's part of a file, and the vertices that they use: points of a mesh to be built.
+struct Part {
+  MPI_Comm comm;
+  PetscInt cells;
+  std::vector<PetscInt> vertex; // numbers in the file, rising
+  Handle<PetscSF> of_file;      // from the nodes of all parts of the file to these vertices
+
+  Part(MPI_Comm all, const GmshFile& file) : comm(all), cells(count_cells(file)) {
+    for (const GmshBlock& block : file.blocks)
+      if (block.dim == file.dim) vertex.insert(vertex.end(), block.node.begin(), block.node.end());
+    std::sort(vertex.begin(), vertex.end());
+    vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+    vertex.shrink_to_fit();
+    PetscLayout nodes = nullptr;
+    check(
+        PetscLayoutCreateFromSizes(comm, static_cast<PetscInt>(file.x.size() / 3), PETSC_DECIDE, 1, &nodes));
+    check(PetscSFCreate(comm, of_file.out()));
+    check(PetscSFSetGraphLayout(of_file, nodes, static_cast<PetscInt>(vertex.size()), nullptr,
+                                PETSC_COPY_VALUES, vertex.data()));
+    check(PetscLayoutDestroy(&nodes));
+  }
+  PetscInt end() const { return cells + static_cast<PetscInt>(vertex.size()); }
+  /// -1 where no cell of this rank has the node.
+  PetscInt point(PetscInt node) const {
+    const bool all = !vertex.empty() && vertex.back() + 1 == static_cast<PetscInt>(vertex.size());
+    if (all && node < static_cast<PetscInt>(vertex.size())) return cells + node;
+    const auto found = std::lower_bound(vertex.begin(), vertex.end(), node);
+    return found == vertex.end() || *found != node ? -1
+                                                   : cells + static_cast<PetscInt>(found - vertex.begin());
+  }
+};
+
+// A vertex belongs to the first of the ranks whose cells use it.
+void share_vertices(DM dm, const Part& part, PetscInt nodes_of_file) {
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(part.comm, &rank);
+  MPI_Comm_size(part.comm, &ranks);
+  if (ranks == 1) return;
+  struct Owner {
+    int rank = std::numeric_limits<int>::max(), point = 0;
+  };
+  std::vector<Owner> mine, owner(part.vertex.size()), of_node(at(nodes_of_file));
+  for (PetscInt point = part.cells; point < part.end(); ++point) mine.push_back({rank, point});
+  check(PetscSFReduceBegin(part.of_file, MPI_2INT, mine.data(), of_node.data(), MPI_MINLOC));
+  check(PetscSFReduceEnd(part.of_file, MPI_2INT, mine.data(), of_node.data(), MPI_MINLOC));
+  check(PetscSFBcastBegin(part.of_file, MPI_2INT, of_node.data(), owner.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(part.of_file, MPI_2INT, of_node.data(), owner.data(), MPI_REPLACE));
+  std::vector<PetscInt> ghost;
+  std::vector<PetscSFNode> at_owner;
+  for (std::size_t v = 0; v < owner.size(); ++v)
+    if (owner[v].rank != rank) {
+      ghost.push_back(part.cells + static_cast<PetscInt>(v));
+      at_owner.push_back({owner[v].rank, owner[v].point});
+    }
+  PetscSF shared = nullptr;
+  check(DMGetPointSF(dm, &shared));
+  check(PetscSFSetGraph(shared, part.end(), static_cast<PetscInt>(ghost.size()), ghost.data(),
+                        PETSC_COPY_VALUES, at_owner.data(), PETSC_COPY_VALUES));
+}
+
+Handle<DM> make_topology(const Part& part, const GmshFile& file) {
   Handle<DM> bare, dm;
-  const PetscInt cells = count_cells(file), nodes = static_cast<PetscInt>(file.x.size() / 3);
-  check(DMPlexCreate(comm, bare.out()));
+  check(DMPlexCreate(part.comm, bare.out()));
   check(DMSetDimension(bare, file.dim));
-  check(DMPlexSetChart(bare, 0, cells + nodes));
+  check(DMPlexSetChart(bare, 0, part.end()));
   PetscInt cell = 0;
   for (const GmshBlock& block : file.blocks)
     for (std::size_t k = 0; block.dim == file.dim && k < block.node.size(); k += at(block.nodes))
@@ -53,35 +108,43 @@ Handle<DM> make_topology(MPI_Comm comm, const GmshFile& file) {
     const Shape shape = block.shape();
     for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) {
       PetscInt cone[max_nodes];
-      for (int a = 0; a < block.nodes; ++a) cone[shape->from_plex[at(a)]] = cells + block.node[k + at(a)];
+      for (int a = 0; a < block.nodes; ++a) cone[shape->from_plex[at(a)]] = part.point(block.node[k + at(a)]);
       check(DMPlexSetCone(bare, cell++, cone));
     }
   }
   check(DMPlexSymmetrize(bare));
   check(DMPlexStratify(bare));
+  share_vertices(bare, part, static_cast<PetscInt>(file.x.size() / 3));
   check(DMPlexInterpolate(bare, dm.out()));
   return dm;
 }
 
-void set_coordinates(DM dm, const GmshFile& file, double scale) {
+void set_coordinates(DM dm, const Part& part, const GmshFile& file, double scale) {
+  std::vector<std::array<double, 3>> X(part.vertex.size());
+  MPI_Datatype place = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(3, MPI_DOUBLE, &place);
+  MPI_Type_commit(&place);
+  check(PetscSFBcastBegin(part.of_file, place, file.x.data(), X.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(part.of_file, place, file.x.data(), X.data(), MPI_REPLACE));
+  MPI_Type_free(&place);
   std::vector<PetscReal> x;
-  for (std::size_t i = 0; i < file.x.size(); ++i)
-    if (i % 3 < at(file.dim)) x.push_back(scale * file.x[i]);
+  for (const auto& corner : X)
+    for (std::size_t i = 0; i < at(file.dim); ++i) x.push_back(scale * corner[i]);
   check(DMPlexBuildCoordinatesFromCellList(dm, file.dim, x.data()));
 }
 
 // Elements of lower dimension are found among the points of the mesh by their vertices.
-void label_elements(DM dm, const GmshFile& file) {
-  const PetscInt cells = count_cells(file);
+void label_elements(DM dm, const Part& part, const GmshFile& file) {
   PetscInt cell = 0;
   for (const GmshBlock& block : file.blocks)
     for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) {
+      const std::vector<int>& groups = file.sets[at(block.set)];
       PetscInt point = 0, vertex[max_nodes], found = 0;
       const PetscInt* join = nullptr;
-      for (int a = 0; a < block.nodes; ++a) vertex[a] = cells + block.node[k + at(a)];
+      for (int a = 0; a < block.nodes; ++a) vertex[a] = part.point(block.node[k + at(a)]);
       if (block.dim == file.dim) {
         point = cell++;
-      } else if (block.dim == 0) {
+      } else if (block.dim == 0 || *std::min_element(vertex, vertex + block.nodes) < 0) {
         point = vertex[0];
       } else {
         check(DMPlexGetFullJoin(dm, block.nodes, vertex, &found, &join));
@@ -90,24 +153,28 @@ void label_elements(DM dm, const GmshFile& file) {
         if (point >= 0) check(DMPlexGetPointDepth(dm, point, &depth));
         if (depth != block.dim) point = -1;
         check(DMPlexRestoreJoin(dm, block.nodes, vertex, &found, &join)); // also clears `found`
-        if (point < 0 && !block.groups.empty())
-          throw UserError(ExitCode::data,
-                          "mesh: an element of group \"" + file.groups[at(block.groups[0])].name +
-                              "\" is no facet or edge of a cell; all cells must have the same dimension");
       }
-      for (const int g : block.groups)
+      if (point < 0 && !groups.empty())
+        throw UserError(ExitCode::data,
+                        "mesh: an element of group \"" + file.groups[at(groups[0])].name +
+                            "\" is no facet or edge of a cell; all cells must have the same dimension");
+      for (const int g : groups)
         check(DMSetLabelValue(dm, file.groups[at(g)].name.c_str(), point, file.groups[at(g)].dim));
     }
 }
 
-// Rank 0's groups on all ranks.
-std::vector<Group> share_groups(MPI_Comm comm, const std::vector<GmshGroup>& groups) {
-  std::string text;
-  for (const GmshGroup& g : groups) text += std::to_string(g.dim) + g.name + '\n';
-  std::istringstream lines(broadcast(comm, text));
-  std::vector<Group> shared;
-  for (std::string line; std::getline(lines, line);) shared.push_back({line.substr(1), line[0] - '0'});
-  return shared;
+// An element of a boundary is said on one rank; others may share its points.
+void share_labels(DM dm, const GmshFile& file) {
+  PetscInt end = 0;
+  check(DMPlexGetChart(dm, nullptr, &end));
+  for (const GmshGroup& group : file.groups) {
+    if (group.dim == file.dim) continue;
+    std::vector<int> marked(at(end), 0);
+    for (const PetscInt point : labelled_points(dm, group.name, group.dim)) marked[at(point)] = 1;
+    share_points(dm, MPI_MAX, marked);
+    for (PetscInt point = 0; point < end; ++point)
+      if (marked[at(point)] != 0) check(DMSetLabelValue(dm, group.name.c_str(), point, group.dim));
+  }
 }
 
 void refine(Handle<DM>& dm, int times) {
@@ -137,32 +204,50 @@ void check_size(MPI_Comm comm, DM dm, int dim, const MeshRequest& request) {
   check(PetscPrintf(comm, "%s\n", text));
 }
 
-std::array<double, 6> box_of(const GmshFile& file, double scale) {
+// Smallest and largest coordinates, of all ranks.
+std::array<double, 6> box_of(MPI_Comm comm, const GmshFile& file, double scale) {
   constexpr double far = std::numeric_limits<double>::infinity();
-  std::array<double, 6> box = {far, far, far, -far, -far, -far};
+  std::array<double, 3> low = {far, far, far}, high = {-far, -far, -far};
   for (std::size_t i = 0; i < file.x.size(); ++i) {
-    box[i % 3] = std::min(box[i % 3], scale * file.x[i]);
-    box[3 + i % 3] = std::max(box[3 + i % 3], scale * file.x[i]);
+    low[i % 3] = std::min(low[i % 3], scale * file.x[i]);
+    high[i % 3] = std::max(high[i % 3], scale * file.x[i]);
   }
-  return box;
+  min_over_ranks(comm, low);
+  max_over_ranks(comm, high);
+  return {low[0], low[1], low[2], high[0], high[1], high[2]};
 }
 
-void append(GmshFile& file, const AddedCell& cell, double scale) {
+// The first rank has the cells that are added, the last one their nodes: no number in the file changes.
+void append(MPI_Comm comm, GmshFile& file, const AddedCell& cell, double scale) {
   for (const GmshGroup& group : file.groups)
     if (group.name == cell.region)
       throw UserError(ExitCode::data, "mesh: has a group \"" + cell.region +
                                           "\", a name that the program needs for the body of a rigid "
                                           "obstacle with mass; rename one of them");
-  GmshBlock block{file.dim, static_cast<int>(cell.corner.size()), {static_cast<int>(file.groups.size())}, {}};
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &ranks);
+  int node = sum_over_ranks(comm, static_cast<int>(file.x.size() / 3));
+  GmshBlock block{file.dim, static_cast<int>(cell.corner.size()), static_cast<int>(file.sets.size()), {}};
   for (const std::array<double, 3>& X : cell.corner) {
-    block.node.push_back(static_cast<int>(file.x.size() / 3));
-    for (double component : X) file.x.push_back(component / scale);
+    block.node.push_back(node++);
+    for (double component : X)
+      if (rank == ranks - 1) file.x.push_back(component / scale);
   }
+  file.sets.push_back({static_cast<int>(file.groups.size())});
   file.groups.push_back({cell.region, file.dim, 0});
-  file.blocks.insert(file.blocks.begin(), std::move(block));
+  if (rank == 0) file.blocks.insert(file.blocks.begin(), std::move(block));
 }
 
 } // namespace
+
+void check_request(const MeshRequest& request) {
+  if (!(request.scale > 0) || !std::isfinite(request.scale))
+    throw UserError(ExitCode::usage, "mesh scale must be positive and finite");
+  if (!request.parameters.empty() && !request.file.ends_with(".geo"))
+    throw UserError(ExitCode::usage,
+                    request.file + ": -mesh_set_" + request.parameters.begin()->first + " needs a .geo file");
+}
 
 GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request) {
   const bool geometry = request.file.ends_with(".geo");
@@ -172,6 +257,7 @@ GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request) {
     check(PetscPrintf(comm, "gmsh meshes %s, for %.0f s at most (-mesh_wall)\n", request.file.c_str(),
                       request.patience));
   on_rank_zero(comm, [&] { file = read_file(request); });
+  spread(comm, file);
   return file;
 }
 
@@ -181,22 +267,22 @@ Mesh read_mesh(MPI_Comm comm, const MeshRequest& request) {
 
 Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
   const Timed timed(Event::mesh_build);
-  MPI_Bcast(&file.dim, 1, MPI_INT, 0, comm);
-  if (request.add) {
-    std::array<double, 6> box = box_of(file, request.scale);
-    MPI_Bcast(box.data(), 6, MPI_DOUBLE, 0, comm);
-    const std::vector<AddedCell> added = request.add(file.dim, box);
-    on_rank_zero(comm, [&] {
-      for (const AddedCell& cell : added) append(file, cell, request.scale);
-    });
-  }
+  if (request.add)
+    for (const AddedCell& cell : request.add(file.dim, box_of(comm, file, request.scale)))
+      append(comm, file, cell, request.scale);
   // DMPlex refines cells of one kind after the other, simplices first; on several ranks they are sent so.
   if (request.refine > 0) std::ranges::stable_sort(file.blocks, {}, &GmshBlock::nodes);
-  std::vector<Group> groups = share_groups(comm, file.groups);
-  Handle<DM> dm = make_topology(comm, file);
-  set_coordinates(dm, file, request.scale);
-  for (const Group& g : groups) check(DMCreateLabel(dm, g.name.c_str()));
-  on_rank_zero(comm, [&] { label_elements(dm, file); });
+  std::vector<Group> groups;
+  for (const GmshGroup& g : file.groups) groups.push_back({g.name, g.dim});
+  Handle<DM> dm;
+  {
+    const Part part(comm, file);
+    dm = make_topology(part, file);
+    set_coordinates(dm, part, file, request.scale);
+    for (const Group& g : groups) check(DMCreateLabel(dm, g.name.c_str()));
+    agree_on_errors(comm, [&] { label_elements(dm, part, file); });
+    share_labels(dm, file);
+  }
   check_size(comm, dm, file.dim, request);
   file = GmshFile();
   distribute(dm, request.weights);

@@ -2,9 +2,11 @@
 #include <impact/contact/box_tree.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/mesh/cell_batches.hpp>
+#include <impact/mesh/exchange.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
+#include <limits>
 
 namespace impact {
 
@@ -90,27 +92,49 @@ std::vector<double> sums_around(const Discretisation& d) {
   return sum;
 }
 
-// Means [node][3] of the corners of the cells around the owned nodes of a side, of all ranks. What is less
-// deep is for the pairs to see, and where surfaces touch that place lies outside the other body.
-std::vector<double> places_of(const Discretisation& d, const std::vector<double>& around,
-                              const std::string& side) {
-  std::vector<double> mine;
+/// A place inside the cells around a node of a side, and its number among those of all ranks.
+struct Inner {
+  Place x;
+  int number;
+};
+
+// Means of the corners of the cells around the owned nodes of a side. What is less deep is for the pairs to
+// see, and where surfaces touch that place lies outside the other body.
+std::vector<Inner> places_of(const Discretisation& d, const std::vector<double>& around,
+                             const std::string& side) {
+  std::vector<Inner> mine;
   const int dim = d.dim();
   for (int node : d.mesh.nodes(side)) {
     if (!d.mesh.owned(node)) continue;
     const double* sum = &around[at((dim + 1) * node)];
-    for (int k = 0; k < 3; ++k) mine.push_back(k < dim ? sum[k] / sum[dim] : 0);
+    Inner& inner = mine.emplace_back(Inner{{0, 0, 0}, static_cast<int>(mine.size())});
+    for (int k = 0; k < dim; ++k) inner.x[at(k)] = sum[k] / sum[dim];
   }
-  int ranks = 1;
-  MPI_Comm_size(d.mesh.comm(), &ranks);
-  std::vector<int> count(at(ranks)), start(at(ranks), 0);
+  int end = 0;
   const int own = static_cast<int>(mine.size());
-  MPI_Allgather(&own, 1, MPI_INT, count.data(), 1, MPI_INT, d.mesh.comm());
-  for (std::size_t r = 1; r < start.size(); ++r) start[r] = start[r - 1] + count[r - 1];
-  std::vector<double> all(at(start.back() + count.back()));
-  MPI_Allgatherv(mine.data(), own, MPI_DOUBLE, all.data(), count.data(), start.data(), MPI_DOUBLE,
-                 d.mesh.comm());
-  return all;
+  MPI_Scan(&own, &end, 1, MPI_INT, MPI_SUM, d.mesh.comm());
+  for (Inner& inner : mine) inner.number += end - own;
+  return mine;
+}
+
+// The places of all ranks that may lie in cells of this one.
+std::vector<Inner> near(MPI_Comm comm, const std::vector<Box>& cells, const std::vector<Inner>& places) {
+  Box own;
+  for (const Box& cell : cells) own.include(cell);
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<Box> box(at(ranks));
+  MPI_Allgather(&own, 6, MPI_DOUBLE, box.data(), 6, MPI_DOUBLE, comm);
+  std::vector<std::vector<Inner>> out(at(ranks));
+  for (const Inner& place : places) {
+    Box point;
+    point.include(place.x.data());
+    for (std::size_t r = 0; r < box.size(); ++r)
+      if (box[r].meets(point)) out[r].push_back(place);
+  }
+  std::vector<Inner> met;
+  for (const auto& message : all_to_all(comm, out)) met.insert(met.end(), message.begin(), message.end());
+  return met;
 }
 
 } // namespace
@@ -140,28 +164,30 @@ void refuse_deep_overlaps(const Discretisation& d, const ContactSet& contacts) {
       const std::string &side = swapped ? settings.primary : settings.secondary,
                         &other = swapped ? settings.secondary : settings.primary;
       const std::vector<int> own = bodies_of(d, bodies, side), theirs = bodies_of(d, bodies, other);
-      const std::vector<double> places = places_of(d, around, side);
-      int deep = static_cast<int>(places.size() / 3); // first node inside a cell of the other side's bodies
-      for (int i = 0; i < deep; ++i) {
-        Place x;
-        std::copy_n(&places[at(3 * i)], 3, x.begin());
+      const std::vector<Inner> places = places_of(d, around, side);
+      constexpr int none = std::numeric_limits<int>::max();
+      int deep = none; // first node inside a cell of the other side's bodies
+      for (const Inner& place : near(d.mesh.comm(), boxes, places)) {
         Box box;
-        box.include(x.data());
+        box.include(place.x.data());
         leaves.clear();
         found.clear();
         tree.find_leaves(box, leaves);
         for (std::uint32_t leaf : leaves) tree.find_boxes(box, leaf, found);
         for (int c : found)
           if (theirs[at(cells[at(c)].body)] && !own[at(cells[at(c)].body)] &&
-              inside(d.dim(), cells[at(c)], x))
-            deep = i;
+              inside(d.dim(), cells[at(c)], place.x))
+            deep = std::min(deep, place.number);
       }
       deep = min_over_ranks(d.mesh.comm(), deep);
-      if (deep == static_cast<int>(places.size() / 3)) continue;
+      if (deep == none) continue;
+      Place where{};
+      for (const Inner& place : places)
+        if (place.number == deep) where = place.x;
+      sum_over_ranks(d.mesh.comm(), where); // one rank has it
       throw UserError(ExitCode::data, "contact " + settings.id + ": `" + side + "` lies around " +
-                                          place_text(&places[at(3 * deep)], d.dim()) +
-                                          " inside the body of `" + other + "`, deeper than -contact_" +
-                                          settings.id +
+                                          place_text(where.data(), d.dim()) + " inside the body of `" +
+                                          other + "`, deeper than -contact_" + settings.id +
                                           "_search_radius sees; part the bodies, or use -contact_" +
                                           settings.id + "_initial allow to pass over it");
     }

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/io/mesh_file.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -22,10 +23,32 @@ void check_radii(const Mesh& mesh) {
   throw_first(mesh.comm(), ExitCode::data, trouble);
 }
 
-// `obstacles`: becomes the bodies of rigid obstacles with mass. `file`: filled where it was not kept.
-Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obstacles, GmshFile& file,
-               bool kept) {
+MeshRequest request_of(const Scenario& s) {
   MeshRequest request;
+  request.file = s.mesh.file;
+  request.parameters = s.mesh.set;
+  request.scale = s.mesh.scale;
+  request.refine = s.mesh.refine;
+  request.most_cells = s.mesh.most_cells;
+  request.patience = s.mesh.patience;
+  request.work_dir = s.output_dir;
+  request.reason_to_stop = [&s] { return reason_to_stop({s.checkpoint.walltime, s.checkpoint.margin()}); };
+  // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
+  for (const ContactSettings& contact : s.contacts)
+    for (const std::string& side : {contact.secondary, contact.primary})
+      if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] = 4;
+  return request;
+}
+
+GmshFile read_file(MPI_Comm comm, const MeshRequest& request) {
+  if (!request.file.ends_with(".h5")) return read_mesh_file(comm, request);
+  check_request(request);
+  return read_stored_mesh(comm, request.file);
+}
+
+// `obstacles`: becomes the bodies of rigid obstacles with mass.
+Mesh make_mesh(MPI_Comm comm, const Scenario& s, MeshRequest request, std::vector<ObstacleBody>& obstacles,
+               const GmshFile& file) {
   if (s.has_motion())
     request.add = [&](int dim, const std::array<double, 6>& box) {
       std::vector<AddedCell> cells;
@@ -36,19 +59,6 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, std::vector<ObstacleBody>& obst
       }
       return cells;
     };
-  request.file = s.mesh.file;
-  request.parameters = s.mesh.set;
-  request.scale = s.mesh.scale;
-  request.refine = s.mesh.refine;
-  request.most_cells = s.mesh.most_cells;
-  request.patience = s.mesh.patience;
-  request.work_dir = s.output_dir;
-  request.reason_to_stop = [&] { return reason_to_stop({s.checkpoint.walltime, s.checkpoint.margin()}); };
-  // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
-  for (const ContactSettings& contact : s.contacts)
-    for (const std::string& side : {contact.secondary, contact.primary})
-      if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] = 4;
-  if (!kept) file = read_mesh_file(comm, request);
   Mesh mesh = build_mesh(comm, request, file);
   check_groups(s, mesh.groups(), mesh.dim());
   if (s.plane == PlaneMode::axisymmetric) check_radii(mesh);
@@ -170,10 +180,11 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
   return setup;
 }
 
-std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, const GmshFile* kept) {
+std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kept) {
   std::vector<ObstacleBody> obstacles;
-  GmshFile file = kept != nullptr ? *kept : GmshFile{};
-  Mesh mesh = make_mesh(comm, s, obstacles, file, kept != nullptr);
+  const MeshRequest request = request_of(s);
+  GmshFile file = kept ? std::move(*kept) : read_file(comm, request);
+  Mesh mesh = make_mesh(comm, s, request, obstacles, file);
   std::unique_ptr<Setup> setup = build_on(std::move(mesh), s, obstacles);
   for (const ContactInterface& contact : setup->contacts)
     for (const std::string& warning : contact.warnings())
@@ -187,6 +198,18 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, const GmshF
       check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
   setup->file = std::move(file);
   return setup;
+}
+
+void convert_mesh(MPI_Comm comm, const Scenario& s) {
+  const GmshFile file = read_file(comm, request_of(s));
+  std::vector<Group> groups;
+  for (const GmshGroup& g : file.groups) groups.push_back({g.name, g.dim});
+  for (const ContactScenario& contact : s.contacts)
+    if (!contact.carrier.empty())
+      groups.push_back({contact.carrier, file.dim}); // of the run, not of its mesh
+  check_groups(s, groups, file.dim);
+  const auto cells = static_cast<unsigned long long>(write_mesh_file(comm, s.mesh.convert, file));
+  check(PetscPrintf(comm, "mesh of %llu cells written; -mesh %s reads it\n", cells, s.mesh.convert.c_str()));
 }
 
 bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {

@@ -287,6 +287,10 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
 
 ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   std::optional<InStage> starts(Stage::setup);
+  if (!s.mesh.convert.empty()) {
+    convert_mesh(comm, s);
+    return ExitCode::ok;
+  }
   std::optional<FolderLock> output, checkpoints;
   if (!s.dry_run) {
     output.emplace(comm, "output_dir", s.output_dir);
@@ -296,8 +300,7 @@ ExitCode simulate(MPI_Comm comm, const Scenario& s, const StepProbe& probe) {
   const std::optional<Checkpoint> resume = find_checkpoint(comm, s);
   std::optional<GmshFile> kept; // a changed or missing file, or another gmsh, changes nothing on a restart
   if (resume) kept = read_checkpoint_mesh_file(comm, *resume);
-  RunStage stage(comm, s, kept ? &*kept : nullptr);
-  kept.reset();
+  RunStage stage(comm, s, std::move(kept));
   Simulation run(stage, resume, probe);
   starts.reset();
   return run.run();

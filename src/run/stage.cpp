@@ -63,9 +63,9 @@ StepRows::StepRows(StateTable& state)
       prescribed_velocity(state.row("prescribed_velocity")), phi(state.find("phi")),
       theta(state.find("theta")) {}
 
-RunStage::RunStage(MPI_Comm comm, const Scenario& s, const GmshFile* kept)
-    : scenario(s), setup(build_setup(comm, s, kept)), d(setup->discretisation), state(setup->state),
-      rows(state), inertia(s.has_inertia()), solver(choose(s, *setup)),
+RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kept)
+    : scenario(s), setup(build_setup(comm, s, std::move(kept))), d(setup->discretisation),
+      state(setup->state), rows(state), inertia(s.has_inertia()), solver(choose(s, *setup)),
       motion(d, state, setup->boundary, setup->contacts, solver.symmetric, s.contact_operator, solver.matrix,
              &setup->rigid, s.has_motion()),
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),

@@ -19,7 +19,7 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
       std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
       if (words.empty()) continue;
       words = replaced(words, "<>", "-" + prefix);
-      words = replaced(words, "{material}", scenario.materials.front().id);
+      if (!scenario.materials.empty()) words = replaced(words, "{material}", scenario.materials.front().id);
       for (const OptionRow<Struct>& other : rows)
         words = replaced(words, "{" + other.name + "}", other.text(target));
       for (const OptionRow<Scenario>& other : global_rows())
@@ -75,6 +75,9 @@ void check_on_mesh(const std::vector<OptionRow<Struct>>& rows, const Struct& tar
 } // namespace
 
 void complete_and_check(Scenario& scenario) {
+  // A mesh may be converted before there is a run for it.
+  if (!scenario.mesh.convert.empty() && scenario.materials.empty())
+    return ask_rules(global_rows(), scenario, "", scenario, false);
   if (scenario.materials.empty())
     throw UserError(ExitCode::usage,
                     "-materials: missing; allowed: a comma list of ids, one for each material");

@@ -61,8 +61,8 @@ OptionGroup mesh_options() {
               "none from people you do not trust."};
   Rows row(group.rows, RestartKey::frozen, &Scenario::mesh);
   auto& file = row.file("mesh", &MeshScenario::file,
-                        "a .msh file (4.1), or a .geo file from which gmsh makes one; a restart goes on with "
-                        "the mesh in its checkpoint")
+                        "a .msh file (4.1), a .geo file from which gmsh makes one, or an .h5 file that "
+                        "-mesh_convert wrote; a restart goes on with the mesh in its checkpoint")
                    .required();
   // A restart takes the mesh from its checkpoint and may do without the file.
   file.read = [existing = file.read](Scenario& s, const GivenOption& option, const OptionContext& context) {
@@ -79,6 +79,17 @@ OptionGroup mesh_options() {
   row.restart = RestartKey::free;
   row.number("mesh_cells", &MeshScenario::most_cells, "1", positive, "most cells that -dm_refine may make")
       .otherwise("2e6");
+  row.text("mesh_convert", &MeshScenario::convert, "path",
+           "the mesh is read, checked and written to this .h5 file, and no more is done. `-mesh` then reads "
+           "that "
+           "file in parallel, each rank a part of it; everything else, -mesh_scale and -dm_refine too, stays "
+           "with "
+           "the run")
+      .refused([](const Scenario& s) { return !s.mesh.convert.ends_with(".h5"); },
+               "allowed: a name that ends with .h5")
+      .denied(
+          [](const Scenario& s) { return s.checkpoint.restart != "none"; },
+          "-mesh_convert and -restart: a run that converts its mesh makes no step; leave one of them out");
   row.number("mesh_wall", &MeshScenario::patience, "1", not_negative,
              "seconds on the clock after which gmsh is stopped; 0: never");
   return group;

@@ -194,8 +194,9 @@ TEST(ReadMesh, RefusesMissingAndStrangeFiles) {
             std::string::npos);
   EXPECT_EQ(code, ExitCode::io);
   request.file = "mesh.stl";
-  EXPECT_NE(user_error(code, [&] { read_mesh(PETSC_COMM_WORLD, request); }).find("allowed .msh and .geo"),
-            std::string::npos);
+  EXPECT_NE(
+      user_error(code, [&] { read_mesh(PETSC_COMM_WORLD, request); }).find("allowed .msh, .geo, and .h5"),
+      std::string::npos);
 }
 
 } // namespace

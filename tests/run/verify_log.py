@@ -2,11 +2,13 @@
 # timeout: 120
 """-log_view tells where the time of a run goes: each event that options/README.md explains is met, on one rank and on two; the
 events of the steps add up to nearly all of their time; a search that looks too far shows in its event; what ends a run early
-leaves no scope open."""
+leaves no scope open; tools/measure_messages.py counts what ranks send."""
 import csv
 import re
+import subprocess
+import sys
 
-from _runs import BREAKING_BLOCKS, SOURCE, TWO_BLOCKS, check_between, finish, option_file, require, run
+from _runs import BREAKING_BLOCKS, ENVIRONMENT, PROGRAM, SOURCE, TWO_BLOCKS, check_between, finish, option_file, require, run
 
 ALL = {**BREAKING_BLOCKS, "contact_face_conductance": 1e5, "ts_max_time": 0.03, "checkpoint_every": 8,
        **{f"material_{body}_{key}": value for body in ("lower", "upper")
@@ -63,4 +65,20 @@ check_between("seconds of a search that looks a body far over those of one by th
 # An exception in a step: what ran until then is told, and each stage was left.
 lost = log("lost", {**ALL, "energy_action": "stop", "energy_tol": 1e-9}, code=5)
 require("a run that fails in a step tells its events", lost["Motion", "MotionResidual"][0][1] > 0)
+
+def table(text):
+    """{part: [(messages, kB, reductions) for each number of ranks]} of lines of a table."""
+    rows = (line.strip("|").split("|") for line in text.splitlines() if re.match(r"\| [a-z].*\d", line))
+    return {part.strip(): [tuple(map(float, cell.split(","))) for cell in cells] for part, *cells in rows if "ranks" not in cells[0]}
+
+
+counted = subprocess.run([sys.executable, f"{SOURCE}/tools/measure_messages.py", PROGRAM, "--ranks", "1", "2", "--steps", "1"],
+                         stdout=subprocess.PIPE, text=True, env=ENVIRONMENT)
+messages = table(counted.stdout)
+with open(f"{SOURCE}/src/scaling.md") as file:
+    said = table(file.read().split("\n## ")[1])
+require("messages are counted, of the parts that src/scaling.md has", counted.returncode == 0 and list(messages) == list(said) != [])
+require("one rank sends none in its steps", all(one[0] == 0 for part, (one, _) in messages.items() if part != "whole set-up"))
+require("two ranks send some in residuals, solvers and checkpoints",
+        all(messages[part][1][0] > 0 for part in ("residual of the motion", "its linear solver", "damage", "heat", "checkpoint")))
 finish()

@@ -164,7 +164,7 @@ os.symlink(os.path.join(SOURCE, "tools"), "tools")
 for link, name in (("fine", "run"), ("one", "run"), ("other", "run")):
     os.symlink(name, link)
 # These install, build, or want the runs of a file of options/; check_format is a test of its own.
-LONG = {"demo", "test", "install_packages", "bench_peers", "same_histories.py", "check_format", "beam_wedge_observables.py", "plot_hertz.py", "plot_fatigue.py"}
+LONG = {"demo", "test", "install_packages", "bench_peers", "same_histories.py", "measure_messages.py", "check_format", "beam_wedge_observables.py", "plot_hertz.py", "plot_fatigue.py"}
 names = sorted(name for name in os.listdir("tools") if os.access(f"tools/{name}", os.X_OK) and os.path.isfile(f"tools/{name}"))
 require(f"{len(names)} tools", len(names) >= 13)
 ran = 0

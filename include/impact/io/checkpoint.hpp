@@ -28,7 +28,7 @@ struct CheckpointState {
   const Mesh& mesh;
   const std::vector<CellGroup>& groups;
   StateTable& table;
-  const GmshFile* file = nullptr; ///< the mesh file, on rank 0: with it a restart needs no other
+  const GmshFile* file = nullptr; ///< the mesh file, of each rank its part: with it a restart needs no other
 };
 
 struct CheckpointFolder {
@@ -85,7 +85,7 @@ int retire_checkpoints(MPI_Comm comm, const std::string& dir, const std::string&
 /// the run that wrote. Collective. Throws UserError(io): another mesh, other rows, unreadable.
 void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state);
 
-/// The file of the mesh as the run that wrote the checkpoint read it, on rank 0; on no rank one where the
+/// The file of the mesh as the run that wrote the checkpoint read it, of each rank a part; none where the
 /// checkpoint has none. Collective. Throws UserError(io).
 std::optional<GmshFile> read_checkpoint_mesh_file(MPI_Comm comm, const Checkpoint& checkpoint);
 

@@ -178,14 +178,15 @@ struct MeshRequest {
 /// understood and UserError(data) for a mesh that cannot be used: no groups, second order, mixed dimensions,
 /// duplicated, folded, inverted or degenerate cells, loose nodes.
 Mesh read_mesh(MPI_Comm comm, const MeshRequest& request);
-/// Its two halves: what the file says, on rank 0 alone; and the mesh made of that, the same from the same
-/// file wherever it was kept.
+/// Its two halves: what the file says, each rank an equal part; and the mesh made of that, the same from the
+/// same parts wherever they were kept.
 GmshFile read_mesh_file(MPI_Comm comm, const MeshRequest& request);
 Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file);
+/// Throws UserError(usage) for what a request asks of no file of its kind. No communication.
+void check_request(const MeshRequest& request);
 
-/// Moves the cells of a mesh to the ranks (overlap 0) by weight; `dm` is replaced. Returns the migration SF,
-/// empty when nothing moved (one rank). The graph may start on one rank (after reading) only with the type
-/// `metis`. Collective.
+/// Moves the cells of a mesh to the ranks (overlap 0) by weight, wherever they are; `dm` is replaced. Returns
+/// the migration SF, empty when nothing moved (one rank). Collective.
 Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights);
 
 /// Renumbers the points of each rank so that neighbours stand close in memory (reverse Cuthill-McKee).

@@ -4,6 +4,7 @@
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <impact/run/obstacle_body.hpp>
+#include <optional>
 
 /// All that hangs on a mesh: laws, state, boundary data and contacts of a scenario, on the ranks at hand.
 namespace impact {
@@ -14,7 +15,7 @@ struct Setup {
   RigidBodies rigid;
   BoundaryData boundary;
   ContactSet contacts;
-  GmshFile file; ///< of the mesh, on rank 0
+  GmshFile file; ///< of the mesh, of each rank its part
 };
 
 /// The one way from a mesh to all that hangs on it, at the start, on a restart and after nodes have moved.
@@ -24,9 +25,14 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& scenario,
                                 const std::vector<ObstacleBody>& obstacles);
 
 /// Reads the mesh of a scenario, builds on it, moves apart what overlaps and may be moved, and refuses what
-/// no run can start from. `file`: the mesh that a checkpoint holds, on rank 0, in place of the one that the
-/// scenario names. Collective. Throws UserError.
-std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario, const GmshFile* file = nullptr);
+/// no run can start from. `file`: the mesh that a checkpoint holds in place of the one that the scenario
+/// names. Collective. Throws UserError.
+std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& scenario,
+                                   std::optional<GmshFile> file = {});
+
+/// -mesh_convert: writes the mesh of a scenario, which is checked against it, as an HDF5 file. Collective.
+/// Throws UserError.
+void convert_mesh(MPI_Comm comm, const Scenario& scenario);
 
 /// Moves the secondary nodes of contacts that overlap at the start out of their primaries, contact by
 /// contact, and builds everything on the mesh that this makes. What is moved may overlap something else, a

@@ -19,7 +19,7 @@ struct StepRows {
 struct RunStage {
   /// `kept`: the file of the mesh that a checkpoint holds. Prints what the run is made of. Collective. Throws
   /// UserError.
-  RunStage(MPI_Comm comm, const Scenario& scenario, const GmshFile* kept);
+  RunStage(MPI_Comm comm, const Scenario& scenario, std::optional<GmshFile> kept);
   RunStage(const RunStage&) = delete;
   RunStage& operator=(const RunStage&) = delete;
 

@@ -34,6 +34,7 @@ struct MeshScenario {
   int refine = 0;
   double most_cells = 2e6, patience = 600; ///< -mesh_cells, -mesh_wall
   std::map<std::string, std::string> set;  ///< .geo parameters
+  std::string convert;                     ///< the file of -mesh_convert; empty: none
 };
 
 /// A material as the user describes it, and the law that is made of this when everything has been read.
