@@ -79,8 +79,8 @@ template <class T> T damage_viscosity(const MaterialParameters& m, const T& phi)
   return inverse_c * pow(base, m.zeta);
 }
 
-/// C - C_n from Grad u = H and its increment dH = H - H_n, without cancellation: F^T dH + dH^T F - dH^T dH. Of
-/// it is the viscous stress S_d = 2 b_d (C - C_n)/dt (110).
+/// C - C_n from Grad u = H and its increment dH = H - H_n, without cancellation: F^T dH + dH^T F - dH^T dH.
+/// Of it is the viscous stress S_d = 2 b_d (C - C_n)/dt (110).
 template <class T, int d> Symmetric<T, d> right_increment(const Tensor<T, d>& F, const Tensor<T, d>& dH) {
   Symmetric<T, d> r;
   for (int i = 0; i < 3; ++i)
