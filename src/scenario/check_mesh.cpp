@@ -1,23 +1,12 @@
 #include "classes.hpp"
 #include <algorithm>
-#include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/problem/boundary_data.hpp>
 
 /// What the rows of the option tables demand of the mesh: that groups are there and of the right dimension.
 namespace impact {
 
 namespace {
-
-std::string groups_text(const std::vector<Group>& groups) {
-  std::vector<std::string> text;
-  for (int dim = 3; dim >= 0; --dim) {
-    std::vector<std::string> names;
-    for (const Group& group : groups)
-      if (group.dim == dim) names.push_back(group.name);
-    if (!names.empty()) text.push_back(join(names) + " (" + std::to_string(dim) + "D)");
-  }
-  return text.empty() ? "none" : join(text, "; ");
-}
 
 /// `dim`: that the group must have, 0 for any.
 void check_group(const std::string& option, const std::string& name, int dim,
