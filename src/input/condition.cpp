@@ -42,8 +42,7 @@ std::string Condition::take_peaks() {
   for (std::size_t at = 0; (at = find_word(rest, "peak", at)) != std::string::npos;) {
     const std::size_t open = rest.find_first_not_of(" \t", at + 4);
     std::size_t end = open;
-    int depth = 0;
-    for (; end < rest.size(); ++end) {
+    for (int depth = 0; end < rest.size(); ++end) {
       depth += rest[end] == '(' ? 1 : rest[end] == ')' ? -1 : 0;
       if (depth == 0) break;
     }
@@ -75,8 +74,7 @@ Condition::compile(const std::string& expression,
 }
 
 void Condition::note(const Value& value) {
-  for (Peak& peak : peaks_)
-    peak.value = std::fmax(peak.value, peak.argument(value)); // the one that is a number
+  for (Peak& peak : peaks_) peak.value = std::fmax(peak.value, peak.argument(value)); // not NaN
 }
 
 bool Condition::holds(const Value& value) const {

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstring>
 #include <impact/io/durable_file.hpp>
+#include <impact/io/hdf5_reader.hpp>
 #include <impact/io/mesh_file.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>

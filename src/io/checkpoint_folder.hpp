@@ -1,6 +1,6 @@
 #pragma once
 #include <impact/io/checkpoint.hpp>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_writer.hpp>
 
 /// A checkpoint's place in its directory. On rank 0 alone.
 namespace impact {

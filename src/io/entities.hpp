@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_writer.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/state_table.hpp>
 

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <impact/io/durable_file.hpp>
 #include <impact/io/field_output.hpp>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_writer.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 

@@ -3,7 +3,7 @@
 #include <charconv>
 #include <filesystem>
 #include <impact/io/durable_file.hpp>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_reader.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
 #include <set>

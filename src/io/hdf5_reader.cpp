@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_reader.hpp>
 #include <impact/petsc/error.hpp>
 
 namespace impact::hdf5 {

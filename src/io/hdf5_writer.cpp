@@ -1,7 +1,8 @@
 #include <array>
 #include <filesystem>
 #include <impact/io/durable_file.hpp>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_id.hpp>
+#include <impact/io/hdf5_writer.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <map>
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
@@ -21,22 +22,12 @@ constexpr std::array<double, 5> gauss_x = {0.04691007703066800, 0.23076534494715
 constexpr std::array<double, 5> gauss_w = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
                                            0.23931433524968324, 0.11846344252809454};
 
-std::string available_groups(const Mesh& mesh) {
-  std::string text;
-  for (int d = mesh.dim(); d >= 0; --d) {
-    std::string names;
-    for (const Group& group : mesh.groups())
-      if (group.dim == d) names += (names.empty() ? "" : ", ") + group.name;
-    if (!names.empty()) text += (text.empty() ? "" : "; ") + names + " (" + std::to_string(d) + "D)";
-  }
-  return text;
-}
-
 const Group& require_group(const Mesh& mesh, const BoundaryCondition& bc, const std::string& name) {
   const Group* group = mesh.find_group(name);
   if (group == nullptr)
-    throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + name +
-                                        "\": no such physical group; mesh has: " + available_groups(mesh));
+    throw UserError(ExitCode::data,
+                    "-bc_" + bc.id + "_on \"" + name +
+                        "\": no such physical group; mesh has: " + groups_text(mesh.groups()));
   return *group;
 }
 
@@ -56,6 +47,17 @@ double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
 }
 
 } // namespace
+
+std::string groups_text(const std::vector<Group>& groups) {
+  std::vector<std::string> text;
+  for (int dim = 3; dim >= 0; --dim) {
+    std::vector<std::string> names;
+    for (const Group& group : groups)
+      if (group.dim == dim) names.push_back(group.name);
+    if (!names.empty()) text.push_back(join(names) + " (" + std::to_string(dim) + "D)");
+  }
+  return text.empty() ? "none" : join(text, "; ");
+}
 
 int plane_axis(const Mesh& mesh, const std::vector<int>& nodes) {
   const int dim = mesh.dim();
@@ -201,7 +203,7 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
       throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + group.name +
                                           "\": a load acts on a boundary (" + std::to_string(dim_ - 1) +
                                           "D), this group is " + std::to_string(group.dim) +
-                                          "D; mesh has: " + available_groups(mesh));
+                                          "D; mesh has: " + groups_text(mesh.groups()));
     if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", group.name);
     LoadedFacets load{c, mesh.facets(group.name)};
     for (int f = 0; f < load.facets.count(); ++f) force_area_[at(c)] += facet_area(mesh, load.facets, f);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/problem/surface_load.hpp>
+#include <impact/problem/heat_loads.hpp>
 
 namespace impact {
 

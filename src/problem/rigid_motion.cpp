@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/input/spelling.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -233,12 +234,6 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, c
   return touched;
 }
 
-std::string list_of(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 } // namespace
 
 std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryData& boundary,
@@ -274,7 +269,7 @@ std::vector<std::string> require_held_bodies(const Discretisation& d, const Boun
                                              const ContactSet& contacts, const RigidBodies& rigid) {
   std::vector<std::string> warnings;
   for (const FreeBody& body : find_free_bodies(d, boundary, contacts, rigid)) {
-    const std::string who = describe(body, d.dim()), motions = list_of(body.motions);
+    const std::string who = describe(body, d.dim()), motions = join(body.motions);
     if (!body.touched)
       throw UserError(
           ExitCode::data,

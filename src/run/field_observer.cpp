@@ -2,7 +2,7 @@
 #include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/run/observers.hpp>
+#include <impact/run/field_observer.hpp>
 
 namespace impact {
 

@@ -3,7 +3,7 @@
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
-#include <impact/run/observers.hpp>
+#include <impact/run/field_source.hpp>
 #include <impact/scenario/columns.hpp>
 
 namespace impact {

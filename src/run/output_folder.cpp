@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <impact/petsc/error.hpp>
-#include <impact/run/observers.hpp>
+#include <impact/run/history_observer.hpp>
 #include <impact/run/output_folder.hpp>
 #include <sys/file.h>
 #include <sys/stat.h>

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <impact/petsc/log.hpp>
 #include <impact/run/energy_watch.hpp>
+#include <impact/run/field_observer.hpp>
+#include <impact/run/history_observer.hpp>
 #include <impact/run/output_folder.hpp>
 #include <impact/run/run_checkpoints.hpp>
 #include <impact/run/simulation.hpp>

@@ -25,21 +25,12 @@ Condition::Value columns_of(const HistoryFile::Row& row) {
 
 constexpr const char* stored_name = "peaks"; // lines of a number and the text of what it is the peak of
 
-std::map<std::string, double> read_peaks(const std::string& lines) {
-  std::map<std::string, double> peaks;
-  std::istringstream in(lines);
-  for (std::string number, text; in >> number && in.get() && std::getline(in, text);)
-    std::from_chars(number.data(), number.data() + number.size(), peaks[text]);
-  return peaks;
-}
-
 } // namespace
 
 StopCriteria::StopCriteria(MPI_Comm comm, const Scenario& scenario) : comm_(comm) {
   std::vector<std::pair<std::string, double>> parameters;
-  for (const ParameterScenario& parameter : scenario.params)
-    parameters.emplace_back(parameter.id, parameter.value);
-  for (const StopScenario& stop : scenario.stops)
+  for (const auto& parameter : scenario.params) parameters.emplace_back(parameter.id, parameter.value);
+  for (const auto& stop : scenario.stops)
     criteria_.emplace_back("-stop_" + stop.id + "_when", stop.when, parameters);
 }
 
@@ -79,7 +70,10 @@ void StopCriteria::store(CheckpointValues& values) const {
 
 std::vector<std::string> StopCriteria::restore(const CheckpointValues& values) {
   const auto stored = values.texts.find(stored_name);
-  const auto peaks = read_peaks(stored == values.texts.end() ? "" : stored->second);
+  std::istringstream in(stored == values.texts.end() ? "" : stored->second);
+  std::map<std::string, double> peaks;
+  for (std::string number, text; in >> number && in.get() && std::getline(in, text);)
+    std::from_chars(number.data(), number.data() + number.size(), peaks[text]);
   std::vector<std::string> missing;
   for (Condition& criterion : criteria_)
     for (Condition::Peak& peak : criterion.peaks())

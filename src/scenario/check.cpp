@@ -1,9 +1,7 @@
 #include "classes.hpp"
-#include <algorithm>
-#include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 
-/// What the rows of the option tables demand of each other and of the mesh, asked of a whole Scenario.
+/// What the rows of the option tables demand of each other, asked of a whole Scenario.
 namespace impact {
 
 namespace {
@@ -34,44 +32,6 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
   }
 }
 
-std::string groups_text(const std::vector<Group>& groups) {
-  std::vector<std::string> text;
-  for (int dim = 3; dim >= 0; --dim) {
-    std::vector<std::string> names;
-    for (const Group& group : groups)
-      if (group.dim == dim) names.push_back(group.name);
-    if (!names.empty()) text.push_back(join(names) + " (" + std::to_string(dim) + "D)");
-  }
-  return text.empty() ? "none" : join(text, "; ");
-}
-
-/// `dim`: that the group must have, 0 for any.
-void check_group(const std::string& option, const std::string& name, int dim,
-                 const std::vector<Group>& groups) {
-  const auto found = std::ranges::find_if(groups, [&](const Group& g) { return g.name == name; });
-  const std::string has = "; mesh has: " + groups_text(groups);
-  if (found == groups.end())
-    throw UserError(ExitCode::data, option + " \"" + name + "\": no such physical group" + has);
-  if (dim != 0 && found->dim != dim)
-    throw UserError(ExitCode::data, option + " \"" + name + "\": is a group of dimension " +
-                                        std::to_string(found->dim) + "; allowed: dimension " +
-                                        std::to_string(dim) + has);
-}
-
-template <class Struct>
-void check_on_mesh(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
-                   const std::string& prefix, const std::vector<Group>& groups, int dim) {
-  for (const OptionRow<Struct>& row : rows) {
-    const std::string option = "-" + prefix + row.name, text = row.text(target);
-    if (row.group_dimension && !text.empty())
-      if (const int wanted = row.group_dimension(target, dim); wanted >= 0)
-        for (const std::string& name : split_list(text)) check_group(option, name, wanted, groups);
-    if (row.misfit && row.given(target))
-      if (const std::string why = row.misfit(target, dim); !why.empty())
-        throw UserError(ExitCode::data, option + " \"" + text + "\": " + why);
-  }
-}
-
 } // namespace
 
 void complete_and_check(Scenario& scenario) {
@@ -94,15 +54,6 @@ void complete_and_check(Scenario& scenario) {
   for (const OptionGroup& group : global_groups())
     if (group.complete) group.complete(scenario);
   ask(false);
-}
-
-void check_groups(const Scenario& scenario, const std::vector<Group>& groups, int dim) {
-  check_on_mesh(global_rows(), scenario, "", groups, dim);
-  for_each_class([&](const auto& table) {
-    for (const auto& one : scenario.*table.member)
-      check_on_mesh(table.rows, one, table.word + "_" + one.id + "_", groups, dim);
-  });
-  check_obstacle_motion(scenario, dim);
 }
 
 } // namespace impact

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <impact/io/checkpoint.hpp>
 #include <impact/io/durable_file.hpp>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_reader.hpp>
 #include <limits>
 #include <map>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <impact/io/durable_file.hpp>
 #include <impact/io/field_output.hpp>
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_reader.hpp>
 #include <map>
 #include <set>
 #include <sys/mman.h>

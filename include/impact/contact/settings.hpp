@@ -18,16 +18,10 @@ class EnforcementMethod;
 struct EnforcementRows;
 
 enum class InitialOverlap { adjust, error, allow };
-enum class ImpactUpdate {
-  automatic,
-  stabilised,
-  conserving,
-  none
-}; ///< automatic: stabilised, but none beside a conserving one; conserving: a penalty whose work is exact
-enum class PenaltyGrowth {
-  on_slow_gap,
-  every_augmentation
-}; ///< grow when max|g| fell by less than 4; or the paper's rule
+/// automatic: stabilised, but none beside a conserving one; conserving: a penalty whose work is exact
+enum class ImpactUpdate { automatic, stabilised, conserving, none };
+/// Grow when max|g| fell by less than 4; or the paper's rule.
+enum class PenaltyGrowth { on_slow_gap, every_augmentation };
 
 struct ContactSettings {
   static constexpr double automatic =

@@ -1,5 +1,6 @@
 #pragma once
-#include <impact/io/hdf5_file.hpp>
+#include <impact/io/hdf5_reader.hpp>
+#include <impact/io/hdf5_writer.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <optional>
 

@@ -1,6 +1,9 @@
 #pragma once
 #include <algorithm>
+#include <impact/kernel/damage_input.hpp>
 #include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/point_geometry.hpp>
+#include <impact/kernel/scalar_cell.hpp>
 
 /// The damage balance and the growth of fatigue on one batch of cells.
 namespace impact {

@@ -1,7 +1,8 @@
 #pragma once
-#include <impact/kernel/cell_geometry.hpp>
-#include <impact/kernel/cell_kernels.hpp>
+#include <impact/kernel/heat_input.hpp>
 #include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/point_geometry.hpp>
+#include <impact/kernel/scalar_cell.hpp>
 #include <impact/material/crack.hpp>
 
 /// The heat balance on one batch of cells.

@@ -1,6 +1,7 @@
 #pragma once
-#include <impact/kernel/cell_kernels.hpp>
+#include <impact/kernel/measure_input.hpp>
 #include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/point_geometry.hpp>
 #include <impact/material/crack.hpp>
 
 /// The integrals of cell_kernels.hpp over one batch of cells.

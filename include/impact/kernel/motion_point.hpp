@@ -1,8 +1,7 @@
 #pragma once
-#include <impact/kernel/cell_geometry.hpp>
+#include <impact/kernel/motion_input.hpp>
+#include <impact/kernel/point_map.hpp>
 #include <impact/kernel/reference_gradient.hpp>
-
-#include <impact/kernel/cell_kernels.hpp>
 #include <impact/material/point_law.hpp>
 
 /// The law at the points of one batch of cells with the chosen volumetric locking cure.

@@ -80,43 +80,77 @@ template <class Cell, int k, int of = k> inline void values_at_ends(Batch* v) {
   });
 }
 
+/// Both ways for a cell with modes. Bodies of code of their own, which all weak forms share: as a part of
+/// each they would take the compiler as long as a law does.
+template <class Cell, int components>
+[[gnu::noinline]] void gradients_by_modes(const Batch* nodal, Batch (*out)[components * Cell::dim]) {
+  constexpr int d = Cell::dim;
+  for (int i = 0; i < components; ++i) {
+    Batch mode[Cell::nodes];
+    unroll<Cell::nodes>([&](auto a) { mode[a] = nodal[a * components + i]; });
+    unroll<d>([&](auto k) { sums_and_differences<Cell, k>(mode); });
+    unroll<Cell::nodes>([&](auto a) { mode[a] *= Batch(mode_scale<Cell>(a)); });
+    unroll<d>([&](auto direction) {
+      constexpr int k = direction;
+      Batch slope[Cell::nodes];
+      unroll<Cell::nodes>([&](auto a) { slope[a] = mode[a]; });
+      unroll<d>([&](auto l) {
+        if constexpr (l != k) values_at_ends<Cell, l, k>(slope);
+      });
+      unroll<Cell::nodes>([&](auto point) { // the derivative does not vary along its own direction
+        constexpr int q = point;
+        out[q][i * d + k] = slope[at_end<Cell>(q, k) ? q : across<Cell>(q, k)];
+      });
+    });
+  }
+}
+
+template <class Cell, int components>
+[[gnu::noinline]] void add_forces_by_modes(const Batch (*flux)[components * Cell::dim], Batch* nodal) {
+  constexpr int d = Cell::dim;
+  for (int i = 0; i < components; ++i) {
+    Batch mode[Cell::nodes];
+    unroll<Cell::nodes>([&](auto a) { mode[a] = Batch(0.0); });
+    unroll<d>([&](auto direction) {
+      constexpr int k = direction;
+      Batch part[Cell::nodes];
+      unroll<Cell::nodes>([&](auto point) {
+        constexpr int q = point, other = across<Cell>(q, k);
+        if constexpr (at_end<Cell>(q, k)) part[q] = flux[q][i * d + k] + flux[other][i * d + k];
+      });
+      unroll<d>([&](auto l) {
+        if constexpr (l != k) sums_and_differences<Cell, l, k>(part);
+      });
+      unroll<Cell::nodes>([&](auto a) {
+        if constexpr (at_end<Cell>(a, k)) mode[a] += part[a];
+      });
+    });
+    unroll<Cell::nodes>([&](auto a) { mode[a] *= Batch(mode_scale<Cell>(a)); });
+    unroll<d>([&](auto k) { values_at_ends<Cell, k>(mode); });
+    unroll<Cell::nodes>([&](auto a) { nodal[a * components + i] += mode[a]; });
+  }
+}
+
 /// out[point][i * dim + k] = dv_i/dxi_k for the nodal field v [node][components].
 template <class Cell, int components>
 inline void reference_gradients(const Batch* nodal, Batch (*out)[components * Cell::dim]) {
   constexpr int d = Cell::dim;
+  if constexpr (has_modes<Cell>()) return gradients_by_modes<Cell, components>(nodal, out);
   for (int i = 0; i < components; ++i)
-    if constexpr (is_simplex<Cell>) {
-      for (int k = 0; k < d; ++k)
-        for (int q = 0; q < Cell::points; ++q) out[q][i * d + k] = nodal[(k + 1) * components + i] - nodal[i];
-    } else if constexpr (!has_modes<Cell>()) {
+    for (int k = 0; k < d; ++k)
       for (int q = 0; q < Cell::points; ++q)
-        for (int k = 0; k < d; ++k)
+        if constexpr (is_simplex<Cell>)
+          out[q][i * d + k] = nodal[(k + 1) * components + i] - nodal[i];
+        else
           out[q][i * d + k] = sum<Cell::nodes>(
               [&](int a) { return shape_table<Cell>.dN[q][a][k] * nodal[a * components + i]; });
-    } else {
-      Batch mode[Cell::nodes];
-      unroll<Cell::nodes>([&](auto a) { mode[a] = nodal[a * components + i]; });
-      unroll<d>([&](auto k) { sums_and_differences<Cell, k>(mode); });
-      unroll<Cell::nodes>([&](auto a) { mode[a] *= Batch(mode_scale<Cell>(a)); });
-      unroll<d>([&](auto direction) {
-        constexpr int k = direction;
-        Batch slope[Cell::nodes];
-        unroll<Cell::nodes>([&](auto a) { slope[a] = mode[a]; });
-        unroll<d>([&](auto l) {
-          if constexpr (l != k) values_at_ends<Cell, l, k>(slope);
-        });
-        unroll<Cell::nodes>([&](auto point) { // the derivative does not vary along its own direction
-          constexpr int q = point;
-          out[q][i * d + k] = slope[at_end<Cell>(q, k) ? q : across<Cell>(q, k)];
-        });
-      });
-    }
 }
 
 /// nodal[a][i] += sum over the points of flux[point][i * dim + k] dN_a/dxi_k.
 template <class Cell, int components>
 inline void add_nodal_forces(const Batch (*flux)[components * Cell::dim], Batch* nodal) {
   constexpr int d = Cell::dim;
+  if constexpr (has_modes<Cell>()) return add_forces_by_modes<Cell, components>(flux, nodal);
   for (int i = 0; i < components; ++i)
     if constexpr (is_simplex<Cell>) {
       for (int k = 0; k < d; ++k) {
@@ -124,31 +158,11 @@ inline void add_nodal_forces(const Batch (*flux)[components * Cell::dim], Batch*
         nodal[(k + 1) * components + i] += force;
         nodal[i] -= force;
       }
-    } else if constexpr (!has_modes<Cell>()) {
+    } else {
       for (int q = 0; q < Cell::points; ++q)
         for (int a = 0; a < Cell::nodes; ++a)
           for (int k = 0; k < d; ++k)
             nodal[a * components + i] += shape_table<Cell>.dN[q][a][k] * flux[q][i * d + k];
-    } else {
-      Batch mode[Cell::nodes];
-      unroll<Cell::nodes>([&](auto a) { mode[a] = Batch(0.0); });
-      unroll<d>([&](auto direction) {
-        constexpr int k = direction;
-        Batch part[Cell::nodes];
-        unroll<Cell::nodes>([&](auto point) {
-          constexpr int q = point, other = across<Cell>(q, k);
-          if constexpr (at_end<Cell>(q, k)) part[q] = flux[q][i * d + k] + flux[other][i * d + k];
-        });
-        unroll<d>([&](auto l) {
-          if constexpr (l != k) sums_and_differences<Cell, l, k>(part);
-        });
-        unroll<Cell::nodes>([&](auto a) {
-          if constexpr (at_end<Cell>(a, k)) mode[a] += part[a];
-        });
-      });
-      unroll<Cell::nodes>([&](auto a) { mode[a] *= Batch(mode_scale<Cell>(a)); });
-      unroll<d>([&](auto k) { values_at_ends<Cell, k>(mode); });
-      unroll<Cell::nodes>([&](auto a) { nodal[a * components + i] += mode[a]; });
     }
 }
 

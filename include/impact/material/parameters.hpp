@@ -8,19 +8,12 @@ namespace impact {
 
 enum class Model { elastic, j2, rigid };
 enum class Damage { none, at2, at1 }; ///< local part of the crack energy (56), see crack.hpp
-enum class Split {
-  volumetric,
-  none,
-  spectral,
-  automatic
-}; ///< what of the elastic energy is E+ (49); automatic: of options, no law has it
+/// What of the elastic energy is E+ (49); automatic: of options, no law has it.
+enum class Split { volumetric, none, spectral, automatic };
 enum class Degradation { quadratic, cubic, ductile, own }; ///< g_e1(phi), ductile: g_e1(phi, alpha)
 enum class PlasticDegradation { one, ge };                 ///< g_p = 1 (the paper's run) or g_p = g_e1
 enum class DamageGradient { spatial, material }; ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
-enum class Conduction {
-  spatial,
-  material
-}; ///< isotropic where the body is now, or in the reference body (paper)
+enum class Conduction { spatial, material }; ///< isotropic where the body is now, or in the reference (paper)
 enum class ConductionDegradation { one, ge }; ///< g_theta = 1 or g_theta = g_e1
 enum class Locking { none, mean, fbar };      ///< volumetric locking cure on quads and hexes
 /// k_0(alpha): sigma_y with Voce and linear parts, sigma_y + b alpha^n, points joined by lines, or a law from

@@ -10,6 +10,9 @@
 /// acts on which facets and nodes. All expressions are evaluated at reference coordinates.
 namespace impact {
 
+/// Names of groups by falling dimension, for messages.
+std::string groups_text(const std::vector<Group>& groups);
+
 /// One prescribed displacement dof (local numbering node * dim + component), owned by the first condition
 /// declared.
 struct FixedDof {

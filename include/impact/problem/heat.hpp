@@ -3,10 +3,10 @@
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
+#include <impact/problem/heat_loads.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/scalar_field.hpp>
 #include <impact/problem/settings.hpp>
-#include <impact/problem/surface_load.hpp>
 #include <string>
 
 /// The heat balance of one step: SNES `heat_` for the temperature at t_{n+1} with displacement and damage

@@ -1,7 +1,7 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
 #include <impact/problem/force_balance.hpp>
-#include <impact/problem/motion_rows.hpp>
+#include <impact/problem/mass_matrix.hpp>
 #include <impact/problem/settings.hpp>
 #include <optional>
 #include <string>

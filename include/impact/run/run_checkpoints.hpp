@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/run/snapshot.hpp>
 #include <impact/run/stage.hpp>
 #include <impact/run/stop_criteria.hpp>
 #include <impact/time/step_control.hpp>

@@ -1,6 +1,7 @@
 #pragma once
+#include <impact/balance/ledger.hpp>
 #include <impact/io/checkpoint.hpp>
-#include <impact/run/observers.hpp>
+#include <impact/run/field_source.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/solve/coupling.hpp>
 

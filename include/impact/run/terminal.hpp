@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/run/snapshot.hpp>
 #include <impact/run/stage.hpp>
 
 /// What a run prints of itself: the head of the log before its first step, and a line for each step.

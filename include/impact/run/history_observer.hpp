@@ -1,67 +1,18 @@
 #pragma once
 #include <impact/balance/ledger.hpp>
-#include <impact/io/field_output.hpp>
+#include <impact/run/field_source.hpp>
+#include <impact/run/snapshot.hpp>
 #include <impact/scenario/scenario.hpp>
 
-/// Watchers of accepted steps: field files, the history file, probes and measures. Reads committed state
-/// only.
+/// The history file: step, balances, contacts, rigid bodies, cracks, probes and measures.
 namespace impact {
-
-/// An accepted state. Committed halves of the table hold it already.
-struct Snapshot {
-  long step = 0;
-  double time = 0, dt = 0;
-  int tries = 1;
-  Vec u = nullptr;
-};
-
-/// A field over the mesh.
-struct FieldValues {
-  bool nodal;
-  int components;
-  std::vector<double> values; ///< [local node][component], or of cells [group][batch][component][lane]
-};
-
-/// Fields by name: nodal ones from the state table, cell ones from the law, contact ones from the interfaces.
-class FieldSource {
-public:
-  FieldSource(MotionProblem& motion, const StateTable& state) : motion_(motion), state_(state) {}
-  /// Throws UserError(usage) for a field that an option asks for and the run cannot give.
-  void require(const std::string& key, const std::string& name, bool nodal_only = false) const;
-  /// At the solution u, which is committed. Collective.
-  FieldValues values(const std::string& name, Vec u) const;
-
-private:
-  std::vector<double> cell_means(const std::string& name, int components) const;
-
-  MotionProblem& motion_;
-  const StateTable& state_;
-};
-
-class FieldObserver {
-public:
-  /// Throws UserError(usage) when a field is not offered by this run.
-  FieldObserver(const OutputScenario& output, const Scenario& scenario, const Discretisation& discretisation,
-                const FieldSource& source);
-  /// Starts the files, removing older ones, or continues them after a time. Collective, once.
-  void open(std::optional<double> resume_after);
-  /// Writes when the output's times, interval or count of steps say so, and at the end. Collective.
-  void watch(const Snapshot& snapshot, bool last);
-
-private:
-  const Scenario& scenario_;
-  OutputScenario settings_;
-  const Discretisation& d_;
-  const FieldSource& source_;
-  std::optional<FieldOutput> file_;
-  double next_time_ = 0;
-};
-
-/// Whether `time` is the start, or the middle or the end of a period number n, 2 n, ..
-bool marks_cycle(double time, double period, int every);
 
 /// Name of the history file below -output_dir: that of the first csv output, else history.csv.
 std::string history_file_name(const Scenario& scenario);
+
+/// Columns for the components of a vector from `first` on.
+void add_axes(HistoryFile::Row& row, const std::string& name, const double* values, std::size_t end,
+              std::size_t first = 0);
 
 class HistoryObserver {
 public:

@@ -5,64 +5,11 @@
 #include <mpi.h>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
-/// HDF5 files whose data sets all ranks write and read by themselves, each its own rows. Failures are
-/// UserError(io) that name the file and the reason. File sizes and offsets are 64 bits wide.
+/// Writing of HDF5 files, in which each rank puts its own rows. Failures are UserError(io) that name the file
+/// and the reason.
 namespace impact::hdf5 {
-
-/// Owns one HDF5 identifier.
-class Id {
-public:
-  using Close = herr_t (*)(hid_t);
-  Id() = default;
-  Id(hid_t id, Close closer) : id_(id), close_(closer) {}
-  Id(Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
-  Id& operator=(Id&& other) noexcept {
-    std::swap(id_, other.id_);
-    std::swap(close_, other.close_);
-    return *this;
-  }
-  ~Id() {
-    if (id_ >= 0) close_(id_);
-  }
-  operator hid_t() const { return id_; }
-
-private:
-  hid_t id_ = -1;
-  Close close_ = nullptr;
-};
-
-/// A file to be read by this rank alone; HDF5 prints nothing of its own while it is open.
-class Reader {
-public:
-  explicit Reader(std::string name);
-
-  bool has(const std::string& path) const;                      ///< whose group exists
-  std::vector<std::string> list(const std::string& path) const; ///< names in a group, sorted; none if missing
-  std::vector<hsize_t> extent(const std::string& path) const;
-  std::vector<double> numbers(const std::string& path) const;
-  std::string text(const std::string& path) const;
-  /// `count` rows (the slowest index) from the row `first` on.
-  std::vector<double> rows(const std::string& path, hsize_t first, hsize_t count) const;
-
-private:
-  template <class T> T checked(T code, const std::string& what) const;
-
-  struct Quiet {
-    H5E_auto2_t printing = nullptr;
-    void* data = nullptr;
-    Quiet();
-    ~Quiet();
-    Quiet(const Quiet&) = delete;
-    Quiet& operator=(const Quiet&) = delete;
-  };
-
-  std::string name_;
-  Quiet quiet_; ///< before the file and after it
-  Id id_;
-};
 
 /// The part of this rank in rows that go over all ranks, in their order. The constructor is collective.
 struct Slab {

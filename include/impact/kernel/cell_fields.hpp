@@ -1,0 +1,20 @@
+#pragma once
+#include <impact/kernel/point_data.hpp>
+
+namespace impact {
+
+/// Fields of a batch at the end of a step and (_n) at its start: [node][component] of nodal ones,
+/// [point][component] of those of points. Null pointers stand for zero, theta_0 and a virgin history. A
+/// kernel reads what its equation asks for.
+struct CellFields {
+  const Batch* X = nullptr;                             ///< [dim] reference coordinates
+  const Batch *u = nullptr, *u_n = nullptr;             ///< [dim] displacement
+  const Batch *phi = nullptr, *phi_n = nullptr;         ///< damage
+  const Batch *theta = nullptr, *theta_n = nullptr;     ///< temperature
+  const Batch *history = nullptr, *history_n = nullptr; ///< [history_size]; null for Model::elastic
+  const Batch *drive = nullptr, *drive_n = nullptr;     ///< [drive_size]
+  const Batch *fatigue = nullptr, *fatigue_n = nullptr; ///< Fat
+  double dt = 1;
+};
+
+} // namespace impact

@@ -1,0 +1,85 @@
+#include <cmath>
+#include <impact/petsc/field_solver.hpp>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/mass_matrix.hpp>
+
+namespace impact {
+
+double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) const {
+  double diagonal = 0;
+  CellMatrix m, K;
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    const int dim = d_.dim(), nodes = batch.nodes();
+    const auto X = batch.vectors(d_.mesh.coordinates());
+    batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
+    K.zeroed(nodes * dim);
+    for (int i = 0; i < nodes; ++i)
+      for (int j = 0; j < nodes; ++j)
+        for (int k = 0; k < dim; ++k) K(i * dim + k, j * dim + k) = Batch(factor) * m(i, j);
+    if (masked && rows_.held_batches[at(batch.number_of_group)][at(batch.number)])
+      K.mask(batch.vectors(rows_.free));
+    diagonal += batch.sum(K.trace());
+    assembly.add(batch.number_of_group, batch.number, K.data());
+  });
+  return diagonal;
+}
+
+void MassMatrix::build() {
+  if (all_) return;
+  for (const bool masked : {false, true}) {
+    const auto assembly = make_assembly(d_.displacement, d_.mesh, d_.groups);
+    add_to(*assembly, 1, masked);
+    assembly->finish();
+    if (masked) assembly->set_diagonal(rows_.massless, 1.0);
+    Mat shared = assembly->matrix();
+    check(PetscObjectReference(reinterpret_cast<PetscObject>(shared)));
+    (masked ? free_ : all_) = Handle<Mat>(shared);
+  }
+  check(KSPCreate(d_.mesh.comm(), solver_.out()));
+  check(KSPSetOptionsPrefix(solver_, "motion_mass_"));
+  check(KSPSetType(solver_, KSPCG));
+  const PC pc = Get(KSPGetPC)(solver_);
+  check(PCSetType(pc, PCJACOBI));
+  check(KSPSetTolerances(solver_, 1e-13, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  check(KSPSetOperators(solver_, free_, free_));
+}
+
+void MassMatrix::multiply(Vec x, Vec y) {
+  build();
+  check(MatMult(all_, x, y));
+}
+
+// x = x_c + x_f: the columns of prescribed entries go to the right-hand side. Rigid bodies share no node with
+// others.
+void MassMatrix::solve(Vec b, Vec x) {
+  build();
+  const int dim = d_.dim();
+  const Handle<Vec> held = d_.displacement.make_global(), rhs = d_.displacement.make_global();
+  std::vector<PetscInt> rows;
+  std::vector<double> values(rows_.massless.size());
+  for (int dof : rows_.massless) rows.push_back(d_.mesh.global_node()[at(dof / dim)] * dim + dof % dim);
+  const auto count = static_cast<PetscInt>(rows.size());
+  check(VecGetValues(x, count, rows.data(), values.data()));
+  const auto set = [&](Vec target) {
+    check(VecSetValues(target, count, rows.data(), values.data(), INSERT_VALUES));
+    check(VecAssemblyBegin(target));
+    check(VecAssemblyEnd(target));
+  };
+  set(held);
+  check(MatMult(all_, held, rhs));
+  check(VecAYPX(rhs, -1, b));
+  set(rhs);
+  const PetscReal size = Get(VecNorm)(rhs, NORM_INFINITY);
+  if (!std::isfinite(size))
+    throw UserError(ExitCode::data,
+                    "the forces of which an acceleration is asked are not finite: a cell is inverted, or an "
+                    "expression of a condition has no value there (1/(t-0.5), say, has none in its "
+                    "derivatives); mend the initial state or the condition");
+  check(KSPSolve(solver_, rhs, x));
+  const KSPConvergedReason reason = Get(KSPGetConvergedReason)(solver_);
+  if (reason < 0)
+    throw UserError(ExitCode::data,
+                    "the mass matrix cannot be inverted: give every material a positive -material_<id>_rho");
+}
+
+} // namespace impact

@@ -1,0 +1,40 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/petsc/ranks.hpp>
+#include <impact/run/history_observer.hpp>
+#include <impact/scenario/columns.hpp>
+
+/// Columns of the history that stand for fields on parts of the surface.
+namespace impact {
+
+void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  const Discretisation& d = motion_.discretisation();
+  using Of = MeasureScenario::Of;
+  for (const MeasureScenario& measure : scenario_.measures) {
+    const std::vector<int> nodes = d.mesh.nodes(measure.on);
+    for (const std::string& field : measure.fields) {
+      const FieldValues of = source_.values(field, snapshot.u);
+      for (int k = 0; k < of.components; ++k) {
+        double low = HUGE_VAL, high = -HUGE_VAL, sums[2] = {0, 0};
+        for (int node : nodes) {
+          const double value = of.values[at(node * of.components + k)];
+          if (!d.mesh.owned(node) || std::isnan(value)) continue; // a gap to nothing
+          low = std::min(low, value);
+          high = std::max(high, value);
+          sums[0] += value;
+          sums[1] += 1;
+        }
+        low = min_over_ranks(d.mesh.comm(), low);
+        high = max_over_ranks(d.mesh.comm(), high);
+        sum_over_ranks(d.mesh.comm(), sums);
+        const double value = measure.of == Of::min   ? low
+                             : measure.of == Of::max ? high
+                             : measure.of == Of::sum ? sums[0]
+                                                     : sums[0] / std::max(sums[1], 1.0);
+        row.emplace_back("measure_" + measure.id + "_" + component_name(field, k, of.components), value);
+      }
+    }
+  }
+}
+
+} // namespace impact
