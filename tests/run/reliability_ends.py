@@ -72,12 +72,19 @@ for i in range(COUNT):
     code = finish_within(process, 60)
     log = log_of(folder)
     ended = f"stopped by request ({name})" in log
-    too_late = "stopped by -ts_max_steps" in log  # all is said and saved, and MPI is ending
-    judge(f"{attack}: status {code}, {log.splitlines()[-1:]}", ((code == 0 and ended) or (too_late and code in (0, -getattr(signal, name))))
+    too_late = "stopped by -ts_max_steps" in log  # all is said and saved, and MPI is ending: the signal changes nothing
+    judge(f"{attack}: status {code}, {log.splitlines()[-1:]}", code == 0 and (ended or too_late)
           and not (ended and name == "SIGUSR1") and any(f.endswith(".manifest") for f in os.listdir(folder + "/checkpoints")))
     code = run(folder, ranks, restart="auto")
     gap = difference(folder, f"whole_{ranks}")
     judge(f"{attack}, gone on with: status {code}, difference {gap}", code == 0 and isinstance(gap, float) and gap <= 1e-12)
+
+for ranks in (1, 2):
+    process = start("late", OPTIONS, ranks)
+    wait_for("late", lambda: "stopped by -ts_max_steps" in log_of("late"))
+    with contextlib.suppress(ProcessLookupError, IndexError):
+        os.kill(ranks_of(process)[0], signal.SIGTERM)
+    require(f"SIGTERM to one of {ranks} behind the last line changes nothing", finish_within(process, 60) == 0)
 
 
 def newest(folder):
