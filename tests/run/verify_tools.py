@@ -2,6 +2,8 @@
 # timeout: 120
 """The tools: what render.py draws of runs with and without u, of cuts through solids, of several runs and as an animation;
 compare_histories.py on balances; --help of each tool, with an example that runs where it is quick."""
+import csv
+import importlib.machinery
 import os
 import re
 import shlex
@@ -14,7 +16,7 @@ import matplotlib
 import numpy
 from PIL import Image
 
-from _runs import BREAKING_BLOCKS, SOURCE, check, check_between, finish, mesh, require, run
+from _runs import BREAKING_BLOCKS, PROGRAM, SOURCE, check, check_between, finish, mesh, require, run
 
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 import render  # noqa: E402
@@ -159,12 +161,34 @@ require("a balance beyond it is", "balance: 1.0" in changed("balance", lambda x:
 done = changed("energy_elastic", lambda x: x * (1 + 1e-9))
 require(f"an energy is: {done.stdout.strip()[:60]}", done.returncode == 1 and done.stdout.startswith("energy_elastic:"))
 
+# The table of solvers: PETSc's own counts, what fails as such, nothing twice.
+BENCH = ["bench_solvers", "--program", PROGRAM, "--cases", "2d_incompressible,2d_mortar_semismooth", "--sizes", "300", "--limit", "30",
+         "--candidates", "default,gamg,cg_icc", "--out", "solvers.csv"]
+first = tool(*BENCH)
+with open("solvers.csv", newline="") as file:
+    runs = {(row["case"], row["candidate"]): row for row in csv.DictReader(file)}
+require(f"status {first.returncode}, {len(runs)} runs of {len(first.stdout.splitlines())} lines",
+        first.returncode in (0, 1) and len(runs) == 6 and first.stdout.count("| 2d_") == 2)
+require("the defaults end well", all(runs[case, "default"]["status"] == "ok" for case in ("2d_incompressible", "2d_mortar_semismooth")))
+require("incomplete Cholesky factors of what keeps its volume do not", runs["2d_incompressible", "cg_icc"]["status"] == "exit 5")
+bench = importlib.machinery.SourceFileLoader("bench_solvers", os.path.join(SOURCE, "tools", "bench_solvers")).load_module()
+meshed, options = bench.options_of("2d_incompressible", "300")
+asked = {**meshed, **options, **bench.CANDIDATES["gamg"], "motion_ksp_converged_reason": ""}
+log = run("asked", bench.words(asked)).log
+row = runs["2d_incompressible", "gamg"]
+check("linear iterations, as PETSc tells them", float(row["linear"]), sum(map(int, re.findall(r"Linear motion_ .* iterations (\d+)", log))), 0)
+check("Newton iterations, as PETSc tells them", float(row["newton"]), len(re.findall(r"Linear motion_ ", log)), 0)
+check_between("CPU time of a run, s", float(row["cpu_s"]), 0.02, 20)
+before = open("solvers.csv").read()
+again = tool(*BENCH)
+require("a second call runs nothing and says the same", open("solvers.csv").read() == before and again.stdout == first.stdout)
+
 # Help and examples, in a folder that looks like the top of the repository with runs in it.
 os.symlink(os.path.join(SOURCE, "tools"), "tools")
 for link, name in (("fine", "run"), ("one", "run"), ("other", "run")):
     os.symlink(name, link)
 # These install, build, or want the runs of a file of options/; check_format is a test of its own.
-LONG = {"demo", "test", "install_packages", "bench_peers", "same_histories.py", "measure_messages.py", "check_format", "beam_wedge_observables.py", "plot_hertz.py", "plot_fatigue.py"}
+LONG = {"demo", "test", "install_packages", "bench_peers", "bench_solvers", "same_histories.py", "measure_messages.py", "check_format", "beam_wedge_observables.py", "plot_hertz.py", "plot_fatigue.py"}
 names = sorted(name for name in os.listdir("tools") if os.access(f"tools/{name}", os.X_OK) and os.path.isfile(f"tools/{name}"))
 require(f"{len(names)} tools", len(names) >= 13)
 ran = 0
