@@ -173,7 +173,8 @@ bool names_value(const std::string& message, const std::string& value) {
     if (!std::isdigit(static_cast<unsigned char>(*c)) && *c != '-') continue;
     const double said = std::strtod(c, &rest);
     if (rest == c) continue;
-    if (std::abs(said - number) <= 1e-4 * std::abs(number)) return true;
+    const bool index = c != in.c_str() && c[-1] == '(' && *rest == ')'; // as in INFOG(1)=-37
+    if (!index && std::abs(said - number) <= 1e-4 * std::abs(number)) return true;
     c = rest - 1;
   }
   return false;
@@ -196,8 +197,9 @@ std::string explain(const std::string& message, const std::string& prefix,
   }
   std::string types;
   for (const GivenOption& option : options)
-    if (option.key.ends_with("_type") && !option.key.starts_with("-ts_") &&
-        KnownOptions::get().of_solver(option.key.substr(1)))
+    if ((option.key.ends_with("_type") || option.key.find("_mat_mumps_") != std::string::npos ||
+         option.key.find("_pc_") != std::string::npos) &&
+        !option.key.starts_with("-ts_") && KnownOptions::get().of_solver(option.key.substr(1)))
       types += (types.empty() ? "" : " ") + option.key + " " + option.text;
   return types.empty() ? ""
                        : "PETSc cannot solve with " + types + " (" + message + "); leave one of them out";

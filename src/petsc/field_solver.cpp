@@ -47,6 +47,9 @@ std::string linear_solver_text(SNES snes) {
 void forget_factors(SNES snes) {
   const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPReset(ksp));
+  // The last update, which a Krylov method may take for its first guess, and the last length of a step.
+  if (const Vec update = Get(SNESGetSolutionUpdate)(snes)) check(VecSet(update, 0));
+  check(SNESLineSearchSetLambda(Get(SNESGetLineSearch)(snes), 1));
   const PC pc = Get(KSPGetPC)(ksp);
   if (!has_type(pc, PCGAMG)) return;
   // The solvers of its levels outlive a reset with what they had set up: the next hierarchy is another one

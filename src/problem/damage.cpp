@@ -100,11 +100,25 @@ Handle<SNES> DamageProblem::make_solver(bool bounded) {
     check(SNESSetType(snes, SNESNEWTONLS));
     return snes;
   }
+  suit_linear_solver(snes);
   if (has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes)), PCGAMG))
     throw UserError(ExitCode::usage,
                     "-damage_pc_type gamg does not work with -damage_bounds vi (the reduced "
                     "system changes its size); use icc, jacobi or hypre, or -damage_bounds history");
   return snes;
+}
+
+// The semismooth method's matrix is not symmetric: incomplete Cholesky factors of it do not come to an end.
+void DamageProblem::suit_linear_solver(SNES snes) {
+  if (!has_type(snes, SNESVINEWTONSSLS)) return;
+  const KSP ksp = Get(SNESGetKSP)(snes);
+  const PC pc = Get(KSPGetPC)(ksp);
+  check(KSPSetType(ksp, KSPGMRES));
+  check(PCSetType(pc, PCJACOBI));
+  check(KSPSetFromOptions(ksp));
+  if (has_type(pc, PCICC, PCCHOLESKY))
+    throw UserError(ExitCode::usage, "-damage_pc_type: icc and cholesky want a symmetric matrix, which "
+                                     "-damage_snes_type vinewtonssls has not; use jacobi, ilu or lu");
 }
 
 // A matrix that is larger than the derivative makes steps that lower the energy but not always the residual,
@@ -281,7 +295,9 @@ ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
 ScalarOutcome DamageProblem::solve_bounded(double start_norm) {
   check(SNESVISetVariableBounds(bounded_, lower_, upper_));
   const PetscReal stiffest = Get(VecMax)(field_.diagonal(), nullptr);
-  check(SNESSetTolerances(bounded_, std::max({reference_, 1e-9 * start_norm, 1e-12 * stiffest}),
+  PetscReal rtol = 0;
+  check(SNESGetTolerances(bounded_, nullptr, &rtol, nullptr, nullptr, nullptr));
+  check(SNESSetTolerances(bounded_, std::max({residual_tol_, rtol * start_norm, 1e-12 * stiffest}),
                           PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   return solve_field(bounded_, field_.solution(), mailbox_);
 }

@@ -35,6 +35,7 @@ void DamageProblem::make_substeps() {
   if (bounded_at_once_) take_full_steps(snes);
   check(TSSetExactFinalTime(substeps_, TS_EXACTFINALTIME_MATCHSTEP));
   check(TSSetFromOptions(substeps_));
+  suit_linear_solver(snes);
 }
 
 // lambda and the lower bound belong to the damage at the start of the sub-step.

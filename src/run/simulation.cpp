@@ -100,6 +100,11 @@ Simulation::Simulation(RunStage& stage, const std::optional<Checkpoint>& resume,
   }
   snapshot_.u = stage.u;
   report_solvers(stage);
+  std::vector<SNES> solvers;
+  if (s_.has_motion()) solvers.push_back(stage.coupling.motion_solver().snes());
+  if (stage.damage) solvers.push_back(stage.damage->snes());
+  if (stage.heat) solvers.push_back(stage.heat->snes());
+  tell_idle_options(s_, solvers);
   stops_.check_names(history_.row(snapshot_, {}));
   if (!s_.dry_run) open(resume);
 }

@@ -3,7 +3,6 @@
 #include <cctype>
 #include <impact/input/known_options.hpp>
 #include <impact/petsc/error.hpp>
-#include <petscksp.h>
 #include <set>
 #include <sstream>
 
@@ -23,12 +22,43 @@ const char* const not_available[] = {"order", "ts_static_start", "ts_dt_cfl"};
 struct Displaced {
   const char *prefix, *beginning, *why;
 };
+const char* const no_grid = "no solver here has a PETSc grid or knows the exact solution";
+const char* const cuts = "a solve that fails cuts the step; -ts_max_reject 0 ends the run then";
+const char* const forgets =
+    "a checkpoint keeps neither tangent nor factors; without it they serve on within a solve";
 const Displaced displaced[] = {
     {"", "snes_fd", "the tangent is the exact derivative already"},
     {"", "snes_mf", "the tangent is the exact derivative already"},
+    {"", "snes_test_jacobian", "the tangent is the exact derivative already; see -motion_tangent"},
     {"", "snes_convergence_test", "a solve ends when its residual is small; see _snes_rtol and _snes_atol"},
+    {"", "snes_convergence_estimate", no_grid},
     {"", "snes_npc_", "the nonlinear solvers take no preconditioner"},
+    {"", "snes_grid_sequence", "there is one mesh; see -dm_refine"},
+    {"", "snes_norm_schedule", "Newton's method looks at the norm of each residual"},
+    {"", "snes_function_type", "Newton's method looks at the norm of each residual"},
+    {"", "snes_error_if_not_converged", cuts},
+    {"", "snes_linesearch_norms", "Newton's method looks at the norm of each residual"},
+    {"", "snes_linesearch_precheck_picard", "the steps are Newton's, not Picard's"},
+    {"", "snes_monitor_fields", no_grid},
+    {"", "snes_monitor_jacupdate_spectrum", "it assembles tangents that the solver does not know of"},
+    {"", "ksp_error_if_not_converged", cuts},
+    {"", "ksp_monitor_error", no_grid},
+    {"", "ksp_view_diagonal_scale", no_grid},
+    {"", "ksp_diagonal_scale", "a matrix that serves on would be scaled again; _pc_type jacobi scales"},
+    {"", "ksp_constant_null_space", "constant vectors are no null space of any matrix here"},
+    {"", "ksp_guess_type", "PETSc's guesses start anew with each matrix; see _ksp_initial_guess_nonzero"},
+    {"", "ksp_matsolve_batch_size", "systems are solved one at a time"},
+    {"motion_", "ksp_reuse_preconditioner", "SNES sets it in each iteration; see -motion_reuse_tangent"},
+    {"", "ksp_reuse_preconditioner", "SNES sets it in each iteration; see _snes_lag_preconditioner"},
+    {"", "pc_factor_in_place", "the factors have another pattern than the matrix"},
+    {"", "pc_factor_nonzeros_along_diagonal", "no diagonal here has zeros, and PETSc crashes"},
+    {"", "mat_factor_view", "see _ksp_view"},
+    {"motion_", "snes_monitor_solution_update",
+     "no update leads to a first iterate; see _snes_monitor_solution"},
+    {"motion_", "snes_force_iteration", "a balanced step needs no iteration; see -motion_snes_rtol"},
     {"motion_", "snes_ksp_ew", "the linear solver keeps its tolerance; see -motion_ksp_rtol"},
+    {"", "snes_lag_jacobian_persists", forgets},
+    {"", "snes_lag_preconditioner_persists", forgets},
     {"motion_", "snes_lag_", "the program says when the tangent serves on; see -motion_reuse_tangent"},
     {"motion_", "ts_", "the integrator has no prefix; give -ts_..."},
     {"heat_", "ts_", "the heat's sub-steps take -heat_ts_dt alone"},
@@ -40,6 +70,18 @@ const char* const of_passes[] = {"snes_type",    "snes_max_it",           "snes_
 /// estimate.
 const char* const of_time[] = {"ts_adapt_monitor", "ts_adapt_view", "ts_monitor", "ts_view",
                                "ts_max_snes_failures"};
+/// Monitors that crash or tell nothing.
+const Displaced blind_monitors[] = {
+    {"ts_", "monitor_frequency", "the monitors tell of each step; see -output_<id>_every"},
+    {"ts_", "monitor_envelope", "nothing asks for it; see -ts_monitor_extreme"},
+    {"ts_", "monitor_error", no_grid},
+    {"ts_", "monitor_lg_error", no_grid},
+    {"ts_", "monitor_draw_error", no_grid},
+    {"ts_", "monitor_draw_solution_function", no_grid},
+    {"ts_", "monitor_sp_", no_grid},
+    {"ts_", "monitor_dmda", no_grid},
+    {"ts_", "monitor_lg_dmda", no_grid},
+};
 
 /// The names of a class of options.
 struct ClassKeys {
@@ -135,11 +177,6 @@ void check_solver_name(const std::string& typed, const std::string& prefix, cons
       if (rest.starts_with(one.beginning) && nearest_name(typed, legal.globals, 2).empty())
         if (const auto text = option_text(typed))
           refuse_option({"-" + typed, *text}, std::string("not available: ") + one.why + "; remove it");
-  if (rest == "ksp_type")
-    for (const GivenOption& option : unread_options())
-      if (option.key == "-" + typed && lower_case(option.text) == KSPQCG)
-        refuse_option(option,
-                      "is a search in a trust region and crashes beside most preconditioners; take cg");
   if ((!passes || begins_with(rest, of_passes)) && KnownOptions::get().of_solver(rest) != nullptr) return;
   if (!option_text(typed)) return;
   std::set<std::string> own;
@@ -162,6 +199,10 @@ void check_global_name(const std::string& typed, const Legal& legal) {
   const auto& of_petsc = KnownOptions::get().global();
   const bool time = name.starts_with("ts_"),
              solver = begins_with(name, std::initializer_list{"snes_", "ksp_", "pc_"});
+  for (const Displaced& one : blind_monitors)
+    if (name.starts_with(std::string(one.prefix) + one.beginning))
+      if (const auto text = option_text(typed))
+        refuse_option({"-" + typed, *text}, std::string("not available: ") + one.why + "; remove it");
   if (time ? begins_with(name, of_time) && of_petsc.count(name) : !solver && of_petsc.count(name)) return;
   // Read by objects that a survey of solvers does not make: left to the look at what was used.
   const bool by_others = begins_with(

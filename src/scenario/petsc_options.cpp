@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <impact/input/known_options.hpp>
 #include <impact/input/option_text.hpp>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
 
@@ -28,6 +29,8 @@ const SolverNumber solver_numbers[] = {
     {"snes_stol", {0, 0, false, false}}, // a short step says nothing about what is left
     {"snes_max_it", {1}, true},
     {"snes_max_funcs", {-1}, true},
+    {"snes_lag_jacobian", {1}, true}, // -2, once for all, would not outlive a checkpoint
+    {"snes_lag_preconditioner", {1}, true},
     {"snes_linesearch_damping", {0, 1, true, false}},
     {"snes_linesearch_max_it", {1}, true},
     {"ksp_rtol", {0, 1, false, true}},
@@ -43,6 +46,28 @@ const SolverNumber solver_numbers[] = {
     {"pc_asm_overlap", {0}, true},
 };
 
+/// Names that PETSc offers and nobody can take.
+struct Impossible {
+  const char *name, *value, *why;
+};
+const Impossible impossible[] = {
+    {"ksp_type", KSPQCG, "is a search in a trust region and crashes beside most preconditioners; take cg"},
+    {"ksp_type", KSPPIPELCG, "does not come to an end; take pipecg"},
+    {"ksp_type", KSPPIPECG2, "counts as solved what is not; take pipecg"},
+    {"snes_linesearch_type", SNESLINESEARCHNCGLINEAR, "is for gradients, not for Newton's method; take bt"},
+    {"pc_factor_mat_ordering_type", MATORDERINGWBM, "ends the program in SuperLU_DIST; take nd or rcm"},
+};
+
+/// Whether `-help` shows a number as the option's present value: "... <now 25 : formerly 25>: ...".
+bool takes_number(const std::string& help) {
+  const std::size_t begin = help.find('<');
+  if (begin == std::string::npos) return false;
+  const std::string value = help.substr(begin + (help.compare(begin + 1, 4, "now ") == 0 ? 5 : 1));
+  char* rest = nullptr;
+  std::strtod(value.c_str(), &rest);
+  return rest != value.c_str() && (*rest == ' ' || *rest == '>');
+}
+
 /// A value of PETSc's that makes no sense, before anything is computed: numbers by the table above, names by
 /// what PETSc lists.
 void check_value(const GivenOption& option) {
@@ -50,7 +75,13 @@ void check_value(const GivenOption& option) {
   for (const auto& [prefix, types] : solver_types)
     if (name == std::string(prefix) + "snes_type" && std::ranges::find(types, option.text) == types.end())
       refuse_option(option, "cannot solve this problem; allowed: " + join(types) + "; leave the option out");
-  if (!KnownOptions::get().of_solver(name)) return;
+  const std::string* const help = KnownOptions::get().of_solver(name);
+  if (help == nullptr) return;
+  for (const Impossible& one : impossible)
+    if (name.ends_with(std::string("_") + one.name) && lower_case(option.text) == one.value)
+      refuse_option(option, one.why);
+  if (option.text.empty() && takes_number(*help))
+    refuse_option(option, "a value is missing; allowed: a number");
   for (const SolverNumber& one : solver_numbers)
     if (name.ends_with(std::string("_") + one.name)) {
       if (one.whole)
@@ -129,6 +160,57 @@ void try_petsc_options(MPI_Comm comm, const Scenario& s) {
     try_options("ts_", [&] { try_integrator(comm, "", s.has_motion() ? s.time.type : "static"); });
   if (given_behind("damage_ts_"))
     try_options("damage_ts_", [&] { try_integrator(comm, "damage_", TSBEULER); });
+}
+
+namespace {
+
+/// What the linear and nonlinear solver of a field read from the options and do without.
+std::vector<const char*> idle_names(SNES snes) {
+  std::vector<const char*> names;
+  KSP ksp = nullptr;
+  PC pc = nullptr;
+  SNESLineSearch search = nullptr;
+  MatSolverType package = nullptr;
+  PetscBool guesses = PETSC_FALSE;
+  check(SNESGetKSP(snes, &ksp));
+  check(KSPGetPC(ksp, &pc));
+  check(SNESGetLineSearch(snes, &search));
+  check(PCFactorGetMatSolverType(pc, &package)); // none of a type that has no factors
+  check(KSPGetInitialGuessNonzero(ksp, &guesses));
+  const bool alone = has_type(ksp, KSPPREONLY), iterates = has_type(search, SNESLINESEARCHCP),
+             searches = iterates || has_type(search, SNESLINESEARCHBT);
+  if (alone && guesses) {
+    const char* prefix = nullptr;
+    check(SNESGetOptionsPrefix(snes, &prefix));
+    throw UserError(ExitCode::usage, std::string("-") + prefix + "ksp_initial_guess_nonzero: not with " +
+                                         prefix + "ksp_type preonly, a solver without iterations; remove it");
+  }
+  if (alone) names = {"ksp_rtol", "ksp_atol", "ksp_divtol", "ksp_max_it", "ksp_norm_type", "ksp_pc_side"};
+  if (package != nullptr && std::string(package) != MATSOLVERPETSC)
+    names.insert(names.end(), {"pc_factor_shift_type", "pc_factor_shift_amount", "pc_factor_zeropivot",
+                               "pc_factor_column_pivot", "pc_factor_pivot_in_blocks", "pc_factor_fill",
+                               "pc_factor_reuse_fill", "pc_factor_reuse_ordering"});
+  if (!searches) names.emplace_back("snes_linesearch_order");
+  if (!iterates)
+    names.insert(names.end(), {"snes_linesearch_rtol", "snes_linesearch_atol", "snes_linesearch_ltol"});
+  return names;
+}
+
+} // namespace
+
+void tell_idle_options(const Scenario& s, const std::vector<SNES>& solvers) {
+  std::vector<std::string> idle;
+  for (SNES snes : solvers) {
+    const char* prefix = nullptr;
+    check(SNESGetOptionsPrefix(snes, &prefix));
+    for (const char* name : idle_names(snes))
+      if (option_text(std::string(prefix) + name)) idle.push_back(std::string("-") + prefix + name);
+  }
+  if (idle.empty()) return;
+  const std::string text = "the solvers that this run chose do without " + join(idle);
+  if (s.strict) throw UserError(ExitCode::usage, text + " (-options_strict); remove it");
+  check(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(solvers.front())),
+                    "impact: %s: without effect\n", text.c_str()));
 }
 
 UnreadOptions::UnreadOptions(MPI_Comm comm, const Scenario& s) : comm_(comm), strict_(s.strict) {

@@ -80,7 +80,11 @@ const char* const about_solvers =
     "`-uzawa_snes_max_it`, `-coupling_snes_monitor`. The prefixes are `motion_`, "
     "`damage_`, `heat_`, and `coupling_`, `uzawa_` for the passes. A name that PETSc does not know is "
     "refused before the run starts, one that no solver of the run has read after the first step (told, "
-    "when it is an option of a field's own solver or stands in an options file). Fragments to "
+    "when it is an option of a field's own solver or stands in an options file). What could have no effect, "
+    "or ends PETSc, is refused with a word on what serves in its place (`_snes_mf`, "
+    "`-motion_snes_lag_jacobian`, "
+    "`_ksp_guess_type`); what the chosen solver reads and has no use for (`_ksp_rtol` of a direct one, "
+    "`_pc_factor_shift_type` of MUMPS) is told, and refused with `-options_strict`. Fragments to "
     "add on the command line are in `options/solver`. `-motion_snes_atol` (1e-12 E h^(d-1) of the softest "
     "material) and `-motion_snes_rtol` (1e-10 of the first residual) hold for each body on its own; no "
     "length of a step ends a solve (`_snes_stol` is 0).";

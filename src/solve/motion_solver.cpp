@@ -159,6 +159,7 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   motion_.balance().judge(r, atol, rtol_);
   if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
   const PetscReal norm = Get(VecNorm)(r, NORM_2);
+  check(SNESSetSolution(snes_, u));   // monitors look at it
   check(SNESMonitor(snes_, 0, norm)); // that of the next iteration follows, under the number 0 too
   if (!linear_step(u, r, step)) return cell_broke_ = false;
   check(VecAXPY(u, -1, step));

@@ -68,6 +68,7 @@ private:
   std::vector<SNES> solvers() const;
   void raise_history();
   static void take_full_steps(SNES snes);
+  static void suit_linear_solver(SNES snes);
   void set_bounds(const std::vector<double>& phi_n, const std::vector<double>& phi);
   void clip();
   bool within_bounds() const;

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/scenario/scenario.hpp>
+#include <petscsnes.h>
 #include <set>
 
 /// Options that PETSc reads: tried before the mesh is read, looked for again when the solvers have worked.
@@ -8,6 +9,10 @@ namespace impact {
 /// Sets small solvers up from the options: throws UserError(usage) for a value that PETSc refuses.
 /// Collective.
 void try_petsc_options(MPI_Comm comm, const Scenario& scenario);
+
+/// Tells which options the solvers of the fields read and have no use for, as a direct solver has for
+/// `-motion_ksp_rtol`; throws UserError(usage) with -options_strict. Collective.
+void tell_idle_options(const Scenario& scenario, const std::vector<SNES>& solvers);
 
 /// Options that nothing reads. Their names are right (check_option_names), so that only a solve tells which
 /// of them it had a use for: `-motion_pc_gamg_threshold` has none beside `-motion_pc_type lu`, a level's
