@@ -79,9 +79,7 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     code = report(error.what(), impact::ExitCode::internal, false);
   }
-  // All is said and saved: a signal that comes now changes nothing. PetscFinalize would restore its default,
-  // an end.
-  PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
+  impact::ignore_signals();
   PetscFinalize();
   return code;
 }

@@ -85,6 +85,11 @@ void install_signal_handlers() {
   speaks = with_mpi != 0 && rank == 0 ? 1 : 0;
 }
 
+void ignore_signals() {
+  for (const Handled& one : handled) std::signal(one.number, SIG_IGN);
+  PetscOptionsSetValue(nullptr, "-no_signal_handler", "true"); // else PetscFinalize restores their defaults
+}
+
 double seconds_since_start() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_of_program()).count();
 }

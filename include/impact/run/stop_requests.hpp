@@ -14,6 +14,9 @@ namespace impact {
 /// PETSc sets handlers of its own. Also starts the clock of seconds_since_start at the first call.
 void install_signal_handlers();
 
+/// For the end of the program, before PetscFinalize: all is said and saved, and no signal changes that.
+void ignore_signals();
+
 /// Seconds on the clock since the program started.
 double seconds_since_start();
 
