@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/bounded_newton.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
@@ -44,14 +45,6 @@ void put_history(const PointValues<1>& H, PointValues<drive_size>& drive) {
   for (int q = 0; q < H.size; ++q) drive_at(drive.data(), q) = {H.value[q], 0.0, 0.0};
 }
 
-// The norm that SNES saw before its first iteration.
-PetscReal first_residual(SNES snes) {
-  PetscReal* history = nullptr;
-  PetscInt count = 0;
-  check(SNESGetConvergenceHistory(snes, &history, nullptr, &count));
-  return count > 0 ? history[0] : 0.0;
-}
-
 } // namespace
 
 DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
@@ -60,15 +53,15 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
       phi_(state.row("phi")), drive_(state.row("drive")), flow_(state.row("history")), x_(d_.node_values(1)),
       r_(d_.node_values(1)), substep_start_(d_.scalar.make_local()), substep_end_(substep_start_),
       lower_(d_.scalar.make_global()), upper_(d_.scalar.make_global()) {
-  double toughness = 0, width = 1;
+  double toughness = 0;
   const bool vi = settings_.bounds == DamageBounds::vi;
   for (const MaterialAssignment& m : d_.materials)
     if (damages(m.law)) {
       toughness = std::max(toughness, m.law.parameters.Gc);
       bounded_at_once_ = bounded_at_once_ || (vi && needs_bounds(m.law));
-      width = m.law.parameters.gamma;
+      width_ = std::max(width_, m.law.parameters.gamma);
     }
-  reference_ = 1e-12 * toughness / width * std::pow(d_.mesh.smallest_edge(), d_.dim());
+  reference_ = 1e-12 * toughness / width_ * std::pow(d_.mesh.smallest_edge(), d_.dim());
   const std::size_t points = d_.point_values(1);
   dissipated_.resize(points);
   if (d_.has_fatigue()) worn_ = &state.row("fatigue");
@@ -79,33 +72,35 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
                                                              boundary_.damage_condition().end(),
                                                              [](int condition) { return condition < 0; }));
   field_.build_matrix();
-  unconstrained_ = make_solver(false);
-  check(SNESGetTolerances(unconstrained_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
-  if (vi) bounded_ = make_solver(true);
+  make_solver();
   make_substeps();
 }
 
-Handle<SNES> DamageProblem::make_solver(bool bounded) {
-  Handle<SNES> snes;
-  check(SNESCreate(d_.mesh.comm(), snes.out()));
-  check(SNESSetOptionsPrefix(snes, "damage_"));
-  check(SNESSetFunction(snes, field_.residual(), Callback<&DamageProblem::residual>::call, this));
-  check(
-      SNESSetJacobian(snes, field_.matrix(), field_.matrix(), Callback<&DamageProblem::tangent>::call, this));
-  field_.prepare(snes, bounded ? SNESVINEWTONRSLS : SNESNEWTONLS, reference_, 1e-9, 100);
-  if (bounded && bounded_at_once_) take_full_steps(snes);
-  if (!bounded) check(SNESSetConvergenceHistory(snes, nullptr, nullptr, PETSC_DECIDE, PETSC_TRUE));
-  check(SNESSetFromOptions(snes));
-  if (!bounded) { // -damage_snes_type names the bounded method
-    check(SNESSetType(snes, SNESNEWTONLS));
-    return snes;
-  }
-  suit_linear_solver(snes);
-  if (has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes)), PCGAMG))
-    throw UserError(ExitCode::usage,
-                    "-damage_pc_type gamg does not work with -damage_bounds vi (the reduced "
-                    "system changes its size); use icc, jacobi or hypre, or -damage_bounds history");
-  return snes;
+void DamageProblem::make_solver() {
+  check(SNESCreate(d_.mesh.comm(), snes_.out()));
+  check(SNESSetOptionsPrefix(snes_, "damage_"));
+  check(SNESSetFunction(snes_, field_.residual(), Callback<&DamageProblem::residual>::call, this));
+  check(SNESSetJacobian(snes_, field_.matrix(), field_.matrix(), Callback<&DamageProblem::tangent>::call,
+                        this));
+  prepare(snes_);
+  check(SNESSetFromOptions(snes_));
+  check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
+  if (settings_.bounds != DamageBounds::vi)
+    return check(SNESSetType(snes_, SNESNEWTONLS)); // -damage_snes_type names the bounded method
+  suit_linear_solver(snes_);
+  check(SNESVISetVariableBounds(snes_, lower_, upper_));
+  if (!has_type(snes_.get(), vi_newton_qp) && has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)), PCGAMG))
+    throw UserError(
+        ExitCode::usage,
+        "-damage_pc_type gamg does not work with -damage_snes_type vinewtonrsls (the reduced system "
+        "changes its size); leave -damage_snes_type out");
+}
+
+void DamageProblem::prepare(SNES snes) {
+  register_bounded_newton();
+  field_.prepare(snes, settings_.bounds == DamageBounds::vi ? vi_newton_qp : SNESNEWTONLS, reference_, 1e-9,
+                 100, width_);
+  if (bounded_at_once_) take_full_steps(snes);
 }
 
 // The semismooth method's matrix is not symmetric: incomplete Cholesky factors of it do not come to an end.
@@ -169,9 +164,7 @@ void DamageProblem::forget_factors() {
 }
 
 std::vector<SNES> DamageProblem::solvers() const {
-  std::vector<SNES> all;
-  for (const Handle<SNES>* snes : {&unconstrained_, &bounded_})
-    if (*snes) all.push_back(snes->get());
+  std::vector<SNES> all(1, snes_.get());
   if (substeps_) check(TSGetSNES(substeps_, &all.emplace_back()));
   return all;
 }
@@ -236,15 +229,6 @@ void DamageProblem::clip() {
   check(VecPointwiseMin(field_.solution(), field_.solution(), upper_));
 }
 
-bool DamageProblem::within_bounds() const {
-  const Handle<Vec> beyond = d_.scalar.make_global();
-  check(VecWAXPY(beyond, -1, field_.solution(), lower_));
-  const PetscReal below = Get(VecMax)(beyond, nullptr);
-  check(VecWAXPY(beyond, -1, upper_, field_.solution()));
-  const PetscReal above = Get(VecMax)(beyond, nullptr);
-  return below <= 1e-14 && above <= 1e-14;
-}
-
 ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
   step_ = step;
   equation_ = {settings_.form, settings_.theta, step.dt, step.phi_n};
@@ -264,42 +248,13 @@ ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
     check(SNESSetTolerances(snes, residual_tol_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   if (substeps_) return solve_substeps(step, phi);
 
-  ScalarOutcome outcome;
-  PetscReal start_norm = 0;
-  if (bounded_at_once_) {
-    clip();
-    residual(nullptr, field_.solution(), field_.residual());
-    check(VecNorm(field_.residual(), NORM_2, &start_norm));
-  } else {
-    outcome = solve_field(unconstrained_, field_.solution(), mailbox_);
-    start_norm = first_residual(unconstrained_);
-    if (outcome.reason < 0) return outcome;
-  }
-  const bool bounded = settings_.bounds == DamageBounds::vi || settings_.bounds == DamageBounds::clip;
-  if (bounded_at_once_ || (bounded && !within_bounds())) {
-    clip();
-    if (bounded_) {
-      const ScalarOutcome within = solve_bounded(start_norm);
-      outcome = {within.reason, outcome.newton + within.newton, outcome.linear + within.linear};
-      clip();
-    }
-  }
+  const ScalarOutcome outcome = solve_field(snes_, field_.solution(), mailbox_);
+  if (outcome.reason < 0) return outcome;
+  if (settings_.bounds == DamageBounds::vi || settings_.bounds == DamageBounds::clip) clip();
   d_.scalar.to_local(field_.solution(), phi);
   book_rate(*step.phi_n, phi, step.dt);
   book_energy(*step.phi_n, phi);
   return outcome;
-}
-
-// Its own first residual is small already: it is held to the accuracy of the unconstrained solve, and not
-// below what a round-off of phi makes in the stiffest row (a cell stretched by an open crack).
-ScalarOutcome DamageProblem::solve_bounded(double start_norm) {
-  check(SNESVISetVariableBounds(bounded_, lower_, upper_));
-  const PetscReal stiffest = Get(VecMax)(field_.diagonal(), nullptr);
-  PetscReal rtol = 0;
-  check(SNESGetTolerances(bounded_, nullptr, &rtol, nullptr, nullptr, nullptr));
-  check(SNESSetTolerances(bounded_, std::max({residual_tol_, rtol * start_norm, 1e-12 * stiffest}),
-                          PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  return solve_field(bounded_, field_.solution(), mailbox_);
 }
 
 } // namespace impact

@@ -30,9 +30,7 @@ void DamageProblem::make_substeps() {
   check(TSSetPreStep(substeps_, call<&DamageProblem::start_substep>));
   check(TSSetPostStep(substeps_, call<&DamageProblem::finish_substep>));
   const SNES snes = Get(TSGetSNES)(substeps_);
-  field_.prepare(snes, settings_.bounds == DamageBounds::vi ? SNESVINEWTONRSLS : SNESNEWTONLS, reference_,
-                 1e-9, 100);
-  if (bounded_at_once_) take_full_steps(snes);
+  prepare(snes);
   check(TSSetExactFinalTime(substeps_, TS_EXACTFINALTIME_MATCHSTEP));
   check(TSSetFromOptions(substeps_));
   suit_linear_solver(snes);

@@ -3,6 +3,16 @@
 
 namespace impact {
 
+namespace {
+
+void set_default(const std::string& option, const char* value) {
+  PetscBool set = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, ("-" + option).c_str(), &set));
+  if (!set) check(PetscOptionsSetValue(nullptr, ("-" + option).c_str(), value));
+}
+
+} // namespace
+
 ScalarField::ScalarField(const Discretisation& d, std::vector<char> held)
     : d_(d), held_(std::move(held)), solution_(d.scalar.make_global()), residual_(d.scalar.make_global()),
       diagonal_(d.scalar.make_global()) {
@@ -16,23 +26,29 @@ void ScalarField::build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>&
   assembly_ = make_assembly(d_.scalar, d_.mesh, d_.groups, extra);
 }
 
-void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations) const {
+void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations,
+                          double width) const {
   check(SNESSetType(snes, type));
   check(SNESSetTolerances(snes, atol, rtol, 0, most_iterations, PETSC_DEFAULT));
   const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPSetType(ksp, KSPCG));
   check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   const PC pc = Get(KSPGetPC)(ksp);
+  const std::string prefix = Get(SNESGetOptionsPrefix)(snes);
   int ranks = 1;
   MPI_Comm_size(d_.mesh.comm(), &ranks);
+  if (width > 10 * d_.mesh.smallest_edge()) {
+    check(PCSetType(pc, PCHYPRE));
+    const std::string amg = prefix + "pc_hypre_boomeramg_";
+    set_default(amg + "strong_threshold", "0.5");
+    set_default(amg + "agg_nl", "1");
+    return;
+  }
   if (ranks == 1) return check(PCSetType(pc, PCICC));
   // Conjugate gradients want symmetric blocks; bjacobi would factorise them by ILU, and those of the bounded
   // solve are parts of the matrix that nothing but an option reaches.
   check(PCSetType(pc, PCBJACOBI));
-  const std::string inner = "-" + std::string(Get(SNESGetOptionsPrefix)(snes)) + "sub_pc_type";
-  PetscBool set = PETSC_FALSE;
-  check(PetscOptionsHasName(nullptr, nullptr, inner.c_str(), &set));
-  if (!set) check(PetscOptionsSetValue(nullptr, inner.c_str(), "icc"));
+  set_default(prefix + "sub_pc_type", "icc");
 }
 
 void ScalarField::assemble(const std::vector<double>& r, Vec f) const {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <impact/input/known_options.hpp>
 #include <impact/input/option_text.hpp>
+#include <impact/petsc/bounded_newton.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
@@ -12,7 +13,7 @@ namespace {
 /// The kinds that solve, of each prefix; the others do not, or not this problem.
 const std::pair<const char*, std::vector<std::string>> solver_types[] = {
     {"motion_", {SNESNEWTONLS}},
-    {"damage_", {SNESVINEWTONRSLS, SNESVINEWTONSSLS}},
+    {"damage_", {vi_newton_qp, SNESVINEWTONRSLS, SNESVINEWTONSSLS}},
     {"heat_", {SNESNEWTONLS}},
     {"coupling_", {SNESSHELL}},
     {"uzawa_", {SNESSHELL}}};

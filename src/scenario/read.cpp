@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <impact/petsc/bounded_newton.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
 #include <sstream>
@@ -174,6 +175,7 @@ bool Scenario::any_fatigue() const {
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
   register_time_types();
+  register_bounded_newton();
   for (const std::string& note : check_option_names()) check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
   Scenario scenario;
   scenario.coupling.max_it = 0; // not given

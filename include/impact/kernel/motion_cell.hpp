@@ -31,17 +31,46 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
   }
 }
 
-/// Modulus of the spectral split by dual numbers.
+/// dtau - tau L^T along each direction L of the velocity gradient, where b changes by L b + b L^T and J by
+/// J tr L; dual numbers carry both through the spectral split.
 template <Frame frame, int d>
-inline Modulus<Batch, gradient_size(frame)> spectral_modulus(const MaterialParameters& m,
-                                                             const Tensor<Batch, d>& H, const Batch& J_th,
-                                                             const Degradations<Batch>& g) {
+inline Modulus<Batch, gradient_size(frame)>
+spectral_modulus(const MaterialParameters& m, const Tensor<Batch, d>& H, const Batch& J_minus_1,
+                 const Batch& J_th, const Degradations<Batch>& g) {
   constexpr int n = gradient_size(frame);
   using D = Dual<Batch, n>;
-  return dual_modulus<n>(H, [&](const Tensor<D, d>& h) {
-    const auto split = spectral_split(m, left_strain(h), detm1(h), D(J_th));
-    return D(g.e1.g) * split.tau_plus + D(g.e2.g) * split.tau_minus;
-  });
+  const Symmetric<Batch, d> e = left_strain(H);
+  const auto b = [&](int i, int j) {
+    const int ij = symmetric_index(d, i, j);
+    return ij < 0 ? Batch(0.0) : i == j ? Batch(1.0) + e[ij] : e[ij];
+  };
+  Symmetric<D, d> left;
+  D J(J_minus_1);
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) {
+      const int ij = symmetric_index(d, i, j);
+      if (ij < 0) continue;
+      left[ij] = D(e[ij]);
+      for (int K = 0; K < n; ++K) {
+        const int k = row_of<n>(K), l = column_of<n>(K);
+        if (i == k) left[ij].d[K] += b(l, j);
+        if (j == k) left[ij].d[K] += b(i, l);
+      }
+    }
+  for (int K = 0; K < n; ++K)
+    if (row_of<n>(K) == column_of<n>(K)) J.d[K] = Batch(1.0) + J_minus_1;
+  const auto split = spectral_split(m, left, J, D(J_th));
+  Modulus<Batch, n> a;
+  for (int I = 0; I < n; ++I) {
+    const int i = row_of<n>(I), j = column_of<n>(I), ij = symmetric_index(d, i, j);
+    for (int K = 0; K < n; ++K) {
+      const int l = column_of<n>(K), il = symmetric_index(d, i, l);
+      a.c[I][K] = g.e1.g * split.tau_plus[ij].d[K] + g.e2.g * split.tau_minus[ij].d[K];
+      if (j == row_of<n>(K) && il >= 0)
+        a.c[I][K] -= g.e1.g * split.tau_plus[il].v + g.e2.g * split.tau_minus[il].v;
+    }
+  }
+  return a;
 }
 
 /// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h
@@ -66,7 +95,8 @@ modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cel
   }
   Modulus<Batch, n> a = assemble_modulus<n>(parts);
   if constexpr (spectral && !sheet) { // no option leads to a sheet with this split
-    const auto law_part = spectral_modulus<frame>(m, H, point_thermal_volume<Cell>(law, in.theta, q), e.g);
+    const auto law_part =
+        spectral_modulus<frame>(m, H, e.k.J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
     for (int I = 0; I < n; ++I)
       for (int K = 0; K < n; ++K) a.c[I][K] += law_part.c[I][K];
   }

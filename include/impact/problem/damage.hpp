@@ -6,10 +6,8 @@
 #include <impact/problem/scalar_field.hpp>
 #include <impact/problem/settings.hpp>
 
-/// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1. The
-/// unconstrained solution comes first; where it keeps the bounds it is the answer, else the variational
-/// inequality starts from its clipped values (SNESVINEWTONRSLS under the same prefix). With AT1 and with
-/// degradations that are not convex the inequality starts from the guess, and takes full steps.
+/// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1 of type vinewtonqp
+/// (bounded_newton.hpp).
 namespace impact {
 
 struct DamageStep {
@@ -19,7 +17,7 @@ struct DamageStep {
   const std::vector<double>* phi_n = nullptr; ///< local [node]
 };
 
-// Members beyond twelve: solvers of three kinds, bounds and bookings of one step.
+// Members beyond twelve: solvers of two kinds, bounds and bookings of one step.
 class DamageProblem {
 public:
   /// Rows "drive" (and "damage_history" for DamageBounds::history, added here) of the table are read and
@@ -39,8 +37,7 @@ public:
   /// Microforces of the start of a run at displacement u, local [node][dim]. Collective.
   void start(const std::vector<double>& u);
 
-  /// The solver of the bounded equation, where there is one, else that of the unbounded one.
-  SNES snes() const { return bounded_ ? bounded_ : unconstrained_; }
+  SNES snes() const { return snes_; }
   /// Drops what its linear solvers keep. Collective.
   void forget_factors();
 
@@ -49,7 +46,8 @@ public:
 private:
   void residual(SNES, Vec x, Vec f);
   void tangent(SNES, Vec x, Mat, Mat);
-  Handle<SNES> make_solver(bool bounded);
+  void make_solver();
+  void prepare(SNES snes);
   /// What the kernels are given beside the fields.
   struct Equation {
     DamageForm form;
@@ -71,8 +69,6 @@ private:
   static void suit_linear_solver(SNES snes);
   void set_bounds(const std::vector<double>& phi_n, const std::vector<double>& phi);
   void clip();
-  bool within_bounds() const;
-  ScalarOutcome solve_bounded(double start_norm);
   void make_substeps();
   template <void (DamageProblem::*method)(TS)> static PetscErrorCode call(TS ts);
   void start_substep(TS ts);
@@ -93,7 +89,7 @@ private:
   StateRow* history_ = nullptr;    ///< with DamageBounds::history
   StateRow* microforce_ = nullptr; ///< on nodes with prescribed phi, of the energy alone
   std::vector<double> x_, r_;
-  Handle<SNES> unconstrained_, bounded_;
+  Handle<SNES> snes_;
   Handle<TS> substeps_; ///< when -damage_ts_dt asks for sub-steps
   PetscReal substep_ = 0;
   std::vector<double> substep_start_, substep_end_;
@@ -103,6 +99,7 @@ private:
   Handle<Vec> lower_, upper_;
   double residual_tol_ = 0; // absolute, as the options say
   double reference_ = 0;
+  double width_ = 0; // largest gamma
   bool bounded_at_once_ = false;
 };
 

@@ -22,9 +22,11 @@ public:
 
   /// Makes the matrix, with places for `extra` pairs of nodes. Collective.
   void build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>& extra = {});
-  /// Gives a new solver its type, its tolerances and the defaults of its linear solver, cg + icc in blocks of
-  /// the ranks: before its options are read. Collective.
-  void prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations) const;
+  /// Gives a new solver its type, its tolerances and the defaults of its linear solver: before its options
+  /// are read. cg + icc in blocks of the ranks, or multigrid where the equation spreads what happens at a
+  /// point over a `width` of many cells. Collective.
+  void prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations,
+               double width = 0) const;
 
   /// f = sum over the ranks of the local r. Collective.
   void assemble(const std::vector<double>& r, Vec f) const;
