@@ -96,6 +96,7 @@ Handle<SNES> DamageProblem::make_solver(bool bounded) {
   if (bounded && bounded_at_once_) take_full_steps(snes);
   if (!bounded) check(SNESSetConvergenceHistory(snes, nullptr, nullptr, PETSC_DECIDE, PETSC_TRUE));
   check(SNESSetFromOptions(snes));
+  settle_smoothers(Get(KSPGetPC)(Get(SNESGetKSP)(snes)));
   if (!bounded) { // -damage_snes_type names the bounded method
     check(SNESSetType(snes, SNESNEWTONLS));
     return snes;

@@ -28,7 +28,6 @@ const Displaced displaced[] = {
     {"", "snes_mf", "the tangent is the exact derivative already"},
     {"", "snes_convergence_test", "a solve ends when its residual is small; see _snes_rtol and _snes_atol"},
     {"", "snes_npc_", "the nonlinear solvers take no preconditioner"},
-    {"motion_", "snes_ksp_ew", "the linear solver keeps its tolerance; see -motion_ksp_rtol"},
     {"motion_", "snes_lag_", "the program says when the tangent serves on; see -motion_reuse_tangent"},
     {"motion_", "ts_", "the integrator has no prefix; give -ts_..."},
     {"heat_", "ts_", "the heat's sub-steps take -heat_ts_dt alone"},
