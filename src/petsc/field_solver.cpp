@@ -44,6 +44,14 @@ std::string linear_solver_text(SNES snes) {
          (package ? std::string(" by ") + package : "");
 }
 
+void settle_smoothers(PC pc) {
+  const char *prefix = nullptr, *option = "-pc_gamg_use_sa_esteig";
+  PetscBool given = PETSC_FALSE;
+  check(PCGetOptionsPrefix(pc, &prefix));
+  check(PetscOptionsHasName(nullptr, prefix, option, &given));
+  if (has_type(pc, PCGAMG) && !given) check(PCGAMGSetUseSAEstEig(pc, PETSC_FALSE));
+}
+
 void forget_factors(SNES snes) {
   const KSP ksp = Get(SNESGetKSP)(snes);
   check(KSPReset(ksp));
@@ -58,6 +66,7 @@ void forget_factors(SNES snes) {
   check(PCSetType(pc, PCNONE));
   check(PCSetType(pc, type.c_str()));
   check(PCSetFromOptions(pc));
+  settle_smoothers(pc);
 }
 
 } // namespace impact

@@ -85,6 +85,7 @@ void DamageProblem::make_solver() {
   prepare(snes_);
   check(SNESSetFromOptions(snes_));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
+  settle_smoothers(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)));
   if (settings_.bounds != DamageBounds::vi)
     return check(SNESSetType(snes_, SNESNEWTONLS)); // -damage_snes_type names the bounded method
   suit_linear_solver(snes_);

@@ -113,10 +113,10 @@ void ForceBalance::judge(Vec f, double atol, double rtol) {
   for (std::size_t p = 0; p < parts; ++p) {
     const double norm = std::sqrt(sums_[p]);
     largest_[p] = std::max(largest_[p], norm);
-    const bool stalls = norm > 0.5 * last_[p];
+    const double rounding = norm > 0.5 * last_[p] ? std::sqrt(sums_[parts + p]) : 0,
+                 settled = aim_ == Aim::settled && last_[p] < HUGE_VAL ? 0.01 * last_[p] : 0;
     last_[p] = norm;
-    const double allowed =
-        std::max({atol, rtol * std::min(largest_[p], first_), stalls ? std::sqrt(sums_[parts + p]) : 0.0});
+    const double allowed = std::max({atol, rtol * std::min(largest_[p], first_), rounding, settled});
     // A part without residual is balanced whatever its tolerance; one with a residual that is no number
     // never.
     if (!(norm == 0)) ratio_ = norm <= HUGE_VAL && allowed > 0 ? std::max(ratio_, norm / allowed) : HUGE_VAL;

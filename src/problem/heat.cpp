@@ -42,6 +42,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
   field_.prepare(snes_, SNESNEWTONLS, rounding, 1e-10, 50);
   check(SNESSetFromOptions(snes_));
+  settle_smoothers(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)));
   check(SNESGetTolerances(snes_, &residual_tol_, nullptr, nullptr, nullptr, nullptr));
 }
 

@@ -97,10 +97,16 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
              "auto", std::nullopt, "aij", MatrixFormat::aij, "sbaij", MatrixFormat::sbaij)
       .refused([](const Scenario& s) { return !asymmetry(s).empty(); }, asymmetry);
   Rows(rows, RestartKey::free, &Scenario::coupling)
-      .number("motion_reuse_tangent", &CouplingScenario::reuse, "1", {0, 1, false, false},
+      .number("motion_reuse_tangent", &CouplingScenario::reuse_tangent, "1", {0, 1, false, false},
               "the tangent serves on while an iteration with it leaves at most this part of the residual; 0: "
               "full Newton")
-      .otherwise("0.1 with a direct solver, else 0");
+      .otherwise("0.1 with preonly and a direct solver, else 0");
+  Rows(rows, RestartKey::free, &Scenario::coupling)
+      .number("motion_reuse_preconditioner", &CouplingScenario::reuse_preconditioner, "1",
+              {0, 1e6, false, false},
+              "factors or a hierarchy serve on, over iterations and steps, until they took this many linear "
+              "iterations more than new ones; 0: new ones for each solve")
+      .otherwise("15 where a Krylov method has factors or a hierarchy, else 0");
   row.choice("contact_operator", &Scenario::contact_operator,
              "contact terms in the matrix, or beside it as an operator", "assembled",
              ContactOperator::assembled, "shell", ContactOperator::shell);

@@ -24,8 +24,8 @@ void Augmentation::begin_attempt() {
   failure_.clear();
 }
 
-SNESConvergedReason Augmentation::solve(Vec u, PetscReal rtol) {
-  rtol_ = rtol;
+SNESConvergedReason Augmentation::solve(Vec u, Aim aim) {
+  aim_ = aim;
   check(SNESSolve(snes_, nullptr, u));
   const SNESConvergedReason reason = Get(SNESGetConvergedReason)(snes_);
   if (reason < 0 && failure_.empty()) failure_ = std::string("uzawa: ") + SNESConvergedReasons[reason];
@@ -65,7 +65,7 @@ PassResult Augmentation::pass(PetscInt number, Vec u) {
   }
   for (ContactInterface& contact : contacts) contact.augment(u);
   contacts.meet(!solver_.loose().empty(), false);
-  rough_ = !inertia_ && contacts.demands().augments;
+  rough_ = contacts.demands().augments;
   return result;
 }
 
@@ -80,23 +80,28 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
   if (number == 1)
     first_touch_ = (demands.closes_gaps || demands.augments) && !loose.empty() && !loose.rest(u);
   meet(u);
-  // Before the last augmentation a residual that falls to a tenth is exact enough.
-  rough_ = first_touch_ || (number > 1 && rough_);
+  // Before the last augmentation a residual that falls to a tenth is exact enough, once all points have found
+  // out whether they touch: multipliers that are no use lead Newton's method astray.
+  Aim aim = aim_;
+  if (first_touch_ || (number > 1 && rough_))
+    aim = Aim::tenth;
+  else if (number == 1 && demands.augments && aim == Aim::balance)
+    aim = Aim::settled;
+  rough_ = aim != aim_;
   constexpr PetscInt enough = 10; // for a first touch, or it has the wrong way
   const PetscInt most = solver_.most_iterations();
-  const PetscReal rough = std::max<PetscReal>(rtol_, 0.1);
   SNESConvergedReason reason =
-      solver_.solve(u, rough_ ? rough : rtol_, first_touch_ ? std::min(most, enough) : most, !first_touch_);
+      solver_.solve(u, aim, first_touch_ ? std::min(most, enough) : most, !first_touch_);
   if (first_touch_ && reason < 0) {
     first_touch_ = rough_ = false;
     loose.start_attempt();
     solver_.restart(u);
     meet(u);
-    reason = solver_.solve(u, rtol_, most);
+    reason = solver_.solve(u, aim_, most);
   }
   if (rough_ && reason >= 0 && !first_touch_ && motion_.contacts().review(u).converged) {
     rough_ = false;
-    reason = solver_.solve(u, rtol_, most);
+    reason = solver_.solve(u, aim_, most);
   }
   return reason;
 }

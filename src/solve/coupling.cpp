@@ -30,7 +30,7 @@ bool exchanges(const Discretisation& d) {
 
 Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings,
                    const SolverDefaults& defaults, bool stabilise_contact)
-    : ts_(ts), fields_(fields), settings_(settings), solver_(ts, fields.motion, defaults, settings.reuse),
+    : ts_(ts), fields_(fields), settings_(settings), solver_(ts, fields.motion, defaults, settings),
       augmentation_(ts, fields.motion, solver_),
       update_(ts, fields.motion, solver_, fields.state,
               stabilise_contact && integrator_of(ts).inertia && !fields.motion.contacts().empty(),
@@ -192,8 +192,7 @@ bool Coupling::motion_pass(Vec u, PassResult& result) {
   }
   // As long as the next pass moves the crack on, a residual that falls by ten is exact enough.
   const bool rough = phi_passes_.far_from_rest() && fields_.motion.contacts().empty();
-  const SNESConvergedReason reason =
-      augmentation_.solve(u, rough ? std::max<PetscReal>(0.1, solver_.rtol()) : solver_.rtol());
+  const SNESConvergedReason reason = augmentation_.solve(u, rough ? Aim::tenth : Aim::balance);
   if (reason < 0) refuse(result, reason, augmentation_.failure());
   return reason >= 0;
 }

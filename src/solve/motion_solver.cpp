@@ -26,7 +26,8 @@ LooseBodies loose_bodies(TS ts, MotionProblem& motion) {
 
 } // namespace
 
-MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults, double reuse)
+MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults,
+                           const CouplingScenario& settings)
     : ts_(ts), motion_(motion), loose_(loose_bodies(ts, motion)), hooks_(ts, motion, loose_, reuse_),
       residual_(motion.discretisation().displacement.make_global()),
       start_(motion.discretisation().displacement.make_global()) {
@@ -41,18 +42,28 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   set_motion_solver(snes_, defaults, full_steps, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.install(snes_);
-  choose_reuse(reuse);
+  choose_reuse(settings);
 }
 
 // An iteration with MUMPS costs a third of one that factorises before (2D, 5e3 dofs). Gaps that the linear
 // solves close need directions of the iterate, though: 4 iterations with full Newton, 15 without (patch
 // test); and what contact alone holds has another mass in each matrix (H2).
-void MotionSolver::choose_reuse(double reuse) {
-  const bool factorises = has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)), PCLU, PCCHOLESKY);
-  if (reuse >= 0)
-    reuse_ = TangentReuse(reuse);
-  else if (factorises && !motion_.contacts().demands().closes_gaps && loose_.empty())
-    reuse_ = TangentReuse(0.1);
+// Within a Krylov method the tangent is that of the iterate, and what factorises or coarsens serves on. It
+// costs about 15 of its applications (MUMPS in the plane, 2.5e5 dofs: 1.8 s and 0.12 s; GAMG in space, 3e4
+// dofs: 0.22 s and 0.017 s).
+void MotionSolver::choose_reuse(const CouplingScenario& settings) {
+  const KSP ksp = Get(SNESGetKSP)(snes_);
+  const PC pc = Get(KSPGetPC)(ksp);
+  const bool krylov = !has_type(ksp, KSPPREONLY),
+             steady = !motion_.contacts().demands().closes_gaps && loose_.empty();
+  const bool factors = has_type(pc, PCLU, PCCHOLESKY),
+             costly = factors || has_type(pc, PCGAMG, PCML, PCHYPRE, PCMG);
+  const double tangent = settings.reuse_tangent, preconditioner = settings.reuse_preconditioner;
+  reuse_ = TangentReuse(tangent >= 0 ? tangent : !krylov && factors && steady ? 0.1 : 0);
+  hooks_.preconditioner = PreconditionerReuse(!krylov               ? 0
+                                              : preconditioner >= 0 ? preconditioner
+                                              : costly && steady    ? 15
+                                                                    : 0);
 }
 
 Mailbox& MotionSolver::mailbox() { return time_mailbox(ts_); }
@@ -94,12 +105,16 @@ void MotionSolver::refresh_matrix() {
                         this));
 }
 
-void MotionSolver::forget_factors() { impact::forget_factors(snes_); }
+void MotionSolver::forget_factors() {
+  reuse_.forget();
+  hooks_.preconditioner.forget();
+  impact::forget_factors(snes_);
+}
 
 bool MotionSolver::refresh_contact(Vec u) {
   if (!motion_.update_contact(u)) return false;
-  // Another pattern: a new matrix, and the solver's factors with it.
-  forget_factors();
+  // Another pattern: a new matrix, and the solver's factors with it unless they serve on.
+  if (!hooks_.preconditioner.serves()) forget_factors();
   refresh_matrix();
   return true;
 }
@@ -156,6 +171,7 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   check(SNESComputeFunction(snes_, u, r));
   if (ahead != nullptr) add_jump(u, ahead, part, r);
   motion_.balance().start();
+  motion_.balance().aim(Aim::balance);
   motion_.balance().judge(r, atol, rtol_);
   if (cell_broke_ || motion_.balance().holds()) return cell_broke_ = false;
   const PetscReal norm = Get(VecNorm)(r, NORM_2);
@@ -197,15 +213,18 @@ bool MotionSolver::linear_step(Vec u, Vec r, Vec step) {
   check(SNESComputeJacobian(snes_, u, motion_.jacobian(), motion_.matrix()));
   const KSP ksp = Get(SNESGetKSP)(snes_);
   check(KSPSetOperators(ksp, motion_.jacobian(), motion_.matrix()));
+  hooks_.conduct.alone = true;
   check(KSPSolve(ksp, r, step));
+  hooks_.conduct.alone = false;
   counts_.newton += 1;
   counts_.linear += Get(KSPGetIterationNumber)(ksp);
   return Get(KSPGetConvergedReason)(ksp) >= 0 && !cell_broke_;
 }
 
-SNESConvergedReason MotionSolver::solve(Vec u, PetscReal rtol, PetscInt most, bool second_way) {
+SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool second_way) {
   const PetscInt most_by_options = most_iterations();
-  set_tolerances(snes_, rtol, most);
+  set_tolerances(snes_, aim == Aim::tenth ? std::max<PetscReal>(rtol_, 0.1) : rtol_, most);
+  hooks_.conduct.aim = aim;
   check(VecCopy(u, start_));
   iterations_ = hooks_.conduct.goes_on ? 1 : 0;
   const bool contact = !motion_.contacts().empty(), other_way = has_second_way();
@@ -226,6 +245,7 @@ SNESConvergedReason MotionSolver::solve(Vec u, PetscReal rtol, PetscInt most, bo
   }
   counts_.longest = std::max(counts_.longest, iterations_);
   set_tolerances(snes_, rtol_, most_by_options);
+  hooks_.conduct.aim = Aim::balance;
   return reason;
 }
 

@@ -4,6 +4,7 @@
 #include <impact/petsc/field_solver.hpp>
 #include <impact/solve/newton_hooks.hpp>
 #include <impact/time/types.hpp>
+#include <petsc/private/snesimpl.h>
 
 namespace impact {
 
@@ -14,6 +15,13 @@ constexpr double near_balance = 10;
 
 bool alike(double a, double b, double part) { return std::abs(a - b) <= part * std::max(a, b); }
 
+// Decimal digits that a solve is to reduce its residual by.
+double decades_of(KSP ksp) {
+  PetscReal rtol = 0;
+  check(KSPGetTolerances(ksp, &rtol, nullptr, nullptr, nullptr));
+  return -std::log10(rtol);
+}
+
 } // namespace
 
 void NewtonWatch::start(bool full_steps) {
@@ -23,8 +31,8 @@ void NewtonWatch::start(bool full_steps) {
 }
 
 void NewtonWatch::note(double norm) {
-  // Far from the solution an active set that grows by a node at a time looks the same.
-  const bool near = !norms_.empty() && norm < 1e-3 * norms_.front();
+  const bool near =
+      is_near(norm); // far from the solution an active set that grows by a node at a time looks the same
   const double last = norms_.empty() ? 0 : norms_.back();
   unchanged_ = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9) ? unchanged_ + 1 : 0;
   norms_.push_back(norm);
@@ -71,6 +79,7 @@ NewtonHooks::NewtonHooks(TS ts, MotionProblem& motion, LooseBodies& loose, Tange
       bare_residual_(motion.discretisation().displacement.make_global()) {}
 
 void NewtonHooks::install(SNES snes) {
+  linear_.snes = snes;
   // The first multipliers, or the first touch of a body that lay free, may raise the norm of a residual that
   // was nearly zero by any factor.
   if (motion_.contacts().demands().closes_gaps || !loose_.empty())
@@ -78,15 +87,20 @@ void NewtonHooks::install(SNES snes) {
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
   check(SNESLineSearchSetPostCheck(search, Callback<&NewtonHooks::after_step>::call, this));
   const KSP ksp = Get(SNESGetKSP)(snes);
+  check(KSPGetTolerances(ksp, &linear_.rtol, nullptr, nullptr, &linear_.most));
   check(KSPSetPreSolve(ksp, Callback<&NewtonHooks::before_linear_solve>::call, this));
   check(KSPSetPostSolve(ksp, Callback<&NewtonHooks::after_linear_solve>::call, this));
   check(SNESSetConvergenceTest(snes, Callback<&NewtonHooks::test>::call, this, nullptr));
 }
 
 // The step y led from x to the iterate w, where the residual is evaluated next.
-void NewtonHooks::after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed) {
+void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBool*, PetscBool* changed) {
   const ContactDemands demands = motion_.contacts().demands();
   const bool rigid = !motion_.rigid().empty();
+  if (at_kink(search, x, y, w)) {
+    check(VecWAXPY(w, -1, y, x));
+    *changed = PETSC_TRUE;
+  }
   if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
   if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
     check(VecWAXPY(w, -part, y, x));
@@ -104,18 +118,47 @@ void NewtonHooks::after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool*, Pe
   if (motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding)) reuse_.forget();
 }
 
+// Where points of contact close or open, the norm along a step may be smallest at its start however good its
+// end is. Near the solution such a step goes all the way.
+bool NewtonHooks::at_kink(SNESLineSearch search, Vec x, Vec y, Vec w) const {
+  const std::string type = Get(SNESLineSearchGetType)(search);
+  if (motion_.contacts().empty() || type != SNESLINESEARCHL2 || !watch_.is_near()) return false;
+  const Handle<Vec> step = motion_.discretisation().displacement.make_global();
+  check(VecWAXPY(step, -1, x, w)); // the search tells its length only afterwards
+  return Get(VecNorm)(step, NORM_2) < 0.1 * Get(VecNorm)(y, NORM_2);
+}
+
 bool NewtonHooks::closes_gaps() const {
   const ContactDemands demands = motion_.contacts().demands();
   return demands.closes_gaps || demands.reverses;
 }
 
-void NewtonHooks::before_linear_solve(KSP, Vec rhs, Vec) {
-  if (!closes_gaps()) return;
+// SNES's forcing terms stand where these hooks do, which therefore call them.
+void NewtonHooks::before_linear_solve(KSP ksp, Vec rhs, Vec du) {
+  const bool serves = preconditioner.serves();
+  check(KSPSetReusePreconditioner(ksp, serves ? PETSC_TRUE : PETSC_FALSE));
+  if (!linear_.is_retried && !conduct.alone) check(KSPPreSolve_SNESEW(ksp, rhs, du, linear_.snes));
+  const PetscInt most = serves ? std::min(linear_.most, preconditioner.most(decades_of(ksp))) : linear_.most;
+  check(KSPSetTolerances(ksp, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most));
+  if (linear_.is_retried || !closes_gaps()) return;
   check(VecCopy(rhs, bare_residual_));
   add_gaps(conduct.iterate, rhs);
 }
 
-void NewtonHooks::after_linear_solve(KSP, Vec rhs, Vec du) {
+void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
+  if (linear_.is_retried) return;
+  if (preconditioner.serves() && Get(KSPGetConvergedReason)(ksp) < 0) {
+    preconditioner.forget();
+    linear_.is_retried = true;
+    check(KSPSolve(ksp, rhs, du));
+    linear_.is_retried = false;
+  }
+  if (Get(KSPGetConvergedReason)(ksp) < 0)
+    preconditioner.forget();
+  else
+    preconditioner.note(Get(KSPGetIterationNumber)(ksp), decades_of(ksp));
+  if (!conduct.alone) check(KSPPostSolve_SNESEW(ksp, rhs, du, linear_.snes));
+  check(KSPSetTolerances(ksp, linear_.rtol, PETSC_DEFAULT, PETSC_DEFAULT, linear_.most));
   if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
   motion_.rigid().expand(conduct.iterate, du);
 }
@@ -139,17 +182,18 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
   ForceBalance& balance = motion_.balance();
   if (it == 0) {
     if (!conduct.goes_on) balance.start();
+    balance.aim(conduct.aim);
     watch_.start(line_search_of(snes) == SNESLINESEARCHBASIC);
     near_ = 0;
     open_ = HUGE_VAL;
   }
+  watch_.note(norm);
   *reason = balance.test(snes, it, norm);
   const Vec u = Get(SNESGetSolution)(snes);
   if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
       *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;
-  if (*reason == SNES_CONVERGED_ITERATING && conduct.watched && gives_up(norm))
-    *reason = SNES_DIVERGED_LOCAL_MIN;
+  if (*reason == SNES_CONVERGED_ITERATING && conduct.watched && gives_up()) *reason = SNES_DIVERGED_LOCAL_MIN;
 }
 
 // Whether nothing is left open that another iteration closes.
@@ -160,12 +204,11 @@ bool NewtonHooks::gaps_settle(Vec u) {
   return closed || (open_ > before / 2 && open_ <= most_open);
 }
 
-bool NewtonHooks::gives_up(PetscReal norm) {
+bool NewtonHooks::gives_up() {
   // Newton's method passes the last decade in an iteration or two, unless rounding is as large, or there are
   // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
   constexpr int most_near = 6;
-  watch_.note(norm);
-  if (motion_.balance().ratio() <= near_balance) ++near_;
+  if (conduct.aim == Aim::balance && motion_.balance().ratio() <= near_balance) ++near_;
   return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
 }
 

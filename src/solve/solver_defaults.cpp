@@ -28,7 +28,8 @@ void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
   const bool half = defaults.matrix == MatrixFormat::sbaij;
   const PC pc = Get(KSPGetPC)(ksp);
   if (defaults.direct) {
-    check(KSPSetType(ksp, KSPPREONLY));
+    check(KSPSetType(ksp, defaults.keeps_factors ? KSPGMRES : KSPPREONLY));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
     check(PCSetType(pc, half ? PCCHOLESKY : PCLU));
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   } else if (defaults.multigrid) {
@@ -41,6 +42,15 @@ void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
     check(PCSetType(pc, PCJACOBI));
     check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
   }
+}
+
+// Linear solves no more exact than the Newton iteration around them deserves, unless the options say how
+// exact (S. Eisenstat, H. Walker, SIAM J. Sci. Comput. 17 (1996) 16, choice 2, not below what is left to do).
+void set_forcing(SNES snes) {
+  if (!option_text("-motion_ksp_rtol").empty()) return;
+  check(SNESKSPSetUseEW(snes, PETSC_TRUE));
+  check(SNESKSPSetParametersEW(snes, 3, 1e-2, 1e-2, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                               PETSC_DEFAULT));
 }
 
 // Throws UserError(usage) when the options gave `ksp` a preconditioner that cannot work with the matrix.
@@ -69,7 +79,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     if (m.law.parameters.rho > 0 && !m.law.rigid())
       speed = std::max(speed, longitudinal_speed(m.law.parameters));
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
-  const bool small = dofs <= (d.dim() == 2 ? 100000 : 20000);
+  const bool small = dofs <= (d.dim() == 2 ? 1500000 : 20000);
   if (choice.resolves_waves() && !d.has_viscosity() && !demands.frictional && !demands.rigid &&
       !(demands.closes_gaps && small)) {
     choice.direct = false;
@@ -78,6 +88,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   } else {
     choice.direct = small;
     choice.multigrid = !small;
+    choice.keeps_factors = small && dofs > 20000 && !demands.closes_gaps;
     choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
   }
   const std::string ksp = option_text("-motion_ksp_type"), pc = option_text("-motion_pc_type");
@@ -111,7 +122,9 @@ void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_step
   // the energy's slope where a crack opens.
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
+  if ((defaults.multigrid || defaults.keeps_factors) && !full_steps) set_forcing(snes);
   check(SNESSetFromOptions(snes));
+  settle_smoothers(pc);
   check_preconditioner(ksp, defaults.matrix);
   if (shell && has_type(ksp, KSPPREONLY))
     throw UserError(ExitCode::usage,

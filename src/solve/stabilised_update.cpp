@@ -151,8 +151,11 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   // Full steps: the problem is convex, and a search for a smaller residual stalls where a point opens or
   // closes.
   check(SNESLineSearchSetType(Get(SNESGetLineSearch)(snes), SNESLINESEARCHBASIC));
-  solver_.hooks().install(snes);
-  solver_.hooks().conduct.iterate = w;
+  NewtonHooks& hooks = solver_.hooks();
+  const double cost = hooks.preconditioner.cost();
+  hooks.preconditioner = PreconditionerReuse(0); // another matrix in each projection
+  hooks.install(snes);
+  hooks.conduct.iterate = w;
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   for (ContactInterface& contact : motion_.contacts()) contact.start_augmentation();
   for (int pass = 0; pass < 10; ++pass) {
@@ -162,6 +165,8 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
     if (motion_.contacts().review(w).converged) break;
     for (ContactInterface& contact : motion_.contacts()) contact.augment(w);
   }
+  hooks.install(solver_.snes());
+  hooks.preconditioner = PreconditionerReuse(cost);
   return reason;
 }
 

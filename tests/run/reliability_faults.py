@@ -84,7 +84,7 @@ check("other solver on restart: elastic energy at the end", rescued["energy_elas
 split = run("split", {**BLOCK, "ts_dt": 0.05, "motion_ksp_type": "minres", "motion_pc_type": "fieldsplit", "ts_max_reject": 3}, code=5)
 require("a field split that fails: status 5", "DIVERGED_LINEAR_SOLVE" in split.log and len(cut_lines(split.log)) > 1)
 
-uzawa = run("uzawa", {**with_mesh(BOTH), "checkpoint_every": 0, "uzawa_snes_max_it": 3, "contact_face_method": "gpts", "contact_face_enforce": "auglag",
+uzawa = run("uzawa", {**with_mesh(BOTH), "checkpoint_every": 0, "uzawa_snes_max_it": 6, "contact_face_method": "gpts", "contact_face_enforce": "auglag",
                       "contact_face_pressure_tol": 1e-2, "output_vis_every": 1000}, code=None, refused=None)
 require(f"augmentation fails: {(cut_lines(uzawa.log) or [''])[0]}", "uzawa: DIVERGED_MAX_IT" in uzawa.log)
 require(f"augmentation fails: the step is cut and the run ends (status {uzawa.code})",

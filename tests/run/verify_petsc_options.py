@@ -57,7 +57,7 @@ lu refused exact.derivative           -motion_snes_test_jacobian
 lu refused exact.derivative           -motion_snes_test_jacobian_view
 lu refused motion_reuse_tangent       -motion_snes_lag_jacobian 2
 lu refused motion_reuse_tangent       -motion_snes_lag_preconditioner 2
-lu refused motion_reuse_tangent       -motion_ksp_reuse_preconditioner
+lu refused motion_reuse_preconditioner -motion_ksp_reuse_preconditioner
 lu refused serve.on.within            -motion_snes_lag_jacobian_persists
 lu counts    -motion_reuse_tangent 0
 lu refused snes_rtol                  -motion_snes_convergence_test skip

@@ -171,7 +171,7 @@ ROWS = [
     ("an option of nobody", more(PULL, foo="1"), 2, ["unknown option -foo   (`impact -reference`"]),
     ("a misspelt solver before a dry run", more(PULL, motion_ksp_typ="cg", dry_run="on"), 2, ["unknown option -motion_ksp_typ"]),
     *[(f"without effect: {name}", more(PULL, **{name: value}), 2, [f"-{name}", words]) for name, value, words in (
-        ("motion_snes_ksp_ew", "", "not available"), ("motion_snes_fd", "", "not available"), ("motion_snes_fd_color", "", "not available"),
+        ("motion_snes_fd", "", "not available"), ("motion_snes_fd_color", "", "not available"),
         ("motion_snes_mf_operator", "", "not available"), ("motion_snes_convergence_test", "skip", "not available"),
         ("ts_rtol", 1e-3, "not available"), ("motion_ksp_type", "qcg", "take cg"),
         ("motion_mg_levels_ksp_type", "cg", "nothing in this run reads"), ("vec_tpye", "mpi", "nothing in this run reads"))],

@@ -65,7 +65,7 @@ public:
     check(TSSetMaxTime(ts_, settings.t_end));
     check(TSSetMaxSteps(ts_, 100000));
     CouplingScenario full_newton = settings.coupling; // its order is one of the claims
-    full_newton.reuse = 0;
+    full_newton.reuse_tangent = 0;
     // Each pass begins with the tolerance of the options.
     const time_test::Options to_round_off(time_test::Entries{{"-motion_snes_rtol", "1e-13"}});
     coupling_.emplace(ts_, Fields{*motion_, damage_ ? &*damage_ : nullptr, heat_ ? &*heat_ : nullptr, state_},

@@ -75,6 +75,11 @@ void allow_rounding(SNES snes, Vec sizes);
 /// residual, SNES_CONVERGED_FNORM_ABS where a line search found no smaller one than rounding allows.
 SNESConvergedReason reason_by_residual(SNES snes);
 
+/// To be called once the options are read: the smoothers of GAMG's levels estimate their own bounds unless
+/// the options say otherwise. That of smoothing the prolongators is the first matrix's, which they would keep
+/// when they are set up for another one: plastic flow makes them diverge.
+void settle_smoothers(PC pc);
+
 /// Leaves the linear solver of `snes` as if it had never solved: factors, hierarchies, and what a
 /// preconditioner keeps beside them. Collective.
 void forget_factors(SNES snes);

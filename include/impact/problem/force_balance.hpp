@@ -12,6 +12,10 @@
 /// So neither the stiffness nor the load nor the rounding of one part excuses forces left on another.
 namespace impact {
 
+/// How far a solve goes: until the forces balance; until an iteration leaves a hundredth of the residual, so
+/// that hardly a point is about to close or open any more; until a tenth is left of what it began with.
+enum class Aim { balance, settled, tenth };
+
 // Members beyond twelve: lengths of the problem, and for each part its sum, its rounding error, its history.
 class ForceBalance {
 public:
@@ -22,6 +26,7 @@ public:
   void forget();
   /// A solve begins: what counts is relative to the residuals that follow.
   void start();
+  void aim(Aim aim) { aim_ = aim; }
   /// Diagonals of the tangent at u: of the cells alone, and of all. Collective.
   void note_tangent(Vec u, Vec cells, Vec all);
   /// Holds the residual f against its tolerances. One reduction, nothing allocated. Collective.
@@ -40,9 +45,10 @@ private:
   int dim_, parts_ = 0;
   double largest_cell_ = 0, extent_ = 0;
   MPI_Comm comm_;
-  std::vector<int> part_of_node_;             // of owned nodes, in the order of the vectors
-  std::vector<double> sums_, rounding_;       // squares of each part: of the residual and of its rounding
-  std::vector<double> largest_, last_;        // residuals of each part in this solve
+  std::vector<int> part_of_node_;       // of owned nodes, in the order of the vectors
+  std::vector<double> sums_, rounding_; // squares of each part: of the residual and of its rounding
+  std::vector<double> largest_, last_;  // residuals of each part in this solve
+  Aim aim_ = Aim::balance;
   double first_ = -1, force_ = 0, ratio_ = 0; // first_ < 0: no residual yet
 };
 

@@ -33,14 +33,15 @@ struct CouplingScenario {
   double atol = 1e-4;
   double theta_tol = -1; ///< of the temperature, relative to its largest value; negative: atol
   PassRelaxation relaxation = PassRelaxation::aitken;
-  double reuse = -1;         ///< of the tangent, see TangentReuse; negative: as suits the linear solver
-  double max_dphi = 0;       ///< largest increment of phi in a step; 0: no limit
-  double max_dalpha = 0;     ///< largest increment of the plastic strain
-  double max_dtheta = 0;     ///< largest change of the temperature
-  double max_closing = 1;    ///< largest depth in facets at which a contact may close; 0: no limit
-  bool report_error = false; ///< evaluate StepRecord::internal_of_next_pass
-  double dt = 0;             ///< -ts_dt
-  double crack_level = 0.9;  ///< phi from which a node counts as cracked
+  double reuse_tangent = -1;        ///< see TangentReuse; negative: as suits the linear solver
+  double reuse_preconditioner = -1; ///< see PreconditionerReuse; negative: as suits the linear solver
+  double max_dphi = 0;              ///< largest increment of phi in a step; 0: no limit
+  double max_dalpha = 0;            ///< largest increment of the plastic strain
+  double max_dtheta = 0;            ///< largest change of the temperature
+  double max_closing = 1;           ///< largest depth in facets at which a contact may close; 0: no limit
+  bool report_error = false;        ///< evaluate StepRecord::internal_of_next_pass
+  double dt = 0;                    ///< -ts_dt
+  double crack_level = 0.9;         ///< phi from which a node counts as cracked
   std::string length_unit = "m";
   bool moves = true; ///< -physics has motion
 };

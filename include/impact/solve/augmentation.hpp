@@ -18,8 +18,8 @@ public:
   Augmentation& operator=(const Augmentation&) = delete;
 
   void begin_attempt();
-  /// Balances the motion from u with the residual's tolerance `rtol`. Collective.
-  SNESConvergedReason solve(Vec u, PetscReal rtol);
+  /// Balances the motion from u as far as `aim` says. Collective.
+  SNESConvergedReason solve(Vec u, Aim aim);
 
   PetscInt passes() const { return passes_; }             ///< of the attempt
   const std::string& failure() const { return failure_; } ///< why the last solve failed
@@ -39,7 +39,7 @@ private:
   PassShell shell_;
   Handle<SNES> snes_;
   Handle<Vec> contact_force_, left_;
-  PetscReal rtol_ = 0;
+  Aim aim_ = Aim::balance;
   PetscInt passes_ = 0;
   bool first_touch_ = false; // bodies that pressed nothing are being brought together
   bool rough_ = false;       // the next pass is solved to a rough tolerance

@@ -24,9 +24,9 @@ public:
     long second_ways = 0;            ///< solves of this run that were tried once more
   };
 
-  /// `reuse`: of the tangent, see TangentReuse; negative: as suits the linear solver. The references must
-  /// outlive the solver. Throws UserError(usage). Collective.
-  MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults, double reuse);
+  /// The references must outlive the solver, but for `settings`. Throws UserError(usage). Collective.
+  MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults,
+               const CouplingScenario& settings);
 
   /// Forgets what another attempt left, matrix factors among it: a resumed run has none from there.
   void begin_attempt(PetscInt number);
@@ -39,7 +39,7 @@ public:
   void approach(Vec u);
   /// Solves from u in at most so many iterations and, unless that is not worth a second way, once more with
   /// backtracking. Collective.
-  SNESConvergedReason solve(Vec u, PetscReal rtol, PetscInt most_iterations, bool second_way = true);
+  SNESConvergedReason solve(Vec u, Aim aim, PetscInt most_iterations, bool second_way = true);
   /// Back to where the last solve started. Collective.
   void restart(Vec u);
 
@@ -54,7 +54,6 @@ public:
   NewtonHooks& hooks() { return hooks_; }
   TangentReuse& reuse() { return reuse_; }
   LooseBodies& loose() { return loose_; } ///< empty with inertia
-  PetscReal rtol() const { return rtol_; }
   PetscInt most_iterations() const;
   const Counts& counts() const { return counts_; }
   /// A cell lost its meaning in the last solve.
@@ -67,7 +66,7 @@ public:
 private:
   void residual(SNES, Vec u, Vec f);
   void tangent(SNES, Vec u, Mat, Mat);
-  void choose_reuse(double reuse);
+  void choose_reuse(const CouplingScenario& settings);
   bool first_iteration(Vec u, Vec ahead, double part);
   void add_jump(Vec u, Vec ahead, double part, Vec r);
   bool linear_step(Vec u, Vec r, Vec step);

@@ -2,6 +2,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/solve/loose_bodies.hpp>
+#include <impact/solve/preconditioner_reuse.hpp>
 #include <petscts.h>
 #include <vector>
 
@@ -27,8 +28,11 @@ public:
   /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
   /// than a third where it is a thousandth of the first one already.
   bool stalls() const { return full_steps_ && unchanged_ >= 5; }
+  /// Whether the last norm is below a thousandth of the first one.
+  bool is_near() const { return !norms_.empty() && is_near(norms_.back()); }
 
 private:
+  bool is_near(double norm) const { return !norms_.empty() && norm < 1e-3 * norms_.front(); }
   bool full_steps_ = false;
   int unchanged_ = 0; ///< steps in a row that did so
   std::vector<double> norms_;
@@ -62,7 +66,8 @@ public:
   NewtonHooks(const NewtonHooks&) = delete;
   NewtonHooks& operator=(const NewtonHooks&) = delete;
 
-  /// Hooks itself into `snes`, its line search and its KSP, which must outlive neither.
+  /// Hooks itself into `snes`, its line search and its KSP, which must outlive neither; all of them have read
+  /// their options.
   void install(SNES snes);
 
   /// How the next solve goes.
@@ -71,8 +76,11 @@ public:
     bool goes_on = false;         ///< it goes on from a first iteration: its balance has a start already
     bool follows_sliding = false; ///< what slides to and fro sticks
     bool watched = false;         ///< may be given up for another way
+    Aim aim = Aim::balance;
+    bool alone = false; ///< a linear solve outside of SNESSolve, without forcing term
   };
   Conduct conduct;
+  PreconditionerReuse preconditioner{0};
 
   /// f += what a linear solve at u has on its right-hand side beside the residual. Collective.
   void add_gaps(Vec u, Vec f);
@@ -86,12 +94,19 @@ private:
   void after_linear_solve(KSP, Vec rhs, Vec du);
   void test(SNES snes, PetscInt it, PetscReal x, PetscReal step, PetscReal norm, SNESConvergedReason* reason);
   bool gaps_settle(Vec u);
-  bool gives_up(PetscReal norm);
+  bool gives_up();
+  bool at_kink(SNESLineSearch search, Vec x, Vec y, Vec w) const;
 
   MotionProblem& motion_;
   LooseBodies& loose_;
   TangentReuse& reuse_;
   Mailbox& mailbox_;
+  struct {
+    SNES snes = nullptr;     // whose forcing terms count
+    PetscReal rtol = 0;      // as the options say
+    PetscInt most = 0;       // as well
+    bool is_retried = false; // with a new preconditioner
+  } linear_;
   Handle<Vec> bare_residual_; // the right-hand side before gaps were added
   NewtonWatch watch_;
   double open_ = 0; // largest gap that the last iterate near the solution left, over a facet

@@ -6,15 +6,16 @@
 #include <petscsnes.h>
 #include <string>
 
-/// Which solver the motion has where the options say nothing: preonly + MUMPS up to 1e5 dofs in the plane,
-/// 2e4 in space, beyond them gmres + gamg; cg + jacobi where steps resolve waves and the tangent is
-/// symmetric. The scalar fields have theirs in petsc/field_solver.hpp.
+/// Which solver the motion has where the options say nothing: preonly + MUMPS up to 2e4 dofs, in the
+/// plane gmres + MUMPS up to 1.5e6, beyond them gmres + gamg; cg + jacobi where steps resolve waves and the
+/// tangent is symmetric. The scalar fields have theirs in petsc/field_solver.hpp.
 namespace impact {
 
 /// Which linear solver and tangent are used where the options say nothing; `reason` is
 /// printed.
 struct SolverDefaults {
   bool direct = true, multigrid = false, symmetric = false;
+  bool keeps_factors = false;              ///< the direct solver's, as preconditioner of a Krylov method
   MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
   double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }

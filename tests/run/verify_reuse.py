@@ -1,0 +1,46 @@
+# labels: run
+# processors: 1
+"""Newton's method that does not solve more exactly than it needs to, and preconditioners that serve on: plastic flow and damage
+under multigrid against MUMPS; iterations and factorisations of the beam on the wedge, step by step."""
+import re
+
+from _runs import check, check_between, finish, mesh, option_file, require, run
+from _histories import difference
+
+FLOW = {
+    "units": "mm_t_s_MPa", "mesh": mesh("block.geo"), "mesh_set_dim": 3, "mesh_set_n": 10, "materials": "solid", "material_solid_model": "j2",
+    "material_solid_E": 210e3, "material_solid_nu": 0.3, "material_solid_sigma_y": 300, "material_solid_linear_h": 1000, "material_solid_damage": "at2",
+    "material_solid_Gc": 2.7, "material_solid_gamma": 0.3, "bcs": "top,bottom", "bc_top_on": "top", "bc_top_ux": 0, "bc_top_uy": "1e-2*t",
+    "bc_top_uz": 0, "bc_bottom_on": "bottom", "bc_bottom_type": "fix", "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 0.3,
+}
+
+
+def events(log, name):
+    """Calls of one of PETSc's events, all stages together."""
+    return sum(int(n) for n in re.findall(rf"^{re.escape(name)} +(\d+) ", log, re.M))
+
+
+exact = run("lu", {**FLOW, "motion_ksp_type": "preonly", "motion_pc_type": "lu"})
+flows = run("gamg", {**FLOW, "motion_ksp_type": "gmres", "motion_pc_type": "gamg", "log_view": ""})
+require("plastic flow under multigrid: it flows, no step is cut", flows["alpha_max"][-1] > 1e-3 and flows["tries"].max() == 1)
+worst, where = difference(exact.history, flows.history)
+check(f"it is what MUMPS gives: largest difference, in {where}", worst, 0, 1e-6, relative=False)
+newton, linear, made = flows["newton"].sum(), flows["linear"].sum(), events(flows.log, "PCSetUp_GAMG+")
+check_between(f"linear iterations in {newton:.0f} of Newton's", linear / newton, 1, 25)
+check_between("hierarchies", made, 1, newton / 4)
+each = run("each", {**FLOW, "motion_ksp_type": "gmres", "motion_pc_type": "gamg", "motion_reuse_preconditioner": 0, "log_view": ""})
+check("-motion_reuse_preconditioner 0: a hierarchy for each linear solve", events(each.log, "PCSetUp_GAMG+"), each["newton"].sum(), 0)
+worst, where = difference(exact.history, each.history)
+check(f"with the same result: largest difference, in {where}", worst, 0, 1e-6, relative=False)
+
+# The wedge presses, the beam is elastic: at most six iterations in a step once it has been met.
+beam = run("beam", {"ts_max_steps": 22, "outputs": "hist", "output_hist_type": "csv"}, files=[option_file("beam_wedge.opts")])
+check_between("beam_wedge, elastic: most iterations of Newton's method in a step", beam["newton"][2:].max(), 1, 6)
+check_between("on the average", beam["newton"][2:].mean(), 1, 4.5)
+# The same with some 6e4 unknowns, whose factors serve on over the steps.
+fine = run("fine", {"dm_refine": 2, "ts_max_steps": 8, "outputs": "hist", "output_hist_type": "csv", "log_view": ""},
+           files=[option_file("beam_wedge.opts")])
+require("refined twice: no step is cut", fine["tries"].max() == 1)
+check_between("refined twice: most iterations in a step after the first", fine["newton"][2:].max(), 1, 6)
+check_between("refined twice: factorisations in 8 steps, first touch included", events(fine.log, "MatLUFactor"), 1, 12)
+finish()
