@@ -3,6 +3,7 @@
 #include <impact/petsc/bounded_newton.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
+#include <impact/petsc/preconditioner_reuse.hpp>
 #include <petsc/private/kspimpl.h>
 #include <petsc/private/pcimpl.h>
 #include <petsc/private/snesimpl.h>
@@ -47,8 +48,7 @@ private:
   Handle<Vec> s_, r_, d_, trial_, moved_, masked_, w_, free_, diagonal_;
   PetscReal held_ = 0, changed_ = 0; // rows at bounds, rows that came or went since the last look
   PetscReal rtol_ = 0;               // of the KSP, as the options say
-  double rate_ = 0, excess_ = 0;     // iterations per decade of a new preconditioner, and beyond them since
-  bool serves_ = false;
+  PreconditionerReuse reuse_{10};
 };
 
 PetscErrorCode Model::multiply(Mat shell, Vec x, Vec y) {
@@ -137,27 +137,27 @@ void Model::set_operators(KSP ksp) {
 // Hierarchies serve on until the iterations that they take beyond those of a new one have cost as much as
 // making it.
 bool Model::solve_free(SNES snes, PetscReal rtol) {
-  constexpr double cost = 10;
   const KSP ksp = snes->ksp;
   const bool hierarchy = has_type(ksp->pc, PCHYPRE, PCGAMG, PCML) && !has_type(ksp, KSPPREONLY);
-  const bool serves = serves_ && hierarchy && ksp->pc->setupcalled;
-  if (!serves) set_operators(ksp);
+  const bool serves = reuse_.serves() && hierarchy && ksp->pc->setupcalled;
+  if (!serves) {
+    reuse_.forget();
+    set_operators(ksp);
+  }
   check(KSPSetReusePreconditioner(ksp, serves ? PETSC_TRUE : PETSC_FALSE));
   check(KSPSetTolerances(ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  if (ksp->pc->setupcalled == 0) check(VecSet(d_, 0)); // what is forgotten is no first guess either
   check(VecPointwiseMult(w_, r_, free_));
   check(VecScale(w_, -1));
   check(KSPSolve(ksp, w_, d_));
   check(VecPointwiseMult(d_, d_, free_));
   snes->linear_its += ksp->its;
-  const bool converged = ksp->reason >= 0;
-  const double decades = -std::log10(rtol);
-  if (!serves) {
-    rate_ = ksp->its / decades;
-    excess_ = 0;
-  } else
-    excess_ += ksp->its - std::max(1.0, rate_ * decades);
-  serves_ = converged && excess_ < cost;
-  return converged || (serves && solve_free(snes, rtol));
+  if (ksp->reason >= 0) {
+    reuse_.note(ksp->its, -std::log10(rtol));
+    return true;
+  }
+  reuse_.forget();
+  return serves && solve_free(snes, rtol);
 }
 
 // s goes to the bounds of s + d, or less far where that does not lower the energy.

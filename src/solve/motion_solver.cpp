@@ -217,7 +217,7 @@ bool MotionSolver::linear_step(Vec u, Vec r, Vec step) {
   check(KSPSolve(ksp, r, step));
   hooks_.conduct.alone = false;
   counts_.newton += 1;
-  counts_.linear += Get(KSPGetIterationNumber)(ksp);
+  counts_.linear += Get(KSPGetIterationNumber)(ksp) + hooks_.take_repeated();
   return Get(KSPGetConvergedReason)(ksp) >= 0 && !cell_broke_;
 }
 
@@ -293,7 +293,7 @@ SNESConvergedReason MotionSolver::newton(Vec u, PetscInt most) {
   if (reason == SNES_DIVERGED_LINE_SEARCH && !cell_broke_ && balanced(u))
     reason = SNES_CONVERGED_FNORM_RELATIVE;
   counts_.newton += iterations;
-  counts_.linear += linear;
+  counts_.linear += linear + hooks_.take_repeated();
   counts_.hardest = std::max(counts_.hardest, tangents_);
   iterations_ += iterations;
   return reason;

@@ -149,6 +149,7 @@ void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
   if (linear_.is_retried) return;
   if (preconditioner.serves() && Get(KSPGetConvergedReason)(ksp) < 0) {
     preconditioner.forget();
+    linear_.in_vain += Get(KSPGetIterationNumber)(ksp);
     linear_.is_retried = true;
     check(KSPSolve(ksp, rhs, du));
     linear_.is_retried = false;

@@ -151,7 +151,7 @@ ilu counts   -motion_reuse_tangent 0.9
 gamg counts  -motion_pc_gamg_threshold 0.5
 gamg counts  -motion_pc_gamg_type classical
 gamg counts  -motion_pc_gamg_agg_nsmooths 0
-gamg digits  -motion_pc_gamg_use_sa_esteig 0
+gamg digits  -motion_pc_gamg_use_sa_esteig 1
 gamg digits  -motion_pc_gamg_coarse_eq_limit 5
 gamg counts  -motion_pc_gamg_square_graph 0
 gamg counts  -motion_pc_gamg_esteig_ksp_max_it 2

@@ -1,5 +1,5 @@
 #include <gtest/gtest.h>
-#include <impact/solve/preconditioner_reuse.hpp>
+#include <impact/petsc/preconditioner_reuse.hpp>
 #include <random>
 
 using impact::PreconditionerReuse;

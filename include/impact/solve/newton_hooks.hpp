@@ -1,9 +1,10 @@
 #pragma once
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/preconditioner_reuse.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/solve/loose_bodies.hpp>
-#include <impact/solve/preconditioner_reuse.hpp>
 #include <petscts.h>
+#include <utility>
 #include <vector>
 
 /// What Newton's method for displacements does beside its equations, in any SNES over them: multipliers of
@@ -87,6 +88,8 @@ public:
   bool closes_gaps() const;
 
   Mailbox& mailbox() { return mailbox_; }
+  /// Linear iterations since the last call that PETSc does not count: of solves that were repeated.
+  PetscInt take_repeated() { return std::exchange(linear_.in_vain, 0); }
 
 private:
   void after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool* changed_y, PetscBool* changed_w);
@@ -106,6 +109,7 @@ private:
     PetscReal rtol = 0;      // as the options say
     PetscInt most = 0;       // as well
     bool is_retried = false; // with a new preconditioner
+    PetscInt in_vain = 0;    // iterations that such solves took before
   } linear_;
   Handle<Vec> bare_residual_; // the right-hand side before gaps were added
   NewtonWatch watch_;

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <impact/solve/preconditioner_reuse.hpp>
+#include <impact/petsc/preconditioner_reuse.hpp>
 
 namespace impact {
 
