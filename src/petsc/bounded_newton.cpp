@@ -12,16 +12,6 @@ namespace impact {
 
 namespace {
 
-// For PETSc, whose functions may not be left by an exception.
-template <class Body> PetscErrorCode guarded(Body&& body) {
-  try {
-    body();
-    return 0;
-  } catch (const PetscError& error) {
-    return error.code();
-  }
-}
-
 /// The quadratic model of an iterate x with residual f: its residual at s is r = f + A (s - x).
 // Members beyond twelve: work vectors.
 class Model {

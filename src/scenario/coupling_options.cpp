@@ -92,7 +92,8 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
              TangentChoice::symmetric);
   row.choice("motion_mat_type", &Scenario::matrix,
              "matrix of motion: all entries, or the blocks on and above the diagonal, which need a symmetric "
-             "tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi and none (auto: the "
+             "tangent and one of the preconditioners cholesky, icc, bjacobi, jacobi, two_level and none "
+             "(auto: the "
              "blocks where the program chooses conjugate gradients and nothing hinders)",
              "auto", std::nullopt, "aij", MatrixFormat::aij, "sbaij", MatrixFormat::sbaij)
       .refused([](const Scenario& s) { return !asymmetry(s).empty(); }, asymmetry);

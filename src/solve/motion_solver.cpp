@@ -3,6 +3,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/solve/motion_solver.hpp>
+#include <impact/solve/two_level.hpp>
 #include <impact/time/types.hpp>
 
 namespace impact {
@@ -57,7 +58,7 @@ void MotionSolver::choose_reuse(const CouplingScenario& settings) {
   const bool krylov = !has_type(ksp, KSPPREONLY),
              steady = !motion_.contacts().demands().closes_gaps && loose_.empty();
   const bool factors = has_type(pc, PCLU, PCCHOLESKY),
-             costly = factors || has_type(pc, PCGAMG, PCML, PCHYPRE, PCMG);
+             costly = factors || has_type(pc, two_level_type, PCGAMG, PCML, PCHYPRE, PCMG);
   const double tangent = settings.reuse_tangent, preconditioner = settings.reuse_preconditioner;
   reuse_ = TangentReuse(tangent >= 0 ? tangent : !krylov && factors && steady ? 0.1 : 0);
   hooks_.preconditioner = PreconditionerReuse(!krylov               ? 0

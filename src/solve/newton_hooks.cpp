@@ -147,13 +147,9 @@ void NewtonHooks::before_linear_solve(KSP ksp, Vec rhs, Vec du) {
 
 void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
   if (linear_.is_retried) return;
-  if (preconditioner.serves() && Get(KSPGetConvergedReason)(ksp) < 0) {
-    preconditioner.forget();
-    linear_.in_vain += Get(KSPGetIterationNumber)(ksp);
-    linear_.is_retried = true;
-    check(KSPSolve(ksp, rhs, du));
-    linear_.is_retried = false;
-  }
+  const KSPConvergedReason reason = Get(KSPGetConvergedReason)(ksp);
+  const bool indefinite = reason == KSP_DIVERGED_INDEFINITE_MAT || reason == KSP_DIVERGED_INDEFINITE_PC;
+  if (reason < 0 && (preconditioner.serves() || indefinite)) repeat(ksp, rhs, du, indefinite);
   if (Get(KSPGetConvergedReason)(ksp) < 0)
     preconditioner.forget();
   else
@@ -162,6 +158,22 @@ void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
   check(KSPSetTolerances(ksp, linear_.rtol, PETSC_DEFAULT, PETSC_DEFAULT, linear_.most));
   if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
   motion_.rigid().expand(conduct.iterate, du);
+}
+
+// With a new preconditioner; where a crack opens or a body buckles the tangent may be indefinite, for which
+// conjugate gradients are not made.
+void NewtonHooks::repeat(KSP ksp, Vec rhs, Vec du, bool indefinite) {
+  const std::string krylov = Get(KSPGetType)(ksp);
+  preconditioner.forget();
+  linear_.in_vain += Get(KSPGetIterationNumber)(ksp);
+  if (indefinite) {
+    check(KSPSetType(ksp, KSPGMRES));
+    check(KSPGMRESSetRestart(ksp, 100));
+  }
+  linear_.is_retried = true;
+  check(KSPSolve(ksp, rhs, du));
+  linear_.is_retried = false;
+  if (indefinite) check(KSPSetType(ksp, krylov.c_str()));
 }
 
 void NewtonHooks::add_gaps(Vec u, Vec f) {

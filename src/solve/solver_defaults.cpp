@@ -3,6 +3,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/solve/solver_defaults.hpp>
+#include <impact/solve/two_level.hpp>
 
 namespace impact {
 
@@ -27,29 +28,32 @@ int ranks_of(KSP ksp) {
 void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
   const bool half = defaults.matrix == MatrixFormat::sbaij;
   const PC pc = Get(KSPGetPC)(ksp);
-  if (defaults.direct) {
-    check(KSPSetType(ksp, defaults.keeps_factors ? KSPGMRES : KSPPREONLY));
-    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-    check(PCSetType(pc, half ? PCCHOLESKY : PCLU));
-    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  } else if (defaults.multigrid) {
-    check(KSPSetType(ksp, KSPGMRES));
+  const auto take = [&](KSPType krylov, PCType preconditioner, PetscInt most) {
+    check(KSPSetType(ksp, krylov));
+    check(PCSetType(pc, preconditioner));
+    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, most));
+  };
+  switch (defaults.method) {
+  case LinearMethod::factors:
+  case LinearMethod::kept_factors:
+    take(defaults.method == LinearMethod::factors ? KSPPREONLY : KSPGMRES, half ? PCCHOLESKY : PCLU, 1000);
+    return check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+  case LinearMethod::multigrid:
     // The blocks of bjacobi are factorised like the matrix of one rank: a symmetric format by ICC.
-    check(PCSetType(pc, !half ? PCGAMG : ranks_of(ksp) == 1 ? PCICC : PCBJACOBI));
-    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, half ? 10000 : 1000));
-  } else {
-    check(KSPSetType(ksp, KSPCG));
-    check(PCSetType(pc, PCJACOBI));
-    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, 10000));
+    return take(KSPGMRES, !half ? PCGAMG : ranks_of(ksp) == 1 ? PCICC : PCBJACOBI, half ? 10000 : 1000);
+  case LinearMethod::two_level:
+    return take(KSPCG, two_level_type, 10000);
+  case LinearMethod::diagonal:
+    return take(KSPCG, PCJACOBI, 10000);
   }
 }
 
 // Linear solves no more exact than the Newton iteration around them deserves, unless the options say how
 // exact (S. Eisenstat, H. Walker, SIAM J. Sci. Comput. 17 (1996) 16, choice 2, not below what is left to do).
-void set_forcing(SNES snes) {
+void set_forcing(SNES snes, double forcing) {
   if (!option_text("-motion_ksp_rtol").empty()) return;
   check(SNESKSPSetUseEW(snes, PETSC_TRUE));
-  check(SNESKSPSetParametersEW(snes, 3, 1e-2, 1e-2, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+  check(SNESKSPSetParametersEW(snes, 3, forcing, forcing, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
                                PETSC_DEFAULT));
 }
 
@@ -60,12 +64,14 @@ void check_preconditioner(KSP ksp, MatrixFormat matrix) {
   const PCType type = Get(PCGetType)(pc);
   const int ranks = ranks_of(ksp);
   const std::string name = type ? type : PCNONE;
-  if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE) return;
+  if (name == PCCHOLESKY || name == PCBJACOBI || name == PCJACOBI || name == PCNONE || name == two_level_type)
+    return;
   if (name == PCICC && ranks == 1) return;
-  throw UserError(ExitCode::usage, "-motion_pc_type \"" + name +
-                                       "\": cannot work with -motion_mat_type sbaij; allowed: cholesky, " +
-                                       (ranks == 1 ? "icc, " : "") +
-                                       "bjacobi, jacobi, none; choose one of them, or -motion_mat_type aij");
+  throw UserError(ExitCode::usage,
+                  "-motion_pc_type \"" + name +
+                      "\": cannot work with -motion_mat_type sbaij; allowed: cholesky, " +
+                      (ranks == 1 ? "icc, " : "") +
+                      "bjacobi, jacobi, two_level, none; choose one of them, or -motion_mat_type aij");
 }
 
 } // namespace
@@ -75,33 +81,46 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   SolverDefaults choice;
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
-  for (const MaterialAssignment& m : d.materials)
-    if (m.law.parameters.rho > 0 && !m.law.rigid())
-      speed = std::max(speed, longitudinal_speed(m.law.parameters));
-  choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
-  const bool small = dofs <= (d.dim() == 2 ? 1500000 : 20000);
-  if (choice.resolves_waves() && !d.has_viscosity() && !demands.frictional && !demands.rigid &&
-      !(demands.closes_gaps && small)) {
-    choice.direct = false;
-    choice.symmetric = true;
-    choice.reason = text_of("dt is %.3g times h/c_p", choice.cfl);
-  } else {
-    choice.direct = small;
-    choice.multigrid = !small;
-    choice.keeps_factors = small && dofs > 20000 && !demands.closes_gaps;
-    choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
+  bool keeps_volume = false; // so that iterations grow with K / G
+  for (const MaterialAssignment& m : d.materials) {
+    const MaterialParameters& p = m.law.parameters;
+    if (m.law.rigid()) continue;
+    if (p.rho > 0) speed = std::max(speed, longitudinal_speed(p));
+    keeps_volume = keeps_volume || p.K > 100 * p.G;
   }
+  choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
+  const bool plane = d.dim() == 2, small = is_factorised(d.mesh),
+             may_be_symmetric = !d.has_viscosity() && !demands.frictional && !demands.rigid &&
+                                !(demands.closes_gaps && small);
+  choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
+  if (choice.resolves_waves() && may_be_symmetric) {
+    choice.method = LinearMethod::diagonal;
+    choice.reason = text_of("dt is %.3g times h/c_p", choice.cfl);
+  } else if (!plane && may_be_symmetric && !demands.unsymmetric && dofs > (keeps_volume ? 20000 : 5000) &&
+             tangent != TangentChoice::consistent)
+    choice.method = LinearMethod::two_level;
+  else if (!small)
+    choice.method = LinearMethod::multigrid;
+  else if (dofs > 20000 && !demands.closes_gaps)
+    choice.method = LinearMethod::kept_factors;
+
   const std::string ksp = option_text("-motion_ksp_type"), pc = option_text("-motion_pc_type");
-  // A preconditioner that only improves a guess wants a Krylov method around it.
-  const bool exact = pc.empty() || pc == "lu" || pc == "cholesky";
-  if (ksp.empty() && !exact && choice.direct) choice.direct = false, choice.multigrid = true;
-  if (!ksp.empty()) choice.symmetric = ksp == "cg" || ksp == "minres";
+  // A preconditioner that only improves a guess wants a Krylov method around it, and exact factors want none.
+  const bool exact = pc == "lu" || pc == "cholesky";
+  if (choice.method == LinearMethod::two_level && (exact || ksp == KSPPREONLY))
+    choice.method = LinearMethod::factors;
+  else if (ksp.empty() && !pc.empty() && !exact && choice.method != LinearMethod::diagonal)
+    choice.method = LinearMethod::multigrid;
+  const auto iterates = [&] {
+    return choice.method == LinearMethod::two_level || choice.method == LinearMethod::diagonal;
+  };
+  choice.symmetric = iterates();
+  if (!ksp.empty()) choice.symmetric = ksp == KSPCG || ksp == KSPMINRES;
   if (!ksp.empty() || !pc.empty()) choice.reason = "chosen by options";
   if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
   // Products and assembly of the half take less than half the time of a run with conjugate gradients.
-  const bool own = ksp.empty() && pc.empty() && !choice.direct && !choice.multigrid;
-  choice.matrix = matrix.value_or(own && choice.symmetric && !demands.unsymmetric ? MatrixFormat::sbaij
-                                                                                  : MatrixFormat::aij);
+  const bool half = iterates() && ksp.empty() && pc.empty() && choice.symmetric && !demands.unsymmetric;
+  choice.matrix = matrix.value_or(half ? MatrixFormat::sbaij : MatrixFormat::aij);
   return choice;
 }
 
@@ -113,7 +132,8 @@ void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_step
   if (shell) {
     // The preconditioner sees the bulk alone: a direct "solve" with it would solve the wrong system, and
     // GAMG's smoothers must not take the shell for their matrix.
-    if (defaults.direct) check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
+    if (defaults.method == LinearMethod::factors)
+      check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
     check(KSPSetType(ksp, KSPGMRES));
     check(PCSetUseAmat(pc, PETSC_FALSE));
   }
@@ -122,7 +142,8 @@ void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_step
   // the energy's slope where a crack opens.
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
-  if ((defaults.multigrid || defaults.keeps_factors) && !full_steps) set_forcing(snes);
+  if (defaults.method != LinearMethod::factors && defaults.method != LinearMethod::diagonal && !full_steps)
+    set_forcing(snes, defaults.method == LinearMethod::two_level ? 1e-3 : 1e-2);
   check(SNESSetFromOptions(snes));
   settle_smoothers(pc);
   check_preconditioner(ksp, defaults.matrix);

@@ -71,6 +71,8 @@ for factor in (0.1, 1, 10, 100):
     force = s["contact_foot_force_y"][-1]
     reference = force if reference is None else reference
     print(f"     {factor} of the automatic one: {s['newton'].max():.0f} Newton iterations of a step")
-    check_between(f"penalty {factor} of the automatic one: augmentations of a step", s["uzawa"].max() - 1, 2, 10)
+    # Solves that end early may want another augmentation; what they cost is Newton iterations.
+    check_between(f"penalty {factor} of the automatic one: augmentations of a step", s["uzawa"].max() - 1, 2, 12)
+    check_between(f"penalty {factor} of the automatic one: Newton iterations of a step", s["newton"].max(), 4, 20)
     check(f"penalty {factor} of the automatic one: force against the first", force, reference, 1e-6)
 finish()

@@ -33,6 +33,33 @@ check("-motion_reuse_preconditioner 0: a hierarchy for each linear solve", event
 worst, where = difference(exact.history, each.history)
 check(f"with the same result: largest difference, in {where}", worst, 0, 1e-6, relative=False)
 
+# What a run in space takes by itself: as many linear iterations for a body of eight times as many unknowns.
+count = {}
+for n in (12, 24):
+    body = run(f"levels_{n}", {**FLOW, "mesh_set_n": n, "material_solid_model": "elastic", "ts_max_steps": 1})
+    require(f"{n}^3 cells: conjugate gradients and two levels", "motion solver: cg + two_level" in body.log)
+    count[n] = body["linear"].sum() / body["newton"].sum()
+check_between("linear iterations of one of Newton's, eight times as many cells over fewer", count[24] / count[12], 0.5, 1.4)
+alone = run("alone", {**FLOW, "mesh_set_n": 24, "material_solid_model": "elastic", "ts_max_steps": 1, "motion_ksp_type": "cg",
+                      "motion_pc_type": "jacobi", "motion_ksp_rtol": 1e-3})
+check_between("over those of Jacobi alone", count[24] / (alone["linear"].sum() / alone["newton"].sum()), 0, 0.75)
+levels = run("levels", {**FLOW, "mesh_set_n": 12})
+exact = run("exact", {**FLOW, "mesh_set_n": 12, "motion_ksp_type": "preonly", "motion_pc_type": "lu"})
+require("plastic flow by two levels: no step is cut", levels["tries"].max() == 1 and "cg + two_level" in levels.log)
+worst, where = difference(exact.history, levels.history)
+check(f"it is what MUMPS gives: largest difference, in {where}", worst, 0, 1e-6, relative=False)
+
+# A column pressed far beyond what it buckles at: its tangent is indefinite, which conjugate gradients alone did not survive.
+COLUMN = {"mesh": mesh("block.geo"), "mesh_set_n": 2, "mesh_set_ny": 20, "mesh_set_ly": 10, "materials": "solid", "material_solid_E": 1,
+          "material_solid_nu": 0.3, "bcs": "hold,push", "bc_hold_on": "bottom", "bc_hold_type": "fix", "bc_push_on": "top",
+          "bc_push_uy": "(-t)", "bc_push_ux": "0.01*t", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+cg, lu = (run(f"column_{name}", {**COLUMN, **solver}) for name, solver in (
+    ("cg", {"motion_ksp_type": "cg", "motion_pc_type": "jacobi", "motion_ksp_converged_reason": ""}),
+    ("lu", {"motion_ksp_type": "preonly", "motion_pc_type": "lu"})))
+require("a buckled column: its tangent is indefinite, no step is cut", "INDEFINITE" in cg.log and cg["tries"].max() == 1)
+worst, where = difference(lu.history, cg.history)
+check(f"it is what MUMPS gives: largest difference, in {where}", worst, 0, 1e-6, relative=False)
+
 # The wedge presses, the beam is elastic: at most six iterations in a step once it has been met.
 beam = run("beam", {"ts_max_steps": 22, "outputs": "hist", "output_hist_type": "csv"}, files=[option_file("beam_wedge.opts")])
 check_between("beam_wedge, elastic: most iterations of Newton's method in a step", beam["newton"][2:].max(), 1, 6)

@@ -37,7 +37,7 @@ struct ContactSettings {
   ContactMethod method = ContactMethod::automatic; ///< automatic: mortar
   MultiplierSpace multipliers =
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
-  Enforcement enforce = Enforcement::automatic; ///< automatic: semismooth with mortar, else auglag
+  Enforcement enforce = Enforcement::automatic; ///< automatic: resolve_settings.hpp
   /// Makes a method of one's own, which takes the place of `enforce`; empty: none.
   std::function<std::unique_ptr<EnforcementMethod>(const ContactSettings&, const EnforcementRows&)>
       own_enforcement;

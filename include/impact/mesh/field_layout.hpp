@@ -34,6 +34,12 @@ private:
   int node_count_;
 };
 
+/// Whether factorising matrices over all displacements is what a run does unless its options say otherwise:
+/// up to 1.5e6 unknowns in the plane and 2e4 in space, where fill grows faster.
+inline bool is_factorised(const Mesh& mesh) {
+  return mesh.global_node_count() * mesh.dim() <= (mesh.dim() == 2 ? 1500000 : 20000);
+}
+
 /// Translations and infinitesimal rotations on the coordinates of the mesh, for algebraic multigrid
 /// (MatSetNearNullSpace). Needs components() == mesh.dim(). Collective.
 Handle<MatNullSpace> near_null_space(const FieldLayout& layout, const Mesh& mesh);

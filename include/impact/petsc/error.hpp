@@ -41,6 +41,16 @@ inline void check(PetscErrorCode code, const std::source_location& where = std::
     throw PetscError(code, where);
 }
 
+/// Of the body of a type that PETSc calls, whose functions may not be left by an exception: its error code.
+template <class Body> PetscErrorCode guarded(Body&& body) {
+  try {
+    body();
+    return 0;
+  } catch (const PetscError& error) {
+    return error.code();
+  }
+}
+
 /// Holds the first exception thrown inside a PETSc callback until the solve has returned.
 class Mailbox {
 public:

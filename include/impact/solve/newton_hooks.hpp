@@ -95,6 +95,7 @@ private:
   void after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool* changed_y, PetscBool* changed_w);
   void before_linear_solve(KSP, Vec rhs, Vec du);
   void after_linear_solve(KSP, Vec rhs, Vec du);
+  void repeat(KSP, Vec rhs, Vec du, bool indefinite);
   void test(SNES snes, PetscInt it, PetscReal x, PetscReal step, PetscReal norm, SNESConvergedReason* reason);
   bool gaps_settle(Vec u);
   bool gives_up();

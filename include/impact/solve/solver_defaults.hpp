@@ -7,15 +7,24 @@
 #include <string>
 
 /// Which solver the motion has where the options say nothing: preonly + MUMPS up to 2e4 dofs, in the
-/// plane gmres + MUMPS up to 1.5e6, beyond them gmres + gamg; cg + jacobi where steps resolve waves and the
-/// tangent is symmetric. The scalar fields have theirs in petsc/field_solver.hpp.
+/// plane gmres + MUMPS up to 1.5e6, beyond them gmres + gamg; where the tangent is symmetric, in space cg +
+/// two_level from 5e3 dofs on, cg + jacobi where steps resolve waves. The scalar fields have theirs in
+/// petsc/field_solver.hpp. `tools/bench_solvers` is the evidence.
 namespace impact {
+
+enum class LinearMethod {
+  factors,      ///< preonly + lu
+  kept_factors, ///< gmres + lu, whose factors serve on
+  multigrid,    ///< gmres + gamg
+  two_level,    ///< cg + two_level
+  diagonal      ///< cg + jacobi
+};
 
 /// Which linear solver and tangent are used where the options say nothing; `reason` is
 /// printed.
 struct SolverDefaults {
-  bool direct = true, multigrid = false, symmetric = false;
-  bool keeps_factors = false;              ///< the direct solver's, as preconditioner of a Krylov method
+  LinearMethod method = LinearMethod::factors;
+  bool symmetric = false;
   MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
   double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
