@@ -130,6 +130,11 @@ void try_solver(MPI_Comm comm, const std::string& prefix, SNESType type) {
   if (std::string(type) == SNESSHELL) return;
   check(KSPSetOperators(ksp, matrix, matrix));
   check(KSPGetPC(ksp, &pc));
+  // Eisenstat's trick is one of the matrix, which these two multiply by on their own.
+  if (has_type(pc, PCEISENSTAT) && has_type(ksp, KSPLSQR, KSPTSIRM))
+    throw UserError(ExitCode::usage, "-" + prefix + "pc_type eisenstat: crashes with -" + prefix +
+                                         "ksp_type lsqr and tsirm; take cg or gmres, or -" + prefix +
+                                         "pc_type sor");
   set_up_factors(pc);
 }
 

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cstring>
+#include <impact/mesh/two_level.hpp>
 #include <impact/petsc/bounded_newton.hpp>
 #include <impact/scenario/petsc_options.hpp>
-#include <impact/solve/two_level.hpp>
 #include <impact/time/types.hpp>
 #include <sstream>
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/mesh/two_level.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/solve/solver_defaults.hpp>
-#include <impact/solve/two_level.hpp>
 
 namespace impact {
 

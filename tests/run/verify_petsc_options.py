@@ -50,6 +50,8 @@ lu says DIVERGED_DTOL.*cut            -motion_snes_divergence_tolerance 1e-3
 lu refused leave.the.option.out       -motion_snes_type newtontr
 lu refused leave.the.option.out       -motion_snes_type qn
 lu refused leave.the.option.out       -motion_snes_type ngmres
+lu refused pc_type.sor                -motion_ksp_type lsqr -motion_pc_type eisenstat
+lu refused pc_type.sor                -motion_ksp_type tsirm -motion_pc_type eisenstat
 lu refused exact.derivative           -motion_snes_mf
 lu refused exact.derivative           -motion_snes_mf_operator
 lu refused exact.derivative           -motion_snes_fd

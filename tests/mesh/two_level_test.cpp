@@ -1,9 +1,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
+#include <impact/mesh/two_level.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/solve/two_level.hpp>
 #include <string>
 
 using namespace impact;

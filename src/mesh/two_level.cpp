@@ -2,9 +2,9 @@
 #include <array>
 #include <cmath>
 #include <impact/math/index.hpp>
+#include <impact/mesh/two_level.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
-#include <impact/solve/two_level.hpp>
 #include <map>
 #include <metis.h>
 #include <numeric>
