@@ -1,34 +1,16 @@
+#include "metis_parts.hpp"
+
 #include <algorithm>
 #include <impact/math/index.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
-#include <metis.h>
 #include <numeric>
 #include <petsc/private/partitionerimpl.h>
 #include <vector>
 
 // Outside of our namespace, where impact::PetscError would hide the function that PETSc's macros call.
 namespace {
-
-// Part of each vertex. METIS itself is not made for as many parts as vertices.
-int metis_parts(PetscInt parts, std::vector<idx_t>& start, std::vector<idx_t>& neighbour, idx_t* weight,
-                std::vector<idx_t>& part) {
-  idx_t vertices = static_cast<idx_t>(start.size()) - 1, constraints = 1,
-        part_count = static_cast<idx_t>(parts), cut = 0;
-  part.assign(static_cast<std::size_t>(vertices), 0);
-  if (parts == 1) return METIS_OK;
-  if (vertices <= parts) {
-    std::iota(part.begin(), part.end(), idx_t{0});
-    return METIS_OK;
-  }
-  idx_t options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_NUMBERING] = 0;
-  options[METIS_OPTION_SEED] = 1;
-  return METIS_PartGraphKway(&vertices, &constraints, start.data(), neighbour.data(), weight, nullptr,
-                             nullptr, &part_count, nullptr, nullptr, options, &cut, part.data());
-}
 
 // The numbers of all ranks, in their order, on rank 0; how many each has is told there too.
 std::vector<idx_t> on_first_rank(MPI_Comm comm, const idx_t* mine, PetscInt size, std::vector<int>& counts) {
@@ -70,7 +52,7 @@ PetscErrorCode partition(PetscPartitioner self, PetscInt parts, PetscInt vertice
                      part(static_cast<std::size_t>(vertices));
   from.insert(from.begin(), 0);
   std::partial_sum(from.begin(), from.end(), from.begin());
-  int code = rank == 0 ? metis_parts(parts, from, to, weight_of.data(), all) : METIS_OK;
+  int code = rank == 0 ? impact::metis_parts(parts, from, to, weight_of.data(), all) : METIS_OK;
   MPI_Bcast(&code, 1, MPI_INT, 0, comm);
   PetscCheck(code == METIS_OK, comm, PETSC_ERR_LIB, "METIS failed");
   std::vector<int> place(counts.size() + 1, 0);

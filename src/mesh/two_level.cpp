@@ -1,3 +1,5 @@
+#include "metis_parts.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,8 +8,6 @@
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/handle.hpp>
 #include <map>
-#include <metis.h>
-#include <numeric>
 #include <petsc/private/pcimpl.h>
 #include <petscksp.h>
 #include <string>
@@ -52,8 +52,6 @@ public:
     *this = TwoLevel{};
     nodes_ = nodes;
   }
-  KSP coarse() const { return coarse_; }
-  bool is_set_up() const { return static_cast<bool>(E_); }
 
 private:
   void make_coarse_solver(PC pc);
@@ -153,18 +151,9 @@ void TwoLevel::make_aggregates(const std::vector<std::vector<idx_t>>& near, MPI_
     neighbour.insert(neighbour.end(), list.begin(), list.end());
     start.push_back(static_cast<idx_t>(neighbour.size()));
   }
-  idx_t vertices = static_cast<idx_t>(near.size()), constraints = 1, cut = 0;
-  idx_t parts = std::max<idx_t>(vertices > 0, (vertices + nodes_ / 2) / nodes_);
-  idx_t options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_NUMBERING] = 0;
-  options[METIS_OPTION_SEED] = 1;
-  aggregate_.assign(near.size(), 0);
-  if (parts > 1 &&
-      METIS_PartGraphKway(&vertices, &constraints, start.data(), neighbour.data(), nullptr, nullptr, nullptr,
-                          &parts, nullptr, nullptr, options, &cut, aggregate_.data()) != METIS_OK)
-    check(PETSC_ERR_LIB);
-  aggregates_ = parts;
+  const auto nodes = static_cast<idx_t>(near.size());
+  aggregates_ = std::max<idx_t>(nodes > 0, (nodes + nodes_ / 2) / nodes_);
+  check(metis_parts(aggregates_, start, neighbour, nullptr, aggregate_) == METIS_OK ? 0 : PETSC_ERR_LIB);
   first_aggregate_ = 0;
   MPI_Exscan(&aggregates_, &first_aggregate_, 1, MPIU_INT, MPI_SUM, comm);
 }
@@ -303,15 +292,15 @@ void TwoLevel::make_coarse_matrix(Mat A) {
 void TwoLevel::set_up(PC pc) {
   const Mat A = pc->pmat;
   make_coarse_solver(pc);
-  if (!E_ || pc->flag == DIFFERENT_NONZERO_PATTERN) {
-    find_range(A);
-    if (half_) check(MatGetRowUpperTriangular(A));
+  const bool first = !E_ || pc->flag == DIFFERENT_NONZERO_PATTERN;
+  if (first) find_range(A);
+  if (half_) check(MatGetRowUpperTriangular(A));
+  if (first) {
     read_graph(A);
     make_prolongator(A);
     fetch_foreign(A);
     check(MatCreateVecs(A, inverse_.out(), nullptr));
-  } else if (half_)
-    check(MatGetRowUpperTriangular(A));
+  }
   make_coarse_matrix(A);
   if (half_) check(MatRestoreRowUpperTriangular(A));
   check(MatGetDiagonal(A, inverse_));

@@ -51,7 +51,7 @@ void add_methods(ContactRows& rows) {
              MultiplierSpace::dual);
   row.choice("enforce", &Contact::enforce,
              "augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; auto: "
-             "semismooth with mortar unless it has more than 2e4 unknowns in space, else auglag",
+             "semismooth with mortar up to 1.5e6 unknowns in the plane and 2e4 in space, else auglag",
              "auto", Enforcement::automatic, "auglag", Enforcement::auglag, "penalty", Enforcement::penalty,
              "semismooth", Enforcement::semismooth)
       .notation("(74)-(79)");

@@ -45,6 +45,7 @@ const SolverNumber solver_numbers[] = {
     {"pc_sor_omega", {0, 2, true, true}},
     {"pc_sor_its", {1}, true},
     {"pc_asm_overlap", {0}, true},
+    {"pc_two_level_nodes", {1}, true},
 };
 
 /// Names that PETSc offers and nobody can take.

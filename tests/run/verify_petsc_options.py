@@ -52,6 +52,7 @@ lu refused leave.the.option.out       -motion_snes_type qn
 lu refused leave.the.option.out       -motion_snes_type ngmres
 lu refused pc_type.sor                -motion_ksp_type lsqr -motion_pc_type eisenstat
 lu refused pc_type.sor                -motion_ksp_type tsirm -motion_pc_type eisenstat
+lu refused allowed.*1                 -motion_pc_type two_level -motion_pc_two_level_nodes 0
 lu refused exact.derivative           -motion_snes_mf
 lu refused exact.derivative           -motion_snes_mf_operator
 lu refused exact.derivative           -motion_snes_fd
