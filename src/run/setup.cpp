@@ -6,6 +6,7 @@
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>
+#include <set>
 
 namespace impact {
 
@@ -35,8 +36,8 @@ MeshRequest request_of(const Scenario& s) {
   request.reason_to_stop = [&s] { return reason_to_stop({s.checkpoint.walltime, s.checkpoint.margin()}); };
   // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
   for (const ContactSettings& contact : s.contacts)
-    for (const std::string& side : {contact.secondary, contact.primary})
-      if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] = 4;
+    for (const std::string& side : std::set{contact.secondary, contact.primary})
+      if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] += 4;
   return request;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <impact/input/database.hpp>
@@ -6,6 +7,7 @@
 #include <impact/petsc/shared_cores.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/columns.hpp>
+#include <set>
 
 namespace impact {
 
@@ -79,6 +81,29 @@ Extent extent_of(const Discretisation& d, const std::vector<PetscInt>& points, d
   max_over_ranks(d.mesh.comm(), most);
   return {sums[0], sums[1], -most[0], most[1],
           std::max({most[2] + most[5], most[3] + most[6], most[4] + most[7]})};
+}
+
+// How evenly the ranks share what costs time: the fullest one's cells, and its facets of deformable contact
+// surfaces, over the mean. A facet that several contacts want is work for each.
+void report_shares(const Scenario& s, const Discretisation& d) {
+  const MPI_Comm comm = d.mesh.comm();
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  if (ranks == 1) return;
+  std::array<double, 2> most{static_cast<double>(d.mesh.cell_count()), 0};
+  for (const ContactSettings& contact : s.contacts)
+    for (const std::string& side : std::set{contact.secondary, contact.primary})
+      if (!ContactSettings::rigid_name(side)) most[1] += d.mesh.facets(side).count();
+  std::array<double, 2> mean = most;
+  max_over_ranks(comm, most);
+  sum_over_ranks(comm, mean);
+  for (double& value : mean) value /= ranks;
+  char text[80] = "";
+  if (mean[1] > 0)
+    std::snprintf(text, sizeof text, ", %.3f times the mean of %.4g contact facets", most[1] / mean[1],
+                  mean[1]);
+  check(PetscPrintf(comm, "ranks: the fullest has %.3f times the mean of %.4g cells%s\n", most[0] / mean[0],
+                    mean[0], text));
 }
 
 void report_groups(const Discretisation& d) {
@@ -204,6 +229,7 @@ void report_setup(const Scenario& s, const Discretisation& d) {
                     s.mesh.file.c_str(), static_cast<long long>(d.mesh.global_node_count()),
                     static_cast<long long>(d.mesh.global_cell_count()), d.mesh.smallest_edge(), ranks,
                     ranks == 1 ? "" : "s", threads, threads == 1 ? "" : "s"));
+  report_shares(s, d);
   report_groups(d);
   for (const MaterialAssignment& m : d.materials) report_material(s, d, m);
   if (s.has_heat())
