@@ -11,4 +11,13 @@ namespace impact {
 int metis_parts(idx_t parts, std::vector<idx_t>& start, std::vector<idx_t>& neighbour, idx_t* weight,
                 std::vector<idx_t>& part);
 
+/// The same where parts have equal shares of each of several kinds of weights, [vertex][kind], and not of
+/// their sum alone.
+int metis_parts(idx_t parts, std::vector<idx_t>& start, std::vector<idx_t>& neighbour,
+                std::vector<idx_t>& weight, int kinds, std::vector<idx_t>& part);
+
+/// The largest share of a part over the mean that counts as even: a tenth above it, or what whole units make
+/// of it where a part has few of them. `total`: of all parts.
+double even_share(double total, double unit, double parts);
+
 } // namespace impact

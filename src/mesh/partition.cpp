@@ -1,16 +1,20 @@
 #include "metis_parts.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <impact/math/index.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <numeric>
 #include <petsc/private/partitionerimpl.h>
 #include <vector>
 
 // Outside of our namespace, where impact::PetscError would hide the function that PETSc's macros call.
 namespace {
+
+constexpr const char* contact_part = "contact"; // section of it that the partitioner carries
 
 // The numbers of all ranks, in their order, on rank 0; how many each has is told there too.
 std::vector<idx_t> on_first_rank(MPI_Comm comm, const idx_t* mine, PetscInt size, std::vector<int>& counts) {
@@ -36,23 +40,29 @@ PetscErrorCode partition(PetscPartitioner self, PetscInt parts, PetscInt vertice
   int rank = 0, ranks = 1;
   MPI_Comm_rank(comm, &rank);
   MPI_Comm_size(comm, &ranks);
-  std::vector<idx_t> degree, weight;
+  PetscSection contact = nullptr; // part of the weights
+  PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(self), contact_part,
+                             reinterpret_cast<PetscObject*>(&contact)));
+  const int kinds = contact ? 2 : 1;
+  std::vector<idx_t> degree, weight; // weight: [vertex][kind]
   PetscInt first = 0, end = 0;
   if (weights) PetscCall(PetscSectionGetChart(weights, &first, &end));
   for (PetscInt v = 0; v < vertices; ++v) {
-    PetscInt dofs = 0;
-    if (first + v < end) PetscCall(PetscSectionGetDof(weights, first + v, &dofs));
+    PetscInt all = 0, of_contact = 0;
+    if (first + v < end) PetscCall(PetscSectionGetDof(weights, first + v, &all));
+    if (contact) PetscCall(PetscSectionGetDof(contact, v, &of_contact));
     degree.push_back(start[v + 1] - start[v]);
-    weight.push_back(std::max<PetscInt>(dofs, 1)); // 1 where no weight is said
+    weight.push_back(std::max<PetscInt>(all - of_contact, 1)); // 1 where no weight is said
+    if (contact) weight.push_back(of_contact);
   }
   std::vector<int> counts(rank == 0 ? static_cast<std::size_t>(ranks) : 0), ignored = counts;
   std::vector<idx_t> to = on_first_rank(comm, neighbour, vertices > 0 ? start[vertices] : 0, ignored),
-                     weight_of = on_first_rank(comm, weight.data(), vertices, ignored),
+                     weight_of = on_first_rank(comm, weight.data(), kinds * vertices, ignored),
                      from = on_first_rank(comm, degree.data(), vertices, counts), all,
                      part(static_cast<std::size_t>(vertices));
   from.insert(from.begin(), 0);
   std::partial_sum(from.begin(), from.end(), from.begin());
-  int code = rank == 0 ? impact::metis_parts(parts, from, to, weight_of.data(), all) : METIS_OK;
+  int code = rank == 0 ? impact::metis_parts(parts, from, to, weight_of, kinds, all) : METIS_OK;
   MPI_Bcast(&code, 1, MPI_INT, 0, comm);
   PetscCheck(code == METIS_OK, comm, PETSC_ERR_LIB, "METIS failed");
   std::vector<int> place(counts.size() + 1, 0);
@@ -91,36 +101,81 @@ void register_metis_partitioner() {
   done = true;
 }
 
-// Cost of a cell = its dofs in a section: that is where DMPlex looks for vertex weights.
-Handle<PetscSection> weight_section(DM dm, const PartitionWeights& weights) {
-  PetscInt first = 0, end = 0, chart_first = 0, chart_end = 0, dim = 0;
+// What its cells cost a rank, in the order of the mesh.
+struct CellCosts {
+  std::vector<PetscInt> bulk, contact; // [cell]
+  PetscInt first = 0, chart_first = 0, chart_end = 0;
+};
+
+CellCosts cell_costs(DM dm, const PartitionWeights& weights) {
+  PetscInt end = 0, dim = 0;
+  CellCosts costs;
   check(DMGetDimension(dm, &dim));
-  check(DMPlexGetHeightStratum(dm, 0, &first, &end));
-  check(DMPlexGetChart(dm, &chart_first, &chart_end));
-  if (chart_end == chart_first) first = end = 0;
-  std::vector<PetscInt> cost(at(chart_end - chart_first), 0); // [point]
-  std::fill(cost.begin() + first, cost.begin() + end, 1);
+  check(DMPlexGetHeightStratum(dm, 0, &costs.first, &end));
+  check(DMPlexGetChart(dm, &costs.chart_first, &costs.chart_end));
+  if (costs.chart_end == costs.chart_first) costs.first = end = 0;
+  costs.bulk.assign(at(end - costs.first), 1);
+  costs.contact.assign(costs.bulk.size(), 0);
   for (const auto& [name, weight] : weights.region)
     for (const PetscInt cell : labelled_points(dm, name, dim))
-      if (cell >= first && cell < end) cost[at(cell)] = std::max(1, weight);
+      if (cell >= costs.first && cell < end) costs.bulk[at(cell - costs.first)] = std::max(1, weight);
   for (const auto& [name, weight] : weights.boundary)
     for (const PetscInt facet : labelled_points(dm, name, dim - 1)) {
       const PetscInt* support = nullptr;
       PetscInt count = 0;
       check(DMPlexGetSupport(dm, facet, &support));
       check(DMPlexGetSupportSize(dm, facet, &count));
-      if (count > 0 && support[0] >= first && support[0] < end) cost[at(support[0])] += weight;
+      if (count > 0 && support[0] >= costs.first && support[0] < end)
+        costs.contact[at(support[0] - costs.first)] += weight;
     }
+  return costs;
+}
+
+// Total over all ranks, largest of a rank, smallest that costs anything.
+struct Amount {
+  double total = 0, most = 0, unit = HUGE_VAL;
+};
+
+Amount amount_of(MPI_Comm comm, const std::vector<PetscInt>& costs) {
+  Amount amount;
+  for (const PetscInt cost : costs) {
+    amount.total += cost;
+    if (cost > 0) amount.unit = std::min(amount.unit, static_cast<double>(cost));
+  }
+  amount.most = max_over_ranks(comm, amount.total);
+  amount.total = sum_over_ranks(comm, amount.total);
+  amount.unit = min_over_ranks(comm, amount.unit);
+  return amount;
+}
+
+// Numbers of dofs: that is where DMPlex looks for vertex weights. `value`: of the points from `first` on.
+Handle<PetscSection> section_of(MPI_Comm comm, PetscInt chart_first, PetscInt chart_end, PetscInt first,
+                                const std::vector<PetscInt>& value) {
   Handle<PetscSection> section;
-  check(PetscSectionCreate(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), section.out()));
+  check(PetscSectionCreate(comm, section.out()));
   check(PetscSectionSetNumFields(section, 1)); // before the chart, else PETSc 3.18 crashes
   check(PetscSectionSetChart(section, chart_first, chart_end));
-  for (PetscInt c = first; c < end; ++c) {
-    check(PetscSectionSetDof(section, c, cost[at(c)]));
-    check(PetscSectionSetFieldDof(section, c, 0, cost[at(c)]));
+  for (std::size_t c = 0; c < value.size(); ++c) {
+    const PetscInt point = first + static_cast<PetscInt>(c);
+    check(PetscSectionSetDof(section, point, value[c]));
+    check(PetscSectionSetFieldDof(section, point, 0, value[c]));
   }
   check(PetscSectionSetUp(section));
   return section;
+}
+
+// All partitioners see the sum of the costs; ours sees the two kinds.
+void set_weights(DM dm, PetscPartitioner partitioner, const PartitionWeights& weights) {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(dm));
+  const CellCosts costs = cell_costs(dm, weights);
+  std::vector<PetscInt> sum = costs.bulk;
+  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += costs.contact[c];
+  check(DMSetLocalSection(dm, section_of(comm, costs.chart_first, costs.chart_end, costs.first, sum)));
+  if (!(amount_of(comm, costs.contact).total > 0)) return;
+  check(PetscObjectCompose(
+      reinterpret_cast<PetscObject>(partitioner), contact_part,
+      reinterpret_cast<PetscObject>(
+          section_of(comm, 0, static_cast<PetscInt>(sum.size()), 0, costs.contact).get())));
 }
 
 // DMPlexPermute of PETSc 3.18 leaves the new mesh without the knowledge of which points other ranks share.
@@ -158,7 +213,7 @@ Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights) {
   check(PetscPartitionerSetFromOptions(partitioner));
   check(DMPlexDistributeSetDefault(dm, PETSC_FALSE));
   check(DMPlexSetPartitionBalance(dm, PETSC_TRUE)); // shares out the nodes between ranks
-  check(DMSetLocalSection(dm, weight_section(dm, weights)));
+  set_weights(dm, partitioner, weights);
   Handle<PetscSF> migration;
   Handle<DM> moved;
   PetscSF sf = nullptr;
@@ -170,6 +225,17 @@ Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights) {
   }
   check(DMSetLocalSection(dm, nullptr));
   return migration;
+}
+
+bool evenly_shared(DM dm, const PartitionWeights& weights) {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(dm));
+  const double ranks = sum_over_ranks(comm, 1.0);
+  const CellCosts costs = cell_costs(dm, weights);
+  for (const std::vector<PetscInt>& kind : {costs.bulk, costs.contact}) {
+    const Amount amount = amount_of(comm, kind);
+    if (amount.most * ranks > amount.total * even_share(amount.total, amount.unit, ranks)) return false;
+  }
+  return true;
 }
 
 void order_for_locality(Handle<DM>& dm) {

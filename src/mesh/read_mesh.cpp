@@ -286,7 +286,11 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
   check_size(comm, dm, file.dim, request);
   file = GmshFile();
   distribute(dm, request.weights);
-  refine(dm, request.refine);
+  if (request.refine > 0) {
+    refine(dm, request.refine);
+    // Where the file has few cells or facets for a rank, those of the refined mesh can be shared more evenly.
+    if (!evenly_shared(dm, request.weights)) distribute(dm, request.weights);
+  }
   order_for_locality(dm);
   check(PetscObjectSetName(reinterpret_cast<PetscObject>(dm.get()), "mesh"));
   return Mesh(std::move(dm), std::move(groups));

@@ -139,7 +139,8 @@ struct Bodies {
 /// rising number of their lowest node, which depends on the partition. Collective.
 Bodies find_bodies(const Mesh& mesh, const std::vector<char>& counts = {});
 
-/// Cost of cells, for the partition.
+/// Cost of cells, for the partition. The type `metis` gives ranks equal shares of cells and, besides, of what
+/// the boundaries cost; other types know the sum.
 struct PartitionWeights {
   std::map<std::string, int> region; ///< cost of a cell by region name; absent = 1
   std::map<std::string, int>
@@ -188,6 +189,10 @@ void check_request(const MeshRequest& request);
 /// Moves the cells of a mesh to the ranks (overlap 0) by weight, wherever they are; `dm` is replaced. Returns
 /// the migration SF, empty when nothing moved (one rank). Collective.
 Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights);
+
+/// Whether each rank has its share of the cells, and of the facets of the weights' boundaries, as far as
+/// whole cells and facets allow. Collective.
+bool evenly_shared(DM dm, const PartitionWeights& weights);
 
 /// Renumbers the points of each rank so that neighbours stand close in memory (reverse Cuthill-McKee).
 /// Collective.

@@ -1,0 +1,29 @@
+"""Shares and iterations of a case on several numbers of ranks, by counters alone."""
+import re
+
+from _runs import check_between, option_file, run
+
+# One step, by the iterative solver whose iterations could grow with the ranks.
+STEP = {"ts_max_steps": 1, "outputs": "hist", "checkpoint_wall": 0}
+BEAM = ("beam_wedge.opts", {**STEP, "motion_ksp_type": "gmres", "motion_pc_type": "gamg"})
+SPHERE = ("hertz_sphere.opts", {**STEP, "motion_ksp_type": "cg", "motion_pc_type": "two_level"})
+MOST_SHARE, MOST_GROWTH = 1.15, 1.2
+
+
+def shares(log):
+    """Cells and contact facets of the fullest rank over the mean."""
+    line = re.search(r"^ranks: the fullest has (\S+) times the mean of \S+ cells, (\S+) times the mean of \S+ contact facets", log, re.M)
+    return float(line.group(1)), float(line.group(2))
+
+
+def check_case(name, options, settings, refine):
+    linear = {}
+    for ranks in (1, 2, 4, 8, 16):
+        r = run(f"{name}_{ranks}", {**settings, "dm_refine": refine}, files=[option_file(options)], ranks=ranks)
+        linear[ranks] = r["linear"].sum()
+        if ranks <= 2:
+            continue
+        for what, share in zip(("cells", "contact facets"), shares(r.log)):
+            check_between(f"{name}, {ranks} ranks: {what} of the fullest over the mean", share, 1, MOST_SHARE)
+        check_between(f"{name}, {ranks} ranks: {linear[ranks]:.0f} linear iterations, over the {linear[1]:.0f} and "
+                      f"{linear[2]:.0f} of one rank and two", linear[ranks] / min(linear[1], linear[2]), 0.5, MOST_GROWTH)

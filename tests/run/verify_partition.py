@@ -1,0 +1,12 @@
+"""On 4, 8 and 16 ranks the fullest rank has at most 1.15 times the mean of the cells and 1.15 times the mean of the facets of contact
+surfaces, and linear solvers take at most 1.2 times the iterations of one rank or two: the beam on the wedge, once refined, and the
+sphere on a plane in space. Balanced in the sum of both, one of 16 ranks had 6.7 times the mean of the facets."""
+# labels: run
+# processors: 2
+# timeout: 240
+from _partition import BEAM, SPHERE, check_case
+from _runs import finish
+
+check_case("beam", *BEAM, refine=1)
+check_case("sphere", *SPHERE, refine=0)
+finish()
