@@ -1,8 +1,10 @@
 #include "law_sampler.hpp"
 
+#include <array>
 #include <gtest/gtest.h>
 #include <impact/material/flow_stress.hpp>
 #include <impact/material/plasticity.hpp>
+#include <random>
 
 using namespace impact;
 using reference::aluminium;
@@ -103,6 +105,45 @@ TEST(Hardening, VerticalStartIsSolvedInEveryDecade) { // alpha from 1e-90 to 1e-
       if (decade < 14) {
         EXPECT_GT(flow.alpha[l], 0) << decade;
       }
+    }
+  }
+}
+
+// A point slightly above its yield stress at rest flows at the rate that carries the rest, in every decade of
+// overstress, hardening, step and degradation. Reference: bisection.
+TEST(Hardening, SlightOverstressFlowsAtTheRateThatCarriesIt) {
+  const double q = std::sqrt(2.0 / 3);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> part(0, 1);
+  const auto decades = [&](double from, double to) {
+    return std::pow(10.0, from + (to - from) * part(random));
+  };
+  for (int trial = 0; trial < 4000; ++trial) {
+    MaterialParameters m = aluminium();
+    reference::set_hardening(m, trial % reference::hardening_kinds);
+    m.softening = Softening::none;
+    m.rate_c = decades(-3, -1.5), m.rate_0 = 1;
+    const FlowConditions<double> at{1, decades(-9, -3)};
+    std::array<double, lanes> alpha, ratio, N;
+    Batch alphas, ratios;
+    Symmetric<Batch, 3> e;
+    for (int i = 0; i < 6; ++i) e[i] = 0.0;
+    for (int l = 0; l < lanes; ++l) {
+      alpha[l] = decades(-4, 0), ratio[l] = decades(0, 1.2);
+      N[l] = q * ratio[l] * hardening(m, alpha[l]).k * (1 + decades(-9, -1));
+      alphas.set(l, alpha[l]), ratios.set(l, ratio[l]);
+      e[3].set(l, N[l] / m.G / std::sqrt(2.0));
+    }
+    const auto flow = return_map(m, e, Batch(1.0), alphas, ratios, {Batch(1.0), at.dt});
+    ASSERT_EQ(flow.failed, 0);
+    for (int l = 0; l < lanes; ++l) {
+      double low = 0, high = N[l] / (2 * m.G);
+      for (int i = 0; i < 200; ++i) {
+        const double x = (low + high) / 2, k = flow_stress(m, at, alpha[l] + q * x, q * x).k;
+        (N[l] - 2 * m.G * x > q * ratio[l] * k ? low : high) = x;
+      }
+      EXPECT_NEAR(flow.scale[l] * N[l], N[l] - 2 * m.G * low, 1e-9 * N[l])
+          << "law " << trial % reference::hardening_kinds << ", dt " << at.dt << ", alpha " << alpha[l];
     }
   }
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <impact/math/dual.hpp>
 
 /// Root of r(x) = 0 in [low, high] with r(low) >= 0 >= r(high), r decreasing: Newton on values, safeguarded
@@ -24,11 +25,17 @@ ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&
     const V r = r_and_slope(x, slope);
     low = select(r > V(0.0), x, low);
     high = select(r > V(0.0), high, x);
-    V next = x - r / slope;
-    next = select((next >= low) & (next <= high), next, noise ? sqrt(low * high) : V(V(0.5) * (low + high)));
-    const V step = abs(next - x);
-    x = select(open, next, x);
-    open = open & (step > V(tolerance) * abs(next) + (noise ? V(*noise / abs(slope)) : floor));
+    // Only a step of Newton's method tells how near the root is: a bisection of decades may be tiny.
+    const V newton = x - r / slope, step = abs(newton - x), close = V(tolerance) * abs(newton);
+    const auto inside = (newton >= low) & (newton <= high);
+    V middle = V(0.5) * (low + high);
+    if (noise) { // Newton's method in ln x meets a logarithm at once
+      const V other = x * exp(-r / (slope * x));
+      middle = select((other > low) & (other < high), other, sqrt(low * high));
+    }
+    const V enough = select(inside, close + (noise ? V(*noise / abs(slope)) : floor), close);
+    x = select(open, select(inside, newton, select(step <= enough, x, middle)), x);
+    open = open & (step > enough);
   }
   return {x, bits(open)};
 }
