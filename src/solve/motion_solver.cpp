@@ -188,6 +188,10 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   }
   check(SNESComputeFunction(snes_, u, other));
   const bool better = std::abs(Get(VecDot)(other, step)) < std::abs(Get(VecDot)(r, step));
+  if (!better && ahead == nullptr) { // Newton's method asks for the same step
+    hooks_.conduct.known = layout.make_global();
+    check(VecCopy(step, hooks_.conduct.known));
+  }
   if (cell_broke_ || !better) return cell_broke_ = false;
   if (Get(VecNorm)(other, NORM_2) > reuse_.reduction() * norm) reuse_.forget();
   return true;

@@ -140,7 +140,12 @@ void NewtonHooks::before_linear_solve(KSP ksp, Vec rhs, Vec du) {
   if (!linear_.is_retried && !conduct.alone) check(KSPPreSolve_SNESEW(ksp, rhs, du, linear_.snes));
   const PetscInt most = serves ? std::min(linear_.most, preconditioner.most(decades_of(ksp))) : linear_.most;
   check(KSPSetTolerances(ksp, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, most));
-  if (linear_.is_retried || !closes_gaps()) return;
+  if (linear_.is_retried) return;
+  if (conduct.known && !has_type(ksp, KSPPREONLY)) {
+    check(VecCopy(conduct.known, du));
+    check(KSPSetInitialGuessNonzero(ksp, PETSC_TRUE));
+  }
+  if (!closes_gaps()) return;
   check(VecCopy(rhs, bare_residual_));
   add_gaps(conduct.iterate, rhs);
 }
@@ -154,6 +159,8 @@ void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
     preconditioner.forget();
   else
     preconditioner.note(Get(KSPGetIterationNumber)(ksp), decades_of(ksp));
+  if (conduct.known) check(KSPSetInitialGuessNonzero(ksp, PETSC_FALSE));
+  conduct.known = {};
   if (!conduct.alone) check(KSPPostSolve_SNESEW(ksp, rhs, du, linear_.snes));
   check(KSPSetTolerances(ksp, linear_.rtol, PETSC_DEFAULT, PETSC_DEFAULT, linear_.most));
   if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
@@ -161,7 +168,7 @@ void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
 }
 
 // With a new preconditioner; where a crack opens or a body buckles the tangent may be indefinite, for which
-// conjugate gradients are not made.
+// conjugate gradients are not made. A Newton step from there is worth no more than three digits.
 void NewtonHooks::repeat(KSP ksp, Vec rhs, Vec du, bool indefinite) {
   const std::string krylov = Get(KSPGetType)(ksp);
   preconditioner.forget();
@@ -169,6 +176,8 @@ void NewtonHooks::repeat(KSP ksp, Vec rhs, Vec du, bool indefinite) {
   if (indefinite) {
     check(KSPSetType(ksp, KSPGMRES));
     check(KSPGMRESSetRestart(ksp, 100));
+    check(KSPSetTolerances(ksp, std::max(1e-3, std::pow(10, -decades_of(ksp))), PETSC_DEFAULT, PETSC_DEFAULT,
+                           PETSC_DEFAULT));
   }
   linear_.is_retried = true;
   check(KSPSolve(ksp, rhs, du));

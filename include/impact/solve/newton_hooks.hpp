@@ -79,6 +79,7 @@ public:
     bool watched = false;         ///< may be given up for another way
     Aim aim = Aim::balance;
     bool alone = false; ///< a linear solve outside of SNESSolve, without forcing term
+    Handle<Vec> known;  ///< the answer of the linear solve that comes next, or empty
   };
   Conduct conduct;
   PreconditionerReuse preconditioner{0};
