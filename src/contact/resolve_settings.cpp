@@ -137,6 +137,7 @@ double set_automatic_values(ContactSettings& settings, const ContactEnvironment&
   const double penalty = 10 * environment.modulus / size;
   if (automatic(settings.penalty) && !(penalty > 0))
     throw usage(settings, "penalty", "auto needs Young's modulus of a side; give a number");
+  settings.automatic_penalty = automatic(settings.penalty);
   fill(settings.penalty, penalty);
   // A start below the automatic one is made up for at once: four times that leaves a fifth of the gap where
   // the surface is as stiff as the penalty.

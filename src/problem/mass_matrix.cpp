@@ -5,6 +5,19 @@
 
 namespace impact {
 
+namespace {
+
+void require_finite(Vec x) {
+  const PetscReal size = Get(VecNorm)(x, NORM_INFINITY);
+  if (!std::isfinite(size))
+    throw UserError(ExitCode::data,
+                    "the forces of which an acceleration is asked are not finite: a cell is inverted, or an "
+                    "expression of a condition has no value there (1/(t-0.5), say, has none in its "
+                    "derivatives); mend the initial state or the condition");
+}
+
+} // namespace
+
 double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) const {
   double diagonal = 0;
   CellMatrix m, K;
@@ -44,7 +57,32 @@ void MassMatrix::build() {
   check(KSPSetOperators(solver_, free_, free_));
 }
 
+// Row sums of the consistent mass: int rho N_a, positive for the cells that there are.
+void MassMatrix::build_lumped() {
+  if (lumped_) return;
+  std::vector<double> mass = d_.displacement.make_local();
+  CellMatrix m;
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    const int dim = d_.dim(), nodes = batch.nodes();
+    const auto X = batch.vectors(d_.mesh.coordinates());
+    batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
+    auto at_nodes = batch.zero(dim);
+    for (int i = 0; i < nodes; ++i)
+      for (int j = 0; j < nodes; ++j)
+        for (int k = 0; k < dim; ++k) at_nodes.value[i * dim + k] += m(i, j);
+    batch.scatter(at_nodes, mass);
+  });
+  lumped_ = d_.displacement.make_global();
+  d_.displacement.add_to_global(mass, lumped_);
+}
+
+Vec MassMatrix::lumped() {
+  build_lumped();
+  return lumped_;
+}
+
 void MassMatrix::multiply(Vec x, Vec y) {
+  if (d_.lumped_mass) return check(VecPointwiseMult(y, lumped(), x));
   build();
   check(MatMult(all_, x, y));
 }
@@ -52,7 +90,6 @@ void MassMatrix::multiply(Vec x, Vec y) {
 // x = x_c + x_f: the columns of prescribed entries go to the right-hand side. Rigid bodies share no node with
 // others.
 void MassMatrix::solve(Vec b, Vec x) {
-  build();
   const int dim = d_.dim();
   const Handle<Vec> held = d_.displacement.make_global(), rhs = d_.displacement.make_global();
   std::vector<PetscInt> rows;
@@ -65,16 +102,17 @@ void MassMatrix::solve(Vec b, Vec x) {
     check(VecAssemblyBegin(target));
     check(VecAssemblyEnd(target));
   };
+  if (d_.lumped_mass) {
+    check(VecPointwiseDivide(x, b, lumped()));
+    set(x);
+    return require_finite(x);
+  }
+  build();
   set(held);
   check(MatMult(all_, held, rhs));
   check(VecAYPX(rhs, -1, b));
   set(rhs);
-  const PetscReal size = Get(VecNorm)(rhs, NORM_INFINITY);
-  if (!std::isfinite(size))
-    throw UserError(ExitCode::data,
-                    "the forces of which an acceleration is asked are not finite: a cell is inverted, or an "
-                    "expression of a condition has no value there (1/(t-0.5), say, has none in its "
-                    "derivatives); mend the initial state or the condition");
+  require_finite(rhs);
   check(KSPSolve(solver_, rhs, x));
   const KSPConvergedReason reason = Get(KSPGetConvergedReason)(solver_);
   if (reason < 0)

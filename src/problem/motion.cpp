@@ -86,7 +86,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
                                         const PointLaw& law) const {
   return {.X = &X_,
           .u = &u,
-          .u_n = law.viscous() ? step_.u_n : nullptr,
+          .u_n = law.viscous() || step_.bulk.linear > 0 || step_.bulk.quadratic > 0 ? step_.u_n : nullptr,
           .accel = accel,
           .phi = step_.phi,
           .theta = law.parameters.alpha_t != 0 || law.softens() ? step_.theta : nullptr,
@@ -167,9 +167,16 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
     set(parts.unilateral);
     check(VecAXPY(parts.unilateral, -1, parts.internal));
   }
+  outer_parts(u, parts);
+}
+
+void MotionProblem::outer_parts(Vec u, ForceParts& parts) {
+  d_.displacement.to_local(u, u_);
   r_ = dead_load_;
   add_pressures(u_, 1, r_);
-  set(parts.external);
+  if (!parts.external) parts.external = d_.displacement.make_global();
+  check(VecSet(parts.external, 0));
+  d_.displacement.add_to_global(r_, parts.external);
   if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
     const Handle<Vec> Mf = d_.displacement.make_global();
     mass_.multiply(d_.global_of(body_), Mf);

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/problem/cell_loop.hpp>
+#include <impact/problem/motion.hpp>
 
 /// What the kernels of motion read of one batch of cells.
 namespace impact {
@@ -12,6 +13,7 @@ struct MotionFields {
   double dt;
   const std::vector<double>* drive = nullptr; ///< the committed row, for laws that soften
   double unilateral = 1;                      ///< factor of the unilateral stress
+  BulkViscosity bulk = {};                    ///< wants u_n
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
@@ -35,6 +37,8 @@ struct MotionBatch {
     in.drive = batch.read(fields.drive, drive);
     in.dt = fields.dt;
     in.unilateral = fields.unilateral;
+    in.bulk_linear = fields.bulk.linear;
+    in.bulk_quadratic = fields.bulk.quadratic;
   }
   MotionBatch(const MotionBatch&) = delete;
   MotionBatch& operator=(const MotionBatch&) = delete;

@@ -1,5 +1,6 @@
 #include "motion_batch.hpp"
 #include <algorithm>
+#include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -8,7 +9,7 @@
 /// The law at the solution: trial history, what drives damage, and what heat takes from the motion.
 namespace impact {
 
-bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
+bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec internal) {
   const Timed timed(Event::motion_points);
   d_.displacement.to_local(u, u_);
   const std::size_t materials = d_.materials.size();
@@ -18,10 +19,15 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
   const bool apart = heat.stress && step_.unilateral_scale != 1;
   double least = 0;
   bool sound = true;
+  if (internal) {
+    std::fill(r_.begin(), r_.end(), 0.0);
+    broken_ = {};
+  }
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     MotionFields fields = step_fields(u_, nullptr, law);
     fields.unilateral = apart ? 0 : 1;
+    if (internal) fields.bulk = step_.bulk;
     if (law.softens()) fields.drive = &drive_.committed;
     const MotionBatch cells(batch, fields);
     auto next = batch.histories();
@@ -39,8 +45,17 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
       batch.kernels.motion_advance(law, in, trial, nullptr, unused, {nullptr, stress.data()});
       batch.store(stress, *heat.step_stress);
     }
-    const CellStatus status = batch.kernels.motion_advance(law, cells.in, trial, driving.data(), step, feed);
-    sound = batch.broken(status.bad) == 0 && sound;
+    if (internal) {
+      auto force = batch.zero(d_.dim());
+      const CellStatus status =
+          batch.kernels.motion_step(law, cells.in, trial, driving.data(), step, feed, force.data());
+      sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
+      batch.scatter(force, r_);
+    } else {
+      const CellStatus status =
+          batch.kernels.motion_advance(law, cells.in, trial, driving.data(), step, feed);
+      sound = batch.broken(status.bad) == 0 && sound;
+    }
     if (keeps_history(law)) batch.store(next, history_.trial);
     batch.store(driving, drive_.trial);
     if (heat.dissipation) batch.store(dissipation, *heat.dissipation);
@@ -57,7 +72,28 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat) {
   sum_over_ranks(d_.mesh.comm(), lost);
   const auto part = lost.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
   sums = {lost[0], lost[1], lost[2], min_over_ranks(d_.mesh.comm(), least), {part, half}, {half, lost.end()}};
+  if (internal) {
+    check(VecSet(internal, 0));
+    d_.displacement.add_to_global(r_, internal);
+  }
   return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double dt,
+                                  const BulkViscosity& bulk) {
+  const Timed timed(Event::motion_points);
+  d_.displacement.to_local(u, u_);
+  double shortest = HUGE_VAL;
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) {
+    MotionFields fields = step_fields(u_, nullptr, batch.law);
+    fields.u_n = &u_n;
+    fields.dt = dt;
+    fields.bulk = bulk;
+    const MotionBatch cells(batch, fields);
+    const Batch step = batch.kernels.stable_step(batch.law, cells.in);
+    for (int l = 0; l < batch.used(); ++l) shortest = std::min(shortest, step[l]);
+  });
+  return min_over_ranks(d_.mesh.comm(), shortest);
 }
 
 } // namespace impact

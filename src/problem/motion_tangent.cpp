@@ -12,7 +12,8 @@ namespace impact {
 void MotionProblem::rebuild_matrix() {
   const Timed timed(Event::motion_matrix);
   std::vector<std::pair<PetscInt, PetscInt>> extra;
-  if (operator_ != ContactOperator::shell) extra = contacts_.couplings(); // else none is in the matrix
+  if (solved_ && operator_ != ContactOperator::shell)
+    extra = contacts_.couplings(); // else none is in the matrix
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
@@ -42,7 +43,7 @@ void MotionProblem::multiply(Vec x, Vec y) {
 
 bool MotionProblem::update_contact(Vec u) {
   const bool changed = contacts_.update_search(u);
-  if (operator_ == ContactOperator::shell) return false;
+  if (!solved_ || operator_ == ContactOperator::shell) return false;
   if (changed) rebuild_matrix();
   return changed;
 }

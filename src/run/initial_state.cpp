@@ -40,11 +40,11 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   std::vector<double> rate = v;
   agree_on_errors(d.mesh.comm(), [&] {
     setup.boundary.set_displacement(0, 0, u, v, u);
-    setup.boundary.set_initial_rates(s.time.dt, v, a);
+    setup.boundary.set_initial_rates(s.time.scale(), v, a);
     if (state.find("phi")) setup.boundary.set_damage(0, state.row("phi").trial);
     if (state.find("theta")) setup.boundary.set_temperature(0, state.row("theta").trial);
   });
-  setup.rigid.set_initial(s.time.dt, u, v);
+  setup.rigid.set_initial(s.time.scale(), u, v);
   state.row("prescribed_velocity").trial = v;
   for (std::size_t i = 0; i < v.size(); ++i)
     if (!setup.boundary.fixed_mask()[i]) rate[i] = v[i];

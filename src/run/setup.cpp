@@ -116,6 +116,10 @@ ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable&
     for (std::size_t k = 0; k < 3; ++k)
       if (const auto& u = contact.rigid_u[k]; u && contact.carrier.empty())
         settings.rigid_motion[k] = over_time(*u, d.dim());
+    if (s.explicit_steps()) { // what the rows let through
+      settings.enforce = Enforcement::penalty;
+      settings.impact = ImpactUpdate::none;
+    }
     if (contact.temperature) settings.rigid_temperature = over_time(*contact.temperature, d.dim());
     ContactEnvironment environment;
     environment.frame = d.frame;
@@ -176,6 +180,7 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
   auto setup =
       std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}, {}});
   declare_state(setup->discretisation, setup->state);
+  setup->discretisation.lumped_mass = s.explicit_steps();
   setup->rigid.declare_state(setup->state);
   if (s.has_motion()) setup->contacts = make_contacts(s, setup->discretisation, setup->state);
   return setup;

@@ -3,6 +3,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/run/stage.hpp>
 #include <impact/run/terminal.hpp>
+#include <impact/time/step_control.hpp>
 
 namespace impact {
 
@@ -15,7 +16,7 @@ bool conserves(const Scenario& s) {
 
 // The contact-stabilised update is for all that has inertia and stiffness, at any length of the steps.
 bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
-  if (s.contacts.empty() || !s.has_inertia()) return false;
+  if (s.contacts.empty() || !s.has_inertia() || s.explicit_steps()) return false;
   const bool conserve = conserves(s), automatic = solver.cfl > 0 && !conserve;
   const bool stabilise = std::ranges::any_of(s.contacts, [&](const ContactSettings& c) {
     return c.impact == ImpactUpdate::stabilised || (c.impact == ImpactUpdate::automatic && automatic);
@@ -67,7 +68,7 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
     : scenario(s), setup(build_setup(comm, s, std::move(kept))), d(setup->discretisation),
       state(setup->state), rows(state), inertia(s.has_inertia()), solver(choose(s, *setup)),
       motion(d, state, setup->boundary, setup->contacts, solver.symmetric, s.contact_operator, solver.matrix,
-             &setup->rigid, s.has_motion()),
+             &setup->rigid, s.has_motion() && !s.explicit_steps()),
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
       heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, s.heat, s.has_motion(),
                                 &setup->contacts)),
@@ -108,12 +109,18 @@ void RunStage::set_state(const Checkpoint* resume) {
   d.displacement.to_global(rows.a.committed, a);
   check(TS2SetSolution(ts, u, v));
   motion.update_contact(u);
+  if (ExplicitStep* const step = coupling.explicit_step()) {
+    if (resume == nullptr) step->start(u, v);
+    const double limit = scenario.time.dt > 0 ? scenario.time.dt : PETSC_MAX_REAL;
+    set_step_limit(ts, limit);
+    check(TSSetTimeStep(ts, std::min(step->longest(), limit)));
+  }
   coupling.motion_solver().refresh_matrix();
   coupling.begin_between_steps(time, u, v);
 }
 
 void RunStage::start() {
-  coupling.start(u, a);
+  coupling.start(u, v, a);
   if (inertia) d.displacement.to_local(a, rows.a.trial);
   for (ContactInterface& contact : setup->contacts) contact.advance(u, u, 0);
   PetscReal dt = 0;
@@ -144,6 +151,8 @@ StepHooks RunStage::hooks() {
   if (inertia && coupling.corrects())
     hooks.correct = [this](TS, Vec u_new, Vec v_new, Vec a_new) { coupling.correct(u_new, v_new, a_new); };
   hooks.guess = [this](TS, const Attempt& attempt, Vec guess) { coupling.guess(attempt, guess); };
+  if (ExplicitStep* const step = coupling.explicit_step())
+    hooks.longest = [step](TS) { return step->longest(); };
   hooks.effort = [this](TS) { return coupling.counts().hardest; };
   const CouplingScenario& limits = scenario.coupling;
   if (limits.max_dphi > 0 || limits.max_dalpha > 0 || limits.max_dtheta > 0)

@@ -256,7 +256,9 @@ void report_solvers(RunStage& stage) {
   const bool motion = stage.scenario.has_motion();
   const SolverDefaults& solver = stage.solver;
   SNES snes = stage.coupling.motion_solver().snes();
-  if (motion)
+  if (ExplicitStep* const step = stage.coupling.explicit_step())
+    check(PetscPrintf(comm, "%s\n", step->text(stage.scenario.time.dt).c_str()));
+  else if (motion)
     check(PetscPrintf(comm, "motion solver: %s (%s); tangent %s%s\n", linear_solver_text(snes).c_str(),
                       solver.reason.c_str(), solver.symmetric ? "symmetric" : "consistent",
                       solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));

@@ -128,6 +128,8 @@ void complete_coupling(Scenario& scenario) {
     coupling.max_it = coupling.follow_cracks ? 200 : 1;
   }
   coupling.moves = scenario.has_motion();
+  const TimeScenario& time = scenario.time;
+  coupling.by_central_differences = {time.cfl, {time.bulk_linear, time.bulk_quadratic}};
   coupling.crack_level = scenario.crack_level;
   coupling.length_unit = scenario.units.length == -3 ? "mm" : "m";
   const auto& steps = scenario.time.table_dts;

@@ -26,19 +26,61 @@ void add_of_petsc(std::vector<OptionRow<Scenario>>& rows, RestartKey restart, co
   row.otherwise(fallback);
 }
 
+/// What steps by central differences cannot do, "" = nothing.
+std::string hindrance(const Scenario& s) {
+  for (const MaterialScenario& material : s.materials)
+    if (material.law.model == Model::rigid)
+      return "solves no equation for rigid bodies of the mesh (-material_" + material.id +
+             "_model rigid); take a rigid obstacle that moves as told, or -ts_type newmark";
+  for (const ContactScenario& contact : s.contacts) {
+    const std::string of = "-contact_" + contact.id;
+    if (contact.rigid_mass > 0)
+      return "moves no obstacle with mass (" + of +
+             "_rigid_mass); prescribe its motion, or take -ts_type newmark";
+    if (contact.enforce != Enforcement::automatic && contact.enforce != Enforcement::penalty)
+      return "has contact by penalty alone (" + of + "_enforce); take penalty or auto, or -ts_type newmark";
+    if (contact.impact != ImpactUpdate::automatic && contact.impact != ImpactUpdate::none)
+      return "has no update of impacts (" + of + "_impact); take none or auto, or -ts_type newmark";
+  }
+  if (s.coupling.max_it > 1)
+    return "makes one pass in a step (-coupling_snes_max_it " + std::to_string(s.coupling.max_it) +
+           "); take 1, or -ts_type newmark";
+  return "";
+}
+
 void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
   using Coupling = CouplingScenario;
   Rows row(rows, RestartKey::guarded, &Scenario::time);
   Rows limit(rows, RestartKey::free, &Scenario::coupling);
-  row.choice("ts_type", &TimeScenario::type, "Newmark's method, or no inertia (t is the load factor)",
-             "newmark", "newmark", "static", "static")
-      .notation("(97)-(98)");
+  row.choice("ts_type", &TimeScenario::type,
+             "Newmark's method; no inertia (t is the load factor); or central differences with lumped mass, "
+             "whose "
+             "steps solve no equation of motion and are as short as the smallest cell wants",
+             "newmark", "newmark", "static", "static", "central_difference", "central_difference")
+      .notation("(97)-(98)")
+      .refused([](const Scenario& s) { return s.explicit_steps() && !hindrance(s).empty(); }, hindrance);
   row.restart = RestartKey::free;
-  row.number("ts_dt", &TimeScenario::dt, "s Delta t", positive,
-             "time step; after a cut it grows back up to this")
-      .otherwise("required without -ts_times")
-      .needed([](const Scenario& s) { return s.time.table_times.empty() || s.time.table_dts.empty(); },
-              "allowed: a time step > 0; or give -ts_times and -ts_dts");
+  const auto by_itself = [](const Scenario& s) { return s.explicit_steps(); };
+  const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
+  row.number("ts_dt", &TimeScenario::dt, "s Delta t", or_word(positive, "auto", 0),
+             "time step; after a cut it grows back up to this; auto: the longest that is stable, of central "
+             "differences alone")
+      .otherwise("required without -ts_times; auto with central differences")
+      .needed(
+          [=](const Scenario& s) {
+            return !by_itself(s) && (s.time.table_times.empty() || s.time.table_dts.empty());
+          },
+          "allowed: a time step > 0; or give -ts_times and -ts_dts");
+  row.number("ts_dt_cfl", &TimeScenario::cfl, "1", {0, 1, true, false},
+             "steps are at most this part of the stable step, which is looked for again as cells deform")
+      .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);
+  row.number("ts_bulk_viscosity_linear", &TimeScenario::bulk_linear, "1 b", not_negative,
+             "pressure rho l c b |D| against the rate D at which a cell shrinks; 0.06 damps what rings "
+             "behind a shock")
+      .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);
+  row.number("ts_bulk_viscosity_quadratic", &TimeScenario::bulk_quadratic, "1 a", not_negative,
+             "pressure rho (a l D)^2 likewise; 1.2 spreads a shock over some five cells")
+      .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);
   limit.number("ts_adapt_dphi", &Coupling::max_dphi, "1", {0, 1},
                "largest growth of phi in a step: dt shrinks down to a thousandth of -ts_dt while a crack "
                "runs faster; 0: no limit");

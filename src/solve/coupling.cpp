@@ -33,14 +33,16 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
     : ts_(ts), fields_(fields), settings_(settings), solver_(ts, fields.motion, defaults, settings),
       augmentation_(ts, fields.motion, solver_),
       update_(ts, fields.motion, solver_, fields.state,
-              stabilise_contact && integrator_of(ts).inertia && !fields.motion.contacts().empty(),
-              integrator_of(ts).inertia && has_unilateral_stress(fields)),
+              stabilise_contact && !fields.motion.contacts().empty(),
+              integrator_of(ts).inertia && !integrator_of(ts).is_explicit() && has_unilateral_stress(fields)),
       phi_passes_(fields.motion.discretisation().mesh, settings_),
       limits_(settings_, integrator_of(ts).inertia),
       shell_{[this](PetscInt number, Vec u) { return pass(number, u); }, &time_mailbox(ts), true,
              [this](PetscInt passes, PetscReal change) { give_up(passes, change); }} {
   const Discretisation& d = fields_.motion.discretisation();
   pass_.u = d.displacement.make_local();
+  if (integrator_of(ts_).is_explicit())
+    explicit_.emplace(ts_, fields_.motion, fields_.state, settings_.by_central_differences);
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
   if (fields_.heat || exchanges(d)) pass_.dissipation.resize(d.point_values(1));
@@ -62,6 +64,7 @@ MotionStep Coupling::frozen_step() const {
   if (fields_.damage) step.phi = &pass_.phi;
   if (fields_.heat) step.theta = &pass_.theta;
   step.contact_scale = update_.contact_scale();
+  if (explicit_) step.bulk = settings_.by_central_differences.bulk;
   step.unilateral_scale = update_.unilateral_scale();
   return step;
 }
@@ -85,7 +88,7 @@ void Coupling::begin_between_steps(double t, Vec u, Vec v) {
   fields_.motion.begin(step);
 }
 
-void Coupling::start(Vec u, Vec a) {
+void Coupling::start(Vec u, Vec v, Vec a) {
   MotionProblem& motion = fields_.motion;
   StateTable& state = fields_.state;
   const FieldLayout& layout = motion.discretisation().displacement;
@@ -101,6 +104,10 @@ void Coupling::start(Vec u, Vec a) {
     fields_.damage->start(pass_.u);
   }
   if (!integrator_of(ts_).inertia) return;
+  if (explicit_) {
+    explicit_->start_acceleration(u, v, a);
+    return set_acceleration(ts_, a);
+  }
   // M a_0 = F_ext - F_int(u_0, v_0) without contact on the free dofs; prescribed dofs keep the rate of their
   // data.
   ForceParts forces;
@@ -172,7 +179,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   pass_.number = number;
   if (number > 1 && fields_.damage) phi_passes_.relax(number, fields_.state.row("phi"), pass_.phi);
   if (number > 1 && fields_.heat) pass_.theta = fields_.state.row("theta").trial;
-  if (settings_.moves && !motion_pass(u, result)) return result;
+  if (settings_.moves && !explicit_ && !motion_pass(u, result)) return result;
   if (!advance_points(u, result)) return result;
   if (fields_.damage || fields_.heat) fields_.motion.discretisation().displacement.to_local(u, pass_.u);
   if (fields_.damage) damage_pass(result);
@@ -203,7 +210,12 @@ bool Coupling::advance_points(Vec u, PassResult& result) {
   if (!pass_.dissipation.empty()) rows.dissipation = &pass_.dissipation;
   std::fill(pass_.dissipation.begin(), pass_.dissipation.end(), 0.0);
   const bool changes = settings_.moves || fields_.damage;
-  if (changes && !fields_.motion.advance(u, pass_.increments, rows)) {
+  if (explicit_) {
+    if (!explicit_->take(u, pass_.increments, rows)) {
+      refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, fields_.motion.broken_text());
+      return false;
+    }
+  } else if (changes && !fields_.motion.advance(u, pass_.increments, rows)) {
     refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "the law failed at the solution");
     return false;
   }
@@ -320,9 +332,9 @@ StepRecord Coupling::record(Vec u) {
   record.counts = counts();
   record.stabilised = update_.stabilised();
   record.unilateral = update_.unilateral();
-  if (!record.unilateral) motion.parts(u, forces_);
-  record.forces = record.unilateral ? &update_.forces() : &forces_;
-  record.contact_force = augmentation_.contact_force();
+  if (!record.unilateral && !explicit_) motion.parts(u, forces_);
+  record.forces = record.unilateral ? &update_.forces() : explicit_ ? &explicit_->forces() : &forces_;
+  record.contact_force = explicit_ ? explicit_->forces().contact : augmentation_.contact_force();
   record.left = augmentation_.left();
   record.contact_shock = update_.shock();
   record.contact_acceleration = update_.acceleration();

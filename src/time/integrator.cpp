@@ -11,6 +11,8 @@ Integrator newmark_with_radius(PetscReal rho) {
   return {.beta = alpha_m * alpha_m / 4, .gamma = alpha_m - 0.5, .alpha_m = alpha_m};
 }
 
+Integrator central_differences() { return {.beta = 0, .gamma = 0.5}; }
+
 Integrator::Coefficients Integrator::coefficients(PetscReal dt) const {
   return {.chi1 = 1 / (beta * dt * dt),
           .chi3 = s / (2 * beta) - 1,

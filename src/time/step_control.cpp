@@ -47,7 +47,7 @@ PetscReal next_time(const StepControl& control, PetscReal t, PetscReal max_time,
 
 StepPlan plan_from(TSAdapt adapt, StepControl& control, PetscReal t, PetscReal max_time) {
   StepControlState& state = control.state;
-  const PetscReal limit = std::min(limit_at(control, t), adapt->dt_max);
+  const PetscReal limit = std::min({limit_at(control, t), adapt->dt_max, control.longest});
   state.at_limit = state.at_limit || state.dt <= 0 || state.dt >= limit;
   if (state.at_limit) state.dt = limit;
   const PetscReal target = next_time(control, t, max_time, same_time * state.dt);
@@ -144,7 +144,9 @@ StepPlan plan_step(TS ts, StepControl& control) {
   return plan_from(ts->adapt, control, ts->ptime, ts->max_time);
 }
 
-PetscReal smallest_step(const StepControl& control, PetscReal t) { return 1e-9 * limit_at(control, t); }
+PetscReal smallest_step(const StepControl& control, PetscReal t) {
+  return 1e-9 * std::min(limit_at(control, t), control.longest);
+}
 
 void note_rejection(TS ts, StepControl& control) {
   StepControlState& state = control.state;
@@ -175,6 +177,8 @@ detail::StepControl& control_of(TS ts) {
 StepControlState step_control_state(TS ts) { return control_of(ts).state; }
 
 void set_step_control_state(TS ts, const StepControlState& state) { control_of(ts).state = state; }
+
+void set_step_limit(TS ts, PetscReal limit) { control_of(ts).limit = limit; }
 
 void set_exact_times(TS ts, std::vector<PetscReal> times) { control_of(ts).times = std::move(times); }
 

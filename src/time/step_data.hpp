@@ -17,7 +17,7 @@
 #error "impact needs PETSc 3.18 or later"
 #endif
 
-/// What the types newmark and static keep in TS::data and step_control in TSAdapt::data, and what the step
+/// What our types keep in TS::data and step_control in TSAdapt::data, and what the step
 /// loop asks of the control.
 namespace impact::detail {
 
@@ -43,7 +43,8 @@ struct StepPlan {
 
 struct StepControl {
   StepControlState state;
-  PetscReal limit = 0; // -ts_dt; 0: taken from the TS at the first step
+  PetscReal limit = 0;                // -ts_dt; 0: taken from the TS at the first step
+  PetscReal longest = PETSC_MAX_REAL; // StepHooks::longest
   PetscReal grow = 1.5;
   PetscInt easy_steps = 4, easy_its = 10;
   PetscInt effort = 0;       // iterations of the step under judgement
@@ -75,7 +76,8 @@ struct Trial {
 
 struct StepData {
   Integrator integrator;
-  bool extrapolate = true; // the first guess
+  bool reads_weights = false; // -ts_newmark_...
+  bool extrapolate = true;    // the first guess
   StepHooks hooks;
   Mailbox mailbox;
   Attempt attempt;

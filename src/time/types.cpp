@@ -11,14 +11,16 @@ namespace detail {
 
 namespace {
 
-constexpr const char *newmark_type = "newmark", *static_type = "static";
+constexpr const char *newmark_type = "newmark", *static_type = "static",
+                     *explicit_type = "central_difference";
 
 StepData& self(TS ts) { return *static_cast<StepData*>(ts->data); }
 
-bool has_our_type(TS ts) { return has_type(ts, newmark_type, static_type); }
+bool has_our_type(TS ts) { return has_type(ts, newmark_type, static_type, explicit_type); }
 
 StepData& step_data(TS ts) {
-  if (!has_our_type(ts)) throw std::logic_error("the TS is of neither type newmark nor static");
+  if (!has_our_type(ts))
+    throw std::logic_error("the TS is of none of the types newmark, static, central_difference");
   return self(ts);
 }
 
@@ -30,7 +32,7 @@ void predict(TS ts, StepData& self) {
   check(VecWAXPY(trial.u_tilde, step.dt, ts->vec_dot, ts->vec_sol));
   check(VecCopy(ts->vec_dot, trial.v_start));
   if (self.hooks.predict) self.hooks.predict(ts, step, trial.u_tilde, trial.v_start);
-  if (self.extrapolate)
+  if (self.extrapolate || self.integrator.is_explicit()) // beta = 0: this is u
     check(VecWAXPY(trial.u, step.dt * step.dt / 2, self.a, trial.u_tilde));
   else
     check(VecCopy(ts->vec_sol, trial.u));
@@ -42,6 +44,12 @@ void find_rates(TS ts, StepData& self, Vec u) {
   if (!self.integrator.inertia) {
     check(VecWAXPY(trial.v, -1, ts->vec_sol, u));
     return check(VecScale(trial.v, 1 / self.attempt.dt));
+  }
+  if (self.integrator.is_explicit()) { // trial.a is what the solve found
+    const PetscReal dt = self.attempt.dt, gamma = self.integrator.gamma;
+    check(VecCopy(trial.v_start, trial.v));
+    check(VecAXPBYPCZ(trial.v, (1 - gamma) * dt, gamma * dt, 1, self.a, trial.a)); // (97)
+    return;
   }
   const auto [chi1, chi3, chi4, chi6] = self.integrator.coefficients(self.attempt.dt);
   const PetscReal alpha_m = self.integrator.alpha_m;
@@ -58,7 +66,7 @@ void find_rates(TS ts, StepData& self, Vec u) {
 bool solve_stage(TS ts, StepData& self) {
   Vec u = self.trial.u;
   predict(ts, self);
-  if (self.hooks.guess) self.hooks.guess(ts, self.attempt, u);
+  if (self.hooks.guess && !self.integrator.is_explicit()) self.hooks.guess(ts, self.attempt, u);
   check(TSPreStage(ts, self.attempt.t));
   check(SNESSolve(ts->snes, nullptr, u));
   const PetscInt nonlinear = Get(SNESGetIterationNumber)(ts->snes);
@@ -74,7 +82,10 @@ bool solve_stage(TS ts, StepData& self) {
 // Sets ts->time_step and the attempt. A foreign TSAdapt has set ts->time_step itself.
 void begin_attempt(TS ts, StepData& data, PetscInt number) {
   StepPlan plan{ts->time_step, ts->ptime + ts->time_step};
-  if (StepControl* const control = find_control(ts)) plan = plan_step(ts, *control);
+  if (StepControl* const control = find_control(ts)) {
+    if (data.hooks.longest) control->longest = data.hooks.longest(ts);
+    plan = plan_step(ts, *control);
+  }
   ts->time_step = plan.dt;
   data.attempt = {.t_n = ts->ptime, .dt = plan.dt, .t = plan.t, .number = number};
 }
@@ -141,7 +152,7 @@ PetscErrorCode step(TS ts) {
   return self(ts).mailbox.guarded([&] {
     StepData& data = self(ts);
     if (data.integrator.inertia && !data.a)
-      throw std::logic_error("newmark: give the acceleration of the start by set_acceleration");
+      throw std::logic_error("give the acceleration of the start by set_acceleration");
     for (PetscInt number = 1; !ts->reason; ++number) {
       begin_attempt(ts, data, number);
       PetscReal next_dt = ts->time_step;
@@ -156,7 +167,7 @@ PetscErrorCode step(TS ts) {
 
 PetscErrorCode set_up(TS ts) {
   return self(ts).mailbox.guarded([&] {
-    if (ts->vec_dot == nullptr) throw std::logic_error("newmark, static: give u and v by TS2SetSolution");
+    if (ts->vec_dot == nullptr) throw std::logic_error("give u and v by TS2SetSolution");
     Trial& trial = self(ts).trial;
     for (Handle<Vec>* vec : {&trial.u_tilde, &trial.v_start, &trial.u, &trial.v, &trial.a, &trial.a_m}) {
       check(VecDuplicate(ts->vec_sol, vec->out()));
@@ -216,7 +227,7 @@ void read_newmark_options(StepData& self, OptionItems PetscOptionsObject) {
 
 PetscErrorCode set_from_options(TS ts, OptionItems PetscOptionsObject) {
   return self(ts).mailbox.guarded([&] {
-    if (self(ts).integrator.inertia) read_newmark_options(self(ts), PetscOptionsObject);
+    if (self(ts).reads_weights) read_newmark_options(self(ts), PetscOptionsObject);
   });
 }
 
@@ -239,9 +250,10 @@ PetscErrorCode destroy(TS ts) {
   return {};
 }
 
-PetscErrorCode create(TS ts, bool inertia) {
+PetscErrorCode create(TS ts, const Integrator& integrator, bool reads_weights) {
   auto data = std::make_unique<StepData>();
-  data->integrator.inertia = inertia;
+  data->integrator = integrator;
+  data->reads_weights = reads_weights;
   ts->data = data.release();
   ts->usessnes = PETSC_TRUE;
   ts->default_adapt_type = step_control_type;
@@ -260,8 +272,9 @@ PetscErrorCode create(TS ts, bool inertia) {
   });
 }
 
-PetscErrorCode create_newmark(TS ts) { return create(ts, true); }
-PetscErrorCode create_static(TS ts) { return create(ts, false); }
+PetscErrorCode create_newmark(TS ts) { return create(ts, {}, true); }
+PetscErrorCode create_static(TS ts) { return create(ts, {.inertia = false}, false); }
+PetscErrorCode create_explicit(TS ts) { return create(ts, central_differences(), false); }
 
 // What the hooks or the options threw first, else what PETSc said.
 void deliver(TS ts, PetscErrorCode code) {
@@ -277,6 +290,7 @@ void deliver(TS ts, PetscErrorCode code) {
 void register_time_types() {
   check(TSRegister(detail::newmark_type, detail::create_newmark));
   check(TSRegister(detail::static_type, detail::create_static));
+  check(TSRegister(detail::explicit_type, detail::create_explicit));
   detail::register_step_control();
 }
 
@@ -314,6 +328,8 @@ void set_acceleration(TS ts, Vec a) {
   if (!data.a) check(VecDuplicate(a, data.a.out()));
   check(VecCopy(a, data.a));
 }
+
+Vec new_acceleration(TS ts) { return detail::step_data(ts).trial.a; }
 
 Vec start_velocity(TS ts) { return detail::step_data(ts).trial.v_start; }
 

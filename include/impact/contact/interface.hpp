@@ -115,6 +115,12 @@ public:
   /// Collective.
   void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
 
+  /// The penalty at hand, and another one from here on.
+  double penalty() const { return method().eps(); }
+  void set_penalty(double penalty) {
+    rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] = penalty;
+  }
+
   /// Beginning of an attempt that ends at t: where the rigid body's motion is taken. The committed row `u`
   /// of the table, where there is one, says where the bodies start. `mass_shift` (1/s^2) is the factor of the
   /// mass in the tangent, 0 without inertia: an automatic penalty of an augmented Lagrangian is raised to 2.5

@@ -22,6 +22,12 @@ struct CellKernels {
   /// plane stress; it must not alias in.history. What heat asks for is written where it is not nullptr.
   CellStatus (*motion_advance)(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive,
                                StepSums&, const HeatFeed&);
+  /// The same, and r [node][dim] += the internal force, bulk viscosity among it: the one pass over the cells
+  /// of an explicit step.
+  CellStatus (*motion_step)(const PointLaw&, const MotionInput&, Batch* trial_history, Batch* drive,
+                            StepSums&, const HeatFeed&, Batch* r);
+  /// The longest step of central differences at which each cell is stable.
+  Batch (*stable_step)(const PointLaw&, const MotionInput&);
 
   // damage and fatigue
   /// r [node] += residual.

@@ -8,6 +8,7 @@ namespace impact {
 /// All of one time. The drive is read where the law softens.
 struct EnergyInput : CellFields {
   const Batch* v = nullptr; ///< [node][dim] velocity, or nullptr (= 0)
+  bool lumped = false;      ///< the mass stands at the nodes
 };
 
 /// Sums over the points, per lane; stored_energy adds to them.
@@ -16,7 +17,7 @@ struct EnergySums {
   Batch plastic = 0;             ///< int g_p H_s,  H_s = (1 - chi) H_0 (with softening: the sum in drive)
   Batch fracture = 0;            ///< int psi_phi
   Batch fatigue = 0;             ///< int Fat H_f(phi)/gamma
-  Batch kinetic = 0;             ///< int rho/2 v.v
+  Batch kinetic = 0;             ///< int rho/2 v.v, or the sum over the nodes where the mass is lumped
   Batch mass = 0;                ///< int rho
   Batch momentum[3] = {0, 0, 0}; ///< int rho v
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/kernel/bulk_viscosity.hpp>
 #include <impact/kernel/motion_point.hpp>
 #include <impact/kernel/motion_terms.hpp>
 #include <impact/kernel/plane_stress.hpp>
@@ -260,19 +261,34 @@ inline void book_flow(const PointLaw& law, const PointEvaluation<d>& e, const Po
   sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
 }
 
-/// With `heats` also what the heat balance asks for: two bodies of code, so that a run without heat pays
-/// nothing and keeps its last digits.
-template <class Cell, Frame frame, bool heats, bool spectral>
+/// With `heats` also what the heat balance asks for, with `forces` the internal force: bodies of code of
+/// their own, so that a run without them pays nothing and keeps its last digits.
+template <class Cell, Frame frame, bool heats, bool spectral, bool forces = false>
 inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
-                          StepSums& sums, const HeatFeed& heat) {
+                          StepSums& sums, const HeatFeed& heat, Batch* r = nullptr) {
   constexpr int d = Cell::dim;
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
   status.bad |= find_thickness<Cell, frame>(law, in, s);
+  Fluxes<Cell, frame> fluxes;
+  const bool pressed = forces && in.has_bulk_viscosity() && in.u_n;
+  const BulkRate bulk = pressed ? bulk_rate(law, in, s) : BulkRate{Batch(0.0), Batch(0.0)};
+  const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
     note(status, e);
+    if constexpr (forces) {
+      CurrentMap<Cell, frame> map;
+      current_map(s.map[q], e.k.inverse_F, map);
+      Symmetric<Batch, d> tau = e.tau;
+      if (extra) {
+        Vector<Batch, d> h;
+        tau = tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
+      }
+      for (int i = 0; i < 3; ++i) tau[i] += bulk.viscosity * bulk.rate;
+      fluxes.set(q, map, s.map[q].weight, tau);
+    }
     const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
     const Batch z_trial = e.flow.y - Batch(1.0);
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
@@ -302,14 +318,23 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
             first_piola(e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h), e.k.inverse_F);
         for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
       }
-      if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, now, old);
+      if (heat.dissipation)
+        heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, now, old) +
+                              in.dt * (bulk.viscosity * (bulk.rate * bulk.rate));
     }
+    if (pressed) sums.viscous_dissipation += w * (in.dt * (bulk.viscosity * (bulk.rate * bulk.rate)));
     if (law.viscous() && in.u_n) {
       const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
       const Batch lost = (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
       sums.viscous_dissipation += w * lost;
       sums.least_dissipation = min(lost, sums.least_dissipation);
     }
+  }
+  if constexpr (forces) {
+    fluxes.add_forces(r);
+    Batch finite = Batch(0.0);
+    for (int i = 0; i < dofs<Cell>; ++i) finite += r[i] - r[i];
+    status.bad |= bits(~is_finite(finite));
   }
   return status;
 }
@@ -340,6 +365,14 @@ template <class Cell, Frame frame, Terms terms>
                                            drive, sums, heat);
 }
 
+template <class Cell, Frame frame, bool heats, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus step_with(const PointLaw& law, const MotionInput& in,
+                                                     Batch* trial_history, Batch* drive, StepSums& sums,
+                                                     const HeatFeed& heat, Batch* r) {
+  return advance<Cell, frame, heats, terms == Terms::spectral, true>(
+      restricted<terms>(law), restricted(in, terms), trial_history, drive, sums, heat, r);
+}
+
 template <class Cell, Frame frame>
 CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
@@ -362,6 +395,18 @@ CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* tri
                : advance_for_heat<Cell, frame, Terms::plain>(law, in, trial_history, drive, sums, heat);
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
     return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
+  });
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_step(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                       StepSums& sums, const HeatFeed& heat, Batch* r) {
+  if (heat.dissipation || heat.stress)
+    return terms_of(law, in) == Terms::all
+               ? step_with<Cell, frame, true, Terms::all>(law, in, trial_history, drive, sums, heat, r)
+               : step_with<Cell, frame, true, Terms::plain>(law, in, trial_history, drive, sums, heat, r);
+  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
+    return step_with<Cell, frame, false, terms>(law, in, trial_history, drive, sums, {}, r);
   });
 }
 

@@ -20,6 +20,9 @@ struct MotionInput : CellFields {
   double unilateral = 1;        ///< factor of the unilateral stress m tau-
   double mass_shift = 0;        ///< tangent += mass_shift rho N_a N_b delta_ik
   bool symmetric = false;       ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
+  double bulk_linear = 0, bulk_quadratic = 0; ///< of motion_step; u_n must be there (bulk_viscosity.hpp)
+
+  bool has_bulk_viscosity() const { return bulk_linear > 0 || bulk_quadratic > 0; }
 };
 
 struct CellStatus {

@@ -13,7 +13,8 @@ enum class Terms { elastic, undamaged, plain, all, spectral };
 inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   const MaterialParameters& m = law.parameters;
   if (m.hardening != HardeningKind::voce || !is_plain(m)) return Terms::all;
-  const bool undamaged = m.damage == Damage::none && !law.viscous() && (!in.theta || m.alpha_t == 0);
+  const bool undamaged =
+      m.damage == Damage::none && !law.viscous() && !in.has_bulk_viscosity() && (!in.theta || m.alpha_t == 0);
   if (!undamaged) return law.spectral() ? Terms::spectral : Terms::plain;
   return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
 }

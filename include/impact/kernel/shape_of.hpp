@@ -5,6 +5,7 @@
 #include <impact/kernel/measure_cell.hpp>
 #include <impact/kernel/motion_cell.hpp>
 #include <impact/kernel/shape.hpp>
+#include <impact/kernel/stable_step.hpp>
 
 /// Makes of the struct of a cell the record that a run uses: all kernels are compiled here, once per shape.
 namespace impact {
@@ -14,6 +15,8 @@ inline constexpr CellKernels cell_kernels = {
     .motion_residual = motion_residual<Cell, frame>,
     .motion_tangent = motion_tangent<Cell, frame>,
     .motion_advance = motion_advance<Cell, frame>,
+    .motion_step = motion_step<Cell, frame>,
+    .stable_step = stable_step<Cell, frame>,
     .damage_residual = damage_residual<Cell, frame>,
     .damage_tangent = damage_tangent<Cell, frame>,
     .damage_dissipation = damage_dissipation<Cell>,

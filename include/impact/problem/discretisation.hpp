@@ -28,7 +28,8 @@ struct Discretisation {
   std::vector<MaterialAssignment> materials;
   std::vector<CellGroup> groups;
   Frame frame;
-  double thickness = 1; ///< multiplies integrals of plane problems in what is reported
+  double thickness = 1;     ///< multiplies integrals of plane problems in what is reported
+  bool lumped_mass = false; ///< a cell's mass stands at its nodes, by the integrals of the shape functions
 
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }

@@ -5,7 +5,8 @@
 
 namespace impact {
 
-/// The consistent mass of all bodies, assembled when it is first asked for.
+/// The mass of all bodies, consistent or lumped as the discretisation has it, assembled when it is first
+/// asked for.
 class MassMatrix {
 public:
   /// Both must outlive the matrix.
@@ -21,13 +22,18 @@ public:
   /// dofs that are not free. Returns this rank's sum of the diagonal that was added.
   double add_to(SparseAssembly& assembly, double factor, bool masked) const;
 
+  /// The lumped mass of each dof. Collective.
+  Vec lumped();
+
 private:
   void build();
+  void build_lumped();
 
   const Discretisation& d_;
   const MotionRows& rows_;
   Handle<Mat> all_, free_; // free_: rows and columns of dofs that are not free as identity
   Handle<KSP> solver_;
+  Handle<Vec> lumped_;
 };
 
 } // namespace impact

@@ -29,7 +29,8 @@ struct MotionStep {
   double contact_scale = 1;                   ///< alpha_m/(2 beta) where contact is fully implicit, else 1
   double unilateral_scale = 1;                ///< the same for the unilateral stress of broken points
   bool stabilised = false;                    ///< the contact-stabilised update
-  double mass_shift = 0;                      ///< factor of the mass in the tangent, 1/s^2; 0 without inertia
+  double mass_shift = 0; ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
+  BulkViscosity bulk;    ///< counts where `advance` finds forces, too
 };
 
 /// Where MotionProblem::advance leaves what the heat balance takes from the motion (HeatFeed): arrays like
@@ -91,12 +92,21 @@ public:
     double least_dissipation = 0;                   ///< at a point per volume, at most 0
     std::vector<double> plastic_part, viscous_part; ///< of the dissipations, of each material
   };
-  bool advance(Vec u, Increments& sums, const HeatRows& heat = {});
+  /// `internal`: the internal force, bulk viscosity among it, or null. False on all ranks when a cell lost
+  /// its meaning anywhere.
+  bool advance(Vec u, Increments& sums, const HeatRows& heat = {}, Vec internal = nullptr);
 
   /// Parts of the residual at u, prescribed rows included. Collective.
   void parts(Vec u, ForceParts& parts);
+  /// Its external and contact forces alone; internal ones stay as they are. Collective.
+  void outer_parts(Vec u, ForceParts& parts);
   void mass_multiply(Vec x, Vec y) { mass_.multiply(x, y); }
   void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
+  /// Of a discretisation with lumped mass, at each dof.
+  Vec lumped_mass() { return mass_.lumped(); }
+  /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
+  /// from `u_n`; infinite without deformable bodies. Collective.
+  double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);
 
   /// Projection of a predictor on the admissible set: residual shift M (w - u_tilde) + s R_contact(w) and its
   /// tangent, which takes the place of the motion's in matrix(). Collective.

@@ -23,6 +23,17 @@ struct HeatScenario {
   double substep = 0; ///< -heat_ts_dt; 0: none
 };
 
+/// Coefficients of the bulk viscosity of explicit steps (kernel/bulk_viscosity.hpp).
+struct BulkViscosity {
+  double linear = 0, quadratic = 0;
+};
+
+/// Steps by central differences.
+struct ExplicitScenario {
+  double cfl = 0.8; ///< largest part of the stable step of the cells
+  BulkViscosity bulk;
+};
+
 /// What the next pass of a staggered step starts from: the last phi, or one extrapolated from the last two
 /// passes.
 enum class PassRelaxation { none, aitken };
@@ -44,6 +55,7 @@ struct CouplingScenario {
   double crack_level = 0.9;         ///< phi from which a node counts as cracked
   std::string length_unit = "m";
   bool moves = true; ///< -physics has motion
+  ExplicitScenario by_central_differences;
 };
 
 } // namespace impact

@@ -3,14 +3,16 @@
 #include <impact/problem/fatigue.hpp>
 #include <impact/problem/heat.hpp>
 #include <impact/solve/augmentation.hpp>
+#include <impact/solve/explicit_step.hpp>
 #include <impact/solve/phi_passes.hpp>
 #include <impact/solve/stabilised_update.hpp>
 #include <impact/solve/step_limits.hpp>
 #include <impact/solve/step_record.hpp>
+#include <optional>
 
 /// One step's staggered fixed point, SNES shell `coupling_` of the TS. Its pass solves one field after
 /// another with the others frozen, until phi and theta rest (theory.md, 10):
-///   motion (Augmentation, MotionSolver), damage (SNES `damage_`), fatigue, heat (SNES `heat_`)
+///   motion (Augmentation, MotionSolver; ExplicitStep), damage (SNES `damage_`), fatigue, heat (SNES `heat_`)
 namespace impact {
 
 /// The fields that a step couples; damage and heat may be null. All must outlive who uses them.
@@ -36,7 +38,7 @@ public:
   void begin_between_steps(double t, Vec u, Vec v);
   /// After that, at the start of a run: the committed rows that heat and damage take from the motion and,
   /// with inertia, the acceleration into a, whose prescribed dofs come from the row. Collective.
-  void start(Vec u, Vec a);
+  void start(Vec u, Vec v, Vec a);
 
   /// Hooks of the TS. `predict` and `correct` want inertia; `corrects` says whether there is anything to do.
   void before_attempt(const Attempt& attempt);
@@ -56,6 +58,8 @@ public:
   /// How far a crack ran in the attempt at a load that it held fixed; empty when none did. Collective.
   std::string crack_text() const { return phi_passes_.text(pass_.number, fields_.state); }
 
+  /// Steps by central differences, or null.
+  ExplicitStep* explicit_step() { return explicit_ ? &*explicit_ : nullptr; }
   bool stabilised() const { return update_.stabilised(); }
   bool unilateral() const { return update_.unilateral(); }
   MotionSolver& motion_solver() { return solver_; }
@@ -91,6 +95,7 @@ private:
   MotionSolver solver_;
   Augmentation augmentation_;
   StabilisedUpdate update_;
+  std::optional<ExplicitStep> explicit_;
   PhiPasses phi_passes_;
   StepLimits limits_;
   FatigueGrowth fatigue_;

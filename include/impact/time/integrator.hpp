@@ -8,7 +8,8 @@
 ///   v = v_n + dt (gamma a + (1 - gamma) a_n)                                                  (97)
 /// s = 1 is Newmark's method and, with other alpha_m, its damped family (W. L. Wood, M. Bossak, O. C.
 /// Zienkiewicz, Int. J. Numer. Meth. Engng 15 (1980) 1562); alpha_m = beta = gamma = 1 and s = 2 are backward
-/// Euler. Without inertia v = (u - u_n)/dt, and no acceleration enters.
+/// Euler; beta = 0, gamma = 1/2 are central differences: u is known before a, which the forces at u give.
+/// Without inertia v = (u - u_n)/dt, and no acceleration enters.
 namespace impact {
 
 struct IntegratorStep;
@@ -27,10 +28,14 @@ struct Integrator {
   };
   Coefficients coefficients(PetscReal dt) const;
 
-  /// Factor of the mass in the tangent, 1/s^2; 0 without inertia.
-  PetscReal mass_shift(PetscReal dt) const { return inertia ? alpha_m / (beta * dt * dt) : 0; }
+  /// Whether u is found before the forces are.
+  bool is_explicit() const { return inertia && beta == 0; }
+  /// Factor of the mass in the tangent, 1/s^2; 0 where none is made.
+  PetscReal mass_shift(PetscReal dt) const {
+    return inertia && !is_explicit() ? alpha_m / (beta * dt * dt) : 0;
+  }
   /// Part of a force in the balance that moves the bodies as much as the force acting over the whole step.
-  PetscReal share() const { return inertia ? alpha_m / (2 * beta) : 1; }
+  PetscReal share() const { return inertia && !is_explicit() ? alpha_m / (2 * beta) : 1; }
   /// Largest omega dt of an undamped linear oscillator whose amplitude does not grow; infinite for most.
   PetscReal stability_limit() const;
 
@@ -43,6 +48,10 @@ struct Integrator {
 /// The member of Newmark's family with spectral radius rho in [0, 1] at infinite frequency, of second order:
 /// alpha_m = 2/(1 + rho), gamma = alpha_m - 1/2, beta = alpha_m^2/4. rho = 1 is the trapezoidal rule.
 Integrator newmark_with_radius(PetscReal rho);
+
+/// Central differences in the form of one step (L. Verlet, Phys. Rev. 159 (1967) 98): second order, stable up
+/// to omega dt = 2, and the energy T + V - dt^2/8 a . M a of a linear oscillator is constant.
+Integrator central_differences();
 
 /// A step as it was taken, M being the mass matrix of all unknowns, held ones too.
 struct IntegratorStep {

@@ -28,6 +28,9 @@ struct StepControlState {
 StepControlState step_control_state(TS ts);
 void set_step_control_state(TS ts, const StepControlState& state);
 
+/// Takes the place of the TS's time step as the limit of all steps. Before the first one.
+void set_step_limit(TS ts, PetscReal limit);
+
 /// Replaces the list of times to be hit exactly (any order; those in the past are ignored).
 void set_exact_times(TS ts, std::vector<PetscReal> times);
 

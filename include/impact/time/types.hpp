@@ -4,11 +4,12 @@
 #include <impact/time/integrator.hpp>
 #include <petscts.h>
 
-/// Time integrators for F(t, u, v, a) = 0 as PETSc plug-ins: the TS types `newmark` and `static` (no inertia,
-/// t is the load factor), which step with any Integrator (integrator.hpp), and the TSAdapt type
-/// `step_control` (step_control.hpp), the default of both. The state comes through TS2SetSolution. The
-/// equations come through TSSetI2Function and TSSetI2Jacobian, or the TS's SNES finds v and a of its iterates
-/// by rates_at.
+/// Time integrators for F(t, u, v, a) = 0 as PETSc plug-ins: the TS types `newmark`, `static` (no inertia,
+/// t is the load factor) and `central_difference`, which step with any Integrator (integrator.hpp), and the
+/// TSAdapt type `step_control` (step_control.hpp), the default of all. The nonlinear solve of a step by
+/// central differences finds u as it is and puts the acceleration there (new_acceleration). The state comes
+/// through TS2SetSolution. The equations come through TSSetI2Function and TSSetI2Jacobian, or the TS's SNES
+/// finds v and a of its iterates by rates_at.
 ///
 /// Options, behind the prefix of a TS of type newmark: -ts_newmark_beta (1/4), -ts_newmark_gamma (1/2), or
 /// -ts_newmark_rho (newmark_with_radius); -ts_newmark_guess extrapolated/previous: the solve starts at
@@ -42,7 +43,9 @@ struct StepHooks {
   /// With inertia: u_tilde = u_n + dt v and v = v_n on entry; the step goes on from what they are afterwards.
   /// A shock that changes v changes u_tilde by dt times that.
   std::function<void(TS, const Attempt&, Vec u_tilde, Vec v)> predict = {};
-  /// u holds the default guess of the nonlinear solve and may be changed.
+  /// No step is longer than this; empty: no limit beside those of the control.
+  std::function<PetscReal(TS)> longest = {};
+  /// u holds the default guess of the nonlinear solve and may be changed; not with central differences.
   std::function<void(TS, const Attempt&, Vec u)> guess = {};
   /// After a converged solve, before the step is judged: v and a may be changed, u must not.
   std::function<void(TS, Vec u, Vec v, Vec a)> correct = {};
@@ -59,7 +62,7 @@ struct StepHooks {
   std::function<void(TS, const Attempt&)> on_accept = {};
 };
 
-/// Replaces the hooks of a TS of type newmark or static; to be called after the type is set
+/// Replaces the hooks of a TS of one of our types; to be called after the type is set
 /// (set_time_options).
 void set_step_hooks(TS ts, StepHooks hooks);
 
@@ -76,10 +79,10 @@ void set_time_options(TS ts);
 void solve_in_time(TS ts);
 
 /// Where the hooks' exceptions wait until solve_in_time has returned. Callbacks that run inside the solve
-/// should store theirs here too, so that the first one is what the caller sees. Needs type newmark or static.
+/// should store theirs here too, so that the first one is what the caller sees. Needs one of our types.
 Mailbox& time_mailbox(TS ts);
 
-/// The functions below need type newmark or static, too.
+/// The functions below need one of our types, too.
 void set_integrator(TS ts, const Integrator& integrator);
 const Integrator& integrator_of(TS ts);
 
@@ -95,6 +98,9 @@ Rates rates_at(TS ts, Vec u);
 /// inertia wants.
 Vec acceleration(TS ts);
 void set_acceleration(TS ts, Vec a);
+/// Where the nonlinear solve of a step by central differences puts the acceleration at its end; owned by the
+/// TS.
+Vec new_acceleration(TS ts);
 /// v at the start of the try in progress: v_n, or what the hook `predict` made of it; owned by the TS.
 Vec start_velocity(TS ts);
 

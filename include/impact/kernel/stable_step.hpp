@@ -1,0 +1,91 @@
+#pragma once
+#include <impact/kernel/bulk_viscosity.hpp>
+#include <impact/kernel/motion_input.hpp>
+#include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/spatial_map.hpp>
+
+/// The longest stable step of central differences with lumped mass, cell by cell: no frequency of the bodies
+/// is higher than the highest one of a cell that swings alone (B. Irons, G. Treharne, 1971), whose square is
+/// at most C mu, with C the largest modulus of its points and mu the largest eigenvalue of
+///   int g_a . g_b dV_0 / sqrt(m_a m_b)     g_a = dN_a/dx, m_a the cell's mass at node a
+/// Damping by the velocity of the last step, of modulus D, leaves mu (C dt^2 + 2 D dt) <= 4.
+namespace impact {
+
+/// Bound of the largest eigenvalue of a symmetric matrix of n rows by the row sums of its eighth power; the
+/// matrix is overwritten. At most n^(1/16) times the eigenvalue, exact where its vector has equal entries.
+template <int n> inline Batch largest_eigenvalue(Batch (&A)[n][n]) {
+  Batch B[n][n];
+  const auto square = [](const Batch(&from)[n][n], Batch(&to)[n][n]) {
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j <= i; ++j)
+        to[i][j] = to[j][i] = sum<n>([&](int k) { return from[i][k] * from[k][j]; });
+  };
+  square(A, B);
+  square(B, A);
+  square(A, B);
+  Batch most = Batch(0.0);
+  for (int i = 0; i < n; ++i) most = max(most, sum<n>([&](int j) { return abs(B[i][j]); }));
+  return sqrt(sqrt(sqrt(most)));
+}
+
+/// (tr L)^2 <= this |L|^2 for the gradients L of velocities.
+template <Frame frame> inline constexpr double directions = frame == Frame::plane_strain ? 2 : 3;
+
+/// Largest modulus of the Kirchhoff stress at a point, against any gradient of the velocity: of a change of
+/// volume, or of shape, and the stress that is there. Flow and damage only make it smaller.
+template <class Cell, Frame frame>
+inline Batch largest_modulus(const PointLaw& law, const MotionInput& in, const Tensor<Batch, Cell::dim>& H,
+                             const Batch& J, int q) {
+  const MaterialParameters& m = law.parameters;
+  const Volumetric<Batch> v = volumetric(m, J - Batch(1.0), point_thermal_volume<Cell>(law, in.theta, q));
+  const Batch volume = directions<frame> * max(J * (v.p + J * v.dp), Batch(0.0));
+  Batch stretch = Batch(1.0); // tr b / 3 of what is elastic, of unit volume
+  if (!law.flows()) {
+    const Batch r = inverse_cbrt(J);
+    stretch = (r * r) * (Batch(1.0) + (1.0 / 3) * trace(left_strain(H)));
+  }
+  return max(volume, (2 * m.G) * stretch) + J * abs(v.p) + (2 * m.G) * (stretch - Batch(1.0));
+}
+
+/// Of each cell; in.u_n counts with bulk viscosity.
+template <class Cell, Frame frame> Batch stable_step(const PointLaw& law, const MotionInput& in) {
+  constexpr int d = Cell::dim, n = Cell::nodes;
+  const auto& t = shape_table<Cell>;
+  const MaterialParameters& m = law.parameters;
+  CellState<Cell, frame> s;
+  prepare<Cell, frame>(law, in.X, in.u, nullptr, in.theta, s);
+  read_thickness<Cell, frame>(in.history, s);
+  Batch A[n][n], mass[n], C = Batch(0.0), D = Batch(0.0);
+  for (int a = 0; a < n; ++a) {
+    mass[a] = Batch(0.0);
+    for (int b = 0; b < n; ++b) A[a][b] = Batch(0.0);
+  }
+  for (int q = 0; q < Cell::points; ++q) {
+    const Batch w = s.map[q].weight, J = Batch(1.0) + detm1(s.H[q]);
+    const Tensor<Batch, d> F = plus_identity(s.H[q]);
+    CurrentMap<Cell, frame> map;
+    SpatialGradients<Cell, frame> G;
+    current_map(s.map[q], inverse(F, J), map);
+    spatial_gradients(map, t.N[q], t.dN[q], G);
+    for (int a = 0; a < n; ++a) {
+      mass[a] += (m.rho * t.N[q][a]) * w;
+      for (int b = 0; b <= a; ++b) {
+        Batch product = sum<d>([&](int i) { return G.g[a][i] * G.g[b][i]; });
+        if constexpr (frame == Frame::axisymmetric) product += G.ring[a] * G.ring[b];
+        A[a][b] += w * product;
+      }
+    }
+    C = max(C, largest_modulus<Cell, frame>(law, in, s.H[q], J, q));
+    if (law.viscous()) {
+      const Batch b = Batch(1.0) + (1.0 / 3) * trace(left_strain(s.H[q]));
+      D = max(D, (4 * m.b_d) * (b * b));
+    }
+  }
+  if (in.has_bulk_viscosity() && in.u_n) D += directions<frame> * bulk_rate(law, in, s).viscosity;
+  for (int a = 0; a < n; ++a)
+    for (int b = 0; b <= a; ++b) A[a][b] = A[b][a] = A[a][b] / sqrt(mass[a] * mass[b]);
+  const Batch mu = largest_eigenvalue(A);
+  return (sqrt(D * D + 4.0 * C / mu) - D) / C;
+}
+
+} // namespace impact

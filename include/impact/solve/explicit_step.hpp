@@ -1,0 +1,56 @@
+#pragma once
+#include <impact/mesh/state_table.hpp>
+#include <impact/problem/motion.hpp>
+#include <petscts.h>
+#include <string>
+
+/// A step of the motion by central differences: the displacement is known, the forces there give the
+/// acceleration by the lumped mass, and no equation is solved (theory.md, 7). How long a step may be comes
+/// from the cells (kernel/stable_step.hpp) and the penalties of the contacts.
+namespace impact {
+
+class ExplicitStep {
+public:
+  /// Adds a row of its own to the table; the references must outlive the object.
+  ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, const ExplicitScenario& settings);
+  ExplicitStep(const ExplicitStep&) = delete;
+  ExplicitStep& operator=(const ExplicitStep&) = delete;
+
+  /// Into the committed halves of the rows, at the start of a run: the stable step at u, v and the automatic
+  /// penalties of contacts that go with it. Collective.
+  void start(Vec u, Vec v);
+  /// The longest step from the committed state on. Collective when called first.
+  double longest();
+  /// How long the steps are, for the head of the log; `asked`: -ts_dt, or 0.
+  std::string text(double asked);
+
+  /// Acceleration at the start, from the forces without contact. Collective.
+  void start_acceleration(Vec u, Vec v, Vec a);
+  /// The forces at u and from them the new acceleration of the TS; flow and what drives damage, as
+  /// MotionProblem::advance has it. False where a cell lost its meaning. Collective.
+  bool take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat);
+  const ForceParts& forces() const { return forces_; }
+
+private:
+  /// What prescribed dofs know at a time: u, v, the last a; null for none.
+  struct Rates {
+    double t, dt;
+    Vec u, v, a;
+  };
+  void divide_by_mass(const Rates& now, Vec a);
+  std::vector<double> contact_loads(const ContactInterface& contact);
+  void set_penalties(double of_cells);
+  double contact_frequency();
+
+  /// Components of the row "stable_step": of the cells; steps between two looks at them, and until the next.
+  enum { of_cells, interval, left, components };
+  TS ts_;
+  MotionProblem& motion_;
+  StateTable& state_;
+  ExplicitScenario settings_;
+  StateRow& row_;
+  ForceParts forces_;
+  double contact_frequency_ = -1; ///< square of the highest one by penalties alone; negative: not known yet
+};
+
+} // namespace impact

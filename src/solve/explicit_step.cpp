@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <cmath>
+#include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
+#include <impact/problem/surface_load.hpp>
+#include <impact/solve/explicit_step.hpp>
+#include <impact/time/types.hpp>
+
+namespace impact {
+
+namespace {
+
+constexpr double longest_interval = 64; // steps
+constexpr double rounding = 1e-3;       // by which the bound of a stable step may miss it
+
+} // namespace
+
+ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, const ExplicitScenario& settings)
+    : ts_(ts), motion_(motion), state_(state), settings_(settings),
+      row_(state.add({"stable_step", Support::global, components}, components)) {
+  const FieldLayout& layout = motion.discretisation().displacement;
+  forces_.internal = layout.make_global();
+  forces_.contact = layout.make_global();
+}
+
+void ExplicitStep::start(Vec u, Vec v) {
+  const Discretisation& d = motion_.discretisation();
+  const std::vector<double> place = d.local_of(u), speed = d.local_of(v);
+  double dt = motion_.stable_step(u, place, 1, {});
+  std::vector<double> before = place; // bulk viscosity knows the velocity by a step
+  for (std::size_t i = 0; i < before.size(); ++i) before[i] -= dt * speed[i];
+  dt = motion_.stable_step(u, before, dt, settings_.bulk);
+  row_.committed = row_.trial = {dt, 1, 1};
+  set_penalties(dt);
+}
+
+// The stiffness of a penalty eps that acts on the area A of a node of mass m is felt as 2 eps A/m at most:
+// the gap is a mean over either side, and the square of a difference at most twice the sum of the squares.
+std::vector<double> ExplicitStep::contact_loads(const ContactInterface& contact) {
+  const Discretisation& d = motion_.discretisation();
+  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end()),
+      mass = d.local_of(motion_.lumped_mass());
+  std::vector<double> area = d.displacement.make_local();
+  const auto unit = [&](const double*, double* value) { std::fill_n(value, d.dim(), 1.0); };
+  for (const std::string& side : {contact.settings().secondary, contact.settings().primary})
+    if (!ContactSettings::rigid_name(side)) add_dead_traction(d.mesh.facets(side), d.frame, X, unit, area);
+  add_up(d.displacement, area);
+  for (std::size_t i = 0; i < area.size(); ++i) area[i] *= 2 / mass[i];
+  return area;
+}
+
+// With dt = s dt_e, dt_e the stable step of the cells, dt^2 (4/dt_e^2 + w^2) <= 4 leaves w^2 = 4 (1 -
+// s^2)/dt^2 to the contacts.
+void ExplicitStep::set_penalties(double of_cells) {
+  ContactSet& contacts = motion_.contacts();
+  const MPI_Comm comm = motion_.discretisation().mesh.comm();
+  std::vector<std::vector<double>> loads;
+  std::vector<double> total = motion_.discretisation().displacement.make_local();
+  for (const ContactInterface& contact : contacts) {
+    loads.push_back(contact_loads(contact));
+    if (contact.settings().automatic_penalty)
+      for (std::size_t i = 0; i < total.size(); ++i) total[i] += loads.back()[i];
+  }
+  const double s = std::min(settings_.cfl, 0.9), dt = s * of_cells, budget = 4 * (1 - s * s) / (dt * dt);
+  std::size_t c = 0;
+  for (ContactInterface& contact : contacts) {
+    double largest = 0;
+    for (std::size_t i = 0; i < total.size(); ++i)
+      if (loads[c][i] > 0) largest = std::max(largest, total[i]);
+    largest = max_over_ranks(comm, largest);
+    if (contact.settings().automatic_penalty && largest > 0) contact.set_penalty(budget / largest);
+    ++c;
+  }
+}
+
+double ExplicitStep::contact_frequency() {
+  std::vector<double> sum = motion_.discretisation().displacement.make_local();
+  for (const ContactInterface& contact : motion_.contacts()) {
+    const std::vector<double> loads = contact_loads(contact);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += contact.penalty() * loads[i];
+  }
+  double largest = 0;
+  for (const double value : sum) largest = std::max(largest, value);
+  return max_over_ranks(motion_.discretisation().mesh.comm(), largest);
+}
+
+double ExplicitStep::longest() {
+  if (contact_frequency_ < 0) contact_frequency_ = contact_frequency();
+  const double dt = row_.committed[of_cells],
+               cells = settings_.cfl * dt * (settings_.cfl == 1 ? 1 + rounding : 1);
+  if (contact_frequency_ == 0) return cells;
+  return std::min(cells, 2 / std::sqrt(4 / (dt * dt) + contact_frequency_));
+}
+
+std::string ExplicitStep::text(double asked) {
+  const double dt = row_.committed[of_cells], most = longest();
+  std::string text =
+      text_of("central differences: the stable step of the cells is %.4g, with contacts %.4g", dt,
+              contact_frequency_ > 0 ? 2 / std::sqrt(4 / (dt * dt) + contact_frequency_) : dt);
+  if (asked > most) text += text_of("; -ts_dt %.4g is longer: steps are at most %.4g", asked, most);
+  return text;
+}
+
+// Prescribed dofs take the acceleration by which the next step, if it is as long as this one, ends on their
+// data.
+void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  const BoundaryData& boundary = motion_.boundary();
+  const int dim = d.dim();
+  check(VecAXPBYPCZ(a, 1, -1, 0, forces_.external, forces_.internal));
+  check(VecAXPY(a, 1, forces_.contact));
+  check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
+  const std::vector<double> u = d.local_of(now.u), v = d.local_of(now.v);
+  const std::vector<double> before = now.a ? d.local_of(now.a) : std::vector<double>();
+  const std::vector<double>& rate = state_.row("prescribed_velocity").committed;
+  std::vector<double> goal = u, speed = rate;
+  if (now.a) boundary.set_exact_velocity(now.t - now.dt, now.t, rate, speed);
+  boundary.set_displacement(now.t, now.t + now.dt, u, speed, goal);
+  double* values = nullptr;
+  const PetscInt start = [&] {
+    PetscInt first = 0;
+    check(VecGetOwnershipRange(a, &first, nullptr));
+    return first;
+  }();
+  check(VecGetArray(a, &values));
+  for (const FixedDof& fixed : boundary.fixed()) {
+    const int node = fixed.dof / dim;
+    if (!d.mesh.owned(node)) continue;
+    const std::size_t i = at(fixed.dof);
+    const double needed = (goal[i] - u[i] - now.dt * v[i]) / (now.dt * now.dt);
+    // v is that of the last step, to which half of both accelerations is still to be added
+    values[d.mesh.global_node()[at(node)] * dim + fixed.component - start] =
+        now.a ? needed - before[i] / 2 : 2 * needed;
+  }
+  check(VecRestoreArray(a, &values));
+}
+
+void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
+  MotionProblem::Increments unused;
+  motion_.advance(u, unused, {}, forces_.internal);
+  motion_.outer_parts(u, forces_);
+  check(VecSet(forces_.contact, 0));
+  divide_by_mass({0, longest(), u, v, nullptr}, a);
+}
+
+bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat) {
+  const MotionStep& step = motion_.step();
+  motion_.update_contact(u);
+  if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
+  motion_.outer_parts(u, forces_);
+  divide_by_mass({step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)}, new_acceleration(ts_));
+  row_.trial[left] = row_.committed[left] - 1;
+  if (row_.trial[left] > 0) return true;
+  const double before = row_.committed[of_cells];
+  const double now = motion_.stable_step(u, *step.u_n, step.dt, settings_.bulk);
+  const double often = row_.committed[interval];
+  row_.trial[of_cells] = now;
+  row_.trial[interval] = now < 0.98 * before    ? std::max(1.0, std::floor(often / 2))
+                         : now > 0.995 * before ? std::min(longest_interval, 2 * often)
+                                                : often;
+  row_.trial[left] = row_.trial[interval];
+  return true;
+}
+
+} // namespace impact
