@@ -18,7 +18,7 @@ void Ledger::append(HistoryFile::Row& row) const {
                             {"energy_fracture", d.has_damage(), total.fracture},
                             {"energy_fatigue", d.has_fatigue(), total.fatigue},
                             {"energy_thermal", heat, total.thermal},
-                            {"dissipated_viscous", d.has_viscosity(), sum(viscous)},
+                            {"dissipated_viscous", loses_by_viscosity(), sum(viscous)},
                             {"dissipated_damage", d.has_damage(), sum(damage)},
                             {"dissipated_plastic", d.has_plasticity(), sum(plastic_dissipation)},
                             {"dissipated_friction", motion_.contacts().demands().frictional, sum(friction)},
@@ -67,7 +67,7 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
     if (!choice_.materials) continue;
     if (d.has_damage()) row.emplace_back("energy_fracture_" + id, part.fracture);
     if (d.has_fatigue()) row.emplace_back("energy_fatigue_" + id, part.fatigue);
-    if (d.has_viscosity()) row.emplace_back("dissipated_viscous_" + id, lost_in(m, viscous_loss));
+    if (loses_by_viscosity()) row.emplace_back("dissipated_viscous_" + id, lost_in(m, viscous_loss));
     if (d.has_damage()) row.emplace_back("dissipated_damage_" + id, lost_in(m, damage_loss));
     if (d.has_plasticity()) row.emplace_back("dissipated_plastic_" + id, lost_in(m, plastic_loss));
     if (d.has_fatigue()) row.emplace_back("dissipated_fatigue_" + id, lost_in(m, fatigue_part));
@@ -104,7 +104,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           stored("stored: thermal", heat_.has_value(), &MaterialEnergies::thermal),
           {"stored: contact", contact, sum(contact_store)},
           {"stored: integrator", inertia_, sum(kept)},
-          lost("dissipated: viscous", d.has_viscosity(), viscous, viscous_loss),
+          lost("dissipated: viscous", loses_by_viscosity(), viscous, viscous_loss),
           lost("dissipated: damage", d.has_damage(), damage, damage_loss),
           lost("dissipated: plastic", d.has_plasticity(), plastic_dissipation, plastic_loss),
           lost("dissipated: fatigue", d.has_fatigue(), fatigue_loss, fatigue_part),

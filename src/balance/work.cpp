@@ -33,7 +33,8 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       contact_(add_force(state, motion.discretisation(), "force_contact")),
       inertia_force_(add_force(state, motion.discretisation(), "force_inertia")),
       left_(add_force(state, motion.discretisation(), "force_left")),
-      step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")) {}
+      step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")),
+      du_(internal_.trial.size()), a_new_(du_) {}
 
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
   std::vector<double> mean(row.trial.size());
@@ -186,6 +187,43 @@ std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::
     if (parted) over_step[i] = of_step;
   }
   return over_step;
+}
+
+// N1 and N2 with beta = 0: loss = -dt^2/8 (a.Ma - a_n.Ma_n), kept = -dt^2/8 a.Ma.
+StepWork ForceBook::book_explicit(const StepRecord& step, Vec u, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  const FieldLayout& layout = d.displacement;
+  layout.owned_to_local(step.forces->internal, internal_.trial);
+  layout.owned_to_local(step.forces->external, external_.trial);
+  layout.owned_to_local(step.forces->contact, contact_.trial);
+  layout.owned_to_local(u, du_);
+  layout.owned_to_local(a, a_new_);
+  if (mass_.empty()) mass_ = d.local_of(motion_.lumped_mass());
+  reactions_.resize(du_.size());
+  double sums[5] = {0, 0, 0, 0, 0};
+  const std::vector<char>& fixed = motion_.boundary().fixed_mask();
+  const auto dim = at(d.dim());
+  for (std::size_t i = 0; i < du_.size(); ++i) {
+    if (!d.mesh.owned(static_cast<int>(i / dim))) continue;
+    const double du = du_[i] - u_.committed[i], a_n = a_.committed[i];
+    inertia_force_.trial[i] = mass_[i] * a_new_[i];
+    reactions_[i] = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
+    if (fixed[i]) external_.trial[i] += reactions_[i];
+    sums[0] += du * (internal_.committed[i] + internal_.trial[i]);
+    sums[1] += du * (external_.committed[i] + external_.trial[i]);
+    sums[2] += du * (contact_.committed[i] + contact_.trial[i]);
+    sums[3] += a_new_[i] * inertia_force_.trial[i];
+    sums[4] += a_n * mass_[i] * a_n;
+  }
+  sum_over_ranks(d.mesh.comm(), sums);
+  const double factor = -step.dt * step.dt / 8;
+  StepWork work;
+  work.internal = sums[0] / 2;
+  work.external = sums[1] / 2;
+  work.contact = sums[2] / 2;
+  work.integrator.loss = factor * (sums[3] - sums[4]);
+  work.integrator.kept = factor * sums[3];
+  return work;
 }
 
 StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double grown) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/petsc/error.hpp>
 
@@ -16,6 +17,13 @@ FieldLayout::FieldLayout(const Mesh& mesh, std::string name, int components)
   // The local vector borrows the caller's arrays; it needs none of its own.
   check(VecCreateSeqWithArray(PETSC_COMM_SELF, components_, static_cast<PetscInt>(node_count_) * components_,
                               nullptr, work_.out()));
+  PetscInt first = -1;
+  for (int node = 0; node < node_count_; ++node)
+    if (const PetscInt place = mesh.global_node()[static_cast<std::size_t>(node)]; mesh.owned(node)) {
+      first = first < 0 ? place : std::min(first, place);
+      owned_.push_back({node, place});
+    }
+  for (auto& [node, place] : owned_) place -= first;
 }
 
 // A copy of one that the DM keeps: it walks all points of the mesh to make another.
@@ -40,6 +48,15 @@ void FieldLayout::to_local(Vec global, std::vector<double>& local) const {
   check(VecPlaceArray(work_, local.data()));
   check(DMGlobalToLocal(dm_, global, INSERT_VALUES, work_));
   check(VecResetArray(work_));
+}
+
+void FieldLayout::owned_to_local(Vec global, std::vector<double>& local) const {
+  const double* values = nullptr;
+  check(VecGetArrayRead(global, &values));
+  for (const auto& [node, place] : owned_)
+    std::copy_n(values + place * components_, components_,
+                &local[static_cast<std::size_t>(node * components_)]);
+  check(VecRestoreArrayRead(global, &values));
 }
 
 void FieldLayout::to_global(const std::vector<double>& local, Vec global, InsertMode mode) const {

@@ -28,10 +28,13 @@ StateRow& StateTable::row(const std::string& name) {
   return const_cast<StateRow&>(std::as_const(*this).row(name));
 }
 
-// Copied, not swapped: pointers into either half stay valid over a step.
+// Copied where pointers into either half, or what it holds, must stay valid.
 void StateTable::commit() {
   for (const auto& row : rows_)
-    if (row->has_trial) row->committed = row->trial;
+    if (row->rewritten)
+      row->committed.swap(row->trial);
+    else if (row->has_trial)
+      row->committed = row->trial;
 }
 
 void StateTable::rollback() {

@@ -23,8 +23,16 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
                                  StateTable& state, const FieldSource& source)
     : scenario_(scenario), motion_(motion), ledger_(ledger), v_(state.row("v")), phi_(state.find("phi")),
       source_(source) {
+  if (scenario_.explicit_steps()) {
+    every_ = 0;
+    dt_ = 1e-3 * scenario_.time.max_time;
+  }
   for (const OutputScenario& output : scenario_.outputs)
-    if (output.type == OutputScenario::Type::csv) cycles_ = std::max(cycles_, output.cycles);
+    if (output.type == OutputScenario::Type::csv) {
+      cycles_ = output.cycles;
+      every_ = output.every;
+      dt_ = output.dt;
+    }
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
     const auto& [law, regions, id, points] = d.materials[m];
@@ -76,11 +84,19 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
   return row;
 }
 
+bool HistoryObserver::due(long step, double t, double dt) const {
+  if (cycles_ > 0) return marks_cycle(t, scenario_.time.period, cycles_);
+  if (step == 0 || (scenario_.time.max_time > 0 && t >= scenario_.time.max_time)) return true;
+  if (every_ > 0 && step % every_ == 0) return true;
+  const auto count = [this](double time) { return std::floor(time / dt_ * (1 + 1e-12)); };
+  return dt_ > 0 && count(t) > count(t - dt);
+}
+
 HistoryFile::Row HistoryObserver::watch(const Snapshot& snapshot, const StepCounts& counts) {
   const InStage stage(Stage::output);
   const Timed timed(Event::history);
   HistoryFile::Row now = row(snapshot, counts);
-  if (every_step() || marks_cycle(snapshot.time, scenario_.time.period, cycles_)) file_->write(now);
+  if (due(snapshot.step, snapshot.time, snapshot.dt)) file_->write(now);
   return now;
 }
 

@@ -59,6 +59,7 @@ private:
   StepHooks hooks();
   void before_attempt(const Attempt& attempt);
   Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
+  bool watches(const Attempt& attempt) const;
   void reject(const Attempt& attempt);
   void accept(const Attempt& attempt);
   void write_fields(bool last);
@@ -80,6 +81,7 @@ private:
   StopCriteria stops_;
   StepProbe probe_;
   Restep restep_;
+  bool watches_ = true; // the step at work
   Snapshot snapshot_;
   StepControlState control_at_start_; // when the step at work began
   std::string stopped_by_, ended_by_; // from outside, by a criterion of the run
@@ -158,10 +160,18 @@ void Simulation::before_attempt(const Attempt& attempt) {
   if (probe_.before) probe_.before(attempt, snapshot_.step + 1, stage_.state);
 }
 
+// Explicit steps are many and each of them is cheap: energies and columns are found where someone reads them.
+bool Simulation::watches(const Attempt& attempt) const {
+  const long step = snapshot_.step + 1;
+  return !s_.explicit_steps() || !s_.stops.empty() || step == s_.time.max_steps ||
+         history_.due(step, attempt.t, attempt.dt);
+}
+
 Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
   const double before = stage_.ledger.energy_error();
-  stage_.ledger.book(stage_.coupling.record(u), u, v, stage_.inertia ? a : stage_.a.get());
-  const Verdict verdict = energy_.judge(before, attempt.t);
+  const bool watched = watches_ = watches(attempt);
+  stage_.ledger.book(stage_.coupling.record(u), u, v, stage_.inertia ? a : stage_.a.get(), watched);
+  const Verdict verdict = watched ? energy_.judge(before, attempt.t) : Verdict{};
   if (!restep_.wants(stage_.ts, verdict)) return verdict;
   stage_.ledger.unbook();
   return {false, 1.0};
@@ -190,16 +200,17 @@ void Simulation::accept(const Attempt& attempt) {
   snapshot_.tries = static_cast<int>(attempt.number);
   check(TS2GetSolution(stage_.ts, &snapshot_.u, nullptr));
   const StepCounts counts = stage_.coupling.counts();
-  const HistoryFile::Row columns = history_.watch(snapshot_, counts);
+  const bool watched = watches_;
+  const HistoryFile::Row columns = watched ? history_.watch(snapshot_, counts) : HistoryFile::Row{};
   write_fields(false);
-  progress_.line(snapshot_, counts, stage_.ledger, stage_.setup->contacts.active(snapshot_.u));
+  if (watched) progress_.line(snapshot_, counts, stage_.ledger, stage_.setup->contacts.active(snapshot_.u));
   std::vector<std::string> solved;
   if (counts.linear > 0) solved.emplace_back("motion");
   if (counts.damage_linear > 0) solved.emplace_back("damage");
   if (counts.heat_linear > 0) solved.emplace_back("heat");
   unread_.judge(solved);
   const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
-  ended_by_ = stops_.ask(columns);
+  if (watched) ended_by_ = stops_.ask(columns);
   stopped_by_ = request.stop;
   if (request.checkpoint || !ended_by_.empty()) write_checkpoint(step_control_state(stage_.ts));
   if (!stopped_by_.empty() || !ended_by_.empty()) check(TSSetConvergedReason(stage_.ts, TS_CONVERGED_USER));
@@ -267,6 +278,7 @@ ExitCode Simulation::run() {
 }
 
 ExitCode Simulation::report_end(TSConvergedReason reason) {
+  if (!watches_) stage_.ledger.resume(stage_.u, stage_.v);
   check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
                     !stopped_by_.empty() ? "stopped by request"
                     : !ended_by_.empty() ? "stopped"

@@ -76,9 +76,14 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
       coupling(ts, {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr, state}, s.coupling, solver,
                stabilises(comm, s, solver)),
       ledger(motion, state, inertia, s.has_motion(),
-             {s.history_materials, s.coupling.report_error, coupling.unilateral()}),
+             {s.history_materials, s.coupling.report_error, coupling.unilateral(),
+              s.time.bulk_linear > 0 || s.time.bulk_quadratic > 0}),
       source(motion, state), u(d.displacement.make_global()), v(d.displacement.make_global()),
       a(d.displacement.make_global()) {
+  if (s.explicit_steps()) // many short steps, whose time is that of passing through memory
+    for (const char* name : {"u", "v", "a", "mean_rate", "history", "drive", "force_internal",
+                             "force_external", "force_contact", "force_inertia"})
+      state.row(name).rewritten = true;
   for (const ContactInterface& contact : setup->contacts)
     if (coupling.stabilised() && between_rigid_sides(*setup, contact.settings()))
       throw UserError(ExitCode::usage,

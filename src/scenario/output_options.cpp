@@ -42,7 +42,12 @@ std::vector<std::string> usual_fields(const Scenario& s) {
 
 void complete_output(Output& output, const Scenario& scenario) {
   const bool table = output.type == Output::Type::csv;
-  if (output.dt == 0 && output.every == 0 && output.cycles == 0 && output.times.empty()) output.every = 1;
+  if (output.dt == 0 && output.every == 0 && output.cycles == 0 && output.times.empty()) {
+    if (table && scenario.explicit_steps())
+      output.dt = 1e-3 * scenario.time.max_time;
+    else
+      output.every = 1;
+  }
   if (output.file.empty()) output.file = table ? "history.csv" : output.id + ".xdmf";
   if (!table && output.fields.empty()) output.fields = usual_fields(scenario);
 }
@@ -65,10 +70,11 @@ const std::string about_fields =
 } // namespace
 
 OptionClass<OutputScenario> output_class() {
-  OptionClass<Output> table{"output", "outputs", "Output",
-                            "Without `_dt`, `_every`, `_cycles` and `_times` every accepted step is written. "
-                            "The history has a row for each step, unless `_cycles` says otherwise.",
-                            &Scenario::outputs};
+  OptionClass<Output> table{
+      "output", "outputs", "Output",
+      "Without `_dt`, `_every`, `_cycles` and `_times` every accepted step is written. "
+      "Of central differences the history has a row for each thousandth of the run then.",
+      &Scenario::outputs};
   Rows row(table.rows, RestartKey::free);
   row.choice("type", &Output::type, "fields for ParaView, or the history table", "xdmf", Output::Type::xdmf,
              "csv", Output::Type::csv);
@@ -80,7 +86,7 @@ OptionClass<OutputScenario> output_class() {
   row.number("dt", &Output::dt, "s", positive, "written at the first step at or after each multiple");
   row.count("every", &Output::every, 1, "written every so many steps");
   row.count("cycles", &Output::cycles, 1,
-            "written in the middle and at the end of every so many cycles of -ts_period, the history too")
+            "written in the middle and at the end of every so many cycles of -ts_period")
       .refused([](const Output&, const Scenario& s) { return s.time.period == 0; },
                "counts the cycles of a load whose period is not given; add -ts_period, or remove it");
   row.numbers("times", &Output::times, "s", not_negative, "times that are hit exactly and written");

@@ -121,7 +121,7 @@ void Coupling::start(Vec u, Vec v, Vec a) {
 
 void Coupling::before_attempt(const Attempt& attempt) {
   StateTable& state = fields_.state;
-  state.rollback();
+  if (!explicit_ || attempt.number > 1) state.rollback();
   counts_ = {};
   pass_.number = 0;
   failure_.clear();

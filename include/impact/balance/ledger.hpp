@@ -20,6 +20,7 @@ struct LedgerChoice {
   bool materials = false;      ///< energies and dissipations of each material as columns
   bool coupling_error = false; ///< how far the last pass was from the next one
   bool unilateral = false;     ///< as StepRecord says of each step
+  bool viscous = false;        ///< something other than a law is viscous
 };
 
 // Members beyond twelve: the books of one sheet, each with its own rows of the table.
@@ -33,8 +34,9 @@ public:
   /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
   void resume(Vec u, Vec v);
   /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
-  /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Collective.
-  void book(const StepRecord& step, Vec u, Vec v, Vec a);
+  /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Energies and reactions are only found where the
+  /// step is `watched`. Collective.
+  void book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched = true);
   /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
   void unbook() { energies_ = energies_before_; }
 
@@ -78,6 +80,7 @@ private:
     contact_store, ///< energy of contact as the last step left it
     closing,       ///< by the unilateral stress of broken points
     least,         ///< smallest dissipation of a step at a point, per volume; at most 0
+    kinetic,       ///< energy up to which `identity` is booked
     count
   };
   /// Dissipated since t = 0 in one material.
@@ -90,7 +93,7 @@ private:
     return losses_.trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
   }
   void measure(Vec u, Vec v, bool trial);
-  void book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u);
+  void book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u, bool watched);
   void book_points(const StepRecord& step, double work_unilateral);
   void book_damage(const StepRecord& step);
   void book_scale();
@@ -99,6 +102,7 @@ private:
   /// Energy that contact gave by itself, or beside it closing cracks and the integrator; not negative
   /// (theory.md, 11).
   double gain() const;
+  bool loses_by_viscosity() const { return motion_.discretisation().has_viscosity() || choice_.viscous; }
   double stored() const;
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }

@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <impact/mesh/mesh.hpp>
+#include <vector>
 
 /// The dofs of one nodal field: `components` per mesh node, node-blocked. In a local vector (ghosts included)
 /// node i, component k stands at i * components + k; in a global vector at global_node[i] * components + k.
@@ -18,6 +20,8 @@ public:
 
   /// Copies a global vector into a local array, ghosts included. Collective.
   void to_local(Vec global, std::vector<double>& local) const;
+  /// Owned entries alone, without a message: ghosts keep what they have.
+  void owned_to_local(Vec global, std::vector<double>& local) const;
   /// Adds a local array (contributions on ghosts included) into a global vector: one reverse message per
   /// neighbour. Collective.
   void add_to_global(const std::vector<double>& local, Vec global) const {
@@ -32,6 +36,7 @@ private:
   Handle<DM> dm_;
   Handle<Vec> work_; ///< local vector reused by the transfers
   int node_count_;
+  std::vector<std::array<PetscInt, 2>> owned_; ///< local node, its place among those that this rank owns
 };
 
 /// Whether factorising matrices over all displacements is what a run does unless its options say otherwise:

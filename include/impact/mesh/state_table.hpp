@@ -22,8 +22,9 @@ struct StateRow {
   int components;
   bool has_trial = true; ///< a trial half exists and is committed on acceptance
   bool checkpointed = true;
-  bool output = false;   ///< offered as an output field
-  std::string surface{}; ///< facet_point rows: the boundary group their facets belong to
+  bool output = false;    ///< offered as an output field
+  bool rewritten = false; ///< every step writes all of the trial half, which a commit leaves undefined
+  std::string surface{};  ///< facet_point rows: the boundary group their facets belong to
   std::vector<double> committed{}, trial{};
 };
 
@@ -39,7 +40,8 @@ public:
   /// The row or null.
   const StateRow* find(const std::string& name) const;
   const std::vector<std::unique_ptr<StateRow>>& rows() const { return rows_; }
-  void commit();   ///< accepted step: trial halves become committed; both halves are equal afterwards
+  void
+  commit(); ///< accepted step: trial halves become committed; but for `rewritten` rows both are equal then
   void rollback(); ///< rejected step or new pass: trial halves restart from committed
 
 private:

@@ -23,10 +23,12 @@ public:
   void open(std::optional<long> resume_after);
   /// The row of a state, written or not. Collective.
   HistoryFile::Row row(const Snapshot& snapshot, const StepCounts& counts);
-  /// Writes the row, in the cycles that the history is kept of, and returns it. Collective.
+  /// Whether the step of length dt that ends at t has a row.
+  bool due(long step, double t, double dt) const;
+  /// Writes the row where it is due, and returns it. Collective.
   HistoryFile::Row watch(const Snapshot& snapshot, const StepCounts& counts);
-  /// False when rows stand for chosen cycles only.
-  bool every_step() const { return cycles_ == 0; }
+  /// Whether every step has a row.
+  bool every_step() const { return cycles_ == 0 && dt_ == 0 && every_ == 1; }
   /// Step of the last row that a resumed file kept, -1 without one. On all ranks.
   long last_step() const { return file_->last_step(); }
 
@@ -52,7 +54,9 @@ private:
   const StateRow* phi_;
   const FieldSource& source_;
   std::optional<HistoryFile> file_;
-  int cycles_ = 0; ///< of -ts_period between rows; 0: a row for each step
+  // Of the csv outputs, the rarest; without one a row for each step, or for a thousandth of an explicit run.
+  int cycles_ = 0, every_ = 1; ///< of -ts_period between rows, 0: not by them; steps, 0: not by them
+  double dt_ = 0;              ///< 0: not by time
   std::vector<Located> probes_;
   std::vector<double> phi_before_; ///< [local node] of the row before
   struct CracksOf {
