@@ -86,14 +86,16 @@ NodePairs ContactInterface::couplings() const {
   return rigid_nodes_.reduced(constraints_->form().couplings(), nodes());
 }
 
-void ContactInterface::add_residual(Vec u, double scale, Vec r) const {
+std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   const std::vector<double> values = nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const std::size_t m = constraints_->dim();
   const bool exact = constraints_->works_exactly();
   const double factor = exact ? 2 * scale : scale;
+  Vector force{};
   constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
+    add_force(c, force);
     const std::size_t n = c.gradient.size();
     for (std::size_t i = 0; i < n; ++i)
       f[constraints_->dof(c.node[i / m], i % m)] -= factor * c.weight * c.pressure * c.gradient[i];
@@ -104,6 +106,7 @@ void ContactInterface::add_residual(Vec u, double scale, Vec r) const {
   });
   nodes().exchange.add(f, r);
   if (exact) check(VecAXPY(r, -scale, last_force_));
+  return force;
 }
 
 void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {

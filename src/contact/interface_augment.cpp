@@ -130,8 +130,14 @@ AugmentReport ContactInterface::augment(Vec u) {
 }
 
 void ContactInterface::advance(Vec u_n, Vec u, double dt) {
+  const Handle<Vec> f = layout_->make_global();
+  const Vector part = add_residual(u, 1, f);
+  advance(u_n, u, dt, f, part);
+}
+
+void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Vector& part) {
   const Handle<Vec> f = layout_->make_global(), f_n = layout_->make_global(), du = layout_->make_global();
-  add_residual(u, 1, f);
+  check(VecCopy(residual, f));
   layout_->to_local(f, force_->trial);
   layout_->to_global(force_->committed, f_n);
   check(VecWAXPY(du, -1, u_n, u));
@@ -142,7 +148,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
     check(VecAXPY(f, 1, f_n));
   double twice_work = 0;
   check(VecDot(f, du, &twice_work));
-  const Vector force = total_force(u);
+  const Vector force = summed(part);
   const Totals before = totals(totals_->committed), now = totals(totals_->trial);
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
     const double mean = stabilised ? force[k] + shock_[k] : (before.force[k] + force[k]) / 2;

@@ -60,6 +60,10 @@ void ContactInterface::add_force(const Constraint& c, Vector& force) const {
 ContactInterface::Vector ContactInterface::total_force(Vec u) const {
   Vector force{};
   constraints_->visit(u, Derivatives::first, [&](const Constraint& c) { add_force(c, force); });
+  return summed(force);
+}
+
+ContactInterface::Vector ContactInterface::summed(Vector force) const {
   sum_over_ranks(mesh_->comm(), force);
   if (constraints_->works_exactly()) // what the trapezoidal rule makes the mean of
     for (std::size_t k = 0; k < constraints_->dim(); ++k)

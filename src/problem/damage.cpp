@@ -230,11 +230,15 @@ void DamageProblem::clip() {
   check(VecPointwiseMin(field_.solution(), field_.solution(), upper_));
 }
 
+void DamageProblem::rest() {
+  work_ = 0;
+  std::fill(dissipated_.begin(), dissipated_.end(), 0.0);
+}
+
 ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& phi) {
   step_ = step;
   equation_ = {settings_.form, settings_.theta, step.dt, step.phi_n};
-  work_ = 0;
-  std::fill(dissipated_.begin(), dissipated_.end(), 0.0);
+  rest();
   raise_history();
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_damage(step.t, phi); });
   bool heals = false; // where a prescribed value lies below phi_n

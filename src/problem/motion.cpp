@@ -167,24 +167,24 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
     set(parts.unilateral);
     check(VecAXPY(parts.unilateral, -1, parts.internal));
   }
-  outer_parts(u, parts);
-}
-
-void MotionProblem::outer_parts(Vec u, ForceParts& parts) {
-  d_.displacement.to_local(u, u_);
-  r_ = dead_load_;
-  add_pressures(u_, 1, r_);
-  if (!parts.external) parts.external = d_.displacement.make_global();
-  check(VecSet(parts.external, 0));
-  d_.displacement.add_to_global(r_, parts.external);
-  if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
-    const Handle<Vec> Mf = d_.displacement.make_global();
-    mass_.multiply(d_.global_of(body_), Mf);
-    check(VecAXPY(parts.external, 1, Mf));
-  }
+  loads(u, parts.external);
   if (!parts.contact) parts.contact = d_.displacement.make_global();
   check(VecSet(parts.contact, 0));
   contacts_.add_forces(u, -1, parts.contact);
+}
+
+void MotionProblem::loads(Vec u, Handle<Vec>& external) {
+  d_.displacement.to_local(u, u_);
+  r_ = dead_load_;
+  add_pressures(u_, 1, r_);
+  if (!external) external = d_.displacement.make_global();
+  check(VecSet(external, 0));
+  d_.displacement.add_to_global(r_, external);
+  if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
+    const Handle<Vec> Mf = d_.displacement.make_global();
+    mass_.multiply(d_.global_of(body_), Mf);
+    check(VecAXPY(external, 1, Mf));
+  }
 }
 
 double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double factor) {

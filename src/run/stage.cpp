@@ -200,7 +200,10 @@ void RunStage::accept(const Attempt& attempt) {
   if (!setup->contacts.empty()) {
     Handle<Vec> u_n = d.displacement.make_global();
     d.displacement.to_global(rows.u.committed, u_n);
-    for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
+    if (ExplicitStep* const step = coupling.explicit_step())
+      step->advance_contacts(u_n, u_new, attempt.dt);
+    else
+      for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
   }
   state.commit();
 }

@@ -41,7 +41,7 @@ void add_methods(ContactRows& rows) {
   Rows row(rows);
   row.choice("method", &Contact::method,
              "constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: mortar, gpts "
-             "where both sides share nodes",
+             "where both sides share nodes and with central differences",
              "auto", ContactMethod::automatic, "gpts", ContactMethod::gauss_points, "mortar",
              ContactMethod::mortar);
   row.choice("multipliers", &Contact::multipliers,
@@ -51,7 +51,9 @@ void add_methods(ContactRows& rows) {
              MultiplierSpace::dual);
   row.choice("enforce", &Contact::enforce,
              "augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; auto: "
-             "semismooth with mortar up to 1.5e6 unknowns in the plane and 2e4 in space, else auglag",
+             "semismooth with mortar up to 1.5e6 unknowns in the plane and 2e4 in space, else auglag; with "
+             "central "
+             "differences penalty",
              "auto", Enforcement::automatic, "auglag", Enforcement::auglag, "penalty", Enforcement::penalty,
              "semismooth", Enforcement::semismooth)
       .notation("(74)-(79)");
@@ -87,7 +89,8 @@ void add_penalties(ContactRows& rows) {
   Rows row(rows);
   row.number("penalty", &Contact::penalty, "N/m^3 epsilon_N (75)", or_auto(positive),
              "starting penalty; auto: 10 E/h, E of the softest body, h the mean secondary facet, with auglag "
-             "more in steps far below h/c_p");
+             "more in steps far below h/c_p; with central differences what the part of the stable step that "
+             "-ts_dt_cfl leaves has room for");
   row.number("penalty_increment", &Contact::penalty_increment, "N/m^3", or_auto(not_negative),
              "added when the penalty grows; auto: the starting penalty, or four times its automatic value "
              "from a start below that");

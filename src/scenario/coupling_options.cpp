@@ -77,6 +77,15 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
                             "multiplied and theta 1; their own method is chosen by -damage_ts_type")
                      .otherwise("none"),
                  [](const Scenario& s) { return s.damage.substep; });
+  Rows(rows, RestartKey::guarded, &Scenario::coupling)
+      .count("damage_every", &CouplingScenario::damage_every, 1,
+             "of central differences: damage is solved in every so many steps, over the time of all of them")
+      .refused(
+          [](const Scenario& s) {
+            return !s.explicit_steps() || s.damage.theta != 1 || s.damage.bounds == DamageBounds::history;
+          },
+          "is for -ts_type central_difference, -damage_theta 1 and other -damage_bounds than history; take "
+          "these, or remove it");
   row.choice("damage_bounds", &DamageScenario::bounds,
              "how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
              "afterwards, not at all",

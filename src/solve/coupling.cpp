@@ -39,10 +39,12 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
       limits_(settings_, integrator_of(ts).inertia),
       shell_{[this](PetscInt number, Vec u) { return pass(number, u); }, &time_mailbox(ts), true,
              [this](PetscInt passes, PetscReal change) { give_up(passes, change); }} {
-  const Discretisation& d = fields_.motion.discretisation();
-  pass_.u = d.displacement.make_local();
   if (integrator_of(ts_).is_explicit())
     explicit_.emplace(ts_, fields_.motion, fields_.state, settings_.by_central_differences);
+  if (explicit_ && fields_.damage && settings_.damage_every > 1)
+    damage_wait_ = &fields_.state.add({"damage_wait", Support::global, 2}, 2);
+  const Discretisation& d = fields_.motion.discretisation();
+  pass_.u = d.displacement.make_local();
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
   if (fields_.heat || exchanges(d)) pass_.dissipation.resize(d.point_values(1));
@@ -230,8 +232,15 @@ void Coupling::damage_pass(PassResult& result) {
   StateRow& phi = fields_.state.row("phi");
   const MotionStep& step = fields_.motion.step();
   phi.trial = pass_.phi;
+  double dt = step.dt;
+  if (damage_wait_ != nullptr) {
+    double* const wait = damage_wait_->trial.data(); // steps, time
+    dt = wait[1] = damage_wait_->committed[1] + step.dt;
+    if (++wait[0] < settings_.damage_every) return fields_.damage->rest();
+    wait[0] = wait[1] = 0;
+  }
   const ScalarOutcome outcome = fields_.damage->solve(
-      {.t = step.t, .dt = step.dt, .u = &pass_.u, .u_n = step.u_n, .phi_n = &phi.committed}, phi.trial);
+      {.t = step.t, .dt = dt, .u = &pass_.u, .u_n = step.u_n, .phi_n = &phi.committed}, phi.trial);
   counts_.damage += outcome.newton;
   counts_.damage_linear += outcome.linear;
   if (outcome.reason < 0)

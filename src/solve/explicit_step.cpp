@@ -21,6 +21,8 @@ ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, cons
   const FieldLayout& layout = motion.discretisation().displacement;
   forces_.internal = layout.make_global();
   forces_.contact = layout.make_global();
+  for (std::size_t c = 0; c < motion.contacts().size(); ++c)
+    of_contacts_.push_back({layout.make_global(), {}});
 }
 
 void ExplicitStep::start(Vec u, Vec v) {
@@ -138,16 +140,36 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
 void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
   MotionProblem::Increments unused;
   motion_.advance(u, unused, {}, forces_.internal);
-  motion_.outer_parts(u, forces_);
+  motion_.loads(u, forces_.external);
   check(VecSet(forces_.contact, 0));
   divide_by_mass({0, longest(), u, v, nullptr}, a);
+}
+
+void ExplicitStep::find_contact_forces(Vec u) {
+  check(VecSet(forces_.contact, 0));
+  auto known = of_contacts_.begin();
+  for (const ContactInterface& contact : motion_.contacts()) {
+    check(VecSet(known->residual, 0));
+    known->part = contact.add_residual(u, 1, known->residual);
+    check(VecAXPY(forces_.contact, -1, known->residual));
+    ++known;
+  }
+}
+
+void ExplicitStep::advance_contacts(Vec u_n, Vec u, double dt) {
+  auto known = of_contacts_.begin();
+  for (ContactInterface& contact : motion_.contacts()) {
+    contact.advance(u_n, u, dt, known->residual, known->part);
+    ++known;
+  }
 }
 
 bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat) {
   const MotionStep& step = motion_.step();
   motion_.update_contact(u);
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
-  motion_.outer_parts(u, forces_);
+  motion_.loads(u, forces_.external);
+  find_contact_forces(u);
   divide_by_mass({step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)}, new_acceleration(ts_));
   row_.trial[left] = row_.committed[left] - 1;
   if (row_.trial[left] > 0) return true;

@@ -143,8 +143,9 @@ public:
   /// How often the nodes were found anew.
   long searches() const { return searches_; }
 
-  /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies).
-  void add_residual(Vec u, double scale, Vec r) const;
+  /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Returns the force on the
+  /// secondary side by this rank's constraints.
+  std::array<double, 3> add_residual(Vec u, double scale, Vec r) const;
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
   /// whose forces stand along the gradients at its middle.
   void add_tangent(Vec u, double scale, Mat K) const;
@@ -185,6 +186,8 @@ public:
   /// of the force of a stabilised step. A call with u_n = u and dt = 0 before the first step records the
   /// force of the start.
   void advance(Vec u_n, Vec u, double dt);
+  /// The same where the force is known: `residual` and `part` as add_residual made them at u.
+  void advance(Vec u_n, Vec u, double dt, Vec residual, const std::array<double, 3>& part);
   /// Before advance.
   ContactStep step(Vec u, bool force_at_end = false) const;
 
@@ -223,7 +226,8 @@ private:
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
   void add_force(const Constraint& c, Vector& force) const;
-  Vector total_force(Vec u) const; // on the secondary side, not times the thickness. Collective
+  Vector total_force(Vec u) const;   // on the secondary side, not times the thickness. Collective
+  Vector summed(Vector force) const; // of all ranks' parts, likewise
   double spring_energy(double gap, const Tangential& traction) const;
   void add_energy(const Constraint& c, double& energy) const;
   double thickness() const; // what is reported is multiplied by it

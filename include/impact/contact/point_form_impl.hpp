@@ -95,7 +95,7 @@ template <class G> PairSearch::Outcome PointForm<G>::update(Vec u, const Presses
     locate_anchors();
     if (!rigid()) locate_holds();
   }
-  if (!rigid()) tie(nodes().current(u), presses);
+  if (!rigid() && settings_.iterated) tie(nodes().current(u), presses);
   return outcome;
 }
 
@@ -165,8 +165,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
-    const Corners near = corners_from<Corners>(secondary_slots(f)[0], secondary_slots(f), u);
-    const double stretch = G::stretch(facet.corner, near, secondary_, f);
+    double stretch = 0; // of facets that face something
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
       if (points_.weight[number] == 0) continue;
@@ -182,6 +181,9 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const
         if (seen.candidate < 0) continue;
         sharpen(f, number, u, seen);
       }
+      if (stretch == 0)
+        stretch = G::stretch(
+            facet.corner, corners_from<Corners>(secondary_slots(f)[0], secondary_slots(f), u), secondary_, f);
       Constraint c;
       c.index = static_cast<int>(number);
       c.weight = points_.weight[number];

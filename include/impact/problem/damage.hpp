@@ -28,6 +28,8 @@ public:
   /// Solves for phi at t_{n+1} from the trial half of "drive"; phi (local, ghosts consistent) holds the guess
   /// on entry. Collective.
   ScalarOutcome solve(const DamageStep& step, std::vector<double>& phi);
+  /// A step in which phi stays as it is.
+  void rest();
 
   /// What the rate of phi dissipated in the last solve, per volume at the points: the sum over sub-steps.
   const std::vector<double>& dissipated() const { return dissipated_; }

@@ -98,8 +98,8 @@ public:
 
   /// Parts of the residual at u, prescribed rows included. Collective.
   void parts(Vec u, ForceParts& parts);
-  /// Its external and contact forces alone; internal ones stay as they are. Collective.
-  void outer_parts(Vec u, ForceParts& parts);
+  /// Of these the external forces alone, into a vector that is made where there is none. Collective.
+  void loads(Vec u, Handle<Vec>& external);
   void mass_multiply(Vec x, Vec y) { mass_.multiply(x, y); }
   void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
   /// Of a discretisation with lumped mass, at each dof.

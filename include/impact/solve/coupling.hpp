@@ -96,6 +96,7 @@ private:
   Augmentation augmentation_;
   StabilisedUpdate update_;
   std::optional<ExplicitStep> explicit_;
+  StateRow* damage_wait_ = nullptr; // steps and time since damage was solved
   PhiPasses phi_passes_;
   StepLimits limits_;
   FatigueGrowth fatigue_;

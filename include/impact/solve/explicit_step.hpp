@@ -1,8 +1,10 @@
 #pragma once
+#include <array>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/motion.hpp>
 #include <petscts.h>
 #include <string>
+#include <vector>
 
 /// A step of the motion by central differences: the displacement is known, the forces there give the
 /// acceleration by the lumped mass, and no equation is solved (theory.md, 7). How long a step may be comes
@@ -30,6 +32,8 @@ public:
   /// MotionProblem::advance has it. False where a cell lost its meaning. Collective.
   bool take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat);
   const ForceParts& forces() const { return forces_; }
+  /// Tells contacts of an accepted step what they did in it. Collective.
+  void advance_contacts(Vec u_n, Vec u, double dt);
 
 private:
   /// What prescribed dofs know at a time: u, v, the last a; null for none.
@@ -37,6 +41,7 @@ private:
     double t, dt;
     Vec u, v, a;
   };
+  void find_contact_forces(Vec u);
   void divide_by_mass(const Rates& now, Vec a);
   std::vector<double> contact_loads(const ContactInterface& contact);
   void set_penalties(double of_cells);
@@ -50,6 +55,11 @@ private:
   ExplicitScenario settings_;
   StateRow& row_;
   ForceParts forces_;
+  struct ContactForce {
+    Handle<Vec> residual;
+    std::array<double, 3> part{};
+  };
+  std::vector<ContactForce> of_contacts_;
   double contact_frequency_ = -1; ///< square of the highest one by penalties alone; negative: not known yet
 };
 
