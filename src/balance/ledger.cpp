@@ -192,7 +192,9 @@ double Ledger::dissipated() const {
 
 double Ledger::energy_scale() const { return sum(scale) > 0 ? sum(scale) : sum(scale) + 1e-300; }
 
-double Ledger::balance() const { return sum(identity) / energy_scale(); }
+double Ledger::balance() const {
+  return (sum(identity) + (energies_.total.kinetic - sum(kinetic))) / energy_scale();
+}
 
 double Ledger::balance_first_law() const {
   return (stored() + dissipated() - sum(external) - heat_supplied() - sum(start_energy)) / energy_scale();

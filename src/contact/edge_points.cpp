@@ -89,7 +89,7 @@ EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& s
     const PrimaryEdge<double> edge = edge_of(nodes(), list.facet[at(c)], x);
     const Foot<double> foot = closest_point(here, edge);
     const double distance = retraction(foot, facet.normal, search_.radius());
-    if (!may_meet(search_, foot, facet.normal, search_.depth(facet.number))) continue;
+    if (!may_meet(search_, foot, facet.normal, depth(facet.number))) continue;
     if (!(distance < nearest || (distance == nearest && distance < infinity &&
                                  precedes(nodes().X, primary_slots(c), primary_slots(best.candidate)))))
       continue;
@@ -109,7 +109,7 @@ bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const Con
   const bool goes_on = foot.xi < 0 ? seen.edge.has_previous : seen.edge.has_next;
   return !(std::abs(foot.xi) > (goes_on ? 1 + EdgePoints::hold.limit : 1.0)) &&
          retraction(foot, facet.normal, search_.radius()) < infinity &&
-         may_meet(search_, foot, facet.normal, search_.depth(facet.number));
+         may_meet(search_, foot, facet.normal, depth(facet.number));
 }
 
 template <>
@@ -121,17 +121,17 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
                        before = place_on(
                            corners_at<EdgeCorners>(secondary_slots(facet.number), nodes().start), shape);
   double earliest = infinity;
-  const double depth = search_.depth(facet.number);
+  const double deep = depth(facet.number);
   const Candidates& list = search_.candidates();
   for (int c : list.of(at(facet.number))) {
     const Seen seen = look(facet, shape, c, 0, x);
     const Foot<double>& foot = seen.foot;
-    if (!(foot.gap < -depth) || !(retraction(foot, facet.normal, infinity) < infinity)) continue;
+    if (!(foot.gap < -deep) || !(retraction(foot, facet.normal, infinity) < infinity)) continue;
     if (!may_meet(search_, foot, facet.normal, infinity)) continue;
     // Positions between the start and now are taken as straight in time.
     const PrimaryEdge<double> edge_n = edge_of(nodes(), list.facet[at(c)], nodes().start);
     const double gap_n = foot_on_line(before, edge_n).gap;
-    if (gap_n < -depth) continue;
+    if (gap_n < -deep) continue;
     const double part = gap_n > 0 ? gap_n / (gap_n - foot.gap) : 0;
     auto between = [part](const Point2<double>& from, const Point2<double>& to) {
       return Point2<double>{from[0] + part * (to[0] - from[0]), from[1] + part * (to[1] - from[1])};

@@ -122,13 +122,13 @@ FacePoints::Seen FacePointForm::look(const Facet& facet, const ShapeValues& shap
 template <>
 bool FacePointForm::may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const {
   if (!(seen.foot.opposition < -least_opposition) || !(seen.foot.gap < search_.radius())) return false;
-  const double depth = search_.depth(facet.number);
-  if (seen.foot.gap > -depth) return true;
+  const double deep = depth(facet.number);
+  if (seen.foot.gap > -deep) return true;
   // So deep only what came through the surface within this step.
   if (nodes().start.empty()) return false;
   const RayFoot before =
       look(facet_at(facet.number, nodes().start), shape, seen.candidate, seen.part, nodes().start).foot;
-  return before.opposition < -least_opposition && before.gap > -depth;
+  return before.opposition < -least_opposition && before.gap > -deep;
 }
 
 // The triangle before the point, or behind it: the nearest; beside the surface, the one next to it.

@@ -86,16 +86,18 @@ NodePairs ContactInterface::couplings() const {
   return rigid_nodes_.reduced(constraints_->form().couplings(), nodes());
 }
 
-std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r) const {
+std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r, Vec stiffness) const {
   const std::vector<double> values = nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const std::size_t m = constraints_->dim();
   const bool exact = constraints_->works_exactly();
   const double factor = exact ? 2 * scale : scale;
   Vector force{};
+  std::vector<double> stiff(stiffness ? values.size() : 0, 0.0);
   constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     add_force(c, force);
+    if (stiffness) add_stiffness_bound(c, stiff);
     const std::size_t n = c.gradient.size();
     for (std::size_t i = 0; i < n; ++i)
       f[constraints_->dof(c.node[i / m], i % m)] -= factor * c.weight * c.pressure * c.gradient[i];
@@ -105,8 +107,24 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r)
       f[constraints_->dof(c.node[i % n / m], i % m)] += factor * c.weight * t[i / n] * c.slip_gradient[i];
   });
   nodes().exchange.add(f, r);
+  if (stiffness) nodes().exchange.add(stiff, stiffness);
   if (exact) check(VecAXPY(r, -scale, last_force_));
   return force;
+}
+
+void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<double>& stiff) const {
+  const std::size_t m = constraints_->dim();
+  const auto size = [&](std::size_t node) {
+    double square = 0;
+    for (std::size_t k = 0; k < m; ++k) square += c.gradient[m * node + k] * c.gradient[m * node + k];
+    return std::sqrt(square);
+  };
+  double sum = 0;
+  for (std::size_t i = 0; i < c.node.size(); ++i) sum += m * (i + 1) <= c.gradient.size() ? size(i) : 0;
+  for (std::size_t i = 0; i < c.node.size() && m * (i + 1) <= c.gradient.size(); ++i) {
+    const double bound = c.weight * method().stiffness(c) * size(i) * sum;
+    for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += bound;
+  }
 }
 
 void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {

@@ -80,8 +80,9 @@ std::string EnergyWatch::text(double t, const char* option, double bound) const 
 std::string EnergyWatch::remedy() const {
   const bool inertia = stage_.inertia, damage = stage_.d.has_damage();
   const bool gained = stage_.ledger.energy_error() > 0;
+  const bool by_itself = stage_.scenario.explicit_steps();
   const int passes = stage_.scenario.coupling.max_it;
-  const bool few = damage && passes < 10;
+  const bool few = damage && passes < 10 && !by_itself;
   if (!inertia && !gained && damage)
     return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
@@ -90,6 +91,11 @@ std::string EnergyWatch::remedy() const {
   if (few)
     text += ", or damage lags behind the motion in " + std::to_string(passes) + " pass" +
             (passes == 1 ? "" : "es");
+  if (by_itself) {
+    const int every = stage_.scenario.coupling.damage_every;
+    return text + (every > 1 ? ", or damage is solved too rarely: take a smaller -ts_dt_cfl or -damage_every"
+                             : ": take a smaller -ts_dt_cfl");
+  }
   text += ": take a shorter -ts_dt";
   if (few) text += ", -coupling_snes_max_it 50";
   // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, N3).

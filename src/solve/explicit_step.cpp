@@ -21,6 +21,7 @@ ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, cons
   const FieldLayout& layout = motion.discretisation().displacement;
   forces_.internal = layout.make_global();
   forces_.contact = layout.make_global();
+  if (!motion.contacts().empty()) stiffness_ = layout.make_global();
   for (std::size_t c = 0; c < motion.contacts().size(); ++c)
     of_contacts_.push_back({layout.make_global(), {}});
 }
@@ -32,7 +33,7 @@ void ExplicitStep::start(Vec u, Vec v) {
   std::vector<double> before = place; // bulk viscosity knows the velocity by a step
   for (std::size_t i = 0; i < before.size(); ++i) before[i] -= dt * speed[i];
   dt = motion_.stable_step(u, before, dt, settings_.bulk);
-  row_.committed = row_.trial = {dt, 1, 1};
+  row_.committed = row_.trial = {dt, 1, 1, 0};
   set_penalties(dt);
 }
 
@@ -90,8 +91,8 @@ double ExplicitStep::longest() {
   if (contact_frequency_ < 0) contact_frequency_ = contact_frequency();
   const double dt = row_.committed[of_cells],
                cells = settings_.cfl * dt * (settings_.cfl == 1 ? 1 + rounding : 1);
-  if (contact_frequency_ == 0) return cells;
-  return std::min(cells, 2 / std::sqrt(4 / (dt * dt) + contact_frequency_));
+  const double square = std::max(contact_frequency_, row_.committed[of_penalties]);
+  return std::min(cells, 2 / std::sqrt(4 / (dt * dt) + square));
 }
 
 std::string ExplicitStep::text(double asked) {
@@ -147,13 +148,17 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
 
 void ExplicitStep::find_contact_forces(Vec u) {
   check(VecSet(forces_.contact, 0));
+  if (of_contacts_.empty()) return;
+  check(VecSet(stiffness_, 0));
   auto known = of_contacts_.begin();
   for (const ContactInterface& contact : motion_.contacts()) {
     check(VecSet(known->residual, 0));
-    known->part = contact.add_residual(u, 1, known->residual);
+    known->part = contact.add_residual(u, 1, known->residual, stiffness_);
     check(VecAXPY(forces_.contact, -1, known->residual));
     ++known;
   }
+  check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
+  check(VecMax(stiffness_, nullptr, &row_.trial[of_penalties]));
 }
 
 void ExplicitStep::advance_contacts(Vec u_n, Vec u, double dt) {

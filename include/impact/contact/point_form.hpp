@@ -124,6 +124,13 @@ private:
   Seen look(const Facet& facet, const ShapeValues& shape, int candidate, int part,
             const ContactValues& x) const;
   bool may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const;
+  // How deep a point is seen that did not come through a surface within the step. Explicit steps move bodies
+  // by far less than a facet: what is deeper lies behind another part of a body, which cells that broke have
+  // laid open.
+  double depth(int facet) const {
+    const double seen = search_.depth(facet);
+    return settings_.iterated ? seen : std::min(seen, secondary_.length[at(facet)] / 2);
+  }
   // Once more with all digits: a penalty makes a pressure of what is lost.
   void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
   // Of faces: the point and the triangle that it sees.

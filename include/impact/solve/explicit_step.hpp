@@ -47,8 +47,9 @@ private:
   void set_penalties(double of_cells);
   double contact_frequency();
 
-  /// Components of the row "stable_step": of the cells; steps between two looks at them, and until the next.
-  enum { of_cells, interval, left, components };
+  /// Components of the row "stable_step": that of the cells; steps between two looks at them, and until the
+  /// next; bound of the square of the frequencies by penalties at work, on their own.
+  enum { of_cells, interval, left, of_penalties, components };
   TS ts_;
   MotionProblem& motion_;
   StateTable& state_;
@@ -60,7 +61,9 @@ private:
     std::array<double, 3> part{};
   };
   std::vector<ContactForce> of_contacts_;
-  double contact_frequency_ = -1; ///< square of the highest one by penalties alone; negative: not known yet
+  double contact_frequency_ =
+      -1;                 ///< likewise of a whole surface that meets one like it; negative: not known yet
+  Handle<Vec> stiffness_; ///< of penalties at work
 };
 
 } // namespace impact
