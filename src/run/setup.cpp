@@ -76,6 +76,7 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
     if (!s.has_motion() || p.damage == Damage::none) p.fatigue_a = 0;
     if (!s.has_heat()) p.c_v = p.eos_gamma = 0;
     if (!s.has_motion()) {
+      p.jc_failure = false;
       p.model = Model::elastic;
       p.b_d = p.alpha_t = 0;
       p.equation_of_state = EquationOfState::none;

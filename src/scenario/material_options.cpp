@@ -163,9 +163,10 @@ void add_heat(MaterialRows& rows) {
   row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
              "part of the plastic work that is dissipated");
   Rows(rows)
-      .number("c_v", &Material::c_v, "J/(m^3.K) c_V (57)", positive,
-              "heat capacity at fixed elastic volume, that of free expansion, per reference volume; in "
-              "J/(kg.K) it is multiplied by rho")
+      .number(
+          "c_v", &Material::c_v, "J/(m^3.K) c_V (57)", positive,
+          "heat capacity at fixed elastic volume, that of free expansion, or with eos at fixed volume; per "
+          "reference volume; in J/(kg.K) it is multiplied by rho")
       .otherwise("none: no heat")
       .needed(
           [](const Material& m, const Scenario& s) {

@@ -117,7 +117,22 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
         exchanged);
     EXPECT_TRUE(std::isfinite(exchanged[0][0])) << name;
   }
+  const Batch* const history_n = in.history;
   in.history = trial;
+  if (law.flows()) { // D1 alone: the measure is the plastic strain of the step over D1
+    MaterialParameters fragile = m;
+    fragile.jc_failure = true, fragile.jc_d1 = 0.5;
+    Batch failure[points], failure_n[points];
+    for (auto& x : failure_n) x = 0.25;
+    EXPECT_EQ((kernels<Cell, frame>().failure_advance(PointLaw{fragile}, in, history_n, failure_n, failure)),
+              0)
+        << name;
+    const int alpha = symmetric_size(Cell::dim);
+    for (int q = 0; q < points; ++q)
+      EXPECT_NEAR(failure[q][0], 0.25 + (trial[q * size + alpha][0] - history_n[q * size + alpha][0]) / 0.5,
+                  1e-14)
+          << name;
+  }
   CellOutput out;
   kernels<Cell, frame>().cell_output(law, in, out);
   EXPECT_GT(out.von_mises[0], 0) << name;

@@ -84,6 +84,8 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
   PlasticDegradation gp = PlasticDegradation::one;
+  bool jc_failure = false; ///< whether the failure measure is followed (failure.hpp)
+  double jc_d1 = 0, jc_d2 = 0, jc_d3 = 0, jc_d4 = 0, jc_d5 = 0;
   double plastic_threshold = 0; ///< W_0: damage is driven by <H_0 - W_0> (energy per volume)
   DamageGradient damage_gradient = DamageGradient::spatial;
 };

@@ -52,6 +52,7 @@ struct PointLaw {
   bool softens() const { return flows() && parameters.softening != Softening::none; }
   bool viscous() const { return parameters.b_d > 0; }
   bool fatigues() const { return parameters.damage != Damage::none && parameters.fatigue_a > 0; }
+  bool fails() const { return flows() && parameters.jc_failure; }
   bool crack_stress() const {
     return parameters.damage != Damage::none && parameters.damage_gradient == DamageGradient::spatial;
   }
