@@ -19,7 +19,7 @@ void add(const EnergySums& sums, int used, MaterialEnergies& to) {
 }
 
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {
-  double most[4] = {0, 0, 0, 0};
+  double most[5] = {0, 0, 0, 0, 0};
   const auto largest = [&](const StateRow* row, double& peak) {
     if (row == nullptr) return;
     for (const double value : trial ? row->trial : row->committed) peak = std::max(peak, value);
@@ -27,6 +27,7 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   largest(rows.phi, most[0]);
   largest(rows.theta, most[2]);
   largest(rows.fatigue, most[3]);
+  largest(rows.failure, most[4]);
   const std::vector<double>& history = trial ? rows.history.trial : rows.history.committed;
   most[1] = largest_alpha(d.frame, history);
   max_over_ranks(d.mesh.comm(), most);
@@ -34,13 +35,14 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   energies.alpha_max = most[1];
   energies.theta_max = most[2];
   energies.fatigue_max = most[3];
+  energies.failure_max = most[4];
 }
 
 } // namespace
 
 BodyRows::BodyRows(StateTable& state)
     : history(state.row("history")), drive(state.row("drive")), phi(state.find("phi")),
-      theta(state.find("theta")), fatigue(state.find("fatigue")) {}
+      theta(state.find("theta")), fatigue(state.find("fatigue")), failure(state.find("jc_failure")) {}
 
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial) {
   std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;

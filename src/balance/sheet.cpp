@@ -41,7 +41,8 @@ void Ledger::append(HistoryFile::Row& row) const {
                             {"phi_max", d.has_damage(), energies_.phi_max},
                             {"alpha_max", d.has_plasticity(), energies_.alpha_max},
                             {"theta_max", heat, energies_.theta_max},
-                            {"fatigue_max", d.has_fatigue(), energies_.fatigue_max}};
+                            {"fatigue_max", d.has_fatigue(), energies_.fatigue_max},
+                            {"jc_failure_max", d.has_failure(), energies_.failure_max}};
   for (const Column& column : columns)
     if (column.there) row.emplace_back(column.name, column.value);
   reactions_.append(row, [&](std::size_t condition) { return heat_->supplied_by(condition); });

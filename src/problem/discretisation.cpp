@@ -149,6 +149,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
   rows.trial = rows.committed;
   table.add({"drive", Support::cell_point, drive_size}, d.point_values(drive_size));
   if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, d.point_values(1));
+  if (d.has_failure()) table.add({"jc_failure", Support::cell_point, 1}, d.point_values(1));
 }
 
 } // namespace impact

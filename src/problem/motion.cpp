@@ -1,6 +1,7 @@
 #include "motion_batch.hpp"
 #include <algorithm>
 #include <cmath>
+#include <impact/material/equation_of_state.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/problem/motion.hpp>
@@ -210,10 +211,14 @@ std::string MotionProblem::broken_text() const {
   double data[5] = {broken_.min_J, broken_.x[0], broken_.x[1], broken_.x[2],
                     static_cast<double>(broken_.material)};
   MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d_.mesh.comm());
+  const MaterialAssignment& material = d_.materials[static_cast<std::size_t>(data[4])];
+  const MaterialParameters& m = material.law.parameters;
+  const bool beyond = has_state(m) && !within_state(m, data[0] - 1);
   return text_of("%s (J=%.3g) at x=%s in material %s",
-                 data[0] <= 0 ? "cell inverted" : "law failed in a cell", data[0],
-                 place_text(data + 1, d_.dim(), "%.6g", ",").c_str(),
-                 d_.materials[static_cast<std::size_t>(data[4])].id.c_str());
+                 data[0] <= 0 ? "cell inverted"
+                 : beyond     ? "cell compressed beyond the end of its equation of state"
+                              : "law failed in a cell",
+                 data[0], place_text(data + 1, d_.dim(), "%.6g", ",").c_str(), material.id.c_str());
 }
 
 } // namespace impact

@@ -17,6 +17,9 @@ const std::pair<std::string, std::vector<double> ContactFields::*> contact_field
     {"contact_traction", &ContactFields::traction},
     {"contact_slip", &ContactFields::slip}};
 
+// Fields that are rows with one number per point.
+bool is_point_row(std::string_view name) { return name == "fatigue" || name == "jc_failure"; }
+
 // Mean over each cell of a row with one number per point.
 Batch cell_mean(const CellBatch& batch, const std::vector<double>& row) {
   const auto X = batch.vectors(batch.d.mesh.coordinates());
@@ -36,7 +39,7 @@ void FieldSource::require(const std::string& key, const std::string& name, bool 
   for (const FieldNote& field : field_notes()) {
     const bool is_contact = std::string_view(field.name).starts_with("contact_");
     if (field.on_nodes ? is_contact && !motion_.contacts().empty()
-                       : !nodal_only && (field.name != std::string("fatigue") || state_.find("fatigue")))
+                       : !nodal_only && (!is_point_row(field.name) || state_.find(field.name)))
       offered.emplace_back(field.name);
   }
   if (std::ranges::find(offered, name) == offered.end())
@@ -63,15 +66,15 @@ std::vector<double> FieldSource::cell_means(const std::string& name, int compone
   };
   const std::vector<double>&u = state_.row("u").committed, &history = state_.row("history").committed;
   const auto *const phi_row = values_of("phi"), *const theta_row = values_of("theta");
-  const StateRow* const fatigue = name == "fatigue" ? &state_.row(name) : nullptr;
+  const StateRow* const row = is_point_row(name) ? &state_.row(name) : nullptr;
   std::vector<double> values;
   const auto append = [&](const Batch* source) {
     for (int k = 0; k < components; ++k)
       for (int l = 0; l < lanes; ++l) values.push_back(source[k][l]);
   };
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
-    if (fatigue != nullptr) {
-      const Batch mean = cell_mean(batch, fatigue->committed);
+    if (row != nullptr) {
+      const Batch mean = cell_mean(batch, row->committed);
       return append(&mean);
     }
     const auto X = batch.vectors(d.mesh.coordinates()), place = batch.vectors(u);

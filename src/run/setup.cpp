@@ -74,10 +74,12 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
     // Physics that is switched off leaves no trace in the law. A body that is not moved expands freely.
     if (!s.has_damage()) p.damage = Damage::none;
     if (!s.has_motion() || p.damage == Damage::none) p.fatigue_a = 0;
-    if (!s.has_heat()) p.c_v = 0;
+    if (!s.has_heat()) p.c_v = p.eos_gamma = 0;
     if (!s.has_motion()) {
+      p.jc_failure = false;
       p.model = Model::elastic;
       p.b_d = p.alpha_t = 0;
+      p.equation_of_state = EquationOfState::none;
       p.locking = Locking::none;
     }
     materials.push_back({PointLaw{p}, m.regions, m.id, m.points});

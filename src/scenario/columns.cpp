@@ -72,6 +72,7 @@ constexpr ColumnNote history[] = {
     {"alpha_max", "", "largest plastic strain at a point of a cell"},
     {"theta_max", "K", "largest temperature at a node, absolute"},
     {"fatigue_max", "N/m", "largest fatigue variable at a point; broken at Gc (F1)"},
+    {"jc_failure_max", "", "largest failure measure at a point, failed at 1 (55d)"},
     {"reaction_<bc>_<axis>", "N",
      "force of the support on the bodies, over the condition's group, or of the guide on obstacle_<contact> "
      "(section 11)"},
@@ -145,6 +146,7 @@ constexpr FieldNote fields[] = {
     {"alpha", 1, false, "", "plastic strain, mean over the cell"},
     {"pressure", 1, false, "Pa", "minus a third of the trace of the stress, compression positive"},
     {"fatigue", 1, false, "N/m", "fatigue variable, mean over the cell (F1)"},
+    {"jc_failure", 1, false, "", "failure measure, mean over the cell, failed at 1 (55d)"},
     {"contact_pressure", 1, true, "Pa", "per current area, pressing positive; 0 off the surface"},
     {"contact_gap", 1, true, "m", "open positive; nan where nothing is near"},
     {"contact_status", 1, true, "", "0 open, 1 sticks, 2 slides or presses without friction"},

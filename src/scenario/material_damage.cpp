@@ -76,6 +76,12 @@ void add_split(MaterialRows& rows) {
               "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
               Split::spectral)
       .notation("g_e2 (49)")
+      .refused(
+          spectral([](const Material& m, const Scenario&) {
+            return m.law.equation_of_state != EquationOfState::none;
+          }),
+          "not available with <>eos, whose energy is no sum over principal stretches; allowed: <>eos none" +
+              remedy)
       .refused(spectral([](const Material& m, const Scenario&) { return m.law.model == Model::j2; }),
                "the return map wants one factor for the whole deviator, the split has two; allowed: "
                "<>model elastic" +

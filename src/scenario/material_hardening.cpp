@@ -109,7 +109,8 @@ void add_rate_and_softening(MaterialRows& rows) {
   row.number("jc_rate0", &Material::rate_0, "1/s rate0 (55a)", positive,
              "rate of alpha from which jc_c counts")
       .otherwise("required with jc_c")
-      .needed(flowing([](const Material& m) { return m.law.rate_c > 0; }), "a rate is needed by <>jc_c");
+      .needed(flowing([](const Material& m) { return m.law.rate_c > 0; }), "a rate is needed by <>jc_c")
+      .needed(flowing([](const Material& m) { return m.law.jc_d4 != 0; }), "a rate is needed by <>jc_d4");
   row.choice("softening", &Material::softening,
              "factor of the temperature on k; linear: 1 - w (theta - theta0); johnson_cook: 1 - T*^m; auto: "
              "johnson_cook with the hardening of that name where jc_theta_melt is given, else none",
@@ -128,8 +129,10 @@ void add_rate_and_softening(MaterialRows& rows) {
           "temperature of melting, where T* = (theta - theta_ref)/(theta_melt - theta_ref) is 1 and k zero")
       .otherwise("required with softening johnson_cook")
       .needed(with_softening(Softening::johnson_cook), "needed by <>softening johnson_cook")
+      .needed(flowing([](const Material& m) { return m.law.jc_d5 != 0; }), "needed by <>jc_d5")
       .barred(flowing([](const Material& m) {
-                return m.law.softening == Softening::johnson_cook && m.law.theta_melt <= m.law.theta_ref;
+                return (m.law.softening == Softening::johnson_cook || m.law.jc_d5 != 0) &&
+                       m.law.theta_melt <= m.law.theta_ref;
               }),
               [](const Material& m) {
                 return ": not above <>jc_theta_ref " + number_text(m.law.theta_ref) +
@@ -138,6 +141,25 @@ void add_rate_and_softening(MaterialRows& rows) {
   row.number("jc_theta_ref", &Material::theta_ref, "K theta_ref (55a)", positive,
              "temperature up to which T* is 0")
       .otherwise("theta0");
+}
+
+void add_failure(MaterialRows& rows) {
+  Rows of_law(rows, RestartKey::guarded, &Material::law);
+  of_law
+      .flag("jc_failure", &Law::jc_failure,
+            "the failure measure D of Johnson and Cook is followed where the material flows, column "
+            "jc_failure_max and field jc_failure: dD = dalpha/eps_f, eps_f = (D1 + D2 exp(D3 sigma*)) "
+            "(1 + D4 ln(rate/rate0)) (1 + D5 T*), sigma* the mean stress over that of von Mises, tension "
+            "positive; nothing else depends on it")
+      .notation("D (55d)");
+  of_law.number("jc_d1", &Law::jc_d1, "1 D1 (55d)", any_number, "its D1")
+      .needed([](const Material& m) { return m.law.jc_failure && m.law.jc_d1 == 0 && m.law.jc_d2 == 0; },
+              "<>jc_failure needs it, or <>jc_d2");
+  of_law.number("jc_d2", &Law::jc_d2, "1 D2 (55d)", {0, 1e6, false, false}, "its D2");
+  of_law.number("jc_d3", &Law::jc_d3, "1 D3 (55d)", any_number, "its D3, negative in most metals");
+  of_law.number("jc_d4", &Law::jc_d4, "1 D4 (55d)", any_number, "its D4, above the rate jc_rate0");
+  of_law.number("jc_d5", &Law::jc_d5, "1 D5 (55d)", any_number,
+                "its D5, with jc_theta_ref and jc_theta_melt");
 }
 
 } // namespace
@@ -150,11 +172,12 @@ Softening softening_of(const MaterialScenario& m) {
 void add_hardening(std::vector<OptionRow<MaterialScenario>>& rows) {
   add_curves(rows);
   add_rate_and_softening(rows);
+  add_failure(rows);
 }
 
 void resolve_hardening(MaterialScenario& m) {
   Law& law = m.law;
-  if (law.rate_c > 0) law.rate_0 = m.rate_0;
+  if (law.rate_c > 0 || law.jc_d4 != 0) law.rate_0 = m.rate_0;
   if (const std::string own = own_yield(m); own == "table") {
     law.hardening = HardeningKind::table;
     law.sigma_y = law.table->at(0).k;

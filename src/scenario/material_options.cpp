@@ -1,6 +1,7 @@
 #include "classes.hpp"
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 /// The options of materials, -material_<id>_..., and the law that is made of them: elasticity and heat here,
 /// hardening and damage in files of their own.
@@ -14,6 +15,7 @@ using MaterialRows = std::vector<OptionRow<Material>>;
 
 bool given(double number) { return !std::isnan(number); }
 bool by_K(const Material& m) { return given(m.K) || given(m.G); }
+bool of_state(const Material& m) { return m.law.equation_of_state != EquationOfState::none; }
 bool is_rigid(const Material& m) { return m.law.model == Model::rigid; }
 
 /// Whether moduli are looked at: heat alone does without.
@@ -36,11 +38,12 @@ std::string taken_region(const Material& m, const Scenario& s) {
 void add_elasticity(MaterialRows& rows) {
   const Interval modulus{0, 1e15, true, false};
   const std::string fallback = "required, or K and G", remedy = "give <>E and <>nu, or <>K and <>G";
+  const std::string told = ": has no meaning with <>eos, whose bulk modulus is rho c0^2; give <>G alone";
   const auto by_young = [](const Material& m, const Scenario& s) {
-    return wants_moduli(m, s) && !is_rigid(m) && !by_K(m);
+    return wants_moduli(m, s) && !is_rigid(m) && !by_K(m) && !of_state(m);
   };
   const auto by_bulk = [](const Material& m, const Scenario& s) {
-    return wants_moduli(m, s) && !is_rigid(m) && by_K(m);
+    return wants_moduli(m, s) && !is_rigid(m) && by_K(m) && !of_state(m);
   };
   Rows row(rows);
   row.list("region", &Material::regions, "regions of the mesh made of it")
@@ -55,16 +58,24 @@ void add_elasticity(MaterialRows& rows) {
   row.number("E", &Material::E, "Pa E (52)-(53)", modulus, "Young's modulus, with nu")
       .otherwise(fallback)
       .needed(by_young, remedy)
-      .barred(by_bulk, ": contradicts K and G; " + remedy);
+      .barred(by_bulk, ": contradicts K and G; " + remedy)
+      .barred(of_state, told);
   row.number("nu", &Material::nu, "1 nu (52)-(53)", {-1, 0.5, true, true}, "Poisson's ratio")
       .otherwise(fallback)
       .needed(by_young, remedy)
-      .barred(by_bulk, ": contradicts K and G; " + remedy);
-  row.number("K", &Material::K, "Pa K (52)", modulus, "bulk modulus, with G").needed(by_bulk, remedy);
-  row.number("G", &Material::G, "Pa G (53)", modulus, "shear modulus, with K").needed(by_bulk, remedy);
+      .barred(by_bulk, ": contradicts K and G; " + remedy)
+      .barred(of_state, told);
+  row.number("K", &Material::K, "Pa K (52)", modulus, "bulk modulus, with G")
+      .needed(by_bulk, remedy)
+      .barred(of_state, told);
+  row.number("G", &Material::G, "Pa G (53)", modulus, "shear modulus, with K or an equation of state")
+      .needed(by_bulk, remedy)
+      .needed([](const Material& m) { return of_state(m) && !is_rigid(m); },
+              "the shear modulus is needed beside <>eos, which tells the bulk modulus");
   of_law.number("rho", &Law::rho, "kg/m^3 rho_0 (3)", {0, 1e6, true, false}, "reference density")
       .otherwise("required with inertia or a body force")
       .needed([](const Material& m) { return given(m.c_mass); }, "<>c_v is given per mass")
+      .needed(of_state, "the bulk modulus of <>eos is rho c0^2")
       .needed(
           [](const Material&, const Scenario& s) {
             return std::ranges::any_of(s.bcs, [](const auto& bc) { return bc.type == BcType::body_force; });
@@ -79,6 +90,58 @@ void add_elasticity(MaterialRows& rows) {
       .refused([](const Material& m,
                   const Scenario& s) { return s.plane == PlaneMode::stress && m.locking != Locking::none; },
                "has no meaning with -plane stress, where the volume is free; allowed: auto, none");
+}
+
+/// Whether the pressure of an equation of state feels heat.
+bool heats(const Material& m, const Scenario& s) {
+  return of_state(m) && s.solves("heat") && m.has_capacity();
+}
+/// Gamma^2 c_V theta_0: what a body that is pressed is stiffer by where no heat leaves it.
+double adiabatic_part(const Material& m) {
+  const double c_v = given(m.c_mass) ? m.c_mass * m.law.rho : m.c_v;
+  return m.eos_gamma * m.eos_gamma * c_v * m.law.theta0;
+}
+
+void add_state(MaterialRows& rows) {
+  const Interval speed{0, 1e6, true, false};
+  const auto without = [](const Material& m) { return !of_state(m); };
+  const std::string useless = ": has no meaning without <>eos; add <>eos mie_grueneisen, or remove it";
+  Rows row(rows);
+  Rows of_law(rows, RestartKey::guarded, &Material::law);
+  of_law
+      .choice("eos", &Law::equation_of_state,
+              "equation of state, in the place of the volumetric energy (52), for high pressure; "
+              "mie_grueneisen: from shocks with the speed U_s = c0 + s u_p; with rho and G in the place of E "
+              "and nu, the bulk modulus is rho c0^2",
+              "none", EquationOfState::none, "mie_grueneisen", EquationOfState::mie_grueneisen)
+      .notation("p (52a)")
+      .refused(
+          [](const Material& m, const Scenario& s) { return of_state(m) && s.plane == PlaneMode::stress; },
+          "not available with -plane stress, where nothing is pressed hard; allowed: strain, "
+          "axisymmetric, or meshes in space; choose none");
+  row.number("eos_c0", &Material::eos_c0, "m/s c_0 (52a)", speed, "speed of weak shocks, that of sound")
+      .otherwise("required with eos mie_grueneisen")
+      .needed(of_state, "<>eos mie_grueneisen needs it")
+      .barred(without, useless);
+  of_law
+      .number("eos_s", &Law::eos_s, "1 s (52a)", {0, 10, false, false},
+              "growth of the speed of shocks with that of the material")
+      .barred(without, useless);
+  row.number("eos_gamma", &Material::eos_gamma, "1 Gamma (52a)", {0, 20, false, false},
+             "Grueneisen's Gamma, with heat: the pressure Gamma c_v (theta - theta0)")
+      .otherwise("required with eos mie_grueneisen and heat")
+      .needed(heats, "<>eos mie_grueneisen needs it with heat")
+      .barred(without, useless)
+      .refused(
+          [](const Material& m, const Scenario& s) { return heats(m, s) && m.eos_gamma > 2 * m.law.eos_s; },
+          [](const Material& m) {
+            return "is above twice <>eos_s " + number_text(m.law.eos_s) +
+                   ", where the energy has no lower bound; allowed: 0 to 2 s";
+          })
+      .refused([](const Material& m,
+                  const Scenario& s) { return heats(m, s) && std::numbers::e * adiabatic_part(m) > m.law.K; },
+               "Gamma^2 c_v theta0 is more than a third of rho c0^2, and the energy not positive; check the "
+               "units of <>c_v and <>eos_c0");
 }
 
 /// Per volume, or per mass with a unit that says so.
@@ -100,9 +163,10 @@ void add_heat(MaterialRows& rows) {
   row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
              "part of the plastic work that is dissipated");
   Rows(rows)
-      .number("c_v", &Material::c_v, "J/(m^3.K) c_V (57)", positive,
-              "heat capacity at fixed elastic volume, that of free expansion, per reference volume; in "
-              "J/(kg.K) it is multiplied by rho")
+      .number(
+          "c_v", &Material::c_v, "J/(m^3.K) c_V (57)", positive,
+          "heat capacity at fixed elastic volume, that of free expansion, or with eos at fixed volume; per "
+          "reference volume; in J/(kg.K) it is multiplied by rho")
       .otherwise("none: no heat")
       .needed(
           [](const Material& m, const Scenario& s) {
@@ -127,14 +191,16 @@ void add_heat(MaterialRows& rows) {
   row.choice("gtheta", &Law::gtheta, "degradation of the conductivity by damage: g_e1 or 1", "ge",
              ConductionDegradation::ge, "one", ConductionDegradation::one)
       .notation("g_theta (63)");
-  row.number("alpha_t", &Law::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion");
+  Rows(rows)
+      .number("alpha_t", &Material::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion")
+      .barred(of_state, ": follows from <>eos_gamma; remove it");
   row.number("theta0", &Law::theta0, "K theta_0 (46)", positive, "reference temperature");
 }
 
 /// What a rigid material would be told in vain.
 void bar_from_rigid(MaterialRows& rows) {
   for (OptionRow<Material>& row : rows)
-    for (const char* name : {"E", "nu", "K", "G", "damage", "b_d", "sigma_y"})
+    for (const char* name : {"E", "nu", "K", "G", "eos", "damage", "b_d", "sigma_y"})
       if (row.name == name)
         row.barred([](const Material& m, const Scenario& s) { return is_rigid(m) && wants_moduli(m, s); },
                    ": has no meaning with <>model rigid; allowed: region, rho; remove it");
@@ -144,7 +210,7 @@ void bar_from_rigid(MaterialRows& rows) {
 Split automatic_split(const Material& m, const Scenario& scenario) {
   const Law& law = m.law;
   const bool cured = m.locking ? m.locking != Locking::none : keeps_volume(law);
-  const bool possible = law.damage != Damage::none && law.model == Model::elastic && !cured &&
+  const bool possible = law.damage != Damage::none && law.model == Model::elastic && !cured && !of_state(m) &&
                         scenario.plane != PlaneMode::stress &&
                         !(scenario.solves("heat") && m.has_capacity()) && 3 * law.K >= 2 * law.G;
   return possible ? Split::spectral : Split::volumetric;
@@ -153,7 +219,10 @@ Split automatic_split(const Material& m, const Scenario& scenario) {
 /// The law from what the user said.
 void resolve(Material& m, const Scenario& scenario) {
   Law& law = m.law;
-  if (given(m.K)) {
+  if (of_state(m)) {
+    law.K = law.rho * m.eos_c0 * m.eos_c0;
+    law.G = m.G;
+  } else if (given(m.K)) {
     law.K = m.K;
     law.G = m.G;
   } else if (given(m.E)) {
@@ -161,6 +230,11 @@ void resolve(Material& m, const Scenario& scenario) {
     law.G = m.E / (2 * (1 + m.nu));
   }
   law.c_v = given(m.c_mass) ? m.c_mass * law.rho : m.c_v;
+  law.alpha_t = m.alpha_t;
+  if (heats(m, scenario)) {
+    law.eos_gamma = m.eos_gamma;
+    law.alpha_t = m.eos_gamma * law.c_v / (3 * (law.K - adiabatic_part(m))); // at theta_0 and without stress
+  }
   law.sigma_y = m.sigma_y;
   if (given(m.linear_h)) law.linear_h = m.linear_h;
   if (scenario.has_motion() && law.model == Model::j2) resolve_hardening(m);
@@ -176,6 +250,7 @@ OptionClass<MaterialScenario> material_class() {
       "`-material_<id>_like <other>` takes everything but the region from another material first.",
       &Scenario::materials};
   add_elasticity(table.rows);
+  add_state(table.rows);
   add_hardening(table.rows);
   add_heat(table.rows);
   add_damage(table.rows);

@@ -47,9 +47,15 @@ Attributes attributes_of(const OptionClass<Struct>& table, const std::string& id
   }
   for (const auto& row : table.rows)
     if (auto option = given_option(option_name(table.word, id, row.name))) own[row.name] = std::move(*option);
-  // The two pairs of moduli exclude each other: the nearer one wins.
-  if (own.count("E") || own.count("nu")) all.erase("K"), all.erase("G");
-  if (own.count("K") || own.count("G")) all.erase("E"), all.erase("nu");
+  // The two pairs of moduli exclude each other, and an equation of state all but G: the nearer one wins.
+  const auto drop = [&](std::initializer_list<const char*> names) {
+    for (const char* name : names) all.erase(name);
+  };
+  const bool young = own.count("E") || own.count("nu");
+  if (young) drop({"K", "G"});
+  if (own.count("K") || own.count("G")) drop({"E", "nu"});
+  if (young || own.count("K") || own.count("eos")) drop({"eos", "eos_c0", "eos_s", "eos_gamma"});
+  if (own.count("eos_c0")) drop({"E", "nu", "K", "alpha_t"});
   for (auto& [name, option] : own) all[name] = std::move(option);
   return all;
 }

@@ -183,8 +183,11 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   if (number > 1 && fields_.heat) pass_.theta = fields_.state.row("theta").trial;
   if (settings_.moves && !explicit_ && !motion_pass(u, result)) return result;
   if (!advance_points(u, result)) return result;
-  if (fields_.damage || fields_.heat) fields_.motion.discretisation().displacement.to_local(u, pass_.u);
-  if (fields_.damage) damage_pass(result);
+  const bool follows_failure = fields_.state.find("jc_failure") != nullptr;
+  if (fields_.damage || fields_.heat || follows_failure)
+    fields_.motion.discretisation().displacement.to_local(u, pass_.u);
+  if (follows_failure) failure_pass(result);
+  if (fields_.damage && result.inner >= 0) damage_pass(result);
   if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
   return result;
@@ -255,6 +258,13 @@ void Coupling::damage_pass(PassResult& result) {
   phi_passes_.report(pass_.number, phi);
   if (std::string refusal = limits_.damage(change.growth); !refusal.empty())
     refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+}
+
+void Coupling::failure_pass(PassResult& result) {
+  const FailureStep step{fields_.motion.step().dt, &pass_.u, fields_.damage ? &pass_.phi : nullptr,
+                         fields_.heat ? &pass_.theta : nullptr};
+  if (!grow_failure(fields_.motion.discretisation(), fields_.state, step))
+    refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "failure: its measure is not finite");
 }
 
 void Coupling::fatigue_pass(PassResult& result) {

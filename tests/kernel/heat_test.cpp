@@ -14,11 +14,16 @@ namespace {
 template <class> struct HeatCell : testing::Test {};
 TYPED_TEST_SUITE(HeatCell, reference::Elements);
 
-/// Free energy of heat and volume, psi_theta + g_v U(J/J_th), as it is written.
+/// Free energy of heat and volume, psi_theta + g_v U(J/J_th), as it is written, or (52d).
 template <class T> T free_energy(const MaterialParameters& m, double J, double phi, const T& theta) {
-  const T Je = J / reference::J_theta(m, theta);
+  const T J_th = reference::J_theta(m, theta), Je = J / J_th;
   const double g = real(Complex(Je)) >= 1 ? reference::g_e1(m, phi) : reference::g_e2(m, phi);
-  return g * m.K / 2 * ((Je * Je - 1.0) / 2.0 - std::log(Je)) -
+  T free = 0.0; // what an equation of state has at its volume without stress
+  if (m.equation_of_state != EquationOfState::none) {
+    const auto at = reference::isotherm(m, J_th);
+    free = at.U - at.dU * (J_th - 1.0);
+  }
+  return free + g * reference::volume_energy(m, T(J), J_th) -
          m.c_v * (theta * std::log(theta / m.theta0) - (theta - m.theta0));
 }
 
@@ -104,6 +109,7 @@ MaterialParameters hot_aluminium(int k) {
   m.split = k % 5 ? Split::volumetric : Split::none;
   m.gp = k % 7 ? PlasticDegradation::one : PlasticDegradation::ge;
   m.damage_gradient = k % 6 ? DamageGradient::spatial : DamageGradient::material;
+  if (k % 3 == 1) reference::set_state(m, true);
   return m;
 }
 

@@ -232,3 +232,27 @@ TYPED_TEST(Motion, InertiaIsTheConsistentMass) {
       }
   }
 }
+
+// Beyond 1 - s eta = 0, at J = 0.253, numbers are finite again, and wrong.
+TYPED_TEST(Motion, CellBeyondTheEndOfItsEquationOfStateIsBroken) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim, dim = Cell::dim;
+  Sampler random(16);
+  for (const Locking locking : {Locking::none, Locking::mean, Locking::fbar}) {
+    MaterialParameters m = aluminium();
+    m.model = Model::elastic, m.damage = Damage::none, m.locking = locking;
+    reference::set_state(m, false);
+    const reference::CellBatch<Cell, frame> batch(reference::cases<Cell, frame>(random, 0.0));
+    MotionInput in = batch.input(1);
+    in.theta = nullptr;
+    Batch r[dofs], u[dofs];
+    in.u = u;
+    for (const double eta : {0.74, 0.76}) {
+      for (int i = 0; i < dofs; ++i) r[i] = 0.0, u[i] = i % dim == dim - 1 ? -eta * batch.X[i] : Batch(0.0);
+      const CellStatus status = kernels<Cell, frame>().motion_residual(PointLaw{m}, in, r);
+      EXPECT_EQ(status.bad, eta < 0.75 ? 0 : (1 << lanes) - 1);
+      EXPECT_NEAR(status.min_J[0], 1 - eta, 1e-12);
+    }
+  }
+}

@@ -38,7 +38,8 @@ using Elements =
                    Element<impact::Quad4, Frame::plane_strain>, Element<impact::Quad4, Frame::axisymmetric>,
                    Element<impact::Tet4, Frame::solid>, Element<impact::Hex8, Frame::solid>>;
 
-/// Aluminium with the k-th choice of locking cure, split, degradations, viscosity and damage gradient.
+/// Aluminium with the k-th choice of locking cure, split, degradations, viscosity, damage gradient and
+/// equation of state.
 inline impact::MaterialParameters every_option(int k) {
   impact::MaterialParameters m = aluminium();
   m.locking = k % 3 == 0 ? Locking::mean : k % 3 == 1 ? Locking::fbar : Locking::none;
@@ -48,6 +49,7 @@ inline impact::MaterialParameters every_option(int k) {
   m.visc_degrade = k % 5 == 3;
   m.damage_gradient = k % 7 < 5 ? impact::DamageGradient::spatial : impact::DamageGradient::material;
   m.ge = k % 11 ? impact::Degradation::quadratic : impact::Degradation::cubic;
+  if (k % 13 > 9) set_state(m, k % 2);
   return m;
 }
 

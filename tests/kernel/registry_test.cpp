@@ -12,7 +12,7 @@ namespace {
 /// Every combination of the law's options, named for the message of a failure; the hardening laws with every
 /// fifth of them.
 template <class F> void for_every_law(F&& f) {
-  int number = 0;
+  int number = 0, states = 0;
   for (const Model model : {Model::elastic, Model::j2})
     for (const Damage damage : {Damage::none, Damage::at2, Damage::at1})
       for (const Split split : {Split::volumetric, Split::none, Split::spectral})
@@ -36,11 +36,14 @@ template <class F> void for_every_law(F&& f) {
                   const int hardening =
                       m.model == Model::j2 && ++number % 5 == 0 ? number / 5 % reference::hardening_kinds : 0;
                   reference::set_hardening(m, hardening);
+                  const bool state = split != Split::spectral && ++states % 7 == 0;
+                  if (state) reference::set_state(m, states % 2);
                   f(m, "hardening " + std::to_string(hardening) + " model " + std::to_string(int(model)) +
                            " damage " + std::to_string(int(damage)) + " split " + std::to_string(int(split)) +
                            " ge " + std::to_string(int(ge)) + " gp " + std::to_string(int(gp)) +
                            " gradient " + std::to_string(int(gradient)) + " locking " +
-                           std::to_string(int(locking)) + " viscous " + std::to_string(viscous));
+                           std::to_string(int(locking)) + " viscous " + std::to_string(viscous) + " state " +
+                           std::to_string(state));
                 }
 }
 
@@ -114,7 +117,22 @@ void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& 
         exchanged);
     EXPECT_TRUE(std::isfinite(exchanged[0][0])) << name;
   }
+  const Batch* const history_n = in.history;
   in.history = trial;
+  if (law.flows()) { // D1 alone: the measure is the plastic strain of the step over D1
+    MaterialParameters fragile = m;
+    fragile.jc_failure = true, fragile.jc_d1 = 0.5;
+    Batch failure[points], failure_n[points];
+    for (auto& x : failure_n) x = 0.25;
+    EXPECT_EQ((kernels<Cell, frame>().failure_advance(PointLaw{fragile}, in, history_n, failure_n, failure)),
+              0)
+        << name;
+    const int alpha = symmetric_size(Cell::dim);
+    for (int q = 0; q < points; ++q)
+      EXPECT_NEAR(failure[q][0], 0.25 + (trial[q * size + alpha][0] - history_n[q * size + alpha][0]) / 0.5,
+                  1e-14)
+          << name;
+  }
   CellOutput out;
   kernels<Cell, frame>().cell_output(law, in, out);
   EXPECT_GT(out.von_mises[0], 0) << name;
@@ -139,12 +157,13 @@ TEST(Registry, EveryLawTakesAStepOnQuad4) {
   });
 }
 
-// Locking cures have no meaning in a sheet, whose volume is free, and are refused there.
+// Locking cures have no meaning in a sheet, whose volume is free, and are refused there, as is an equation of
+// state.
 TEST(Registry, EveryLawTakesAStepOnSheets) {
   Sampler random(55);
   int laws = 0;
   for_every_law([&](const MaterialParameters& m, const std::string& name) {
-    if (m.locking != Locking::none) return;
+    if (m.locking != Locking::none || m.equation_of_state != EquationOfState::none) return;
     ++laws;
     one_step_of<Tri3, Frame::plane_stress>(m, name, random);
     one_step_of<Quad4, Frame::plane_stress>(m, name, random);

@@ -45,6 +45,15 @@ inline void set_hardening(MaterialParameters& m, int k) {
   }
 }
 
+/// An equation of state like that of aluminium, with and without heat.
+inline void set_state(MaterialParameters& m, bool heats) {
+  m.equation_of_state = impact::EquationOfState::mie_grueneisen;
+  m.eos_s = 1.339;
+  m.eos_gamma = heats ? 2 : 0;
+  m.c_v = heats ? 2.43e6 : 0;
+  m.alpha_t = heats ? m.eos_gamma * m.c_v / (3 * m.K) : 0;
+}
+
 /// Random states of a point.
 struct Sampler : TensorSampler {
   using TensorSampler::TensorSampler;

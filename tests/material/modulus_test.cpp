@@ -60,6 +60,7 @@ template <int n> void compare(unsigned seed_number) {
     m.gp = trial % 3 ? PlasticDegradation::one : PlasticDegradation::ge;
     m.ge = trial % 7 ? Degradation::quadratic : Degradation::cubic;
     reference::set_hardening(m, trial % reference::hardening_kinds);
+    if (trial % 9 == 4) reference::set_state(m, trial % 2);
     const PointLaw law{m};
     PointInput<double, d> in{random.gradient<d>(trial % 2 ? 0.03 : 0.004), random.history<d>(0.005),
                              random.uniform(0, 0.8), random.uniform(280, 400), 1e-3};

@@ -54,7 +54,37 @@ inline double gradient_share(const MaterialParameters& m) {
 template <class T> T crack_slope(const MaterialParameters& m, const T& phi) {
   return m.damage == impact::Damage::at1 ? T(0.375) : phi;
 }
+
+/// Energy and its slope along the isotherm theta_0 of an equation of state, at J = 1 - eta: the isentrope as
+/// a power series, whose coefficients its differential equation E' = p_H (1 - Gamma eta/2) + Gamma E gives.
+template <class T> struct Isotherm { T U, dU, ddU; };
+template <class T> Isotherm<T> isotherm(const MaterialParameters& m, const T& J) {
+  const T eta = 1.0 - J;
+  const double s = std::real(eta) > 0 ? m.eos_s : 0, G = m.eos_gamma, c = m.c_v * m.theta0;
+  T E = 0.0, dE = 0.0, ddE = 0.0, power = 1.0; // power = eta^(n-1)
+  double a = 0;
+  for (int n = 1; n < 400 && (n < 3 || std::abs(a * n * n * power) > 1e-20 * m.K); ++n) {
+    // p_H (1 - Gamma eta/2) = K sum_n (n s^(n-1) - (n-1) Gamma/2 s^(n-2)) eta^n
+    const double q = n * std::pow(s, n - 1) - (n > 1 ? (n - 1) * G / 2 * std::pow(s, n - 2) : 0);
+    a = (G * a + m.K * q) / (n + 1); // of eta^(n+1)
+    E += a * power * eta * eta;
+    dE += (n + 1) * a * power * eta;
+    ddE += (n + 1) * n * a * power;
+    power *= eta;
+  }
+  const T x = std::exp(G * eta);
+  return {E - c * (x - 1.0 - G * eta), -(dE - c * G * (x - 1.0)), ddE - c * G * G * x};
+}
+
 template <class T> T J_theta(const MaterialParameters& m, const T& theta) {
+  if (m.equation_of_state != impact::EquationOfState::none) {
+    T J = 1.0;
+    for (int i = 0; i < 30; ++i) {
+      const Isotherm<T> at = isotherm(m, J);
+      J -= (at.dU - m.eos_gamma * m.c_v * (theta - m.theta0)) / at.ddU;
+    }
+    return J;
+  }
   return std::exp(3 * m.alpha_t * (theta - m.theta0));
 }
 /// k_0(alpha), every law written out.
@@ -89,6 +119,8 @@ template <class T>
 T pressure(const MaterialParameters& m, const T& J, const T& J_th, const T& phi, double alpha = 0) {
   const T Je = J / J_th;
   const T g = real(Je) >= 1 ? g_e1(m, phi, alpha) : g_e2(m, phi, alpha);
+  if (m.equation_of_state != impact::EquationOfState::none)
+    return g * (isotherm(m, J).dU - isotherm(m, J_th).dU);
   return g * (m.K / 2) * (Je - 1.0 / Je) / J_th;
 }
 
@@ -155,6 +187,16 @@ Matrix<T> kirchhoff(const MaterialParameters& m, const Matrix<T>& F, const Matri
   return tau;
 }
 
+/// U(J/J_th), or what of the energy of an equation of state lies above its least value.
+template <class T> T volume_energy(const MaterialParameters& m, const T& J, const T& J_th) {
+  if (m.equation_of_state != impact::EquationOfState::none) {
+    const Isotherm<T> free = isotherm(m, J_th);
+    return isotherm(m, J).U - free.U - free.dU * (J - J_th);
+  }
+  const T Je = J / J_th;
+  return m.K / 2 * ((Je * Je - 1.0) / 2.0 - std::log(Je));
+}
+
 /// Elastic energy g_1 E+ + g_2 E- as a function of C and A.
 template <class T>
 T elastic_energy(const MaterialParameters& m, const Matrix<T>& C, const Matrix<double>& A, const T& J_vol,
@@ -162,7 +204,7 @@ T elastic_energy(const MaterialParameters& m, const Matrix<T>& C, const Matrix<d
   T CA = 0.0;
   for (unsigned i = 0; i < 9; ++i) CA += C[i] * A[i];
   const T W = m.G / 2 * (std::pow(det(C), -1.0 / 3) * CA - 3.0), Je = J_vol / J_th;
-  const T U = m.K / 2 * ((Je * Je - 1.0) / 2.0 - std::log(Je));
+  const T U = volume_energy(m, J_vol, J_th);
   return g_e1(m, phi, alpha) * W + (real(Je) >= 1 ? g_e1(m, phi, alpha) : g_e2(m, phi, alpha)) * U;
 }
 

@@ -19,6 +19,17 @@ Options damaged(Options more) {
   return more;
 }
 
+// Changes that give the beam an equation of state, and more of them.
+Options pressed(Options more) {
+  more.insert({{"-material_beam_E", "-"},
+               {"-material_beam_nu", "-"},
+               {"-material_beam_G", "47 GPa"},
+               {"-material_beam_eos", "mie_grueneisen"},
+               {"-material_beam_eos_c0", "3940 m/s"},
+               {"-material_beam_eos_s", "1.489"}});
+  return more;
+}
+
 const std::vector<Row>& rows() {
   static const std::vector<Row> all = {
       {{{"-material_beam_Gcc", "1"}},
@@ -310,7 +321,8 @@ const std::vector<Row>& rows() {
        "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, theta, "
        "stress, "
        "von_mises, alpha, "
-       "pressure, fatigue, contact_pressure, contact_gap, contact_status, contact_traction, contact_slip; "
+       "pressure, fatigue, jc_failure, contact_pressure, contact_gap, contact_status, contact_traction, "
+       "contact_slip; "
        "did you "
        "mean von_mises?"},
       {{{"-physics", "motion,heat"}},
@@ -338,6 +350,42 @@ const std::vector<Row>& rows() {
        "-material_beam_c_v \"880 J/kg\": 'J/kg' has the wrong dimension; allowed: a number in kg/(m.s^2.K), "
        "or one "
        "with a unit of that kind"},
+      {pressed({{"-material_beam_E", "72 GPa"}}), ExitCode::usage,
+       "-material_beam_E: has no meaning with -material_beam_eos, whose bulk modulus is rho c0^2; give "
+       "-material_beam_G alone"},
+      {pressed({{"-material_beam_K", "140 GPa"}}), ExitCode::usage,
+       "-material_beam_K: has no meaning with -material_beam_eos, whose bulk modulus is rho c0^2; give "
+       "-material_beam_G alone"},
+      {pressed({{"-material_beam_G", "-"}}), ExitCode::usage,
+       "-material_beam_G: missing; the shear modulus is needed beside -material_beam_eos, which tells the "
+       "bulk "
+       "modulus"},
+      {pressed({{"-material_beam_eos_c0", "-"}}), ExitCode::usage,
+       "-material_beam_eos_c0: missing; -material_beam_eos mie_grueneisen needs it"},
+      {pressed({{"-material_beam_alpha_t", "1e-5"}}), ExitCode::usage,
+       "-material_beam_alpha_t: follows from -material_beam_eos_gamma; remove it"},
+      {pressed({{"-plane", "stress"}}), ExitCode::usage,
+       "-material_beam_eos \"mie_grueneisen\": not available with -plane stress, where nothing is pressed "
+       "hard; "
+       "allowed: strain, axisymmetric, or meshes in space; choose none"},
+      {pressed(damaged({{"-material_beam_split", "spectral"}})), ExitCode::usage,
+       "-material_beam_split \"spectral\": not available with -material_beam_eos, whose energy is no sum "
+       "over "
+       "principal stretches; allowed: -material_beam_eos none; choose volumetric"},
+      {pressed({{"-material_beam_c_v", "3.4e6"}}), ExitCode::usage,
+       "-material_beam_eos_gamma: missing; -material_beam_eos mie_grueneisen needs it with heat"},
+      {pressed({{"-material_beam_c_v", "3.4e6"}, {"-material_beam_eos_gamma", "3.1"}}), ExitCode::usage,
+       "-material_beam_eos_gamma \"3.1\": is above twice -material_beam_eos_s 1.489, where the energy has no "
+       "lower bound; allowed: 0 to 2 s"},
+      {pressed({{"-material_beam_c_v", "3.4e9"}, {"-material_beam_eos_gamma", "2"}}), ExitCode::usage,
+       "-material_beam_eos_gamma \"2\": Gamma^2 c_v theta0 is more than a third of rho c0^2, and the energy "
+       "not "
+       "positive; check the units of -material_beam_c_v and -material_beam_eos_c0"},
+      {{{"-material_beam_eos_s", "1.5"}},
+       ExitCode::usage,
+       "-material_beam_eos_s: has no meaning without -material_beam_eos; add -material_beam_eos "
+       "mie_grueneisen, "
+       "or remove it"},
   };
   return all;
 }

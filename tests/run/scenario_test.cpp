@@ -81,6 +81,24 @@ TEST(Scenario, HeatAloneNeedsNoModuli) {
   EXPECT_FALSE(read(with({{"-physics", "motion"}, {"-material_beam_c_v", "1e6"}})).has_heat());
 }
 
+TEST(Scenario, OwnModuliWinOverAnEquationOfStateTakenOverAndTheOtherWayRound) {
+  const Options copper = {{"-material_wedge_eos", "mie_grueneisen"},
+                          {"-material_wedge_eos_c0", "4 km/s"},
+                          {"-material_wedge_G", "47 GPa"}};
+  Options beam_like_wedge = copper;
+  beam_like_wedge.insert(
+      {{"-material_beam_like", "wedge"}, {"-material_wedge_like", "-"}, {"-material_wedge_rho", "8930"}});
+  for (const Options& changes : {copper, beam_like_wedge}) {
+    const Scenario scenario = read(with(changes));
+    const MaterialParameters &beam = scenario.materials[0].law, &wedge = scenario.materials[1].law;
+    EXPECT_EQ(beam.equation_of_state, EquationOfState::none);
+    EXPECT_NEAR(beam.K, 72e9 / (3 * (1 - 2 * 0.33)), 1e-3);
+    EXPECT_EQ(wedge.equation_of_state, EquationOfState::mie_grueneisen);
+    EXPECT_EQ(wedge.K, wedge.rho * 16e6);
+    EXPECT_EQ(wedge.G, 47e9);
+  }
+}
+
 TEST(Scenario, AMaterialTakesOverWhatItDoesNotOverride) {
   const Scenario scenario = read(with({{"-material_beam_like", "wedge"},
                                        {"-material_wedge_like", "-"},

@@ -52,6 +52,8 @@ struct AllPhysics {
     m.K = m.G = m.rho = m.Gc = m.gamma = m.b_d = m.c = m.c_v = m.fatigue_a = 1;
     m.sigma_y = 0.1;
     m.damage = Damage::at2;
+    m.jc_failure = true;
+    m.jc_d1 = 1;
     return m;
   }
   static MaterialParameters tool() {
@@ -79,6 +81,7 @@ const Rows known = {
     {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
     {"drive", {Support::cell_point, 3}},
     {"fatigue", {Support::cell_point, 1}},
+    {"jc_failure", {Support::cell_point, 1}},
     {"damage_history", {Support::cell_point, 1}},
     {"contact_face_multiplier", {Support::facet_point, 1}}, // by the method, see multipliers
     {"contact_face_penalty", {Support::global, 3}},

@@ -58,11 +58,12 @@ def block(**more):
             "material_solid_nu": 0.25, "ts_dt": 0.5, "ts_max_time": 1, **more}
 
 
+FAILURE = {"material_lower_jc_failure": "on", "material_lower_jc_d1": 0.1}
 # Everything at once: two blocks that flow, break, heat, rub and are prescribed, in motion.
 HEAT = {"material_lower_c_v": 1e4, "material_lower_theta0": 300, "material_upper_c_v": 1e4, "material_upper_theta0": 300,
         "contact_face_conductance": 10}
 rich = runs.run("rich", {
-    **runs.BREAKING_BLOCKS, **HEAT, "contact_face_friction": 0.3, "material_lower_b_d": 1, "material_lower_c": 1,
+    **runs.BREAKING_BLOCKS, **HEAT, "contact_face_friction": 0.3, "material_lower_b_d": 1, "material_lower_c": 1, **FAILURE,
     "bcs": "hold,warm", "bc_warm_on": "upper_top", "bc_warm_type": "temperature", "bc_warm_value": 310,
     "probes": "p", "probe_p_at": "0.5,0.4", "probe_p_fields": ",".join(f for f in FIELDS if f != "fatigue" and "contact" not in f),
     "measures": "m", "measure_m_on": "upper_bottom", "measure_m_fields": ",".join(f for f in FIELDS if "contact" in f),

@@ -13,7 +13,7 @@ namespace impact {
 /// The rows that these integrals read; null where the run has no such physics.
 struct BodyRows {
   StateRow &history, &drive;
-  const StateRow *phi, *theta, *fatigue;
+  const StateRow *phi, *theta, *fatigue, *failure;
   explicit BodyRows(StateTable& state);
 };
 
@@ -26,7 +26,7 @@ struct MaterialEnergies {
 struct Energies {
   std::vector<MaterialEnergies> of; ///< [material]
   MaterialEnergies total;           ///< without momentum
-  double phi_max = 0, alpha_max = 0, theta_max = 0, fatigue_max = 0;
+  double phi_max = 0, alpha_max = 0, theta_max = 0, fatigue_max = 0, failure_max = 0;
 };
 
 /// Integrates over the state at t_n, or that at t_{n+1} in the trial halves. `v` null: nothing moves.

@@ -42,6 +42,12 @@ struct CellKernels {
   /// Writes fatigue [point].
   int (*fatigue_advance)(const PointLaw&, const FatigueInput&, Batch* fatigue, FatigueSums&);
 
+  // failure
+  /// Writes failure [point] at the end of a step from failure_n: in.history is that of the end already,
+  /// history_n that of the start. For laws that flow.
+  int (*failure_advance)(const PointLaw&, const MotionInput& in, const Batch* history_n,
+                         const Batch* failure_n, Batch* failure);
+
   // heat
   /// What does not depend on the iterate: writes points [point][heat_point_size] and adds to r [node]. To be
   /// called once per solve.

@@ -4,6 +4,7 @@
 #include <impact/kernel/point_geometry.hpp>
 #include <impact/kernel/scalar_cell.hpp>
 #include <impact/material/crack.hpp>
+#include <impact/material/equation_of_state.hpp>
 
 /// The heat balance on one batch of cells.
 namespace impact {
@@ -11,12 +12,6 @@ namespace impact {
 /// g_v of the volume ratio J_e.
 inline Batch volume_degradation(const Degradations<Batch>& g, const Batch& Je_minus_1) {
   return select(Je_minus_1 >= Batch(0.0), g.e1.g, g.e2.g);
-}
-
-inline Batch elastic_volume(const MaterialParameters& m, const Batch& J_minus_1, const Batch& theta) {
-  if (m.alpha_t == 0) return J_minus_1;
-  const Batch J_th = thermal_volume(m, theta);
-  return (J_minus_1 - (J_th - Batch(1.0))) / J_th;
 }
 
 /// F^-1 of a body that does not move.
@@ -110,8 +105,8 @@ void add_damage(const PointLaw& law, const HeatInput& in, const PointGeometry<Ce
   }
 }
 
-template <class Cell, Frame frame>
-[[gnu::flatten]] int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
+template <class Cell, Frame frame, class Law>
+[[gnu::flatten]] int heat_step_of(const Law& law, const HeatInput& in, Batch* points, Batch* r) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
@@ -125,9 +120,9 @@ template <class Cell, Frame frame>
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history),
                               g_n = point_degradations<Cell, frame>(law, in.phi_n, q, in.history_n);
     const Batch theta_n = interpolate<Cell>(in.theta_n, q);
-    const Batch Je_n = elastic_volume(m, before.volume(law, q), theta_n),
-                g_vn = volume_degradation(g_n, Je_n);
-    const Batch entropy_n = thermoelastic_entropy(m, Je_n, g_vn);
+    const ElasticVolume<Batch> v_n = elastic_volume(law, before.volume(law, q), theta_n);
+    const Batch g_vn = volume_degradation(g_n, v_n.Je_minus_1);
+    const Batch entropy_n = thermoelastic_entropy(law, v_n, g_vn);
     heat_point_at(points, q) = {now.volume(law, q), entropy_n};
 
     Tensor<Batch, d> inverse_F = unit_tensor<d>(), inverse_F_n = inverse_F;
@@ -145,7 +140,7 @@ template <class Cell, Frame frame>
     for (int i = 0; i < d; ++i) flux[i] = Batch(0.0);
     if (energy)
       local = now.stored(law, X, q, g) - before.stored(law, X, q, g_n) -
-              (g_vn * volumetric_energy(m, Je_n) + theta_n * entropy_n);
+              (volume_energy(law, v_n, g_vn) + theta_n * entropy_n);
     else if (in.dissipation)
       local -= in.dissipation[q];
     if (has_damage) add_damage<Cell, frame>(law, in, X, inverse_F, q, local, flux);
@@ -163,8 +158,13 @@ template <class Cell, Frame frame>
   return bad | bits(~is_finite(sum));
 }
 
-template <class Cell, Frame frame, bool tangent>
-[[gnu::flatten]] int heat_balance(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r_out,
+template <class Cell, Frame frame>
+int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
+  return with_state<frame>(law, [&](const auto& l) { return heat_step_of<Cell, frame>(l, in, points, r); });
+}
+
+template <class Cell, Frame frame, bool tangent, class Law>
+[[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in, const Batch* points, Batch* r_out,
                                   Batch* K_out) {
   constexpr int d = Cell::dim, n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
@@ -177,12 +177,12 @@ template <class Cell, Frame frame, bool tangent>
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch theta = interpolate<Cell>(in.theta, q), theta_n = interpolate<Cell>(in.theta_n, q);
     bad |= bits(~(theta > Batch(0.0)));
-    const Batch Je = elastic_volume(m, heat_point_at(points, q).volume, theta),
-                g_v = volume_degradation(g, Je);
-    const Batch s = thermoelastic_entropy(m, Je, g_v), capacity = heat_capacity(m, Je, g_v, theta);
+    const ElasticVolume<Batch> v = elastic_volume(law, heat_point_at(points, q).volume, theta);
+    const Batch g_v = volume_degradation(g, v.Je_minus_1);
+    const Batch s = thermoelastic_entropy(law, v, g_v), capacity = heat_capacity(law, v, g_v, theta);
     Batch local, slope;
     if (energy) {
-      local = m.c_v * (theta - theta_n) + theta * s + g_v * volumetric_energy(m, Je);
+      local = m.c_v * (theta - theta_n) + theta * s + volume_energy(law, v, g_v);
       slope = capacity;
     } else {
       const Batch mean = in.theta_h * theta + (1 - in.theta_h) * theta_n;
@@ -223,12 +223,14 @@ template <class Cell, Frame frame, bool tangent>
 
 template <class Cell, Frame frame>
 int heat_residual(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r) {
-  return heat_balance<Cell, frame, false>(law, in, points, r, nullptr);
+  return with_state<frame>(
+      law, [&](const auto& l) { return heat_balance<Cell, frame, false>(l, in, points, r, nullptr); });
 }
 
 template <class Cell, Frame frame>
 int heat_tangent(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r, Batch* K) {
-  return heat_balance<Cell, frame, true>(law, in, points, r, K);
+  return with_state<frame>(
+      law, [&](const auto& l) { return heat_balance<Cell, frame, true>(l, in, points, r, K); });
 }
 
 template <class Cell, Frame frame>

@@ -13,8 +13,8 @@ template <class Cell> inline Batch nodal_square(const Batch* v, int q, int i) {
       [&](int a) { return shape_table<Cell>.N[q][a] * (v[a * Cell::dim + i] * v[a * Cell::dim + i]); });
 }
 
-template <class Cell, Frame frame, bool spectral>
-[[gnu::flatten]] void stored_energy_with(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
+template <class Cell, Frame frame, bool spectral, class Law>
+[[gnu::flatten]] void stored_energy_with(const Law& law, const EnergyInput& in, EnergySums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
@@ -31,7 +31,7 @@ template <class Cell, Frame frame, bool spectral>
     const Batch z = trace_excess(k.J23 * dev(e), start);
     const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
-    PointEnergies<Batch> energy = law.energies(z, Je, history.alpha);
+    PointEnergies<Batch> energy = point_energies<Cell>(law, z, Je, history.alpha, in.theta, q);
     if constexpr (spectral) {
       const auto split = point_split<Cell, frame>(law, s, k.J_minus_1, in.theta, q);
       energy.plus = split.plus;
@@ -60,11 +60,11 @@ void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums)
   if (law.spectral())
     stored_energy_with<Cell, frame, true>(law, in, sums);
   else
-    stored_energy_with<Cell, frame, false>(law, in, sums);
+    with_state<frame>(law, [&](const auto& l) { stored_energy_with<Cell, frame, false>(l, in, sums); });
 }
 
-template <class Cell, Frame frame>
-void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
+template <class Cell, Frame frame, class Law>
+void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
@@ -72,12 +72,19 @@ void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
   for (int q = 0; q < Cell::points; ++q) {
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
-    const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
+    const Batch J_th = point_thermal_volume<Cell>(law, in.theta, q);
+    const Batch Je = law.pressure(J_minus_1, J_th, g).Je_minus_1;
     const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g), theta = interpolate<Cell>(in.theta, q);
-    sums.energy += s.map[q].weight * thermal_energy(m, Je, g_v, theta);
+    const ElasticVolume<Batch> v{Je, J_th};
+    sums.energy += s.map[q].weight * thermal_energy(law, v, g_v, theta);
     sums.entropy +=
-        s.map[q].weight * (m.c_v * log_ratio(theta, Batch(m.theta0)) + thermoelastic_entropy(m, Je, g_v));
+        s.map[q].weight * (m.c_v * log_ratio(theta, Batch(m.theta0)) + thermoelastic_entropy(law, v, g_v));
   }
+}
+
+template <class Cell, Frame frame>
+void stored_heat(const PointLaw& law, const EnergyInput& in, HeatSums& sums) {
+  with_state<frame>(law, [&](const auto& l) { stored_heat_of<Cell, frame>(l, in, sums); });
 }
 
 template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Batch* values) {
@@ -104,8 +111,8 @@ void unilateral_energy(const PointLaw& law, const Batch* X, const Batch* phi, co
   }
 }
 
-template <class Cell, Frame frame>
-void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out) {
+template <class Cell, Frame frame, class Law>
+void cell_output_of(const Law& law, const MotionInput& state, CellOutput& out) {
   constexpr int d = Cell::dim;
   MotionInput in = state;
   in.held = true; // a flow stress that temperature or rate have changed since would let it flow again
@@ -128,6 +135,11 @@ void cell_output(const PointLaw& law, const MotionInput& state, CellOutput& out)
   const Symmetric<Batch, d> deviator = dev(sigma);
   out.von_mises = sqrt(1.5 * dot(deviator, deviator));
   out.pressure = (-1.0 / 3) * trace(sigma);
+}
+
+template <class Cell, Frame frame>
+void cell_output(const PointLaw& law, const MotionInput& in, CellOutput& out) {
+  with_state<frame>(law, [&](const auto& l) { cell_output_of<Cell, frame>(l, in, out); });
 }
 
 template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const Batch* X, Batch* M) {

@@ -171,8 +171,8 @@ template <class Cell, Frame frame> struct VolumeCoupling {
   }
 };
 
-template <class Cell, Frame frame, bool tangent, bool spectral>
-inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
+template <class Cell, Frame frame, bool tangent, bool spectral, class Law>
+inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
   const auto& t = shape_table<Cell>;
   const Locking locking = law.parameters.locking;
@@ -191,7 +191,7 @@ inline CellStatus motion(const PointLaw& law, const MotionInput& in, Batch* r, B
   }
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
-    note(status, e);
+    note<Cell, frame>(status, law, s, e);
     const Batch w = s.map[q].weight;
     CurrentMap<Cell, frame> map;
     current_map(s.map[q], e.k.inverse_F, map);
@@ -263,8 +263,8 @@ inline void book_flow(const PointLaw& law, const PointEvaluation<d>& e, const Po
 
 /// With `heats` also what the heat balance asks for, with `forces` the internal force: bodies of code of
 /// their own, so that a run without them pays nothing and keeps its last digits.
-template <class Cell, Frame frame, bool heats, bool spectral, bool forces = false>
-inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+template <class Cell, Frame frame, bool heats, bool spectral, bool forces = false, class Law>
+inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat, Batch* r = nullptr) {
   constexpr int d = Cell::dim;
   CellStatus status{0, Batch(1e300)};
@@ -277,7 +277,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
   const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
-    note(status, e);
+    note<Cell, frame>(status, law, s, e);
     if constexpr (forces) {
       CurrentMap<Cell, frame> map;
       current_map(s.map[q], e.k.inverse_F, map);
@@ -293,7 +293,7 @@ inline CellStatus advance(const PointLaw& law, const MotionInput& in, Batch* tri
     const Batch z_trial = e.flow.y - Batch(1.0);
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
-    PointEnergies<Batch> energy = law.energies(z, e.Je_minus_1, now.alpha);
+    PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, now.alpha, in.theta, q);
     if constexpr (spectral) {
       const auto split = point_split<Cell, frame>(law, s, e.k.J_minus_1, in.theta, q);
       energy.plus = split.plus;
@@ -389,10 +389,14 @@ CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, 
 template <class Cell, Frame frame>
 CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat) {
-  if (heat.dissipation || heat.stress)
+  if (heat.dissipation || heat.stress) {
+    if constexpr (frame != Frame::plane_stress)
+      if (has_state(law.parameters))
+        return advance_for_heat<Cell, frame, Terms::state>(law, in, trial_history, drive, sums, heat);
     return terms_of(law, in) == Terms::all
                ? advance_for_heat<Cell, frame, Terms::all>(law, in, trial_history, drive, sums, heat)
                : advance_for_heat<Cell, frame, Terms::plain>(law, in, trial_history, drive, sums, heat);
+  }
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
     return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
   });

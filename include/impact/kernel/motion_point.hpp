@@ -2,10 +2,19 @@
 #include <impact/kernel/motion_input.hpp>
 #include <impact/kernel/point_map.hpp>
 #include <impact/kernel/reference_gradient.hpp>
+#include <impact/material/equation_of_state.hpp>
 #include <impact/material/point_law.hpp>
 
 /// The law at the points of one batch of cells with the chosen volumetric locking cure.
 namespace impact {
+
+/// Calls f with the law as it is, or as one with an equation of state, for which kernels are compiled apart.
+/// Sheets have none.
+template <Frame frame, class F> decltype(auto) with_state(const PointLaw& law, F&& f) {
+  if constexpr (frame != Frame::plane_stress)
+    if (has_state(law.parameters)) return f(StateLaw(law));
+  return f(law);
+}
 
 /// What all points of a cell share before the law is evaluated.
 template <class Cell, Frame frame> struct CellState {
@@ -47,15 +56,27 @@ inline Batch plastic_exchange_at(const PointLaw& law, const CellFields& in, int 
                            law.softens() ? drive.plastic : plastic_potential(law.parameters, alpha)});
 }
 
-template <class Cell> inline Batch point_thermal_volume(const PointLaw& law, const Batch* theta, int q) {
+template <class Cell, class Law>
+inline Batch point_thermal_volume(const Law& law, const Batch* theta, int q) {
   if (!theta || law.parameters.alpha_t == 0) return Batch(1.0);
-  return thermal_volume(law.parameters, interpolate<Cell>(theta, q));
+  return thermal_volume(law, interpolate<Cell>(theta, q));
+}
+
+/// E+, E- and H_0 at a point.
+template <class Cell, class Law>
+inline PointEnergies<Batch> point_energies(const Law& law, const Batch& z, const Batch& Je_minus_1,
+                                           const Batch& alpha, const Batch* theta, int q) {
+  if constexpr (has_state_v<Law>)
+    return law.energies(z, ElasticVolume<Batch>{Je_minus_1, point_thermal_volume<Cell>(law, theta, q)},
+                        alpha);
+  else
+    return law.energies(z, Je_minus_1, alpha);
 }
 
 /// Geometry, Grad u and the volume ratios; for `mean` also the uniform p = (1/V) int g_v U'(J_mean/J_th)/J_th
 /// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
-template <class Cell, Frame frame>
-inline void prepare(const PointLaw& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
+template <class Cell, Frame frame, class Law>
+inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
                     CellState<Cell, frame>& s, const Batch* history = nullptr, double unilateral = 1) {
   constexpr int d = Cell::dim;
   const auto& t = shape_table<Cell>;
@@ -128,8 +149,8 @@ inline SpectralSplit<Batch, Cell::dim> point_split(const PointLaw& law, const Ce
                         point_thermal_volume<Cell>(law, theta, q));
 }
 
-template <class Cell, Frame frame, bool spectral = false>
-inline PointEvaluation<Cell::dim> evaluate_point(const PointLaw& law, const MotionInput& in,
+template <class Cell, Frame frame, bool spectral = false, class Law>
+inline PointEvaluation<Cell::dim> evaluate_point(const Law& law, const MotionInput& in,
                                                  const CellState<Cell, frame>& s, int q) {
   const MaterialParameters& m = law.parameters;
   PointEvaluation<Cell::dim> e;
@@ -191,7 +212,12 @@ extra_stress(const PointLaw& law, const MotionInput& in, const CellState<Cell, f
 }
 
 /// Collects the lanes that left the domain of the law.
-template <int dim> inline void note(CellStatus& status, const PointEvaluation<dim>& e) {
+template <class Cell, Frame frame, class Law>
+inline void note(CellStatus& status, const Law& law, const CellState<Cell, frame>& s,
+                 const PointEvaluation<Cell::dim>& e) {
+  if constexpr (has_state_v<Law>)
+    status.bad |= bits(
+        ~within_state(law.parameters, law.parameters.locking == Locking::none ? e.k.J_minus_1 : s.volume_J));
   status.bad |= bits(~(e.k.J > Batch(0.0)) | ~(e.flow.y > Batch(0.0))) | e.flow.failed;
   status.min_J = min(e.k.J, status.min_J);
 }

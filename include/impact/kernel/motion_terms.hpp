@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/cell_kernels.hpp>
+#include <impact/material/equation_of_state.hpp>
 #include <type_traits>
 
 /// Which terms of the law a kernel is compiled for.
@@ -7,11 +8,13 @@ namespace impact {
 
 /// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs
 /// registers and chains of selections even where it is not.
-/// `plain`: all, but for a flow stress that hangs on alpha alone, by the Voce law.
-enum class Terms { elastic, undamaged, plain, all, spectral };
+/// `plain`: all, but for a flow stress that hangs on alpha alone, by the Voce law. `state`: all, and an
+/// equation of state, which no other has.
+enum class Terms { elastic, undamaged, plain, all, spectral, state };
 
 inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   const MaterialParameters& m = law.parameters;
+  if (has_state(m)) return Terms::state;
   if (m.hardening != HardeningKind::voce || !is_plain(m)) return Terms::all;
   const bool undamaged =
       m.damage == Damage::none && !law.viscous() && !in.has_bulk_viscosity() && (!in.theta || m.alpha_t == 0);
@@ -21,7 +24,7 @@ inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
 
 /// The same law and input with what is outside `terms` at its default: constants, by which the compiler finds
 /// the branches that are never taken. The groups of parameters that the terms read are copied whole.
-template <Terms terms> inline PointLaw restricted(const PointLaw& law) {
+template <Terms terms> inline PointLaw restricted_law(const PointLaw& law) {
   PointLaw r;
   MaterialParameters& m = r.parameters;
   if constexpr (terms == Terms::elastic)
@@ -38,8 +41,14 @@ template <Terms terms> inline PointLaw restricted(const PointLaw& law) {
   }
   return r;
 }
+template <Terms terms> inline auto restricted(const PointLaw& law) {
+  if constexpr (terms == Terms::state)
+    return StateLaw(law);
+  else
+    return restricted_law<terms>(law);
+}
 inline MotionInput restricted(MotionInput in, Terms terms) {
-  if (terms != Terms::all) in.drive = nullptr;
+  if (terms != Terms::all && terms != Terms::state) in.drive = nullptr;
   if (terms == Terms::elastic || terms == Terms::undamaged) in.phi = in.theta = in.u_n = nullptr;
   return in;
 }
@@ -63,6 +72,8 @@ template <Frame frame, class F> decltype(auto) with_terms(Terms terms, F&& f) {
       return f(std::integral_constant<Terms, Terms::spectral>{});
     case Terms::plain:
       return f(std::integral_constant<Terms, Terms::plain>{});
+    case Terms::state:
+      return f(std::integral_constant<Terms, Terms::state>{});
     case Terms::all:
       break;
     }

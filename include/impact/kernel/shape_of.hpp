@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/damage_cell.hpp>
+#include <impact/kernel/failure_cell.hpp>
 #include <impact/kernel/heat_cell.hpp>
 #include <impact/kernel/measure_cell.hpp>
 #include <impact/kernel/motion_cell.hpp>
@@ -21,6 +22,7 @@ inline constexpr CellKernels cell_kernels = {
     .damage_tangent = damage_tangent<Cell, frame>,
     .damage_dissipation = damage_dissipation<Cell>,
     .fatigue_advance = fatigue_advance<Cell, frame>,
+    .failure_advance = failure_advance<Cell, frame>,
     .heat_step = heat_step<Cell, frame>,
     .heat_residual = heat_residual<Cell, frame>,
     .heat_tangent = heat_tangent<Cell, frame>,

@@ -19,6 +19,8 @@ enum class Locking { none, mean, fbar };      ///< volumetric locking cure on qu
 /// k_0(alpha): sigma_y with Voce and linear parts, sigma_y + b alpha^n, points joined by lines, or a law from
 /// outside
 enum class HardeningKind { voce, power, table, own };
+/// Volumetric law: (52), or that for high pressure (equation_of_state.hpp).
+enum class EquationOfState { none, mie_grueneisen };
 enum class Softening { none, linear, johnson_cook }; ///< f(theta), a factor on k_0
 
 struct HardeningTable;       // material/hardening.hpp
@@ -65,6 +67,9 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
   /// Sets each member by itself: one copy of a constant image hides from the compiler which terms are absent.
   MaterialParameters() {}
 
+  EquationOfState equation_of_state = EquationOfState::none;
+  double eos_s = 0;                    ///< slope of the shock speed over the particle speed; K = rho c_0^2
+  double eos_gamma = 0;                ///< Grueneisen's Gamma; 0 without heat
   double alpha_t = 0, theta0 = 298.15; ///< thermal expansion, reference temperature
   double c_v = 0;          ///< heat capacity at fixed J_e per reference volume; 0: without temperature
   double conductivity = 0; ///< 0: adiabatic points
@@ -79,9 +84,13 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
   PlasticDegradation gp = PlasticDegradation::one;
+  bool jc_failure = false; ///< whether the failure measure is followed (failure.hpp)
+  double jc_d1 = 0, jc_d2 = 0, jc_d3 = 0, jc_d4 = 0, jc_d5 = 0;
   double plastic_threshold = 0; ///< W_0: damage is driven by <H_0 - W_0> (energy per volume)
   DamageGradient damage_gradient = DamageGradient::spatial;
 };
 static_assert(std::is_trivially_copyable_v<MaterialParameters>);
+
+inline bool has_state(const MaterialParameters& m) { return m.equation_of_state != EquationOfState::none; }
 
 } // namespace impact

@@ -52,6 +52,7 @@ struct PointLaw {
   bool softens() const { return flows() && parameters.softening != Softening::none; }
   bool viscous() const { return parameters.b_d > 0; }
   bool fatigues() const { return parameters.damage != Damage::none && parameters.fatigue_a > 0; }
+  bool fails() const { return flows() && parameters.jc_failure; }
   bool crack_stress() const {
     return parameters.damage != Damage::none && parameters.damage_gradient == DamageGradient::spatial;
   }
@@ -141,6 +142,35 @@ struct PointLaw {
     return now;
   }
 };
+
+/// J_e - 1 and J_th of a volume ratio at a temperature.
+template <class T> struct ElasticVolume { T Je_minus_1, J_th; };
+
+// What the law says of volume and heat (thermal.hpp); laws with an equation of state have overloads of these.
+template <class T> T thermal_volume(const PointLaw& law, const T& theta) {
+  return thermal_volume(law.parameters, theta);
+}
+template <class T> T thermoelastic_entropy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
+  return thermoelastic_entropy(law.parameters, v.Je_minus_1, g_v);
+}
+template <class T>
+T heat_capacity(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
+  return heat_capacity(law.parameters, v.Je_minus_1, g_v, theta);
+}
+template <class T>
+T thermal_energy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
+  return thermal_energy(law.parameters, v.Je_minus_1, g_v, theta);
+}
+template <class Law, class T>
+ElasticVolume<T> elastic_volume(const Law& law, const T& J_minus_1, const T& theta) {
+  if (law.parameters.alpha_t == 0) return {J_minus_1, T(1.0)};
+  const T J_th = thermal_volume(law, theta);
+  return {(J_minus_1 - (J_th - T(1.0))) / J_th, J_th};
+}
+/// The volumetric part of the free energy.
+template <class T> T volume_energy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
+  return g_v * volumetric_energy(law.parameters, v.Je_minus_1);
+}
 
 /// P = tau F^-T
 template <class T, int d>

@@ -166,6 +166,7 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
 inline constexpr auto all_laws = [](const PointLaw&) { return true; };
 inline constexpr auto deformable = [](const PointLaw& law) { return !law.rigid(); };
 inline constexpr auto damages = [](const PointLaw& law) { return law.parameters.damage != Damage::none; };
+inline constexpr auto fails = [](const PointLaw& law) { return law.fails(); };
 inline constexpr auto fatigues = [](const PointLaw& law) { return law.fatigues(); };
 
 } // namespace impact

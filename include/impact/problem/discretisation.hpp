@@ -45,6 +45,9 @@ struct Discretisation {
   bool has_fatigue() const {
     return any_law([](const PointLaw& law) { return law.fatigues(); });
   }
+  bool has_failure() const {
+    return any_law([](const PointLaw& law) { return law.fails(); });
+  }
   bool has_viscosity() const {
     return any_law([](const PointLaw& law) { return law.viscous(); });
   }
@@ -68,7 +71,7 @@ struct Discretisation {
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, Frame plane,
                           double thickness);
 
-/// Adds the rows that the physics at hand keeps: u, v, a, phi, theta, history, drive, fatigue.
+/// Adds the rows that the physics at hand keeps: u, v, a, phi, theta, history, drive, fatigue, jc_failure.
 void declare_state(const Discretisation& discretisation, StateTable& table);
 
 /// f = 0 at owned local dofs of a nodal field: prescribed ones have no residual.

@@ -44,7 +44,9 @@ struct MaterialScenario {
   MaterialParameters law;
   std::vector<std::string> regions; ///< physical names; default: the id
   double E = absent, nu = absent, K = absent, G = absent;
+  double eos_c0 = absent, eos_gamma = absent;
   double c_v = 0, c_mass = absent; ///< heat capacity per volume, or per mass
+  double alpha_t = 0;
   std::vector<std::string> hardening;
   std::string hardening_table;                  ///< resolved path of `points`
   std::shared_ptr<const HardeningTable> points; ///< what law.table points to

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/problem/damage.hpp>
+#include <impact/problem/failure.hpp>
 #include <impact/problem/fatigue.hpp>
 #include <impact/problem/heat.hpp>
 #include <impact/solve/augmentation.hpp>
@@ -12,7 +13,8 @@
 
 /// One step's staggered fixed point, SNES shell `coupling_` of the TS. Its pass solves one field after
 /// another with the others frozen, until phi and theta rest (theory.md, 10):
-///   motion (Augmentation, MotionSolver; ExplicitStep), damage (SNES `damage_`), fatigue, heat (SNES `heat_`)
+///   motion (Augmentation, MotionSolver; ExplicitStep), failure, damage (SNES `damage_`), fatigue, heat
+///   (SNES `heat_`)
 namespace impact {
 
 /// The fields that a step couples; damage and heat may be null. All must outlive who uses them.
@@ -71,6 +73,7 @@ private:
   bool motion_pass(Vec u, PassResult& result);
   bool advance_points(Vec u, PassResult& result);
   void damage_pass(PassResult& result);
+  void failure_pass(PassResult& result);
   void fatigue_pass(PassResult& result);
   void heat_pass(Vec u, PassResult& result);
   void compare_temperatures(const StateRow& theta, PassResult& result);
