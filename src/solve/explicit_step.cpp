@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/surface_load.hpp>
@@ -11,7 +12,11 @@ namespace impact {
 namespace {
 
 constexpr double longest_interval = 64; // steps
-constexpr double rounding = 1e-3;       // by which the bound of a stable step may miss it
+// While the stable step is longer than the one in use by less than this, the one in use stays. Steps that
+// follow every swing of the cells gain energy: 2 % in 1e5 steps of a spinning plate whose step changed by 2 %
+// with its strain of 4 %; steps of one length gain none.
+constexpr double hold = 1.1;
+constexpr double rounding = 1e-3; // by which the bound of a stable step may miss it
 
 } // namespace
 
@@ -53,8 +58,8 @@ std::vector<double> ExplicitStep::contact_loads(const ContactInterface& contact)
 }
 
 // With dt = s dt_e, dt_e the stable step of the cells, dt^2 (4/dt_e^2 + w^2) <= 4 leaves w^2 = 4 (1 -
-// s^2)/dt^2 to the contacts.
-void ExplicitStep::set_penalties(double of_cells) {
+// s^2)/dt^2 to the contacts. Shorter steps than 0.8 dt_e resolve that one better, and do not make it stiffer.
+void ExplicitStep::set_penalties(double longest_of_cells) {
   ContactSet& contacts = motion_.contacts();
   const MPI_Comm comm = motion_.discretisation().mesh.comm();
   std::vector<std::vector<double>> loads;
@@ -64,7 +69,8 @@ void ExplicitStep::set_penalties(double of_cells) {
     if (contact.settings().automatic_penalty)
       for (std::size_t i = 0; i < total.size(); ++i) total[i] += loads.back()[i];
   }
-  const double s = std::min(settings_.cfl, 0.9), dt = s * of_cells, budget = 4 * (1 - s * s) / (dt * dt);
+  const double s = std::clamp(settings_.cfl, 0.8, 0.9), dt = s * longest_of_cells,
+               budget = 4 * (1 - s * s) / (dt * dt);
   std::size_t c = 0;
   for (ContactInterface& contact : contacts) {
     double largest = 0;
@@ -143,7 +149,7 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
   motion_.advance(u, unused, {}, forces_.internal);
   motion_.loads(u, forces_.external);
   check(VecSet(forces_.contact, 0));
-  divide_by_mass({0, longest(), u, v, nullptr}, a);
+  divide_by_mass({0, Get(TSGetTimeStep)(ts_), u, v, nullptr}, a);
 }
 
 void ExplicitStep::find_contact_forces(Vec u) {
@@ -181,7 +187,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   const double before = row_.committed[of_cells];
   const double now = motion_.stable_step(u, *step.u_n, step.dt, settings_.bulk);
   const double often = row_.committed[interval];
-  row_.trial[of_cells] = now;
+  row_.trial[of_cells] = now < before || now > hold * before ? now : before;
   row_.trial[interval] = now < 0.98 * before    ? std::max(1.0, std::floor(often / 2))
                          : now > 0.995 * before ? std::min(longest_interval, 2 * often)
                                                 : often;

@@ -1,3 +1,4 @@
+#include "every_law.hpp"
 #include "reference_cell.hpp"
 
 #include <gtest/gtest.h>
@@ -5,47 +6,10 @@
 
 using namespace impact;
 using reference::aluminium;
+using reference::for_every_law;
 using reference::Sampler;
 
 namespace {
-
-/// Every combination of the law's options, named for the message of a failure; the hardening laws with every
-/// fifth of them.
-template <class F> void for_every_law(F&& f) {
-  int number = 0, states = 0;
-  for (const Model model : {Model::elastic, Model::j2})
-    for (const Damage damage : {Damage::none, Damage::at2, Damage::at1})
-      for (const Split split : {Split::volumetric, Split::none, Split::spectral})
-        for (const Degradation ge : {Degradation::quadratic, Degradation::cubic, Degradation::ductile})
-          for (const PlasticDegradation gp : {PlasticDegradation::one, PlasticDegradation::ge})
-            for (const DamageGradient gradient : {DamageGradient::spatial, DamageGradient::material})
-              for (const Locking locking : {Locking::none, Locking::mean, Locking::fbar})
-                for (const int viscous : {0, 1, 2}) {
-                  // refused by the options
-                  if (split == Split::spectral && (model == Model::j2 || locking != Locking::none)) continue;
-                  if (ge == Degradation::ductile && model != Model::j2) continue;
-                  // damage's own terms meet the locking cures and the viscosity under at2
-                  if (damage == Damage::at1 && (locking == Locking::fbar || viscous == 2)) continue;
-                  MaterialParameters m = aluminium();
-                  m.alpha_c = 0.04;
-                  m.model = model, m.damage = damage, m.split = split, m.ge = ge, m.gp = gp;
-                  m.damage_gradient = gradient, m.locking = locking;
-                  m.b_d = viscous ? 1e5 : 0;
-                  m.visc_degrade = viscous == 2;
-                  m.residual_stiffness = 1e-6;
-                  const int hardening =
-                      m.model == Model::j2 && ++number % 5 == 0 ? number / 5 % reference::hardening_kinds : 0;
-                  reference::set_hardening(m, hardening);
-                  const bool state = split != Split::spectral && ++states % 7 == 0;
-                  if (state) reference::set_state(m, states % 2);
-                  f(m, "hardening " + std::to_string(hardening) + " model " + std::to_string(int(model)) +
-                           " damage " + std::to_string(int(damage)) + " split " + std::to_string(int(split)) +
-                           " ge " + std::to_string(int(ge)) + " gp " + std::to_string(int(gp)) +
-                           " gradient " + std::to_string(int(gradient)) + " locking " +
-                           std::to_string(int(locking)) + " viscous " + std::to_string(viscous) + " state " +
-                           std::to_string(state));
-                }
-}
 
 template <class Cell, Frame frame>
 void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& random) {

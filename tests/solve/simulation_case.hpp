@@ -96,7 +96,7 @@ public:
     d_.displacement.to_global(state_.row("v").committed, v_);
     check(TS2SetSolution(ts_, u_, v_));
     coupling_->begin_between_steps(0, u_, v_);
-    coupling_->start(u_, a_);
+    coupling_->start(u_, v_, a_);
     StepHooks hooks;
     hooks.before_attempt = [this](TS, const Attempt& attempt) { coupling_->before_attempt(attempt); };
     if (settings_.inertia && coupling_->corrects())

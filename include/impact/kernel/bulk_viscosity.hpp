@@ -9,10 +9,24 @@
 /// a = -bulk_viscosity_quadratic, b = -bulk_viscosity_linear.
 namespace impact {
 
-/// Of a cell: factor of -D in the Kirchhoff pressure J q, and D. Both 0 where the cell does not shrink.
+/// Of a cell: the factor of -D in its mean of the Kirchhoff pressure J q, how that changes with -D, both 0
+/// where the cell does not shrink, D, and the mean of J. In a sheet J is that of the area: its thickness is
+/// free, and no pressure works on it.
 struct BulkRate {
-  Batch viscosity, rate;
+  Batch viscosity, slope, rate, J;
 };
+
+/// J of the volume that bulk viscosity looks at, less 1.
+template <Frame frame, int d> inline Batch bulk_detm1(Tensor<Batch, d> H) {
+  if constexpr (frame == Frame::plane_stress) H[4] = Batch(0.0);
+  return detm1(H);
+}
+
+/// -J q at a point: q is the same in all of the cell, so that its power is that of the cell's change of
+/// volume.
+template <Frame frame, int d> inline Batch bulk_stress(const BulkRate& bulk, const Tensor<Batch, d>& H) {
+  return (bulk.viscosity * bulk.rate) * ((Batch(1.0) + bulk_detm1<frame>(H)) / bulk.J);
+}
 
 template <class Cell, Frame frame>
 inline BulkRate bulk_rate(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s) {
@@ -23,10 +37,9 @@ inline BulkRate bulk_rate(const PointLaw& law, const MotionInput& in, const Cell
   for (int q = 0; q < Cell::points; ++q) {
     Batch slope[d * d];
     reference_gradient<Cell, d>(t.dN[q], in.u_n, slope);
-    Tensor<Batch, d> H_n = mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], in.u_n);
-    if constexpr (frame == Frame::plane_stress) H_n[4] = s.start_33[q];
-    now += s.map[q].weight * detm1(s.H[q]);
-    before += s.map[q].weight * detm1(H_n);
+    now += s.map[q].weight * bulk_detm1<frame>(s.H[q]);
+    before +=
+        s.map[q].weight * bulk_detm1<frame>(mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], in.u_n));
   }
   const Batch J = Batch(1.0) + now / s.volume;
   const Batch rate = min((now - before) / (in.dt * (s.volume * J)), Batch(0.0));
@@ -39,8 +52,10 @@ inline BulkRate bulk_rate(const PointLaw& law, const MotionInput& in, const Cell
   l = d == 2 ? sqrt(l) : Batch(1.0) / inverse_cbrt(l);
   const double c = std::sqrt((m.K + 4 * m.G / 3) / m.rho);
   const double a2 = in.bulk_quadratic * in.bulk_quadratic;
-  const Batch viscosity = (m.rho * l) * (in.bulk_linear * c - a2 * (l * rate));
-  return {select(rate < Batch(0.0), viscosity, Batch(0.0)), rate};
+  const Batch linear = (m.rho * in.bulk_linear * c) * l, quadratic = (-m.rho * a2) * (l * l * rate);
+  const auto shrinking = rate < Batch(0.0);
+  return {select(shrinking, linear + quadratic, Batch(0.0)),
+          select(shrinking, linear + 2.0 * quadratic, Batch(0.0)), rate, J};
 }
 
 } // namespace impact

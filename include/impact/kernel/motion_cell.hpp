@@ -273,7 +273,8 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
   status.bad |= find_thickness<Cell, frame>(law, in, s);
   Fluxes<Cell, frame> fluxes;
   const bool pressed = forces && in.has_bulk_viscosity() && in.u_n;
-  const BulkRate bulk = pressed ? bulk_rate(law, in, s) : BulkRate{Batch(0.0), Batch(0.0)};
+  BulkRate bulk{};
+  if (pressed) bulk = bulk_rate(law, in, s);
   const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   for (int q = 0; q < Cell::points; ++q) {
     const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
@@ -286,7 +287,10 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
         Vector<Batch, d> h;
         tau = tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
       }
-      for (int i = 0; i < 3; ++i) tau[i] += bulk.viscosity * bulk.rate;
+      if (pressed) {
+        const Batch minus_q = bulk_stress<frame>(bulk, s.H[q]);
+        for (int i = 0; i < 3; ++i) tau[i] += minus_q;
+      }
       fluxes.set(q, map, s.map[q].weight, tau);
     }
     const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
@@ -361,8 +365,8 @@ template <class Cell, Frame frame, Terms terms>
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
   const LastDigits kept;
-  return advance<Cell, frame, true, false>(restricted<terms>(law), restricted(in, terms), trial_history,
-                                           drive, sums, heat);
+  return advance<Cell, frame, true, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
+                                                              trial_history, drive, sums, heat);
 }
 
 template <class Cell, Frame frame, bool heats, Terms terms>
@@ -371,6 +375,17 @@ template <class Cell, Frame frame, bool heats, Terms terms>
                                                      const HeatFeed& heat, Batch* r) {
   return advance<Cell, frame, heats, terms == Terms::spectral, true>(
       restricted<terms>(law), restricted(in, terms), trial_history, drive, sums, heat, r);
+}
+
+/// Calls f(constant) for the terms of a law where heat asks: fewer bodies of code.
+template <Frame frame, class F> decltype(auto) with_terms_of_heat(Terms terms, F&& f) {
+  if constexpr (frame != Frame::plane_stress) {
+    if (terms == Terms::state) return f(std::integral_constant<Terms, Terms::state>{});
+    if (terms == Terms::spectral) return f(std::integral_constant<Terms, Terms::spectral>{});
+    if (terms != Terms::all) return f(std::integral_constant<Terms, Terms::plain>{});
+  } else if (terms != Terms::all)
+    return f(std::integral_constant<Terms, Terms::plain>{});
+  return f(std::integral_constant<Terms, Terms::all>{});
 }
 
 template <class Cell, Frame frame>
@@ -389,14 +404,10 @@ CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, 
 template <class Cell, Frame frame>
 CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat) {
-  if (heat.dissipation || heat.stress) {
-    if constexpr (frame != Frame::plane_stress)
-      if (has_state(law.parameters))
-        return advance_for_heat<Cell, frame, Terms::state>(law, in, trial_history, drive, sums, heat);
-    return terms_of(law, in) == Terms::all
-               ? advance_for_heat<Cell, frame, Terms::all>(law, in, trial_history, drive, sums, heat)
-               : advance_for_heat<Cell, frame, Terms::plain>(law, in, trial_history, drive, sums, heat);
-  }
+  if (heat.dissipation || heat.stress)
+    return with_terms_of_heat<frame>(terms_of(law, in), [&](auto terms) {
+      return advance_for_heat<Cell, frame, terms>(law, in, trial_history, drive, sums, heat);
+    });
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
     return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
   });
@@ -406,9 +417,9 @@ template <class Cell, Frame frame>
 CellStatus motion_step(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                        StepSums& sums, const HeatFeed& heat, Batch* r) {
   if (heat.dissipation || heat.stress)
-    return terms_of(law, in) == Terms::all
-               ? step_with<Cell, frame, true, Terms::all>(law, in, trial_history, drive, sums, heat, r)
-               : step_with<Cell, frame, true, Terms::plain>(law, in, trial_history, drive, sums, heat, r);
+    return with_terms_of_heat<frame>(terms_of(law, in), [&](auto terms) {
+      return step_with<Cell, frame, true, terms>(law, in, trial_history, drive, sums, heat, r);
+    });
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
     return step_with<Cell, frame, false, terms>(law, in, trial_history, drive, sums, {}, r);
   });

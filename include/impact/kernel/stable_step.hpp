@@ -31,24 +31,36 @@ template <int n> inline Batch largest_eigenvalue(Batch (&A)[n][n]) {
 /// (tr L)^2 <= this |L|^2 for the gradients L of velocities.
 template <Frame frame> inline constexpr double directions = frame == Frame::plane_strain ? 2 : 3;
 
-/// Largest modulus of the Kirchhoff stress at a point, against any gradient of the velocity: of a change of
-/// volume, or of shape, and the stress that is there. Flow and damage only make it smaller.
-template <class Cell, Frame frame>
-inline Batch largest_modulus(const PointLaw& law, const MotionInput& in, const Tensor<Batch, Cell::dim>& H,
-                             const Batch& J, int q) {
-  const MaterialParameters& m = law.parameters;
-  const Volumetric<Batch> v = volumetric(m, J - Batch(1.0), point_thermal_volume<Cell>(law, in.theta, q));
-  const Batch volume = directions<frame> * max(J * (v.p + J * v.dp), Batch(0.0));
-  Batch stretch = Batch(1.0); // tr b / 3 of what is elastic, of unit volume
-  if (!law.flows()) {
-    const Batch r = inverse_cbrt(J);
-    stretch = (r * r) * (Batch(1.0) + (1.0 / 3) * trace(left_strain(H)));
-  }
-  return max(volume, (2 * m.G) * stretch) + J * abs(v.p) + (2 * m.G) * (stretch - Batch(1.0));
+/// Bound of the largest eigenvalue of b = 1 + e, the exact one where the other two are equal.
+template <int d> inline Batch largest_stretch(const Symmetric<Batch, d>& e) {
+  const Batch mean = (1.0 / 3) * trace(e);
+  return Batch(1.0) + mean + sqrt((2.0 / 3) * max(dot(e, e) - 3.0 * (mean * mean), Batch(0.0)));
 }
 
-/// Of each cell; in.u_n counts with bulk viscosity.
-template <class Cell, Frame frame> Batch stable_step(const PointLaw& law, const MotionInput& in) {
+/// Largest modulus of the Kirchhoff stress at a point, against any gradient of the velocity: of a change of
+/// volume, or of shape, and the stress that is there. Flow and damage only make it smaller.
+template <class Cell, Frame frame, class Law>
+inline Batch largest_modulus(const Law& law, const MotionInput& in, const Tensor<Batch, Cell::dim>& H,
+                             const Batch& J, int q) {
+  const MaterialParameters& m = law.parameters;
+  const Degraded<Batch> one{Batch(1.0), Batch(0.0), Batch(0.0)};
+  const Volumetric<Batch> v =
+      law.pressure(J - Batch(1.0), point_thermal_volume<Cell>(law, in.theta, q), {one, one, one});
+  Batch mean = Batch(1.0), most = Batch(1.0); // of what is elastic in b, of unit volume: tr b / 3, and the
+                                              // largest eigenvalue
+  if (!law.flows()) {
+    const Batch r = inverse_cbrt(J);
+    const Symmetric<Batch, Cell::dim> e = left_strain(H);
+    mean = (r * r) * (Batch(1.0) + (1.0 / 3) * trace(e));
+    most = (r * r) * largest_stretch(e);
+  }
+  // An even change of area is a change of shape, too: |dev d|^2 = |d|^2/3.
+  const Batch volume = directions<frame> * max(J * (v.p + J * v.dp), Batch(0.0)) +
+                       ((2 - 2.0 / 3 * directions<frame>)*m.G) * mean + (2 * m.G) * (mean - Batch(1.0));
+  return max(volume, m.G * (mean + most)) + J * abs(v.p);
+}
+
+template <class Cell, Frame frame, class Law> Batch stable_step_of(const Law& law, const MotionInput& in) {
   constexpr int d = Cell::dim, n = Cell::nodes;
   const auto& t = shape_table<Cell>;
   const MaterialParameters& m = law.parameters;
@@ -77,15 +89,22 @@ template <class Cell, Frame frame> Batch stable_step(const PointLaw& law, const 
     }
     C = max(C, largest_modulus<Cell, frame>(law, in, s.H[q], J, q));
     if (law.viscous()) {
-      const Batch b = Batch(1.0) + (1.0 / 3) * trace(left_strain(s.H[q]));
+      const Batch b = largest_stretch(left_strain(s.H[q]));
       D = max(D, (4 * m.b_d) * (b * b));
     }
   }
-  if (in.has_bulk_viscosity() && in.u_n) D += directions<frame> * bulk_rate(law, in, s).viscosity;
+  if (in.has_bulk_viscosity() && in.u_n) D += directions<frame> * bulk_rate(law, in, s).slope;
   for (int a = 0; a < n; ++a)
     for (int b = 0; b <= a; ++b) A[a][b] = A[b][a] = A[a][b] / sqrt(mass[a] * mass[b]);
   const Batch mu = largest_eigenvalue(A);
   return (sqrt(D * D + 4.0 * C / mu) - D) / C;
+}
+
+/// Of each cell; in.u_n counts with bulk viscosity.
+template <class Cell, Frame frame> Batch stable_step(const PointLaw& law, const MotionInput& in) {
+  if constexpr (frame != Frame::plane_stress)
+    if (has_state(law.parameters)) return stable_step_of<Cell, frame>(StateLaw(law), in);
+  return stable_step_of<Cell, frame>(law, in);
 }
 
 } // namespace impact

@@ -44,7 +44,7 @@ private:
   void find_contact_forces(Vec u);
   void divide_by_mass(const Rates& now, Vec a);
   std::vector<double> contact_loads(const ContactInterface& contact);
-  void set_penalties(double of_cells);
+  void set_penalties(double longest_of_cells);
   double contact_frequency();
 
   /// Components of the row "stable_step": that of the cells; steps between two looks at them, and until the
