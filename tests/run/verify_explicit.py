@@ -83,9 +83,7 @@ for kind, component, u in (("displacement", "0.01*sin(20*t)", 0.01 * numpy.sin(2
                            ("acceleration", "3*cos(20*t)", 3 / 400 * (1 - numpy.cos(20 * t)))):
     r = run(f"held_{kind}", {**HELD, "bc_hold_type": kind, "bc_hold_ux": component, "bc_hold_uy": 0})
     require(f"{kind}: as many steps as asked for", len(r["time"]) == len(t))
-    # Displacements are met exactly; rates are integrated by the step's own rule, of second order.
-    check(f"{kind}: way over the largest", largest(r["measure_held_ux"] - u) / largest(u), 0,
-          1e-10 if kind == "displacement" else 5e-3, relative=False)
+    check(f"{kind}: way over the largest", largest(r["measure_held_ux"] - u) / largest(u), 0, 1e-10, relative=False)
     rate, force = numpy.diff(r["momentum_solid_x"]), r["reaction_hold_x"]
     impulse = (force[1:] + force[:-1]) / 2 * numpy.diff(r["time"])
     check(f"{kind}: impulse of the reaction is the change of momentum", largest((rate - impulse)[1:]) / largest(rate), 0, 1e-9,
@@ -114,8 +112,8 @@ total, scale = stored(bounce), bounce["energy_kinetic"][0]
 require("1e5 steps of a body that bounces", bounce["step"][-1] == 100000)
 check_between("bounces", numpy.count_nonzero(numpy.diff(numpy.sign(bounce["momentum_solid_y"])) > 0), 100, 2000)
 # The kink of the contact's force is met within a step, now to the one side and now to the other: it was 12 times the energy
-# with a penalty that grew as steps became shorter.
-check("sum of all energies less work, over the energy at the start", largest(total - total[0]) / scale, 0, 0.1, relative=False)
+# with a penalty that grew as steps became shorter; 0.095 here, a random walk.
+check("sum of all energies less work, over the energy at the start", largest(total - total[0]) / scale, 0, 0.15, relative=False)
 check("what contact lost or gave by itself", largest(bounce["dissipated_contact"]) / scale, 0, 1e-12, relative=False)
 check("what the integrator lost or gave", largest(bounce["dissipated_numerical"]) / scale, 0, 1e-2, relative=False)
 
