@@ -9,7 +9,8 @@ import shutil
 
 import numpy
 from _histories import difference
-from _runs import check, check_between, finish, mesh, option_file, require, run
+from _reliability import FAULTY, finish_within, start
+from _runs import check, check_between, finish, mesh, option_file, read_history, require, run
 
 EXPLICIT = {"ts_type": "central_difference"}
 E, RHO = 1e6, 1000.0
@@ -82,9 +83,7 @@ for kind, component, u in (("displacement", "0.01*sin(20*t)", 0.01 * numpy.sin(2
                            ("acceleration", "3*cos(20*t)", 3 / 400 * (1 - numpy.cos(20 * t)))):
     r = run(f"held_{kind}", {**HELD, "bc_hold_type": kind, "bc_hold_ux": component, "bc_hold_uy": 0})
     require(f"{kind}: as many steps as asked for", len(r["time"]) == len(t))
-    # Displacements are met exactly; rates are integrated by the step's own rule, of second order.
-    check(f"{kind}: way over the largest", largest(r["measure_held_ux"] - u) / largest(u), 0,
-          1e-10 if kind == "displacement" else 5e-3, relative=False)
+    check(f"{kind}: way over the largest", largest(r["measure_held_ux"] - u) / largest(u), 0, 1e-10, relative=False)
     rate, force = numpy.diff(r["momentum_solid_x"]), r["reaction_hold_x"]
     impulse = (force[1:] + force[:-1]) / 2 * numpy.diff(r["time"])
     check(f"{kind}: impulse of the reaction is the change of momentum", largest((rate - impulse)[1:]) / largest(rate), 0, 1e-9,
@@ -113,8 +112,8 @@ total, scale = stored(bounce), bounce["energy_kinetic"][0]
 require("1e5 steps of a body that bounces", bounce["step"][-1] == 100000)
 check_between("bounces", numpy.count_nonzero(numpy.diff(numpy.sign(bounce["momentum_solid_y"])) > 0), 100, 2000)
 # The kink of the contact's force is met within a step, now to the one side and now to the other: it was 12 times the energy
-# with a penalty that grew as steps became shorter.
-check("sum of all energies less work, over the energy at the start", largest(total - total[0]) / scale, 0, 0.1, relative=False)
+# with a penalty that grew as steps became shorter; 0.095 here, a random walk.
+check("sum of all energies less work, over the energy at the start", largest(total - total[0]) / scale, 0, 0.15, relative=False)
 check("what contact lost or gave by itself", largest(bounce["dissipated_contact"]) / scale, 0, 1e-12, relative=False)
 check("what the integrator lost or gave", largest(bounce["dissipated_numerical"]) / scale, 0, 1e-2, relative=False)
 
@@ -158,6 +157,12 @@ restep = run("restep", {**CHAIN, "test_restep": 1}, refused=None)
 worst, where = max((largest(restep[c] - whole[c]) / max(largest(whole[c]), 1e-300), c) for c in whole.history
                    if c != "tries" and numpy.isfinite(whole[c]).all())
 check(f"every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
+wait = start("killed", CHAIN, program=FAULTY, fault="kill:30:history.csv")
+require("a run that is killed ends so", finish_within(wait, 60) != 0)
+killed = len(read_history("killed/history.csv")["time"])
+check_between("steps before the kill", killed, 21, steps - 1)
+run("killed", {**CHAIN, "restart": "auto"})
+require("and goes on bitwise from its last checkpoint", filecmp.cmp("whole/history.csv", "killed/history.csv", shallow=False))
 two = run("ranks", CHAIN, ranks=2)
 worst, where = largest_gap(whole, two)
 check(f"two ranks, in {where}", worst, 0, 1e-8, relative=False)
@@ -171,11 +176,16 @@ require("and never heals", (numpy.diff(crack["phi_max"]) >= -1e-12).all())
 check("balance", largest(crack["balance"]), 0, 1e-10, relative=False)
 check("first law", largest(crack["balance_first_law"]), 0, 5e-3, relative=False)
 
-taylor = run("taylor", {**EXPLICIT, "ts_dt": "auto", "ts_max_time": "10 us", "output_vis_every": 100000},
-             files=[option_file("taylor_bar.opts")])
-print(f"     {taylor['step'][-1]:.0f} steps, plastic strain {taylor['alpha_max'][-1]:.4g}")
-check("heat and flow: first law", largest(taylor["balance_first_law"]), 0, 1e-4, relative=False)
-check("heat and flow: balance", largest(taylor["balance"]), 0, 1e-10, relative=False)
+# The bar of options/: DynELA and Abaqus have 26.52 and 26.56 mm, 11.15 and 11.16 mm, 582 and 591 C, 1.78 and 1.81; Newmark's
+# method in steps of 0.05 us has 26.547 mm, 11.045 mm, 581 C and 1.787; the mass at the held foot is not the same.
+taylor = run("taylor", {**EXPLICIT, "ts_dt": "auto", "output_vis_every": 100000}, files=[option_file("taylor_bar.opts")])
+print(f"     {taylor['step'][-1]:.0f} steps")
+check("Taylor bar: final length", 32.4 + taylor["measure_tail_uy"][-1], 26.54, 1e-3)
+check("Taylor bar: diameter of the foot", 2 * (3.2 + taylor["probe_edge_ux"][-1]), 11.155, 4e-3)
+check("Taylor bar: temperature of the cell at the centre", taylor["probe_centre_theta"][-1] - 273.15, 586.5, 2e-2)
+check("Taylor bar: largest plastic strain", taylor["alpha_max"][-1], 1.795, 1.5e-2)
+check("Taylor bar: first law", largest(taylor["balance_first_law"]), 0, 1e-11, relative=False)
+check("Taylor bar: balance", largest(taylor["balance"]), 0, 1e-10, relative=False)
 
 print("what it cannot do is refused")
 RIGID = {"materials": "solid", "material_solid_model": "rigid", "material_solid_rho": RHO}
