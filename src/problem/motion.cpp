@@ -154,8 +154,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   const Timed timed(Event::motion_forces);
   const auto set = [&](Handle<Vec>& part) {
     if (!part) part = d_.displacement.make_global();
-    check(VecSet(part, 0));
-    d_.displacement.add_to_global(r_, part);
+    put(r_, part);
   };
   d_.displacement.to_local(u, u_);
   const bool apart = step_.unilateral_scale != 1;
@@ -174,13 +173,18 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
   contacts_.add_forces(u, -1, parts.contact);
 }
 
+// The sum of all ranks' parts.
+void MotionProblem::put(const std::vector<double>& local, Vec force) const {
+  check(VecSet(force, 0));
+  d_.displacement.add_to_global(local, force);
+}
+
 void MotionProblem::loads(Vec u, Handle<Vec>& external) {
   d_.displacement.to_local(u, u_);
   r_ = dead_load_;
   add_pressures(u_, 1, r_);
   if (!external) external = d_.displacement.make_global();
-  check(VecSet(external, 0));
-  d_.displacement.add_to_global(r_, external);
+  put(r_, external);
   if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
     const Handle<Vec> Mf = d_.displacement.make_global();
     mass_.multiply(d_.global_of(body_), Mf);

@@ -14,8 +14,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   d_.displacement.to_local(u, u_);
   const std::size_t materials = d_.materials.size();
   std::vector<double> lost(3 + 2 * materials, 0.0);
-  // The unilateral stress of broken points acts over the step as a whole: not in the stress of its end, and
-  // twice in what does work over the step.
+  // The unilateral stress acts over the step as a whole: not in that of its end, twice in what does work.
   const bool apart = heat.stress && step_.unilateral_scale != 1;
   double least = 0;
   bool sound = true;
@@ -45,17 +44,12 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
       batch.kernels.motion_advance(law, in, trial, nullptr, unused, {nullptr, stress.data()});
       batch.store(stress, *heat.step_stress);
     }
-    if (internal) {
-      auto force = batch.zero(d_.dim());
-      const CellStatus status =
-          batch.kernels.motion_step(law, cells.in, trial, driving.data(), step, feed, force.data());
-      sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
-      batch.scatter(force, r_);
-    } else {
-      const CellStatus status =
-          batch.kernels.motion_advance(law, cells.in, trial, driving.data(), step, feed);
-      sound = batch.broken(status.bad) == 0 && sound;
-    }
+    if (internal)
+      sound = step_cells(batch, cells.in, trial, driving.data(), step, feed) && sound;
+    else
+      sound = batch.broken(
+                  batch.kernels.motion_advance(law, cells.in, trial, driving.data(), step, feed).bad) == 0 &&
+              sound;
     if (keeps_history(law)) batch.store(next, history_.trial);
     batch.store(driving, drive_.trial);
     if (heat.dissipation) batch.store(dissipation, *heat.dissipation);
@@ -72,11 +66,18 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   sum_over_ranks(d_.mesh.comm(), lost);
   const auto part = lost.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
   sums = {lost[0], lost[1], lost[2], min_over_ranks(d_.mesh.comm(), least), {part, half}, {half, lost.end()}};
-  if (internal) {
-    check(VecSet(internal, 0));
-    d_.displacement.add_to_global(r_, internal);
-  }
+  if (internal) put(r_, internal);
   return all_ranks_agree(d_.mesh.comm(), sound);
+}
+
+// A step whose force is found with it, and added up.
+bool MotionProblem::step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive,
+                               StepSums& sums, const HeatFeed& heat) {
+  auto force = batch.zero(d_.dim());
+  const CellStatus status =
+      batch.kernels.motion_step(batch.law, in, history, drive, sums, heat, force.data());
+  batch.scatter(force, r_);
+  return check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J);
 }
 
 double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double dt,

@@ -90,10 +90,10 @@ TEST(Scenario, OwnModuliWinOverAnEquationOfStateTakenOverAndTheOtherWayRound) {
       {{"-material_beam_like", "wedge"}, {"-material_wedge_like", "-"}, {"-material_wedge_rho", "8930"}});
   for (const Options& changes : {copper, beam_like_wedge}) {
     const Scenario scenario = read(with(changes));
-    const MaterialParameters &beam = scenario.materials[0].law, &wedge = scenario.materials[1].law;
-    EXPECT_EQ(beam.equation_of_state, EquationOfState::none);
+    const impact::MaterialParameters &beam = scenario.materials[0].law, &wedge = scenario.materials[1].law;
+    EXPECT_EQ(beam.equation_of_state, impact::EquationOfState::none);
     EXPECT_NEAR(beam.K, 72e9 / (3 * (1 - 2 * 0.33)), 1e-3);
-    EXPECT_EQ(wedge.equation_of_state, EquationOfState::mie_grueneisen);
+    EXPECT_EQ(wedge.equation_of_state, impact::EquationOfState::mie_grueneisen);
     EXPECT_EQ(wedge.K, wedge.rho * 16e6);
     EXPECT_EQ(wedge.G, 47e9);
   }

@@ -27,6 +27,7 @@ struct StepWork {
 };
 
 /// Forces at t_n are rows of the state table, those at t_{n+1} their trial halves.
+// Members beyond twelve: a row for each kind of force, and what an explicit step works with.
 class ForceBook {
 public:
   /// Adds the rows. References must outlive the book.

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/kernel/advance_cell.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/damage_cell.hpp>
 #include <impact/kernel/failure_cell.hpp>

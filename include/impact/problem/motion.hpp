@@ -19,6 +19,7 @@ struct BrokenCell {
 };
 
 struct MotionFields;
+struct CellBatch;
 
 /// What one attempt of a step holds fixed. Local arrays with ghosts.
 struct MotionStep {
@@ -138,6 +139,9 @@ private:
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   void add_pressure_tangent(const std::vector<double>& u);
   bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
+  bool step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive, StepSums& sums,
+                  const HeatFeed& heat);
+  void put(const std::vector<double>& local, Vec force) const;
   void rebuild_matrix();
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);

@@ -54,7 +54,7 @@ struct CouplingScenario {
   double dt = 0;                    ///< -ts_dt
   double crack_level = 0.9;         ///< phi from which a node counts as cracked
   std::string length_unit = "m";
-  bool moves = true; ///< -physics has motion
+  bool moves = true;    ///< -physics has motion
   int damage_every = 1; ///< explicit steps between two solves of damage
   ExplicitScenario by_central_differences;
 };

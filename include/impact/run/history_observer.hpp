@@ -14,6 +14,7 @@ std::string history_file_name(const Scenario& scenario);
 void add_axes(HistoryFile::Row& row, const std::string& name, const double* values, std::size_t end,
               std::size_t first = 0);
 
+// Members beyond twelve: what each kind of column reads, and when rows are due.
 class HistoryObserver {
 public:
   /// Throws UserError for fields that the run does not offer and probes outside of its bodies. Collective.

@@ -7,11 +7,10 @@
 #include <petscts.h>
 
 /// Newton's method for the motion at a given phi and theta: SNES `motion_` on
-///   R(u, a(u)) = 0,   K du = -R,   K = dR/du + mass_shift M                                       (105),
-///   (106)
+///   R(u, a(u)) = 0,   K du = -R,   K = dR/du + mass_shift M        (105), (106)
 /// with a(u) from the integrator of the TS. It takes the first iteration of a step at its guess, keeps a
-/// factorised tangent while that serves, and tries once more with backtracking where the iterates go round in
-/// circles (theory.md, 7).
+/// factorised tangent while that serves, and tries once more with backtracking where iterates go in circles
+/// (theory.md, 7).
 namespace impact {
 
 // Members beyond twelve: collaborators, vectors, and what is counted of a solve and of an attempt.
@@ -23,7 +22,6 @@ public:
     PetscInt hardest = 0;            ///< tangents of the hardest solve of the attempt
     long second_ways = 0;            ///< solves of this run that were tried once more
   };
-
   /// The references must outlive the solver, but for `settings`. Throws UserError(usage). Collective.
   MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults,
                const CouplingScenario& settings);
@@ -32,17 +30,16 @@ public:
   void begin_attempt(PetscInt number);
   /// u with the prescribed values, and the contact candidates near it. Collective.
   Handle<Vec> imposed(Vec u);
-  /// Takes u, the guess of a step, to its prescribed values `goal`, and where that is worth while through a
-  /// first iteration. Collective.
+  /// Takes u, the guess of a step, to `goal`, its prescribed values; where worth while by an iteration.
+  /// Collective.
   void enter_step(Vec u, Vec goal);
   /// Lets loose bodies that face nothing yet stride towards what the search sees. Collective.
   void approach(Vec u);
-  /// Solves from u in at most so many iterations and, unless that is not worth a second way, once more with
-  /// backtracking. Collective.
+  /// Solves from u in at most so many iterations and, if a second way is worth it, with backtracking.
+  /// Collective.
   SNESConvergedReason solve(Vec u, Aim aim, PetscInt most_iterations, bool second_way = true);
   /// Back to where the last solve started. Collective.
   void restart(Vec u);
-
   /// Brings the contact candidates near u; true when that changed the matrix. Collective.
   bool refresh_contact(Vec u);
   /// Hands the motion's present matrix to the solver; needed when the candidates changed outside a step.

@@ -1,0 +1,201 @@
+#pragma once
+#include <impact/kernel/bulk_viscosity.hpp>
+#include <impact/kernel/motion_terms.hpp>
+#include <impact/kernel/plane_stress.hpp>
+#include <impact/kernel/spatial_map.hpp>
+
+/// The law at the solution of a step, on one batch of cells: flow, what drives damage and heat, what was
+/// lost; in explicit steps the internal force with it.
+namespace impact {
+
+/// g_p k_d dalpha + b_d |C - C_n|^2 / dt of the step.
+template <class Cell, Frame frame>
+inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s,
+                            const PointEvaluation<Cell::dim>& e, int q,
+                            const PointHistory<Batch, Cell::dim>& now,
+                            const PointHistory<Batch, Cell::dim>& old) {
+  Batch lost = Batch(0.0);
+  if (law.flows())
+    lost = e.g.p.g * (dissipative_stress(law.parameters, e.flow.at, now.alpha, now.alpha - old.alpha) *
+                      (now.alpha - old.alpha));
+  if (law.viscous() && in.u_n) {
+    const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
+    lost += (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
+  }
+  return lost;
+}
+
+/// What the flow of a step dissipates and what elastic energy it releases, at one point of weight w.
+template <int d>
+inline void book_flow(const PointLaw& law, const PointEvaluation<d>& e, const PointHistory<Batch, d>& now,
+                      const PointHistory<Batch, d>& old, const Batch& z_trial, const Batch& z, const Batch& w,
+                      StepSums& sums) {
+  const MaterialParameters& m = law.parameters;
+  const Batch k_d = dissipative_stress(m, e.flow.at, now.alpha, now.alpha - old.alpha);
+  const Batch lost = e.g.p.g * (k_d * (now.alpha - old.alpha));
+  sums.plastic_dissipation += w * lost;
+  sums.least_dissipation = min(lost, sums.least_dissipation);
+  const Batch released = isochoric_energy(m, trace_excess(e.flow.trial, z_trial) - z);
+  sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
+}
+
+/// The internal force of a step whose forces and flow are found together.
+template <class Cell, Frame frame> struct StepForces {
+  Fluxes<Cell, frame> fluxes;
+  BulkRate bulk{};
+  bool pressed, extra;
+
+  template <class Law> void start(const Law& law, const MotionInput& in, const CellState<Cell, frame>& s) {
+    pressed = in.has_bulk_viscosity() && in.u_n;
+    extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
+    if (pressed) bulk = bulk_rate(law, in, s);
+  }
+  template <class Law>
+  void add(const Law& law, const MotionInput& in, const CellState<Cell, frame>& s,
+           const PointEvaluation<Cell::dim>& e, int q) {
+    CurrentMap<Cell, frame> map;
+    current_map(s.map[q], e.k.inverse_F, map);
+    Symmetric<Batch, Cell::dim> tau = e.tau;
+    if (extra) {
+      Vector<Batch, Cell::dim> h;
+      tau = tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
+    }
+    if (pressed) {
+      const Batch minus_q = bulk_stress<frame>(bulk, s.H[q]);
+      for (int i = 0; i < 3; ++i) tau[i] += minus_q;
+    }
+    fluxes.set(q, map, s.map[q].weight, tau);
+  }
+  /// What bulk viscosity loses in a step, per volume.
+  Batch lost(double dt) const { return dt * (bulk.viscosity * (bulk.rate * bulk.rate)); }
+  /// r += the force; the lanes in which it is not finite.
+  int finish(Batch* r) const {
+    fluxes.add_forces(r);
+    Batch finite = Batch(0.0);
+    for (int i = 0; i < dofs<Cell>; ++i) finite += r[i] - r[i];
+    return bits(~is_finite(finite));
+  }
+};
+
+/// With `heats` also what the heat balance asks for, with `forces` the internal force: bodies of code of
+/// their own, so that a run without them pays nothing and keeps its last digits.
+template <class Cell, Frame frame, bool heats, bool spectral, bool forces = false, class Law>
+inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                          StepSums& sums, const HeatFeed& heat, Batch* r = nullptr) {
+  constexpr int d = Cell::dim;
+  CellStatus status{0, Batch(1e300)};
+  CellState<Cell, frame> s;
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
+  status.bad |= find_thickness<Cell, frame>(law, in, s);
+  StepForces<Cell, frame> force;
+  if constexpr (forces) force.start(law, in, s);
+  for (int q = 0; q < Cell::points; ++q) {
+    const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
+    note<Cell, frame>(status, law, s, e);
+    if constexpr (forces) force.add(law, in, s, e, q);
+    const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
+    const Batch z_trial = e.flow.y - Batch(1.0);
+    const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
+    const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
+    PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, now.alpha, in.theta, q);
+    if constexpr (spectral) {
+      const auto split = point_split<Cell, frame>(law, s, e.k.J_minus_1, in.theta, q);
+      energy.plus = split.plus;
+      energy.minus = split.minus;
+    }
+    if (law.softens())
+      energy.plastic =
+          law.plastic_energy(e.flow, old.alpha, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
+    if (trial_history) {
+      HistoryOf<frame>& kept = history_at<frame>(trial_history, q);
+      kept.A = now.A;
+      kept.alpha = now.alpha;
+      if constexpr (frame == Frame::plane_stress) kept.stretch = s.H[q][4];
+    }
+    if (drive) drive_at(drive, q) = {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
+    status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
+    if (law.flows()) book_flow(law, e, now, old, z_trial, z, w, sums);
+    if constexpr (heats) {
+      if (heat.stress) {
+        Vector<Batch, d> h;
+        const Tensor<Batch, d> P =
+            first_piola(e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h), e.k.inverse_F);
+        for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
+      }
+      if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, now, old);
+      if constexpr (forces)
+        if (heat.dissipation) heat.dissipation[q] += force.lost(in.dt);
+    }
+    if constexpr (forces) sums.viscous_dissipation += w * force.lost(in.dt);
+    if (law.viscous() && in.u_n) {
+      const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
+      const Batch lost = (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
+      sums.viscous_dissipation += w * lost;
+      sums.least_dissipation = min(lost, sums.least_dissipation);
+    }
+  }
+  if constexpr (forces) status.bad |= force.finish(r);
+  return status;
+}
+
+template <class Cell, Frame frame, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
+                                                        Batch* trial_history, Batch* drive, StepSums& sums) {
+  const LastDigits kept;
+  return advance<Cell, frame, false, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
+                                                               trial_history, drive, sums, {});
+}
+
+template <class Cell, Frame frame, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
+                                                            Batch* trial_history, Batch* drive,
+                                                            StepSums& sums, const HeatFeed& heat) {
+  const LastDigits kept;
+  return advance<Cell, frame, true, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
+                                                              trial_history, drive, sums, heat);
+}
+
+template <class Cell, Frame frame, bool heats, Terms terms>
+[[gnu::flatten, gnu::noinline]] CellStatus step_with(const PointLaw& law, const MotionInput& in,
+                                                     Batch* trial_history, Batch* drive, StepSums& sums,
+                                                     const HeatFeed& heat, Batch* r) {
+  return advance<Cell, frame, heats, terms == Terms::spectral, true>(
+      restricted<terms>(law), restricted(in, terms), trial_history, drive, sums, heat, r);
+}
+
+/// Calls f(constant) for the terms of a law where heat asks: fewer bodies of code.
+template <Frame frame, class F> decltype(auto) with_terms_of_heat(Terms terms, F&& f) {
+  if constexpr (frame != Frame::plane_stress) {
+    if (terms == Terms::state) return f(std::integral_constant<Terms, Terms::state>{});
+    if (terms == Terms::spectral) return f(std::integral_constant<Terms, Terms::spectral>{});
+    if (terms != Terms::all) return f(std::integral_constant<Terms, Terms::plain>{});
+  } else if (terms != Terms::all)
+    return f(std::integral_constant<Terms, Terms::plain>{});
+  return f(std::integral_constant<Terms, Terms::all>{});
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                          StepSums& sums, const HeatFeed& heat) {
+  if (heat.dissipation || heat.stress)
+    return with_terms_of_heat<frame>(terms_of(law, in), [&](auto terms) {
+      return advance_for_heat<Cell, frame, terms>(law, in, trial_history, drive, sums, heat);
+    });
+  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
+    return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
+  });
+}
+
+template <class Cell, Frame frame>
+CellStatus motion_step(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                       StepSums& sums, const HeatFeed& heat, Batch* r) {
+  if (heat.dissipation || heat.stress)
+    return with_terms_of_heat<frame>(terms_of(law, in), [&](auto terms) {
+      return step_with<Cell, frame, true, terms>(law, in, trial_history, drive, sums, heat, r);
+    });
+  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
+    return step_with<Cell, frame, false, terms>(law, in, trial_history, drive, sums, {}, r);
+  });
+}
+
+} // namespace impact
