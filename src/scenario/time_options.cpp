@@ -74,7 +74,7 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
   row.number("ts_dt_cfl", &TimeScenario::cfl, "1", {0, 1, true, false},
              "steps are at most this part of the stable step, which is looked for again as cells deform")
       .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);
-  row.number("ts_bulk_viscosity_linear", &TimeScenario::bulk_linear, "1 b", not_negative,
+  row.number("ts_bulk_viscosity_linear", &TimeScenario::bulk_linear, "1 b", {0, 0.2},
              "pressure rho l c b |D| against the rate D at which a cell shrinks; 0.06 damps what rings "
              "behind a shock")
       .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);

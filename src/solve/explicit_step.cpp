@@ -98,6 +98,7 @@ double ExplicitStep::longest() {
   const double dt = row_.committed[of_cells],
                cells = settings_.cfl * dt * (settings_.cfl == 1 ? 1 + rounding : 1);
   const double square = std::max(contact_frequency_, row_.committed[of_penalties]);
+  if (square == 0) return cells;
   return std::min(cells, 2 / std::sqrt(4 / (dt * dt) + square));
 }
 

@@ -58,7 +58,8 @@ const std::vector<Row>& rows() {
       {{{"-damage_ts_dt", "0"}}, ExitCode::usage, "-damage_ts_dt \"0\": out of range; allowed: > 0 s"},
       {{{"-damage_bound", "vi"}},
        ExitCode::usage,
-       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: bounds, form, theta, "
+       "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: bounds, every, form, "
+       "theta, "
        "ts_dt, and PETSc's options of solvers)"},
       {{{"-stops", "broken"}, {"-stop_end_when", "-"}},
        ExitCode::usage,

@@ -91,7 +91,7 @@ for kind, component, u in (("displacement", "0.01*sin(20*t)", 0.01 * numpy.sin(2
 
 print("energies over many steps")
 SPIN = {**BODY, "mesh_set_n": 2, "ics": "spin", "ic_spin_on": "solid", "ic_spin_vx": "-3*(y-0.5)+0.1*sin(3*x)", "ic_spin_vy": "3*(x-0.5)",
-        "ts_max_steps": 100000, "ts_max_time": 1e6, "output_hist_every": 100, "outputs": "hist", "output_hist_type": "csv"}
+        "ts_max_steps": 100000, "ts_max_time": 1e6, "output_hist_every": 1, "outputs": "hist", "output_hist_type": "csv"}
 spin = run("spin", SPIN)
 total = stored(spin) / stored(spin)[0]
 require("1e5 steps", spin["step"][-1] == 100000)

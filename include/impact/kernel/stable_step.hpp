@@ -54,9 +54,14 @@ inline Batch largest_modulus(const Law& law, const MotionInput& in, const Tensor
     mean = (r * r) * (Batch(1.0) + (1.0 / 3) * trace(e));
     most = (r * r) * largest_stretch(e);
   }
+  const Batch bulk = max(J * (v.p + J * v.dp), Batch(0.0)), bent = (2 * m.G) * (mean - Batch(1.0));
   // An even change of area is a change of shape, too: |dev d|^2 = |d|^2/3.
-  const Batch volume = directions<frame> * max(J * (v.p + J * v.dp), Batch(0.0)) +
-                       ((2 - 2.0 / 3 * directions<frame>)*m.G) * mean + (2 * m.G) * (mean - Batch(1.0));
+  Batch volume = directions<frame> * bulk + ((2 - 2.0 / 3 * directions<frame>)*m.G) * mean + bent;
+  if constexpr (frame ==
+                Frame::plane_stress) { // the thickness gives way: E/(1 - nu) as long as strains are small
+    const Batch G = m.G * mean;
+    volume = min(volume, 18.0 * bulk * G / (3.0 * bulk + 4.0 * G) + (2 * m.G) * (most - Batch(1.0)));
+  }
   return max(volume, m.G * (mean + most)) + J * abs(v.p);
 }
 
