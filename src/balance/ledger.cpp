@@ -91,14 +91,18 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
 }
 
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
-// update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does.
+// update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does,
+// and so do the impulses of explicit steps.
 void Ledger::book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u, bool watched) {
   sum(contact_work) += work_contact;
-  const bool idle =
-      std::none_of(motion_.contacts().begin(), motion_.contacts().end(),
-                   [](const auto& contact) { return contact.frictional() || contact.settings().rigid(); });
-  if (!watched && idle) return;
-  const std::vector<ContactStep> contacts = motion_.contacts().step(u, stabilised);
+  const ContactSet& all = motion_.contacts();
+  const bool idle = std::none_of(all.begin(), all.end(), [](const auto& contact) {
+    return contact.frictional() || contact.settings().rigid();
+  });
+  const bool strikes =
+      stabilised || std::any_of(all.begin(), all.end(), [](const auto& c) { return c.by_impulse(); });
+  if (!watched && idle && !strikes) return;
+  const std::vector<ContactStep> contacts = all.step(u, stabilised);
   double store = 0;
   for (const ContactStep& contact : contacts) store += contact.energy;
   double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));
@@ -108,7 +112,7 @@ void Ledger::book_contact(const StepWork& work, double work_contact, bool stabil
     sum(contact_loss) += contact.released;
     taken += contact.obstacle_work + contact.obstacle_shock - contact.friction_loss;
   }
-  if (stabilised) sum(contact_loss) += taken;
+  if (strikes) sum(contact_loss) += taken;
   sum(contact_store) = store;
 }
 

@@ -30,6 +30,11 @@ Traction Friction::traction(const Constraint& c) const {
   if (c.works_exactly()) return step_traction(c).over;
   const Tangential held = this->held(c);
   const double limit = coefficient_ * std::max(c.pressure, 0.0), eps = law_->slip_weight();
+  if (law_->is_given()) {
+    const double size = std::hypot(held[0], held[1]);
+    if (!(size > 0) || size < (1 - 1e-6) * limit) return {held, false, {}, 0};
+    return {held, true, {held[0] / size, held[1] / size}, 0};
+  }
   Traction t = coulomb({held[0] + eps * c.slip[0], held[1] + eps * c.slip[1]}, limit);
   // The multiplier is the traction while the contact sticks; the slip only decides whether it does.
   if (law_->closes_gaps() && !t.slides) t.value = held;
@@ -63,6 +68,13 @@ void Friction::add_heat(const Constraint& c, double& heat) const {
   if (!acts()) return;
   if (c.works_exactly()) {
     heat += c.weight * step_traction(c).loss;
+    return;
+  }
+  if (law_->is_given()) { // all that tractions of both ends do: impulses keep nothing
+    const double* before = &traction_->committed[tangents() * at(c.index)];
+    const Tangential now = c.active ? held(c) : Tangential{};
+    for (std::size_t a = 0; c.slides && a < tangents(); ++a)
+      heat += c.weight * (before[a] + now[a]) / 2 * c.slip[a];
     return;
   }
   const Traction t = traction(c);

@@ -119,11 +119,13 @@ ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable&
       if (const auto& u = contact.rigid_u[k]; u && contact.carrier.empty())
         settings.rigid_motion[k] = over_time(*u, d.dim());
     if (s.explicit_steps()) { // what the rows let through
-      settings.enforce = Enforcement::penalty;
+      if (settings.enforce != Enforcement::impulse) settings.enforce = Enforcement::penalty;
       settings.impact = ImpactUpdate::none;
       settings.iterated = false;
       // Forces of a mean gap change at once where a facet comes into reach of it, which no iteration smooths.
       if (settings.method == ContactMethod::automatic) settings.method = ContactMethod::gauss_points;
+      // Impulses on their own nodes alone know little of each other, and are found in a few iterations.
+      settings.at_nodes = settings.enforce == Enforcement::impulse && settings.points == 0;
     }
     if (contact.temperature) settings.rigid_temperature = over_time(*contact.temperature, d.dim());
     ContactEnvironment environment;

@@ -50,13 +50,18 @@ void add_methods(ContactRows& rows) {
              "auto", MultiplierSpace::automatic, "standard", MultiplierSpace::standard, "dual",
              MultiplierSpace::dual);
   row.choice("enforce", &Contact::enforce,
-             "augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; auto: "
+             "augmented Lagrangian (Uzawa), penalty alone, or semismooth Newton with multipliers; impulses "
+             "at the "
+             "secondary nodes that give no energy, of central differences alone; auto: "
              "semismooth with mortar up to 1.5e6 unknowns in the plane and 2e4 in space, else auglag; with "
              "central "
              "differences penalty",
              "auto", Enforcement::automatic, "auglag", Enforcement::auglag, "penalty", Enforcement::penalty,
-             "semismooth", Enforcement::semismooth)
-      .notation("(74)-(79)");
+             "semismooth", Enforcement::semismooth, "impulse", Enforcement::impulse)
+      .notation("(74)-(79)")
+      .refused([](const Contact& c,
+                  const Scenario& s) { return c.enforce == Enforcement::impulse && !s.explicit_steps(); },
+               "is for -ts_type central_difference; take that, or another enforcement");
   row.number("friction", &Contact::friction, "1 mu", not_negative, "Coulomb's coefficient of friction");
 }
 

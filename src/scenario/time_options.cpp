@@ -37,8 +37,11 @@ std::string hindrance(const Scenario& s) {
     if (contact.rigid_mass > 0)
       return "moves no obstacle with mass (" + of +
              "_rigid_mass); prescribe its motion, or take -ts_type newmark";
-    if (contact.enforce != Enforcement::automatic && contact.enforce != Enforcement::penalty)
-      return "has contact by penalty alone (" + of + "_enforce); take penalty or auto, or -ts_type newmark";
+    if (contact.enforce == Enforcement::auglag || contact.enforce == Enforcement::semismooth)
+      return "has contact by penalty or by impulses (" + of +
+             "_enforce); take penalty, impulse or auto, or -ts_type newmark";
+    if (contact.enforce == Enforcement::impulse && contact.method == ContactMethod::mortar)
+      return "has impulses at points alone (" + of + "_method mortar); take gpts or auto";
     if (contact.impact != ImpactUpdate::automatic && contact.impact != ImpactUpdate::none)
       return "has no update of impacts (" + of + "_impact); take none or auto, or -ts_type newmark";
   }

@@ -18,17 +18,28 @@ constexpr double longest_interval = 64; // steps
 constexpr double hold = 1.1;
 constexpr double rounding = 1e-3; // by which the bound of a stable step may miss it
 
+PetscInt first_of(Vec x) {
+  PetscInt first = 0;
+  check(VecGetOwnershipRange(x, &first, nullptr));
+  return first;
+}
+
 } // namespace
 
 ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, const ExplicitScenario& settings)
     : ts_(ts), motion_(motion), state_(state), settings_(settings),
-      row_(state.add({"stable_step", Support::global, components}, components)) {
+      row_(state.add({"stable_step", Support::global, components}, components)),
+      impulses_(motion.discretisation().displacement) {
   const FieldLayout& layout = motion.discretisation().displacement;
   forces_.internal = layout.make_global();
   forces_.contact = layout.make_global();
   if (!motion.contacts().empty()) stiffness_ = layout.make_global();
-  for (std::size_t c = 0; c < motion.contacts().size(); ++c)
+  for (const ContactInterface& contact : motion.contacts()) {
     of_contacts_.push_back({layout.make_global(), {}});
+    if (!contact.by_impulse() || struck_.inverse_mass) continue;
+    for (Handle<Vec>* made : {&struck_.inverse_mass, &struck_.half, &struck_.free})
+      *made = layout.make_global();
+  }
 }
 
 void ExplicitStep::start(Vec u, Vec v) {
@@ -66,7 +77,7 @@ void ExplicitStep::set_penalties(double longest_of_cells) {
   std::vector<double> total = motion_.discretisation().displacement.make_local();
   for (const ContactInterface& contact : contacts) {
     loads.push_back(contact_loads(contact));
-    if (contact.settings().automatic_penalty)
+    if (contact.settings().automatic_penalty && !contact.by_impulse())
       for (std::size_t i = 0; i < total.size(); ++i) total[i] += loads.back()[i];
   }
   const double s = std::clamp(settings_.cfl, 0.8, 0.9), dt = s * longest_of_cells,
@@ -77,7 +88,8 @@ void ExplicitStep::set_penalties(double longest_of_cells) {
     for (std::size_t i = 0; i < total.size(); ++i)
       if (loads[c][i] > 0) largest = std::max(largest, total[i]);
     largest = max_over_ranks(comm, largest);
-    if (contact.settings().automatic_penalty && largest > 0) contact.set_penalty(budget / largest);
+    if (contact.settings().automatic_penalty && !contact.by_impulse() && largest > 0)
+      contact.set_penalty(budget / largest);
     ++c;
   }
 }
@@ -85,6 +97,7 @@ void ExplicitStep::set_penalties(double longest_of_cells) {
 double ExplicitStep::contact_frequency() {
   std::vector<double> sum = motion_.discretisation().displacement.make_local();
   for (const ContactInterface& contact : motion_.contacts()) {
+    if (contact.by_impulse()) continue;
     const std::vector<double> loads = contact_loads(contact);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += contact.penalty() * loads[i];
   }
@@ -127,11 +140,7 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   if (now.a) boundary.set_exact_velocity(now.t - now.dt, now.t, rate, speed);
   boundary.set_displacement(now.t, now.t + now.dt, u, speed, goal);
   double* values = nullptr;
-  const PetscInt start = [&] {
-    PetscInt first = 0;
-    check(VecGetOwnershipRange(a, &first, nullptr));
-    return first;
-  }();
+  const PetscInt start = first_of(a);
   check(VecGetArray(a, &values));
   for (const FixedDof& fixed : boundary.fixed()) {
     const int node = fixed.dof / dim;
@@ -153,19 +162,47 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
   divide_by_mass({0, Get(TSGetTimeStep)(ts_), u, v, nullptr}, a);
 }
 
-void ExplicitStep::find_contact_forces(Vec u) {
-  check(VecSet(forces_.contact, 0));
-  if (of_contacts_.empty()) return;
-  check(VecSet(stiffness_, 0));
+void ExplicitStep::find_contact_forces(Vec u, bool by_impulse) {
   auto known = of_contacts_.begin();
   for (const ContactInterface& contact : motion_.contacts()) {
-    check(VecSet(known->residual, 0));
-    known->part = contact.add_residual(u, 1, known->residual, stiffness_);
-    check(VecAXPY(forces_.contact, -1, known->residual));
+    if (contact.by_impulse() == by_impulse) {
+      check(VecSet(known->residual, 0));
+      known->part = contact.add_residual(u, 1, known->residual, by_impulse ? nullptr : stiffness_.get());
+      check(VecAXPY(forces_.contact, -1, known->residual));
+    }
     ++known;
   }
+}
+
+void ExplicitStep::find_stiffness_bound() {
+  if (of_contacts_.empty()) return;
   check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
   check(VecMax(stiffness_, nullptr, &row_.trial[of_penalties]));
+}
+
+// What moves freely in the next step, if it is as long as this one, is pushed where it would meet something.
+void ExplicitStep::add_impulses(Vec u, const Rates& now, Vec a) {
+  if (!struck_.inverse_mass) return;
+  const Discretisation& d = motion_.discretisation();
+  check(VecCopy(motion_.lumped_mass(), struck_.inverse_mass));
+  check(VecReciprocal(struck_.inverse_mass));
+  const PetscInt start = first_of(struck_.inverse_mass);
+  double* values = nullptr;
+  check(VecGetArray(struck_.inverse_mass, &values));
+  for (const FixedDof& fixed : motion_.boundary().fixed()) {
+    const int node = fixed.dof / d.dim();
+    if (d.mesh.owned(node)) values[d.mesh.global_node()[at(node)] * d.dim() + fixed.component - start] = 0;
+  }
+  check(VecRestoreArray(struck_.inverse_mass, &values));
+  check(VecWAXPY(struck_.half, now.dt / 2, now.a, now.v));
+  check(VecWAXPY(struck_.free, now.dt, a, struck_.half));
+  impulses_.find(motion_.contacts(), {u, struck_.half, struck_.free, struck_.inverse_mass, now.t, now.dt});
+  check(VecSet(struck_.half, 0));
+  check(VecAXPY(struck_.half, -1, forces_.contact));
+  find_contact_forces(u, true);
+  check(VecAXPY(struck_.half, 1, forces_.contact)); // of impulses alone
+  check(VecPointwiseMult(struck_.half, struck_.half, struck_.inverse_mass));
+  check(VecAXPY(a, 1, struck_.half));
 }
 
 void ExplicitStep::advance_contacts(Vec u_n, Vec u, double dt) {
@@ -181,8 +218,13 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   motion_.update_contact(u);
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
   motion_.loads(u, forces_.external);
-  find_contact_forces(u);
-  divide_by_mass({step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)}, new_acceleration(ts_));
+  const Rates rates{step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)};
+  check(VecSet(forces_.contact, 0));
+  if (stiffness_) check(VecSet(stiffness_, 0));
+  find_contact_forces(u, false);
+  find_stiffness_bound();
+  divide_by_mass(rates, new_acceleration(ts_));
+  add_impulses(u, rates, new_acceleration(ts_));
   row_.trial[left] = row_.committed[left] - 1;
   if (row_.trial[left] > 0) return true;
   const double before = row_.committed[of_cells];

@@ -117,6 +117,36 @@ check("sum of all energies less work, over the energy at the start", largest(tot
 check("what contact lost or gave by itself", largest(bounce["dissipated_contact"]) / scale, 0, 1e-12, relative=False)
 check("what the integrator lost or gave", largest(bounce["dissipated_numerical"]) / scale, 0, 1e-2, relative=False)
 
+print("contact by impulses")
+STRUCK = {**BOUNCE, "contact_floor_enforce": "impulse", "ts_dt_cfl": 0.8, "contact_floor_plane_point": "0,-0.003", "ic_drop_vy": -0.1}
+struck = run("struck", STRUCK)
+total, scale = stored(struck), largest(stored(struck)) + largest(struck["work_external"])
+require("1e5 steps of a body that bounces and comes to rest", struck["step"][-1] == 100000)
+check("sum of all energies less work, over the largest", largest(total - total[0]) / scale, 0, 1e-3, relative=False)
+check("the same: drift of its mean", (total[-300:].mean() - total[100:400].mean()) / scale, 0, 1e-4, relative=False)
+# An impulse that meets what still leaves gives in the step before it less than it takes in the step after it.
+lost = struck["dissipated_contact"]
+check("what contact gave back of what it took", largest(numpy.maximum.accumulate(lost) - lost) / scale, 0, 1e-4, relative=False)
+require("and takes some", struck["dissipated_contact"][-1] > 0.1 * scale)
+check("depth, over the height", -numpy.nanmin(struck["contact_floor_gap_min"]), 0, 1e-12, relative=False)
+struck_bars = run("struck_bars", {**EXPLICIT, "output_vis_every": 100000, "ts_dt": "auto", "contact_face_enforce": "impulse"},
+                  files=[option_file("bars_impact.opts")])
+end = struck_bars["momentum_target_x"][struck_bars["time"] > 50e-6].mean() / struck_bars["momentum_striker_x"][0]
+check("bars: momentum that passes over", end, 1, 5e-3)
+# Two nodes, each with half a cell's part of the 1000 cells along a bar, meet plastically: m v^2/4.
+check("bars: what the first touch takes", struck_bars["dissipated_contact"][-1] / struck_bars["energy_kinetic"][0],
+      1 / (2 * 2 * 200), 1e-2)
+G, MU, SPEED = 10.0, 0.3, 1.0
+slide = run("slide", {**BODY, "bcs": "g", "bc_g_on": "solid", "bc_g_type": "body_force", "bc_g_uy": -G,
+                      "ics": "push", "ic_push_on": "solid", "ic_push_vx": SPEED, "contacts": "floor",
+                      "contact_floor_secondary": "bottom", "contact_floor_primary": "plane", "contact_floor_friction": MU,
+                      "contact_floor_enforce": "impulse", "material_solid_E": 1e8, "material_solid_b_d": 2e4, "ts_max_time": 0.6})
+moving = slide["time"] < SPEED / (MU * G) - 0.05
+check("a block that slides slows down by mu g", largest(slide["momentum_solid_x"][moving] / (RHO * SPEED) -
+      1 + MU * (G * slide["time"][moving] + slide["momentum_solid_y"][moving] / RHO) / SPEED), 0, 1e-3, relative=False)
+check("and comes to rest", largest(slide["momentum_solid_x"][slide["time"] > 0.5]) / (RHO * SPEED), 0, 2e-2, relative=False)
+check("its energy is friction's heat", slide["dissipated_friction"][-1], RHO * SPEED**2 / 2, 3e-2)
+
 print("beside Newmark's method")
 QUIET = {"output_vis_every": 100000}
 bars = run("bars", {**EXPLICIT, **QUIET, "ts_dt": "auto"}, files=[option_file("bars_impact.opts")])
@@ -157,6 +187,12 @@ restep = run("restep", {**CHAIN, "test_restep": 1}, refused=None)
 worst, where = max((largest(restep[c] - whole[c]) / max(largest(whole[c]), 1e-300), c) for c in whole.history
                    if c != "tries" and numpy.isfinite(whole[c]).all())
 check(f"every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
+struck = {**CHAIN, "contact_face_enforce": "impulse"}
+whole_struck = run("whole_struck", struck)
+steps_struck = int(whole_struck["step"][-1])
+run("halves_struck", {**struck, "ts_max_steps": steps_struck // 2})
+run("halves_struck", {**struck, "restart": "auto"})
+require("with impulses, too", filecmp.cmp("whole_struck/history.csv", "halves_struck/history.csv", shallow=False))
 wait = start("killed", CHAIN, program=FAULTY, fault="kill:30:history.csv")
 require("a run that is killed ends so", finish_within(wait, 60) != 0)
 killed = len(read_history("killed/history.csv")["time"])

@@ -69,7 +69,7 @@ private:
     grown,        ///< part of that (IntegratorEnergy::grown)
     exchange,     ///< part of `numerical`, of any sign (IntegratorEnergy::exchange)
     unbalanced,   ///< work of what Newton's method left of the balances
-    contact_loss, ///< by the contact-stabilised and the conserving update
+    contact_loss, ///< by the contact-stabilised and the conserving update, by impulses
     external,
     damage_work, ///< part of `external`
     contact_work,

@@ -74,6 +74,8 @@ public:
   /// Of a sliding constraint: change of its traction by slip across the direction of the traction.
   virtual double turn_stiffness(const Constraint& c, const Traction& t) const;
 
+  /// Whether pressures and tractions are those of their rows, which explicit steps find (impulses.hpp).
+  virtual bool is_given() const { return false; }
   /// Whether multipliers hold gaps, which a penalty cannot do.
   virtual bool has_multipliers() const { return false; }
   /// Whether multipliers follow the iterates of Newton's method, whose linear solves close the active gaps.
@@ -116,6 +118,7 @@ std::unique_ptr<EnforcementMethod> make_penalty(const ContactSettings& settings,
                                                 bool conserving);
 std::unique_ptr<EnforcementMethod> make_augmented(const ContactSettings& settings,
                                                   const EnforcementRows& rows);
+std::unique_ptr<EnforcementMethod> make_impulse(const ContactSettings& settings, const EnforcementRows& rows);
 std::unique_ptr<EnforcementMethod> make_semismooth(const ContactSettings& settings,
                                                    const EnforcementRows& rows);
 

@@ -53,6 +53,7 @@ public:
 
   /// [constraint][direction] tractions of the trial half; new ones are kept unless friction is suspended.
   const std::vector<double>& tractions() const { return traction_->trial; }
+  std::vector<double>& given() { return acts() ? traction_->trial : none_; }
   void keep_tractions(std::vector<double>& tractions);
   /// After an accepted step that ended at u with these tractions. Collective.
   void advance(const Constraints& constraints, Vec u, std::vector<double> tractions);
@@ -69,6 +70,7 @@ private:
   double coefficient_ = 0;
   const EnforcementMethod* law_ = nullptr;
   StateRow *traction_ = nullptr, *slip_ = nullptr;
+  std::vector<double> none_;
   bool suspended_ = false, reverses_ = false;
   // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.

@@ -193,6 +193,12 @@ public:
   /// Before advance.
   ContactStep step(Vec u, bool force_at_end = false) const;
 
+  /// Whether explicit steps find its pressures (impulses.hpp), and where those go: [constraint], and
+  /// [constraint][direction] of tractions, of the trial halves.
+  bool by_impulse() const { return method().is_given(); }
+  std::vector<double>& given_pressures() { return rows_.multiplier->trial; }
+  std::vector<double>& given_tractions() { return friction_.given(); }
+
   bool frictional() const { return settings_.friction > 0; }
   /// Whether heat may pass it.
   bool passes_heat() const { return settings_.conductance > 0 || frictional(); }

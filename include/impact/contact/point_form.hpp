@@ -29,6 +29,19 @@ struct FormPoints {
   std::size_t index(int facet, int point) const {
     return static_cast<std::size_t>(facet * per_facet + point);
   }
+  /// The same areas, lumped at the corners, of which a facet has no more than points.
+  void move_to_corners() {
+    for (std::size_t first = 0; first < weight.size(); first += static_cast<std::size_t>(per_facet)) {
+      ShapeValues lumped{};
+      for (std::size_t q = 0; q < static_cast<std::size_t>(per_facet); ++q)
+        for (std::size_t a = 0; a < lumped.size(); ++a) lumped[a] += weight[first + q] * shape[first + q][a];
+      for (std::size_t a = 0; a < static_cast<std::size_t>(per_facet); ++a) {
+        weight[first + a] = lumped[a];
+        shape[first + a] = {};
+        shape[first + a][a] = 1;
+      }
+    }
+  }
 };
 
 template <class Geometry> class PointForm : public ContactForm {

@@ -10,6 +10,7 @@ PointForm<G>::PointForm(const FormRequest& request)
     : ContactForm(request), secondary_(request.secondary), frame_(request.frame),
       points_(G::make_points(secondary_, request.settings, request.frame)), hold_gap_(request.hold_gap) {
   const FieldLayout& layout = request.layout;
+  if (settings_.at_nodes) points_.move_to_corners();
   holds_.resize(points_.weight.size());
   if (frictional()) {
     anchors_.resize(points_.weight.size());

@@ -13,7 +13,7 @@ namespace impact {
 
 enum class ContactMethod { automatic, gauss_points, mortar };
 enum class MultiplierSpace { automatic, standard, dual }; ///< of the mortar method
-enum class Enforcement { automatic, penalty, auglag, semismooth };
+enum class Enforcement { automatic, penalty, auglag, semismooth, impulse };
 class EnforcementMethod;
 struct EnforcementRows;
 
@@ -62,6 +62,7 @@ struct ContactSettings {
   bool local_search = false; ///< the radius was automatic
   bool automatic_penalty = false; ///< the penalty was
   bool iterated = true;           ///< what points face is held while Newton's method works
+  bool at_nodes = false;          ///< points stand at the nodes of facets, with the areas of their shapes
   InitialOverlap initial = InitialOverlap::error;
   double initial_tol = automatic; ///< automatic: 1e-3 of the facet
   ImpactUpdate impact = ImpactUpdate::automatic;

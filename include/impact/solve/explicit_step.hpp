@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <impact/contact/impulses.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/motion.hpp>
 #include <petscts.h>
@@ -41,7 +42,9 @@ private:
     double t, dt;
     Vec u, v, a;
   };
-  void find_contact_forces(Vec u);
+  void find_contact_forces(Vec u, bool by_impulse);
+  void find_stiffness_bound();
+  void add_impulses(Vec u, const Rates& now, Vec a);
   void divide_by_mass(const Rates& now, Vec a);
   std::vector<double> contact_loads(const ContactInterface& contact);
   void set_penalties(double longest_of_cells);
@@ -61,6 +64,10 @@ private:
     std::array<double, 3> part{};
   };
   std::vector<ContactForce> of_contacts_;
+  ContactImpulses impulses_;
+  struct {
+    Handle<Vec> inverse_mass, half, free; ///< 0 at prescribed dofs; velocities
+  } struck_;                              ///< with contacts by impulse
   double contact_frequency_ =
       -1;                 ///< likewise of a whole surface that meets one like it; negative: not known yet
   Handle<Vec> stiffness_; ///< of penalties at work

@@ -22,6 +22,7 @@ double EnforcementMethod::turn_stiffness(const Constraint& /*c*/, const Traction
 std::unique_ptr<EnforcementMethod> make_enforcement(const ContactSettings& settings,
                                                     const EnforcementRows& rows, bool conserving) {
   if (settings.own_enforcement) return settings.own_enforcement(settings, rows);
+  if (settings.enforce == Enforcement::impulse) return make_impulse(settings, rows);
   if (!conserving && settings.enforce == Enforcement::semismooth) return make_semismooth(settings, rows);
   if (!conserving && settings.enforce != Enforcement::penalty) return make_augmented(settings, rows);
   return make_penalty(settings, rows, conserving);
