@@ -9,6 +9,12 @@
 /// The law at the solution: trial history, what drives damage, and what heat takes from the motion.
 namespace impact {
 
+namespace {
+
+constexpr double negligible_growth = 1e-6; // of damage in a step, as far as its forces go
+
+} // namespace
+
 bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec internal) {
   const Timed timed(Event::motion_points);
   d_.displacement.to_local(u, u_);
@@ -78,6 +84,30 @@ bool MotionProblem::step_cells(const CellBatch& batch, const MotionInput& in, Ba
       batch.kernels.motion_step(batch.law, in, history, drive, sums, heat, force.data());
   batch.scatter(force, r_);
   return check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J);
+}
+
+void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec change) {
+  const Timed timed(Event::motion_residual);
+  d_.displacement.to_local(u, u_);
+  std::fill(r_.begin(), r_.end(), 0.0);
+  for_each_batch(d_, damages, [&](const CellBatch& batch) {
+    const NodalValues before = batch.scalars(*step_.phi), now = batch.scalars(phi);
+    Batch most = Batch(0.0);
+    for (int a = 0; a < batch.nodes(); ++a) most = max(most, abs(now.value[a] - before.value[a]));
+    double grown = 0;
+    for (int l = 0; l < lanes; ++l) grown = std::max(grown, most[l]);
+    if (!(grown > negligible_growth)) return;
+    MotionFields fields = step_fields(u_, nullptr, batch.law);
+    const MotionBatch cells(batch, fields);
+    MotionInput after = cells.in;
+    after.phi = now.value;
+    auto force = batch.zero(d_.dim()), old_force = batch.zero(d_.dim());
+    batch.kernels.motion_residual(batch.law, after, force.data());
+    batch.kernels.motion_residual(batch.law, cells.in, old_force.data());
+    for (int i = 0; i < force.size; ++i) force.value[i] -= old_force.value[i];
+    batch.scatter(force, r_);
+  });
+  put(r_, change);
 }
 
 double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double dt,

@@ -187,7 +187,8 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   if (fields_.damage || fields_.heat || follows_failure)
     fields_.motion.discretisation().displacement.to_local(u, pass_.u);
   if (follows_failure) failure_pass(result);
-  if (fields_.damage && result.inner >= 0) damage_pass(result);
+  if (fields_.damage && result.inner >= 0 && damage_pass(result) && explicit_)
+    explicit_->follow_damage(u, fields_.state.row("phi").trial);
   if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
   return result;
@@ -230,7 +231,7 @@ bool Coupling::advance_points(Vec u, PassResult& result) {
   return result.inner >= 0;
 }
 
-void Coupling::damage_pass(PassResult& result) {
+bool Coupling::damage_pass(PassResult& result) {
   const InStage stage(Stage::damage);
   StateRow& phi = fields_.state.row("phi");
   const MotionStep& step = fields_.motion.step();
@@ -239,15 +240,20 @@ void Coupling::damage_pass(PassResult& result) {
   if (damage_wait_ != nullptr) {
     double* const wait = damage_wait_->trial.data(); // steps, time
     dt = wait[1] = damage_wait_->committed[1] + step.dt;
-    if (++wait[0] < settings_.damage_every) return fields_.damage->rest();
+    if (++wait[0] < settings_.damage_every) {
+      fields_.damage->rest();
+      return false;
+    }
     wait[0] = wait[1] = 0;
   }
   const ScalarOutcome outcome = fields_.damage->solve(
       {.t = step.t, .dt = dt, .u = &pass_.u, .u_n = step.u_n, .phi_n = &phi.committed}, phi.trial);
   counts_.damage += outcome.newton;
   counts_.damage_linear += outcome.linear;
-  if (outcome.reason < 0)
-    return refuse(result, outcome.reason, std::string("damage: ") + SNESConvergedReasons[outcome.reason]);
+  if (outcome.reason < 0) {
+    refuse(result, outcome.reason, std::string("damage: ") + SNESConvergedReasons[outcome.reason]);
+    return false;
+  }
   for (std::size_t i = 0; i < pass_.dissipation.size(); ++i)
     pass_.dissipation[i] += fields_.damage->dissipated()[i];
   const PhiPasses::Change change = phi_passes_.note(pass_.phi, phi);
@@ -258,6 +264,7 @@ void Coupling::damage_pass(PassResult& result) {
   phi_passes_.report(pass_.number, phi);
   if (std::string refusal = limits_.damage(change.growth); !refusal.empty())
     refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+  return result.inner >= 0;
 }
 
 void Coupling::failure_pass(PassResult& result) {

@@ -36,9 +36,8 @@ ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, cons
   if (!motion.contacts().empty()) stiffness_ = layout.make_global();
   for (const ContactInterface& contact : motion.contacts()) {
     of_contacts_.push_back({layout.make_global(), {}});
-    if (!contact.by_impulse() || struck_.inverse_mass) continue;
-    for (Handle<Vec>* made : {&struck_.inverse_mass, &struck_.half, &struck_.free})
-      *made = layout.make_global();
+    if (!contact.by_impulse() || work_.half) continue;
+    for (Handle<Vec>* made : {&work_.inverse_mass, &work_.half, &work_.free}) *made = layout.make_global();
   }
 }
 
@@ -180,29 +179,45 @@ void ExplicitStep::find_stiffness_bound() {
   check(VecMax(stiffness_, nullptr, &row_.trial[of_penalties]));
 }
 
-// What moves freely in the next step, if it is as long as this one, is pushed where it would meet something.
-void ExplicitStep::add_impulses(Vec u, const Rates& now, Vec a) {
-  if (!struck_.inverse_mass) return;
+// 0 at prescribed dofs.
+void ExplicitStep::invert_mass() {
   const Discretisation& d = motion_.discretisation();
-  check(VecCopy(motion_.lumped_mass(), struck_.inverse_mass));
-  check(VecReciprocal(struck_.inverse_mass));
-  const PetscInt start = first_of(struck_.inverse_mass);
+  check(VecCopy(motion_.lumped_mass(), work_.inverse_mass));
+  check(VecReciprocal(work_.inverse_mass));
+  const PetscInt start = first_of(work_.inverse_mass);
   double* values = nullptr;
-  check(VecGetArray(struck_.inverse_mass, &values));
+  check(VecGetArray(work_.inverse_mass, &values));
   for (const FixedDof& fixed : motion_.boundary().fixed()) {
     const int node = fixed.dof / d.dim();
     if (d.mesh.owned(node)) values[d.mesh.global_node()[at(node)] * d.dim() + fixed.component - start] = 0;
   }
-  check(VecRestoreArray(struck_.inverse_mass, &values));
-  check(VecWAXPY(struck_.half, now.dt / 2, now.a, now.v));
-  check(VecWAXPY(struck_.free, now.dt, a, struck_.half));
-  impulses_.find(motion_.contacts(), {u, struck_.half, struck_.free, struck_.inverse_mass, now.t, now.dt});
-  check(VecSet(struck_.half, 0));
-  check(VecAXPY(struck_.half, -1, forces_.contact));
+  check(VecRestoreArray(work_.inverse_mass, &values));
+}
+
+void ExplicitStep::follow_damage(Vec u, const std::vector<double>& phi) {
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  if (!work_.change) work_.change = layout.make_global();
+  if (!work_.inverse_mass) work_.inverse_mass = layout.make_global();
+  motion_.damage_force(u, phi, work_.change);
+  check(VecAXPY(forces_.internal, 1, work_.change));
+  invert_mass();
+  check(VecPointwiseMult(work_.change, work_.change, work_.inverse_mass));
+  check(VecAXPY(new_acceleration(ts_), -1, work_.change));
+}
+
+// What moves freely in the next step, if it is as long as this one, is pushed where it would meet something.
+void ExplicitStep::add_impulses(Vec u, const Rates& now, Vec a) {
+  if (!work_.half) return;
+  invert_mass();
+  check(VecWAXPY(work_.half, now.dt / 2, now.a, now.v));
+  check(VecWAXPY(work_.free, now.dt, a, work_.half));
+  impulses_.find(motion_.contacts(), {u, work_.half, work_.free, work_.inverse_mass, now.t, now.dt});
+  check(VecSet(work_.half, 0));
+  check(VecAXPY(work_.half, -1, forces_.contact));
   find_contact_forces(u, true);
-  check(VecAXPY(struck_.half, 1, forces_.contact)); // of impulses alone
-  check(VecPointwiseMult(struck_.half, struck_.half, struck_.inverse_mass));
-  check(VecAXPY(a, 1, struck_.half));
+  check(VecAXPY(work_.half, 1, forces_.contact)); // of impulses alone
+  check(VecPointwiseMult(work_.half, work_.half, work_.inverse_mass));
+  check(VecAXPY(a, 1, work_.half));
 }
 
 void ExplicitStep::advance_contacts(Vec u_n, Vec u, double dt) {

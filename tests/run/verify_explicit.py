@@ -210,7 +210,8 @@ print(f"     {crack['step'][-1]:.0f} steps, phi {crack['phi_max'][-1]:.4g}")
 check_between("damage grows", crack["phi_max"][-1], 0.5, 1 + 1e-9)
 require("and never heals", (numpy.diff(crack["phi_max"]) >= -1e-12).all())
 check("balance", largest(crack["balance"]), 0, 1e-10, relative=False)
-check("first law", largest(crack["balance_first_law"]), 0, 5e-3, relative=False)
+# Forces one step behind the damage lost 1.4e-3.
+check("first law", largest(crack["balance_first_law"]), 0, 2e-5, relative=False)
 
 # The bar of options/: DynELA and Abaqus have 26.52 and 26.56 mm, 11.15 and 11.16 mm, 582 and 591 C, 1.78 and 1.81; Newmark's
 # method in steps of 0.05 us has 26.547 mm, 11.045 mm, 581 C and 1.787; the mass at the held foot is not the same.

@@ -97,6 +97,10 @@ public:
   /// its meaning anywhere.
   bool advance(Vec u, Increments& sums, const HeatRows& heat = {}, Vec internal = nullptr);
 
+  /// Into `change`: how the internal force at u changes where damage, [local node], goes from the step's to
+  /// this. Collective.
+  void damage_force(Vec u, const std::vector<double>& phi, Vec change);
+
   /// Parts of the residual at u, prescribed rows included. Collective.
   void parts(Vec u, ForceParts& parts);
   /// Of these the external forces alone, into a vector that is made where there is none. Collective.

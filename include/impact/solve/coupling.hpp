@@ -72,7 +72,7 @@ private:
   PassResult pass(PetscInt number, Vec u);
   bool motion_pass(Vec u, PassResult& result);
   bool advance_points(Vec u, PassResult& result);
-  void damage_pass(PassResult& result);
+  bool damage_pass(PassResult& result); ///< whether damage was solved and may stay
   void failure_pass(PassResult& result);
   void fatigue_pass(PassResult& result);
   void heat_pass(Vec u, PassResult& result);

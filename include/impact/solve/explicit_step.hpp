@@ -32,6 +32,8 @@ public:
   /// The forces at u and from them the new acceleration of the TS; flow and what drives damage, as
   /// MotionProblem::advance has it. False where a cell lost its meaning. Collective.
   bool take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat);
+  /// Damage has grown at u: its forces, and the acceleration, are those of phi, [local node]. Collective.
+  void follow_damage(Vec u, const std::vector<double>& phi);
   const ForceParts& forces() const { return forces_; }
   /// Tells contacts of an accepted step what they did in it. Collective.
   void advance_contacts(Vec u_n, Vec u, double dt);
@@ -44,6 +46,7 @@ private:
   };
   void find_contact_forces(Vec u, bool by_impulse);
   void find_stiffness_bound();
+  void invert_mass();
   void add_impulses(Vec u, const Rates& now, Vec a);
   void divide_by_mass(const Rates& now, Vec a);
   std::vector<double> contact_loads(const ContactInterface& contact);
@@ -66,8 +69,10 @@ private:
   std::vector<ContactForce> of_contacts_;
   ContactImpulses impulses_;
   struct {
-    Handle<Vec> inverse_mass, half, free; ///< 0 at prescribed dofs; velocities
-  } struck_;                              ///< with contacts by impulse
+    Handle<Vec> inverse_mass; ///< 0 at prescribed dofs
+    Handle<Vec> half, free;   ///< with contacts by impulse: velocities
+    Handle<Vec> change;       ///< of the internal force by damage
+  } work_;                    ///< each once it is asked for
   double contact_frequency_ =
       -1;                 ///< likewise of a whole surface that meets one like it; negative: not known yet
   Handle<Vec> stiffness_; ///< of penalties at work
