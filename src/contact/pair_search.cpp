@@ -125,6 +125,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   smallest_ = std::min(tighten(secondary_slot_, static_X_, static_slack_),
                        tighten(primary_slot_, static_X_, static_slack_));
   smallest_ = min_over_ranks(mesh.comm(), smallest_);
+  if (!std::isfinite(smallest_)) smallest_ = radius_; // no facet is left on either side
   if (kind == Primary::rigid) return;
   const SearchSecondary own = secondary_at(static_X_);
   const std::vector<SearchFacet> other = primary_at(static_X_);

@@ -129,7 +129,8 @@ private:
   // laid open.
   double depth(int facet) const {
     const double seen = search_.depth(facet);
-    return settings_.iterated ? seen : std::min(seen, secondary_.length[at(facet)] / 2);
+    if (settings_.iterated) return seen;
+    return std::min(seen, secondary_.length[at(facet)] / (settings_.exposed ? 4 : 2));
   }
   // Once more with all digits: a penalty makes a pressure of what is lost.
   void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <impact/mesh/state_table.hpp>
+#include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
 #include <petscts.h>
 #include <string>
@@ -14,7 +15,9 @@ namespace impact {
 class ExplicitStep {
 public:
   /// Adds a row of its own to the table; the references must outlive the object.
-  ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, const ExplicitScenario& settings);
+  /// `erosion` may be null.
+  ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, Erosion* erosion,
+               const ExplicitScenario& settings);
   ExplicitStep(const ExplicitStep&) = delete;
   ExplicitStep& operator=(const ExplicitStep&) = delete;
 
@@ -32,6 +35,8 @@ public:
   /// MotionProblem::advance has it. False where a cell lost its meaning. Collective.
   bool take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat);
   const ForceParts& forces() const { return forces_; }
+  /// Cells have left: contacts find the surfaces that are there at u, and steps go with them. Collective.
+  void expose(Vec u);
   /// Tells contacts of an accepted step what they did in it. Collective.
   void advance_contacts(Vec u_n, Vec u, double dt);
 
@@ -53,6 +58,7 @@ private:
   TS ts_;
   MotionProblem& motion_;
   StateTable& state_;
+  Erosion* erosion_;
   ExplicitScenario settings_;
   StateRow& row_;
   ForceParts forces_;
