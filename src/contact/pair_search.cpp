@@ -173,7 +173,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   const Outcome owed = std::exchange(restored_, Outcome::kept);
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
   if (all[0] > 0) return owed;
-  const double motion = all[2] + all[3];
+  const double motion = motion_ = all[2] + all[3];
   if (!list_.outdated && all[1] <= 1 && motion <= list_.reach) return owed;
   List before = std::exchange(list_, {});
   // A step that moves alike finds the list long enough.

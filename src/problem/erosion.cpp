@@ -144,8 +144,14 @@ void Erosion::settle() {
   });
 }
 
+bool Erosion::worth_telling() {
+  if (left_ == 0 || left_ < 1.1 * told_ || left_ == told_) return false;
+  told_ = left_;
+  return true;
+}
+
 std::string Erosion::text() const {
-  return text_of("%.0f cells of mass %.4g have left with the energy %.4g",
+  return text_of("cells that have left: %.0f, their mass %.4g, the energy that went with them %.4g",
                  totals_->trial[ErosionTotals::cells], totals_->trial[ErosionTotals::mass],
                  totals_->trial[ErosionTotals::energy]);
 }

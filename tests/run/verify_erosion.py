@@ -110,6 +110,7 @@ require("the middle leaves in the first step at the limit", cells[first] == cell
 check("its energy", bar["dissipated_erosion"][-1] / density, 1, 1e-9)
 check("its mass", bar["eroded_mass"][-1] / RHO, 1, 1e-12)
 whole = run("bar_whole", PULL)
+require("the log tells of them", re.search(r"step \d+: cells that have left: 8, their mass 1000, the energy", bar.log) is not None)
 require("no column tells of cells that leave where none may", not any("ero" in c for c in whole.history))
 momentum = sum(bar[f"momentum_{part}_x"] for part in ("left", "middle", "right"))
 check("momentum", largest(momentum) / bar["momentum_right_x"][0], 0, 1e-12, relative=False)

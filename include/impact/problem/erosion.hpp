@@ -33,7 +33,9 @@ public:
   void settle();
   /// Since the last call cells have left; counts as of the trial halves. Equal on all ranks.
   bool news() { return std::exchange(news_, false); }
-  /// "12 cells of mass 0.3 kg have left with 4.2 J", of all so far.
+  /// Whether a tenth more cells have left than when it was last so.
+  bool worth_telling();
+  /// How many have left so far, their mass, what went with them.
   std::string text() const;
 
 private:
@@ -46,6 +48,7 @@ private:
   StateTable& state_;
   StateRow *eroded_ = nullptr, *totals_ = nullptr;
   double left_ = 0; // cells of all ranks that `d_.eroded` was made for
+  double told_ = 0; // cells, likewise
   bool news_ = false;
 };
 
