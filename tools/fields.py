@@ -79,12 +79,16 @@ class Fields:
         return None
 
     def cells(self, grid):
-        """Triples (type, connectivity [cell][node], indices of these cells among all)."""
+        """Triples (type, connectivity [cell][node], indices of these cells among all), without cells that have left."""
         topology = grid.find("Topology")
         item, kind = topology.find("DataItem"), topology.get("TopologyType")
         if item.text not in self._cells:  # most times share their mesh
             self._cells[item.text] = self._sorted(self.array(item), kind)
-        return self._cells[item.text]
+        eroded = self.field(grid, "eroded")
+        if eroded is None or not eroded[0].any():
+            return self._cells[item.text]
+        return [(kind, nodes[there], index[there]) for kind, nodes, index in self._cells[item.text]
+                for there in [eroded[0][index, 0] < 0.5]]
 
     @staticmethod
     def _sorted(data, kind):

@@ -9,10 +9,11 @@ namespace impact {
 namespace {
 
 // The order of the sums is part of their values: cell by cell, then over ranks.
-void add(const EnergySums& sums, int used, MaterialEnergies& to) {
+void add(const EnergySums& sums, const CellBatch& batch, MaterialEnergies& to) {
+  const int used = batch.used();
   to.kinetic += lane_sum(sums.kinetic, used);
-  to.elastic += lane_sum(sums.elastic, used);
-  to.plastic += lane_sum(sums.plastic, used);
+  to.elastic += batch.live_sum(sums.elastic);
+  to.plastic += batch.live_sum(sums.plastic);
   to.fracture += lane_sum(sums.fracture, used);
   to.fatigue += lane_sum(sums.fatigue, used);
   for (int k = 0; k < 3; ++k) to.momentum[k] += lane_sum(sums.momentum[k], used);
@@ -55,7 +56,7 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   energies.of.resize(d.materials.size());
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     MaterialEnergies& mine = energies.of[batch.material()];
-    const auto X = batch.vectors(d.mesh.coordinates()), moved = batch.vectors(u_local),
+    const auto X = batch.vectors(d.mesh.coordinates()), moved = batch.displaced(u_local),
                speed = batch.vectors(v_local);
     NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
     auto points = batch.histories();
@@ -73,7 +74,7 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, driven);
     EnergySums sums;
     batch.kernels.stored_energy(batch.law, in, sums);
-    add(sums, batch.used(), mine);
+    add(sums, batch, mine);
     if (!rows.theta) return;
     HeatSums heat;
     batch.kernels.stored_heat(batch.law, in, heat);

@@ -28,6 +28,7 @@ Ledger::Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool move
       totals_(add_numbers(state, "ledger_totals", Total::count)),
       losses_(add_numbers(state, "ledger_materials",
                           motion.discretisation().materials.size() * static_cast<std::size_t>(losses))),
+      erosion_(motion.discretisation().erodes() ? &state.row("erosion_totals") : nullptr),
       forces_(motion, state, inertia), reactions_(motion, state) {
   energies_.of.resize(motion_.discretisation().materials.size());
   if (motion_.discretisation().has_heat()) heat_.emplace(motion_, state, moves);
@@ -186,8 +187,19 @@ double Ledger::stored() const {
          sum(contact_store) + sum(kept);
 }
 
+double Ledger::eroded(int which) const {
+  return erosion_ == nullptr ? 0 : erosion_->trial[static_cast<std::size_t>(which)];
+}
+
+void Ledger::book_exposure(double before, double after) {
+  for (const bool trial : {false, true}) {
+    (trial ? totals_.trial : totals_.committed)[contact_store] += after - before;
+    (trial ? erosion_->trial : erosion_->committed)[ErosionTotals::energy] += before - after;
+  }
+}
+
 double Ledger::dissipated() const {
-  const double lost = sum(numerical) + sum(contact_loss);
+  const double lost = sum(numerical) + sum(contact_loss) + eroded(ErosionTotals::energy);
   // The rest is thermal energy; of closing cracks where the heat balance takes the work of the stress.
   if (heat_) return state_.find("stress") ? lost : lost + sum(closing);
   return lost + sum(viscous) + sum(damage) + sum(plastic_dissipation) + sum(friction) + sum(fatigue_loss) +

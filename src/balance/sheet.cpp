@@ -26,6 +26,7 @@ void Ledger::append(HistoryFile::Row& row) const {
                             {"energy_contact", contact, sum(contact_store)},
                             {"dissipated_contact", contact && inertia_, sum(contact_loss)},
                             {"dissipated_closing", choice_.unilateral, sum(closing)},
+                            {"dissipated_erosion", d.erodes(), eroded(ErosionTotals::energy)},
                             {"energy_numerical", inertia_, sum(kept)},
                             {"dissipated_numerical", moves_, sum(numerical)},
                             {"exchange_numerical", inertia_, sum(exchange)},
@@ -42,7 +43,9 @@ void Ledger::append(HistoryFile::Row& row) const {
                             {"alpha_max", d.has_plasticity(), energies_.alpha_max},
                             {"theta_max", heat, energies_.theta_max},
                             {"fatigue_max", d.has_fatigue(), energies_.fatigue_max},
-                            {"jc_failure_max", d.has_failure(), energies_.failure_max}};
+                            {"jc_failure_max", d.has_failure(), energies_.failure_max},
+                            {"eroded_cells", d.erodes(), eroded(ErosionTotals::cells)},
+                            {"eroded_mass", d.erodes(), eroded(ErosionTotals::mass)}};
   for (const Column& column : columns)
     if (column.there) row.emplace_back(column.name, column.value);
   reactions_.append(row, [&](std::size_t condition) { return heat_->supplied_by(condition); });
@@ -113,6 +116,7 @@ std::vector<Ledger::Line> Ledger::sheet() const {
           {"dissipated: contact", contact && inertia_, sum(contact_loss)},
           {"dissipated: closing cracks" + (state_.find("stress") ? became : ""), choice_.unilateral,
            sum(closing)},
+          {"left with eroded cells", d.erodes(), eroded(ErosionTotals::energy)},
           {"dissipated: integrator", moves_, sum(numerical)},
           {"work of unbalanced forces", moves_, sum(unbalanced)},
           {"first-law residual", true, balance_first_law() * energy_scale()},

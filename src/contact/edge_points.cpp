@@ -30,11 +30,10 @@ PrimaryEdge<double> edge_of(const ContactNodes& nodes, int primary, const Contac
   return edge;
 }
 
-// Whether a surface that may meet itself could touch here, by the normals and the depth; true for others.
-bool may_meet(const PairSearch& search, const Foot<double>& foot, const Point2<double>& normal,
-              double depth) {
-  return !search.meets_itself() ||
-         (foot.gap > -depth && detail::dot(foot.normal, normal) < -least_opposition);
+// Whether a surface that has parts behind others could touch here, by the normals and the depth; true for
+// others.
+bool may_meet(bool folded, const Foot<double>& foot, const Point2<double>& normal, double depth) {
+  return !folded || (foot.gap > -depth && detail::dot(foot.normal, normal) < -least_opposition);
 }
 
 std::array<double, 2> shape_of(const ShapeValues& shape) { return {shape[0], shape[1]}; }
@@ -89,7 +88,7 @@ EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& s
     const PrimaryEdge<double> edge = edge_of(nodes(), list.facet[at(c)], x);
     const Foot<double> foot = closest_point(here, edge);
     const double distance = retraction(foot, facet.normal, search_.radius());
-    if (!may_meet(search_, foot, facet.normal, depth(facet.number))) continue;
+    if (!may_meet(folded(), foot, facet.normal, depth(facet.number))) continue;
     if (!(distance < nearest || (distance == nearest && distance < infinity &&
                                  precedes(nodes().X, primary_slots(c), primary_slots(best.candidate)))))
       continue;
@@ -109,7 +108,7 @@ bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const Con
   const bool goes_on = foot.xi < 0 ? seen.edge.has_previous : seen.edge.has_next;
   return !(std::abs(foot.xi) > (goes_on ? 1 + EdgePoints::hold.limit : 1.0)) &&
          retraction(foot, facet.normal, search_.radius()) < infinity &&
-         may_meet(search_, foot, facet.normal, depth(facet.number));
+         may_meet(folded(), foot, facet.normal, depth(facet.number));
 }
 
 template <>
@@ -127,7 +126,7 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
     const Seen seen = look(facet, shape, c, 0, x);
     const Foot<double>& foot = seen.foot;
     if (!(foot.gap < -deep) || !(retraction(foot, facet.normal, infinity) < infinity)) continue;
-    if (!may_meet(search_, foot, facet.normal, infinity)) continue;
+    if (!may_meet(folded(), foot, facet.normal, infinity)) continue;
     // Positions between the start and now are taken as straight in time.
     const PrimaryEdge<double> edge_n = edge_of(nodes(), list.facet[at(c)], nodes().start);
     const double gap_n = foot_on_line(before, edge_n).gap;

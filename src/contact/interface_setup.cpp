@@ -31,11 +31,8 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   settings_ = std::move(resolved.settings);
   warnings_ = std::move(resolved.warnings);
   outward_ = pole_of(settings_, mesh, secondary);
-  const double length = resolved.mean_length;
-  constraints_.emplace(mesh, displacement,
-                       make_form({mesh, displacement, settings_, environment.frame, std::move(secondary),
-                                  primary, std::min(settings_.gap_tol, 1e-3 * length)}),
-                       length, frictional());
+  mean_length_ = resolved.mean_length;
+  make_constraints(std::move(secondary), primary);
   declare_state(state);
   method_ = make_enforcement(settings_, rows_, constraints_->conserving());
   fallback_ = method_->fallback();
@@ -46,6 +43,39 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   form.begin_attempt(pose(), nullptr);
   const Handle<Vec> at_rest = displacement.make_global();
   update_search(at_rest);
+}
+
+void ContactInterface::make_constraints(ContactSurface secondary, const ContactSurface& primary) {
+  constraints_.emplace(*mesh_, *layout_,
+                       make_form({*mesh_, *layout_, settings_, environment_.frame, std::move(secondary),
+                                  primary, std::min(settings_.gap_tol, 1e-3 * mean_length_)}),
+                       mean_length_, frictional());
+}
+
+FacetTable ContactInterface::facets(const std::string& side) const {
+  const auto found = live_.find(side);
+  return found == live_.end() ? mesh_->facets(side) : found->second.facets;
+}
+
+void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
+  ContactSurface sides[2];
+  for (const bool primary : {false, true}) {
+    const std::string& name = primary ? settings_.primary : settings_.secondary;
+    if (ContactSettings::rigid_name(name)) continue;
+    LiveSide& side = live_[name];
+    if (side.body.empty()) side.body = nodes_of_bodies(*mesh_, mesh_->nodes(name));
+    side.facets = mesh_->live_facets(name, eroded, side.body);
+    sides[primary ? 1 : 0] = surface_of(*mesh_, name, side.facets);
+  }
+  settings_.exposed = true;
+  Handle<Vec> fixed = constraints_->release_fixed();
+  make_constraints(std::move(sides[0]), sides[1]);
+  const std::size_t points = constraints_->form().constraint_row("", 1).second;
+  constraints_->declare(points, false, nullptr);
+  constraints_->take_fixed(std::move(fixed));
+  use_method();
+  constraints_->form().begin_attempt(pose(), nullptr);
+  update_search(u);
 }
 
 void ContactInterface::declare_state(StateTable& state) {

@@ -125,6 +125,7 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
   smallest_ = std::min(tighten(secondary_slot_, static_X_, static_slack_),
                        tighten(primary_slot_, static_X_, static_slack_));
   smallest_ = min_over_ranks(mesh.comm(), smallest_);
+  if (!std::isfinite(smallest_)) smallest_ = radius_; // no facet is left on either side
   if (kind == Primary::rigid) return;
   const SearchSecondary own = secondary_at(static_X_);
   const std::vector<SearchFacet> other = primary_at(static_X_);
@@ -172,7 +173,7 @@ PairSearch::Outcome PairSearch::update(Vec u) {
   const Outcome owed = std::exchange(restored_, Outcome::kept);
   // A displacement that is not finite ends the attempt elsewhere; the list in hand stays.
   if (all[0] > 0) return owed;
-  const double motion = all[2] + all[3];
+  const double motion = motion_ = all[2] + all[3];
   if (!list_.outdated && all[1] <= 1 && motion <= list_.reach) return owed;
   List before = std::exchange(list_, {});
   // A step that moves alike finds the list long enough.

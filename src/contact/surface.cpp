@@ -38,7 +38,13 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
     throw UserError(ExitCode::data, "contact " + contact + ": no boundary `" + group +
                                         "` in the mesh; boundaries are: " + boundary_names(mesh));
   mesh.require_outside("contact " + contact + ": boundary", group);
-  const FacetTable facets = mesh.facets(group);
+  ContactSurface surface = surface_of(mesh, group, mesh.facets(group));
+  if (sum_over_ranks(mesh.comm(), surface.count()) == 0)
+    throw UserError(ExitCode::data, "contact " + contact + ": boundary `" + group + "` has no facets");
+  return surface;
+}
+
+ContactSurface surface_of(const Mesh& mesh, const std::string& group, const FacetTable& facets) {
   ContactSurface surface;
   const int dim = mesh.dim();
   surface.group = group;
@@ -58,8 +64,6 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
     surface.reversed.push_back(dim != 2 || cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);
   }
-  if (sum_over_ranks(mesh.comm(), surface.count()) == 0)
-    throw UserError(ExitCode::data, "contact " + contact + ": boundary `" + group + "` has no facets");
   return surface;
 }
 

@@ -85,4 +85,14 @@ Bodies find_bodies(const Mesh& mesh, const std::vector<char>& counts) {
   return bodies;
 }
 
+std::vector<char> nodes_of_bodies(const Mesh& mesh, const std::vector<int>& nodes) {
+  const Bodies bodies = find_bodies(mesh);
+  std::vector<int> held(at(bodies.count), 0);
+  for (const int node : nodes) held[at(bodies.of_node[at(node)])] = 1;
+  max_over_ranks(mesh.comm(), held);
+  std::vector<char> in_body;
+  for (const int body : bodies.of_node) in_body.push_back(static_cast<char>(held[at(body)]));
+  return in_body;
+}
+
 } // namespace impact

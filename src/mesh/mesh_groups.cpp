@@ -87,6 +87,50 @@ std::string Mesh::regions_of(PetscInt cell_point) const {
   return names.empty() ? "no region" : names;
 }
 
+// A facet as its cell sees it.
+void Mesh::add_facet(PetscInt facet, PetscInt cell, FacetTable& table) const {
+  std::vector<int> wanted = closure(facet);
+  std::sort(wanted.begin(), wanted.end());
+  const std::vector<int> node = cell_nodes(cell);
+  for (const CellFacet& side : shape_of(cell)->facets) {
+    std::vector<int> nodes;
+    for (int a = 0; a < impact::node_count(side); ++a) nodes.push_back(node[at(side[at(a)])]);
+    std::vector<int> sorted = nodes;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted != wanted) continue;
+    nodes.resize(at(table.nodes_per_facet), nodes.back());
+    table.connectivity.insert(table.connectivity.end(), nodes.begin(), nodes.end());
+    table.point.push_back(facet);
+    table.cell_point.push_back(cell);
+  }
+}
+
+FacetTable Mesh::live_facets(const std::string& name, const std::vector<char>& eroded,
+                             const std::vector<char>& body) const {
+  const auto gone = [&](PetscInt cell) { return eroded[at(cell - cell_start_)] != 0; };
+  FacetTable table = facets(name).without(gone);
+  PetscInt chart_end = 0;
+  check(DMPlexGetChart(dm_, nullptr, &chart_end));
+  std::vector<int> eroded_beside(at(chart_end), 0); // of facets; the cells of one may be on two ranks
+  const auto visit_cone = [&](PetscInt cell, auto&& visitor) {
+    PetscInt size = 0;
+    const PetscInt* cone = nullptr;
+    check(DMPlexGetConeSize(dm_, cell, &size));
+    check(DMPlexGetCone(dm_, cell, &cone));
+    for (PetscInt k = 0; k < size; ++k) visitor(cone[k]);
+  };
+  for (PetscInt cell = cell_start_; cell < cell_start_ + cell_count(); ++cell)
+    if (gone(cell)) visit_cone(cell, [&](PetscInt facet) { ++eroded_beside[at(facet)]; });
+  share_points(dm_, MPI_SUM, eroded_beside);
+  for (PetscInt cell = cell_start_; cell < cell_start_ + cell_count(); ++cell) {
+    if (gone(cell)) continue;
+    visit_cone(cell, [&](PetscInt facet) {
+      if (eroded_beside[at(facet)] > 0 && body[at(closure(facet)[0])] != 0) add_facet(facet, cell, table);
+    });
+  }
+  return table;
+}
+
 FacetTable Mesh::facets(const std::string& name) const {
   if (group(name).dim != dim_ - 1)
     throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no boundary; its dimension must be " +
@@ -101,20 +145,7 @@ FacetTable Mesh::facets(const std::string& name) const {
     if (point < start || point >= end) continue;
     const PetscInt* support = nullptr;
     check(DMPlexGetSupport(dm_, point, &support));
-    std::vector<int> wanted = closure(point);
-    std::sort(wanted.begin(), wanted.end());
-    const std::vector<int> node = cell_nodes(support[0]);
-    for (const CellFacet& facet : shape_of(support[0])->facets) {
-      std::vector<int> nodes;
-      for (int a = 0; a < impact::node_count(facet); ++a) nodes.push_back(node[at(facet[at(a)])]);
-      std::vector<int> sorted = nodes;
-      std::sort(sorted.begin(), sorted.end());
-      if (sorted != wanted) continue;
-      nodes.resize(at(table.nodes_per_facet), nodes.back());
-      table.connectivity.insert(table.connectivity.end(), nodes.begin(), nodes.end());
-      table.point.push_back(point);
-      table.cell_point.push_back(support[0]);
-    }
+    add_facet(point, support[0], table);
   }
   return table;
 }

@@ -133,8 +133,8 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
   bool sound = true;
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.vectors(*step_.u),
-               u_n = batch.vectors(*step_.u_n);
+    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.displaced(*step_.u),
+               u_n = batch.displaced(*step_.u_n);
     const auto phi = batch.scalars(x_), phi_n = batch.scalars(*equation.phi_n);
     auto now = batch.load<drive_size>(drive_.trial), before = batch.load<drive_size>(drive_.committed);
     if (history_) {

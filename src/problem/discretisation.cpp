@@ -22,6 +22,16 @@ std::size_t Discretisation::point_values(int components) const {
   return sum;
 }
 
+FacetTable ErodedCells::live(const FacetTable& facets, PetscInt cell_start) const {
+  return facets.without([&](PetscInt point) { return !cell.empty() && cell[at(point - cell_start)] != 0; });
+}
+
+std::size_t Discretisation::batch_count() const {
+  std::size_t sum = 0;
+  for (const CellGroup& group : groups) sum += at(group.batch_count);
+  return sum;
+}
+
 void zero_dofs(Vec f, const Mesh& mesh, int components, const std::vector<int>& dofs) {
   double* values = nullptr;
   PetscInt start = 0;
@@ -127,7 +137,9 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
           std::move(materials),
           std::move(groups),
           frame,
-          is_flat(frame) ? thickness : 1.0};
+          is_flat(frame) ? thickness : 1.0,
+          {},
+          false};
 }
 
 void declare_state(const Discretisation& d, StateTable& table) {
@@ -150,6 +162,9 @@ void declare_state(const Discretisation& d, StateTable& table) {
   table.add({"drive", Support::cell_point, drive_size}, d.point_values(drive_size));
   if (d.has_fatigue()) table.add({"fatigue", Support::cell_point, 1}, d.point_values(1));
   if (d.has_failure()) table.add({"jc_failure", Support::cell_point, 1}, d.point_values(1));
+  if (!d.erodes()) return;
+  table.add({"eroded", Support::cell_point, 1}, d.point_values(1));
+  table.add({"erosion_totals", Support::global, ErosionTotals::components}, ErosionTotals::components);
 }
 
 } // namespace impact

@@ -9,7 +9,7 @@ bool grow_failure(const Discretisation& d, StateTable& state, const FailureStep&
   StateRow &failure = state.row("jc_failure"), &history = state.row("history");
   bool sound = true;
   for_each_batch(d, fails, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(d.mesh.coordinates()), u = batch.vectors(*step.u);
+    const auto X = batch.vectors(d.mesh.coordinates()), u = batch.displaced(*step.u);
     NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
     auto now = batch.histories(), before = batch.histories();
     auto grown = batch.points<1>(), old = batch.load<1>(failure.committed);

@@ -12,8 +12,8 @@ FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const Fat
   FatigueGrowth growth{.dissipated = std::vector<double>(d.materials.size(), 0.0)};
   for_each_batch(d, fatigues, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.vectors(d.mesh.coordinates()), u = batch.vectors(*step.u),
-               u_n = batch.vectors(*step.u_n), phi = batch.scalars(*step.phi);
+    const auto X = batch.vectors(d.mesh.coordinates()), u = batch.displaced(*step.u),
+               u_n = batch.displaced(*step.u_n), phi = batch.scalars(*step.phi);
     const bool expands = law.parameters.alpha_t != 0, flows = law.flows() || d.frame == Frame::plane_stress;
     NodalValues theta = batch.nodal(1), theta_n = batch.nodal(1);
     auto now = batch.histories(), before = batch.histories();

@@ -145,6 +145,8 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
     in.theta = now.data();
     in.theta_n = before.data();
     put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
+    if (in.u) batch.forget_eroded(u);
+    if (in.u_n) batch.forget_eroded(u_n);
     put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
     if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
     const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();

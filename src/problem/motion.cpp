@@ -46,7 +46,7 @@ void MotionProblem::begin(const MotionStep& step) {
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())
       add_dead_traction(
-          load.facets, d_.frame, X_,
+          live_facets(load), d_.frame, X_,
           [&](const double* x, double* value) { boundary_.traction(load, x, step_.t, value); }, dead_load_);
     boundary_.add_nodal_forces(step_.t, dead_load_);
     has_body_force_ = boundary_.body_force(step_.t, body_);
@@ -55,6 +55,12 @@ void MotionProblem::begin(const MotionStep& step) {
     std::vector<double> unused(dead_load_.size());
     add_pressures(X_, 1, unused);
   });
+}
+
+// What acted on a cell that has left acts on nothing.
+const FacetTable& MotionProblem::live_facets(const LoadedFacets& load) {
+  if (d_.eroded.cell.empty()) return load.facets;
+  return live_load_ = d_.eroded.live(load.facets, d_.mesh.cell_start());
 }
 
 void MotionProblem::impose(Vec u) const {
@@ -107,7 +113,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
     auto force = batch.zero(d_.dim());
     const CellStatus status = batch.kernels.motion_residual(batch.law, cells.in, force.data());
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
-    batch.scatter(force, r);
+    batch.scatter_live(force, r);
   });
   return sound;
 }
@@ -115,7 +121,7 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
 void MotionProblem::add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r) {
   for (const LoadedFacets& load : boundary_.pressures())
     add_follower_pressure(
-        load.facets, d_.frame, X_, u,
+        live_facets(load), d_.frame, X_, u,
         [&](const double* x) { return sign * boundary_.scalar_value(load.condition, x, step_.t); }, r);
 }
 

@@ -30,6 +30,8 @@ struct MotionBatch {
     in.X = batch.read(fields.X, X);
     in.u = batch.read(fields.u, u);
     in.u_n = batch.read(fields.u_n, u_n);
+    batch.forget_eroded(u);
+    if (in.u_n) batch.forget_eroded(u_n);
     in.accel = batch.read(fields.accel, accel);
     in.phi = batch.read(fields.phi, phi);
     in.theta = batch.read(fields.theta, theta);

@@ -4,6 +4,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
 
 /// The law at the solution: trial history, what drives damage, and what heat takes from the motion.
@@ -12,6 +13,17 @@ namespace impact {
 namespace {
 
 constexpr double negligible_growth = 1e-6; // of damage in a step, as far as its forces go
+
+// Plastic and viscous dissipation and plastic work, then both dissipations of each material.
+void add_losses(const CellBatch& batch, const StepSums& step, std::vector<double>& lost) {
+  const double plastic = batch.live_sum(step.plastic_dissipation),
+               viscous = batch.live_sum(step.viscous_dissipation);
+  lost[0] += plastic;
+  lost[1] += viscous;
+  lost[2] += batch.live_sum(step.plastic_work);
+  lost[3 + batch.material()] += plastic;
+  lost[3 + batch.d.materials.size() + batch.material()] += viscous;
+}
 
 } // namespace
 
@@ -27,6 +39,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   if (internal) {
     std::fill(r_.begin(), r_.end(), 0.0);
     broken_ = {};
+    inverted_.clear();
   }
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
@@ -61,13 +74,9 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
     if (heat.dissipation) batch.store(dissipation, *heat.dissipation);
     if (heat.stress) batch.store(stress, *heat.stress);
     if (heat.step_stress && !apart) batch.store(stress, *heat.step_stress);
-    const double plastic = batch.sum(step.plastic_dissipation), viscous = batch.sum(step.viscous_dissipation);
-    lost[0] += plastic;
-    lost[1] += viscous;
-    lost[2] += batch.sum(step.plastic_work);
-    lost[3 + batch.material()] += plastic;
-    lost[3 + materials + batch.material()] += viscous;
-    for (int l = 0; l < batch.used(); ++l) least = std::min(least, step.least_dissipation[l]);
+    add_losses(batch, step, lost);
+    for (int l = 0; l < batch.used(); ++l)
+      if (batch.live(l)) least = std::min(least, step.least_dissipation[l]);
   });
   sum_over_ranks(d_.mesh.comm(), lost);
   const auto part = lost.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
@@ -82,8 +91,14 @@ bool MotionProblem::step_cells(const CellBatch& batch, const MotionInput& in, Ba
   auto force = batch.zero(d_.dim());
   const CellStatus status =
       batch.kernels.motion_step(batch.law, in, history, drive, sums, heat, force.data());
-  batch.scatter(force, r_);
-  return check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J);
+  batch.scatter_live(force, r_);
+  int bad = batch.broken(status.bad);
+  for (int l = 0; bad != 0 && l < batch.used(); ++l) {
+    if ((bad & (1 << l)) == 0 || status.min_J[l] > 0 || !Erosion::may_invert(batch, l, step_.phi)) continue;
+    inverted_.push_back(batch.first_cell + at(batch.number * lanes + l));
+    bad &= ~(1 << l);
+  }
+  return check_cells(batch.group, batch.number, bad, status.min_J);
 }
 
 void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec change) {
@@ -105,7 +120,7 @@ void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec chan
     batch.kernels.motion_residual(batch.law, after, force.data());
     batch.kernels.motion_residual(batch.law, cells.in, old_force.data());
     for (int i = 0; i < force.size; ++i) force.value[i] -= old_force.value[i];
-    batch.scatter(force, r_);
+    batch.scatter_live(force, r_);
   });
   put(r_, change);
 }
@@ -122,7 +137,8 @@ double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double 
     fields.bulk = bulk;
     const MotionBatch cells(batch, fields);
     const Batch step = batch.kernels.stable_step(batch.law, cells.in);
-    for (int l = 0; l < batch.used(); ++l) shortest = std::min(shortest, step[l]);
+    for (int l = 0; l < batch.used(); ++l)
+      if (batch.live(l)) shortest = std::min(shortest, step[l]);
   });
   return min_over_ranks(d_.mesh.comm(), shortest);
 }

@@ -18,7 +18,9 @@ const std::pair<std::string, std::vector<double> ContactFields::*> contact_field
     {"contact_slip", &ContactFields::slip}};
 
 // Fields that are rows with one number per point.
-bool is_point_row(std::string_view name) { return name == "fatigue" || name == "jc_failure"; }
+bool is_point_row(std::string_view name) {
+  return name == "fatigue" || name == "jc_failure" || name == "eroded";
+}
 
 // Mean over each cell of a row with one number per point.
 Batch cell_mean(const CellBatch& batch, const std::vector<double>& row) {
@@ -77,7 +79,7 @@ std::vector<double> FieldSource::cell_means(const std::string& name, int compone
       const Batch mean = cell_mean(batch, row->committed);
       return append(&mean);
     }
-    const auto X = batch.vectors(d.mesh.coordinates()), place = batch.vectors(u);
+    const auto X = batch.vectors(d.mesh.coordinates()), place = batch.displaced(u);
     NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
     auto points = batch.histories();
     MotionInput in;

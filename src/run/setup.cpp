@@ -82,7 +82,7 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
       p.equation_of_state = EquationOfState::none;
       p.locking = Locking::none;
     }
-    materials.push_back({PointLaw{p}, m.regions, m.id, m.points});
+    materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{}});
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;

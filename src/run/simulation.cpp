@@ -193,6 +193,8 @@ void Simulation::accept(const Attempt& attempt) {
   if (const std::string text = stage_.coupling.crack_text(); !text.empty())
     check(PetscPrintf(comm_, "impact: step %ld: %s\n", snapshot_.step + 1, text.c_str()));
   stage_.accept(attempt);
+  if (stage_.erosion.on() && stage_.erosion.worth_telling())
+    check(PetscPrintf(comm_, "impact: step %ld: %s\n", snapshot_.step + 1, stage_.erosion.text().c_str()));
   if (probe_.after) probe_.after(attempt, snapshot_.step + 1, stage_.state);
   snapshot_.step += 1;
   snapshot_.time = attempt.t;

@@ -67,14 +67,16 @@ StepRows::StepRows(StateTable& state)
 RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kept)
     : scenario(s), setup(build_setup(comm, s, std::move(kept))), d(setup->discretisation),
       state(setup->state), rows(state), inertia(s.has_inertia()), solver(choose(s, *setup)),
+      erosion(setup->discretisation, state),
       motion(d, state, setup->boundary, setup->contacts, solver.symmetric, s.contact_operator, solver.matrix,
              &setup->rigid, s.has_motion() && !s.explicit_steps()),
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
       heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, s.heat, s.has_motion(),
                                 &setup->contacts)),
-      ts(make_integrator(comm, s)),
-      coupling(ts, {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr, state}, s.coupling, solver,
-               stabilises(comm, s, solver)),
+      ts(make_integrator(comm, s)), coupling(ts,
+                                             {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr,
+                                              state, erosion.on() ? &erosion : nullptr},
+                                             s.coupling, solver, stabilises(comm, s, solver)),
       ledger(motion, state, inertia, s.has_motion(),
              {s.history_materials, s.coupling.report_error, coupling.unilateral(),
               s.time.bulk_linear > 0 || s.time.bulk_quadratic > 0}),
@@ -113,6 +115,11 @@ void RunStage::set_state(const Checkpoint* resume) {
   d.displacement.to_global(rows.v.committed, v);
   d.displacement.to_global(rows.a.committed, a);
   check(TS2SetSolution(ts, u, v));
+  if (erosion.on() && resume != nullptr) {
+    erosion.follow_rows();
+    if (ExplicitStep* const step = coupling.explicit_step(); step != nullptr && erosion.news())
+      step->expose(u);
+  }
   motion.update_contact(u);
   if (ExplicitStep* const step = coupling.explicit_step()) {
     if (resume == nullptr) step->start(u, v);
@@ -205,7 +212,25 @@ void RunStage::accept(const Attempt& attempt) {
     else
       for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
   }
+  if (erosion.on()) erosion.settle();
   state.commit();
+  follow_erosion(u_new);
+}
+
+void RunStage::follow_erosion(Vec u_now) {
+  if (!erosion.on()) return;
+  erosion.follow_rows();
+  if (!erosion.news()) return;
+  ExplicitStep* const step = coupling.explicit_step();
+  if (step == nullptr) return;
+  const auto springs = [&] {
+    double energy = 0;
+    for (const ContactStep& contact : setup->contacts.step(u_now)) energy += contact.energy;
+    return energy;
+  };
+  const double before = springs();
+  step->expose(u_now);
+  ledger.book_exposure(before, springs());
 }
 
 } // namespace impact

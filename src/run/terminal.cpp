@@ -21,7 +21,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   for (const CellGroup& group : d.groups) found[at(group.material) * shapes + at(index_of(group.shape))] = 1;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto& [law, regions, id, points] = d.materials[i / shapes];
+    const auto& [law, regions, id, points, erosion] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex();

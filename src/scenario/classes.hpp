@@ -85,6 +85,7 @@ void complete_and_check(Scenario& scenario);
 /// The rows of the families of laws.
 void add_hardening(std::vector<OptionRow<MaterialScenario>>& rows);
 void add_damage(std::vector<OptionRow<MaterialScenario>>& rows);
+void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows);
 /// What the rows of hardening make of the law.
 void resolve_hardening(MaterialScenario& material);
 /// Which softening it has, by its option or by the hardening that brings one.

@@ -150,7 +150,7 @@ void add_failure(MaterialRows& rows) {
             "the failure measure D of Johnson and Cook is followed where the material flows, column "
             "jc_failure_max and field jc_failure: dD = dalpha/eps_f, eps_f = (D1 + D2 exp(D3 sigma*)) "
             "(1 + D4 ln(rate/rate0)) (1 + D5 T*), sigma* the mean stress over that of von Mises, tension "
-            "positive; nothing else depends on it")
+            "positive; nothing but erosion_failure depends on it")
       .notation("D (55d)");
   of_law.number("jc_d1", &Law::jc_d1, "1 D1 (55d)", any_number, "its D1")
       .needed([](const Material& m) { return m.law.jc_failure && m.law.jc_d1 == 0 && m.law.jc_d2 == 0; },

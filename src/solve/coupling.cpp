@@ -40,7 +40,7 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
       shell_{[this](PetscInt number, Vec u) { return pass(number, u); }, &time_mailbox(ts), true,
              [this](PetscInt passes, PetscReal change) { give_up(passes, change); }} {
   if (integrator_of(ts_).is_explicit())
-    explicit_.emplace(ts_, fields_.motion, fields_.state, settings_.by_central_differences);
+    explicit_.emplace(ts_, fields_.motion, fields_.state, fields_.erosion, settings_.by_central_differences);
   if (explicit_ && fields_.damage && settings_.damage_every > 1)
     damage_wait_ = &fields_.state.add({"damage_wait", Support::global, 2}, 2);
   const Discretisation& d = fields_.motion.discretisation();
@@ -124,6 +124,7 @@ void Coupling::start(Vec u, Vec v, Vec a) {
 void Coupling::before_attempt(const Attempt& attempt) {
   StateTable& state = fields_.state;
   if (!explicit_ || attempt.number > 1) state.rollback();
+  if (fields_.erosion != nullptr) fields_.erosion->follow_rows();
   counts_ = {};
   pass_.number = 0;
   failure_.clear();
@@ -191,6 +192,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
     explicit_->follow_damage(u, fields_.state.row("phi").trial);
   if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
+  if (fields_.erosion != nullptr && result.inner >= 0) fields_.erosion->find_failed(u);
   return result;
 }
 

@@ -26,8 +26,9 @@ PetscInt first_of(Vec x) {
 
 } // namespace
 
-ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, const ExplicitScenario& settings)
-    : ts_(ts), motion_(motion), state_(state), settings_(settings),
+ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, Erosion* erosion,
+                           const ExplicitScenario& settings)
+    : ts_(ts), motion_(motion), state_(state), erosion_(erosion), settings_(settings),
       row_(state.add({"stable_step", Support::global, components}, components)),
       impulses_(motion.discretisation().displacement) {
   const FieldLayout& layout = motion.discretisation().displacement;
@@ -61,7 +62,7 @@ std::vector<double> ExplicitStep::contact_loads(const ContactInterface& contact)
   std::vector<double> area = d.displacement.make_local();
   const auto unit = [&](const double*, double* value) { std::fill_n(value, d.dim(), 1.0); };
   for (const std::string& side : {contact.settings().secondary, contact.settings().primary})
-    if (!ContactSettings::rigid_name(side)) add_dead_traction(d.mesh.facets(side), d.frame, X, unit, area);
+    if (!ContactSettings::rigid_name(side)) add_dead_traction(contact.facets(side), d.frame, X, unit, area);
   add_up(d.displacement, area);
   for (std::size_t i = 0; i < area.size(); ++i) area[i] *= 2 / mass[i];
   return area;
@@ -161,6 +162,13 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
   divide_by_mass({0, Get(TSGetTimeStep)(ts_), u, v, nullptr}, a);
 }
 
+void ExplicitStep::expose(Vec u) {
+  std::vector<char> eroded = motion_.discretisation().eroded.cell;
+  eroded.resize(at(motion_.discretisation().mesh.cell_count()), 0);
+  for (ContactInterface& contact : motion_.contacts()) contact.expose(eroded, u);
+  contact_frequency_ = -1;
+}
+
 void ExplicitStep::find_contact_forces(Vec u, bool by_impulse) {
   auto known = of_contacts_.begin();
   for (const ContactInterface& contact : motion_.contacts()) {
@@ -232,6 +240,9 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   const MotionStep& step = motion_.step();
   motion_.update_contact(u);
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
+  if (erosion_ != nullptr && erosion_->remove(motion_.inverted()) &&
+      !motion_.advance(u, sums, heat, forces_.internal))
+    return false;
   motion_.loads(u, forces_.external);
   const Rates rates{step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)};
   check(VecSet(forces_.contact, 0));

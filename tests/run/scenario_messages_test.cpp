@@ -322,7 +322,8 @@ const std::vector<Row>& rows() {
        "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, theta, "
        "stress, "
        "von_mises, alpha, "
-       "pressure, fatigue, jc_failure, contact_pressure, contact_gap, contact_status, contact_traction, "
+       "pressure, fatigue, jc_failure, eroded, contact_pressure, contact_gap, contact_status, "
+       "contact_traction, "
        "contact_slip; "
        "did you "
        "mean von_mises?"},

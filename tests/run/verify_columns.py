@@ -65,9 +65,9 @@ HEAT = {"material_lower_c_v": 1e4, "material_lower_theta0": 300, "material_upper
 rich = runs.run("rich", {
     **runs.BREAKING_BLOCKS, **HEAT, "contact_face_friction": 0.3, "material_lower_b_d": 1, "material_lower_c": 1, **FAILURE,
     "bcs": "hold,warm", "bc_warm_on": "upper_top", "bc_warm_type": "temperature", "bc_warm_value": 310,
-    "probes": "p", "probe_p_at": "0.5,0.4", "probe_p_fields": ",".join(f for f in FIELDS if f != "fatigue" and "contact" not in f),
+    "probes": "p", "probe_p_at": "0.5,0.4", "probe_p_fields": ",".join(f for f in FIELDS if f not in ("fatigue", "eroded") and "contact" not in f),
     "measures": "m", "measure_m_on": "upper_bottom", "measure_m_fields": ",".join(f for f in FIELDS if "contact" in f),
-    "output_vis_fields": ",".join(f for f in FIELDS if f != "fatigue"), "history_materials": "on",
+    "output_vis_fields": ",".join(f for f in FIELDS if f not in ("fatigue", "eroded")), "history_materials": "on",
     "coupling_error": "on", "ts_max_time": 0.03, "output_vis_every": 5}, refused=None, takes_back=True)
 check_header(rich)
 # A body that turns as told; a cell that tires.
@@ -79,6 +79,10 @@ check_header(turned, plane=False)
 check_header(runs.run("tired", block(
     mesh_set_n=1, material_solid_damage="at2", material_solid_Gc=1, material_solid_gamma=1, material_solid_fatigue_a=1e-3, bcs="hold",
     bc_hold_on="solid", bc_hold_ux="0.01*t*x", bc_hold_uy=0, probes="p", probe_p_at="0.5,0.5", probe_p_fields="fatigue")))
+# Cells that leave.
+check_header(runs.run("worn", block(
+    mesh_set_n=1, ts_type="central_difference", material_solid_rho=1, material_solid_erosion="on", material_solid_erosion_stretch=1.5,
+    bcs="hold", bc_hold_on="solid", bc_hold_ux="t*x", bc_hold_uy=0, probes="p", probe_p_at="0.5,0.5", probe_p_fields="eroded")))
 
 # Cracks are told as they are: phi is prescribed everywhere, nothing moves.
 CRACK = {"mesh": runs.mesh("block.geo"), "mesh_set_n": 20, "physics": "damage", "ts_type": "static", "materials": "solid",

@@ -37,6 +37,9 @@ public:
   /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Energies and reactions are only found where the
   /// step is `watched`. Collective.
   void book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched = true);
+  /// Between two steps the surfaces of contacts have changed and with them the energy that contacts keep:
+  /// cells that left took the difference along.
+  void book_exposure(double before, double after);
   /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
   void unbook() { energies_ = energies_before_; }
 
@@ -103,6 +106,7 @@ private:
   /// (theory.md, 11).
   double gain() const;
   bool loses_by_viscosity() const { return motion_.discretisation().has_viscosity() || choice_.viscous; }
+  double eroded(int which) const; // a component of ErosionTotals, 0 where nothing erodes
   double stored() const;
   double dissipated() const;
   double heat_supplied() const { return heat_ ? heat_->supplied() : 0; }
@@ -114,6 +118,7 @@ private:
   bool inertia_, moves_, prescribes_damage_;
   LedgerChoice choice_;
   StateRow &totals_, &losses_;
+  StateRow* erosion_; ///< null: no cell leaves
   ForceBook forces_;
   Reactions reactions_;
   std::optional<HeatBook> heat_;

@@ -50,6 +50,9 @@ public:
   const EnforcementMethod& law() const { return *law_; }
   /// Nodes whose dofs are prescribed; see ContactInterface. Collective.
   void set_fixed_dofs(const std::vector<char>& fixed);
+  /// Those flags, for constraints that take the place of these.
+  Handle<Vec> release_fixed() { return std::move(fixed_); }
+  void take_fixed(Handle<Vec> fixed) { fixed_ = std::move(fixed); }
   /// The form has other nodes. Collective.
   void fetch_fixed();
   void keep_symmetric(bool symmetric) { symmetric_ = symmetric; }

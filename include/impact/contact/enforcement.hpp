@@ -26,7 +26,11 @@ struct EnforcementRows {
   /// Components of the row "penalty".
   enum { value, last_gap, least, components };
   double eps() const { return std::max(penalty->trial[value], penalty->trial[least]); }
-  double lambda(int index) const { return multiplier->trial[static_cast<std::size_t>(index)]; }
+  /// Facets that came free inside a body have none (ContactInterface::expose).
+  double lambda(int index) const {
+    const auto place = static_cast<std::size_t>(index);
+    return place < multiplier->trial.size() ? multiplier->trial[place] : 0;
+  }
 };
 
 /// What an augmentation changes; equal on all ranks.

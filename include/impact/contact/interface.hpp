@@ -2,6 +2,7 @@
 #include <array>
 #include <impact/contact/friction.hpp>
 #include <impact/contact/rigid_nodes.hpp>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -135,6 +136,13 @@ public:
   /// The projection ended at w: the step takes half its force, its impulse over dt.
   void keep_shock(Vec w);
 
+  /// Cells have left their bodies ([cell point minus cell_start] 1): both sides are made anew of what is
+  /// there and of the facets inside their bodies that came free, and searched at u. For penalties at Gauss
+  /// points without friction, which keep nothing for a constraint. Collective.
+  void expose(const std::vector<char>& eroded, Vec u);
+  /// Facets of a side, a boundary, as they are now.
+  FacetTable facets(const std::string& side) const;
+
   /// Brings the candidate pairs up to date and lets the form fix what must not change while Newton's method
   /// works; true on all ranks when the set of pairs, hence the matrix pattern, changed.
   bool update_search(Vec u);
@@ -228,6 +236,7 @@ private:
   bool falls_back() const { return fallen_back_ || by_penalty_; }
   void use_method();
   void declare_state(StateTable& state);
+  void make_constraints(ContactSurface secondary, const ContactSurface& primary);
   void use_new_nodes(); // of the form
   ObstaclePose pose() const;
   void visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
@@ -254,12 +263,19 @@ private:
   RigidNodes rigid_nodes_;
   EnforcementRows rows_{};
   StateRow *totals_ = nullptr, *force_ = nullptr;
+  /// What cells that left have made of a side.
+  struct LiveSide {
+    std::vector<char> body; // [local node] 1 in the bodies of the side
+    FacetTable facets;
+  };
+  std::map<std::string, LiveSide> live_;                 // by boundary; empty as long as no cell has left
   std::array<std::vector<double>, 2> before_projection_; // multipliers, penalty
   Vector shock_{};             // on the secondary side: impulse of the projection over dt
   Handle<Vec> last_force_;     // at the start of a step whose work is exact
   double inertia_penalty_ = 0; // over the mass shift
   double last_change_ = std::numeric_limits<double>::infinity(); // of the multipliers, in an augmentation
   double time_ = 0;                                              // of the attempt's end
+  double mean_length_ = 0;                                       // of the secondary facets
   long searches_ = 0;
   bool at_rest_ = true, fallen_back_ = false, by_penalty_ = false;
 };

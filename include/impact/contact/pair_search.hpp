@@ -129,6 +129,8 @@ public:
   std::vector<PetscInt> primary_nodes(int secondary_facet) const;
   const ContactNodes& nodes() const { return list_.nodes; }
   double radius() const { return radius_; }
+  /// Most that both sides together moved since the start of the step, at the last update.
+  double motion() const { return motion_; }
   /// How deep any facet is seen that did not move within the step: the radius; by local sizes, that of the
   /// smallest facets on both sides.
   double range() const;
@@ -195,6 +197,7 @@ private:
   Primary kind_ = Primary::rigid;
   double radius_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
   bool local_ = false;
+  double motion_ = 0;
   List list_;
   std::optional<List> found_;        // by the attempt, where it has searched since
   Handle<Vec> attempt_from_;         // where it started; absent: none yet

@@ -139,11 +139,17 @@ private:
   bool may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const;
   // How deep a point is seen that did not come through a surface within the step. Explicit steps move bodies
   // by far less than a facet: what is deeper lies behind another part of a body, which cells that broke have
-  // laid open.
+  // laid open: from then on no more is seen than a penalty lets in, which is little beside what bodies move
+  // in a few steps, or else what it has not turned back would be pushed out at once.
   double depth(int facet) const {
     const double seen = search_.depth(facet);
-    return settings_.iterated ? seen : std::min(seen, secondary_.length[at(facet)] / 2);
+    const double length = secondary_.length[at(facet)];
+    if (settings_.iterated) return seen;
+    if (!settings_.exposed) return std::min(seen, length / 2);
+    return std::min({seen, length / 4, std::max(length / 16, 4 * search_.motion())});
   }
+  // Whether one part of a surface may lie behind another one.
+  bool folded() const { return search_.meets_itself() || settings_.exposed; }
   // Once more with all digits: a penalty makes a pressure of what is lost.
   void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
   // Of faces: the point and the triangle that it sees.

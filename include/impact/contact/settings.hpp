@@ -61,6 +61,7 @@ struct ContactSettings {
       automatic;             ///< automatic: pairs by the facets' own sizes, 0.8 of the smallest facet deep
   bool local_search = false; ///< the radius was automatic
   bool automatic_penalty = false; ///< the penalty was
+  bool exposed = false;           ///< cells have left, and facets inside the bodies take part
   bool iterated = true;           ///< what points face is held while Newton's method works
   bool at_nodes = false;          ///< points stand at the nodes of facets, with the areas of their shapes
   InitialOverlap initial = InitialOverlap::error;

@@ -31,6 +31,9 @@ double longest_side(const double* corner, int corners, int dim);
 /// Collective.
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group);
 
+/// The surface that these facets make.
+ContactSurface surface_of(const Mesh& mesh, const std::string& group, const FacetTable& facets);
+
 /// Global nodes of the facets of the surface that meet a node owned by this rank, whoever owns their cells;
 /// sorted, an edge repeating its second node. Collective: one message per pair of ranks that share a facet.
 std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface);

@@ -77,6 +77,8 @@ struct CellKernels {
                             const Batch* drive, const Batch* drive_n, Batch& sum);
   /// in.history is the history of the same time as in.u, so that no flow happens here.
   void (*cell_output)(const PointLaw&, const MotionInput& in, CellOutput& out);
+  /// Of in.X and in.u; needs the history in plane stress.
+  void (*cell_distortion)(const PointLaw&, const MotionInput& in, CellDistortion& out);
   /// M [node][node] += int rho N_a N_b (2 pi R in the axisymmetric frame).
   void (*mass_matrix)(const PointLaw&, const Batch* X, Batch* M);
 };

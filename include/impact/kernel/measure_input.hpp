@@ -28,6 +28,12 @@ struct HeatSums {
   Batch entropy = 0; ///< int c_V ln(theta/theta_0) + s,   s = 3 alpha_t g_v K/2 (J_e^2 - 1)
 };
 
+/// Of the points of each cell, per lane.
+struct CellDistortion {
+  Batch least_J = 1;         ///< det F
+  Batch largest_stretch = 1; ///< principal
+};
+
 /// Averages over the reference volume of each cell.
 struct CellOutput {
   Batch stress[6]; ///< Cauchy stress 11 22 33 12 23 13 (all parts of the motion's stress)

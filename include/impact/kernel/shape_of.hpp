@@ -2,6 +2,7 @@
 #include <impact/kernel/advance_cell.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/damage_cell.hpp>
+#include <impact/kernel/distortion.hpp>
 #include <impact/kernel/failure_cell.hpp>
 #include <impact/kernel/heat_cell.hpp>
 #include <impact/kernel/measure_cell.hpp>
@@ -34,6 +35,7 @@ inline constexpr CellKernels cell_kernels = {
     .plastic_exchange = plastic_exchange<Cell, frame>,
     .unilateral_energy = unilateral_energy<Cell, frame>,
     .cell_output = cell_output<Cell, frame>,
+    .cell_distortion = cell_distortion<Cell, frame>,
     .mass_matrix = mass_matrix<Cell, frame>,
 };
 

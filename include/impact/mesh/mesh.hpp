@@ -31,6 +31,18 @@ struct FacetTable {
   std::vector<PetscInt> point;      ///< DMPlex point of each facet
   std::vector<PetscInt> cell_point; ///< DMPlex point of the cell behind it
   int count() const { return static_cast<int>(point.size()); }
+  /// Those whose cell `leave` says no to.
+  template <class Leave> FacetTable without(Leave&& leave) const {
+    FacetTable rest{nodes_per_facet, {}, {}, {}};
+    const auto corners = static_cast<std::size_t>(nodes_per_facet);
+    for (std::size_t f = 0; f < point.size(); ++f) {
+      if (leave(cell_point[f])) continue;
+      rest.point.push_back(point[f]);
+      rest.cell_point.push_back(cell_point[f]);
+      for (std::size_t a = 0; a < corners; ++a) rest.connectivity.push_back(connectivity[corners * f + a]);
+    }
+    return rest;
+  }
 };
 
 /// One physical group of the mesh file.
@@ -77,6 +89,11 @@ public:
   std::vector<PetscInt> region_cells(const std::string& name) const;
   /// Facets of a boundary group on this rank. A facet inside a body takes one of its two cells.
   FacetTable facets(const std::string& name) const;
+  /// Those facets of a boundary whose cell is there, then the facets inside the bodies of the boundary where
+  /// one of two cells is. `eroded`: [cell point minus cell_start] 1 for cells that are not; `body`: [local
+  /// node] 1 for the nodes of those bodies. Collective.
+  FacetTable live_facets(const std::string& name, const std::vector<char>& eroded,
+                         const std::vector<char>& body) const;
   /// Refuses a boundary group some of whose facets lie inside a body, where what acts would have two sides to
   /// choose from: UserError(data) that begins with `option` and the group. Collective.
   void require_outside(const std::string& option, const std::string& name) const;
@@ -102,6 +119,7 @@ private:
   Shape shape_of(PetscInt cell) const; // none where a cell of that kind cannot be used
   std::vector<int> cell_nodes(PetscInt cell) const;
   std::vector<int> closure(PetscInt point) const; // its nodes in the order of DMPlex
+  void add_facet(PetscInt facet, PetscInt cell, FacetTable& table) const;
   std::vector<PetscInt> points(const std::string& group) const;
   std::vector<PetscInt> owned_points(const std::string& group) const;
 
@@ -138,6 +156,9 @@ struct Bodies {
 /// The bodies of a mesh, or of its nodes that count ([local node], alike on the ranks that share one), by
 /// rising number of their lowest node, which depends on the partition. Collective.
 Bodies find_bodies(const Mesh& mesh, const std::vector<char>& counts = {});
+
+/// [local node] 1 in the bodies that hold these local nodes, complete on every rank. Collective.
+std::vector<char> nodes_of_bodies(const Mesh& mesh, const std::vector<int>& nodes);
 
 /// Cost of cells, for the partition. The type `metis` gives ranks equal shares of cells and, besides, of what
 /// the boundaries cost; other types know the sum.

@@ -77,7 +77,8 @@ inline double lane_sum(const Batch& value, int lanes_in_use) {
 }
 
 /// One batch of the loop below. Fields are local arrays [node][components], rows
-/// [group][batch][point][component][lane], ordinary doubles without the alignment of a Batch.
+/// [group][batch][point][component][lane], ordinary doubles without the alignment of a Batch. More functions
+/// than usual: what is read of cells and added to is told here which of them are there, and nowhere else.
 struct CellBatch {
   const Discretisation& d;
   const CellGroup& group;
@@ -86,13 +87,24 @@ struct CellBatch {
   int number_of_group, number;
   std::size_t first_point,
       first_cell; ///< of the group, in rows [group][batch][point][lane], [group][batch][lane]
+  int eroded;     ///< bit l: the cell in lane l has left the body
 
   int nodes() const { return group.shape->nodes; }
   int used() const { return group.lanes_in_use(number); }
-  /// Those bits of `bad` that belong to cells of their own.
-  int broken(int bad) const { return bad & ((1 << used()) - 1); }
+  /// Those bits of `bad` that belong to cells of their own which are still there.
+  int broken(int bad) const { return bad & ((1 << used()) - 1) & ~eroded; }
+  std::size_t place() const { return first_cell / lanes + at(number); } ///< among the batches of all groups
   std::size_t material() const { return at(group.material); }
   double sum(const Batch& value) const { return lane_sum(value, used()); }
+  /// Of the cells that are still there.
+  double live_sum(const Batch& value) const {
+    if (eroded == 0) return sum(value);
+    double sum = 0;
+    for (int l = 0; l < used(); ++l)
+      if (live(l)) sum += value[l];
+    return sum;
+  }
+  bool live(int lane) const { return (eroded & (1 << lane)) == 0; }
 
   NodalValues gather(std::span<const double> field, int components) const {
     NodalValues values = nodal(components);
@@ -111,6 +123,16 @@ struct CellBatch {
     return values.data();
   }
   NodalValues vectors(std::span<const double> field) const { return gather(field, d.dim()); }
+  /// A displacement, zero where the cell has left: what its nodes do is no deformation any more.
+  NodalValues displaced(std::span<const double> field) const {
+    NodalValues values = vectors(field);
+    forget_eroded(values);
+    return values;
+  }
+  void forget_eroded(NodalValues& displacement) const {
+    for (int l = 0; eroded != 0 && l < lanes; ++l)
+      for (int i = 0; !live(l) && i < displacement.size; ++i) displacement.value[i].set(l, 0);
+  }
   NodalValues scalars(std::span<const double> field) const { return gather(field, 1); }
   /// Nodal values to be filled; to be summed up, 0 at first; and their sum into a field.
   NodalValues nodal(int components) const { return NodalValues(nodes() * components); }
@@ -121,6 +143,12 @@ struct CellBatch {
   }
   void scatter(const NodalValues& values, std::vector<double>& field) const {
     scatter_add(group, number, values.size / nodes(), values.data(), field.data());
+  }
+  /// Without the cells that have left.
+  void scatter_live(NodalValues& values, std::vector<double>& field) const {
+    for (int l = 0; eroded != 0 && l < lanes; ++l)
+      for (int i = 0; !live(l) && i < values.size; ++i) values.value[i].set(l, 0);
+    scatter(values, field);
   }
 
   /// Point values as they come: of a constant number of components, of histories, of stresses.
@@ -158,7 +186,8 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
     const CellKernels& kernels = group.shape.kernels(d.frame);
     if (takes(d.law(group)))
       for (int b = 0; b < group.batch_count; ++b)
-        body(CellBatch{d, group, d.law(group), kernels, static_cast<int>(g), b, point, cell});
+        body(CellBatch{d, group, d.law(group), kernels, static_cast<int>(g), b, point, cell,
+                       d.eroded.in_batch(cell / lanes + at(b))});
     point += point_values(group, 1);
     cell += at(group.batch_count) * lanes;
   }

@@ -5,6 +5,7 @@
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <impact/problem/erosion_rule.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,6 +20,17 @@ struct MaterialAssignment {
   std::vector<std::string> regions;
   std::string id{};                               ///< what the user calls it
   std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
+  ErosionRule erosion{};
+};
+
+/// Which cells have left their bodies (erosion.hpp); empty as long as none has.
+struct ErodedCells {
+  std::vector<int> lanes_of; ///< [batch of all groups] bit l: the cell in lane l, padding with its cell
+  std::vector<char> cell;    ///< [DMPlex cell point minus the first one] 1: it has left
+
+  /// Those facets whose cell is still there.
+  FacetTable live(const FacetTable& facets, PetscInt cell_start) const;
+  int in_batch(std::size_t batch) const { return lanes_of.empty() ? 0 : lanes_of[batch]; }
 };
 
 struct Discretisation {
@@ -29,6 +41,7 @@ struct Discretisation {
   std::vector<CellGroup> groups;
   Frame frame;
   double thickness = 1;     ///< multiplies integrals of plane problems in what is reported
+  ErodedCells eroded{};     ///< at the end of the attempt at work; Erosion keeps it
   bool lumped_mass = false; ///< a cell's mass stands at its nodes, by the integrals of the shape functions
 
   int dim() const { return mesh.dim(); }
@@ -48,6 +61,9 @@ struct Discretisation {
   bool has_failure() const {
     return any_law([](const PointLaw& law) { return law.fails(); });
   }
+  bool erodes() const {
+    return std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.erosion.on; });
+  }
   bool has_viscosity() const {
     return any_law([](const PointLaw& law) { return law.viscous(); });
   }
@@ -61,7 +77,8 @@ struct Discretisation {
     return has_heat() &&
            any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
   }
-  double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
+  double softest_modulus() const;  ///< Young's, of what deforms; infinite where nothing does
+  std::size_t batch_count() const; ///< of all groups
   /// Doubles of a row of `components` per quadrature point, of all groups.
   std::size_t point_values(int components) const;
 };

@@ -96,6 +96,9 @@ public:
   /// `internal`: the internal force, bulk viscosity among it, or null. False on all ranks when a cell lost
   /// its meaning anywhere.
   bool advance(Vec u, Increments& sums, const HeatRows& heat = {}, Vec internal = nullptr);
+  /// Cells of this rank that the last advance with a force found without volume, and that may leave for it
+  /// (Erosion::remove): where any rank has some, what it found is of no use.
+  const std::vector<std::size_t>& inverted() const { return inverted_; }
 
   /// Into `change`: how the internal force at u changes where damage, [local node], goes from the step's to
   /// this. Collective.
@@ -141,6 +144,7 @@ private:
   bool add_cells(const std::vector<double>& u, const std::vector<double>* accel, double unilateral,
                  std::vector<double>& r);
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
+  const FacetTable& live_facets(const LoadedFacets& load);
   void add_pressure_tangent(const std::vector<double>& u);
   bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
   bool step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive, StepSums& sums,
@@ -170,6 +174,8 @@ private:
   bool has_body_force_ = false;
   const std::vector<CellGroup> no_groups_;
   BrokenCell broken_;
+  std::vector<std::size_t> inverted_;
+  FacetTable live_load_;
   double reference_force_ = 0;
   ForceBalance balance_;
   Handle<Vec> cells_diagonal_, diagonal_;

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/balance/ledger.hpp>
 #include <impact/io/checkpoint.hpp>
+#include <impact/problem/erosion.hpp>
 #include <impact/run/field_source.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/solve/coupling.hpp>
@@ -38,6 +39,8 @@ struct RunStage {
   void check_prescribed_data(const Attempt& attempt) const;
   /// Takes the step over that the integrator has accepted, up to the commit of the table. Collective.
   void accept(const Attempt& attempt);
+  /// Lets those who keep something for cells know which are there, after the table has changed. Collective.
+  void follow_erosion(Vec u_now);
   /// A resumed run builds its list of candidates afresh and factors anew: so does one that has written a
   /// checkpoint, or they would part by round-off.
   void forget_what_a_restart_lacks();
@@ -49,6 +52,7 @@ struct RunStage {
   StepRows rows;
   bool inertia;
   SolverDefaults solver;
+  Erosion erosion;
   MotionProblem motion;
   std::optional<DamageProblem> damage;
   std::optional<HeatProblem> heat;

@@ -3,6 +3,7 @@
 #include <impact/contact/settings.hpp>
 #include <impact/input/units.hpp>
 #include <impact/problem/boundary_conditions.hpp>
+#include <impact/problem/erosion_rule.hpp>
 #include <impact/problem/settings.hpp>
 #include <map>
 #include <memory>
@@ -53,7 +54,8 @@ struct MaterialScenario {
   double sigma_y = 0, linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
   Split split = Split::automatic;
   std::optional<Softening> softening; ///< empty: automatic, and so below
-  std::optional<Locking> locking;     ///< automatic: mean for j2 on quads and hexes, else none
+  ErosionRule erosion;
+  std::optional<Locking> locking; ///< automatic: mean for j2 on quads and hexes, else none
   struct Option {
     std::string name, text, said; ///< text: in the run's units; said: the user's words, empty for a default
   };

@@ -17,12 +17,13 @@
 ///   (SNES `heat_`)
 namespace impact {
 
-/// The fields that a step couples; damage and heat may be null. All must outlive who uses them.
+/// The fields that a step couples; damage, heat and erosion may be null. All must outlive who uses them.
 struct Fields {
   MotionProblem& motion;
   DamageProblem* damage;
   HeatProblem* heat;
   StateTable& state;
+  Erosion* erosion = nullptr; ///< null: no cell leaves
 };
 
 // Members beyond twelve: the collaborators of a pass stand here by value, and nowhere else.

@@ -2,6 +2,7 @@
 #include <array>
 #include <impact/contact/impulses.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
 #include <petscts.h>
 #include <string>
@@ -15,7 +16,9 @@ namespace impact {
 class ExplicitStep {
 public:
   /// Adds a row of its own to the table; the references must outlive the object.
-  ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, const ExplicitScenario& settings);
+  /// `erosion` may be null.
+  ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, Erosion* erosion,
+               const ExplicitScenario& settings);
   ExplicitStep(const ExplicitStep&) = delete;
   ExplicitStep& operator=(const ExplicitStep&) = delete;
 
@@ -35,6 +38,8 @@ public:
   /// Damage has grown at u: its forces, and the acceleration, are those of phi, [local node]. Collective.
   void follow_damage(Vec u, const std::vector<double>& phi);
   const ForceParts& forces() const { return forces_; }
+  /// Cells have left: contacts find the surfaces that are there at u, and steps go with them. Collective.
+  void expose(Vec u);
   /// Tells contacts of an accepted step what they did in it. Collective.
   void advance_contacts(Vec u_n, Vec u, double dt);
 
@@ -59,6 +64,7 @@ private:
   TS ts_;
   MotionProblem& motion_;
   StateTable& state_;
+  Erosion* erosion_;
   ExplicitScenario settings_;
   StateRow& row_;
   ForceParts forces_;

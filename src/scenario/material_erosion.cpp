@@ -1,0 +1,87 @@
+#include "classes.hpp"
+
+/// The options of erosion: which cells leave their bodies, and when.
+namespace impact {
+
+namespace {
+
+using Material = MaterialScenario;
+using Rule = ErosionRule;
+
+bool damages_here(const Material& m, const Scenario& s) {
+  return s.solves("damage") && m.law.damage != Damage::none;
+}
+
+/// A contact that cannot do without the constraints that it had, "" = none.
+std::string hindering_contact(const Scenario& s) {
+  for (const ContactScenario& c : s.contacts) {
+    const std::string of = "-contact_" + c.id;
+    if (c.friction > 0) return of + "_friction: what sticks is not known on faces that come free; take 0";
+    if (c.method == ContactMethod::mortar)
+      return of + "_method: mean gaps follow no surface that changes; take gpts or auto";
+  }
+  return "";
+}
+
+} // namespace
+
+void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
+  Rows row(rows, RestartKey::guarded, &Material::erosion);
+  const auto eroding = [](auto when) {
+    return [=](const Material& m, const Scenario& s) { return m.erosion.on && when(m, s); };
+  };
+  const auto idle = [](const Material& m) { return !m.erosion.on; };
+  const std::string useless = ": has no effect without <>erosion; add it, or remove this";
+  row.flag("erosion", &Rule::on,
+           "cells that fail by any of the criteria below leave their bodies, as do those that lose their "
+           "volume (with damage: that are broken then): they bear no force, their faces inside come free "
+           "for contact, mass, heat and crack energy stay with their nodes, what else they stored is "
+           "dissipated_erosion")
+      .notation("(7)")
+      .refused(
+          eroding([](const Material&, const Scenario& s) { return s.has_motion() && !s.explicit_steps(); }),
+          "Newton's method does not know of cells that leave; allowed: with -ts_type "
+          "central_difference")
+      .refused(eroding([](const Material& m, const Scenario&) { return m.law.model == Model::rigid; }),
+               "has no meaning with <>model rigid; remove it")
+      .denied(eroding([](const Material&, const Scenario& s) { return !hindering_contact(s).empty(); }),
+              [](const Material&, const Scenario& s) { return hindering_contact(s) + ", or no <>erosion"; });
+  row.number(
+         "erosion_points", &Rule::points, "1", {0, 1, true, false},
+         "part of the points of a cell that must have reached erosion_phi, _strain or _failure; 1: all of "
+         "them, less than one over their number: any")
+      .barred([](const Material& m) { return !m.erosion.on && m.erosion.points != 1; }, useless);
+  row.number("erosion_phi", &Rule::phi, "1 phi", {0, 1, true, false},
+             "with damage: a cell is broken where phi is this at its points; broken cells leave, where "
+             "erosion_J, _stretch or _step is given when one of these is met, too")
+      .barred(eroding([](const Material& m, const Scenario& s) {
+                return m.erosion.phi != Rule{}.phi && !damages_here(m, s);
+              }),
+              ": nothing damages here; remove it")
+      .barred([](const Material& m) { return !m.erosion.on && m.erosion.phi != Rule{}.phi; }, useless);
+  row.number("erosion_strain", &Rule::strain, "1 alpha", or_word(positive, "none", Rule::none),
+             "a cell leaves at this plastic strain at its points")
+      .refused(eroding([](const Material& m, const Scenario&) {
+                 return m.erosion.strain < Rule::none && m.law.model != Model::j2;
+               }),
+               "nothing flows; allowed with <>model j2")
+      .barred([](const Material& m) { return !m.erosion.on && m.erosion.strain < Rule::none; }, useless);
+  row.flag("erosion_failure", &Rule::failure, "a cell leaves when jc_failure is 1 at its points")
+      .notation("(55d)")
+      .refused(eroding([](const Material& m, const Scenario&) {
+                 return m.erosion.failure && !(m.law.jc_failure && m.law.model == Model::j2);
+               }),
+               "needs <>jc_failure and <>model j2")
+      .barred([=](const Material& m) { return idle(m) && m.erosion.failure; }, useless);
+  row.number("erosion_J", &Rule::J, "1 J", {0, 1, false, true},
+             "a cell leaves when its volume at any point is at most this part of the first one")
+      .barred([=](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);
+  row.number("erosion_stretch", &Rule::stretch, "1", or_word({1, 1e3, true, false}, "none", Rule::none),
+             "a cell leaves when the largest principal stretch at any of its points is this")
+      .barred([=](const Material& m) { return idle(m) && m.erosion.stretch < Rule::none; }, useless);
+  row.number("erosion_step", &Rule::step, "1", {0, 1, false, true},
+             "a cell leaves when its stable step is below this part of that of the undeformed cell")
+      .barred([=](const Material& m) { return idle(m) && m.erosion.step > 0; }, useless);
+}
+
+} // namespace impact

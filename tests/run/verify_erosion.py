@@ -1,0 +1,190 @@
+# labels: run
+# timeout: 120
+# processors: 2
+"""Cells that leave their bodies: what they take along in closed form, momentum and balances to rounding, faces that come free in
+the plane and in space, cells that lose their volume, restart, ranks and repeated steps, what is refused."""
+import filecmp
+import re
+
+import numpy
+from _histories import difference
+from _runs import check, check_between, finish, mesh, require, run
+
+EXPLICIT = {"ts_type": "central_difference"}
+E, RHO = 1e6, 1000.0
+
+
+def largest(values):
+    return abs(values).max()
+
+
+def material(name, **more):
+    return {f"material_{name}_{key}": value for key, value in {"E": E, "nu": 0, "rho": RHO, **more}.items()}
+
+
+BOXES = """// Boxes one on the other, x from 0 to `lx` but for the last one, which stands in the middle above a gap.
+DefineConstant[dim = 2, lx = 4, h = 0.25, gap = 0.02];
+y[] = {%s};
+For k In {0 : #y[] - 2}
+  left = 0; right = lx; low = y[k]; high = y[k + 1];
+  If (k == #y[] - 2)
+    left = lx / 2 - 0.5; right = lx / 2 + 0.5; low += gap; high += gap;
+  EndIf
+  If (k == 0 || k == #y[] - 2)
+    a = newp; Point(a) = {left, low, 0}; Point(a + 1) = {right, low, 0};
+    bottom = newl; Line(bottom) = {a, a + 1};
+    Transfinite Curve {bottom} = Round((right - left) / h) + 1;
+  Else
+    bottom = top; a = c;
+  EndIf
+  If (k == 0)
+    first = bottom;
+  EndIf
+  If (k == #y[] - 2)
+    foot = bottom;
+  EndIf
+  c = newp; Point(c) = {left, high, 0}; Point(c + 1) = {right, high, 0};
+  If (k < #y[] - 2)
+    skin = newl;
+  EndIf
+  top = newl; Line(top) = {c, c + 1}; Transfinite Curve {top} = Round((right - left) / h) + 1;
+  If (k < #y[] - 2)
+    skin = top;
+  EndIf
+  up = newl; Line(up) = {a, c}; Line(up + 1) = {a + 1, c + 1};
+  Transfinite Curve {up, up + 1} = Round((high - low) / h) + 1;
+  Curve Loop(k + 1) = {bottom, up + 1, -top, -up}; Plane Surface(k + 1) = {k + 1};
+  Transfinite Surface {k + 1}; Recombine Surface {k + 1};
+EndFor
+If (dim == 2)
+  For k In {1 : #y[] - 1}
+    Physical Surface(Sprintf("box%%g", k)) = {k};
+  EndFor
+  Physical Curve("skin") = {skin}; Physical Curve("foot") = {foot};
+Else
+  For k In {1 : #y[] - 1}
+    depth = (k == #y[] - 1) ? 0.5 : 1;
+    out[] = Extrude {0, 0, depth} { Surface{k}; Layers{depth / h}; Recombine; };
+    Physical Volume(Sprintf("box%%g", k)) = {out[1]};
+    If (k == #y[] - 1)
+      Physical Surface("foot") = {out[2]};
+    EndIf
+    If (k == #y[] - 2)
+      Physical Surface("skin") = {out[4]};
+    EndIf
+  EndFor
+EndIf
+"""
+
+BAR = """x[] = {0, 4, 5, 9};
+For k In {0 : 3}
+  Point(2 * k + 1) = {x[k], 0, 0}; Point(2 * k + 2) = {x[k], 1, 0};
+  Line(10 + k) = {2 * k + 1, 2 * k + 2}; Transfinite Curve {10 + k} = 3;
+EndFor
+For k In {0 : 2}
+  Line(20 + k) = {2 * k + 1, 2 * k + 3}; Line(30 + k) = {2 * k + 2, 2 * k + 4};
+  Transfinite Curve {20 + k, 30 + k} = 4 * (x[k + 1] - x[k]) + 1;
+  Curve Loop(k + 1) = {20 + k, 11 + k, -(30 + k), -(10 + k)}; Plane Surface(k + 1) = {k + 1};
+  Transfinite Surface {k + 1}; Recombine Surface {k + 1};
+EndFor
+Physical Surface("left") = {1}; Physical Surface("middle") = {2}; Physical Surface("right") = {3};
+"""
+
+print("a bar pulled apart")
+# Without lateral strain the middle is stretched evenly until the waves from the ends arrive.
+RATE, LIMIT = 0.4, 1.02
+with open("bar.geo", "w", encoding="ascii") as file:
+    file.write(BAR)
+PULL = {**EXPLICIT, "mesh": "bar.geo", "materials": "left,middle,right", **material("left"), **material("middle"), **material("right"),
+        "bcs": "sides", "bc_sides_on": "left,middle,right", "bc_sides_uy": 0, "ics": "pull", "ic_pull_on": "left,middle,right",
+        "ic_pull_vx": f"{RATE}*(x-4.5)", "ts_max_time": 0.6, "outputs": "hist,vis",
+        "output_hist_type": "csv", "output_hist_every": 1, "output_vis_every": 100000, "output_vis_fields": "u"}
+WEAK = {"material_middle_erosion": "on", "material_middle_erosion_stretch": LIMIT}
+bar = run("bar", {**PULL, **WEAK, "output_vis_fields": "u,eroded"})
+cells, time = bar["eroded_cells"], bar["time"]
+first = numpy.nonzero(cells)[0][0]
+K, G, stretch = E / 3, E / 2, 1 + RATE * time[first]
+density = K / 2 * ((stretch ** 2 - 1) / 2 - numpy.log(stretch)) + G / 2 * (stretch ** (-2 / 3) * (stretch ** 2 + 2) - 3)
+print(f"     {cells[-1]:.0f} cells leave at the stretch {stretch:.5f}")
+require("the middle leaves in the first step at the limit", cells[first] == cells[-1] == 8 and 1 + RATE * time[first - 1] < LIMIT <= stretch)
+check("its energy", bar["dissipated_erosion"][-1] / density, 1, 1e-9)
+check("its mass", bar["eroded_mass"][-1] / RHO, 1, 1e-12)
+whole = run("bar_whole", PULL)
+require("the log tells of them", re.search(r"step \d+: cells that have left: 8, their mass 1000, the energy", bar.log) is not None)
+require("no column tells of cells that leave where none may", not any("ero" in c for c in whole.history))
+momentum = sum(bar[f"momentum_{part}_x"] for part in ("left", "middle", "right"))
+check("momentum", largest(momentum) / bar["momentum_right_x"][0], 0, 1e-12, relative=False)
+check("balance", largest(bar["balance"]), 0, 1e-10, relative=False)
+check("first law", largest(bar["balance_first_law"]), 0, 1e-2, relative=False)
+half = bar["momentum_right_x"]
+check_between("the halves go on flying apart: momentum of one in the end, over the first", half[-1] / half[0], 0.4, 1)
+require("that of a bar which holds swings back", whole["momentum_right_x"].min() < -0.1 * half[0] and bar["momentum_right_x"].min() > 0)
+
+print("faces that come free")
+for dim, y in ((2, "0, 1, 1.5, 2.5"), (3, "0, 0.5, 1, 1.5")):
+    with open(f"boxes{dim}.geo", "w", encoding="ascii") as file:
+        file.write(BOXES % y)
+    hit = {**EXPLICIT, "mesh": f"boxes{dim}.geo", "mesh_set_dim": dim, "mesh_set_lx": 4 if dim == 2 else 2, "mesh_set_h": 0.25,
+           "materials": "base,layer,shot", **material("base"), **material("layer", E=E / 20), **material("shot"),
+           "material_base_region": "box1", "material_layer_region": "box2", "material_shot_region": "box3",
+           "material_layer_erosion": "on", "material_layer_erosion_J": 0.5,
+           "ics": "flight", "ic_flight_on": "box3", "ic_flight_vy": -6, "ts_max_time": (0.5, 0.2)[dim - 2],
+           "contacts": "hit", "contact_hit_secondary": "foot", "contact_hit_primary": "skin"}
+    r = run(f"hit{dim}", hit, ranks=dim - 1)
+    total = sum(r[f"momentum_{part}_y"] for part in ("base", "layer", "shot"))
+    shot = r["momentum_shot_y"] / abs(r["momentum_shot_y"][0])
+    begin = numpy.nonzero(r["eroded_cells"])[0]
+    print(f"     {dim}D: {r['eroded_cells'][-1]:.0f} cells leave, the shot ends with {shot[-1]:.3f} of its momentum")
+    require(f"{dim}D: cells beneath the shot leave", len(begin) > 0 and r["eroded_cells"][-1] >= (4, 8)[dim - 2])
+    check(f"{dim}D: momentum", largest(total / total[0] - 1), 0, 1e-11, relative=False)
+    check(f"{dim}D: balance", largest(r["balance"]), 0, 1e-10, relative=False)
+    # What comes free stops it: through cells that are gone it would fly on with all that it had left.
+    left = begin[0] + 2
+    check_between(f"{dim}D: the shot at the end, over its momentum as the first cells were gone", shot[-1] / shot[left], -0.5, 0.5)
+    require(f"{dim}D: it presses on what has come free", largest(r["contact_hit_force_y"][left:]) > 0)
+    check(f"{dim}D: first law", largest(r["balance_first_law"]), 0, 0.1, relative=False)
+
+print("restart, ranks, repeated steps")
+CHAIN = {**hit, "mesh": "boxes2.geo", "mesh_set_dim": 2, "mesh_set_lx": 4, "ts_max_time": 0.5, "checkpoint_every": 10, "ts_bulk_viscosity_linear": 0.06}
+whole = run("whole", CHAIN)
+steps = int(whole["step"][-1])
+run("halves", {**CHAIN, "ts_max_steps": steps // 2})
+halves = run("halves", {**CHAIN, "restart": "auto"})
+require("cells have left before the restart and after it",
+        0 < whole["eroded_cells"][numpy.searchsorted(whole["step"], steps // 2)])
+require("restart in the middle is bitwise", filecmp.cmp("whole/history.csv", "halves/history.csv", shallow=False))
+restep = run("restep", {**CHAIN, "test_restep": 1}, refused=None)
+worst, where = max((largest(restep[c] - whole[c]) / max(largest(whole[c]), 1e-300), c) for c in whole.history
+                   if c != "tries" and numpy.isfinite(whole[c]).all())
+check(f"every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
+two = run("ranks", CHAIN, ranks=2)
+worst, where = difference(whole.history, two.history)
+check(f"two ranks, in {where}", worst, 0, 1e-8, relative=False)
+run("moved", {**CHAIN, "ts_max_steps": steps // 2}, ranks=2)
+moved = run("moved", {**CHAIN, "restart": "auto"})
+worst, where = difference(whole.history, moved.history)
+check(f"from two ranks to one, in {where}", worst, 0, 1e-8, relative=False)
+
+print("a cell that loses its volume")
+CORNER = {**EXPLICIT, "mesh": mesh("block.geo"), "mesh_set_n": 4, "materials": "solid", **material("solid"), "ics": "corner",
+          "ic_corner_on": "solid", "ic_corner_vx": "-300*exp(-1e4*((x-1)^2+(y-1)^2))", "ic_corner_vy": "-300*exp(-1e4*((x-1)^2+(y-1)^2))",
+          "ts_max_time": 0.02, "outputs": "hist", "output_hist_type": "csv", "output_hist_every": 1}
+cut = run("corner_cut", CORNER, code=None, refused=None)
+require("without erosion its steps are refused", "cell inverted" in cut.log)
+gone = run("corner", {**CORNER, "material_solid_erosion": "on"})
+require("with it the cell leaves in that step", gone["eroded_cells"][1] == 1 and gone["tries"].max() == 1)
+check("balance", largest(gone["balance"]), 0, 1e-10, relative=False)
+total = gone["momentum_solid_x"]
+check("momentum", largest(total / total[0] - 1), 0, 1e-12, relative=False)
+
+print("what it cannot do is refused")
+for more, words in (({"ts_type": "newmark", "ts_dt": 1e-3}, ["-material_middle_erosion", "central_difference"]),
+                    ({"material_middle_erosion": "off"}, ["-material_middle_erosion_stretch", "no effect"]),
+                    ({"material_middle_erosion_strain": 0.5}, ["-material_middle_erosion_strain", "j2"]),
+                    ({"material_middle_erosion_failure": "on"}, ["-material_middle_erosion_failure", "jc_failure"]),
+                    ({"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane",
+                      "contact_floor_friction": 0.3}, ["-contact_floor_friction", "erosion"])):
+    refused = run("refused", {**PULL, **WEAK, **more}, code=2)
+    said = [line for line in refused.log.splitlines() if line.startswith("impact: ")]
+    require(f"{more}: {said[-1:]}", bool(said) and all(re.search(re.escape(word), said[-1]) for word in words))
+finish()
