@@ -65,7 +65,7 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     in.X = X.data();
     in.u = moved.data();
     in.v = v ? speed.data() : nullptr;
-    in.lumped = d.lumped_mass;
+    in.lumped = d.lumped_mass && !batch.law.rigid();
     in.phi = batch.read(half(rows.phi), phi);
     in.theta = batch.read(half(rows.theta), theta);
     in.history = batch.read(half(&rows.history), points);

@@ -40,7 +40,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
 
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
-  rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
+  if (solved_) rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
   for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   agree_on_errors(d_.mesh.comm(), [&] {

@@ -115,7 +115,10 @@ void RunStage::set_state(const Checkpoint* resume) {
   check(TS2SetSolution(ts, u, v));
   motion.update_contact(u);
   if (ExplicitStep* const step = coupling.explicit_step()) {
-    if (resume == nullptr) step->start(u, v);
+    if (resume == nullptr)
+      step->start(u, v);
+    else
+      step->resume();
     const double limit = scenario.time.dt > 0 ? scenario.time.dt : PETSC_MAX_REAL;
     set_step_limit(ts, limit);
     check(TSSetTimeStep(ts, std::min(step->longest(), limit)));
@@ -127,10 +130,14 @@ void RunStage::set_state(const Checkpoint* resume) {
 void RunStage::start() {
   coupling.start(u, v, a);
   if (inertia) d.displacement.to_local(a, rows.a.trial);
+  for (StateRow* row :
+       {&rows.u, &rows.v, &rows.mean_rate}) // whose trial half an earlier commit left undefined
+    row->trial = row->committed;
   for (ContactInterface& contact : setup->contacts) contact.advance(u, u, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts, &dt));
-  ledger.start(integrator_of(ts), dt, u, v, a);
+  ExplicitStep* const step = coupling.explicit_step();
+  ledger.start(integrator_of(ts), dt, u, v, a, step ? step->bodies().kept(dt) : 0);
   state.commit();
 }
 
@@ -194,7 +201,7 @@ void RunStage::accept(const Attempt& attempt) {
   std::vector<double>& rate = rows.mean_rate.trial;
   for (std::size_t i = 0; i < rate.size(); ++i)
     rate[i] = (rows.u.trial[i] - rows.u.committed[i]) / attempt.dt;
-  setup->rigid.advance(u_new);
+  if (!coupling.explicit_step()) setup->rigid.advance(u_new);
   setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, rows.prescribed_velocity.committed,
                                      rows.prescribed_velocity.trial);
   if (!setup->contacts.empty()) {

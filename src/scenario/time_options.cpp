@@ -28,15 +28,8 @@ void add_of_petsc(std::vector<OptionRow<Scenario>>& rows, RestartKey restart, co
 
 /// What steps by central differences cannot do, "" = nothing.
 std::string hindrance(const Scenario& s) {
-  for (const MaterialScenario& material : s.materials)
-    if (material.law.model == Model::rigid)
-      return "solves no equation for rigid bodies of the mesh (-material_" + material.id +
-             "_model rigid); take a rigid obstacle that moves as told, or -ts_type newmark";
   for (const ContactScenario& contact : s.contacts) {
     const std::string of = "-contact_" + contact.id;
-    if (contact.rigid_mass > 0)
-      return "moves no obstacle with mass (" + of +
-             "_rigid_mass); prescribe its motion, or take -ts_type newmark";
     if (contact.enforce != Enforcement::automatic && contact.enforce != Enforcement::penalty)
       return "has contact by penalty alone (" + of + "_enforce); take penalty or auto, or -ts_type newmark";
     if (contact.impact != ImpactUpdate::automatic && contact.impact != ImpactUpdate::none)

@@ -2,6 +2,7 @@
 #include <array>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/solve/explicit_bodies.hpp>
 #include <petscts.h>
 #include <string>
 #include <vector>
@@ -21,6 +22,8 @@ public:
   /// Into the committed halves of the rows, at the start of a run: the stable step at u, v and the automatic
   /// penalties of contacts that go with it. Collective.
   void start(Vec u, Vec v);
+  /// After a restart. Collective.
+  void resume() { bodies_.resume(); }
   /// The longest step from the committed state on. Collective when called first.
   double longest();
   /// How long the steps are, for the head of the log; `asked`: -ts_dt, or 0.
@@ -32,6 +35,7 @@ public:
   /// MotionProblem::advance has it. False where a cell lost its meaning. Collective.
   bool take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat);
   const ForceParts& forces() const { return forces_; }
+  const ExplicitBodies& bodies() const { return bodies_; }
   /// Tells contacts of an accepted step what they did in it. Collective.
   void advance_contacts(Vec u_n, Vec u, double dt);
 
@@ -43,7 +47,17 @@ private:
   };
   void find_contact_forces(Vec u);
   void divide_by_mass(const Rates& now, Vec a);
-  std::vector<double> contact_loads(const ContactInterface& contact);
+  /// Of a contact over its penalty, bounds of the squared frequency at each dof, and of each rigid body.
+  struct ContactLoads {
+    std::vector<double> nodes, bodies;
+    void add(const ContactLoads& other, double factor);
+    double largest() const;
+  };
+  ContactLoads no_loads() const;
+  ContactLoads contact_loads(const ContactInterface& contact);
+  void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
+                            std::vector<double>& of_bodies) const;
+  double stable_without_contact() const;
   void set_penalties(double longest_of_cells);
   double contact_frequency();
 
@@ -64,6 +78,8 @@ private:
   double contact_frequency_ =
       -1;                 ///< likewise of a whole surface that meets one like it; negative: not known yet
   Handle<Vec> stiffness_; ///< of penalties at work
+  ExplicitBodies bodies_;
+  std::vector<double> stiffness_of_bodies_;
 };
 
 } // namespace impact
