@@ -187,7 +187,7 @@ void MotionProblem::loads(Vec u, Handle<Vec>& external) {
   put(r_, external);
   if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
     const Handle<Vec> Mf = d_.displacement.make_global();
-    mass_.multiply(d_.global_of(body_), Mf);
+    mass_.multiply(d_.global_of(body_), Mf, MassMatrix::Mass::of_bodies);
     check(VecAXPY(external, 1, Mf));
   }
 }

@@ -90,7 +90,8 @@ double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double 
     fields.u_n = &u_n;
     fields.dt = dt;
     fields.bulk = bulk;
-    const MotionBatch cells(batch, fields);
+    MotionBatch cells(batch, fields);
+    if (d_.mass_factor != nullptr) cells.in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
     const Batch step = batch.kernels.stable_step(batch.law, cells.in);
     for (int l = 0; l < batch.used(); ++l) shortest = std::min(shortest, step[l]);
   });

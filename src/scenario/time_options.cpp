@@ -41,6 +41,8 @@ std::string hindrance(const Scenario& s) {
   return "";
 }
 
+const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
+
 void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
   using Coupling = CouplingScenario;
   Rows row(rows, RestartKey::guarded, &Scenario::time);
@@ -54,7 +56,6 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
       .refused([](const Scenario& s) { return s.explicit_steps() && !hindrance(s).empty(); }, hindrance);
   row.restart = RestartKey::free;
   const auto by_itself = [](const Scenario& s) { return s.explicit_steps(); };
-  const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
   row.number("ts_dt", &TimeScenario::dt, "s Delta t", or_word(positive, "auto", 0),
              "time step; after a cut it grows back up to this; auto: the longest that is stable, of central "
              "differences alone")
@@ -97,6 +98,19 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
       .otherwise("1e5");
 }
 
+void add_mass_scaling(std::vector<OptionRow<Scenario>>& rows) {
+  Rows row(rows, RestartKey::guarded, &Scenario::time);
+  row.number("ts_mass_scaling_dt", &TimeScenario::scaled_step, "s", positive,
+             "cells whose stable step is shorter at the start get the mass for this one; body forces act on "
+             "the mass without it")
+      .otherwise("none")
+      .refused([](const Scenario& s) { return !s.explicit_steps(); }, only_explicit);
+  row.number("ts_mass_scaling_limit", &TimeScenario::scaling_limit, "1", not_negative,
+             "most mass that may be added, over that of all bodies")
+      .refused([](const Scenario& s) { return s.time.scaled_step == 0; },
+               "is for -ts_mass_scaling_dt; give that, or remove it");
+}
+
 void add_table(std::vector<OptionRow<Scenario>>& rows) {
   const std::string pair = "allowed: -ts_times and -ts_dts together, or neither";
   Rows row(rows, RestartKey::free, &Scenario::time);
@@ -124,6 +138,7 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
 OptionGroup time_options() {
   OptionGroup group{"Time", "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly."};
   add_scheme_and_limits(group.rows);
+  add_mass_scaling(group.rows);
   add_table(group.rows);
   const auto add = [&](RestartKey restart, const auto&... said) {
     add_of_petsc(group.rows, restart, said...);

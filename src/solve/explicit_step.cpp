@@ -39,11 +39,30 @@ void ExplicitStep::start(Vec u, Vec v) {
   double dt = motion_.stable_step(u, place, 1, {});
   std::vector<double> before = place; // bulk viscosity knows the velocity by a step
   for (std::size_t i = 0; i < before.size(); ++i) before[i] -= dt * speed[i];
+  if (settings_.scaled_step > 0) scale_mass(u, before, dt);
   dt = motion_.stable_step(u, before, dt, settings_.bulk);
   row_.committed = row_.trial = {dt, 1, 1, 0};
   bodies_.start(u, v);
   bodies_.resume();
   set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl);
+}
+
+void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double dt) {
+  StateRow& factors = state_.row("mass_factor");
+  const MassScaling& scaling =
+      motion_.scale_mass(u, before, dt, settings_.bulk, settings_.scaled_step, factors);
+  if (scaling.share > settings_.scaling_limit)
+    throw UserError(ExitCode::usage,
+                    text_of("-ts_mass_scaling_dt %.4g: %d cells need %.4g times the mass of all bodies in "
+                            "addition, more than -ts_mass_scaling_limit %.4g; take a shorter one (the "
+                            "stable step without is %.4g), or allow more",
+                            settings_.scaled_step, scaling.cells, scaling.share, settings_.scaling_limit,
+                            dt));
+}
+
+void ExplicitStep::resume() {
+  if (settings_.scaled_step > 0) motion_.use_mass(state_.row("mass_factor"));
+  bodies_.resume();
 }
 
 // Where nothing deforms the steps are those that were asked for, or what penalties allow.
@@ -193,6 +212,11 @@ std::string ExplicitStep::text(double asked) {
   std::string text =
       text_of("central differences: the stable step of the cells is %.4g, with contacts %.4g", dt,
               contact_frequency_ > 0 ? 2 / std::sqrt(4 / (dt * dt) + contact_frequency_) : dt);
+  if (settings_.scaled_step > 0) {
+    const MassScaling& scaling = motion_.mass_scaling();
+    text += text_of("; mass scaling adds %.4g kg to %d cells, %.3g of the mass of all bodies", scaling.added,
+                    scaling.cells, scaling.share);
+  }
   if (asked > most) text += text_of("; -ts_dt %.4g is longer: steps are at most %.4g", asked, most);
   return text;
 }

@@ -50,6 +50,12 @@ struct ForceParts {
   Handle<Vec> unilateral; ///< of m tau-, which `internal` then lacks; null where it acts like the rest
 };
 
+/// What mass scaling did.
+struct MassScaling {
+  double added = 0, share = 0; ///< mass, and its part of that of all bodies
+  int cells = 0;
+};
+
 // Members beyond twelve: what is given at construction, and the work arrays of three evaluations. Functions
 // beyond twenty: it is also the door to what it was given.
 class MotionProblem {
@@ -108,6 +114,13 @@ public:
   /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
   /// from `u_n`; infinite without deformable bodies. Collective.
   double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);
+  /// The row, a factor at each point, becomes what cells need for a stable step of at least `wanted`; mass
+  /// and kinetic energy are with it from now on. Body forces act on the true mass. Collective.
+  const MassScaling& scale_mass(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk,
+                                double wanted, StateRow& factors);
+  /// The same with factors that are there. Collective.
+  const MassScaling& use_mass(const StateRow& factors);
+  const MassScaling& mass_scaling() const { return scaling_; }
 
   /// Projection of a predictor on the admissible set: residual shift M (w - u_tilde) + s R_contact(w) and its
   /// tangent, which takes the place of the motion's in matrix(). Collective.
@@ -158,6 +171,7 @@ private:
   MatrixFormat format_;
   MotionRows rows_;
   MassMatrix mass_;
+  MassScaling scaling_;
   StateRow &history_, &drive_;
   MotionStep step_;
   std::unique_ptr<SparseAssembly> assembly_;

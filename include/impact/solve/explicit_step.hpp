@@ -23,7 +23,7 @@ public:
   /// penalties of contacts that go with it. Collective.
   void start(Vec u, Vec v);
   /// After a restart. Collective.
-  void resume() { bodies_.resume(); }
+  void resume();
   /// The longest step from the committed state on. Collective when called first.
   double longest();
   /// How long the steps are, for the head of the log; `asked`: -ts_dt, or 0.
@@ -58,6 +58,7 @@ private:
   void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
                             std::vector<double>& of_bodies) const;
   double stable_without_contact() const;
+  void scale_mass(Vec u, const std::vector<double>& before, double dt);
   void set_penalties(double longest_of_cells);
   double contact_frequency();
 
