@@ -174,6 +174,7 @@ StepHooks RunStage::hooks() {
 
 void RunStage::check_prescribed_data(const Attempt& attempt) const {
   const BoundaryData& boundary = setup->boundary;
+  if (!boundary.has_data()) return;
   const std::vector<double>&u_n = rows.u.committed, &v_n = rows.prescribed_velocity.committed;
   std::vector<double> unused = u_n;
   agree_on_errors(d.mesh.comm(), [&] {
@@ -192,12 +193,21 @@ void RunStage::check_prescribed_data(const Attempt& attempt) const {
   });
 }
 
-void RunStage::accept(const Attempt& attempt) {
+void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   Vec u_new = nullptr, v_new = nullptr;
   check(TS2GetSolution(ts, &u_new, &v_new));
-  d.displacement.to_local(u_new, rows.u.trial);
-  d.displacement.to_local(v_new, rows.v.trial);
-  d.displacement.to_local(inertia ? acceleration(ts) : a.get(), rows.a.trial);
+  const Vec a_new = inertia ? acceleration(ts) : a.get();
+  if (coupling.explicit_step()) // the forces are those at this displacement
+    rows.u.trial = motion.last_displacement();
+  else
+    d.displacement.to_local(u_new, rows.u.trial);
+  if (with_ghosts || !coupling.explicit_step()) {
+    d.displacement.to_local(v_new, rows.v.trial);
+    d.displacement.to_local(a_new, rows.a.trial);
+  } else {
+    d.displacement.owned_to_local(v_new, rows.v.trial);
+    d.displacement.owned_to_local(a_new, rows.a.trial);
+  }
   std::vector<double>& rate = rows.mean_rate.trial;
   for (std::size_t i = 0; i < rate.size(); ++i)
     rate[i] = (rows.u.trial[i] - rows.u.committed[i]) / attempt.dt;

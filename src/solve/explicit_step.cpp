@@ -230,8 +230,11 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   check(VecAXPBYPCZ(a, 1, -1, 0, forces_.external, forces_.internal));
   check(VecAXPY(a, 1, forces_.contact));
   check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
-  const std::vector<double> u = d.local_of(now.u), v = d.local_of(now.v);
-  const std::vector<double> before = now.a ? d.local_of(now.a) : std::vector<double>();
+  if (boundary.fixed().empty()) return;
+  std::vector<double> u = d.displacement.make_local(), v = u, before = u; // of the nodes that are owned
+  d.displacement.owned_to_local(now.u, u);
+  d.displacement.owned_to_local(now.v, v);
+  if (now.a) d.displacement.owned_to_local(now.a, before);
   const std::vector<double>& rate = state_.row("prescribed_velocity").committed;
   std::vector<double> goal = u, speed = rate;
   if (now.a) boundary.set_exact_velocity(now.t - now.dt, now.t, rate, speed);

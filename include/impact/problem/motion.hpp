@@ -71,6 +71,8 @@ public:
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
   const MotionStep& step() const { return step_; }
+  /// Displacement that a part of the problem saw last, [node][dim] with ghosts.
+  const std::vector<double>& last_displacement() const { return u_; }
 
   /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Returns false on
   /// all ranks when a cell lost its meaning anywhere. Collective.
@@ -154,6 +156,7 @@ private:
   bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
   bool step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive, StepSums& sums,
                   const HeatFeed& heat);
+  bool sum_up(bool sound, double least, Increments& sums);
   void put(const std::vector<double>& local, Vec force) const;
   void rebuild_matrix();
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
@@ -172,6 +175,7 @@ private:
   MotionRows rows_;
   MassMatrix mass_;
   MassScaling scaling_;
+  std::vector<double> lost_; // of `advance`
   StateRow &history_, &drive_;
   MotionStep step_;
   std::unique_ptr<SparseAssembly> assembly_;
