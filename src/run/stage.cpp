@@ -215,12 +215,12 @@ void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, rows.prescribed_velocity.committed,
                                      rows.prescribed_velocity.trial);
   if (!setup->contacts.empty()) {
-    Handle<Vec> u_n = d.displacement.make_global();
-    d.displacement.to_global(rows.u.committed, u_n);
+    if (!before) before = d.displacement.make_global();
+    d.displacement.to_global(rows.u.committed, before);
     if (ExplicitStep* const step = coupling.explicit_step())
-      step->advance_contacts(u_n, u_new, attempt.dt);
+      step->advance_contacts(before, u_new, attempt.dt);
     else
-      for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
+      for (ContactInterface& contact : setup->contacts) contact.advance(before, u_new, attempt.dt);
   }
   state.commit();
 }

@@ -231,12 +231,14 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   check(VecAXPY(a, 1, forces_.contact));
   check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
   if (boundary.fixed().empty()) return;
-  std::vector<double> u = d.displacement.make_local(), v = u, before = u; // of the nodes that are owned
+  auto& [u, v, before, goal, speed] = held_; // of the nodes that are owned
+  for (std::vector<double>* values : {&u, &v, &before}) values->resize(d.node_values(dim));
   d.displacement.owned_to_local(now.u, u);
   d.displacement.owned_to_local(now.v, v);
   if (now.a) d.displacement.owned_to_local(now.a, before);
   const std::vector<double>& rate = state_.row("prescribed_velocity").committed;
-  std::vector<double> goal = u, speed = rate;
+  goal = u;
+  speed = rate;
   if (now.a) boundary.set_exact_velocity(now.t - now.dt, now.t, rate, speed);
   boundary.set_displacement(now.t, now.t + now.dt, u, speed, goal);
   double* values = nullptr;

@@ -59,6 +59,7 @@ struct RunStage {
   Ledger ledger;
   FieldSource source;
   Handle<Vec> u, v, a;
+  Handle<Vec> before; ///< work space of `accept`
 };
 
 } // namespace impact

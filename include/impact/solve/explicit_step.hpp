@@ -81,6 +81,9 @@ private:
   Handle<Vec> stiffness_; ///< of penalties at work
   ExplicitBodies bodies_;
   std::vector<double> stiffness_of_bodies_;
+  struct Held {
+    std::vector<double> u, v, before, goal, speed;
+  } held_; ///< work space for prescribed dofs, [node][dim]
 };
 
 } // namespace impact
