@@ -66,7 +66,8 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     in.X = X.data();
     in.u = moved.data();
     in.v = v ? speed.data() : nullptr;
-    in.lumped = d.lumped_mass;
+    in.lumped = d.lumped_mass && !batch.law.rigid();
+    if (d.mass_factor != nullptr) in.mass_factor = batch.load<1>(*d.mass_factor).value[0];
     in.phi = batch.read(half(rows.phi), phi);
     in.theta = batch.read(half(rows.theta), theta);
     in.history = batch.read(half(&rows.history), points);

@@ -38,13 +38,13 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
   energies_ = find_energies(motion_.discretisation(), rows_, u, inertia_ ? v : nullptr, trial);
 }
 
-void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
+void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a, double kept_by_bodies) {
   measure(u, v, false);
   for (const ContactStep& contact : motion_.contacts().step(u)) sum(contact_store) += contact.energy;
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));
-  sum(kept) = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a);
+  sum(kept) = motion_.discretisation().thickness * (forces_.start(integrator, dt, u, a) + kept_by_bodies);
   sum(kept_at_start) = sum(kept);
   sum(start_energy) = stored();
   sum(kinetic) = energies_.total.kinetic;

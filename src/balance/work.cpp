@@ -47,6 +47,17 @@ bool ForceBook::in_rigid_body(std::size_t dof) const {
   return !body.empty() && body[dof / at(motion_.discretisation().dim())] >= 0;
 }
 
+// Of rigid bodies central differences keep what ExplicitBodies says, not what the nodes would.
+double ForceBook::kept_by_nodes_of_bodies(double dt, Vec a, Vec Ma) const {
+  const Discretisation& d = motion_.discretisation();
+  if (motion_.rigid().empty()) return 0;
+  const std::vector<double> rate = d.local_of(a);
+  std::vector<double> inertia = d.local_of(Ma);
+  for (std::size_t i = 0; i < inertia.size(); ++i)
+    if (!in_rigid_body(i)) inertia[i] = 0;
+  return dt * dt / 8 * dot(d.mesh, rate, inertia);
+}
+
 double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
   const Discretisation& d = motion_.discretisation();
   ForceParts parts;
@@ -60,6 +71,7 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
     motion_.mass_multiply(a, Ma);
     d.displacement.to_local(Ma, inertia_force_.trial);
     kept = integrator.kept_at_start(dt, a, Ma);
+    if (integrator.is_explicit()) kept += kept_by_nodes_of_bodies(dt, a, Ma);
   }
   const std::vector<double> loads = external_.trial, unilateral = unilateral_of(d, parts);
   reactions_ = internal_.trial;
@@ -209,9 +221,10 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec u, Vec a) {
     inertia_force_.trial[i] = mass_[i] * a_new_[i];
     reactions_[i] = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
     if (fixed[i]) external_.trial[i] += reactions_[i];
-    sums[0] += du * (internal_.committed[i] + internal_.trial[i]);
     sums[1] += du * (external_.committed[i] + external_.trial[i]);
     sums[2] += du * (contact_.committed[i] + contact_.trial[i]);
+    if (in_rigid_body(i)) continue; // whose inertia is not that of the nodes
+    sums[0] += du * (internal_.committed[i] + internal_.trial[i]);
     sums[3] += a_new_[i] * inertia_force_.trial[i];
     sums[4] += a_n * mass_[i] * a_n;
   }
@@ -221,8 +234,10 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec u, Vec a) {
   work.internal = sums[0] / 2;
   work.external = sums[1] / 2;
   work.contact = sums[2] / 2;
-  work.integrator.loss = factor * (sums[3] - sums[4]);
-  work.integrator.kept = factor * sums[3];
+  work.rigid = step.bodies.supports;
+  work.integrator.loss = factor * (sums[3] - sums[4]) + step.bodies.loss;
+  work.integrator.kept = factor * sums[3] + step.bodies.kept;
+  work.integrator.exchange = step.bodies.exchange;
   return work;
 }
 

@@ -86,7 +86,8 @@ NodePairs ContactInterface::couplings() const {
   return rigid_nodes_.reduced(constraints_->form().couplings(), nodes());
 }
 
-std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r, Vec stiffness) const {
+std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r, Vec stiffness,
+                                                     std::vector<double>* of_bodies) const {
   const std::vector<double> values = nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const std::size_t m = constraints_->dim();
@@ -97,7 +98,7 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
   constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
     if (!c.active) return;
     add_force(c, force);
-    if (stiffness) add_stiffness_bound(c, stiff);
+    if (stiffness) add_stiffness_bound(c, stiff, of_bodies);
     const std::size_t n = c.gradient.size();
     for (std::size_t i = 0; i < n; ++i)
       f[constraints_->dof(c.node[i / m], i % m)] -= factor * c.weight * c.pressure * c.gradient[i];
@@ -112,19 +113,67 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
   return force;
 }
 
-void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<double>& stiff) const {
-  const std::size_t m = constraints_->dim();
+void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
+                                           std::vector<double>* of_bodies) const {
+  const std::size_t m = constraints_->dim(), nodes = c.gradient.size() / m;
+  const auto body_at = [&](std::size_t i) {
+    return of_bodies == nullptr || rigid_nodes_.empty() ? -1 : rigid_nodes_.body(c.node[i]);
+  };
   const auto size = [&](std::size_t node) {
     double square = 0;
     for (std::size_t k = 0; k < m; ++k) square += c.gradient[m * node + k] * c.gradient[m * node + k];
     return std::sqrt(square);
   };
+  const auto is_first_of_body = [&](std::size_t i) {
+    for (std::size_t j = 0; j < i; ++j)
+      if (body_at(j) == body_at(i)) return false;
+    return true;
+  };
   double sum = 0;
-  for (std::size_t i = 0; i < c.node.size(); ++i) sum += m * (i + 1) <= c.gradient.size() ? size(i) : 0;
-  for (std::size_t i = 0; i < c.node.size() && m * (i + 1) <= c.gradient.size(); ++i) {
-    const double bound = c.weight * method().stiffness(c) * size(i) * sum;
-    for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += bound;
+  for (std::size_t i = 0; i < nodes; ++i)
+    if (const int body = body_at(i); body < 0)
+      sum += size(i);
+    else if (is_first_of_body(i))
+      sum += push_on_body(c, body);
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const double stiffness = c.weight * method().stiffness(c) * sum;
+    if (const int body = body_at(i); body < 0)
+      for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += stiffness * size(i);
+    else if (is_first_of_body(i))
+      (*of_bodies)[at(body)] += stiffness * push_on_body(c, body);
   }
+}
+
+// The largest of the gap's and the slips' gradients by the motion of a rigid body, F by its translation and T
+// by its rotation, of the norm F.F + m T . J^-1 T. What is prescribed does not give way.
+double ContactInterface::push_on_body(const Constraint& c, int body) const {
+  const std::size_t m = constraints_->dim(), n = c.gradient.size();
+  const RigidPlace& place = rigid_nodes_.reduction().bodies()[at(body)];
+  double largest = 0;
+  const auto see = [&](std::span<const double> gradient) {
+    Vector force{}, moment{};
+    for (std::size_t i = 0; i < n / m; ++i) {
+      if (rigid_nodes_.body(c.node[i]) != body) continue;
+      Vector arm{}, g{};
+      for (std::size_t k = 0; k < m; ++k) {
+        arm[k] = nodes().X[constraints_->dof(c.node[i], k)] - place.centre[k];
+        g[k] = gradient[m * i + k];
+        force[k] += g[k];
+      }
+      const Vector turning = cross(place.trial * arm, g);
+      for (std::size_t k = 0; k < 3; ++k) moment[k] += turning[k];
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (place.held[k]) force[k] = 0;
+      if (place.held[3 + k]) moment[k] = 0;
+    }
+    moment = transposed(place.trial) * moment;
+    largest = std::max(largest, dot(force, force) + dot(moment, place.readiness * moment));
+  };
+  see(c.gradient);
+  if (friction_.rubs(c))
+    for (std::size_t a = 0; a < constraints_->tangents(); ++a) see(c.slip_gradient.subspan(n * a, n));
+  return std::sqrt(largest);
 }
 
 void ContactInterface::add_gaps(Vec u, double scale, Vec r) const {

@@ -310,10 +310,19 @@ double BoundaryData::heat_coefficient(int condition, const double* x, double t) 
                                       "; allowed: >= 0; heat flows from the warmer side to the colder");
 }
 
+bool BoundaryData::has_data() const {
+  return std::any_of(conditions_.begin(), conditions_.end(), [](const BoundaryCondition& bc) {
+    return bc.type != BcType::fix && bc.type != BcType::symmetry;
+  });
+}
+
+bool BoundaryData::has(BcType type) const {
+  return std::any_of(conditions_.begin(), conditions_.end(),
+                     [=](const BoundaryCondition& bc) { return bc.type == type; });
+}
+
 bool BoundaryData::body_force(double t, std::vector<double>& f) const {
-  if (std::none_of(conditions_.begin(), conditions_.end(),
-                   [](const BoundaryCondition& bc) { return bc.type == BcType::body_force; }))
-    return false;
+  if (!has(BcType::body_force)) return false;
   f.assign(at(node_count_ * dim_), 0.0);
   for (const auto& [node, c] : body_nodes_)
     for (int k = 0; k < dim_; ++k)

@@ -58,31 +58,43 @@ void MassMatrix::build() {
 }
 
 // Row sums of the consistent mass: int rho N_a, positive for the cells that there are.
-void MassMatrix::build_lumped() {
-  if (lumped_) return;
+Handle<Vec> MassMatrix::make_lumped(const std::vector<double>* factors) const {
   std::vector<double> mass = d_.displacement.make_local();
   CellMatrix m;
   for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
     const int dim = d_.dim(), nodes = batch.nodes();
     const auto X = batch.vectors(d_.mesh.coordinates());
+    const Batch factor = factors != nullptr ? batch.load<1>(*factors).value[0] : Batch(1.0);
     batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
     auto at_nodes = batch.zero(dim);
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j < nodes; ++j)
-        for (int k = 0; k < dim; ++k) at_nodes.value[i * dim + k] += m(i, j);
+        for (int k = 0; k < dim; ++k) at_nodes.value[i * dim + k] += factor * m(i, j);
     batch.scatter(at_nodes, mass);
   });
-  lumped_ = d_.displacement.make_global();
-  d_.displacement.add_to_global(mass, lumped_);
+  Handle<Vec> lumped = d_.displacement.make_global();
+  d_.displacement.add_to_global(mass, lumped);
+  return lumped;
+}
+
+void MassMatrix::scale(const std::vector<double>* factors) {
+  factors_ = factors;
+  lumped_ = {};
 }
 
 Vec MassMatrix::lumped() {
-  build_lumped();
+  if (!lumped_) lumped_ = make_lumped(factors_);
   return lumped_;
 }
 
-void MassMatrix::multiply(Vec x, Vec y) {
-  if (d_.lumped_mass) return check(VecPointwiseMult(y, lumped(), x));
+Vec MassMatrix::true_lumped() {
+  if (factors_ == nullptr) return lumped();
+  if (!unscaled_) unscaled_ = make_lumped(nullptr);
+  return unscaled_;
+}
+
+void MassMatrix::multiply(Vec x, Vec y, Mass mass) {
+  if (d_.lumped_mass) return check(VecPointwiseMult(y, mass == Mass::in_use ? lumped() : true_lumped(), x));
   build();
   check(MatMult(all_, x, y));
 }

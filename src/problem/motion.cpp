@@ -40,9 +40,12 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
 
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
-  rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
+  if (solved_) rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
   for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
+  has_body_force_ = false;
+  body_.clear();
+  if (!boundary_.has_data()) return;
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())
       add_dead_traction(
@@ -186,14 +189,15 @@ void MotionProblem::put(const std::vector<double>& local, Vec force) const {
 }
 
 void MotionProblem::loads(Vec u, Handle<Vec>& external) {
-  d_.displacement.to_local(u, u_);
+  if (!external) external = d_.displacement.make_global();
+  if (!boundary_.has_data()) return check(VecSet(external, 0));
+  if (boundary_.has(BcType::pressure)) d_.displacement.to_local(u, u_);
   r_ = dead_load_;
   add_pressures(u_, 1, r_);
-  if (!external) external = d_.displacement.make_global();
   put(r_, external);
   if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
     const Handle<Vec> Mf = d_.displacement.make_global();
-    mass_.multiply(d_.global_of(body_), Mf);
+    mass_.multiply(d_.global_of(body_), Mf, MassMatrix::Mass::of_bodies);
     check(VecAXPY(external, 1, Mf));
   }
 }

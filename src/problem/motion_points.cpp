@@ -31,7 +31,8 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   const Timed timed(Event::motion_points);
   d_.displacement.to_local(u, u_);
   const std::size_t materials = d_.materials.size();
-  std::vector<double> lost(3 + 2 * materials, 0.0);
+  std::vector<double>& lost = lost_;
+  lost.assign(5 + 2 * materials, 0.0);
   // The unilateral stress acts over the step as a whole: not in that of its end, twice in what does work.
   const bool apart = heat.stress && step_.unilateral_scale != 1;
   double least = 0;
@@ -78,11 +79,25 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
     for (int l = 0; l < batch.used(); ++l)
       if (batch.live(l)) least = std::min(least, step.least_dissipation[l]);
   });
-  sum_over_ranks(d_.mesh.comm(), lost);
-  const auto part = lost.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
-  sums = {lost[0], lost[1], lost[2], min_over_ranks(d_.mesh.comm(), least), {part, half}, {half, lost.end()}};
+  const bool all_sound = sum_up(sound, least, sums);
   if (internal) put(r_, internal);
-  return all_ranks_agree(d_.mesh.comm(), sound);
+  return all_sound;
+}
+
+// One reduction: sums of the cells, how many ranks found a broken one, and the least dissipation.
+bool MotionProblem::sum_up(bool sound, double least, Increments& sums) {
+  const std::size_t materials = d_.materials.size(), broken = 3 + 2 * materials, least_of_all = broken + 1;
+  lost_[broken] = sound ? 0 : 1;
+  lost_[least_of_all] = least;
+  sum_and_min_over_ranks(d_.mesh.comm(), lost_);
+  const auto part = lost_.begin() + 3, half = part + static_cast<std::ptrdiff_t>(materials);
+  sums.plastic_dissipation = lost_[0];
+  sums.viscous_dissipation = lost_[1];
+  sums.plastic_work = lost_[2];
+  sums.least_dissipation = lost_[least_of_all];
+  sums.plastic_part.assign(part, half);
+  sums.viscous_part.assign(half, half + static_cast<std::ptrdiff_t>(materials));
+  return lost_[broken] == 0;
 }
 
 // A step whose force is found with it, and added up.
@@ -135,7 +150,8 @@ double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double 
     fields.u_n = &u_n;
     fields.dt = dt;
     fields.bulk = bulk;
-    const MotionBatch cells(batch, fields);
+    MotionBatch cells(batch, fields);
+    if (d_.mass_factor != nullptr) cells.in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
     const Batch step = batch.kernels.stable_step(batch.law, cells.in);
     for (int l = 0; l < batch.used(); ++l)
       if (batch.live(l)) shortest = std::min(shortest, step[l]);

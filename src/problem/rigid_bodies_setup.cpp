@@ -216,6 +216,11 @@ void RigidBodies::choose_slots(const Discretisation& d) {
     place.slot = {static_cast<PetscInt>(lowest[0][b]), static_cast<PetscInt>(lowest[1][b])};
     place.length = bodies_[b].length;
     place.centre = bodies_[b].centre;
+    Matrix3 J = bodies_[b].second;
+    const double t = trace(J);
+    for (std::size_t i = 0; i < 9; ++i) J[i] = ((i % 4 == 0 ? t : 0) - J[i]) / bodies_[b].mass;
+    if (dim_ == 2) J = {1, 0, 0, 0, 1, 0, 0, 0, (t - bodies_[b].second[8]) / bodies_[b].mass};
+    place.readiness = inverse(J);
   }
 }
 

@@ -73,6 +73,8 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
   }
   if (motion_.discretisation().has_damage()) row.emplace_back("damage_its", counts.damage);
   if (motion_.discretisation().has_heat()) row.emplace_back("heat_its", counts.heat);
+  if (motion_.discretisation().mass_factor != nullptr)
+    row.emplace_back("mass_added", motion_.mass_scaling().added);
   ledger_.append(row);
   append_contacts(row, snapshot);
   ledger_.append_contact_heat(row);

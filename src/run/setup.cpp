@@ -188,6 +188,12 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
       std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}, {}});
   declare_state(setup->discretisation, setup->state);
   setup->discretisation.lumped_mass = s.explicit_steps();
+  if (s.time.scaled_step > 0) {
+    StateRow row{"mass_factor", Support::cell_point, 1};
+    row.has_trial = false;
+    setup->discretisation.mass_factor =
+        &setup->state.add(std::move(row), setup->discretisation.point_values(1), 1).committed;
+  }
   setup->rigid.declare_state(setup->state);
   if (s.has_motion()) setup->contacts = make_contacts(s, setup->discretisation, setup->state);
   return setup;

@@ -60,6 +60,7 @@ private:
   void before_attempt(const Attempt& attempt);
   Verdict judge(const Attempt& attempt, Vec u, Vec v, Vec a);
   bool watches(const Attempt& attempt) const;
+  bool asks() const;
   void reject(const Attempt& attempt);
   void accept(const Attempt& attempt);
   void write_fields(bool last);
@@ -167,14 +168,23 @@ bool Simulation::watches(const Attempt& attempt) const {
          history_.due(step, attempt.t, attempt.dt);
 }
 
+// Of explicit steps not after each one, but when a checkpoint is due by their number.
+bool Simulation::asks() const {
+  constexpr long steps = 16;
+  const long every = s_.checkpoint.every;
+  return !s_.explicit_steps() || watches_ || snapshot_.step % steps == 0 ||
+         (every > 0 && snapshot_.step % every == 0);
+}
+
 Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
   const double before = stage_.ledger.energy_error();
   const bool watched = watches_ = watches(attempt);
   stage_.ledger.book(stage_.coupling.record(u), u, v, stage_.inertia ? a : stage_.a.get(), watched);
-  const Verdict verdict = watched ? energy_.judge(before, attempt.t) : Verdict{};
+  Verdict verdict = watched ? energy_.judge(before, attempt.t) : Verdict{};
+  verdict.agreed = true; // sums of all ranks say so
   if (!restep_.wants(stage_.ts, verdict)) return verdict;
   stage_.ledger.unbook();
-  return {false, 1.0};
+  return {false, 1.0, true};
 }
 
 void Simulation::reject(const Attempt& attempt) {
@@ -192,7 +202,7 @@ void Simulation::reject(const Attempt& attempt) {
 void Simulation::accept(const Attempt& attempt) {
   if (const std::string text = stage_.coupling.crack_text(); !text.empty())
     check(PetscPrintf(comm_, "impact: step %ld: %s\n", snapshot_.step + 1, text.c_str()));
-  stage_.accept(attempt);
+  stage_.accept(attempt, watches_ || !fields_.empty());
   if (stage_.erosion.on() && stage_.erosion.worth_telling())
     check(PetscPrintf(comm_, "impact: step %ld: %s\n", snapshot_.step + 1, stage_.erosion.text().c_str()));
   if (probe_.after) probe_.after(attempt, snapshot_.step + 1, stage_.state);
@@ -211,7 +221,8 @@ void Simulation::accept(const Attempt& attempt) {
   if (counts.damage_linear > 0) solved.emplace_back("damage");
   if (counts.heat_linear > 0) solved.emplace_back("heat");
   unread_.judge(solved);
-  const StopRequest request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
+  StopRequest request;
+  if (asks()) request = requests_.ask(comm_, checkpoints_.due(snapshot_.step, progress_.wall()));
   if (watched) ended_by_ = stops_.ask(columns);
   stopped_by_ = request.stop;
   if (request.checkpoint || !ended_by_.empty()) write_checkpoint(step_control_state(stage_.ts));

@@ -122,7 +122,10 @@ void RunStage::set_state(const Checkpoint* resume) {
   }
   motion.update_contact(u);
   if (ExplicitStep* const step = coupling.explicit_step()) {
-    if (resume == nullptr) step->start(u, v);
+    if (resume == nullptr)
+      step->start(u, v);
+    else
+      step->resume();
     const double limit = scenario.time.dt > 0 ? scenario.time.dt : PETSC_MAX_REAL;
     set_step_limit(ts, limit);
     check(TSSetTimeStep(ts, std::min(step->longest(), limit)));
@@ -134,10 +137,14 @@ void RunStage::set_state(const Checkpoint* resume) {
 void RunStage::start() {
   coupling.start(u, v, a);
   if (inertia) d.displacement.to_local(a, rows.a.trial);
+  for (StateRow* row :
+       {&rows.u, &rows.v, &rows.mean_rate}) // whose trial half an earlier commit left undefined
+    row->trial = row->committed;
   for (ContactInterface& contact : setup->contacts) contact.advance(u, u, 0);
   PetscReal dt = 0;
   check(TSGetTimeStep(ts, &dt));
-  ledger.start(integrator_of(ts), dt, u, v, a);
+  ExplicitStep* const step = coupling.explicit_step();
+  ledger.start(integrator_of(ts), dt, u, v, a, step ? step->bodies().kept(dt) : 0);
   state.commit();
 }
 
@@ -174,6 +181,7 @@ StepHooks RunStage::hooks() {
 
 void RunStage::check_prescribed_data(const Attempt& attempt) const {
   const BoundaryData& boundary = setup->boundary;
+  if (!boundary.has_data()) return;
   const std::vector<double>&u_n = rows.u.committed, &v_n = rows.prescribed_velocity.committed;
   std::vector<double> unused = u_n;
   agree_on_errors(d.mesh.comm(), [&] {
@@ -192,25 +200,34 @@ void RunStage::check_prescribed_data(const Attempt& attempt) const {
   });
 }
 
-void RunStage::accept(const Attempt& attempt) {
+void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   Vec u_new = nullptr, v_new = nullptr;
   check(TS2GetSolution(ts, &u_new, &v_new));
-  d.displacement.to_local(u_new, rows.u.trial);
-  d.displacement.to_local(v_new, rows.v.trial);
-  d.displacement.to_local(inertia ? acceleration(ts) : a.get(), rows.a.trial);
+  const Vec a_new = inertia ? acceleration(ts) : a.get();
+  if (coupling.explicit_step()) // the forces are those at this displacement
+    rows.u.trial = motion.last_displacement();
+  else
+    d.displacement.to_local(u_new, rows.u.trial);
+  if (with_ghosts || !coupling.explicit_step()) {
+    d.displacement.to_local(v_new, rows.v.trial);
+    d.displacement.to_local(a_new, rows.a.trial);
+  } else {
+    d.displacement.owned_to_local(v_new, rows.v.trial);
+    d.displacement.owned_to_local(a_new, rows.a.trial);
+  }
   std::vector<double>& rate = rows.mean_rate.trial;
   for (std::size_t i = 0; i < rate.size(); ++i)
     rate[i] = (rows.u.trial[i] - rows.u.committed[i]) / attempt.dt;
-  setup->rigid.advance(u_new);
+  if (!coupling.explicit_step()) setup->rigid.advance(u_new);
   setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, rows.prescribed_velocity.committed,
                                      rows.prescribed_velocity.trial);
   if (!setup->contacts.empty()) {
-    Handle<Vec> u_n = d.displacement.make_global();
-    d.displacement.to_global(rows.u.committed, u_n);
+    if (!before) before = d.displacement.make_global();
+    d.displacement.to_global(rows.u.committed, before);
     if (ExplicitStep* const step = coupling.explicit_step())
-      step->advance_contacts(u_n, u_new, attempt.dt);
+      step->advance_contacts(before, u_new, attempt.dt);
     else
-      for (ContactInterface& contact : setup->contacts) contact.advance(u_n, u_new, attempt.dt);
+      for (ContactInterface& contact : setup->contacts) contact.advance(before, u_new, attempt.dt);
   }
   if (erosion.on()) erosion.settle();
   state.commit();
@@ -228,9 +245,9 @@ void RunStage::follow_erosion(Vec u_now) {
     for (const ContactStep& contact : setup->contacts.step(u_now)) energy += contact.energy;
     return energy;
   };
-  const double before = springs();
+  const double kept = springs();
   step->expose(u_now);
-  ledger.book_exposure(before, springs());
+  ledger.book_exposure(kept, springs());
 }
 
 } // namespace impact

@@ -30,6 +30,7 @@ constexpr ColumnNote history[] = {
     {"newton_most", "", "Newton iterations of the longest solve of the step, of any try"},
     {"damage_its", "", "iterations of the damage in the step, over all passes"},
     {"heat_its", "", "iterations of the heat in the step, over all passes"},
+    {"mass_added", "kg", "by -ts_mass_scaling_dt, in the kinetic energy and the momenta"},
     {"energy_kinetic", "J",
      "of all bodies, as all energies, works and losses: for the whole -thickness, of the full ring where "
      "axisymmetric"},

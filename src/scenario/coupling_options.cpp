@@ -138,7 +138,8 @@ void complete_coupling(Scenario& scenario) {
   }
   coupling.moves = scenario.has_motion();
   const TimeScenario& time = scenario.time;
-  coupling.by_central_differences = {time.cfl, {time.bulk_linear, time.bulk_quadratic}};
+  coupling.by_central_differences = {
+      time.cfl, {time.bulk_linear, time.bulk_quadratic}, time.scaled_step, time.scaling_limit};
   coupling.crack_level = scenario.crack_level;
   coupling.length_unit = scenario.units.length == -3 ? "mm" : "m";
   const auto& steps = scenario.time.table_dts;

@@ -28,20 +28,19 @@ void add_of_petsc(std::vector<OptionRow<Scenario>>& rows, RestartKey restart, co
 
 /// What steps by central differences cannot do, "" = nothing.
 std::string hindrance(const Scenario& s) {
-  for (const MaterialScenario& material : s.materials)
-    if (material.law.model == Model::rigid)
-      return "solves no equation for rigid bodies of the mesh (-material_" + material.id +
-             "_model rigid); take a rigid obstacle that moves as told, or -ts_type newmark";
   for (const ContactScenario& contact : s.contacts) {
     const std::string of = "-contact_" + contact.id;
-    if (contact.rigid_mass > 0)
-      return "moves no obstacle with mass (" + of +
-             "_rigid_mass); prescribe its motion, or take -ts_type newmark";
     if (contact.enforce == Enforcement::auglag || contact.enforce == Enforcement::semismooth)
       return "has contact by penalty or by impulses (" + of +
              "_enforce); take penalty, impulse or auto, or -ts_type newmark";
     if (contact.enforce == Enforcement::impulse && contact.method == ContactMethod::mortar)
       return "has impulses at points alone (" + of + "_method mortar); take gpts or auto";
+    if (contact.enforce == Enforcement::impulse &&
+        (contact.rigid_mass > 0 ||
+         std::any_of(s.materials.begin(), s.materials.end(),
+                     [](const MaterialScenario& m) { return m.law.model == Model::rigid; })))
+      return "has impulses between deformable bodies and obstacles that move as told (" + of +
+             "_enforce impulse), not beside rigid bodies with mass; take penalty or auto";
     if (contact.impact != ImpactUpdate::automatic && contact.impact != ImpactUpdate::none)
       return "has no update of impacts (" + of + "_impact); take none or auto, or -ts_type newmark";
   }
@@ -50,6 +49,8 @@ std::string hindrance(const Scenario& s) {
            "); take 1, or -ts_type newmark";
   return "";
 }
+
+const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
 
 void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
   using Coupling = CouplingScenario;
@@ -64,7 +65,6 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
       .refused([](const Scenario& s) { return s.explicit_steps() && !hindrance(s).empty(); }, hindrance);
   row.restart = RestartKey::free;
   const auto by_itself = [](const Scenario& s) { return s.explicit_steps(); };
-  const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
   row.number("ts_dt", &TimeScenario::dt, "s Delta t", or_word(positive, "auto", 0),
              "time step; after a cut it grows back up to this; auto: the longest that is stable, of central "
              "differences alone")
@@ -107,6 +107,19 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
       .otherwise("1e5");
 }
 
+void add_mass_scaling(std::vector<OptionRow<Scenario>>& rows) {
+  Rows row(rows, RestartKey::guarded, &Scenario::time);
+  row.number("ts_mass_scaling_dt", &TimeScenario::scaled_step, "s", positive,
+             "cells whose stable step is shorter at the start get the mass for this one; body forces act on "
+             "the mass without it")
+      .otherwise("none")
+      .refused([](const Scenario& s) { return !s.explicit_steps(); }, only_explicit);
+  row.number("ts_mass_scaling_limit", &TimeScenario::scaling_limit, "1", not_negative,
+             "most mass that may be added, over that of all bodies")
+      .refused([](const Scenario& s) { return s.time.scaled_step == 0; },
+               "is for -ts_mass_scaling_dt; give that, or remove it");
+}
+
 void add_table(std::vector<OptionRow<Scenario>>& rows) {
   const std::string pair = "allowed: -ts_times and -ts_dts together, or neither";
   Rows row(rows, RestartKey::free, &Scenario::time);
@@ -134,6 +147,7 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
 OptionGroup time_options() {
   OptionGroup group{"Time", "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly."};
   add_scheme_and_limits(group.rows);
+  add_mass_scaling(group.rows);
   add_table(group.rows);
   const auto add = [&](RestartKey restart, const auto&... said) {
     add_of_petsc(group.rows, restart, said...);

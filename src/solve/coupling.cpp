@@ -163,7 +163,10 @@ void Coupling::guess(const Attempt& attempt, Vec u) {
   fields_.motion.discretisation().displacement.to_global(local, u);
 }
 
-void Coupling::correct(Vec u, Vec v, Vec a) { update_.correct(augmentation_.contact_force(), u, v, a); }
+void Coupling::correct(Vec u, Vec v, Vec a) {
+  if (explicit_) return explicit_->bodies().put_velocity(v);
+  update_.correct(augmentation_.contact_force(), u, v, a);
+}
 
 void Coupling::forget_factors() {
   solver_.forget_factors();
@@ -364,6 +367,7 @@ StepRecord Coupling::record(Vec u) {
   record.forces = record.unilateral ? &update_.forces() : explicit_ ? &explicit_->forces() : &forces_;
   record.contact_force = explicit_ ? explicit_->forces().contact : augmentation_.contact_force();
   record.left = augmentation_.left();
+  if (explicit_) record.bodies = explicit_->bodies().work();
   record.contact_shock = update_.shock();
   record.contact_acceleration = update_.acceleration();
   record.increments = &pass_.increments;

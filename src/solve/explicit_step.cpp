@@ -3,7 +3,6 @@
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/problem/surface_load.hpp>
 #include <impact/solve/explicit_step.hpp>
 #include <impact/time/types.hpp>
 
@@ -29,17 +28,10 @@ PetscInt first_of(Vec x) {
 ExplicitStep::ExplicitStep(TS ts, MotionProblem& motion, StateTable& state, Erosion* erosion,
                            const ExplicitScenario& settings)
     : ts_(ts), motion_(motion), state_(state), erosion_(erosion), settings_(settings),
-      row_(state.add({"stable_step", Support::global, components}, components)),
-      impulses_(motion.discretisation().displacement) {
+      row_(state.add({"stable_step", Support::global, components}, components)), contacts_(motion),
+      bodies_(motion, state) {
   const FieldLayout& layout = motion.discretisation().displacement;
-  forces_.internal = layout.make_global();
-  forces_.contact = layout.make_global();
-  if (!motion.contacts().empty()) stiffness_ = layout.make_global();
-  for (const ContactInterface& contact : motion.contacts()) {
-    of_contacts_.push_back({layout.make_global(), {}});
-    if (!contact.by_impulse() || work_.half) continue;
-    for (Handle<Vec>* made : {&work_.inverse_mass, &work_.half, &work_.free}) *made = layout.make_global();
-  }
+  for (Handle<Vec>* force : {&forces_.internal, &forces_.contact}) *force = layout.make_global();
 }
 
 void ExplicitStep::start(Vec u, Vec v) {
@@ -48,78 +40,58 @@ void ExplicitStep::start(Vec u, Vec v) {
   double dt = motion_.stable_step(u, place, 1, {});
   std::vector<double> before = place; // bulk viscosity knows the velocity by a step
   for (std::size_t i = 0; i < before.size(); ++i) before[i] -= dt * speed[i];
+  if (settings_.scaled_step > 0) scale_mass(u, before, dt);
   dt = motion_.stable_step(u, before, dt, settings_.bulk);
   row_.committed = row_.trial = {dt, 1, 1, 0};
-  set_penalties(dt);
+  bodies_.start(u, v);
+  bodies_.resume();
+  contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl);
 }
 
-// The stiffness of a penalty eps that acts on the area A of a node of mass m is felt as 2 eps A/m at most:
-// the gap is a mean over either side, and the square of a difference at most twice the sum of the squares.
-std::vector<double> ExplicitStep::contact_loads(const ContactInterface& contact) {
-  const Discretisation& d = motion_.discretisation();
-  const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end()),
-      mass = d.local_of(motion_.lumped_mass());
-  std::vector<double> area = d.displacement.make_local();
-  const auto unit = [&](const double*, double* value) { std::fill_n(value, d.dim(), 1.0); };
-  for (const std::string& side : {contact.settings().secondary, contact.settings().primary})
-    if (!ContactSettings::rigid_name(side)) add_dead_traction(contact.facets(side), d.frame, X, unit, area);
-  add_up(d.displacement, area);
-  for (std::size_t i = 0; i < area.size(); ++i) area[i] *= 2 / mass[i];
-  return area;
+void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double dt) {
+  StateRow& factors = state_.row("mass_factor");
+  const MassScaling& scaling =
+      motion_.scale_mass(u, before, dt, settings_.bulk, settings_.scaled_step, factors);
+  if (scaling.share > settings_.scaling_limit)
+    throw UserError(ExitCode::usage,
+                    text_of("-ts_mass_scaling_dt %.4g: %d cells need %.4g times the mass of all bodies in "
+                            "addition, more than -ts_mass_scaling_limit %.4g; take a shorter one (the "
+                            "stable step without is %.4g), or allow more",
+                            settings_.scaled_step, scaling.cells, scaling.share, settings_.scaling_limit,
+                            dt));
 }
 
-// With dt = s dt_e, dt_e the stable step of the cells, dt^2 (4/dt_e^2 + w^2) <= 4 leaves w^2 = 4 (1 -
-// s^2)/dt^2 to the contacts. Shorter steps than 0.8 dt_e resolve that one better, and do not make it stiffer.
-void ExplicitStep::set_penalties(double longest_of_cells) {
-  ContactSet& contacts = motion_.contacts();
-  const MPI_Comm comm = motion_.discretisation().mesh.comm();
-  std::vector<std::vector<double>> loads;
-  std::vector<double> total = motion_.discretisation().displacement.make_local();
-  for (const ContactInterface& contact : contacts) {
-    loads.push_back(contact_loads(contact));
-    if (contact.settings().automatic_penalty && !contact.by_impulse())
-      for (std::size_t i = 0; i < total.size(); ++i) total[i] += loads.back()[i];
-  }
-  const double s = std::clamp(settings_.cfl, 0.8, 0.9), dt = s * longest_of_cells,
-               budget = 4 * (1 - s * s) / (dt * dt);
-  std::size_t c = 0;
-  for (ContactInterface& contact : contacts) {
-    double largest = 0;
-    for (std::size_t i = 0; i < total.size(); ++i)
-      if (loads[c][i] > 0) largest = std::max(largest, total[i]);
-    largest = max_over_ranks(comm, largest);
-    if (contact.settings().automatic_penalty && !contact.by_impulse() && largest > 0)
-      contact.set_penalty(budget / largest);
-    ++c;
-  }
+void ExplicitStep::resume() {
+  if (settings_.scaled_step > 0) motion_.use_mass(state_.row("mass_factor"));
+  bodies_.resume();
 }
 
-double ExplicitStep::contact_frequency() {
-  std::vector<double> sum = motion_.discretisation().displacement.make_local();
-  for (const ContactInterface& contact : motion_.contacts()) {
-    if (contact.by_impulse()) continue;
-    const std::vector<double> loads = contact_loads(contact);
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += contact.penalty() * loads[i];
-  }
-  double largest = 0;
-  for (const double value : sum) largest = std::max(largest, value);
-  return max_over_ranks(motion_.discretisation().mesh.comm(), largest);
+// Where nothing deforms the steps are those that were asked for, or what penalties allow.
+double ExplicitStep::stable_without_contact() const {
+  const double dt = Get(TSGetTimeStep)(ts_);
+  return dt > 0 ? dt : HUGE_VAL;
 }
 
 double ExplicitStep::longest() {
-  if (contact_frequency_ < 0) contact_frequency_ = contact_frequency();
   const double dt = row_.committed[of_cells],
                cells = settings_.cfl * dt * (settings_.cfl == 1 ? 1 + rounding : 1);
-  const double square = std::max(contact_frequency_, row_.committed[of_penalties]);
-  if (square == 0) return cells;
-  return std::min(cells, 2 / std::sqrt(4 / (dt * dt) + square));
+  const double square = std::max(contacts_.frequency(), row_.committed[of_penalties]);
+  const double steps = std::min(cells, bodies_.longest());
+  if (square == 0) return steps;
+  const double with_contacts = 2 / std::sqrt(4 / (dt * dt) + square);
+  return std::min(steps, std::isfinite(dt) ? with_contacts : settings_.cfl * with_contacts);
 }
 
 std::string ExplicitStep::text(double asked) {
   const double dt = row_.committed[of_cells], most = longest();
   std::string text =
       text_of("central differences: the stable step of the cells is %.4g, with contacts %.4g", dt,
-              contact_frequency_ > 0 ? 2 / std::sqrt(4 / (dt * dt) + contact_frequency_) : dt);
+              contacts_.frequency() > 0 ? 2 / std::sqrt(4 / (dt * dt) + contacts_.frequency()) : dt);
+  if (settings_.scaled_step > 0) {
+    const MassScaling& scaling = motion_.mass_scaling();
+    text += text_of("; mass scaling adds %.4g kg to %d cells, %.3g of the mass of all bodies", scaling.added,
+                    scaling.cells, scaling.share);
+  }
   if (asked > most) text += text_of("; -ts_dt %.4g is longer: steps are at most %.4g", asked, most);
   return text;
 }
@@ -133,10 +105,15 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   check(VecAXPBYPCZ(a, 1, -1, 0, forces_.external, forces_.internal));
   check(VecAXPY(a, 1, forces_.contact));
   check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
-  const std::vector<double> u = d.local_of(now.u), v = d.local_of(now.v);
-  const std::vector<double> before = now.a ? d.local_of(now.a) : std::vector<double>();
+  if (boundary.fixed().empty()) return;
+  auto& [u, v, before, goal, speed] = held_; // of the nodes that are owned
+  for (std::vector<double>* values : {&u, &v, &before}) values->resize(d.node_values(dim));
+  d.displacement.owned_to_local(now.u, u);
+  d.displacement.owned_to_local(now.v, v);
+  if (now.a) d.displacement.owned_to_local(now.a, before);
   const std::vector<double>& rate = state_.row("prescribed_velocity").committed;
-  std::vector<double> goal = u, speed = rate;
+  goal = u;
+  speed = rate;
   if (now.a) boundary.set_exact_velocity(now.t - now.dt, now.t, rate, speed);
   boundary.set_displacement(now.t, now.t + now.dt, u, speed, goal);
   double* values = nullptr;
@@ -159,37 +136,15 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
   motion_.advance(u, unused, {}, forces_.internal);
   motion_.loads(u, forces_.external);
   check(VecSet(forces_.contact, 0));
-  divide_by_mass({0, Get(TSGetTimeStep)(ts_), u, v, nullptr}, a);
-}
-
-void ExplicitStep::expose(Vec u) {
-  std::vector<char> eroded = motion_.discretisation().eroded.cell;
-  eroded.resize(at(motion_.discretisation().mesh.cell_count()), 0);
-  for (ContactInterface& contact : motion_.contacts()) contact.expose(eroded, u);
-  contact_frequency_ = -1;
-}
-
-void ExplicitStep::find_contact_forces(Vec u, bool by_impulse) {
-  auto known = of_contacts_.begin();
-  for (const ContactInterface& contact : motion_.contacts()) {
-    if (contact.by_impulse() == by_impulse) {
-      check(VecSet(known->residual, 0));
-      known->part = contact.add_residual(u, 1, known->residual, by_impulse ? nullptr : stiffness_.get());
-      check(VecAXPY(forces_.contact, -1, known->residual));
-    }
-    ++known;
-  }
-}
-
-void ExplicitStep::find_stiffness_bound() {
-  if (of_contacts_.empty()) return;
-  check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
-  check(VecMax(stiffness_, nullptr, &row_.trial[of_penalties]));
+  const double dt = Get(TSGetTimeStep)(ts_);
+  divide_by_mass({0, dt, u, v, nullptr}, a);
+  bodies_.start_forces(0, dt, {{{forces_.external, 1}}}, a);
 }
 
 // 0 at prescribed dofs.
 void ExplicitStep::invert_mass() {
   const Discretisation& d = motion_.discretisation();
+  if (!work_.inverse_mass) work_.inverse_mass = d.displacement.make_global();
   check(VecCopy(motion_.lumped_mass(), work_.inverse_mass));
   check(VecReciprocal(work_.inverse_mass));
   const PetscInt start = first_of(work_.inverse_mass);
@@ -205,7 +160,6 @@ void ExplicitStep::invert_mass() {
 void ExplicitStep::follow_damage(Vec u, const std::vector<double>& phi) {
   const FieldLayout& layout = motion_.discretisation().displacement;
   if (!work_.change) work_.change = layout.make_global();
-  if (!work_.inverse_mass) work_.inverse_mass = layout.make_global();
   motion_.damage_force(u, phi, work_.change);
   check(VecAXPY(forces_.internal, 1, work_.change));
   invert_mass();
@@ -213,31 +167,9 @@ void ExplicitStep::follow_damage(Vec u, const std::vector<double>& phi) {
   check(VecAXPY(new_acceleration(ts_), -1, work_.change));
 }
 
-// What moves freely in the next step, if it is as long as this one, is pushed where it would meet something.
-void ExplicitStep::add_impulses(Vec u, const Rates& now, Vec a) {
-  if (!work_.half) return;
-  invert_mass();
-  check(VecWAXPY(work_.half, now.dt / 2, now.a, now.v));
-  check(VecWAXPY(work_.free, now.dt, a, work_.half));
-  impulses_.find(motion_.contacts(), {u, work_.half, work_.free, work_.inverse_mass, now.t, now.dt});
-  check(VecSet(work_.half, 0));
-  check(VecAXPY(work_.half, -1, forces_.contact));
-  find_contact_forces(u, true);
-  check(VecAXPY(work_.half, 1, forces_.contact)); // of impulses alone
-  check(VecPointwiseMult(work_.half, work_.half, work_.inverse_mass));
-  check(VecAXPY(a, 1, work_.half));
-}
-
-void ExplicitStep::advance_contacts(Vec u_n, Vec u, double dt) {
-  auto known = of_contacts_.begin();
-  for (ContactInterface& contact : motion_.contacts()) {
-    contact.advance(u_n, u, dt, known->residual, known->part);
-    ++known;
-  }
-}
-
 bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat) {
   const MotionStep& step = motion_.step();
+  bodies_.move(step.dt, u);
   motion_.update_contact(u);
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
   if (erosion_ != nullptr && erosion_->remove(motion_.inverted()) &&
@@ -245,12 +177,16 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
     return false;
   motion_.loads(u, forces_.external);
   const Rates rates{step.t, step.dt, u, start_velocity(ts_), acceleration(ts_)};
-  check(VecSet(forces_.contact, 0));
-  if (stiffness_) check(VecSet(stiffness_, 0));
-  find_contact_forces(u, false);
-  find_stiffness_bound();
-  divide_by_mass(rates, new_acceleration(ts_));
-  add_impulses(u, rates, new_acceleration(ts_));
+  const Vec a = new_acceleration(ts_);
+  contacts_.find_forces(u, forces_.contact);
+  divide_by_mass(rates, a);
+  const std::array<ExplicitBodies::Force, 2> on_bodies = {{{forces_.external, 1}, {forces_.contact, 1}}};
+  row_.trial[of_penalties] =
+      std::max(contacts_.frequency_at_work(), bodies_.push(step.t, on_bodies, contacts_.on_bodies(), a));
+  if (contacts_.by_impulse()) {
+    invert_mass();
+    contacts_.add_impulses({rates.t, rates.dt, u, rates.v, rates.a}, work_.inverse_mass, forces_.contact, a);
+  }
   row_.trial[left] = row_.committed[left] - 1;
   if (row_.trial[left] > 0) return true;
   const double before = row_.committed[of_cells];

@@ -29,19 +29,22 @@ PetscReal limit_at(const StepControl& control, PetscReal t) {
 
 // The next time to be hit after t: the last of those that count as one with the first.
 PetscReal next_time(const StepControl& control, PetscReal t, PetscReal max_time, PetscReal tolerance) {
-  std::vector<PetscReal> times = control.times;
-  times.insert(times.end(), control.table_times.begin(), control.table_times.end());
-  times.push_back(max_time);
-  if (control.period > 0) {
-    const PetscReal half = control.period / 2;
-    times.push_back(half * (std::floor((t + tolerance) / half) + 1));
-  }
+  const PetscReal half = control.period / 2,
+                  of_cycle = control.period > 0 ? half * (std::floor((t + tolerance) / half) + 1) : max_time;
+  const auto visit = [&](auto&& see) {
+    for (const PetscReal time : control.times) see(time);
+    for (const PetscReal time : control.table_times) see(time);
+    see(max_time);
+    see(of_cycle);
+  };
   PetscReal next = std::numeric_limits<PetscReal>::infinity();
-  for (const PetscReal time : times)
+  visit([&](PetscReal time) {
     if (time - t > tolerance) next = std::min(next, time);
+  });
   const PetscReal cluster = next + tolerance;
-  for (const PetscReal time : times)
+  visit([&](PetscReal time) {
     if (time <= cluster) next = std::max(next, time);
+  });
   return next;
 }
 

@@ -99,7 +99,7 @@ bool judge(TS ts, StepData& data) {
     throw std::logic_error("a refused step needs a factor between 0 and 1");
   constexpr PetscReal accepted = 2;
   PetscReal factor = verdict.accept ? accepted : verdict.factor;
-  factor = min_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), factor);
+  if (!verdict.agreed) factor = min_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(ts)), factor);
   if (factor == accepted) return true;
   ts->time_step *= factor;
   return false;

@@ -29,8 +29,9 @@ public:
   /// Adds its rows (forces at t_n, totals) to the table. References must outlive the ledger.
   Ledger(MotionProblem& motion, StateTable& state, bool inertia, bool moves = true, LedgerChoice choice = {});
 
-  /// Energies and forces of the start, whose first step is dt long. u, v, a at t = 0. Collective.
-  void start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a);
+  /// Energies and forces of the start, whose first step is dt long. u, v, a at t = 0; `kept_by_bodies`:
+  /// ExplicitBodies::kept. Collective.
+  void start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a, double kept_by_bodies = 0);
   /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
   void resume(Vec u, Vec v);
   /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves

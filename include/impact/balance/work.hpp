@@ -40,13 +40,14 @@ public:
   void resume();
   /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
   StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
-  /// The same of a step by central differences without rigid bodies: one loop over the nodes, one reduction.
+  /// The same of a step by central differences: one loop over the nodes, one reduction.
   StepWork book_explicit(const StepRecord& step, Vec u, Vec a);
 
   /// These forces close the balance of momentum on prescribed dofs, [node][dim].
   const std::vector<double>& reactions() const { return reactions_; }
 
 private:
+  double kept_by_nodes_of_bodies(double dt, Vec a, Vec Ma) const;
   ShockWork find_shock(const StepRecord& step) const;
   IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
   double take_over_forces(const StepRecord& step, Vec u, Vec a, std::vector<double>& corrected);

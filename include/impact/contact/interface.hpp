@@ -154,8 +154,11 @@ public:
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Returns the force on the
   /// secondary side by this rank's constraints. With `stiffness` also, at the dofs of each node i, the sum
   /// over the active constraints of w eps |dg_i| sum_j |dg_j|: no eigenvalue of the penalties' stiffness,
-  /// over the masses of the nodes, is larger than the largest of these over them.
-  std::array<double, 3> add_residual(Vec u, double scale, Vec r, Vec stiffness = nullptr) const;
+  /// over the masses of the nodes, is larger than the largest of these over them. Nodes of a rigid body count
+  /// as one, whose sum goes into `of_bodies`, [body]; |dg_i| is there that by translation and rotation, in
+  /// the norm of inertia over mass.
+  std::array<double, 3> add_residual(Vec u, double scale, Vec r, Vec stiffness = nullptr,
+                                     std::vector<double>* of_bodies = nullptr) const;
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
   /// whose forces stand along the gradients at its middle.
   void add_tangent(Vec u, double scale, Mat K) const;
@@ -243,7 +246,9 @@ private:
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
   void add_force(const Constraint& c, Vector& force) const;
-  void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff) const;
+  void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
+                           std::vector<double>* of_bodies) const;
+  double push_on_body(const Constraint& c, int body) const;
   Vector total_force(Vec u) const;   // on the secondary side, not times the thickness. Collective
   Vector summed(Vector force) const; // of all ranks' parts, likewise
   double spring_energy(double gap, const Tangential& traction) const;

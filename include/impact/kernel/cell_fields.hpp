@@ -15,6 +15,7 @@ struct CellFields {
   const Batch *drive = nullptr, *drive_n = nullptr;     ///< [drive_size]
   const Batch *fatigue = nullptr, *fatigue_n = nullptr; ///< Fat
   double dt = 1;
+  Batch mass_factor = Batch(1.0); ///< mass in use over rho dV, in energies and stable steps
 };
 
 } // namespace impact

@@ -49,8 +49,9 @@ template <class Cell, Frame frame, bool spectral, class Law>
     if (in.v)
       for (int i = 0; i < d; ++i) {
         const Batch v = interpolate<Cell, d>(in.v, q, i);
-        sums.kinetic += (0.5 * m.rho) * (w * (in.lumped ? nodal_square<Cell>(in.v, q, i) : v * v));
-        sums.momentum[i] += m.rho * (w * v);
+        sums.kinetic +=
+            (0.5 * m.rho) * in.mass_factor * (w * (in.lumped ? nodal_square<Cell>(in.v, q, i) : v * v));
+        sums.momentum[i] += m.rho * in.mass_factor * (w * v);
       }
   }
 }

@@ -101,7 +101,7 @@ template <class Cell, Frame frame, class Law> Batch stable_step_of(const Law& la
   if (in.has_bulk_viscosity() && in.u_n) D += directions<frame> * bulk_rate(law, in, s).slope;
   for (int a = 0; a < n; ++a)
     for (int b = 0; b <= a; ++b) A[a][b] = A[b][a] = A[a][b] / sqrt(mass[a] * mass[b]);
-  const Batch mu = largest_eigenvalue(A);
+  const Batch mu = largest_eigenvalue(A) / in.mass_factor;
   return (sqrt(D * D + 4.0 * C / mu) - D) / C;
 }
 

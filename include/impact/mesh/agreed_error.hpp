@@ -36,7 +36,7 @@ template <class Body> void agree_on_errors(MPI_Comm comm, Body&& body) {
   }
   int worst = message.empty() ? 0 : static_cast<int>(code);
   MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_INT, MPI_MAX, comm);
-  throw_first(comm, static_cast<ExitCode>(worst), message);
+  if (worst != 0) throw_first(comm, static_cast<ExitCode>(worst), message);
 }
 
 } // namespace impact

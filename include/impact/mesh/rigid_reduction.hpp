@@ -15,6 +15,7 @@ struct RigidPlace {
   std::array<char, 6> held{};     ///< 1: translation 0..2, rotation 3..5 prescribed; in the plane 0, 1, 5
   double length = 1;              ///< that makes a rotation a displacement
   Vector3 centre{};               ///< of mass, in the reference configuration
+  Matrix3 readiness{};            ///< to turn: mass over inertia, in the axes of the reference configuration
   Matrix3 trial = unit_matrix;    ///< reference arms to those of the variation of u
   Matrix3 test = unit_matrix;     ///< and to those of the test functions: the middle of the step
 };

@@ -1,6 +1,7 @@
 #pragma once
 #include <iterator>
 #include <mpi.h>
+#include <span>
 #include <type_traits>
 
 /// Sums, largest and smallest values over the ranks of a communicator: of a number as the result, of an array
@@ -37,5 +38,8 @@ template <class Values> auto max_over_ranks(MPI_Comm comm, Values&& values) {
 template <class Values> auto min_over_ranks(MPI_Comm comm, Values&& values) {
   return detail::reduce(comm, values, MPI_MIN);
 }
+
+/// Of an array the sums over the ranks in its place, of its last entry the smallest value. Collective.
+void sum_and_min_over_ranks(MPI_Comm comm, std::span<double> values);
 
 } // namespace impact

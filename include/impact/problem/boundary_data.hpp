@@ -43,6 +43,9 @@ public:
                std::span<const int> body_of_node = {});
 
   const std::vector<BoundaryCondition>& conditions() const { return conditions_; }
+  /// Whether a condition has data that are to be evaluated in each step; alike on all ranks.
+  bool has_data() const;
+  bool has(BcType type) const;
   const std::vector<FixedDof>& fixed() const { return fixed_; }
   /// [local node * dim + k] 1 where the displacement is prescribed.
   const std::vector<char>& fixed_mask() const { return fixed_mask_; }

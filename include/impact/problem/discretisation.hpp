@@ -44,6 +44,9 @@ struct Discretisation {
   ErodedCells eroded{};     ///< at the end of the attempt at work; Erosion keeps it
   bool lumped_mass = false; ///< a cell's mass stands at its nodes, by the integrals of the shape functions
 
+  const std::vector<double>* mass_factor =
+      nullptr; ///< of the row "mass_factor": mass in use over the true one
+
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
   std::size_t node_values(int components) const { return at(mesh.node_count() * components); }

@@ -13,8 +13,13 @@ public:
   MassMatrix(const Discretisation& discretisation, const MotionRows& rows)
       : d_(discretisation), rows_(rows) {}
 
+  /// Mass in use, or that of the bodies without what mass scaling added.
+  enum class Mass { in_use, of_bodies };
   /// y = M x, prescribed rows included. Collective.
-  void multiply(Vec x, Vec y);
+  void multiply(Vec x, Vec y, Mass mass = Mass::in_use);
+  /// The lumped mass is that of the cells times these factors, of a row with one for each point; they must
+  /// outlive the matrix.
+  void scale(const std::vector<double>* factors);
   /// Solves M x = b on free dofs; other entries of x keep their values, their columns lifted. Throws
   /// UserError. Collective.
   void solve(Vec b, Vec x);
@@ -24,16 +29,18 @@ public:
 
   /// The lumped mass of each dof. Collective.
   Vec lumped();
+  Vec true_lumped();
 
 private:
   void build();
-  void build_lumped();
+  Handle<Vec> make_lumped(const std::vector<double>* factors) const;
 
   const Discretisation& d_;
   const MotionRows& rows_;
   Handle<Mat> all_, free_; // free_: rows and columns of dofs that are not free as identity
   Handle<KSP> solver_;
-  Handle<Vec> lumped_;
+  Handle<Vec> lumped_, unscaled_;
+  const std::vector<double>* factors_ = nullptr;
 };
 
 } // namespace impact

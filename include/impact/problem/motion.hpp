@@ -50,6 +50,12 @@ struct ForceParts {
   Handle<Vec> unilateral; ///< of m tau-, which `internal` then lacks; null where it acts like the rest
 };
 
+/// What mass scaling did.
+struct MassScaling {
+  double added = 0, share = 0; ///< mass, and its part of that of all bodies
+  int cells = 0;
+};
+
 // Members beyond twelve: what is given at construction, and the work arrays of three evaluations. Functions
 // beyond twenty: it is also the door to what it was given.
 class MotionProblem {
@@ -65,6 +71,8 @@ public:
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
   const MotionStep& step() const { return step_; }
+  /// Displacement that a part of the problem saw last, [node][dim] with ghosts.
+  const std::vector<double>& last_displacement() const { return u_; }
 
   /// f = R(u), zero on prescribed dofs. a: acceleration at t_{n+1}, or null without inertia. Returns false on
   /// all ranks when a cell lost its meaning anywhere. Collective.
@@ -115,6 +123,13 @@ public:
   /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
   /// from `u_n`; infinite without deformable bodies. Collective.
   double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);
+  /// The row, a factor at each point, becomes what cells need for a stable step of at least `wanted`; mass
+  /// and kinetic energy are with it from now on. Body forces act on the true mass. Collective.
+  const MassScaling& scale_mass(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk,
+                                double wanted, StateRow& factors);
+  /// The same with factors that are there. Collective.
+  const MassScaling& use_mass(const StateRow& factors);
+  const MassScaling& mass_scaling() const { return scaling_; }
 
   /// Projection of a predictor on the admissible set: residual shift M (w - u_tilde) + s R_contact(w) and its
   /// tangent, which takes the place of the motion's in matrix(). Collective.
@@ -149,6 +164,7 @@ private:
   bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
   bool step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive, StepSums& sums,
                   const HeatFeed& heat);
+  bool sum_up(bool sound, double least, Increments& sums);
   void put(const std::vector<double>& local, Vec force) const;
   void rebuild_matrix();
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
@@ -166,6 +182,8 @@ private:
   MatrixFormat format_;
   MotionRows rows_;
   MassMatrix mass_;
+  MassScaling scaling_;
+  std::vector<double> lost_; // of `advance`
   StateRow &history_, &drive_;
   MotionStep step_;
   std::unique_ptr<SparseAssembly> assembly_;

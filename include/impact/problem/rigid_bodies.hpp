@@ -122,6 +122,33 @@ public:
   std::vector<RigidMotionState> motion(Vec u, Vec v) const;
   double angle(int body) const; ///< of a plane body, turns counted
 
+  /// For steps that find no displacement (solve/explicit_bodies.hpp): nodes that this rank owns, their first
+  /// entry in an owned vector and their reference arm.
+  struct OwnedNode {
+    int row;
+    std::size_t body;
+    Vector3 arm;
+  };
+  std::vector<OwnedNode> owned_nodes() const;
+  /// What holds a component of a body's motion: nothing; or zero, or data over t of a place or a rate.
+  struct Hold {
+    bool held = false, rate = false;
+    const Expression* data = nullptr;
+  };
+  Hold hold(const RigidBody& body, std::size_t component) const;
+  /// All components of the rotation are prescribed, as rotations from the reference configuration.
+  bool turns_as_told(const RigidBody& body) const;
+  /// A bound of 1/m + (motion across a force at X by its moment), X a reference place [dim]; 0 where a body
+  /// moves as told.
+  double give(std::size_t body, const double* X) const;
+  /// Arms of the contacts' forces on a body.
+  void turn_arms(std::size_t body, const Matrix3& turned) { reduction_.bodies()[body].trial = turned; }
+  /// Reactions of a body, of the row's trial half: [6]; the angle of a plane one, which grows by `turn`.
+  double* booked(std::size_t body) { return &row_state_->trial[7 * body + 1]; }
+  void book_angle(std::size_t body, double turn) {
+    row_state_->trial[7 * body] = row_state_->committed[7 * body] + turn;
+  }
+
 private:
   // Sums over a body's nodes of f m and f y^T, or of f and f Y^T.
   struct Sums {
@@ -131,11 +158,6 @@ private:
       for (std::size_t k = 0; k < 3; ++k) sum[k] += other.sum[k];
       for (std::size_t k = 0; k < 9; ++k) moment[k] += other.moment[k];
     }
-  };
-  /// What holds a component of a body's motion: nothing; or zero, or data over t of a place or a rate.
-  struct Hold {
-    bool held = false, rate = false;
-    const Expression* data = nullptr;
   };
   enum class Weight { mass, one };
   template <class Value> std::vector<Sums> sums(Weight weight, Value&& value) const;
@@ -154,10 +176,8 @@ private:
   }
   void place(Vec u);
   RigidPose admissible(std::size_t body, RigidPose pose) const;
-  Hold hold(const RigidBody& body, std::size_t component) const;
   Hold hold_by(int condition, std::size_t component) const;
   Vector3 rotation_data(const RigidBody& body, double t) const;
-  bool turns_as_told(const RigidBody& body) const;
   Vector3 arm(std::size_t place) const;
   void find_nodes(const Discretisation& d);
   void weigh(const Discretisation& d);

@@ -32,6 +32,8 @@ struct BulkViscosity {
 struct ExplicitScenario {
   double cfl = 0.8; ///< largest part of the stable step of the cells
   BulkViscosity bulk;
+  double scaled_step = 0;      ///< cells get the mass for a stable step of this length; 0: they keep theirs
+  double scaling_limit = 0.05; ///< largest part of the mass of all bodies that may be added
 };
 
 /// What the next pass of a staggered step starts from: the last phi, or one extrapolated from the last two

@@ -37,8 +37,10 @@ struct RunStage {
   /// A user's expression may lack a value at the nodes of some ranks alone: tried out where all of them can
   /// agree. Collective.
   void check_prescribed_data(const Attempt& attempt) const;
-  /// Takes the step over that the integrator has accepted, up to the commit of the table. Collective.
-  void accept(const Attempt& attempt);
+  /// Takes the step over that the integrator has accepted, up to the commit of the table.
+  /// Velocity and acceleration `with_ghosts` where someone writes fields or columns; explicit steps do
+  /// without else. Collective.
+  void accept(const Attempt& attempt, bool with_ghosts = true);
   /// Lets those who keep something for cells know which are there, after the table has changed. Collective.
   void follow_erosion(Vec u_now);
   /// A resumed run builds its list of candidates afresh and factors anew: so does one that has written a
@@ -61,6 +63,7 @@ struct RunStage {
   Ledger ledger;
   FieldSource source;
   Handle<Vec> u, v, a;
+  Handle<Vec> before; ///< work space of `accept`
 };
 
 } // namespace impact

@@ -96,13 +96,14 @@ struct TimeScenario {
   std::string type = "newmark"; ///< newmark | static | central_difference
   double dt = 0;                ///< 0: as long as is stable, with central differences
   double max_time = 0;
-  double cfl = 0.8;                           ///< largest part of the stable step of the cells
-  double bulk_linear = 0, bulk_quadratic = 0; ///< bulk viscosity of explicit steps
-  double most_substeps = 1e5;                 ///< of damage or heat in a step
-  int max_steps = 0;                          ///< 0: no limit
-  double period = 0;                          ///< of a cyclic load; 0: none
-  std::vector<double> table_times, table_dts; ///< -ts_times, -ts_dts
-  std::map<std::string, double> of_petsc;     ///< given options that the integrator reads itself
+  double cfl = 0.8;                             ///< largest part of the stable step of the cells
+  double bulk_linear = 0, bulk_quadratic = 0;   ///< bulk viscosity of explicit steps
+  double scaled_step = 0, scaling_limit = 0.05; ///< mass scaling of explicit steps; 0: none
+  double most_substeps = 1e5;                   ///< of damage or heat in a step
+  int max_steps = 0;                            ///< 0: no limit
+  double period = 0;                            ///< of a cyclic load; 0: none
+  std::vector<double> table_times, table_dts;   ///< -ts_times, -ts_dts
+  std::map<std::string, double> of_petsc;       ///< given options that the integrator reads itself
 
   double scale() const { return dt > 0 ? dt : 1e-6 * max_time; } ///< of a step
 };

@@ -47,7 +47,7 @@ public:
   void before_attempt(const Attempt& attempt);
   void predict(const Attempt& attempt, Vec u_tilde, Vec v);
   void guess(const Attempt& attempt, Vec u);
-  bool corrects() const { return update_.corrects(); }
+  bool corrects() const { return explicit_ ? !explicit_->bodies().empty() : update_.corrects(); }
   void correct(Vec u, Vec v, Vec a);
   void reject() { fields_.state.rollback(); }
 

@@ -1,9 +1,10 @@
 #pragma once
 #include <array>
-#include <impact/contact/impulses.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/solve/explicit_bodies.hpp>
+#include <impact/solve/explicit_contact.hpp>
 #include <petscts.h>
 #include <string>
 #include <vector>
@@ -25,6 +26,8 @@ public:
   /// Into the committed halves of the rows, at the start of a run: the stable step at u, v and the automatic
   /// penalties of contacts that go with it. Collective.
   void start(Vec u, Vec v);
+  /// After a restart. Collective.
+  void resume();
   /// The longest step from the committed state on. Collective when called first.
   double longest();
   /// How long the steps are, for the head of the log; `asked`: -ts_dt, or 0.
@@ -39,9 +42,10 @@ public:
   void follow_damage(Vec u, const std::vector<double>& phi);
   const ForceParts& forces() const { return forces_; }
   /// Cells have left: contacts find the surfaces that are there at u, and steps go with them. Collective.
-  void expose(Vec u);
+  void expose(Vec u) { contacts_.expose(u); }
+  const ExplicitBodies& bodies() const { return bodies_; }
   /// Tells contacts of an accepted step what they did in it. Collective.
-  void advance_contacts(Vec u_n, Vec u, double dt);
+  void advance_contacts(Vec u_n, Vec u, double dt) { contacts_.advance(u_n, u, dt); }
 
 private:
   /// What prescribed dofs know at a time: u, v, the last a; null for none.
@@ -49,14 +53,10 @@ private:
     double t, dt;
     Vec u, v, a;
   };
-  void find_contact_forces(Vec u, bool by_impulse);
-  void find_stiffness_bound();
   void invert_mass();
-  void add_impulses(Vec u, const Rates& now, Vec a);
   void divide_by_mass(const Rates& now, Vec a);
-  std::vector<double> contact_loads(const ContactInterface& contact);
-  void set_penalties(double longest_of_cells);
-  double contact_frequency();
+  double stable_without_contact() const;
+  void scale_mass(Vec u, const std::vector<double>& before, double dt);
 
   /// Components of the row "stable_step": that of the cells; steps between two looks at them, and until the
   /// next; bound of the square of the frequencies by penalties at work, on their own.
@@ -68,20 +68,15 @@ private:
   ExplicitScenario settings_;
   StateRow& row_;
   ForceParts forces_;
-  struct ContactForce {
-    Handle<Vec> residual;
-    std::array<double, 3> part{};
-  };
-  std::vector<ContactForce> of_contacts_;
-  ContactImpulses impulses_;
+  ExplicitContact contacts_;
+  ExplicitBodies bodies_;
   struct {
     Handle<Vec> inverse_mass; ///< 0 at prescribed dofs
-    Handle<Vec> half, free;   ///< with contacts by impulse: velocities
     Handle<Vec> change;       ///< of the internal force by damage
   } work_;                    ///< each once it is asked for
-  double contact_frequency_ =
-      -1;                 ///< likewise of a whole surface that meets one like it; negative: not known yet
-  Handle<Vec> stiffness_; ///< of penalties at work
+  struct Held {
+    std::vector<double> u, v, before, goal, speed;
+  } held_; ///< work space for prescribed dofs, [node][dim]
 };
 
 } // namespace impact

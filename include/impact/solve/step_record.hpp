@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/problem/heat.hpp>
+#include <impact/solve/body_work.hpp>
 #include <impact/time/integrator.hpp>
 #include <petscvec.h>
 #include <span>
@@ -36,6 +37,8 @@ struct StepRecord {
   Vec contact_acceleration = nullptr;
   bool stabilised = false; ///< the contact-stabilised update is at work
   bool unilateral = false; ///< the unilateral stress of broken points acts over the step as a whole
+
+  BodyWork bodies; ///< of rigid bodies in a step by central differences
 
   const MotionProblem::Increments* increments = nullptr;
   std::span<const double> phi; ///< [node] that the last motion solve saw; empty without damage

@@ -33,6 +33,7 @@ struct Attempt {
 struct Verdict {
   bool accept = true;
   PetscReal factor = 0.5;
+  bool agreed = false; ///< every rank knows that all answer the same
 };
 
 /// Empty functions are skipped. The TS's own vectors hold u_n and v_n until `on_accept`, which sees t, u, v,

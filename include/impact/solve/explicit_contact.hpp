@@ -1,0 +1,69 @@
+#pragma once
+#include <array>
+#include <impact/contact/impulses.hpp>
+#include <impact/problem/motion.hpp>
+#include <vector>
+
+/// Contacts of an explicit step: penalties as stiff as its length allows, their forces and how stiff those
+/// are, and the impulses of contacts that take them (theory.md, 7).
+namespace impact {
+
+class ExplicitContact {
+public:
+  explicit ExplicitContact(MotionProblem& motion);
+
+  /// Automatic penalties where cells allow steps of this length, of which `cfl` is used. Collective.
+  void set_penalties(double longest_of_cells, double cfl);
+  /// Square of the frequency of a whole surface on its penalties that meets one like it, 0 without any.
+  /// Collective when called first, and after an exposure.
+  double frequency();
+  /// Cells have left: contacts find the surfaces that are there at u. Collective.
+  void expose(Vec u);
+
+  /// force = that of the penalties on the bodies at u. Collective.
+  void find_forces(Vec u, Vec force);
+  /// Of the last forces: bound of the square of the frequencies of nodes by penalties at work, on their own
+  /// (collective), and stiffness at each rigid body.
+  double frequency_at_work();
+  const std::vector<double>& on_bodies() const { return on_bodies_; }
+  bool by_impulse() const { return struck_.before; }
+  /// What moves on from u freely in the next step, if it is as long as this one, with the velocity v and the
+  /// acceleration a_n at its start and `a` at its end, is pushed where it would meet something: into force
+  /// and a. Inverse masses are 0 at prescribed dofs. Collective.
+  struct Motion {
+    double t, dt;
+    Vec u, v, a_n;
+  };
+  void add_impulses(const Motion& now, Vec inverse_mass, Vec force, Vec a);
+  /// Tells contacts of an accepted step what they did in it. Collective.
+  void advance(Vec u_n, Vec u, double dt);
+
+private:
+  /// Of a contact over its penalty, bounds of the squared frequency at each dof, and of each rigid body.
+  struct Loads {
+    std::vector<double> nodes, bodies;
+    void add(const Loads& other, double factor);
+    double largest() const;
+  };
+  Loads no_loads() const;
+  Loads loads(const ContactInterface& contact);
+  void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
+                            std::vector<double>& of_bodies) const;
+  void add_forces(Vec u, bool by_impulse, Vec force);
+
+  MotionProblem& motion_;
+  struct Force {
+    Handle<Vec> residual;
+    std::array<double, 3> part{};
+  };
+  std::vector<Force> forces_; // of each contact
+  ContactImpulses impulses_;
+  struct {
+    Handle<Vec> before, free, force; // velocities
+  } struck_;                         // with contacts by impulse
+  double frequency_ = -1;            // negative: not known yet
+  Handle<Vec> stiffness_;            // of penalties at work
+  std::vector<double> on_bodies_;
+};
+
+} // namespace impact

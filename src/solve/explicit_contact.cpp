@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <impact/petsc/error.hpp>
+#include <impact/solve/explicit_contact.hpp>
+
+namespace impact {
+
+ExplicitContact::ExplicitContact(MotionProblem& motion)
+    : motion_(motion), impulses_(motion.discretisation().displacement),
+      on_bodies_(motion.rigid().bodies().size()) {
+  const FieldLayout& layout = motion.discretisation().displacement;
+  if (!motion.contacts().empty()) stiffness_ = layout.make_global();
+  for (const ContactInterface& contact : motion.contacts()) {
+    forces_.push_back({layout.make_global(), {}});
+    if (!contact.by_impulse() || struck_.before) continue;
+    for (Handle<Vec>* made : {&struck_.before, &struck_.free, &struck_.force}) *made = layout.make_global();
+  }
+}
+
+void ExplicitContact::expose(Vec u) {
+  const Discretisation& d = motion_.discretisation();
+  std::vector<char> eroded = d.eroded.cell;
+  eroded.resize(static_cast<std::size_t>(d.mesh.cell_count()), 0);
+  for (ContactInterface& contact : motion_.contacts()) contact.expose(eroded, u);
+  frequency_ = -1;
+}
+
+void ExplicitContact::find_forces(Vec u, Vec force) {
+  check(VecSet(force, 0));
+  if (stiffness_) check(VecSet(stiffness_, 0));
+  std::fill(on_bodies_.begin(), on_bodies_.end(), 0.0);
+  add_forces(u, false, force);
+}
+
+void ExplicitContact::add_forces(Vec u, bool by_impulse, Vec force) {
+  auto known = forces_.begin();
+  for (const ContactInterface& contact : motion_.contacts()) {
+    if (contact.by_impulse() == by_impulse) {
+      check(VecSet(known->residual, 0));
+      known->part = by_impulse ? contact.add_residual(u, 1, known->residual)
+                               : contact.add_residual(u, 1, known->residual, stiffness_, &on_bodies_);
+      check(VecAXPY(force, -1, known->residual));
+    }
+    ++known;
+  }
+}
+
+double ExplicitContact::frequency_at_work() {
+  double largest = 0;
+  if (forces_.empty()) return largest;
+  check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
+  check(VecMax(stiffness_, nullptr, &largest));
+  return largest;
+}
+
+void ExplicitContact::add_impulses(const Motion& now, Vec inverse_mass, Vec force, Vec a) {
+  check(VecWAXPY(struck_.before, now.dt / 2, now.a_n, now.v));
+  check(VecWAXPY(struck_.free, now.dt, a, struck_.before));
+  impulses_.find(motion_.contacts(), {now.u, struck_.before, struck_.free, inverse_mass, now.t, now.dt});
+  check(VecSet(struck_.force, 0));
+  add_forces(now.u, true, struck_.force);
+  check(VecAXPY(force, 1, struck_.force));
+  check(VecPointwiseMult(struck_.force, struck_.force, inverse_mass));
+  check(VecAXPY(a, 1, struck_.force));
+}
+
+void ExplicitContact::advance(Vec u_n, Vec u, double dt) {
+  auto known = forces_.begin();
+  for (ContactInterface& contact : motion_.contacts()) {
+    contact.advance(u_n, u, dt, known->residual, known->part);
+    ++known;
+  }
+}
+
+} // namespace impact

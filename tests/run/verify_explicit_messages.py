@@ -1,0 +1,39 @@
+# labels: run
+# timeout: 60
+# processors: 2
+"""Messages and reductions of an explicit step on two ranks, as PETSc counts them (-log_view): the displacement to the ghosts, one
+message of forces back, one reduction for the cells and one for the ledger, beside what is asked for now and then."""
+import collections
+import csv
+
+from _runs import check_between, finish, mesh, run
+
+E = {"material_solid_E": 1e6, "material_solid_nu": 0.3, "material_solid_rho": 1000}
+BODY = {"ts_type": "central_difference", "mesh": mesh("block.geo"), "mesh_set_n": 20, "materials": "solid", **E,
+        "ics": "s", "ic_s_on": "solid", "ic_s_vx": "sin(3*x)", "ts_max_time": 1e6, "outputs": "hist", "output_hist_type": "csv",
+        "output_hist_every": 10**6}
+J2 = {"material_solid_model": "j2", "material_solid_sigma_y": 1e4, "material_solid_hardening": "linear", "material_solid_linear_h": 1e5}
+HELD = {"bcs": "hold", "bc_hold_on": "left", "bc_hold_type": "fix"}
+WEIGHT = {"bcs": "g", "bc_g_on": "solid", "bc_g_type": "body_force", "bc_g_uy": -9.81}
+
+
+def counted(name, options, steps):
+    """Messages that the busiest rank sends, and reductions, of all steps."""
+    run(name, {**options, "ts_max_steps": steps, "log_view": f":{name}.csv:ascii_csv"}, ranks=2)
+    sums = collections.defaultdict(lambda: [0.0, 0.0])
+    with open(f"{name}.csv") as file:
+        for row in csv.DictReader(file):
+            if row["Stage Name"] == "Set-up" or row["Event Name"] != "summary":
+                continue
+            # PETSc counts a message where it leaves and where it comes in.
+            sums[row["Rank"]][0] += float(row["Num Messages"] or 0) / 2
+            sums[row["Rank"]][1] += float(row["Num Reductions"] or 0)
+    return [max(of_rank[i] for of_rank in sums.values()) for i in (0, 1)]
+
+
+# Signals are asked for in each sixteenth step, and cells for their stable step after 1 to 64: 0.06 and 0.02 of a step.
+for name, more, messages, reductions in (("elastic", {}, 2, 2), ("j2", {**J2, **HELD}, 2, 2), ("weight", {**J2, **WEIGHT}, 3, 4)):
+    few, many = counted(name, {**BODY, **more}, 100), counted(name, {**BODY, **more}, 420)
+    for what, before, after, most in zip(("messages to the neighbour", "reductions"), few, many, (messages, reductions)):
+        check_between(f"{name}: {what} of a step", (after - before) / 320, most, most + 0.1)
+finish()
