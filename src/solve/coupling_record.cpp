@@ -1,0 +1,66 @@
+#include <impact/petsc/field_solver.hpp>
+#include <impact/solve/coupling.hpp>
+#include <impact/time/types.hpp>
+
+/// What is told of a solved step, or of one that could not be solved.
+namespace impact {
+
+std::string Coupling::failure_text() const {
+  const std::string cell = solver_.cell_broke() ? fields_.motion.broken_text() : "";
+  return cell.empty() ? failure_ : cell;
+}
+
+StepCounts Coupling::counts() const {
+  StepCounts counts = counts_;
+  const MotionSolver::Counts& motion = solver_.counts();
+  counts.newton = motion.newton;
+  counts.linear = motion.linear;
+  counts.longest = motion.longest;
+  counts.hardest = motion.hardest;
+  counts.uzawa = augmentation_.passes();
+  counts.passes = pass_.number;
+  return counts;
+}
+
+StepRecord Coupling::record(Vec u) {
+  MotionProblem& motion = fields_.motion;
+  StepRecord record;
+  record.dt = motion.step().dt;
+  record.integrator = integrator_of(ts_);
+  if (record.integrator.inertia) record.start_velocity = start_velocity(ts_);
+  record.counts = counts();
+  record.stabilised = update_.stabilised();
+  record.unilateral = update_.unilateral();
+  if (!record.unilateral && !explicit_) motion.parts(u, forces_);
+  record.forces = record.unilateral ? &update_.forces() : explicit_ ? &explicit_->forces() : &forces_;
+  record.contact_force = explicit_ ? explicit_->forces().contact : augmentation_.contact_force();
+  record.left = augmentation_.left();
+  if (explicit_) record.bodies = explicit_->bodies().work();
+  record.contact_shock = update_.shock();
+  record.contact_acceleration = update_.acceleration();
+  record.increments = &pass_.increments;
+  record.phi = pass_.phi;
+  record.dissipation = pass_.dissipation;
+  if (const DamageProblem* damage = fields_.damage) {
+    record.damage_dissipation = damage->dissipated();
+    const bool in_heat = fields_.heat && fields_.heat->takes_work_of_damage();
+    record.prescribed_damage_work = in_heat ? 0 : damage->prescribed_work();
+  }
+  record.fatigue_dissipation = fatigue_.dissipated;
+  record.least_fatigue = fatigue_.least;
+  if (const HeatProblem* heat = fields_.heat) {
+    record.heat = &heat->supplied();
+  }
+  if (settings_.report_error) {
+    const std::vector<double> phi = pass_.phi, theta = pass_.theta;
+    if (fields_.damage) pass_.phi = fields_.state.row("phi").trial;
+    if (fields_.heat) pass_.theta = fields_.state.row("theta").trial;
+    motion.parts(u, next_);
+    pass_.phi = phi;
+    pass_.theta = theta;
+    record.internal_of_next_pass = next_.internal;
+  }
+  return record;
+}
+
+} // namespace impact
