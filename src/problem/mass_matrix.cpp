@@ -1,6 +1,5 @@
 #include <cmath>
 #include <impact/petsc/field_solver.hpp>
-#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/mass_matrix.hpp>
 
 namespace impact {
@@ -16,19 +15,45 @@ void require_finite(Vec x) {
                     "derivatives); mend the initial state or the condition");
 }
 
+// [node][node] into m, then for each component of the displacement into K.
+void cell_mass(const CellBatch& batch, double factor, CellMatrix& m, CellMatrix& K) {
+  const int dim = batch.d.dim(), nodes = batch.nodes();
+  const auto X = batch.vectors(batch.d.mesh.coordinates());
+  batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
+  K.zeroed(nodes * dim);
+  for (int i = 0; i < nodes; ++i)
+    for (int j = 0; j < nodes; ++j)
+      for (int k = 0; k < dim; ++k) K(i * dim + k, j * dim + k) = Batch(factor) * m(i, j);
+}
+
 } // namespace
+
+void add_eroded_inertia(const CellBatch& batch, const NodalValues& acceleration, NodalValues& force) {
+  CellMatrix m, M;
+  cell_mass(batch, 1, m, M);
+  for (int i = 0; i < force.size; ++i) {
+    Batch sum = 0;
+    for (int j = 0; j < force.size; ++j) sum += M(i, j) * acceleration.value[j];
+    for (int l = 0; l < lanes; ++l)
+      if (!batch.live(l)) force.value[i].set(l, force.value[i][l] + sum[l]);
+  }
+}
+
+void keep_eroded_mass(const CellBatch& batch, double factor, CellMatrix& K) {
+  CellMatrix m, M;
+  cell_mass(batch, factor, m, M);
+  const int dofs = batch.nodes() * batch.d.dim();
+  for (int i = 0; i < dofs; ++i)
+    for (int j = 0; j < dofs; ++j)
+      for (int l = 0; l < lanes; ++l)
+        if (!batch.live(l)) K(i, j).set(l, M(i, j)[l]);
+}
 
 double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) const {
   double diagonal = 0;
   CellMatrix m, K;
   for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
-    const int dim = d_.dim(), nodes = batch.nodes();
-    const auto X = batch.vectors(d_.mesh.coordinates());
-    batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
-    K.zeroed(nodes * dim);
-    for (int i = 0; i < nodes; ++i)
-      for (int j = 0; j < nodes; ++j)
-        for (int k = 0; k < dim; ++k) K(i * dim + k, j * dim + k) = Batch(factor) * m(i, j);
+    cell_mass(batch, factor, m, K);
     if (masked && rows_.held_batches[at(batch.number_of_group)][at(batch.number)])
       K.mask(batch.vectors(rows_.free));
     diagonal += batch.sum(K.trace());

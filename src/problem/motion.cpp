@@ -4,6 +4,7 @@
 #include <impact/material/equation_of_state.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
+#include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/surface_load.hpp>
 
@@ -36,6 +37,13 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
   }
   rebuild_matrix();
   if (operator_ == ContactOperator::shell && !contacts_.empty()) make_shell();
+}
+
+void MotionProblem::expose_contacts(Vec u) {
+  std::vector<char> eroded = d_.eroded.cell;
+  eroded.resize(at(d_.mesh.cell_count()), 0);
+  for (ContactInterface& contact : contacts_) contact.expose(eroded, u);
+  if (solved_ && operator_ != ContactOperator::shell && !contacts_.empty()) rebuild_matrix();
 }
 
 void MotionProblem::begin(const MotionStep& step) {
@@ -74,6 +82,22 @@ void MotionProblem::impose(Vec u) const {
   rigid_->retract(u);
 }
 
+void MotionProblem::forget_broken() {
+  broken_ = {};
+  inverted_.clear();
+}
+
+// The lanes that lost their meaning and may not leave for it.
+int MotionProblem::note_inverted(const CellBatch& batch, const CellStatus& status) {
+  int bad = batch.broken(status.bad);
+  for (int l = 0; bad != 0 && l < batch.used(); ++l) {
+    if ((bad & (1 << l)) == 0 || status.min_J[l] > 0 || !Erosion::may_invert(batch, l, step_.phi)) continue;
+    inverted_.push_back(batch.first_cell + at(batch.number * lanes + l));
+    bad &= ~(1 << l);
+  }
+  return bad;
+}
+
 // Notes the cell that lost its meaning most; false where one of the lanes `bad` did.
 bool MotionProblem::check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J) {
   for (int l = 0; l < lanes; ++l) {
@@ -107,7 +131,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
                               double unilateral, std::vector<double>& r) {
-  broken_ = {};
+  forget_broken();
   bool sound = true;
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionFields fields = step_fields(u, accel, batch.law);
@@ -115,8 +139,11 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
     const MotionBatch cells(batch, fields);
     auto force = batch.zero(d_.dim());
     const CellStatus status = batch.kernels.motion_residual(batch.law, cells.in, force.data());
+    note_inverted(batch, status);
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
-    batch.scatter_live(force, r);
+    batch.forget_eroded(force);
+    if (batch.eroded != 0 && accel != nullptr) add_eroded_inertia(batch, cells.accel, force);
+    batch.scatter(force, r);
   });
   return sound;
 }

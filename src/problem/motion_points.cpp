@@ -4,7 +4,6 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
 
 /// The law at the solution: trial history, what drives damage, and what heat takes from the motion.
@@ -39,8 +38,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   bool sound = true;
   if (internal) {
     std::fill(r_.begin(), r_.end(), 0.0);
-    broken_ = {};
-    inverted_.clear();
+    forget_broken();
   }
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
@@ -107,13 +105,7 @@ bool MotionProblem::step_cells(const CellBatch& batch, const MotionInput& in, Ba
   const CellStatus status =
       batch.kernels.motion_step(batch.law, in, history, drive, sums, heat, force.data());
   batch.scatter_live(force, r_);
-  int bad = batch.broken(status.bad);
-  for (int l = 0; bad != 0 && l < batch.used(); ++l) {
-    if ((bad & (1 << l)) == 0 || status.min_J[l] > 0 || !Erosion::may_invert(batch, l, step_.phi)) continue;
-    inverted_.push_back(batch.first_cell + at(batch.number * lanes + l));
-    bad &= ~(1 << l);
-  }
-  return check_cells(batch.group, batch.number, bad, status.min_J);
+  return check_cells(batch.group, batch.number, note_inverted(batch, status), status.min_J);
 }
 
 void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec change) {

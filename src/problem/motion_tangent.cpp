@@ -58,7 +58,7 @@ void MotionProblem::add_pressure_tangent(const std::vector<double>& u) {
 
 bool MotionProblem::tangent(Vec u, double mass_shift) {
   const Timed timed(Event::motion_tangent);
-  broken_ = {};
+  forget_broken();
   d_.displacement.to_local(u, u_);
   bool sound = true;
   double diagonal = 0;
@@ -70,7 +70,9 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
     cells.in.symmetric = symmetric_;
     const CellStatus status =
         batch.kernels.motion_tangent(batch.law, cells.in, nullptr, K.sized(batch.nodes() * d_.dim()));
+    note_inverted(batch, status);
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
+    if (batch.eroded != 0) keep_eroded_mass(batch, mass_shift, K);
     if (rows_.held_batches[at(batch.number_of_group)][at(batch.number)]) K.mask(batch.vectors(rows_.free));
     diagonal += batch.sum(K.trace());
     assembly_->add(batch.number_of_group, batch.number, K.data());

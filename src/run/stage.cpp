@@ -117,8 +117,7 @@ void RunStage::set_state(const Checkpoint* resume) {
   check(TS2SetSolution(ts, u, v));
   if (erosion.on() && resume != nullptr) {
     erosion.follow_rows();
-    if (ExplicitStep* const step = coupling.explicit_step(); step != nullptr && erosion.news())
-      step->expose(u);
+    if (erosion.news()) coupling.expose_contacts(u);
   }
   motion.update_contact(u);
   if (ExplicitStep* const step = coupling.explicit_step()) {
@@ -238,15 +237,13 @@ void RunStage::follow_erosion(Vec u_now) {
   if (!erosion.on()) return;
   erosion.follow_rows();
   if (!erosion.news()) return;
-  ExplicitStep* const step = coupling.explicit_step();
-  if (step == nullptr) return;
   const auto springs = [&] {
     double energy = 0;
     for (const ContactStep& contact : setup->contacts.step(u_now)) energy += contact.energy;
     return energy;
   };
   const double kept = springs();
-  step->expose(u_now);
+  coupling.expose_contacts(u_now);
   ledger.book_exposure(kept, springs());
 }
 

@@ -12,13 +12,20 @@ bool damages_here(const Material& m, const Scenario& s) {
   return s.solves("damage") && m.law.damage != Damage::none;
 }
 
-/// A contact that cannot do without the constraints that it had, "" = none.
+/// A contact that cannot do without the constraints that it had, "" = none. By Newton's method pressures are
+/// kept for each constraint, but for penalties without exact work.
 std::string hindering_contact(const Scenario& s) {
   for (const ContactScenario& c : s.contacts) {
     const std::string of = "-contact_" + c.id;
     if (c.friction > 0) return of + "_friction: what sticks is not known on faces that come free; take 0";
-    if (c.method == ContactMethod::mortar)
-      return of + "_method: mean gaps follow no surface that changes; take gpts or auto";
+    const bool points = c.method == ContactMethod::gauss_points ||
+                        (c.method == ContactMethod::automatic && s.explicit_steps());
+    if (!points) return of + "_method: mean gaps (mortar) follow no surface that changes; take gpts";
+    if (s.explicit_steps()) continue;
+    if (c.enforce != Enforcement::penalty)
+      return of + "_enforce: multipliers belong to facets, which go and come; take penalty";
+    if (c.impact == ImpactUpdate::conserving)
+      return of + "_impact: gaps are kept for facets, which go and come; take auto, stabilised or none";
   }
   return "";
 }
@@ -39,8 +46,8 @@ void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
            "dissipated_erosion")
       .notation("(7)")
       .refused(
-          eroding([](const Material&, const Scenario& s) { return s.has_motion() && !s.explicit_steps(); }),
-          "Newton's method does not know of cells that leave; allowed: with -ts_type "
+          eroding([](const Material&, const Scenario& s) { return s.has_motion() && !s.has_inertia(); }),
+          "nothing holds the nodes of a static run whose cells have left; allowed: with -ts_type newmark or "
           "central_difference")
       .refused(eroding([](const Material& m, const Scenario&) { return m.law.model == Model::rigid; }),
                "has no meaning with <>model rigid; remove it")

@@ -124,7 +124,10 @@ void Coupling::start(Vec u, Vec v, Vec a) {
 void Coupling::before_attempt(const Attempt& attempt) {
   StateTable& state = fields_.state;
   if (!explicit_ || attempt.number > 1) state.rollback();
-  if (fields_.erosion != nullptr) fields_.erosion->follow_rows();
+  if (fields_.erosion != nullptr) {
+    fields_.erosion->follow_rows();
+    let_lost_cells_go(attempt);
+  }
   counts_ = {};
   pass_.number = 0;
   failure_.clear();
@@ -148,6 +151,25 @@ void Coupling::before_attempt(const Attempt& attempt) {
   step.mass_shift = integrator_of(ts_).mass_shift(attempt.dt);
   fields_.motion.begin(step);
   fields_.motion.balance().forget();
+}
+
+// Shorter steps come first: what Newton's method inverts on its way may well be sound where it ends. Cells
+// that still are in the way leave before the next try, which begins from t_n again.
+void Coupling::let_lost_cells_go(const Attempt& attempt) {
+  constexpr PetscInt cuts = 3;
+  if (explicit_) return;
+  if (attempt.number == 1) lost_cells_.clear();
+  if (attempt.number <= cuts) return;
+  if (solver_.cell_broke())
+    lost_cells_.insert(lost_cells_.end(), fields_.motion.inverted().begin(), fields_.motion.inverted().end());
+  fields_.erosion->remove(lost_cells_);
+}
+
+void Coupling::expose_contacts(Vec u) {
+  if (explicit_) return explicit_->expose(u);
+  fields_.motion.expose_contacts(u);
+  solver_.forget_factors();
+  solver_.refresh_matrix();
 }
 
 void Coupling::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
@@ -195,7 +217,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
     explicit_->follow_damage(u, fields_.state.row("phi").trial);
   if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
-  if (fields_.erosion != nullptr && result.inner >= 0) fields_.erosion->find_failed(u);
+  if (explicit_ && fields_.erosion != nullptr && result.inner >= 0) fields_.erosion->find_failed(u);
   return result;
 }
 

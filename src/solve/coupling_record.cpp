@@ -60,6 +60,7 @@ StepRecord Coupling::record(Vec u) {
     pass_.theta = theta;
     record.internal_of_next_pass = next_.internal;
   }
+  if (!explicit_ && fields_.erosion != nullptr) fields_.erosion->find_failed(u); // after the last pass
   return record;
 }
 

@@ -17,10 +17,7 @@ ExplicitContact::ExplicitContact(MotionProblem& motion)
 }
 
 void ExplicitContact::expose(Vec u) {
-  const Discretisation& d = motion_.discretisation();
-  std::vector<char> eroded = d.eroded.cell;
-  eroded.resize(static_cast<std::size_t>(d.mesh.cell_count()), 0);
-  for (ContactInterface& contact : motion_.contacts()) contact.expose(eroded, u);
+  motion_.expose_contacts(u);
   frequency_ = -1;
 }
 

@@ -10,7 +10,10 @@ import numpy
 from _histories import difference
 from _runs import check, check_between, finish, mesh, require, run
 
-EXPLICIT = {"ts_type": "central_difference"}
+# A step of 0.004 is as long as the stable one, within a tenth.
+SCHEMES = {"explicit": {"ts_type": "central_difference"}, "implicit": {"ts_type": "newmark", "ts_dt": 0.004}}
+BY_PENALTY = {"contact_hit_method": "gpts", "contact_hit_enforce": "penalty"}
+EXPLICIT = SCHEMES["explicit"]
 E, RHO = 1e6, 1000.0
 
 
@@ -95,75 +98,85 @@ print("a bar pulled apart")
 RATE, LIMIT = 0.4, 1.02
 with open("bar.geo", "w", encoding="ascii") as file:
     file.write(BAR)
-PULL = {**EXPLICIT, "mesh": "bar.geo", "materials": "left,middle,right", **material("left"), **material("middle"), **material("right"),
+PULL = {"mesh": "bar.geo", "materials": "left,middle,right", **material("left"), **material("middle"), **material("right"),
         "bcs": "sides", "bc_sides_on": "left,middle,right", "bc_sides_uy": 0, "ics": "pull", "ic_pull_on": "left,middle,right",
         "ic_pull_vx": f"{RATE}*(x-4.5)", "ts_max_time": 0.6, "outputs": "hist,vis",
         "output_hist_type": "csv", "output_hist_every": 1, "output_vis_every": 100000, "output_vis_fields": "u"}
 WEAK = {"material_middle_erosion": "on", "material_middle_erosion_stretch": LIMIT}
-bar = run("bar", {**PULL, **WEAK, "output_vis_fields": "u,eroded"})
-cells, time = bar["eroded_cells"], bar["time"]
-first = numpy.nonzero(cells)[0][0]
-K, G, stretch = E / 3, E / 2, 1 + RATE * time[first]
-density = K / 2 * ((stretch ** 2 - 1) / 2 - numpy.log(stretch)) + G / 2 * (stretch ** (-2 / 3) * (stretch ** 2 + 2) - 3)
-print(f"     {cells[-1]:.0f} cells leave at the stretch {stretch:.5f}")
-require("the middle leaves in the first step at the limit", cells[first] == cells[-1] == 8 and 1 + RATE * time[first - 1] < LIMIT <= stretch)
-check("its energy", bar["dissipated_erosion"][-1] / density, 1, 1e-9)
-check("its mass", bar["eroded_mass"][-1] / RHO, 1, 1e-12)
-whole = run("bar_whole", PULL)
-require("the log tells of them", re.search(r"step \d+: cells that have left: 8, their mass 1000, the energy", bar.log) is not None)
-require("no column tells of cells that leave where none may", not any("ero" in c for c in whole.history))
-momentum = sum(bar[f"momentum_{part}_x"] for part in ("left", "middle", "right"))
-check("momentum", largest(momentum) / bar["momentum_right_x"][0], 0, 1e-12, relative=False)
-check("balance", largest(bar["balance"]), 0, 1e-10, relative=False)
-check("first law", largest(bar["balance_first_law"]), 0, 1e-2, relative=False)
-half = bar["momentum_right_x"]
-check_between("the halves go on flying apart: momentum of one in the end, over the first", half[-1] / half[0], 0.4, 1)
-require("that of a bar which holds swings back", whole["momentum_right_x"].min() < -0.1 * half[0] and bar["momentum_right_x"].min() > 0)
+for scheme, steps in SCHEMES.items():
+    bar = run(f"bar_{scheme}", {**PULL, **steps, **WEAK, "output_vis_fields": "u,eroded"})
+    cells, time = bar["eroded_cells"], bar["time"]
+    first = numpy.nonzero(cells)[0][0]
+    K, G, stretch = E / 3, E / 2, 1 + RATE * time[first]
+    density = K / 2 * ((stretch ** 2 - 1) / 2 - numpy.log(stretch)) + G / 2 * (stretch ** (-2 / 3) * (stretch ** 2 + 2) - 3)
+    print(f"     {scheme}: {cells[-1]:.0f} cells leave at the stretch {stretch:.5f}")
+    require(f"{scheme}: the middle leaves in the first step at the limit", cells[first] == cells[-1] == 8 and 1 + RATE * time[first - 1] < LIMIT <= stretch)
+    check(f"{scheme}: its energy", bar["dissipated_erosion"][-1] / density, 1, {"explicit": 1e-9, "implicit": 1e-6}[scheme])  # Newmark ends where Newton's method does
+    check(f"{scheme}: its mass", bar["eroded_mass"][-1] / RHO, 1, 1e-12)
+    whole = run(f"bar_whole_{scheme}", {**PULL, **steps})
+    require(f"{scheme}: the log tells of them", re.search(r"step \d+: cells that have left: 8, their mass 1000, the energy", bar.log) is not None)
+    require(f"{scheme}: no column tells of cells that leave where none may", not any("ero" in c for c in whole.history))
+    momentum = sum(bar[f"momentum_{part}_x"] for part in ("left", "middle", "right"))
+    check(f"{scheme}: momentum", largest(momentum) / bar["momentum_right_x"][0], 0, 1e-12, relative=False)
+    check(f"{scheme}: balance", largest(bar["balance"]), 0, 1e-10, relative=False)
+    check(f"{scheme}: first law", largest(bar["balance_first_law"]), 0, 1e-2, relative=False)
+    half = bar["momentum_right_x"]
+    check_between(f"{scheme}: the halves go on flying apart: momentum of one in the end, over the first", half[-1] / half[0], 0.4, 1)
+    require(f"{scheme}: that of a bar which holds swings back", whole["momentum_right_x"].min() < -0.1 * half[0] and bar["momentum_right_x"].min() > 0)
+fine, finer = (run(f"bar_{parts}", {**PULL, **WEAK, "ts_type": "newmark", "ts_dt": 0.004 / parts, "ts_max_time": 0.3})["balance_first_law"][-1]
+               for parts in (4, 16))
+check_between("implicit: what the first law misses with steps four times as long, first order", fine / finer, 2.5, 5)
 
 print("faces that come free")
+HIT = {}
 for dim, y in ((2, "0, 1, 1.5, 2.5"), (3, "0, 0.5, 1, 1.5")):
     with open(f"boxes{dim}.geo", "w", encoding="ascii") as file:
         file.write(BOXES % y)
-    hit = {**EXPLICIT, "mesh": f"boxes{dim}.geo", "mesh_set_dim": dim, "mesh_set_lx": 4 if dim == 2 else 2, "mesh_set_h": 0.25,
+    hit = HIT[dim] = {"mesh": f"boxes{dim}.geo", "mesh_set_dim": dim, "mesh_set_lx": 4 if dim == 2 else 2, "mesh_set_h": 0.25,
            "materials": "base,layer,shot", **material("base"), **material("layer", E=E / 20), **material("shot"),
            "material_base_region": "box1", "material_layer_region": "box2", "material_shot_region": "box3",
            "material_layer_erosion": "on", "material_layer_erosion_J": 0.5,
            "ics": "flight", "ic_flight_on": "box3", "ic_flight_vy": -6, "ts_max_time": (0.5, 0.2)[dim - 2],
            "contacts": "hit", "contact_hit_secondary": "foot", "contact_hit_primary": "skin"}
-    r = run(f"hit{dim}", hit, ranks=dim - 1)
-    total = sum(r[f"momentum_{part}_y"] for part in ("base", "layer", "shot"))
-    shot = r["momentum_shot_y"] / abs(r["momentum_shot_y"][0])
-    begin = numpy.nonzero(r["eroded_cells"])[0]
-    print(f"     {dim}D: {r['eroded_cells'][-1]:.0f} cells leave, the shot ends with {shot[-1]:.3f} of its momentum")
-    require(f"{dim}D: cells beneath the shot leave", len(begin) > 0 and r["eroded_cells"][-1] >= (4, 8)[dim - 2])
-    check(f"{dim}D: momentum", largest(total / total[0] - 1), 0, 1e-11, relative=False)
-    check(f"{dim}D: balance", largest(r["balance"]), 0, 1e-10, relative=False)
-    # What comes free stops it: through cells that are gone it would fly on with all that it had left.
-    left = begin[0] + 2
-    check_between(f"{dim}D: the shot at the end, over its momentum as the first cells were gone", shot[-1] / shot[left], -0.5, 0.5)
-    require(f"{dim}D: it presses on what has come free", largest(r["contact_hit_force_y"][left:]) > 0)
-    check(f"{dim}D: first law", largest(r["balance_first_law"]), 0, 0.1, relative=False)
+    for scheme, steps in SCHEMES.items():
+        if dim == 3 and scheme == "implicit":
+            continue
+        r = run(f"hit{dim}_{scheme}", {**hit, **steps, **BY_PENALTY}, ranks=dim - 1)
+        total = sum(r[f"momentum_{part}_y"] for part in ("base", "layer", "shot"))
+        shot = r["momentum_shot_y"] / abs(r["momentum_shot_y"][0])
+        begin = numpy.nonzero(r["eroded_cells"])[0]
+        print(f"     {dim}D, {scheme}: {r['eroded_cells'][-1]:.0f} cells leave, the shot ends with {shot[-1]:.3f} of its momentum")
+        require(f"{dim}D, {scheme}: cells beneath the shot leave", len(begin) > 0 and r["eroded_cells"][-1] >= (4, 8)[dim - 2])
+        check(f"{dim}D, {scheme}: momentum", largest(total / total[0] - 1), 0, 1e-10, relative=False)
+        check(f"{dim}D, {scheme}: balance", largest(r["balance"]), 0, 1e-10, relative=False)
+        # What comes free stops it: through cells that are gone it would fly on with all that it had left.
+        left = begin[0] + 2
+        check_between(f"{dim}D, {scheme}: the shot at the end, over its momentum as the first cells were gone", shot[-1] / shot[left], -0.5, 0.5)
+        require(f"{dim}D, {scheme}: it presses on what has come free", largest(r["contact_hit_force_y"][left:]) > 0)
+        check(f"{dim}D, {scheme}: first law", largest(r["balance_first_law"]), 0, 0.1, relative=False)
 
 print("restart, ranks, repeated steps")
-CHAIN = {**hit, "mesh": "boxes2.geo", "mesh_set_dim": 2, "mesh_set_lx": 4, "ts_max_time": 0.5, "checkpoint_every": 10, "ts_bulk_viscosity_linear": 0.06}
-whole = run("whole", CHAIN)
-steps = int(whole["step"][-1])
-run("halves", {**CHAIN, "ts_max_steps": steps // 2})
-halves = run("halves", {**CHAIN, "restart": "auto"})
-require("cells have left before the restart and after it",
-        0 < whole["eroded_cells"][numpy.searchsorted(whole["step"], steps // 2)])
-require("restart in the middle is bitwise", filecmp.cmp("whole/history.csv", "halves/history.csv", shallow=False))
-restep = run("restep", {**CHAIN, "test_restep": 1}, refused=None)
-worst, where = max((largest(restep[c] - whole[c]) / max(largest(whole[c]), 1e-300), c) for c in whole.history
-                   if c != "tries" and numpy.isfinite(whole[c]).all())
-check(f"every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
-two = run("ranks", CHAIN, ranks=2)
-worst, where = difference(whole.history, two.history)
-check(f"two ranks, in {where}", worst, 0, 1e-8, relative=False)
-run("moved", {**CHAIN, "ts_max_steps": steps // 2}, ranks=2)
-moved = run("moved", {**CHAIN, "restart": "auto"})
-worst, where = difference(whole.history, moved.history)
-check(f"from two ranks to one, in {where}", worst, 0, 1e-8, relative=False)
+MORE = {"explicit": {"ts_bulk_viscosity_linear": 0.06}, "implicit": {}}
+for scheme, steps in SCHEMES.items():
+    chain = {**HIT[2], **BY_PENALTY, **steps, **MORE[scheme], "checkpoint_every": 10}
+    whole = run(f"whole_{scheme}", chain)
+    half_of = int(whole["step"][-1]) // 2
+    run(f"halves_{scheme}", {**chain, "ts_max_steps": half_of})
+    halves = run(f"halves_{scheme}", {**chain, "restart": "auto"})
+    require(f"{scheme}: cells have left before the restart and after it",
+            0 < whole["eroded_cells"][numpy.searchsorted(whole["step"], half_of)])
+    require(f"{scheme}: restart in the middle is bitwise", filecmp.cmp(f"whole_{scheme}/history.csv", f"halves_{scheme}/history.csv", shallow=False))
+    restep = run(f"restep_{scheme}", {**chain, "test_restep": 1}, refused=None)
+    worst, where = max((largest(restep[c] - whole[c]) / max(largest(whole[c]), 1e-300), c) for c in whole.history
+                       if c != "tries" and numpy.isfinite(whole[c]).all())
+    check(f"{scheme}: every step refused once and repeated, in {where}", worst, 0, 0, relative=False)
+    two = run(f"ranks_{scheme}", chain, ranks=2)
+    worst, where = difference(whole.history, two.history)
+    check(f"{scheme}: two ranks, in {where}", worst, 0, 1e-8, relative=False)
+    run(f"moved_{scheme}", {**chain, "ts_max_steps": half_of}, ranks=2)
+    moved = run(f"moved_{scheme}", {**chain, "restart": "auto"})
+    worst, where = difference(whole.history, moved.history)
+    check(f"{scheme}: from two ranks to one, in {where}", worst, 0, 1e-8, relative=False)
 
 print("a cell that loses its volume")
 CORNER = {**EXPLICIT, "mesh": mesh("block.geo"), "mesh_set_n": 4, "materials": "solid", **material("solid"), "ics": "corner",
@@ -176,15 +189,27 @@ require("with it the cell leaves in that step", gone["eroded_cells"][1] == 1 and
 check("balance", largest(gone["balance"]), 0, 1e-10, relative=False)
 total = gone["momentum_solid_x"]
 check("momentum", largest(total / total[0] - 1), 0, 1e-12, relative=False)
+# Newton's method tries shorter steps first.
+slow = {**CORNER, **SCHEMES["implicit"], "ts_dt": 0.002}
+cut = run("slow_cut", slow, code=None, refused=None)
+require("without erosion implicit steps are refused", "cell inverted" in cut.log)
+gone = run("slow", {**slow, "material_solid_erosion": "on", "energy_stop": 0}, refused=5)
+first = numpy.nonzero(gone["eroded_cells"])[0][0]
+require("with it a cell leaves after three cuts, and not before", gone["eroded_cells"][-1] >= 1 and gone["tries"][first] >= 4)
+check("balance", largest(gone["balance"]), 0, 1e-10, relative=False)
+total = gone["momentum_solid_x"]
+check("momentum", largest(total / total[0] - 1), 0, 1e-10, relative=False)
 
 print("what it cannot do is refused")
-for more, words in (({"ts_type": "newmark", "ts_dt": 1e-3}, ["-material_middle_erosion", "central_difference"]),
+FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
+for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_erosion", "newmark"]),
                     ({"material_middle_erosion": "off"}, ["-material_middle_erosion_stretch", "no effect"]),
                     ({"material_middle_erosion_strain": 0.5}, ["-material_middle_erosion_strain", "j2"]),
                     ({"material_middle_erosion_failure": "on"}, ["-material_middle_erosion_failure", "jc_failure"]),
-                    ({"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane",
-                      "contact_floor_friction": 0.3}, ["-contact_floor_friction", "erosion"])):
-    refused = run("refused", {**PULL, **WEAK, **more}, code=2)
+                    ({**FLOOR, "contact_floor_friction": 0.3}, ["-contact_floor_friction", "erosion"]),
+                    ({**SCHEMES["implicit"], **FLOOR}, ["-contact_floor_method", "gpts"]),
+                    ({**SCHEMES["implicit"], **FLOOR, "contact_floor_method": "gpts"}, ["-contact_floor_enforce", "penalty"])):
+    refused = run("refused", {**PULL, **EXPLICIT, **WEAK, **more}, code=2)
     said = [line for line in refused.log.splitlines() if line.startswith("impact: ")]
     require(f"{more}: {said[-1:]}", bool(said) and all(re.search(re.escape(word), said[-1]) for word in words))
 finish()

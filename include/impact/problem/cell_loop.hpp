@@ -129,9 +129,9 @@ struct CellBatch {
     forget_eroded(values);
     return values;
   }
-  void forget_eroded(NodalValues& displacement) const {
+  void forget_eroded(NodalValues& values) const {
     for (int l = 0; eroded != 0 && l < lanes; ++l)
-      for (int i = 0; !live(l) && i < displacement.size; ++i) displacement.value[i].set(l, 0);
+      for (int i = 0; !live(l) && i < values.size; ++i) values.value[i].set(l, 0);
   }
   NodalValues scalars(std::span<const double> field) const { return gather(field, 1); }
   /// Nodal values to be filled; to be summed up, 0 at first; and their sum into a field.
@@ -146,8 +146,7 @@ struct CellBatch {
   }
   /// Without the cells that have left.
   void scatter_live(NodalValues& values, std::vector<double>& field) const {
-    for (int l = 0; eroded != 0 && l < lanes; ++l)
-      for (int i = 0; !live(l) && i < values.size; ++i) values.value[i].set(l, 0);
+    forget_eroded(values);
     scatter(values, field);
   }
 

@@ -1,9 +1,15 @@
 #pragma once
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/handle.hpp>
+#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/motion_rows.hpp>
 
 namespace impact {
+
+/// Of the cells of a batch that have left (erosion.hpp) the mass stays: its force on the nodes at these
+/// accelerations, [node][dim], is added to theirs; their block of K becomes `factor` times it.
+void add_eroded_inertia(const CellBatch& batch, const NodalValues& acceleration, NodalValues& force);
+void keep_eroded_mass(const CellBatch& batch, double factor, CellMatrix& K);
 
 /// The mass of all bodies, consistent or lumped as the discretisation has it, assembled when it is first
 /// asked for.

@@ -94,6 +94,8 @@ public:
   /// Rebuilds contact candidates near u; true when the matrix was replaced by one with another pattern.
   /// Collective.
   bool update_contact(Vec u);
+  /// Contacts find their surfaces where cells have left. Collective.
+  void expose_contacts(Vec u);
 
   /// Evaluates the law at the accepted u into the trial halves of "history" and "drive". Collective.
   struct Increments {
@@ -104,7 +106,7 @@ public:
   /// `internal`: the internal force, bulk viscosity among it, or null. False on all ranks when a cell lost
   /// its meaning anywhere.
   bool advance(Vec u, Increments& sums, const HeatRows& heat = {}, Vec internal = nullptr);
-  /// Cells of this rank that the last advance with a force found without volume, and that may leave for it
+  /// Cells of this rank that the last evaluation of forces found without volume, and that may leave for it
   /// (Erosion::remove): where any rank has some, what it found is of no use.
   const std::vector<std::size_t>& inverted() const { return inverted_; }
 
@@ -161,6 +163,8 @@ private:
   void add_pressures(const std::vector<double>& u, double sign, std::vector<double>& r);
   const FacetTable& live_facets(const LoadedFacets& load);
   void add_pressure_tangent(const std::vector<double>& u);
+  void forget_broken();
+  int note_inverted(const CellBatch& batch, const CellStatus& status);
   bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
   bool step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive, StepSums& sums,
                   const HeatFeed& heat);

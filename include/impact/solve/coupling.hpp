@@ -66,6 +66,8 @@ public:
   bool stabilised() const { return update_.stabilised(); }
   bool unilateral() const { return update_.unilateral(); }
   MotionSolver& motion_solver() { return solver_; }
+  /// Contacts find their surfaces where cells have left. Collective.
+  void expose_contacts(Vec u);
   /// Drops lagged factors, so that a run behaves after a checkpoint as one that resumed from it. Collective.
   void forget_factors();
 
@@ -78,6 +80,7 @@ private:
   void fatigue_pass(PassResult& result);
   void heat_pass(Vec u, PassResult& result);
   void compare_temperatures(const StateRow& theta, PassResult& result);
+  void let_lost_cells_go(const Attempt& attempt);
   void refuse(PassResult& result, SNESConvergedReason reason, std::string cause);
   void give_up(PetscInt passes, PetscReal change);
   MotionStep frozen_step() const;
@@ -108,8 +111,9 @@ private:
   StepCounts counts_; // of damage and heat
   Pass pass_;
   std::string failure_;
-  std::vector<double> u_before_; // begin_between_steps
-  ForceParts forces_, next_;     // of the record
+  std::vector<std::size_t> lost_cells_; // of this rank, which tries of the step found without volume
+  std::vector<double> u_before_;        // begin_between_steps
+  ForceParts forces_, next_;            // of the record
 };
 
 } // namespace impact
