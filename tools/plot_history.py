@@ -86,7 +86,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("history")
     parser.add_argument("figure", help="its ending gives the kind of file: .png, .pdf, .svg")
-    parser.add_argument("--force", metavar="PREFIX", help="draw the columns that begin so (default: all forces)")
+    parser.add_argument("--force", metavar="PREFIX", help="draw the columns that begin so, forces or measures (default: all forces)")
     parser.add_argument("--title")
     options = parser.parse_args()
     data, units = read(options.history)
@@ -99,7 +99,8 @@ def main():
     fields = [n for n in ("phi_max", "alpha_max") if n in data and moves(data[n])]
     figure, axes = plt.subplots(3 if fields else 2, 1, figsize=(7.2, 7.0 if fields else 4.9), sharex=True)
     forces, energies = force_columns(data, options.force), [n for n in ENERGIES if n in data]
-    draw_lines(axes[0], data, strongest(data, forces, 8), "(a) force", "force" + unit_of(units, forces))
+    what = readable(options.force) if (options.force or "").startswith(("measure_", "probe_")) else "force"
+    draw_lines(axes[0], data, strongest(data, forces, 8), "(a) " + what, what.split()[-1] + unit_of(units, forces))
     draw_lines(axes[1], data, strongest(data, energies, 12), "(b) energy", "energy" + unit_of(units, energies))
     if fields:
         draw_fields(axes[2], data, fields)

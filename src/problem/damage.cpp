@@ -12,10 +12,10 @@ namespace impact {
 
 namespace {
 
-// Laws whose unconstrained problem has no solution, or not the wanted one: AT1 would take virgin material
-// below 0, a concave degradation may have no minimum at all.
+// Laws whose unconstrained problem has no solution, or not the wanted one: those with a threshold would take
+// virgin material below 0, a concave degradation may have no minimum at all.
 bool needs_bounds(const PointLaw& law) {
-  return damages(law) && (law.parameters.damage == Damage::at1 || !is_convex(law.parameters));
+  return damages(law) && (regularisation(law.parameters).linear > 0 || !is_convex(law.parameters));
 }
 
 // [node] 1 where phi is prescribed or no damaging cell touches it on any rank.

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <impact/input/database.hpp>
+#include <impact/material/crack.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/petsc/shared_cores.hpp>
 #include <impact/run/terminal.hpp>
@@ -150,13 +151,14 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   const bool simplex = std::all_of(shapes.begin(), shapes.end(),
                                    [&](Shape shape) { return shape->simplex() || !d.mesh.has_shape(shape); });
   const Extent extent = extent_of(d, cells, simplex ? (d.dim() == 2 ? 2 : 6) : 1);
-  const std::string damage =
-      p.damage == Damage::none
-          ? ""
-          : std::string(p.damage == Damage::at2 ? " with at2 damage" : " with at1 damage") +
-                (p.split == Split::spectral     ? ", spectral split"
-                 : p.split == Split::volumetric ? ", volumetric split"
-                                                : ", no split");
+  const std::string damage = p.damage == Damage::none
+                                 ? ""
+                                 : std::string(p.damage == Damage::at2   ? " with at2 damage"
+                                               : p.damage == Damage::at1 ? " with at1 damage"
+                                                                         : " with wu damage") +
+                                       (p.split == Split::spectral     ? ", spectral split"
+                                        : p.split == Split::volumetric ? ", volumetric split"
+                                                                       : ", no split");
   check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", m.id.c_str(),
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"
@@ -168,7 +170,7 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
     check(PetscPrintf(
         comm, "material %s: gamma is %.3g to %.3g cells wide; a crack along the narrowest takes %.3g Gc\n",
         m.id.c_str(), p.gamma / extent.widest, p.gamma / extent.narrowest,
-        1 + (p.damage == Damage::at1 ? 0.375 : 0.5) * extent.narrowest / p.gamma));
+        1 + regularisation(p).broken() * extent.narrowest / p.gamma));
     // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
     if (p.gamma < 2 * (1 - 1e-6) * extent.narrowest)
       check(PetscPrintf(comm,

@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <impact/material/cohesive.hpp>
 
 /// The options of damage, its split, its degradation, and of fatigue.
 namespace impact {
@@ -27,6 +28,9 @@ bool tires_beyond_bounds(const Material&, const Scenario& s) {
   return s.any_fatigue() && s.damage.bounds != DamageBounds::vi && s.damage.bounds != DamageBounds::clip;
 }
 
+/// Degradations for the local energy of Damage::wu.
+bool of_wu(Degradation ge) { return is_cohesive(ge) && ge != Degradation::lorentz; }
+
 bool needs_damage_data(const Material& m, const Scenario& s) {
   return (s.has_motion() || s.solves("damage")) && m.law.damage != Damage::none;
 }
@@ -34,18 +38,35 @@ bool needs_damage_data(const Material& m, const Scenario& s) {
 void add_crack(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::law);
   row.choice("damage", &Law::damage,
-             "crack model: at2 damages from the start, at1 is elastic up to sqrt(3 E G_c/(8 gamma))", "none",
-             Damage::none, "at2", Damage::at2, "at1", Damage::at1)
+             "crack model: at2 damages from the start, at1 is elastic up to sqrt(3 E G_c/(8 gamma)), wu up "
+             "to the "
+             "strength, as is at1 with ge lorentz",
+             "none", Damage::none, "at2", Damage::at2, "at1", Damage::at1, "wu", Damage::wu)
       .notation("(56)")
-      .denied(unbounded_but_for_vi([](const Law& law) { return law.damage == Damage::at1; }),
-              "-damage_bounds: only the bounds of vi keep <>damage at1 from damage below 0; allowed: vi");
+      .refused(
+          damaging([](const Law& law) { return law.damage == Damage::wu && !of_wu(law.ge); }),
+          "wants a degradation that knows the strength; allowed with <>ge linear, exponential or cornelissen")
+      .denied(
+          unbounded_but_for_vi([](const Law& law) { return law.damage != Damage::at2; }),
+          "-damage_bounds: only the bounds of vi keep <>damage {damage} from damage below 0; allowed: vi");
   row.number("Gc", &Law::Gc, "N/m G_c (56)", {0, 1e9, true, false}, "Griffith's fracture energy")
       .otherwise("required with damage")
       .needed(needs_damage_data, "<>damage needs it");
   row.number("gamma", &Law::gamma, "m gamma (56)", {0, 1e3, true, false},
-             "width of the phase layer: a crack is exp(-|x|/gamma) with at2, (1 - |x|/2 gamma)^2 with at1")
+             "width of the phase layer: a crack is exp(-|x|/gamma) with at2, (1 - |x|/2 gamma)^2 with at1, "
+             "1 - sin(|x|/gamma) with wu")
       .otherwise("required with damage")
-      .needed(needs_damage_data, "<>damage needs it");
+      .needed(needs_damage_data, "<>damage needs it")
+      .refused(
+          damaging([](const Law& law) {
+            return is_cohesive(law.ge) && law.cohesive.a1 < least_cohesive_slope(law);
+          }),
+          [](const Material& m) {
+            const double longest = m.law.gamma * m.law.cohesive.a1 / least_cohesive_slope(m.law);
+            return "is too long for <>strength {strength} with <>ge {ge}: what reaches it would break at "
+                   "once; allowed: at most " +
+                   number_text(longest) + ", better a fifth of that";
+          });
   row.number("c", &Law::c, "m^2/(N.s) c (63)", or_word(positive, "inf", unbounded),
              "damage rate; inf: rate-independent");
   row.number("zeta", &Law::zeta, "1 zeta (63)", not_negative, "exponent in the damage rate");
@@ -96,15 +117,43 @@ void add_split(MaterialRows& rows) {
                "with nu < 0 its tensile part can be negative; allowed: nu >= 0" + remedy);
 }
 
+void add_strength(MaterialRows& rows) {
+  Rows row(rows);
+  row.number("strength", &Material::strength, "Pa f_t (56'')", {0, 1e12, true, false},
+             "stress in uniaxial tension at which damage begins")
+      .otherwise("required with ge linear, exponential, cornelissen or lorentz")
+      .needed([](const Material& m,
+                 const Scenario& s) { return needs_damage_data(m, s) && is_cohesive(m.law.ge); },
+              "<>ge {ge} needs it")
+      .refused(damaging([](const Law& law) { return !is_cohesive(law.ge); }),
+               "has no effect with <>ge {ge}: E, Gc and gamma tell the strength; remove it, or add <>damage "
+               "wu and "
+               "<>ge linear, exponential or cornelissen, or <>damage at1 and <>ge lorentz");
+  row.number("lorentz_p", &Material::lorentz_p, "1 p (56'')", {0.5, 100, false, false},
+             "of ge lorentz: the larger, the steeper the stress falls at first and the longer its tail");
+}
+
 void add_degradation(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::law);
-  row.choice("ge", &Law::ge, "degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c)",
+  row.choice("ge", &Law::ge,
+             "degradation of the elastic energy; ductile: (1 - phi)^(2 alpha/alpha_c); linear, exponential, "
+             "cornelissen, with damage wu, and lorentz, with damage at1: elastic up to the strength, then "
+             "the stress "
+             "falls with the opening of the crack by that law",
              "quadratic", Degradation::quadratic, "cubic", Degradation::cubic, "ductile",
-             Degradation::ductile)
-      .notation("g_e1 (49)")
+             Degradation::ductile, "linear", Degradation::linear, "exponential", Degradation::exponential,
+             "cornelissen", Degradation::cornelissen, "lorentz", Degradation::lorentz)
+      .notation("g_e1 (49), (56'')")
+      .refused(damaging([](const Law& law) { return of_wu(law.ge) && law.damage != Damage::wu; }),
+               "goes with another crack model; allowed: <>damage wu")
+      .refused(damaging([](const Law& law) {
+                 return law.ge == Degradation::lorentz && law.damage != Damage::at1;
+               }),
+               "goes with another crack model; allowed: <>damage at1")
       .refused(
           damaging([](const Law& law) { return law.ge == Degradation::ductile && law.model != Model::j2; }),
           "nothing damages without plastic strain; allowed with <>model j2; choose quadratic or cubic");
+  add_strength(rows);
   row.number("cubic_s", &Law::cubic_s, "1 s", {0, 2, true, false},
              "slope of the cubic degradation at phi = 0")
       .otherwise("1e-4");
@@ -135,6 +184,12 @@ void add_degradation(MaterialRows& rows) {
 }
 
 } // namespace
+
+void resolve_strength(MaterialScenario& m) {
+  if (!is_cohesive(m.law.ge)) return;
+  m.law.cohesive = cohesive_shape(m.law, m.lorentz_p);
+  m.law.cohesive.a1 = cohesive_slope(m.law, m.strength);
+}
 
 void add_damage(std::vector<OptionRow<MaterialScenario>>& rows) {
   add_crack(rows);

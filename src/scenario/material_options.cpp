@@ -240,6 +240,7 @@ void resolve(Material& m, const Scenario& scenario) {
   if (scenario.has_motion() && law.model == Model::j2) resolve_hardening(m);
   law.split = m.split == Split::automatic ? automatic_split(m, scenario) : m.split;
   law.locking = m.locking.value_or(automatic_locking(law, scenario.plane));
+  resolve_strength(m);
 }
 
 } // namespace

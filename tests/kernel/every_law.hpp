@@ -11,9 +11,11 @@ template <class F> void for_every_law(F&& f) {
   using namespace impact;
   int number = 0, states = 0;
   for (const Model model : {Model::elastic, Model::j2})
-    for (const Damage damage : {Damage::none, Damage::at2, Damage::at1})
+    for (const Damage damage : {Damage::none, Damage::at2, Damage::at1, Damage::wu})
       for (const Split split : {Split::volumetric, Split::none, Split::spectral})
-        for (const Degradation ge : {Degradation::quadratic, Degradation::cubic, Degradation::ductile})
+        for (const Degradation ge :
+             {Degradation::quadratic, Degradation::cubic, Degradation::ductile, Degradation::exponential,
+              Degradation::cornelissen, Degradation::lorentz})
           for (const PlasticDegradation gp : {PlasticDegradation::one, PlasticDegradation::ge})
             for (const DamageGradient gradient : {DamageGradient::spatial, DamageGradient::material})
               for (const Locking locking : {Locking::none, Locking::mean, Locking::fbar})
@@ -21,12 +23,18 @@ template <class F> void for_every_law(F&& f) {
                   // refused by the options
                   if (split == Split::spectral && (model == Model::j2 || locking != Locking::none)) continue;
                   if (ge == Degradation::ductile && model != Model::j2) continue;
+                  const bool of_wu = is_cohesive(ge) && ge != Degradation::lorentz;
+                  if (of_wu != (damage == Damage::wu)) continue;
+                  if (ge == Degradation::lorentz && damage != Damage::at1) continue;
                   // damage's own terms meet the locking cures and the viscosity under at2
-                  if (damage == Damage::at1 && (locking == Locking::fbar || viscous == 2)) continue;
+                  if (damage != Damage::none && damage != Damage::at2 &&
+                      (locking == Locking::fbar || viscous == 2))
+                    continue;
                   MaterialParameters m = aluminium();
                   m.alpha_c = 0.04;
                   m.model = model, m.damage = damage, m.split = split, m.ge = ge, m.gp = gp;
                   m.damage_gradient = gradient, m.locking = locking;
+                  if (is_cohesive(ge)) reference::set_strength(m, 300e6);
                   m.b_d = viscous ? 1e5 : 0;
                   m.visc_degrade = viscous == 2;
                   m.residual_stiffness = 1e-6;

@@ -30,12 +30,37 @@ template <class Law> void expect_derivatives(const Law& law, double alpha) {
   EXPECT_NEAR(law(1.0, alpha), 0, 1e-15);
 }
 
+/// Every law with a strength, at two lengths.
+std::vector<MaterialParameters> cohesive_laws() {
+  std::vector<MaterialParameters> laws;
+  for (const Degradation ge :
+       {Degradation::linear, Degradation::exponential, Degradation::cornelissen, Degradation::lorentz})
+    for (const double gamma : {0.01, 0.04}) {
+      MaterialParameters m;
+      m.K = 20e9, m.G = 12e9, m.Gc = 100, m.gamma = gamma;
+      m.damage = ge == Degradation::lorentz ? Damage::at1 : Damage::wu;
+      m.ge = ge;
+      m.cohesive = cohesive_shape(m, 1);
+      m.cohesive.a1 = cohesive_slope(m, 3e6);
+      laws.push_back(m);
+    }
+  return laws;
+}
+
+/// Largest of f over phi from 0 to 1.
+template <class F> double largest(const F& f) {
+  double most = -HUGE_VAL;
+  for (int i = 0; i < 100000; ++i) most = std::fmax(most, f(i / 1e5));
+  return most;
+}
+
 } // namespace
 
 TEST(Degradation, DerivativesComeFromTheFormulaAlone) {
   expect_derivatives(QuadraticDegradation{}, 0);
   for (const double s : {1e-4, 0.5, 2.0}) expect_derivatives(CubicDegradation{s}, 0);
   for (const double alpha : {0.01, 0.04, 0.06, 0.1, 0.25}) expect_derivatives(DuctileDegradation{0.1}, alpha);
+  for (const MaterialParameters& m : cohesive_laws()) expect_derivatives(CohesiveDegradation{m.cohesive}, 0);
 }
 
 TEST(Degradation, ALawOfOnesOwnNeedsOneFormula) {
@@ -86,4 +111,45 @@ TEST(Degradation, DuctileWaitsForFlowAndIsFiniteAndSmoothToTheEnd) {
       EXPECT_TRUE(std::isfinite(g.g) && std::isfinite(g.dg) && std::isfinite(g.d2g));
     }
   }
+}
+
+TEST(Degradation, AStrengthIsWhatAPointBears) {
+  // -g' E+ = w' G_c/gamma at the undamaged energy E+ = psi (e/e_c)^2 of a strain e: sigma = g E e
+  for (MaterialParameters m : cohesive_laws()) {
+    const double E = 9 * m.K * m.G / (3 * m.K + m.G), unit = m.Gc / m.gamma;
+    m.residual_stiffness = 0;
+    const auto stress = [&](double phi) {
+      const Degraded<double> g = degradation(m, phi, 0.0);
+      const Regularisation w = regularisation(m);
+      return g.g * std::sqrt(2 * E * unit * (w.linear + w.quadratic * phi) / -g.dg);
+    };
+    EXPECT_NEAR(stress(0) / 3e6, 1, 1e-12);
+    EXPECT_NEAR(largest(stress) / 3e6, 1, 1e-12);
+  }
+}
+
+TEST(Degradation, AtTheLongestLengthAPointStillDamagesGraduallyAndNoLonger) {
+  for (MaterialParameters m : cohesive_laws())
+    for (const double part : {1.0001, 0.99}) {
+      m.cohesive.a1 = part * least_cohesive_slope(m);
+      const Regularisation w = regularisation(m);
+      // the fall of the energy that a larger phi needs, over that energy
+      const double fall = largest([&](double phi) {
+        const Degraded<double> g = degradation(m, phi, 0.0);
+        return -w.quadratic / -g.dg - (w.linear + w.quadratic * phi) * g.d2g / (g.dg * g.dg);
+      });
+      EXPECT_EQ(fall > 1e-9, part < 1) << int(m.ge);
+      EXPECT_TRUE(is_convex(m));
+      const double concave = largest([&](double phi) { return -degradation(m, phi, 0.0).d2g; });
+      EXPECT_LE(part > 1 ? concave : 0, 0);
+    }
+}
+
+TEST(Degradation, ThePowerEndsWhereTheCrackIsOpen) {
+  for (const MaterialParameters& m : cohesive_laws())
+    for (const double phi : {1.0, 1.0 + 1e-9, 1.2}) {
+      const Degraded<double> g = degradation(m, phi, 0.0);
+      EXPECT_TRUE(std::isfinite(g.g) && std::isfinite(g.dg) && std::isfinite(g.d2g));
+      EXPECT_LT(g.g, 0.01);
+    }
 }

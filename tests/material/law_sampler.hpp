@@ -2,6 +2,7 @@
 #include "evaluate_point.hpp"
 #include "reference_law.hpp"
 
+#include <impact/material/cohesive.hpp>
 #include <impact/material/point_law.hpp>
 
 namespace reference {
@@ -52,6 +53,12 @@ inline void set_state(MaterialParameters& m, bool heats) {
   m.eos_gamma = heats ? 2 : 0;
   m.c_v = heats ? 2.43e6 : 0;
   m.alpha_t = heats ? m.eos_gamma * m.c_v / (3 * m.K) : 0;
+}
+
+/// The strength of a law whose ge knows one.
+inline void set_strength(MaterialParameters& m, double strength) {
+  m.cohesive = impact::cohesive_shape(m, 1);
+  m.cohesive.a1 = impact::cohesive_slope(m, strength);
 }
 
 /// Random states of a point.

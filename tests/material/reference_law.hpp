@@ -3,6 +3,7 @@
 
 #include <impact/material/hardening.hpp>
 #include <impact/material/parameters.hpp>
+#include <numbers>
 
 /// A second, plain implementation of the point law on dense 3x3 arrays, after the reference script of the
 /// equations and not after the library: full tensors, textbook return map, no cancellation-free forms. T is
@@ -35,9 +36,13 @@ inline MaterialParameters aluminium() {
 /// alpha: that of the start of the step.
 template <class T> T g_e1(const MaterialParameters& m, const T& phi, double alpha = 0) {
   const T x = 1.0 - phi;
+  const T power = std::pow(x, m.cohesive.p),
+          soft = m.cohesive.a1 *
+                 (phi + m.cohesive.a2 * phi * phi + m.cohesive.a2 * m.cohesive.a3 * phi * phi * phi);
   const T g = m.ge == impact::Degradation::quadratic ? x * x
               : m.ge == impact::Degradation::ductile ? std::pow(x, 2 * alpha / m.alpha_c)
-                                                     : (3 - m.cubic_s) * x * x - (2 - m.cubic_s) * x * x * x;
+              : m.ge == impact::Degradation::cubic   ? (3 - m.cubic_s) * x * x - (2 - m.cubic_s) * x * x * x
+                                                     : power / (power + soft);
   const double k = m.residual_stiffness;
   return m.damage == impact::Damage::none ? T(1.0) : (1 - k) * g + k;
 }
@@ -49,10 +54,12 @@ template <class T> T g_p(const MaterialParameters& m, const T& phi, double alpha
 }
 /// a and w' of the crack energy G_c (a gamma/2 |grad phi|^2 + w/gamma).
 inline double gradient_share(const MaterialParameters& m) {
-  return m.damage == impact::Damage::at1 ? 0.75 : 1;
+  return m.damage == impact::Damage::at1 ? 0.75 : m.damage == impact::Damage::wu ? 2 / std::numbers::pi : 1;
 }
 template <class T> T crack_slope(const MaterialParameters& m, const T& phi) {
-  return m.damage == impact::Damage::at1 ? T(0.375) : phi;
+  return m.damage == impact::Damage::at1  ? T(0.375)
+         : m.damage == impact::Damage::wu ? (2 / std::numbers::pi) * (1.0 - phi)
+                                          : phi;
 }
 
 /// Energy and its slope along the isotherm theta_0 of an equation of state, at J = 1 - eta: the isentrope as

@@ -19,6 +19,17 @@ Options damaged(Options more) {
   return more;
 }
 
+// Changes that give the beam a strength of its own, E G_c/f_t^2 = 0.8 m, and more of them.
+Options cohesive(Options more) {
+  more.insert({{"-material_beam_damage", "wu"},
+               {"-material_beam_ge", "cornelissen"},
+               {"-material_beam_strength", "3 MPa"},
+               {"-material_beam_Gc", "100 N/m"},
+               {"-material_beam_gamma", "5 mm"},
+               {"-material_beam_split", "volumetric"}});
+  return more;
+}
+
 // Changes that give the beam an equation of state, and more of them.
 Options pressed(Options more) {
   more.insert({{"-material_beam_E", "-"},
@@ -110,7 +121,7 @@ const std::vector<Row>& rows() {
        "-material_beam_split \"masonry\": not available; allowed: auto, volumetric, none, spectral"},
       {{{"-material_beam_damage", "at3"}},
        ExitCode::usage,
-       "-material_beam_damage \"at3\": not available; allowed: none, at2, at1; did you mean at2?"},
+       "-material_beam_damage \"at3\": not available; allowed: none, at2, at1, wu; did you mean at2?"},
       {damaged({{"-material_beam_split", "spectral"},
                 {"-material_beam_model", "j2"},
                 {"-material_beam_sigma_y", "1e8"}}),
@@ -135,6 +146,28 @@ const std::vector<Row>& rows() {
       {damaged({{"-material_beam_damage", "at1"}, {"-damage_bounds", "clip"}}), ExitCode::usage,
        "-damage_bounds: only the bounds of vi keep -material_beam_damage at1 from damage below 0; allowed: "
        "vi"},
+      {cohesive({{"-damage_bounds", "history"}}), ExitCode::usage,
+       "-damage_bounds: only the bounds of vi keep -material_beam_damage wu from damage below 0; allowed: "
+       "vi"},
+      {cohesive({{"-material_beam_ge", "quadratic"}, {"-material_beam_strength", "-"}}), ExitCode::usage,
+       "-material_beam_damage \"wu\": wants a degradation that knows the strength; allowed with "
+       "-material_beam_ge linear, exponential or cornelissen"},
+      {cohesive({{"-material_beam_ge", "lorentz"}, {"-material_beam_damage", "at2"}}), ExitCode::usage,
+       "-material_beam_ge \"lorentz\": goes with another crack model; allowed: -material_beam_damage at1"},
+      {cohesive({{"-material_beam_damage", "at1"}}), ExitCode::usage,
+       "-material_beam_ge \"cornelissen\": goes with another crack model; allowed: -material_beam_damage wu"},
+      {cohesive({{"-material_beam_strength", "-"}}), ExitCode::usage,
+       "-material_beam_strength: missing; -material_beam_ge cornelissen needs it"},
+      {damaged({{"-material_beam_strength", "3 MPa"}}), ExitCode::usage,
+       "-material_beam_strength \"3e+06\": has no effect with -material_beam_ge quadratic: E, Gc and gamma "
+       "tell "
+       "the strength; remove it, or add -material_beam_damage wu and -material_beam_ge linear, exponential "
+       "or "
+       "cornelissen, or -material_beam_damage at1 and -material_beam_ge lorentz"},
+      {cohesive({{"-material_beam_gamma", "1 m"}}), ExitCode::usage,
+       "-material_beam_gamma \"1\": is too long for -material_beam_strength 3e+06 with -material_beam_ge "
+       "cornelissen: what reaches it would break at once; allowed: at most 0.2620643294710636, better a "
+       "fifth of that"},
       {damaged({{"-material_beam_ge", "ductile"},
                 {"-material_beam_model", "elastic"},
                 {"-material_beam_alpha_c", "0.1"}}),

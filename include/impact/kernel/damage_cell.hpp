@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <impact/kernel/damage_input.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/point_geometry.hpp>
@@ -21,7 +22,7 @@ inline DamageSource damage_source(const MaterialParameters& m, const Batch& phi,
                   (1 / m.gamma) * fatigue + Batch(start);
   const Batch bend = g.e1.d2g * drive.plus + g.e2.d2g * drive.minus + g.p.d2g * drive.plastic;
   if (!convex) return {Y, bend + Batch(crack)};
-  return {Y, max(bend + Batch(crack), 0.1 * (Batch(crack) + abs(bend)))};
+  return {Y, max(bend + Batch(crack), 0.1 * (Batch(std::fabs(crack)) + abs(bend)))};
 }
 
 /// d(1/lambda)/dphi = zeta c (1 + delta - phi)^(-zeta-1), written with lambda.

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/material/parameters.hpp>
 #include <impact/math/tensor.hpp>
+#include <numbers>
 
 /// Crack energy psi_phi = G_c (a gamma/2 Grad phi . C^-1 Grad phi + w(phi)/gamma) (56) and the Kirchhoff form
 /// of its stress S_phi = -a G_c gamma w (x) w, w = C^-1 Grad phi (61): tau_phi = -a G_c gamma h (x) h with
@@ -8,14 +9,20 @@
 /// vanishes.
 ///   AT2: a = 1, w = phi^2/2; a crack is exp(-|x|/gamma); damage begins with the load
 ///   AT1: a = 3/4, w = 3 phi/8; a crack is (1 - |x|/2 gamma)^2; elastic until g' E+ outweighs 3 G_c/(8 gamma)
-/// A crack costs G_c in both.
+///   wu: a = 2/pi, w = (2 phi - phi^2)/pi (Wu 2017); a crack is 1 - sin(|x|/gamma) up to pi gamma/2; elastic
+///   up to a strength of its own, by a degradation that knows it (cohesive.hpp)
+/// A crack costs G_c in all of them.
 namespace impact {
 
 /// w = quadratic phi^2/2 + linear phi, and a.
 struct Regularisation {
   double a, quadratic, linear;
+
+  double broken() const { return 0.5 * quadratic + linear; } ///< w(1)
 };
 inline Regularisation regularisation(const MaterialParameters& m) {
+  constexpr double two_over_pi = 2 * std::numbers::inv_pi;
+  if (m.damage == Damage::wu) return {two_over_pi, -two_over_pi, two_over_pi};
   return m.damage == Damage::at1 ? Regularisation{0.75, 0, 0.375} : Regularisation{1, 1, 0};
 }
 

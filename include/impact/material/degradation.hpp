@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/material/parameters.hpp>
+#include <impact/material/cohesive.hpp>
 #include <impact/math/dual.hpp>
 
 /// Degradations of the energies at one point. A degradation law is a function object g(phi, alpha) of any
@@ -100,6 +100,11 @@ template <class F> decltype(auto) with_degradation(const DegradationParameters& 
     return f(CubicDegradation{m.cubic_s});
   case Degradation::ductile:
     return f(DuctileDegradation{m.alpha_c});
+  case Degradation::linear:
+  case Degradation::exponential:
+  case Degradation::cornelissen:
+  case Degradation::lorentz:
+    return f(CohesiveDegradation{m.cohesive});
   case Degradation::own:
     return f(GivenDegradation{*m.own_degradation});
   default:

@@ -7,11 +7,12 @@
 namespace impact {
 
 enum class Model { elastic, j2, rigid };
-enum class Damage { none, at2, at1 }; ///< local part of the crack energy (56), see crack.hpp
+enum class Damage { none, at2, at1, wu }; ///< local part of the crack energy (56), see crack.hpp
 /// What of the elastic energy is E+ (49); automatic: of options, no law has it.
 enum class Split { volumetric, none, spectral, automatic };
-enum class Degradation { quadratic, cubic, ductile, own }; ///< g_e1(phi), ductile: g_e1(phi, alpha)
-enum class PlasticDegradation { one, ge };                 ///< g_p = 1 (the paper's run) or g_p = g_e1
+/// g_e1(phi), ductile: g_e1(phi, alpha); from linear to lorentz: those of a strength (cohesive.hpp)
+enum class Degradation { quadratic, cubic, ductile, linear, exponential, cornelissen, lorentz, own };
+enum class PlasticDegradation { one, ge };       ///< g_p = 1 (the paper's run) or g_p = g_e1
 enum class DamageGradient { spatial, material }; ///< psi_phi with C^-1 (paper, S_phi != 0) or with 1
 enum class Conduction { spatial, material }; ///< isotropic where the body is now, or in the reference (paper)
 enum class ConductionDegradation { one, ge }; ///< g_theta = 1 or g_theta = g_e1
@@ -52,12 +53,18 @@ struct FlowParameters {
   const HardeningFunctions* own_hardening = nullptr;          ///< with HardeningKind::own
 };
 
+/// Numbers of a degradation (1-phi)^p / ((1-phi)^p + a_1 phi (1 + a_2 phi + a_2 a_3 phi^2)) (cohesive.hpp).
+struct CohesiveShape {
+  double p = 2, a1 = 0, a2 = 0, a3 = 0;
+};
+
 /// What a degradation reads beside phi and alpha.
 struct DegradationParameters {
   Degradation ge = Degradation::quadratic;
   double cubic_s = 1e-4;            ///< slope parameter of the cubic degradation
   double alpha_c = 0;               ///< critical plastic strain of the ductile degradation
   double residual_stiffness = 1e-6; ///< g = (1 - k) g(phi) + k
+  CohesiveShape cohesive;           ///< of linear to lorentz
   const DegradationFunctions* own_degradation = nullptr; ///< with Degradation::own
 };
 
