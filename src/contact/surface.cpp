@@ -62,7 +62,7 @@ ContactSurface surface_of(const Mesh& mesh, const std::string& group, const Face
     surface.length.push_back(longest_side(&surface.X[first], surface.corners, dim));
     const PetscInt* cone = nullptr;
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
-    surface.reversed.push_back(dim != 2 || cone[0] == mesh.vertex_point(nodes[0]) ? 0 : 1);
+    surface.reversed.push_back(dim != 2 || cone[0] == mesh.point(nodes[0]) ? 0 : 1);
   }
   return surface;
 }

@@ -1,4 +1,4 @@
-#include <impact/element/cells.hpp>
+#include <impact/element/second_order.hpp>
 #include <impact/kernel/boundary_load.hpp>
 
 #include <cmath>
@@ -42,15 +42,18 @@ void area_vector(const double (&a)[3][2], int dim, double* n) {
 
 } // namespace
 
-FacetPoint facet_point(int nodes, int q) {
+FacetPoint facet_point(int dim, int nodes, int q) {
   FacetPoint p{};
-  if (nodes == 3) {
-    fill<Tri3>(q, p);
-  } else if (nodes == 4) {
-    fill<Quad4>(q, p);
-  } else {
+  if (dim == 3) {
+    nodes == 3 ? fill<Tri3>(q, p) : nodes == 4 ? fill<Quad4>(q, p) : fill<Tri6>(q, p);
+  } else if (nodes == 2) {
     const double xi = q == 0 ? -Quad4::gauss : Quad4::gauss;
-    p = {{(1 - xi) / 2, (1 + xi) / 2, 0, 0}, {{-0.5, 0}, {0.5, 0}, {0, 0}, {0, 0}}, 1};
+    p = {{(1 - xi) / 2, (1 + xi) / 2}, {{-0.5, 0}, {0.5, 0}}, 1};
+  } else { // 3-point Gauss rule
+    const double xi = (q - 1) * 0.77459666924148337704;
+    p = {{xi * (xi - 1) / 2, xi * (xi + 1) / 2, 1 - xi * xi},
+         {{xi - 0.5, 0}, {xi + 0.5, 0}, {-2 * xi, 0}},
+         q == 1 ? 8.0 / 9 : 5.0 / 9};
   }
   return p;
 }

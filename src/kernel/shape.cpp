@@ -9,7 +9,8 @@ namespace {
 
 // The list of all shapes.
 std::vector<Shape>& shapes() {
-  static std::vector<Shape> list = {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8};
+  static std::vector<Shape> list = {Shape::tri3, Shape::quad4, Shape::tet4,
+                                    Shape::hex8, Shape::tri6,  Shape::tet10};
   return list;
 }
 
@@ -19,6 +20,29 @@ std::span<const Shape> known_shapes() { return shapes(); }
 
 int index_of(Shape shape) {
   return static_cast<int>(std::find(shapes().begin(), shapes().end(), shape) - shapes().begin());
+}
+
+Shape find_shape(int dim, std::string_view polytope, int order) {
+  Shape found;
+  for (const Shape shape : shapes())
+    if (shape->dim == dim && shape->names.polytope == polytope && shape->order() == order) found = shape;
+  return found;
+}
+
+Shape linear(Shape shape) {
+  return shape->order() == 1 ? shape : find_shape(shape->dim, shape->names.polytope, 1);
+}
+
+std::vector<int> facet_nodes(Shape shape, const CellFacet& facet) {
+  const auto corners = static_cast<std::size_t>(node_count(facet));
+  std::vector<int> nodes(facet.begin(), facet.begin() + corners);
+  for (std::size_t k = 0; k < (corners == 2 ? 1 : corners); ++k) {
+    const int a = facet[k], b = facet[(k + 1) % corners];
+    for (std::size_t e = 0; e < shape->edges.size(); ++e)
+      if (shape->edges[e] == CellEdge{a, b} || shape->edges[e] == CellEdge{b, a})
+        nodes.push_back(shape->corners() + static_cast<int>(e));
+  }
+  return nodes;
 }
 
 KnownShape::KnownShape(const CellShape& cell) { shapes().emplace_back(cell); }
@@ -52,8 +76,11 @@ bool locate(Shape shape, const double* X, const double* at, double* N) {
     if (!(step < 1e3)) return false;
     if (step < 1e-13) break;
   }
+  const Shape corner_cell = linear(shape); // its functions are negative outside alone
+  corner_cell->basis(xi.data(), N, slope);
+  const bool inside = std::none_of(N, N + corner_cell->nodes, [](double value) { return value < -1e-9; });
   shape->basis(xi.data(), N, slope);
-  return std::none_of(N, N + nodes, [](double value) { return value < -1e-9; });
+  return inside;
 }
 
 } // namespace impact

@@ -48,17 +48,18 @@ void share_smallest(const Mesh& mesh, UnionFind& pieces, std::vector<int>& value
   PetscInt chart_end = 0;
   check(DMPlexGetChart(mesh.dm(), nullptr, &chart_end));
   std::vector<int> of_point(at(chart_end), none);
-  const std::span<int> shared = std::span(of_point).subspan(at(mesh.vertex_point(0)), value.size());
+  const auto shared = [&](int node) -> int& { return of_point[at(mesh.point(node))]; };
   for (int changed = 1; changed != 0; changed = max_over_ranks(mesh.comm(), changed)) {
     std::vector<int> smallest(value.size(), none);
     for (int i = 0; i < mesh.node_count(); ++i) {
       int& of_piece = smallest[at(pieces.root(i))];
       of_piece = std::min(of_piece, value[at(i)]);
     }
-    for (int i = 0; i < mesh.node_count(); ++i) shared[at(i)] = smallest[at(pieces.root(i))];
+    for (int i = 0; i < mesh.node_count(); ++i) shared(i) = smallest[at(pieces.root(i))];
     share_points(mesh.dm(), MPI_MIN, of_point);
-    changed = !std::equal(value.begin(), value.end(), shared.begin());
-    std::copy(shared.begin(), shared.end(), value.begin());
+    changed = 0;
+    for (int i = 0; i < mesh.node_count(); ++i)
+      changed |= static_cast<int>(std::exchange(value[at(i)], shared(i)) != shared(i));
   }
 }
 

@@ -7,11 +7,8 @@ namespace impact {
 FieldLayout::FieldLayout(const Mesh& mesh, std::string name, int components)
     : name_(std::move(name)), components_(components), node_count_(mesh.node_count()) {
   check(DMClone(mesh.dm(), dm_.out()));
-  const PetscInt components_of_strata[] = {components_, 0, 0, 0}; // vertices have all dofs
-  Handle<PetscSection> section;
   check(DMSetNumFields(dm_, 1));
-  check(DMPlexCreateSection(dm_, nullptr, &components_, components_of_strata, 0, nullptr, nullptr, nullptr,
-                            nullptr, section.out()));
+  const Handle<PetscSection> section = node_section(dm_, mesh.order(), components_);
   check(PetscSectionSetFieldName(section, 0, name_.c_str()));
   check(DMSetLocalSection(dm_, section));
   // The local vector borrows the caller's arrays; it needs none of its own.

@@ -2,6 +2,7 @@
 #include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
 #include <impact/mesh/gmsh.hpp>
+#include <numeric>
 #include <sstream>
 
 namespace impact {
@@ -28,6 +29,48 @@ template <class Body> void for_each_cell(GmshFile& file, Body&& body) {
     const Shape shape = block.shape();
     for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) body(&block.node[k], shape);
   }
+}
+
+// From gmsh's order of nodes to ours; boundaries keep the corners of their elements.
+void order_nodes(GmshFile& file) {
+  for (GmshBlock& block : file.blocks) {
+    const auto nodes = at(block.nodes);
+    if (block.dim == file.dim) {
+      const auto from_gmsh = block.shape()->from_gmsh;
+      std::vector<int> before(nodes);
+      for (std::size_t k = 0; !from_gmsh.empty() && k < block.node.size(); k += nodes) {
+        std::copy_n(&block.node[k], nodes, before.begin());
+        for (std::size_t a = 0; a < nodes; ++a) block.node[k + a] = before[at(from_gmsh[a])];
+      }
+    } else if (const int corners = block.dim < 2 ? block.dim + 1 : block.shape()->corners();
+               corners < block.nodes) {
+      std::vector<int> kept;
+      for (std::size_t k = 0; k < block.node.size(); ++k)
+        if (k % nodes < at(corners)) kept.push_back(block.node[k]);
+      block.node = std::move(kept);
+      block.nodes = corners;
+    }
+  }
+}
+
+// Cells of one order, which have the nodes on their common edges in common.
+void check_edges(GmshFile& file) {
+  std::vector<std::array<int, 3>> edges; // ends, middle
+  bool first_order = false;
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    first_order = first_order || shape->order() == 1;
+    for (std::size_t e = 0; e < shape->edges.size(); ++e) {
+      const auto [a, b] = std::minmax(node[shape->edges[e][0]], node[shape->edges[e][1]]);
+      edges.push_back({a, b, node[at(shape->corners()) + e]});
+    }
+  });
+  if (edges.empty()) return;
+  if (first_order) unusable("cells of first and of second order; give all cells the same order");
+  std::sort(edges.begin(), edges.end());
+  for (std::size_t k = 1; k < edges.size(); ++k)
+    if (edges[k][0] == edges[k - 1][0] && edges[k][1] == edges[k - 1][1] && edges[k][2] != edges[k - 1][2])
+      unusable("two nodes in the middle of one edge, near " + place(file, edges[k][2]) +
+               "; cells must share all nodes of their common sides");
 }
 
 void check_nodes(GmshFile& file) {
@@ -65,7 +108,7 @@ void check_duplicates(GmshFile& file, bool version4) {
   for_each_cell(file, [&](const int* node, Shape shape) {
     auto& key = cells.emplace_back();
     key.fill(-1);
-    std::sort(key.begin(), std::copy(node, node + shape->nodes, key.begin()));
+    std::sort(key.begin(), std::copy(node, node + shape->corners(), key.begin()));
   });
   std::sort(cells.begin(), cells.end());
   const auto twin = std::adjacent_find(cells.begin(), cells.end());
@@ -81,7 +124,7 @@ const std::vector<std::vector<int>>& corner_edges(Shape shape) {
   static std::map<Shape, std::vector<std::vector<int>>> known;
   auto& edges = known[shape];
   if (!edges.empty()) return edges;
-  edges.resize(at(shape->nodes));
+  edges.resize(at(shape->corners()));
   std::map<std::pair<int, int>, int>
       next; // {corner, other end}: seen from outside, a facet turns to the first
   for (const CellFacet& facet : shape->facets) {
@@ -107,6 +150,25 @@ double corner_determinant(const GmshFile& file, const int* node, std::size_t cor
   return determinant(e[0], e[1], e[2]);
 }
 
+// Where each node of a cell goes when it is turned.
+std::vector<int> mirrored(Shape shape) {
+  std::vector<int> place(at(shape->corners()));
+  std::iota(place.begin(), place.end(), 0);
+  if (shape->dim == 2 || shape->simplex()) {
+    std::reverse(place.begin() + 1, shape->dim == 2 ? place.end() : place.begin() + 3);
+  } else {
+    std::swap(place[1], place[3]);
+    std::swap(place[5], place[7]);
+  }
+  for (const auto& [a, b] : shape->edges) {
+    const CellEdge edge{place[at(a)], place[at(b)]}, reverse{edge[1], edge[0]};
+    const auto found = std::ranges::find_if(
+        shape->edges, [&](const CellEdge& other) { return other == edge || other == reverse; });
+    place.push_back(shape->corners() + static_cast<int>(found - shape->edges.begin()));
+  }
+  return place;
+}
+
 // Cells whose nodes run the other way round are turned.
 void orient(GmshFile& file) {
   for_each_cell(file, [&](int* node, Shape shape) {
@@ -115,12 +177,8 @@ void orient(GmshFile& file) {
     for (std::size_t a = 0; a < edges.size(); ++a) sum += corner_determinant(file, node, a, edges[a]);
     if (sum >= 0) return;
     ++file.turned_cells;
-    if (file.dim == 2 || shape->simplex()) {
-      std::reverse(node + 1, node + (file.dim == 2 ? shape->nodes : 3));
-    } else {
-      std::swap(node[1], node[3]);
-      std::swap(node[5], node[7]);
-    }
+    const std::vector<int> before(node, node + shape->nodes);
+    for (const int from : mirrored(shape)) *node++ = before[at(from)];
   });
 }
 
@@ -218,7 +276,9 @@ void check_gmsh(GmshFile& file, bool version4) {
   if (std::none_of(file.groups.begin(), file.groups.end(),
                    [&](const GmshGroup& g) { return g.dim == file.dim; }))
     unusable("no physical group of cells; name the regions (Physical Surface or Volume)");
+  order_nodes(file);
   check_nodes(file);
+  check_edges(file);
   check_duplicates(file, version4);
   orient(file);
   check_corners(file);

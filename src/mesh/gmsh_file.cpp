@@ -17,14 +17,17 @@ namespace {
 GmshBlock kind_of(std::int64_t type) {
   if (type == 15) return {0, 1, 0, {}};
   if (type == 1) return {1, 2, 0, {}};
+  if (type == 8) return {1, 3, 0, {}};
   for (const Shape shape : known_shapes())
     if (shape->names.gmsh == type) return {shape->dim, shape->nodes, 0, {}};
   if (type == 6 || type == 7)
     throw UserError(ExitCode::data,
                     "prisms or pyramids; allowed are triangles, quadrilaterals, tetrahedra and hexahedra");
   if (type >= 8 && type <= 140)
-    throw UserError(ExitCode::data, "elements of second or higher order (gmsh type " + std::to_string(type) +
-                                        "); mesh with first order (gmsh -order 1)");
+    throw UserError(ExitCode::data,
+                    "elements of gmsh type " + std::to_string(type) +
+                        ": of second order allowed are triangles of 6 and tetrahedra of 10 nodes, and no "
+                        "higher order; mesh with first order (gmsh -order 1)");
   garbled("unknown element type " + std::to_string(type));
 }
 

@@ -116,14 +116,13 @@ void check_parameters(const std::string& geo, const std::map<std::string, std::s
   }
 }
 
-std::vector<std::string> command(const std::string& geo, const std::map<std::string, std::string>& parameters,
-                                 const std::string& out) {
-  std::vector<std::string> words{"gmsh", "-3", "-format",  "msh41", "-order", "1",
+std::vector<std::string> command(const MeshRequest& request, const std::string& out) {
+  std::vector<std::string> words{"gmsh", "-3", "-format",  "msh41", "-order", request.order == 2 ? "2" : "1",
                                  "-nt",  "1",  "-nopopup", "-v",    "2"};
-  for (const auto& [name, value] : parameters) {
+  for (const auto& [name, value] : request.parameters) {
     words.insert(words.end(), {is_number(value) ? "-setnumber" : "-setstring", name, value});
   }
-  words.insert(words.end(), {"-o", out, geo});
+  words.insert(words.end(), {"-o", out, request.file});
   return words;
 }
 
@@ -217,7 +216,7 @@ std::string run_gmsh(const MeshRequest& request) {
   const std::string out = (fs::path(request.work_dir) / fs::path(geo).stem()).string() + ".msh";
   fs::remove(out, ignored); // a stale file must not pass for the new mesh
   // -3 also serves plane geometries, whose surfaces it meshes on the way.
-  const Ended end = run(command(geo, request.parameters, out), request);
+  const Ended end = run(command(request, out), request);
   if (!end.stopped_by.empty())
     throw UserError(ExitCode::io, geo + ": gmsh was ended by " + end.stopped_by +
                                       "; nothing is computed yet, and there is nothing to go on from");

@@ -37,13 +37,13 @@ double smallest_relative_det(Shape shape, const double* coordinates, const int* 
 } // namespace
 
 Mesh::Mesh(Handle<DM> dm, std::vector<Group> groups) : dm_(std::move(dm)), groups_(std::move(groups)) {
-  PetscInt dim = 0, end = 0;
+  PetscInt dim = 0;
   check(DMGetDimension(dm_, &dim));
   dim_ = static_cast<int>(dim);
   if (dim_ != 2 && dim_ != 3)
     throw UserError(ExitCode::data, "mesh: dimension " + std::to_string(dim_) + "; allowed 2 and 3");
-  check(DMPlexGetDepthStratum(dm_, 0, &vertex_start_, &end));
-  node_count_ = static_cast<int>(end - vertex_start_);
+  order_ = order_of(dm_);
+  nodes_ = node_map(dm_, order_);
   for (const Group& g : groups_) {
     PetscBool known = PETSC_FALSE;
     check(DMHasLabel(dm_, g.name.c_str(), &known));
@@ -65,16 +65,7 @@ std::string Mesh::place(int node) const {
   return text.str();
 }
 
-std::vector<int> Mesh::closure(PetscInt point) const {
-  PetscInt size = 0, *points = nullptr;
-  std::vector<int> nodes;
-  check(DMPlexGetTransitiveClosure(dm_, point, PETSC_TRUE, &size, &points));
-  for (PetscInt k = 0; k < size; ++k)
-    if (points[2 * k] >= vertex_start_ && points[2 * k] < vertex_start_ + node_count_)
-      nodes.push_back(static_cast<int>(points[2 * k] - vertex_start_));
-  check(DMPlexRestoreTransitiveClosure(dm_, point, PETSC_TRUE, &size, &points));
-  return nodes;
-}
+std::vector<int> Mesh::closure(PetscInt point) const { return nodes_around(dm_, nodes_, point); }
 
 bool Mesh::has_shape(Shape shape) const {
   const auto index = at(index_of(shape));
@@ -90,33 +81,33 @@ void Mesh::read_coordinates() {
               coordinate_dim == dim_ ? "" : "mesh: coordinates have another dimension than the cells");
   check(DMGetCoordinatesLocalSetUp(dm_));
   check(DMGetCoordinatesLocal(dm_, &values));
-  if (node_count_ == 0) return;
+  if (node_count() == 0) return;
   check(VecGetArrayRead(values, &x));
-  coordinates_.assign(x, x + node_count_ * dim_); // they stand in the order of the vertices
+  coordinates_.assign(x, x + node_count() * dim_); // they stand in the order of the nodes
   check(VecRestoreArrayRead(values, &x));
 }
 
-// PETSc numbers owned vertices rank by rank in the order of points, in which it also lays global vectors.
+// PETSc numbers owned nodes rank by rank in the order of points, in which it also lays global vectors.
 void Mesh::number_nodes() {
-  IS numbers = nullptr;
-  const PetscInt* number = nullptr;
-  check(DMPlexGetVertexNumbering(dm_, &numbers));
-  check(ISGetIndices(numbers, &number));
-  for (int n = 0; n < node_count_; ++n) { // those of other ranks are marked by their sign
-    if (number[n] >= 0 && owned_node_count_++ == 0) first_node_ = number[n];
-    global_node_.push_back(number[n] < 0 ? -1 - number[n] : number[n]);
+  Handle<DM> dm;
+  PetscSection numbers = nullptr;
+  check(DMClone(dm_, dm.out()));
+  check(DMSetNumFields(dm, 1));
+  check(DMSetLocalSection(dm, node_section(dm, order_, 1)));
+  check(DMGetGlobalSection(dm, &numbers));
+  for (int n = 0; n < node_count(); ++n) { // those of other ranks are marked by their sign
+    PetscInt number = 0;
+    check(PetscSectionGetOffset(numbers, point(n), &number));
+    if (number >= 0 && owned_node_count_++ == 0) first_node_ = number;
+    global_node_.push_back(number < 0 ? -1 - number : number);
   }
-  check(ISRestoreIndices(numbers, &number));
   global_node_count_ = sum_over_ranks(comm(), owned_node_count_);
 }
 
 Shape Mesh::shape_of(PetscInt cell) const {
   DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
   check(DMPlexGetCellType(dm_, cell, &type));
-  Shape found;
-  for (const Shape shape : known_shapes())
-    if (shape->dim == dim_ && shape->names.polytope == std::string_view(DMPolytopeTypes[type])) found = shape;
-  return found;
+  return find_shape(dim_, DMPolytopeTypes[type], order_);
 }
 
 std::vector<int> Mesh::cell_nodes(PetscInt cell) const {
@@ -129,7 +120,7 @@ std::vector<int> Mesh::cell_nodes(PetscInt cell) const {
 void Mesh::read_cells() {
   PetscInt end = 0;
   check(DMPlexGetHeightStratum(dm_, 0, &cell_start_, &end));
-  if (node_count_ == 0) end = cell_start_;
+  if (node_count() == 0) end = cell_start_;
   cell_count_ = static_cast<int>(end - cell_start_);
   std::string trouble;
   has_shape_.assign(known_shapes().size(), 0);
@@ -139,7 +130,9 @@ void Mesh::read_cells() {
       DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
       check(DMPlexGetCellType(dm_, point, &type));
       trouble = std::string("mesh: a cell of type ") + DMPolytopeTypes[type] +
-                "; allowed are triangles and quadrilaterals in 2D, tetrahedra and hexahedra in 3D";
+                (order_ == 2 ? " in a mesh of second order; allowed are triangles in 2D and tetrahedra in 3D"
+                             : "; allowed are triangles and quadrilaterals in 2D, tetrahedra and hexahedra "
+                               "in 3D");
       break;
     }
     has_shape_[at(index_of(shape))] = 1;
@@ -181,8 +174,8 @@ void Mesh::measure_edges() {
     check(DMPlexGetCone(dm_, edge, &cone));
     double square = 0;
     for (int i = 0; i < dim_; ++i) {
-      const double d = coordinates_[at((cone[1] - vertex_start_) * dim_ + i)] -
-                       coordinates_[at((cone[0] - vertex_start_) * dim_ + i)];
+      const double d = coordinates_[at(nodes_.node(cone[1]) * dim_ + i)] -
+                       coordinates_[at(nodes_.node(cone[0]) * dim_ + i)];
       square += d * d;
     }
     shortest = std::min(shortest, std::sqrt(square));

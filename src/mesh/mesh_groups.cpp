@@ -92,9 +92,10 @@ void Mesh::add_facet(PetscInt facet, PetscInt cell, FacetTable& table) const {
   std::vector<int> wanted = closure(facet);
   std::sort(wanted.begin(), wanted.end());
   const std::vector<int> node = cell_nodes(cell);
-  for (const CellFacet& side : shape_of(cell)->facets) {
+  const Shape shape = shape_of(cell);
+  for (const CellFacet& side : shape->facets) {
     std::vector<int> nodes;
-    for (int a = 0; a < impact::node_count(side); ++a) nodes.push_back(node[at(side[at(a)])]);
+    for (const int a : facet_nodes(shape, side)) nodes.push_back(node[at(a)]);
     std::vector<int> sorted = nodes;
     std::sort(sorted.begin(), sorted.end());
     if (sorted != wanted) continue;
@@ -138,7 +139,8 @@ FacetTable Mesh::facets(const std::string& name) const {
   FacetTable table;
   for (const Shape shape : known_shapes())
     for (std::size_t f = 0; has_shape(shape) && f < shape->facets.size(); ++f)
-      table.nodes_per_facet = std::max(table.nodes_per_facet, impact::node_count(shape->facets[f]));
+      table.nodes_per_facet =
+          std::max(table.nodes_per_facet, static_cast<int>(facet_nodes(shape, shape->facets[f]).size()));
   PetscInt start = 0, end = 0;
   check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
   for (const PetscInt point : owned_points(name)) {
@@ -178,25 +180,29 @@ std::vector<int> Mesh::nodes(const std::string& name) const {
   check(DMPlexGetChart(dm_, nullptr, &chart_end));
   std::vector<int> marked(at(chart_end), 0);
   for (const PetscInt point : points(name))
-    for (const int n : closure(point)) marked[at(vertex_point(n))] = 1;
+    for (const int n : closure(point)) marked[at(this->point(n))] = 1;
   share_points(dm_, MPI_MAX, marked);
   std::vector<int> result;
-  for (int n = 0; n < node_count_; ++n)
-    if (marked[at(vertex_point(n))] != 0) result.push_back(n);
+  for (int n = 0; n < node_count(); ++n)
+    if (marked[at(this->point(n))] != 0) result.push_back(n);
   return result;
 }
 
 std::vector<double> Mesh::node_shares(const std::string& name) const {
   const int group_dim = group(name).dim;
-  std::vector<double> shares(at(node_count_), 0.0);
+  std::vector<double> shares(at(node_count()), 0.0);
   for (const PetscInt point : owned_points(name)) {
-    const std::vector<int> ends = closure(point);
+    std::vector<int> ends = closure(point);
+    const int middle = order_ == 2 && group_dim == 1 ? ends.front() : -1; // the edge itself comes first
+    if (middle >= 0) ends.erase(ends.begin());
     double size = 0;
     for (int k = 0; group_dim == 1 && k < dim_; ++k) {
       const double step = coordinates_[at(ends.at(1) * dim_ + k)] - coordinates_[at(ends.at(0) * dim_ + k)];
       size += step * step;
     }
-    for (const int node : ends) shares[at(node)] += group_dim == 0 ? 1 : std::sqrt(size) / 2;
+    size = std::sqrt(size);
+    if (middle >= 0) shares[at(middle)] += 2 * size / 3;
+    for (const int node : ends) shares[at(node)] += group_dim == 0 ? 1 : size / (middle >= 0 ? 6 : 2);
   }
   return shares;
 }

@@ -32,35 +32,74 @@ PetscInt count_cells(const GmshFile& file) {
   return count;
 }
 
-/// The cells of this rank's part of a file, and the vertices that they use: points of a mesh to be built.
-struct Part {
-  MPI_Comm comm;
-  PetscInt cells;
-  std::vector<PetscInt> vertex; // numbers in the file, rising
-  Handle<PetscSF> of_file;      // from the nodes of all parts of the file to these vertices
+// body(nodes, shape) for the cells of this rank's part, in their order.
+template <class Body> void for_each_cell(const GmshFile& file, Body&& body) {
+  for (const GmshBlock& block : file.blocks) {
+    if (block.dim != file.dim) continue;
+    const Shape shape = block.shape();
+    for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) body(&block.node[k], shape);
+  }
+}
 
-  Part(MPI_Comm all, const GmshFile& file) : comm(all), cells(count_cells(file)) {
-    for (const GmshBlock& block : file.blocks)
-      if (block.dim == file.dim) vertex.insert(vertex.end(), block.node.begin(), block.node.end());
-    std::sort(vertex.begin(), vertex.end());
-    vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
-    vertex.shrink_to_fit();
+/// Nodes of a file that this rank's cells use.
+struct FileNodes {
+  std::vector<PetscInt> number; // in the file, rising
+  Handle<PetscSF> of_file;      // from the nodes of all parts of the file to these
+
+  FileNodes(MPI_Comm comm, const GmshFile& file, std::vector<PetscInt> used) : number(std::move(used)) {
+    std::sort(number.begin(), number.end());
+    number.erase(std::unique(number.begin(), number.end()), number.end());
+    number.shrink_to_fit();
     PetscLayout nodes = nullptr;
     check(
         PetscLayoutCreateFromSizes(comm, static_cast<PetscInt>(file.x.size() / 3), PETSC_DECIDE, 1, &nodes));
     check(PetscSFCreate(comm, of_file.out()));
-    check(PetscSFSetGraphLayout(of_file, nodes, static_cast<PetscInt>(vertex.size()), nullptr,
-                                PETSC_COPY_VALUES, vertex.data()));
+    check(PetscSFSetGraphLayout(of_file, nodes, static_cast<PetscInt>(number.size()), nullptr,
+                                PETSC_COPY_VALUES, number.data()));
     check(PetscLayoutDestroy(&nodes));
   }
-  PetscInt end() const { return cells + static_cast<PetscInt>(vertex.size()); }
+  std::vector<std::array<double, 3>> places(const GmshFile& file) const {
+    std::vector<std::array<double, 3>> X(number.size());
+    MPI_Datatype place = MPI_DATATYPE_NULL;
+    MPI_Type_contiguous(3, MPI_DOUBLE, &place);
+    MPI_Type_commit(&place);
+    check(PetscSFBcastBegin(of_file, place, file.x.data(), X.data(), MPI_REPLACE));
+    check(PetscSFBcastEnd(of_file, place, file.x.data(), X.data(), MPI_REPLACE));
+    MPI_Type_free(&place);
+    return X;
+  }
+  /// Place among these nodes; -1 where no cell of this rank has the node.
+  PetscInt find(PetscInt node) const {
+    const bool all = !number.empty() && number.back() + 1 == static_cast<PetscInt>(number.size());
+    if (all && node < static_cast<PetscInt>(number.size())) return node;
+    const auto found = std::lower_bound(number.begin(), number.end(), node);
+    return found == number.end() || *found != node ? -1 : static_cast<PetscInt>(found - number.begin());
+  }
+};
+
+// Corners of this rank's cells, or the nodes in the middle of their edges.
+std::vector<PetscInt> used_nodes(const GmshFile& file, bool corners) {
+  std::vector<PetscInt> used;
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    const int middle = shape->corners();
+    used.insert(used.end(), node + (corners ? 0 : middle), node + (corners ? middle : shape->nodes));
+  });
+  return used;
+}
+
+/// The cells of this rank's part of a file, and the vertices that they use: points of a mesh to be built.
+struct Part {
+  MPI_Comm comm;
+  PetscInt cells;
+  FileNodes vertex;
+
+  Part(MPI_Comm all, const GmshFile& file)
+      : comm(all), cells(count_cells(file)), vertex(all, file, used_nodes(file, true)) {}
+  PetscInt end() const { return cells + static_cast<PetscInt>(vertex.number.size()); }
   /// -1 where no cell of this rank has the node.
   PetscInt point(PetscInt node) const {
-    const bool all = !vertex.empty() && vertex.back() + 1 == static_cast<PetscInt>(vertex.size());
-    if (all && node < static_cast<PetscInt>(vertex.size())) return cells + node;
-    const auto found = std::lower_bound(vertex.begin(), vertex.end(), node);
-    return found == vertex.end() || *found != node ? -1
-                                                   : cells + static_cast<PetscInt>(found - vertex.begin());
+    const PetscInt place = vertex.find(node);
+    return place < 0 ? -1 : cells + place;
   }
 };
 
@@ -73,12 +112,13 @@ void share_vertices(DM dm, const Part& part, PetscInt nodes_of_file) {
   struct Owner {
     int rank = std::numeric_limits<int>::max(), point = 0;
   };
-  std::vector<Owner> mine, owner(part.vertex.size()), of_node(at(nodes_of_file));
+  std::vector<Owner> mine, owner(part.vertex.number.size()), of_node(at(nodes_of_file));
   for (PetscInt point = part.cells; point < part.end(); ++point) mine.push_back({rank, point});
-  check(PetscSFReduceBegin(part.of_file, MPI_2INT, mine.data(), of_node.data(), MPI_MINLOC));
-  check(PetscSFReduceEnd(part.of_file, MPI_2INT, mine.data(), of_node.data(), MPI_MINLOC));
-  check(PetscSFBcastBegin(part.of_file, MPI_2INT, of_node.data(), owner.data(), MPI_REPLACE));
-  check(PetscSFBcastEnd(part.of_file, MPI_2INT, of_node.data(), owner.data(), MPI_REPLACE));
+  PetscSF of_file = part.vertex.of_file;
+  check(PetscSFReduceBegin(of_file, MPI_2INT, mine.data(), of_node.data(), MPI_MINLOC));
+  check(PetscSFReduceEnd(of_file, MPI_2INT, mine.data(), of_node.data(), MPI_MINLOC));
+  check(PetscSFBcastBegin(of_file, MPI_2INT, of_node.data(), owner.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(of_file, MPI_2INT, of_node.data(), owner.data(), MPI_REPLACE));
   std::vector<PetscInt> ghost;
   std::vector<PetscSFNode> at_owner;
   for (std::size_t v = 0; v < owner.size(); ++v)
@@ -98,20 +138,16 @@ Handle<DM> make_topology(const Part& part, const GmshFile& file) {
   check(DMSetDimension(bare, file.dim));
   check(DMPlexSetChart(bare, 0, part.end()));
   PetscInt cell = 0;
-  for (const GmshBlock& block : file.blocks)
-    for (std::size_t k = 0; block.dim == file.dim && k < block.node.size(); k += at(block.nodes))
-      check(DMPlexSetConeSize(bare, cell++, block.nodes));
+  for_each_cell(file,
+                [&](const int*, Shape shape) { check(DMPlexSetConeSize(bare, cell++, shape->corners())); });
   check(DMSetUp(bare));
   cell = 0;
-  for (const GmshBlock& block : file.blocks) {
-    if (block.dim != file.dim) continue;
-    const Shape shape = block.shape();
-    for (std::size_t k = 0; k < block.node.size(); k += at(block.nodes)) {
-      PetscInt cone[max_nodes];
-      for (int a = 0; a < block.nodes; ++a) cone[shape->from_plex[at(a)]] = part.point(block.node[k + at(a)]);
-      check(DMPlexSetCone(bare, cell++, cone));
-    }
-  }
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    PetscInt cone[max_nodes];
+    const auto from_plex = linear(shape)->from_plex;
+    for (std::size_t a = 0; a < from_plex.size(); ++a) cone[from_plex[a]] = part.point(node[a]);
+    check(DMPlexSetCone(bare, cell++, cone));
+  });
   check(DMPlexSymmetrize(bare));
   check(DMPlexStratify(bare));
   share_vertices(bare, part, static_cast<PetscInt>(file.x.size() / 3));
@@ -120,17 +156,31 @@ Handle<DM> make_topology(const Part& part, const GmshFile& file) {
 }
 
 void set_coordinates(DM dm, const Part& part, const GmshFile& file, double scale) {
-  std::vector<std::array<double, 3>> X(part.vertex.size());
-  MPI_Datatype place = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(3, MPI_DOUBLE, &place);
-  MPI_Type_commit(&place);
-  check(PetscSFBcastBegin(part.of_file, place, file.x.data(), X.data(), MPI_REPLACE));
-  check(PetscSFBcastEnd(part.of_file, place, file.x.data(), X.data(), MPI_REPLACE));
-  MPI_Type_free(&place);
   std::vector<PetscReal> x;
-  for (const auto& corner : X)
+  for (const auto& corner : part.vertex.places(file))
     for (std::size_t i = 0; i < at(file.dim); ++i) x.push_back(scale * corner[i]);
   check(DMPlexBuildCoordinatesFromCellList(dm, file.dim, x.data()));
+}
+
+// Nodes in the middle of the edges, where the file has them; straight edges elsewhere.
+void set_edge_nodes(DM dm, MPI_Comm comm, const GmshFile& file, double scale) {
+  add_edge_nodes(dm);
+  const NodeMap nodes = node_map(dm, 2);
+  const FileNodes middles(comm, file, used_nodes(file, false));
+  const std::vector<std::array<double, 3>> X = middles.places(file);
+  Vec coordinates = nullptr;
+  PetscScalar* x = nullptr;
+  check(DMGetCoordinatesLocal(dm, &coordinates));
+  check(VecGetArray(coordinates, &x));
+  PetscInt cell = 0;
+  for_each_cell(file, [&](const int* node, Shape shape) {
+    const std::vector<int> local = nodes_around(dm, nodes, cell++);
+    for (int a = shape->corners(); a < shape->nodes; ++a)
+      for (int i = 0; i < file.dim; ++i)
+        x[local[at(shape->from_plex[at(a)])] * file.dim + i] = scale * X[at(middles.find(node[a]))][at(i)];
+  });
+  check(VecRestoreArray(coordinates, &x));
+  check(DMSetCoordinatesLocal(dm, coordinates)); // the global ones are made afresh from these
 }
 
 // Elements of lower dimension are found among the points of the mesh by their vertices.
@@ -141,7 +191,8 @@ void label_elements(DM dm, const Part& part, const GmshFile& file) {
       const std::vector<int>& groups = file.sets[at(block.set)];
       PetscInt point = 0, vertex[max_nodes], found = 0;
       const PetscInt* join = nullptr;
-      for (int a = 0; a < block.nodes; ++a) vertex[a] = part.point(block.node[k + at(a)]);
+      if (block.dim < file.dim)
+        for (int a = 0; a < block.nodes; ++a) vertex[a] = part.point(block.node[k + at(a)]);
       if (block.dim == file.dim) {
         point = cell++;
       } else if (block.dim == 0 || *std::min_element(vertex, vertex + block.nodes) < 0) {
@@ -202,6 +253,27 @@ void check_size(MPI_Comm comm, DM dm, int dim, const MeshRequest& request) {
                                         std::to_string(static_cast<long long>(request.most_cells)) +
                                         "; refine less (-dm_refine), or allow as many by -mesh_cells");
   check(PetscPrintf(comm, "%s\n", text));
+}
+
+// Order of the cells of a file. Collective.
+int order_of(MPI_Comm comm, const GmshFile& file) {
+  int order = 1;
+  for_each_cell(file, [&](const int*, Shape shape) { order = std::max(order, shape->order()); });
+  return max_over_ranks(comm, order);
+}
+
+// What an order is asked for that the file cannot have.
+void check_order(int order, const MeshRequest& request) {
+  if (order == 1) return;
+  if (request.order == 1)
+    throw UserError(ExitCode::data, request.file + ": its cells are of second order, -order is 1; leave it "
+                                                   "out, or mesh with first order (gmsh -order 1)");
+  if (request.refine > 0)
+    throw UserError(ExitCode::data,
+                    request.file +
+                        ": its cells are of second order, which -dm_refine cannot divide; allowed: "
+                        "0; mesh with smaller cells, or with first order (gmsh -order 1), whose "
+                        "straight edges -order 2 gives nodes after -dm_refine");
 }
 
 // Smallest and largest coordinates, of all ranks.
@@ -274,11 +346,14 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
   if (request.refine > 0) std::ranges::stable_sort(file.blocks, {}, &GmshBlock::nodes);
   std::vector<Group> groups;
   for (const GmshGroup& g : file.groups) groups.push_back({g.name, g.dim});
+  const int order = order_of(comm, file);
+  check_order(order, request);
   Handle<DM> dm;
   {
     const Part part(comm, file);
     dm = make_topology(part, file);
     set_coordinates(dm, part, file, request.scale);
+    if (order == 2) set_edge_nodes(dm, comm, file, request.scale);
     for (const Group& g : groups) check(DMCreateLabel(dm, g.name.c_str()));
     agree_on_errors(comm, [&] { label_elements(dm, part, file); });
     share_labels(dm, file);
@@ -292,6 +367,7 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
     if (!evenly_shared(dm, request.weights)) distribute(dm, request.weights);
   }
   order_for_locality(dm);
+  if (request.order > order) add_edge_nodes(dm);
   check(PetscObjectSetName(reinterpret_cast<PetscObject>(dm.get()), "mesh"));
   return Mesh(std::move(dm), std::move(groups));
 }

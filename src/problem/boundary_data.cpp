@@ -4,10 +4,10 @@
 #include <impact/input/spelling.hpp>
 #include <impact/input/units.hpp>
 #include <impact/math/index.hpp>
-#include <impact/math/vector3.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/boundary_data.hpp>
+#include <impact/problem/surface_load.hpp>
 #include <map>
 
 namespace impact {
@@ -29,21 +29,6 @@ const Group& require_group(const Mesh& mesh, const BoundaryCondition& bc, const 
                     "-bc_" + bc.id + "_on \"" + name +
                         "\": no such physical group; mesh has: " + groups_text(mesh.groups()));
   return *group;
-}
-
-double facet_area(const Mesh& mesh, const FacetTable& facets, int f) {
-  const int dim = mesh.dim(), n = facets.nodes_per_facet;
-  auto x = [&](int a, int k) {
-    const int node = facets.connectivity[at(f * n + a)];
-    return mesh.coordinates()[at(node * dim + k)];
-  };
-  if (dim == 2) return std::hypot(x(1, 0) - x(0, 0), x(1, 1) - x(0, 1));
-  double area = 0;
-  for (int t = 1; t + 1 < n; ++t) {
-    const auto side = [&](int a) { return Vector3{x(a, 0) - x(0, 0), x(a, 1) - x(0, 1), x(a, 2) - x(0, 2)}; };
-    area += 0.5 * length(cross(side(t), side(t + 1)));
-  }
-  return area;
 }
 
 } // namespace
@@ -206,7 +191,8 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
                                           "D; mesh has: " + groups_text(mesh.groups()));
     if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", group.name);
     LoadedFacets load{c, mesh.facets(group.name)};
-    for (int f = 0; f < load.facets.count(); ++f) force_area_[at(c)] += facet_area(mesh, load.facets, f);
+    // of a ring per radian and radius
+    force_area_[at(c)] += area_of(load.facets, dim_ == 3 ? Frame::solid : Frame::plane_strain, x_);
     (is_thermal(bc.type)           ? heat_fluxes_
      : bc.type == BcType::pressure ? pressures_
                                    : tractions_)

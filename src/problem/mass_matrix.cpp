@@ -82,7 +82,18 @@ void MassMatrix::build() {
   check(KSPSetOperators(solver_, free_, free_));
 }
 
-// Row sums of the consistent mass: int rho N_a, positive for the cells that there are.
+// Row sums of the consistent mass, int rho N_a; of second order its diagonal, with the mass of the cell: as
+// LumpedMass has it.
+void lump(int n, CellMatrix& m) {
+  Batch all = 0, diagonal = 0;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) all += m(i, j);
+    diagonal += m(i, i);
+  }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) m(i, j) = i == j ? m(i, i) * all / diagonal : Batch(0.0);
+}
+
 Handle<Vec> MassMatrix::make_lumped(const std::vector<double>* factors) const {
   std::vector<double> mass = d_.displacement.make_local();
   CellMatrix m;
@@ -91,6 +102,7 @@ Handle<Vec> MassMatrix::make_lumped(const std::vector<double>* factors) const {
     const auto X = batch.vectors(d_.mesh.coordinates());
     const Batch factor = factors != nullptr ? batch.load<1>(*factors).value[0] : Batch(1.0);
     batch.kernels.mass_matrix(batch.law, X.data(), m.zeroed(nodes));
+    if (batch.group.shape->order() == 2) lump(nodes, m);
     auto at_nodes = batch.zero(dim);
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j < nodes; ++j)

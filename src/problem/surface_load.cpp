@@ -9,21 +9,23 @@ namespace impact {
 namespace {
 
 // A mixed 3D table repeats the last node of its triangles.
-int corners(const FacetTable& facets, int f) {
+int count_nodes(const FacetTable& facets, int f) {
   const int n = facets.nodes_per_facet;
   const auto base = at(f * n);
   return n == 4 && facets.connectivity[base + 3] == facets.connectivity[base + 2] ? 3 : n;
 }
 
+using FacetVector = std::array<double, 3 * max_facet_nodes>; // [node][dim]
+
 struct FacetNodes {
   int count;
-  std::array<int, 4> node;
-  std::array<double, 12> X, x;
+  std::array<int, max_facet_nodes> node;
+  FacetVector X, x;
 };
 
 FacetNodes facet_nodes(const FacetTable& facets, int f, int dim, const std::vector<double>& X,
                        const std::vector<double>* u) {
-  FacetNodes n{corners(facets, f), {}, {}, {}};
+  FacetNodes n{count_nodes(facets, f), {}, {}, {}};
   for (int a = 0; a < n.count; ++a) {
     const int node = facets.connectivity[at(f * facets.nodes_per_facet + a)];
     n.node[at(a)] = node;
@@ -43,7 +45,7 @@ void visit_facets(const FacetTable& facets, int dim, const std::vector<double>& 
   for (int f = 0; f < facets.count(); ++f) {
     const FacetNodes n = facet_nodes(facets, f, dim, X, u);
     for (int q = 0; q < n.count; ++q) {
-      const FacetPoint p = facet_point(n.count, q);
+      const FacetPoint p = facet_point(dim, n.count, q);
       double x[3] = {0, 0, 0};
       facet_position(p, n.count, dim, n.X.data(), x);
       point(n, p, at(f) * points_per_facet + at(q), x);
@@ -53,7 +55,7 @@ void visit_facets(const FacetTable& facets, int dim, const std::vector<double>& 
 }
 
 // force += load, which then is zero.
-void scatter(const FacetNodes& n, int dim, std::array<double, 12>& load, std::vector<double>& force) {
+void scatter(const FacetNodes& n, int dim, FacetVector& load, std::vector<double>& force) {
   for (int a = 0; a < n.count; ++a)
     for (int k = 0; k < dim; ++k) force[at(n.node[at(a)] * dim + k)] += load[at(a * dim + k)];
   load.fill(0);
@@ -63,7 +65,7 @@ void scatter(const FacetNodes& n, int dim, std::array<double, 12>& load, std::ve
 template <std::size_t size>
 void add_block(const FacetNodes& n, int components, const std::vector<char>& held,
                std::span<const PetscInt> global_node, std::array<double, size>& K, Mat matrix) {
-  std::array<PetscInt, 12> row{};
+  std::array<PetscInt, 3 * max_facet_nodes> row{};
   const int count = n.count * components;
   for (int i = 0; i < count; ++i) {
     const int node = n.node[at(i / components)], k = i % components;
@@ -80,7 +82,7 @@ void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<
                        const std::function<void(const double* x, double* value)>& traction,
                        std::vector<double>& force) {
   const int dim = dimension(frame);
-  std::array<double, 12> load{};
+  FacetVector load{};
   visit_facets(
       facets, dim, X, nullptr,
       [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
@@ -96,7 +98,7 @@ void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vec
                            const std::function<double(const double* x)>& pressure,
                            std::vector<double>& force) {
   const int dim = dimension(frame);
-  std::array<double, 12> load{};
+  FacetVector load{};
   visit_facets(
       facets, dim, X, &u,
       [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
@@ -111,8 +113,8 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
                                    const std::vector<char>& fixed, std::span<const PetscInt> global_node,
                                    Mat matrix) {
   const int dim = dimension(frame);
-  std::array<double, 12> load{};
-  std::array<double, 144> K{};
+  FacetVector load{};
+  std::array<double, 9 * max_facet_nodes * max_facet_nodes> K{};
   visit_facets(
       facets, dim, X, &u,
       [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
@@ -127,6 +129,17 @@ void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vect
       facets, dimension(frame), X, nullptr,
       [&](const FacetNodes&, const FacetPoint&, std::size_t i, const double* x) { body(i, x); },
       [](const FacetNodes&) {});
+}
+
+double area_of(const FacetTable& facets, Frame frame, const std::vector<double>& X) {
+  double area = 0;
+  visit_facets(
+      facets, dimension(frame), X, nullptr,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double*) {
+        area += reference_area(p, n.count, frame, n.X.data());
+      },
+      [](const FacetNodes&) {});
+  return area;
 }
 
 double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -150,7 +163,7 @@ double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector
 void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                               const SurfaceHeat& heat, double weight, const std::vector<char>& held,
                               std::span<const PetscInt> global_node, Mat matrix) {
-  std::array<double, 16> K{};
+  std::array<double, max_facet_nodes * max_facet_nodes> K{};
   visit_facets(
       facets, dimension(frame), X, nullptr,
       [&](const FacetNodes& n, const FacetPoint& p, std::size_t i, const double*) {

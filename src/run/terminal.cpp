@@ -4,10 +4,13 @@
 #include <cstdio>
 #include <impact/input/database.hpp>
 #include <impact/material/crack.hpp>
+#include <impact/math/vector3.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/petsc/shared_cores.hpp>
+#include <impact/problem/surface_load.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/columns.hpp>
+#include <numbers>
 #include <set>
 
 namespace impact {
@@ -25,7 +28,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
     const auto& [law, regions, id, points, erosion] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
-    const bool simplex = shape->simplex();
+    const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
     if (!found[i]) continue;
     if (!simplex && p.locking != Locking::none)
       check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),
@@ -37,51 +40,82 @@ void report_locking(const Scenario& s, const Discretisation& d) {
         "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
         shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
-        !simplex          ? "another -material_<id>_split"
-        : shape->dim == 2 ? "quadrilaterals (Recombine Surface in the .geo)"
-                          : "hexahedra (Transfinite Volume and Recombine in the .geo)"));
+        !simplex ? "another -material_<id>_split"
+        : shape->dim == 2
+            ? "cells of second order (-order 2), quadrilaterals (Recombine Surface in the .geo)"
+            : "cells of second order (-order 2), hexahedra (Transfinite Volume and Recombine in "
+              "the .geo)"));
   }
 }
 
-// Cells or facets of the mesh over all ranks, in the reference configuration; of a plane problem times its
+// Cells of the mesh over all ranks, in the reference configuration; of a plane problem times its
 // thickness, of an axisymmetric one as rings.
 struct Extent {
   double count = 0, size = 0, narrowest = HUGE_VAL, widest = 0; // width: edge of a cell of this size
   double length = 0;                                            // longest side of the box around them
 };
 
-Extent extent_of(const Discretisation& d, const std::vector<PetscInt>& points, double corners = 1) {
-  const DM dm = d.mesh.dm();
-  PetscSection layout = nullptr;
-  Vec coordinates = nullptr;
-  check(DMGetCoordinateSection(dm, &layout));
-  check(DMGetCoordinatesLocal(dm, &coordinates));
-  double sums[2] = {0, 0};
-  double most[8]; // -narrowest, widest, -x and x of the corners
-  std::fill(std::begin(most), std::end(most), -HUGE_VAL);
-  for (const PetscInt point : points) {
-    PetscReal size = 0, centre[3] = {0, 0, 0};
-    check(DMPlexComputeCellGeometryFVM(dm, point, &size, centre, nullptr));
-    const double width = std::pow(corners * size, 1.0 / d.dim());
-    constexpr double pi = 3.14159265358979323846;
-    sums[0] += 1;
-    sums[1] += size * (d.frame == Frame::axisymmetric ? 2 * pi * centre[0] : d.thickness);
-    most[0] = std::max(most[0], -width);
-    most[1] = std::max(most[1], width);
-    PetscInt n = 0;
-    PetscScalar* x = nullptr;
-    check(DMPlexVecGetClosure(dm, layout, coordinates, point, &n, &x));
-    for (PetscInt i = 0; i < n; ++i) {
-      double* const side = most + 2 + i % d.dim();
-      side[0] = std::max(side[0], -x[i]);
-      side[3] = std::max(side[3], x[i]);
-    }
-    check(DMPlexVecRestoreClosure(dm, layout, coordinates, point, &n, &x));
+// Volume of a cell, or of the ring that it stands for, and its width.
+struct Size {
+  double volume = 0, width = 0;
+};
+
+Size size_of(const Discretisation& d, Shape shape, const int* node, double corners) {
+  const std::size_t dim = at(d.dim()), nodes = at(shape->nodes);
+  const auto X = d.mesh.coordinates();
+  double size = 0, ring = 0;
+  for (std::size_t q = 0; q < at(shape->points); ++q) {
+    Vector3 x{};
+    std::array<Vector3, 3> J{{{}, {}, {0, 0, dim == 2 ? 1.0 : 0.0}}};
+    for (std::size_t a = 0; a < nodes; ++a)
+      for (std::size_t i = 0; i < dim; ++i) {
+        const double place = X[at(node[a]) * dim + i];
+        x[i] += shape->N[q * nodes + a] * place;
+        for (std::size_t k = 0; k < dim; ++k) J[i][k] += place * shape->dN[(q * nodes + a) * dim + k];
+      }
+    const double part = shape->weight[q] * determinant(J[0], J[1], J[2]);
+    size += part;
+    ring += 2 * std::numbers::pi * x[0] * part;
   }
+  return {d.frame == Frame::axisymmetric ? ring : size * d.thickness,
+          std::pow(corners * size, 1.0 / d.dim())};
+}
+
+// `cells` rise.
+Extent extent_of(const Discretisation& d, const std::vector<PetscInt>& cells, double corners = 1) {
+  double sums[2] = {static_cast<double>(cells.size()), 0};
+  double most[8]; // -narrowest, widest, -x and x of the nodes
+  std::fill(std::begin(most), std::end(most), -HUGE_VAL);
+  for (const CellTable& table : d.mesh.cells())
+    for (std::size_t c = 0; c < table.point.size(); ++c) {
+      if (!std::ranges::binary_search(cells, table.point[c])) continue;
+      const int* const node = &table.connectivity[c * at(table.shape->nodes)];
+      const Size size = size_of(d, table.shape, node, corners);
+      sums[1] += size.volume;
+      most[0] = std::max(most[0], -size.width);
+      most[1] = std::max(most[1], size.width);
+      for (int a = 0; a < table.shape->nodes; ++a)
+        for (int i = 0; i < d.dim(); ++i) {
+          const double x = d.mesh.coordinates()[at(node[a] * d.dim() + i)];
+          most[2 + i] = std::max(most[2 + i], -x);
+          most[5 + i] = std::max(most[5 + i], x);
+        }
+    }
   sum_over_ranks(d.mesh.comm(), sums);
   max_over_ranks(d.mesh.comm(), most);
   return {sums[0], sums[1], -most[0], most[1],
           std::max({most[2] + most[5], most[3] + most[6], most[4] + most[7]})};
+}
+
+// Count and size of the facets of a boundary.
+std::array<double, 2> size_of_boundary(const Discretisation& d, const std::string& name) {
+  const FacetTable facets = d.mesh.facets(name);
+  const auto X = d.mesh.coordinates();
+  std::array<double, 2> sums{static_cast<double>(facets.count()),
+                             area_of(facets, d.frame, {X.begin(), X.end()}) *
+                                 (d.frame == Frame::axisymmetric ? 1 : d.thickness)};
+  sum_over_ranks(d.mesh.comm(), sums);
+  return sums;
 }
 
 // How evenly the ranks share what costs time: the fullest one's cells, and its facets of deformable contact
@@ -113,10 +147,15 @@ void report_groups(const Discretisation& d) {
     char entry[160];
     for (const Group& group : d.mesh.groups()) {
       if (group.dim != dim) continue;
-      const Extent extent =
-          extent_of(d, dim == d.dim() ? d.mesh.region_cells(group.name) : d.mesh.facets(group.name).point);
+      std::array<double, 2> size{};
+      if (dim < d.dim()) {
+        size = size_of_boundary(d, group.name);
+      } else {
+        const Extent extent = extent_of(d, d.mesh.region_cells(group.name));
+        size = {extent.count, extent.size};
+      }
       std::snprintf(entry, sizeof entry, "%s%.80s %.0f (%.4g)", text.empty() ? "" : ", ", group.name.c_str(),
-                    extent.count, extent.size);
+                    size[0], size[1]);
       text += entry;
     }
     if (!text.empty())
@@ -146,6 +185,7 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   std::vector<PetscInt> cells;
   for (const std::string& region : m.regions)
     for (const PetscInt cell : d.mesh.region_cells(region)) cells.push_back(cell);
+  std::ranges::sort(cells);
   // Half a square, a sixth of a cube.
   const auto shapes = known_shapes();
   const bool simplex = std::all_of(shapes.begin(), shapes.end(),

@@ -74,6 +74,11 @@ OptionGroup mesh_options() {
       s.mesh.file = option.text;
     }
   };
+  row.count("order", &MeshScenario::order, 1,
+            "order of the cells. 2: displacement, damage and temperature are quadratic in triangles and "
+            "tetrahedra; a .geo gives curved edges, a .msh of first order straight ones",
+            2)
+      .otherwise("that of the file, 1 for a .geo");
   row.number("mesh_scale", &MeshScenario::scale, "1", positive, "factor of all coordinates of the file");
   row.count("dm_refine", &MeshScenario::refine, 0, "uniform refinements after reading", 10);
   row.restart = RestartKey::free;

@@ -84,8 +84,8 @@ void add_elasticity(MaterialRows& rows) {
       .needed([](const Material&, const Scenario& s) { return s.has_inertia(); },
               "needed by inertia; or run without it: -ts_type static");
   row.choice("locking", &Material::locking,
-             "cure of volumetric locking in quads and hexes; auto: mean for j2 and for nu from 0.45 on, else "
-             "none",
+             "cure of volumetric locking, in all cells but linear triangles and tetrahedra; auto: mean for "
+             "j2 and for nu from 0.45 on, else none, as in cells of second order",
              "auto", std::nullopt, "mean", Locking::mean, "fbar", Locking::fbar, "none", Locking::none)
       .refused([](const Material& m,
                   const Scenario& s) { return s.plane == PlaneMode::stress && m.locking != Locking::none; },

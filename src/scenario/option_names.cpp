@@ -16,7 +16,7 @@ const char* const solver_prefixes[] = {"motion_", "damage_", "heat_", "coupling_
 const char* const own_prefixes[] = {"mesh_",   "checkpoint_", "restart_", "walltime_",
                                     "energy_", "crack_",      "history_"};
 /// Refused by name, so that nobody believes that they had an effect.
-const char* const not_available[] = {"order", "ts_static_start", "ts_dt_cfl"};
+const char* const not_available[] = {"ts_static_start", "ts_dt_cfl"};
 /// PETSc's, behind the prefix of a solver whose name they end or begin: they would be displaced, or displace
 /// what the solver lives on.
 struct Displaced {

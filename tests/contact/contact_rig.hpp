@@ -78,7 +78,7 @@ inline double dot(Vec a, Vec b) {
   return d;
 }
 
-inline double largest_difference(const NodeMap& a, const NodeMap& b) {
+inline double largest_difference(const NodeValues& a, const NodeValues& b) {
   EXPECT_EQ(a.size(), b.size());
   double largest = 0;
   for (const auto& [key, value] : a) {
@@ -155,8 +155,8 @@ struct Resultants {
 };
 inline Resultants resultants(const Rig& rig, Vec u) {
   Resultants sum;
-  const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(u)),
-                moved = node_map(rig.mesh, rig.layout, u);
+  const NodeValues force = node_map(rig.mesh, rig.layout, rig.residual(u)),
+                   moved = node_map(rig.mesh, rig.layout, u);
   for (const auto& [key, f] : force) {
     const auto& d = moved.at(key);
     for (std::size_t k = 0; k < 2; ++k) {

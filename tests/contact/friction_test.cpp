@@ -167,7 +167,7 @@ TEST(Friction, ForcesAndMomentsOfBothBodiesCancelAndSlidingDissipates) {
 TEST(Friction, ForceDoesNotDependOnThePartition) {
   for (const auto& [name, partition] : partitions)
     for (const ContactSettings& s : frictional()) {
-      std::vector<NodeMap> forces;
+      std::vector<NodeValues> forces;
       std::vector<double> lost;
       for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
         Sliding rig(s, partition, comm);
@@ -224,8 +224,8 @@ TEST(Friction, ConservingStepKeepsBothMomentaAndItsWorkIsEnergyAndHeat) {
           check(VecAXPBY(r, 0.5, 0.5, r_n)); // minus the force over the step
           check(VecWAXPY(middle, 1, before, u));
           check(VecScale(middle, 0.5));
-          const NodeMap force = node_map(rig.mesh, rig.layout, r),
-                        at = node_map(rig.mesh, rig.layout, middle);
+          const NodeValues force = node_map(rig.mesh, rig.layout, r),
+                           at = node_map(rig.mesh, rig.layout, middle);
           std::array<double, 3> sum{};
           double size = 0;
           for (const auto& [key, f] : force) {

@@ -10,7 +10,7 @@ TEST(ContactInterface, ResidualTangentAndMeasuresDoNotDependOnThePartition) {
       TwoBlocks b;
       b.bulge = true;
       b.angle = 0.3;
-      std::vector<NodeMap> forces, products, again;
+      std::vector<NodeValues> forces, products, again;
       std::vector<ContactMeasures> measured;
       for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
         Rig rig(comm, b, partition);
@@ -918,9 +918,9 @@ TEST(ContactInterface, AStabilisedStepHasNoMomentAboutItsMiddleAndItsExactTangen
           rig.contact.begin_projection();
           multipliers = kept;
         }
-        const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(u)),
-                      before = node_map(rig.mesh, rig.layout, start),
-                      after = node_map(rig.mesh, rig.layout, u);
+        const NodeValues force = node_map(rig.mesh, rig.layout, rig.residual(u)),
+                         before = node_map(rig.mesh, rig.layout, start),
+                         after = node_map(rig.mesh, rig.layout, u);
         std::array<double, 3> sum{};
         double size = 0;
         for (const auto& [key, f] : force) {

@@ -24,7 +24,7 @@ TEST(MortarForm, ForceAndMeasuresDoNotDependOnThePartition) {
     for (const ContactSettings& s : mortars()) {
       TwoBlocks b = hill();
       b.angle = 0.3;
-      std::vector<NodeMap> forces;
+      std::vector<NodeValues> forces;
       std::vector<ContactMeasures> measured;
       for (MPI_Comm comm : {MPI_COMM_SELF, PETSC_COMM_WORLD}) {
         Rig rig(comm, b, partition, s);
@@ -120,7 +120,7 @@ TEST(MortarForm, AUniformPenetrationGivesUniformMultipliersAndForcesOfAUniformPr
     Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s);
     const Handle<Vec> u = rig.at(sink(depth));
     rig.contact.update_search(u);
-    const NodeMap force = node_map(rig.mesh, rig.layout, rig.residual(u));
+    const NodeValues force = node_map(rig.mesh, rig.layout, rig.residual(u));
     const double pressure = 1, edge = (rig.blocks.upper_right - rig.blocks.upper_left) / 5;
     for (const auto& [key, f] : force) {
       if (key[0] < 0.5 || key[2] > 1e-9) continue;

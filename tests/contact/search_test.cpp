@@ -210,7 +210,7 @@ TEST(ContactSurface, PointsFollowTheConeOfTheFacet) {
     for (int f = 0; f < surface.count(); ++f) {
       const PetscInt* cone = nullptr;
       check(DMPlexGetCone(mesh.dm(), facets.point[static_cast<std::size_t>(f)], &cone));
-      const auto first = static_cast<std::size_t>(cone[0] - mesh.vertex_point(0));
+      const auto first = static_cast<std::size_t>(cone[0] - mesh.point(0));
       const auto i = static_cast<std::size_t>(f);
       double distance = 0;
       for (std::size_t k = 0; k < 2; ++k) {

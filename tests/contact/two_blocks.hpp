@@ -140,9 +140,9 @@ inline Handle<Vec> displacement(const Mesh& mesh, const FieldLayout& layout, con
 }
 
 /// Values of all nodes on all ranks by body and reference coordinates: body, X, Y -> two values. Collective.
-using NodeMap = std::map<std::array<double, 3>, std::array<double, 2>>;
+using NodeValues = std::map<std::array<double, 3>, std::array<double, 2>>;
 
-inline NodeMap node_map(const Mesh& mesh, const FieldLayout& layout, Vec global) {
+inline NodeValues node_map(const Mesh& mesh, const FieldLayout& layout, Vec global) {
   std::vector<double> local = layout.make_local();
   layout.to_local(global, local);
   const std::vector<int> body = body_of(mesh);
@@ -161,7 +161,7 @@ inline NodeMap node_map(const Mesh& mesh, const FieldLayout& layout, Vec global)
   std::vector<double> all(static_cast<std::size_t>(total));
   MPI_Allgatherv(packed.data(), mine, MPI_DOUBLE, all.data(), sizes.data(), offsets.data(), MPI_DOUBLE,
                  mesh.comm());
-  NodeMap map;
+  NodeValues map;
   for (std::size_t i = 0; i < all.size(); i += 5)
     map[{all[i], all[i + 1], all[i + 2]}] = {all[i + 3], all[i + 4]};
   return map;

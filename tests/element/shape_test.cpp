@@ -1,19 +1,35 @@
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/element/cells.hpp>
+#include <impact/element/second_order.hpp>
 
 using namespace impact;
 
 namespace {
 
 template <class Cell> struct Shapes : testing::Test {};
-using Cells = testing::Types<Tri3, Quad4, Tet4, Hex8>;
+using Cells = testing::Types<Tri3, Quad4, Tet4, Hex8, Tri6, Tet10>;
 TYPED_TEST_SUITE(Shapes, Cells);
 
 /// Integral of x^a y^b z^c over the reference cell.
+template <class Cell> constexpr bool is_product = requires { Cell::sign; };
+
+/// Reference place of a node.
+template <class Cell> typename Cell::Point node_place(int a) {
+  typename Cell::Point x{};
+  if constexpr (is_product<Cell>) {
+    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = Cell::sign[a][i];
+  } else if (a <= Cell::dim) {
+    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = a == int(i) + 1;
+  } else if constexpr (is_second_order<Cell>) {
+    const auto& [from, to] = Cell::edges[a - Cell::dim - 1];
+    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = (node_place<Cell>(from)[i] + node_place<Cell>(to)[i]) / 2;
+  }
+  return x;
+}
+
 template <class Cell> double exact_moment(const int (&power)[3]) {
   const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
-  if (Cell::nodes == Cell::dim + 1)
+  if (!is_product<Cell>)
     return factorial(power[0]) * factorial(power[1]) * factorial(power[2]) /
            factorial(power[0] + power[1] + power[2] + Cell::dim);
   double m = 1;
@@ -34,20 +50,14 @@ TYPED_TEST(Shapes, ShapeFunctionsSumToOneAndInterpolateTheNodes) {
     EXPECT_NEAR(sum, 1, 1e-15);
     for (double x : derivative) EXPECT_NEAR(x, 0, 1e-15);
   }
-  typename TypeParam::Point node{};
   for (int a = 0; a < TypeParam::nodes; ++a) {
-    if constexpr (TypeParam::nodes == TypeParam::dim + 1) {
-      for (int i = 0; i < TypeParam::dim; ++i) node[unsigned(i)] = a == i + 1;
-    } else {
-      for (int i = 0; i < TypeParam::dim; ++i) node[unsigned(i)] = TypeParam::sign[a][i];
-    }
-    const auto N = TypeParam::N(node);
+    const auto N = TypeParam::N(node_place<TypeParam>(a));
     for (int b = 0; b < TypeParam::nodes; ++b) EXPECT_NEAR(N[unsigned(b)], a == b, 1e-15);
   }
 }
 
 TYPED_TEST(Shapes, DerivativesAreThoseOfTheShapeFunctions) {
-  const double h = 1e-4; // products of linear functions: central differences are exact
+  const double h = 1e-4; // at most quadratic along an axis: central differences are exact
   for (int q = 0; q < TypeParam::points; ++q)
     for (int i = 0; i < TypeParam::dim; ++i) {
       auto up = TypeParam::point(q), down = up;
@@ -59,10 +69,11 @@ TYPED_TEST(Shapes, DerivativesAreThoseOfTheShapeFunctions) {
     }
 }
 
-TYPED_TEST(Shapes, RuleIntegratesQuadraticsExactly) { // hence N_a N_b of affine cells
-  for (int a = 0; a <= 2; ++a)
-    for (int b = 0; a + b <= 2; ++b)
-      for (int c = 0; a + b + c <= (TypeParam::dim == 3 ? 2 : a + b); ++c) {
+TYPED_TEST(Shapes, RuleIntegratesProductsOfTwoShapeFunctionsExactly) { // of affine cells
+  constexpr int degree = is_second_order<TypeParam> ? 4 : 2;
+  for (int a = 0; a <= degree; ++a)
+    for (int b = 0; a + b <= degree; ++b)
+      for (int c = 0; a + b + c <= (TypeParam::dim == 3 ? degree : a + b); ++c) {
         const int power[3] = {a, b, c};
         double sum = 0;
         for (int q = 0; q < TypeParam::points; ++q) {
@@ -80,11 +91,7 @@ TYPED_TEST(Shapes, FacetsHaveTheirNormalsOutward) {
   using Cell = TypeParam;
   const auto place = [](int node) {
     std::array<double, 3> x{};
-    for (unsigned i = 0; i < Cell::dim; ++i)
-      if constexpr (Cell::nodes == Cell::dim + 1)
-        x[i] = node == int(i) + 1;
-      else
-        x[i] = Cell::sign[node][i];
+    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = node_place<Cell>(node)[i];
     return x;
   };
   for (const CellFacet& facet : Cell::facets) {
@@ -103,6 +110,7 @@ TYPED_TEST(Shapes, FacetsHaveTheirNormalsOutward) {
       EXPECT_LE(height, 0);
       inside += height < 0;
     }
-    EXPECT_EQ(inside, Cell::nodes - node_count(facet));
+    const int corners = node_count(facet), on_edges = Cell::dim == 2 ? 1 : corners;
+    EXPECT_EQ(inside, Cell::nodes - corners - (is_second_order<Cell> ? on_edges : 0));
   }
 }

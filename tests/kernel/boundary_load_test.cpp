@@ -13,7 +13,7 @@ std::vector<double> pressure_force(int nodes, Frame frame, const std::vector<dou
                                    double* K = nullptr) {
   std::vector<double> f(x.size(), 0.0);
   for (int q = 0; q < nodes; ++q)
-    add_follower_pressure(facet_point(nodes, q), nodes, frame, x.data(), p, f.data(), K);
+    add_follower_pressure(facet_point(dimension(frame), nodes, q), nodes, frame, x.data(), p, f.data(), K);
   return f;
 }
 
@@ -21,15 +21,23 @@ struct FacetCase {
   int nodes;
   Frame frame;
 };
-const FacetCase facet_cases[] = {
-    {2, Frame::plane_strain}, {2, Frame::axisymmetric}, {3, Frame::solid}, {4, Frame::solid}};
+const FacetCase facet_cases[] = {{2, Frame::plane_strain}, {2, Frame::axisymmetric}, {3, Frame::plane_strain},
+                                 {3, Frame::axisymmetric}, {3, Frame::solid},        {4, Frame::solid},
+                                 {6, Frame::solid}};
+
+// A facet as its corners, then the middles of its edges.
+int corner_count(const FacetCase& c) { return c.frame != Frame::solid ? 2 : c.nodes == 6 ? 3 : c.nodes; }
 
 std::vector<double> facet(const FacetCase& c, std::mt19937& random) {
   std::uniform_real_distribution<double> noise(-0.1, 0.1);
   const double corner[4][3] = {{1, 0, 0}, {2, 0.2, 0}, {2, 1, 0.3}, {1, 1, 0}};
   std::vector<double> x;
+  const int corners = corner_count(c);
   for (int a = 0; a < c.nodes; ++a)
-    for (int i = 0; i < dimension(c.frame); ++i) x.push_back(corner[a][i] + noise(random));
+    for (int i = 0; i < dimension(c.frame); ++i) {
+      const int from = a % corners, to = (from + 1) % corners;
+      x.push_back((a < corners ? corner[a][i] : (corner[from][i] + corner[to][i]) / 2) + noise(random));
+    }
   return x;
 }
 
@@ -88,7 +96,8 @@ TEST(BoundaryLoad, DeadTractionCarriesTractionTimesArea) {
                square[12] = {0, 0, 1, 2, 0, 1, 2, 2, 1, 0, 2, 1};
   const auto total = [&](int nodes, Frame frame, const double* X, int component) {
     double f[12] = {}, sum = 0;
-    for (int q = 0; q < nodes; ++q) add_dead_traction(facet_point(nodes, q), nodes, frame, X, t, f);
+    for (int q = 0; q < nodes; ++q)
+      add_dead_traction(facet_point(dimension(frame), nodes, q), nodes, frame, X, t, f);
     for (int a = 0; a < nodes; ++a) sum += f[a * dimension(frame) + component];
     return sum;
   };
@@ -98,12 +107,29 @@ TEST(BoundaryLoad, DeadTractionCarriesTractionTimesArea) {
   EXPECT_NEAR(total(4, Frame::solid, square, 1), -3 * 4, 1e-13);
 }
 
+// A parabola y = x^2/2 of length (sqrt(2) + asinh(1))/2, and a triangle raised to z = x y in its plane area
+// 1/2.
+TEST(BoundaryLoad, CurvedFacetsOfSecondOrderHaveTheirAreaAndTheirNormal) {
+  const double arc[6] = {0, 0, 1, 0.5, 0.5, 0.125};
+  double length = 0;
+  for (int q = 0; q < 3; ++q) length += reference_area(facet_point(2, 3, q), 3, Frame::plane_strain, arc);
+  EXPECT_NEAR(length, (std::sqrt(2.0) + std::asinh(1.0)) / 2, 2e-4);
+  const std::vector<double> cap = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0.5, 0, 0, 0.5, 0.5, 0.25, 0, 0.5, 0};
+  const auto f = pressure_force(6, Frame::solid, cap, 2);
+  double sum[3] = {0, 0, 0};
+  for (std::size_t k = 0; k < f.size(); ++k) sum[k % 3] += f[k];
+  // -p int (-z_,x, -z_,y, 1) over the plane triangle, z_,x = y
+  EXPECT_NEAR(sum[0], 2.0 / 6, 1e-14);
+  EXPECT_NEAR(sum[1], 2.0 / 6, 1e-14);
+  EXPECT_NEAR(sum[2], -2.0 / 2, 1e-14);
+}
+
 TEST(BoundaryLoad,
      PressureOnALineActsAgainstTheOutwardNormal) { // body on the left of the way from (0,0) to (2,0)
   const auto f = pressure_force(2, Frame::plane_strain, {0, 0, 2, 0}, 3);
   EXPECT_NEAR(f[1] + f[3], 6, 1e-14); // outward is -y, the pressure pushes up
   EXPECT_NEAR(f[0] + f[2], 0, 1e-14);
   double x[2];
-  facet_position(facet_point(2, 0), 2, 2, std::vector<double>{0, 0, 2, 0}.data(), x);
+  facet_position(facet_point(2, 2, 0), 2, 2, std::vector<double>{0, 0, 2, 0}.data(), x);
   EXPECT_NEAR(x[0], 1 - 1 / std::sqrt(3.0), 1e-15);
 }

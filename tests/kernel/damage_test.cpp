@@ -27,7 +27,7 @@ T slope(T (*g)(const MaterialParameters&, const T&, double), const MaterialParam
 }
 
 struct Drives {
-  double now[8][3], old[8][3], fatigue[8];
+  double now[max_points][3], old[max_points][3], fatigue[max_points];
 };
 
 /// The weak form written out point by point (5.1, 5.2 of the model).

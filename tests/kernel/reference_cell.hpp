@@ -2,6 +2,7 @@
 #include "../material/law_sampler.hpp"
 
 #include <gtest/gtest.h>
+#include <impact/element/second_order.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/shape.hpp>
 #include <numbers>
@@ -16,9 +17,9 @@ namespace impact {
 
 /// The kernels that the program has for a cell.
 template <class Cell, Frame frame> const CellKernels& kernels() {
-  for (const Shape shape : known_shapes())
-    if (shape->names.polytope == std::string_view(Cell::names.polytope)) return shape.kernels(frame);
-  throw std::logic_error(Cell::names.polytope);
+  const Shape shape = find_shape(Cell::dim, Cell::names.polytope, is_second_order<Cell> ? 2 : 1);
+  if (shape == Shape()) throw std::logic_error(Cell::names.polytope);
+  return shape.kernels(frame);
 }
 
 } // namespace impact
@@ -36,7 +37,29 @@ template <class C, Frame f> struct Element {
 using Elements =
     testing::Types<Element<impact::Tri3, Frame::plane_strain>, Element<impact::Tri3, Frame::axisymmetric>,
                    Element<impact::Quad4, Frame::plane_strain>, Element<impact::Quad4, Frame::axisymmetric>,
-                   Element<impact::Tet4, Frame::solid>, Element<impact::Hex8, Frame::solid>>;
+                   Element<impact::Tet4, Frame::solid>, Element<impact::Hex8, Frame::solid>,
+                   Element<impact::Tri6, Frame::plane_strain>, Element<impact::Tri6, Frame::axisymmetric>,
+                   Element<impact::Tet10, Frame::solid>>;
+
+template <class Cell> inline constexpr int corners = Cell::nodes;
+template <class Cell>
+requires impact::is_second_order<Cell>
+inline constexpr int corners<Cell> = Cell::Corners::nodes;
+
+/// Node a of the cell with sides of length 1.
+template <class Cell> std::array<double, 3> node_place(int a) {
+  if constexpr (impact::is_second_order<Cell>)
+    if (a >= corners<Cell>) {
+      const auto& [i, j] = Cell::edges[a - corners<Cell>];
+      const auto x = node_place<Cell>(i), y = node_place<Cell>(j);
+      return {(x[0] + y[0]) / 2, (x[1] + y[1]) / 2, (x[2] + y[2]) / 2};
+    }
+  constexpr double box[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  constexpr double simplex[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const double* x = corners<Cell> == Cell::dim + 1 ? simplex[a] : box[a];
+  return {x[0], x[1], x[2]};
+}
 
 /// Aluminium with the k-th choice of locking cure, split, degradations, viscosity, damage gradient and
 /// equation of state.
@@ -53,6 +76,19 @@ inline impact::MaterialParameters every_option(int k) {
   return m;
 }
 
+/// Lumps a consistent mass M [node][node]: its row sums, or its diagonal with their sum.
+template <class Cell> void lump(const impact::Batch* M, impact::Batch* mass) {
+  constexpr int n = Cell::nodes;
+  impact::Batch all = 0.0, diagonal = 0.0;
+  for (int a = 0; a < n; ++a) {
+    mass[a] = 0.0;
+    for (int b = 0; b < n; ++b) mass[a] += M[a * n + b];
+    all += mass[a];
+    diagonal += M[a * n + a];
+  }
+  for (int a = 0; impact::is_second_order<Cell> && a < n; ++a) mass[a] = M[a * n + a] * all / diagonal;
+}
+
 /// One random cell with its fields.
 template <class Cell, Frame frame> struct CellCase {
   static constexpr int dim = Cell::dim, nodes = Cell::nodes, points = Cell::points, dofs = nodes * dim;
@@ -63,26 +99,31 @@ template <class Cell, Frame frame> struct CellCase {
   /// Distorted reference cell of size h; displacement = random affine map of size `strain` plus noise; random
   /// history.
   CellCase(Sampler& random, double strain, double h = 1e-3, double prestrain = 0.005) {
-    const double corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                 {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-    const double simplex[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     double H[3][3], H_n[3][3];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         H[i][j] = random.uniform(-strain, strain), H_n[i][j] = random.uniform(-strain, strain);
     for (int a = 0; a < nodes; ++a) {
-      const double* c = nodes == dim + 1 ? simplex[a] : corner[a];
-      for (int i = 0; i < dim; ++i)
-        X[a * dim + i] =
-            h * (c[i] + random.uniform(-0.15, 0.15) + (frame == Frame::axisymmetric && i == 0 ? 2 : 0));
+      const auto c = node_place<Cell>(a);
+      for (int i = 0; i < dim; ++i) {
+        const double noise = random.uniform(-0.15, 0.15);
+        X[a * dim + i] = h * (c[unsigned(i)] + noise + (frame == Frame::axisymmetric && i == 0 ? 2 : 0));
+        if constexpr (impact::is_second_order<Cell>) // a slightly bent edge between its ends
+          if (a >= corners<Cell>) {
+            const auto& [from, to] = Cell::edges[a - corners<Cell>];
+            X[a * dim + i] = (X[from * dim + i] + X[to * dim + i]) / 2 + h * noise / 5;
+          }
+      }
       phi[a] = random.uniform(0, 0.8);
       theta[a] = random.uniform(290, 400);
     }
     for (int a = 0; a < nodes; ++a)
       for (int i = 0; i < dim; ++i) {
         const int k = a * dim + i;
-        u[k] = random.uniform(-0.3, 0.3) * strain * h;
-        u_n[k] = random.uniform(-0.3, 0.3) * strain * h;
+        const double noise =
+            (impact::is_second_order<Cell> ? 0.1 : 0.3) * strain * h; // shorter waves are steeper
+        u[k] = random.uniform(-1, 1) * noise;
+        u_n[k] = random.uniform(-1, 1) * noise;
         for (int j = 0; j < dim; ++j) u[k] += H[i][j] * X[a * dim + j], u_n[k] += H_n[i][j] * X[a * dim + j];
         accel[k] = random.uniform(-1e6, 1e6);
       }

@@ -15,7 +15,9 @@ using ElementsAndSheets = testing::Types<
     reference::Element<Tri3, Frame::plane_strain>, reference::Element<Tri3, Frame::axisymmetric>,
     reference::Element<Tri3, Frame::plane_stress>, reference::Element<Quad4, Frame::plane_strain>,
     reference::Element<Quad4, Frame::axisymmetric>, reference::Element<Quad4, Frame::plane_stress>,
-    reference::Element<Tet4, Frame::solid>, reference::Element<Hex8, Frame::solid>>;
+    reference::Element<Tet4, Frame::solid>, reference::Element<Hex8, Frame::solid>,
+    reference::Element<Tri6, Frame::plane_strain>, reference::Element<Tri6, Frame::axisymmetric>,
+    reference::Element<Tri6, Frame::plane_stress>, reference::Element<Tet10, Frame::solid>>;
 TYPED_TEST_SUITE(StableStep, ElementsAndSheets);
 
 MaterialParameters elastic(double nu, Locking locking = Locking::none) {
@@ -84,10 +86,7 @@ template <class Cell, Frame frame> struct Alone {
     for (auto& x : K) x = 0.0;
     for (auto& x : r) x = 0.0;
     kernels<Cell, frame>().mass_matrix(law, in.X, M);
-    for (int a = 0; a < Cell::nodes; ++a) {
-      mass[a] = 0.0;
-      for (int b = 0; b < Cell::nodes; ++b) mass[a] += M[a * Cell::nodes + b];
-    }
+    reference::lump<Cell>(M, mass);
     bad = kernels<Cell, frame>().motion_tangent(law, in, r, K).bad;
     step = kernels<Cell, frame>().stable_step(law, in);
   }
@@ -117,16 +116,14 @@ struct Range {
 template <class Cell, Frame frame>
 std::vector<reference::CellCase<Cell, frame>> plain_cases(Sampler& random, double noise, double aspect = 1) {
   auto cases = reference::cases<Cell, frame>(random, 0.01);
-  const double corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                               {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  const double simplex[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (auto& c : cases) {
     std::fill_n(c.u, c.dofs, 0.0);
     std::fill_n(c.u_n, c.dofs, 0.0);
+    const double bend = is_second_order<Cell> ? noise / 3 : noise;
     for (int a = 0; a < c.nodes; ++a)
       for (int i = 0; i < c.dim; ++i) {
-        const double x = (c.nodes == c.dim + 1 ? simplex : corner)[a][i];
-        c.X[a * c.dim + i] = 1e-3 * ((i == 0 ? aspect : 1) * x + random.uniform(-noise, noise) +
+        const double x = reference::node_place<Cell>(a)[unsigned(i)];
+        c.X[a * c.dim + i] = 1e-3 * ((i == 0 ? aspect : 1) * x + random.uniform(-bend, bend) +
                                      (frame == Frame::axisymmetric && i == 0 ? 2 : 0));
       }
   }
@@ -157,8 +154,9 @@ TYPED_TEST(StableStep, UndeformedElasticCellsUseMostOfTheTrueLimit) {
         for (int l = 0; l < lanes; ++l) range.add(alone.step[l] / alone.true_step(l));
       }
   EXPECT_LE(range.most, 1 + 1e-9);
-  // What is left out: that a top eigenvector need not be the worst gradient everywhere.
-  EXPECT_GE(range.least, 0.6);
+  // What is left out: that a top eigenvector need not be the worst gradient everywhere, in cells of second
+  // order less than in others.
+  EXPECT_GE(range.least, is_second_order<Cell> ? 0.35 : 0.6);
 }
 
 TEST(StableStepOfOneCell, IsTheTrueLimitOfARegularCellWithoutPoissonsRatio) {
@@ -238,10 +236,7 @@ template <class Cell, Frame frame> struct March {
     Batch M[Cell::nodes * Cell::nodes];
     for (auto& x : M) x = 0.0;
     kernels<Cell, frame>().mass_matrix(law, in.X, M);
-    for (int a = 0; a < Cell::nodes; ++a) {
-      mass[a] = 0.0;
-      for (int b = 0; b < Cell::nodes; ++b) mass[a] += M[a * Cell::nodes + b];
-    }
+    reference::lump<Cell>(M, mass);
     for (auto& x : v) x = 0.0;
   }
 

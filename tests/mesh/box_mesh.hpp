@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <functional>
-#include <impact/element/cells.hpp>
+#include <impact/kernel/shape.hpp>
 
 /// The unit square or cube of one shape of cell, with its nodes moved: text of a mesh file with the region
 /// "solid" and the boundary "boundary" (all of it).
@@ -13,24 +13,39 @@ namespace impact::run_test {
 using Move = std::function<std::array<double, 3>(std::array<double, 3> x, bool inside)>;
 
 /// n cells along each edge. Triangles: two in each square, tetrahedra: six in each cube (all share one
-/// diagonal). `move` gives a node's place from its place in the regular grid.
+/// diagonal). Cells of second order have the nodes of a grid twice as fine. `move` gives a node's place from
+/// its place in the regular grid.
 inline std::string box_mesh(Shape shape, int n, const Move& move = {}) {
   const bool solid = dimension(shape) == 3;
-  const int layers = solid ? n : 0;
+  const int step = shape->order(), last = n * step, width = last + 1, layers = solid ? last : 0;
   std::string nodes, elements;
   int element_count = 0;
-  const auto at = [&](int i, int j, int k) { return (k * (n + 1) + j) * (n + 1) + i + 1; };
+  const auto on_grid = [&](int i, int j, int k) { return (k * width + j) * width + i + 1; };
+  const auto at = [&](int i, int j, int k) { return on_grid(i * step, j * step, k * step); };
   for (int k = 0; k <= layers; ++k)
-    for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) {
-        const auto within = [n](int index) { return index > 0 && index < n; };
-        std::array<double, 3> x = {double(i) / n, double(j) / n, double(k) / n};
+    for (int j = 0; j <= last; ++j)
+      for (int i = 0; i <= last; ++i) {
+        const auto within = [last](int index) { return index > 0 && index < last; };
+        std::array<double, 3> x = {double(i) / last, double(j) / last, double(k) / last};
         if (move) x = move(x, within(i) && within(j) && (!solid || within(k)));
         char line[120];
-        std::snprintf(line, sizeof(line), "%d %.17g %.17g %.17g\n", at(i, j, k), x[0], x[1], x[2]);
+        std::snprintf(line, sizeof(line), "%d %.17g %.17g %.17g\n", on_grid(i, j, k), x[0], x[1], x[2]);
         nodes += line;
       }
-  const auto element = [&](int type, int group, std::initializer_list<int> list) {
+  const auto middle = [&](int a, int b) {
+    const auto mean = [&](int divisor, int modulus) {
+      return ((a - 1) / divisor % modulus + (b - 1) / divisor % modulus) / 2;
+    };
+    return on_grid(mean(1, width), mean(width, width), mean(width * width, width));
+  };
+  const auto element = [&](int type, int group, std::vector<int> list) {
+    if (step == 2) { // lines, triangles and tetrahedra, their edges in the order of gmsh
+      static constexpr CellEdge edges[] = {{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}};
+      const std::vector<int> corners = list;
+      for (int e = 0; e < (type == 1 ? 1 : type == 2 ? 3 : 6); ++e)
+        list.push_back(middle(corners[unsigned(edges[e][0])], corners[unsigned(edges[e][1])]));
+      type = type == 1 ? 8 : type == 2 ? 9 : 11;
+    }
     elements += std::to_string(++element_count) + " " + std::to_string(type) + " 2 " + std::to_string(group) +
                 " " + std::to_string(group);
     for (const int node : list) elements += " " + std::to_string(node);
@@ -45,7 +60,7 @@ inline std::string box_mesh(Shape shape, int n, const Move& move = {}) {
       element(2, 2, {a, c, d});
     }
   };
-  for (int k = 0; k < std::max(layers, 1); ++k)
+  for (int k = 0; k < (solid ? n : 1); ++k)
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const int a = at(i, j, k), b = at(i + 1, j, k), c = at(i + 1, j + 1, k), d = at(i, j + 1, k);
@@ -83,7 +98,7 @@ inline std::string box_mesh(Shape shape, int n, const Move& move = {}) {
   }
   const std::string dim = std::to_string(dimension(shape)), below = std::to_string(dimension(shape) - 1);
   return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n" + dim + " 1 \"solid\"\n" + below +
-         " 2 \"boundary\"\n$EndPhysicalNames\n$Nodes\n" + std::to_string((n + 1) * (n + 1) * (layers + 1)) +
+         " 2 \"boundary\"\n$EndPhysicalNames\n$Nodes\n" + std::to_string(width * width * (layers + 1)) +
          "\n" + nodes + "$EndNodes\n$Elements\n" + std::to_string(element_count) + "\n" + elements +
          "$EndElements\n";
 }

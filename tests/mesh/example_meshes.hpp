@@ -24,6 +24,7 @@ inline Mesh make_block(Shape shape, int n) {
   MeshRequest request = example_mesh("block", {{"dim", std::to_string(dimension(shape))},
                                                {"simplex", shape->simplex() ? "1" : "0"},
                                                {"n", std::to_string(n)}});
+  request.order = shape->order();
   request.work_dir += "/block" + std::to_string(index_of(shape)) + "_" + std::to_string(n);
   if (std::exchange(made[{shape, n}], true)) {
     request.file = request.work_dir + "/block.msh";
@@ -32,7 +33,8 @@ inline Mesh make_block(Shape shape, int n) {
   return read_mesh(PETSC_COMM_WORLD, request);
 }
 
-inline const Shape all_shapes[] = {Shape::tri3, Shape::quad4, Shape::tet4, Shape::hex8};
+inline const Shape all_shapes[] = {Shape::tri3, Shape::quad4, Shape::tet4,
+                                   Shape::hex8, Shape::tri6,  Shape::tet10};
 
 inline double sum_over_ranks(double mine) {
   double all = 0;

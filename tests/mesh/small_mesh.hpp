@@ -146,12 +146,13 @@ inline std::string block(int n) {
 
 /// Writes a mesh file and reads it on `comm`. Collective on PETSC_COMM_WORLD or on a part of it with its rank
 /// 0.
-inline Mesh mesh_of(MPI_Comm comm, const std::string& dir, const std::string& text) {
+inline Mesh mesh_of(MPI_Comm comm, const std::string& dir, const std::string& text, int order = 0) {
   const std::string file = dir + "/mesh.msh";
   on_rank_zero(comm, [&] { std::ofstream(file) << text; });
   MeshRequest request;
   request.file = file;
   request.work_dir = dir;
+  request.order = order;
   return read_mesh(comm, request);
 }
 

@@ -63,6 +63,7 @@ TEST(RestartKeys, FrozenOptionsAreRefusedWithBothValuesWhateverIsAllowed) {
   for (const auto& [key, value] : {std::pair("units", "mm_t_s_MPa"),
                                    {"mesh", "/old/place/other.msh"},
                                    {"mesh_set_n", "6"},
+                                   {"order", "2"},
                                    {"mesh_scale", "2"},
                                    {"dm_refine", "1"}}) {
     const std::string error = compare(with_change(key, value), {"units", "mesh", "bcs"}).error;
@@ -122,7 +123,7 @@ TEST(RestartKeys, EveryOptionOfTheReferenceHasItsKind) {
         EXPECT_EQ(kind, RestartKey::free) << key;
       }
   }
-  EXPECT_EQ(frozen, 6); // units, dim, plane, mesh, mesh_scale, dm_refine
+  EXPECT_EQ(frozen, 7); // units, dim, plane, mesh, order, mesh_scale, dm_refine
   EXPECT_GT(free, 30);
   EXPECT_GT(guarded, 60);
 }

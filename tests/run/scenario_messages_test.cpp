@@ -94,7 +94,8 @@ const std::vector<Row>& rows() {
        "-damage_bounds \"history\": lets the fatigue of -material_beam_fatigue_a drive phi beyond 1; allowed "
        "with "
        "fatigue: vi, clip"},
-      {{{"-order", "2"}}, ExitCode::usage, "-order \"2\": not available; remove it"},
+      {{{"-ts_static_start", "1"}}, ExitCode::usage, "-ts_static_start \"1\": not available; remove it"},
+      {{{"-order", "3"}}, ExitCode::usage, "-order \"3\": out of range; allowed: a whole number from 1 to 2"},
       {{{"-contact_operatro", "shell"}},
        ExitCode::usage,
        "unknown option -contact_operatro; did you mean -contact_operator?"},

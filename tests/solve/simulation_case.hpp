@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <gtest/gtest.h>
+#include <impact/math/rotation.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/solve/coupling.hpp>
 #include <impact/time/step_control.hpp>
@@ -165,17 +166,18 @@ private:
   Handle<Vec> u_, v_, a_;
 };
 
-/// L2 norms of field - exact and of exact, for a nodal field [node][components], by four Gauss points along
-/// each axis of the reference cell (collapsed for simplices). All ranks.
+/// L2 norms of field - exact, of exact, and of the gradient of field - exact, for a nodal field
+/// [node][components], by four Gauss points along each axis of the reference cell (collapsed for simplices).
+/// All ranks.
 struct FieldError {
-  double error = 0, size = 0;
+  double error = 0, size = 0, gradient = 0;
 };
 inline FieldError l2_error(const Mesh& mesh, const std::vector<double>& field, int components,
                            const std::vector<Field>& exact, double t) {
   constexpr double s = 0.86113631159405257522, m = 0.33998104358485626480;
   constexpr double ws = 0.34785484513745385737, wm = 0.65214515486254614263;
   constexpr double place[4] = {-s, -m, m, s}, weight[4] = {ws, wm, wm, ws};
-  double sums[2] = {0, 0};
+  double sums[3] = {0, 0, 0};
   for (const CellTable& table : mesh.cells()) {
     const bool simplex = table.shape->simplex();
     const auto dim = table.shape->dim, nodes = table.shape->nodes;
@@ -201,7 +203,7 @@ inline FieldError l2_error(const Mesh& mesh, const std::vector<double>& field, i
         double N[max_nodes], dN[3 * max_nodes];
         table.shape->basis(xi, N, dN);
         double x[3] = {0, 0, 0}, F[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, dim == 2 ? 1. : 0.}},
-               value[3] = {0, 0, 0};
+               value[3] = {0, 0, 0}, slope[3][3] = {};
         for (int a = 0; a < nodes; ++a) {
           const auto node =
               static_cast<std::size_t>(table.connectivity[cell * unsigned(nodes) + unsigned(a)]);
@@ -210,8 +212,11 @@ inline FieldError l2_error(const Mesh& mesh, const std::vector<double>& field, i
             x[i] += N[a] * X;
             for (int j = 0; j < dim; ++j) F[i][j] += X * dN[a * dim + j];
           }
-          for (int i = 0; i < components; ++i)
-            value[i] += N[a] * field[node * unsigned(components) + unsigned(i)];
+          for (int i = 0; i < components; ++i) {
+            const double nodal = field[node * unsigned(components) + unsigned(i)];
+            value[i] += N[a] * nodal;
+            for (int j = 0; j < dim; ++j) slope[i][j] += nodal * dN[a * dim + j];
+          }
         }
         const double det = F[0][0] * (F[1][1] * F[2][2] - F[1][2] * F[2][1]) -
                            F[0][1] * (F[1][0] * F[2][2] - F[1][2] * F[2][0]) +
@@ -220,11 +225,29 @@ inline FieldError l2_error(const Mesh& mesh, const std::vector<double>& field, i
           const double is = exact[unsigned(i)](x, t);
           sums[0] += w * det * (value[i] - is) * (value[i] - is);
           sums[1] += w * det * is * is;
+          for (int j = 0; j < dim; ++j) { // along dx/dxi_j, by a central difference of the exact field
+            constexpr double h = 1e-4;
+            double ends[2] = {0, 0};
+            for (int end = 0; end < 2; ++end) {
+              double y[3] = {x[0], x[1], x[2]};
+              for (int k = 0; k < dim; ++k) y[k] += (end == 0 ? -h : h) * F[k][j];
+              ends[end] = exact[unsigned(i)](y, t);
+            }
+            slope[i][j] -= (ends[1] - ends[0]) / (2 * h);
+          }
         }
+        const Matrix3 from_xi =
+            inverse(Matrix3{F[0][0], F[0][1], F[0][2], F[1][0], F[1][1], F[1][2], F[2][0], F[2][1], F[2][2]});
+        for (int i = 0; i < components; ++i)
+          for (int k = 0; k < dim; ++k) {
+            double g = 0;
+            for (int j = 0; j < dim; ++j) g += slope[i][j] * from_xi[unsigned(3 * j + k)];
+            sums[2] += w * det * g * g;
+          }
       }
   }
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, mesh.comm());
-  return {std::sqrt(sums[0]), std::sqrt(sums[1])};
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, mesh.comm());
+  return {std::sqrt(sums[0]), std::sqrt(sums[1]), std::sqrt(sums[2])};
 }
 
 } // namespace impact::problem_test

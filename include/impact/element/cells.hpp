@@ -1,11 +1,11 @@
 #pragma once
 #include <array>
 
-/// Reference cells as data: nodes, linear shape functions, one quadrature rule, facets and the names that
-/// files use. The rule integrates products of two shape functions of an affine cell exactly, so that the same
+/// Reference cells as data: nodes, shape functions, one quadrature rule, facets and the names that files
+/// use. The rule integrates products of two shape functions of an affine cell exactly, so that the same
 /// points (and the same point history) serve the motion, the damage and the mass terms: three points on Tri3,
-/// four on Tet4, the 2-point Gauss product on Quad4 and Hex8. A cell is a struct with the members of Tri3;
-/// kernel/shape_of.hpp makes of it what a run needs.
+/// four on Tet4, the 2-point Gauss product on Quad4 and Hex8 (second_order.hpp has those of its cells). A
+/// cell is a struct with the members of Tri3; kernel/shape_of.hpp makes of it what a run needs.
 namespace impact {
 
 inline constexpr int max_nodes = 27, max_points = 27; ///< of any cell
@@ -18,13 +18,15 @@ struct CellNames {
   const char* xdmf_name; ///< topology type of an XDMF mesh of these cells alone
 };
 
-/// Nodes of a facet with the normal outward; -1 after the last.
+/// Corners of a facet with the normal outward; -1 after the last.
 using CellFacet = std::array<int, 4>;
 constexpr int node_count(const CellFacet& facet) {
   int count = 0;
   for (const int node : facet) count += node >= 0;
   return count;
 }
+
+using CellEdge = std::array<int, 2>; ///< the corners at its ends
 
 /// Linear functions on the unit simplex: node 0 at the origin, node k at 1 along axis k.
 template <int d> struct Simplex {
@@ -125,6 +127,9 @@ struct Hex8 : LineProduct<Hex8, 3> {
   static constexpr double sign[nodes][dim] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                               {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
 };
+
+/// Whether a cell has nodes in the middle of its edges.
+template <class Cell> inline constexpr bool is_second_order = requires { Cell::edges; };
 
 /// Shape functions and their reference derivatives at the points of the rule and at the centroid, as
 /// constants.

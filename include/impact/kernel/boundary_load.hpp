@@ -1,21 +1,23 @@
 #pragma once
 #include <impact/kernel/frame.hpp>
 
-/// Loads on one boundary facet (line of 2 nodes in the plane; triangle or quadrilateral in space), point by
-/// point, so that the caller evaluates its load where it stands. Lines run with the body on their left
-/// (counter-clockwise cells), faces counter-clockwise seen from outside: the normal below then points
-/// outward.
+/// Loads on one boundary facet (line of 2 or 3 nodes in the plane; triangle of 3 or 6 nodes or quadrilateral
+/// in space), point by point, so that the caller evaluates its load where it stands. Lines run with the body
+/// on their left (counter-clockwise cells), faces counter-clockwise seen from outside: the normal below then
+/// points outward.
 namespace impact {
+
+inline constexpr int max_facet_nodes = 6; ///< and points
 
 /// One quadrature point of a facet; the rule integrates N_a N_b exactly on an affine facet.
 struct FacetPoint {
-  double N[4];
-  double dN[4][2];
+  double N[max_facet_nodes];
+  double dN[max_facet_nodes][2];
   double weight;
 };
 
-/// nodes = 2 (line), 3 (triangle) or 4 (quadrilateral); q < nodes, one point per node.
-FacetPoint facet_point(int nodes, int q);
+/// As many points as nodes: q < nodes. The corners of a facet come first, then the middles of its edges.
+FacetPoint facet_point(int dim, int nodes, int q);
 
 /// Position of the point, from node coordinates X [node][dim] to x [dim].
 void facet_position(const FacetPoint&, int nodes, int dim, const double* X, double* x);

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/kernel/lumped_mass.hpp>
 #include <impact/kernel/measure_input.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/point_geometry.hpp>
@@ -6,6 +7,18 @@
 
 /// The integrals of cell_kernels.hpp over one batch of cells.
 namespace impact {
+
+/// Kinetic energy and momentum of a mass that stands at the nodes of a second-order cell.
+template <class Cell>
+inline void add_nodal_motion(const LumpedMass<Cell>& mass, const EnergyInput& in, EnergySums& sums) {
+  constexpr int d = Cell::dim;
+  for (int a = 0; a < Cell::nodes; ++a)
+    for (int i = 0; i < d; ++i) {
+      const Batch p = in.mass_factor * mass.at[a] * in.v[a * d + i];
+      sums.kinetic += 0.5 * (p * in.v[a * d + i]);
+      sums.momentum[i] += p;
+    }
+}
 
 /// N_a v_ai v_ai: v_i^2 of a mass that stands at the nodes.
 template <class Cell> inline Batch nodal_square(const Batch* v, int q, int i) {
@@ -20,6 +33,8 @@ template <class Cell, Frame frame, bool spectral, class Law>
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
   read_thickness<Cell, frame>(in.history, s);
+  const bool at_nodes = is_second_order<Cell> && in.v && in.lumped;
+  LumpedMass<Cell> mass;
   for (int q = 0; q < Cell::points; ++q) {
     const Batch w = s.map[q].weight;
     const Kinematics<Batch, d> k = kinematics(s.H[q]);
@@ -46,7 +61,9 @@ template <class Cell, Frame frame, bool spectral, class Law>
     if (in.fatigue && in.phi)
       sums.fatigue += w * fatigue_energy(m, interpolate<Cell>(in.phi, q), in.fatigue[q]);
     sums.mass += m.rho * w;
-    if (in.v)
+    if (at_nodes)
+      mass.add(q, m.rho, w);
+    else if (in.v)
       for (int i = 0; i < d; ++i) {
         const Batch v = interpolate<Cell, d>(in.v, q, i);
         sums.kinetic +=
@@ -54,6 +71,9 @@ template <class Cell, Frame frame, bool spectral, class Law>
         sums.momentum[i] += m.rho * in.mass_factor * (w * v);
       }
   }
+  if (!at_nodes) return;
+  mass.finish();
+  add_nodal_motion(mass, in, sums);
 }
 
 template <class Cell, Frame frame>
@@ -154,8 +174,10 @@ template <class Cell, Frame frame> void mass_matrix(const PointLaw& law, const B
 }
 
 /// The smallest height: 1/max |Grad N_a| of the centroid, and for products of lines the smallest distance of
-/// opposite sides there, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a.
+/// opposite sides there, 2/max |dxi_k/dX| with dxi_k/dX = sum_a sign_ak Grad N_a. Of the linear cell with the
+/// same corners.
 template <class Cell> Batch cell_size(const Batch* X) {
+  if constexpr (is_second_order<Cell>) return cell_size<typename Cell::Corners>(X);
   constexpr int d = Cell::dim;
   constexpr auto& t = shape_table<Cell>;
   constexpr bool product = requires { Cell::sign; };

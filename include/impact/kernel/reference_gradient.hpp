@@ -6,11 +6,11 @@
 /// Gradients of nodal fields with respect to the reference coordinates xi at all points of a cell at once,
 /// and the transpose, which turns fluxes at the points into nodal forces.
 ///
-/// On simplices the gradient is constant. Other cells take the sum over their nodes, but quadrilaterals and
-/// hexahedra with the 2-point Gauss product pass through the polynomial modes of the cell, v(xi) = sum_a m_a
-/// prod_k xi_k over the directions k in which node a lies at xi_k = +1. Nodes -> modes and modes -> points
-/// are sums and differences of pairs along one direction after the other: 55 operations per component of a
-/// hexahedron where sums over the nodes at every point take 192.
+/// On linear simplices the gradient is constant. Other cells take the sum over their nodes, but
+/// quadrilaterals and hexahedra with the 2-point Gauss product pass through the polynomial modes of the cell,
+/// v(xi) = sum_a m_a prod_k xi_k over the directions k in which node a lies at xi_k = +1. Nodes -> modes and
+/// modes -> points are sums and differences of pairs along one direction after the other: 55 operations per
+/// component of a hexahedron where sums over the nodes at every point take 192.
 namespace impact {
 
 template <class Cell> inline constexpr bool is_simplex = Cell::nodes == Cell::dim + 1;

@@ -4,6 +4,7 @@
 #include <impact/kernel/frame.hpp>
 #include <impact/math/batch.hpp>
 #include <span>
+#include <string_view>
 #include <vector>
 
 /// The shapes of cells that a run knows, as data: everything that the reader, the mesh, the assembly, the
@@ -19,7 +20,10 @@ struct CellShape {
   CellNames names;
   int dim, nodes, points;
   std::span<const CellFacet> facets;
-  std::span<const int> from_plex;            ///< place of each node in the order of DMPlex
+  std::span<const int> from_plex; ///< place of each node in the order of DMPlex
+  /// Of second order: the edge in whose middle each node after the corners stands.
+  std::span<const CellEdge> edges;
+  std::span<const int> from_gmsh;            ///< place of each node in the order of gmsh; empty: the same
   const double *N, *dN, *weight;             ///< [point][node], [point][node][dim], [point]
   std::array<double, 3> centroid;            ///< in reference coordinates
   std::array<const CellKernels*, 4> kernels; ///< by Frame; null where the cell has no place
@@ -29,13 +33,15 @@ struct CellShape {
   /// the centroid in quads and hexes. X [node][dim].
   Batch (*size)(const Batch* X);
 
-  bool simplex() const { return nodes == dim + 1; }
+  int corners() const { return nodes - static_cast<int>(edges.size()); }
+  int order() const { return edges.empty() ? 1 : 2; }
+  bool simplex() const { return corners() == dim + 1; }
 };
 
 /// Which shape: the name of an entry of the list.
 class Shape {
 public:
-  static const Shape tri3, quad4, tet4, hex8;
+  static const Shape tri3, quad4, tet4, hex8, tri6, tet10;
 
   Shape() = default;
   constexpr explicit Shape(const CellShape& cell) : cell_(&cell) {}
@@ -51,8 +57,14 @@ inline int dimension(Shape s) { return s->dim; }
 inline int node_count(Shape s) { return s->nodes; }
 inline int point_count(Shape s) { return s->points; }
 
-/// All shapes; a mesh takes for each of its cells the last one with the right polytope.
+/// All shapes; a mesh takes for each of its cells the last one with the right polytope and order.
 std::span<const Shape> known_shapes();
+/// That one, whose names.polytope this is; none where there is no such cell.
+Shape find_shape(int dim, std::string_view polytope, int order);
+/// The cell of first order with the same corners.
+Shape linear(Shape);
+/// Nodes of a facet of the cell: its corners, then the middles of its edges.
+std::vector<int> facet_nodes(Shape, const CellFacet&);
 /// Place in that list.
 int index_of(Shape);
 

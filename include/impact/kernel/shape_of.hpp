@@ -59,6 +59,8 @@ template <class Cell> constexpr CellShape cell_shape() {
                  .points = Cell::points,
                  .facets = Cell::facets,
                  .from_plex = Cell::from_plex,
+                 .edges = {},
+                 .from_gmsh = {},
                  .N = table.N[0],
                  .dN = table.dN[0][0],
                  .weight = table.weight,
@@ -66,6 +68,10 @@ template <class Cell> constexpr CellShape cell_shape() {
                  .kernels = {},
                  .basis = cell_basis<Cell>,
                  .size = cell_size<Cell>};
+  if constexpr (is_second_order<Cell>) {
+    s.edges = Cell::edges;
+    s.from_gmsh = Cell::from_gmsh;
+  }
   for (std::size_t k = 0; k < Cell::dim; ++k) s.centroid[k] = Cell::centroid()[k];
   const auto in = [&s](Frame frame, const CellKernels& kernels) {
     s.kernels[static_cast<std::size_t>(frame)] = &kernels;

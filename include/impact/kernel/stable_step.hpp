@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/bulk_viscosity.hpp>
+#include <impact/kernel/lumped_mass.hpp>
 #include <impact/kernel/motion_input.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/spatial_map.hpp>
@@ -72,11 +73,10 @@ template <class Cell, Frame frame, class Law> Batch stable_step_of(const Law& la
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, nullptr, in.theta, s);
   read_thickness<Cell, frame>(in.history, s);
-  Batch A[n][n], mass[n], C = Batch(0.0), D = Batch(0.0);
-  for (int a = 0; a < n; ++a) {
-    mass[a] = Batch(0.0);
+  LumpedMass<Cell> mass;
+  Batch A[n][n], C = Batch(0.0), D = Batch(0.0);
+  for (int a = 0; a < n; ++a)
     for (int b = 0; b < n; ++b) A[a][b] = Batch(0.0);
-  }
   for (int q = 0; q < Cell::points; ++q) {
     const Batch w = s.map[q].weight, J = Batch(1.0) + detm1(s.H[q]);
     const Tensor<Batch, d> F = plus_identity(s.H[q]);
@@ -84,14 +84,13 @@ template <class Cell, Frame frame, class Law> Batch stable_step_of(const Law& la
     SpatialGradients<Cell, frame> G;
     current_map(s.map[q], inverse(F, J), map);
     spatial_gradients(map, t.N[q], t.dN[q], G);
-    for (int a = 0; a < n; ++a) {
-      mass[a] += (m.rho * t.N[q][a]) * w;
+    mass.add(q, m.rho, w);
+    for (int a = 0; a < n; ++a)
       for (int b = 0; b <= a; ++b) {
         Batch product = sum<d>([&](int i) { return G.g[a][i] * G.g[b][i]; });
         if constexpr (frame == Frame::axisymmetric) product += G.ring[a] * G.ring[b];
         A[a][b] += w * product;
       }
-    }
     C = max(C, largest_modulus<Cell, frame>(law, in, s.H[q], J, q));
     if (law.viscous()) {
       const Batch b = largest_stretch(left_strain(s.H[q]));
@@ -99,8 +98,9 @@ template <class Cell, Frame frame, class Law> Batch stable_step_of(const Law& la
     }
   }
   if (in.has_bulk_viscosity() && in.u_n) D += directions<frame> * bulk_rate(law, in, s).slope;
+  mass.finish();
   for (int a = 0; a < n; ++a)
-    for (int b = 0; b <= a; ++b) A[a][b] = A[b][a] = A[a][b] / sqrt(mass[a] * mass[b]);
+    for (int b = 0; b <= a; ++b) A[a][b] = A[b][a] = A[a][b] / sqrt(mass.at[a] * mass.at[b]);
   const Batch mu = largest_eigenvalue(A) / in.mass_factor;
   return (sqrt(D * D + 4.0 * C / mu) - D) / C;
 }

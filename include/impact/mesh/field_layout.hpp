@@ -9,7 +9,7 @@ namespace impact {
 
 class FieldLayout {
 public:
-  /// Clones the mesh's DM and lays `components` dofs on every vertex. Collective.
+  /// Clones the mesh's DM and lays `components` dofs on every node. Collective.
   FieldLayout(const Mesh& mesh, std::string name, int components);
 
   DM dm() const { return dm_; }

@@ -26,9 +26,9 @@ struct GmshBlock {
   Shape shape() const;
 };
 
-/// First-order mesh, gmsh's node order (which is VTK's for the shapes that we use). Each rank may hold a part
-/// of it: nodes and cells are numbered through all ranks, the elements of boundaries stand where their cells
-/// do.
+/// A mesh of first or second order in VTK's order of nodes; of the elements of boundaries the corners. Each
+/// rank may hold a part of it: nodes and cells are numbered through all ranks, the elements of boundaries
+/// stand where their cells do.
 struct GmshFile {
   int dim = 0;           ///< highest dimension of an element: 2 or 3; like groups and sets alike on all ranks
   std::vector<double> x; ///< [node][3]
@@ -39,10 +39,10 @@ struct GmshFile {
 };
 
 /// Reads version 4.1 or 2.2, ASCII or binary, and checks it: every element has known, distinct nodes; cells
-/// are triangles, quadrilaterals, tetrahedra or hexahedra of the same dimension, at least one group exists,
-/// each cell occurs once, coordinates are finite, 2D meshes are flat, each node belongs to a cell, cells do
-/// not fold over their neighbours. Clockwise cells are turned. Throws UserError(io) for an unreadable or
-/// garbled file, else UserError(data).
+/// are triangles, quadrilaterals, tetrahedra or hexahedra of the same dimension and order, at least one group
+/// exists, each cell occurs once, coordinates are finite, 2D meshes are flat, each node belongs to a cell,
+/// cells do not fold over their neighbours. Clockwise cells are turned. Throws UserError(io) for an
+/// unreadable or garbled file, else UserError(data).
 GmshFile read_gmsh(const std::string& path);
 
 /// The checks of read_gmsh after parsing; sets `dim`, turns clockwise cells. Throws UserError(data).

@@ -2,6 +2,7 @@
 #include <array>
 #include <functional>
 #include <impact/kernel/shape.hpp>
+#include <impact/mesh/node_map.hpp>
 #include <impact/petsc/handle.hpp>
 #include <map>
 #include <span>
@@ -10,8 +11,8 @@
 
 /// The distributed mesh: topology, coordinates and named groups, immutable after construction (total
 /// Lagrangian). Overlap 0: every cell lives on exactly one rank; nodes on rank borders are shared, one rank
-/// owns each. Node = mesh vertex, numbered 0..node_count-1 locally (vertex point minus vertex start), owned
-/// or ghost.
+/// owns each. Nodes are the vertices and, in a mesh of second order, the middles of the edges (NodeMap);
+/// numbered 0..node_count-1 locally, owned or ghost.
 namespace impact {
 
 /// Cells of one shape on this rank. connectivity[cell * nodes + a] = local node, usual finite-element order
@@ -24,9 +25,10 @@ struct CellTable {
 
 /// Boundary facets of a named group on this rank, each owned by the rank of its cell.
 /// Node order gives the outward normal of the cell: in 2D (t_y, -t_x) with t = x_1 - x_0, in 3D (x_1-x_0) x
-/// (x_2-x_0).
+/// (x_2-x_0); of second order the corners come first, then the middles of the edges.
 struct FacetTable {
-  int nodes_per_facet = 0;          ///< 2 (edges), 3 or 4; triangles in a mixed 3D table repeat the last node
+  int nodes_per_facet = 0;          ///< 2 (edges), 3 or 4, of second order 3 or 6; triangles in a mixed 3D
+                                    ///< table repeat the last node
   std::vector<int> connectivity;    ///< [facet][nodes_per_facet] local nodes
   std::vector<PetscInt> point;      ///< DMPlex point of each facet
   std::vector<PetscInt> cell_point; ///< DMPlex point of the cell behind it
@@ -62,7 +64,8 @@ public:
   DM dm() const { return dm_; }
   MPI_Comm comm() const;
   int dim() const { return dim_; }
-  int node_count() const { return node_count_; } ///< local, ghosts included
+  int order() const { return order_; }              ///< of the cells: 1 or 2
+  int node_count() const { return nodes_.count(); } ///< local, ghosts included
   int owned_node_count() const { return owned_node_count_; }
   PetscInt global_node_count() const { return global_node_count_; }
   PetscInt global_cell_count() const { return global_cell_count_; }
@@ -75,10 +78,10 @@ public:
     const PetscInt place = global_node_[static_cast<std::size_t>(node)] - first_node_;
     return place >= 0 && place < owned_node_count_;
   }
-  PetscInt vertex_point(int node) const { return vertex_start_ + node; }
-  PetscInt cell_start() const { return cell_start_; } ///< first DMPlex cell point
-  int cell_count() const { return cell_count_; }      ///< on this rank, all shapes
-  bool has_shape(Shape shape) const;                  ///< on any rank
+  PetscInt point(int node) const { return nodes_.point(node); } ///< of the DMPlex
+  PetscInt cell_start() const { return cell_start_; }           ///< first DMPlex cell point
+  int cell_count() const { return cell_count_; }                ///< on this rank, all shapes
+  bool has_shape(Shape shape) const;                            ///< on any rank
 
   const std::vector<Group>& groups() const { return groups_; }
   const Group* find_group(const std::string& name) const;
@@ -124,9 +127,9 @@ private:
   std::vector<PetscInt> owned_points(const std::string& group) const;
 
   Handle<DM> dm_;
-  int dim_ = 0, node_count_ = 0, owned_node_count_ = 0, cell_count_ = 0;
-  PetscInt vertex_start_ = 0, cell_start_ = 0, first_node_ = 0, global_node_count_ = 0,
-           global_cell_count_ = 0;
+  int dim_ = 0, order_ = 1, owned_node_count_ = 0, cell_count_ = 0;
+  NodeMap nodes_;
+  PetscInt cell_start_ = 0, first_node_ = 0, global_node_count_ = 0, global_cell_count_ = 0;
   std::vector<double> coordinates_;
   std::vector<CellTable> cells_;
   std::vector<int> has_shape_; // [known shape] 1 or 0, equal on all ranks
@@ -181,6 +184,7 @@ struct MeshRequest {
   std::string file; ///< .msh 4.1 (or 2.2 without overlapping groups) or .geo
   std::map<std::string, std::string>
       parameters;                              ///< -mesh_set_<name>: values of DefineConstant names in a .geo
+  int order = 0;                               ///< of the cells, 1 or 2; 0: that of the file, 1 for a .geo
   double scale = 1;                            ///< every coordinate is multiplied by it
   int refine = 0;                              ///< uniform refinements
   double most_cells = 2e6;                     ///< refinement to more is refused before it is made
@@ -197,7 +201,7 @@ struct MeshRequest {
 /// orders the mesh. Clockwise cells are turned. Groups without a name are called region_<tag>,
 /// boundary_<tag>, curve_<tag>, point_<tag>. Collective. Partitioner: own type `metis` unless
 /// -petscpartitioner_type says otherwise. Throws UserError(io) for a file that cannot be read, made or
-/// understood and UserError(data) for a mesh that cannot be used: no groups, second order, mixed dimensions,
+/// understood and UserError(data) for a mesh that cannot be used: no groups, mixed dimensions or orders,
 /// duplicated, folded, inverted or degenerate cells, loose nodes.
 Mesh read_mesh(MPI_Comm comm, const MeshRequest& request);
 /// Its two halves: what the file says, each rank an equal part; and the mesh made of that, the same from the

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <impact/kernel/boundary_load.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <petscmat.h>
@@ -51,6 +52,9 @@ void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vect
                           const std::function<void(std::size_t index, const double* x)>& body);
 
 /// Entries that SurfaceHeat has per facet.
-inline constexpr int points_per_facet = 4;
+inline constexpr int points_per_facet = max_facet_nodes;
+
+/// int dA_0 over the facets of this rank; in a plane per thickness.
+double area_of(const FacetTable& facets, Frame frame, const std::vector<double>& X);
 
 } // namespace impact

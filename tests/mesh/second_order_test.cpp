@@ -1,0 +1,195 @@
+#include "example_meshes.hpp"
+#include "small_mesh.hpp"
+#include <cmath>
+#include <gtest/gtest.h>
+#include <numbers>
+
+// Meshes whose nodes stand in the middle of edges too.
+
+namespace impact {
+
+namespace {
+
+double x_of(const Mesh& mesh, int node, int i) {
+  return mesh.coordinates()[static_cast<std::size_t>(node * mesh.dim() + i)];
+}
+
+/// Largest distance of a node on an edge from the middle of its ends, over all cells.
+double largest_bend(const Mesh& mesh) {
+  double bend = 0;
+  for (const CellTable& table : mesh.cells()) {
+    EXPECT_EQ(table.shape->order(), 2);
+    const auto nodes = static_cast<std::size_t>(table.shape->nodes);
+    for (std::size_t c = 0; c < table.connectivity.size(); c += nodes)
+      for (std::size_t e = 0; e < table.shape->edges.size(); ++e) {
+        const auto node = [&](int a) { return table.connectivity[c + static_cast<std::size_t>(a)]; };
+        const int corners = table.shape->corners();
+        for (int i = 0; i < mesh.dim(); ++i)
+          bend = std::max(bend, std::abs(x_of(mesh, node(corners + static_cast<int>(e)), i) -
+                                         (x_of(mesh, node(table.shape->edges[e][0]), i) +
+                                          x_of(mesh, node(table.shape->edges[e][1]), i)) /
+                                             2));
+      }
+  }
+  return largest_over_ranks(bend);
+}
+
+double volume(const Mesh& mesh) {
+  double sum = 0;
+  for (const CellTable& table : mesh.cells()) {
+    const int dim = table.shape->dim, nodes = table.shape->nodes;
+    for (std::size_t c = 0; c < table.point.size(); ++c)
+      for (int q = 0; q < table.shape->points; ++q) {
+        double J[3][3] = {};
+        J[2][2] = dim == 2 ? 1 : 0;
+        for (int a = 0; a < nodes; ++a)
+          for (int i = 0; i < dim; ++i)
+            for (int k = 0; k < dim; ++k)
+              J[i][k] += x_of(mesh, table.connectivity[c * unsigned(nodes) + unsigned(a)], i) *
+                         table.shape->dN[(q * nodes + a) * dim + k];
+        sum += table.shape->weight[q] * (J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
+                                         J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+                                         J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]));
+      }
+  }
+  return sum_over_ranks(sum);
+}
+
+// Each edge of each cell finds the node in its own middle, whatever way DMPlex turns the cell.
+TEST(SecondOrder, NodesStandInTheMiddleOfTheEdgesOfTheirCells) {
+  for (const Shape shape : {Shape::tri6, Shape::tet10}) {
+    const Mesh mesh = make_block(shape, 3);
+    EXPECT_EQ(mesh.order(), 2);
+    EXPECT_TRUE(mesh.has_shape(shape));
+    EXPECT_LT(largest_bend(mesh), 1e-12);
+    EXPECT_NEAR(volume(mesh), 1, 1e-12);
+  }
+}
+
+TEST(SecondOrder, OrderTwoGivesAMeshOfFirstOrderNodesOnItsEdges) {
+  for (const Shape shape : {Shape::tri3, Shape::tet4})
+    for (const int refine : {0, 1}) {
+      make_block(shape, 2); // the file
+      MeshRequest request;
+      request.file = "mesh_test_files/block" + std::to_string(index_of(shape)) + "_2/block.msh";
+      request.refine = refine;
+      const Mesh plain = read_mesh(PETSC_COMM_WORLD, request);
+      request.order = 2;
+      const Mesh mesh = read_mesh(PETSC_COMM_WORLD, request);
+      EXPECT_EQ(mesh.order(), 2);
+      EXPECT_EQ(mesh.global_cell_count(), plain.global_cell_count());
+      EXPECT_EQ(largest_bend(mesh), 0);
+      EXPECT_NEAR(volume(mesh), 1, 1e-12);
+      EXPECT_EQ(mesh.smallest_edge(), plain.smallest_edge());
+      // Euler: V - E + C = 1 in the plane, V - E + F - C = 1 in space with 2 F = 4 C + boundary.
+      double boundary = 0;
+      for (const char* side : {"left", "right", "bottom", "top", "back", "front"})
+        if (mesh.find_group(side) != nullptr) boundary += sum_over_ranks(mesh.facets(side).count());
+      const double V = plain.global_node_count(), C = plain.global_cell_count(),
+                   E = mesh.dim() == 2 ? V + C - 1 : V + (4 * C + boundary) / 2 - C - 1;
+      EXPECT_EQ(mesh.global_node_count(), V + E);
+      EXPECT_EQ(sum_over_ranks(mesh.owned_node_count()), V + E);
+    }
+}
+
+const char* const disc = R"(SetFactory("OpenCASCADE");
+Disk(1) = {0, 0, 0, 1, 1};
+Mesh.MeshSizeMin = 0.4;
+Mesh.MeshSizeMax = 0.4;
+Physical Surface("body") = {1};
+Physical Curve("rim") = {1};
+)";
+
+// The area of a circle by parabolas errs 4th order in h where that of chords errs in h^2.
+TEST(SecondOrder, GmshGivesCurvedEdges) {
+  const std::string dir = run_test::fresh_dir("disc");
+  on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(dir + "/disc.geo") << disc; });
+  MeshRequest request;
+  request.file = dir + "/disc.geo";
+  request.work_dir = dir;
+  const double chords = volume(read_mesh(PETSC_COMM_WORLD, request)) - std::numbers::pi;
+  request.order = 2;
+  const Mesh mesh = read_mesh(PETSC_COMM_WORLD, request);
+  EXPECT_LT(chords, -0.03);
+  EXPECT_NEAR(volume(mesh), std::numbers::pi, 1e-3);
+  EXPECT_GT(largest_bend(mesh), 0.01);
+  for (const int node : mesh.nodes("rim"))
+    EXPECT_NEAR(std::hypot(x_of(mesh, node, 0), x_of(mesh, node, 1)), 1, 1e-9);
+  EXPECT_EQ(mesh.facets("rim").nodes_per_facet, 3);
+  request.file = dir + "/disc.msh"; // as it was written
+  request.order = 0;
+  EXPECT_EQ(volume(read_mesh(PETSC_COMM_WORLD, request)), volume(mesh));
+}
+
+// A triangle with a bulge at its long side: 1/2 + 2/3 of the chord times the height.
+std::string triangle(const std::string& nodes) {
+  return "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"body\"\n1 2 "
+         "\"side\"\n$EndPhysicalNames\n"
+         "$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0.5 0 0\n5 0.6 0.6 0\n6 0 0.5 0\n$EndNodes\n"
+         "$Elements\n2\n1 9 2 1 1 " +
+         nodes + "\n2 8 2 2 2 2 3 5\n$EndElements\n";
+}
+
+TEST(SecondOrder, ClockwiseCellsAreTurnedWithTheNodesOfTheirEdges) {
+  const std::string dir = run_test::fresh_dir("turned");
+  for (const char* nodes : {"1 2 3 4 5 6", "1 3 2 6 5 4", "3 2 1 5 4 6"}) {
+    const Mesh mesh = run_test::mesh_of(PETSC_COMM_WORLD, dir, triangle(nodes));
+    EXPECT_NEAR(volume(mesh), 0.5 + 2.0 / 3 * std::sqrt(2.0) * 0.1 * std::sqrt(2.0), 1e-14) << nodes;
+    const FacetTable side = mesh.facets("side");
+    EXPECT_EQ(sum_over_ranks(side.count()), 1);
+    for (int f = 0; f < side.count(); ++f) EXPECT_EQ(x_of(mesh, side.connectivity[2], 0), 0.6);
+    EXPECT_EQ(mesh.nodes("side").size(), static_cast<std::size_t>(mesh.node_count() > 0 ? 3 : 0));
+  }
+}
+
+// gmsh and VTK name the last two edges of a tetrahedron in opposite order; the bulge of one shows which.
+TEST(SecondOrder, TetrahedraHaveTheEdgesOfTheFile) {
+  const std::string head =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 1 \"body\"\n$EndPhysicalNames\n"
+      "$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 0.5 0 0\n6 0.5 0.5 0\n7 0 0.5 0\n8 0 0 0.5\n"
+      "9 0 0.5 0.5\n10 0.5 0 0.5\n$EndNodes\n$Elements\n1\n1 11 2 1 1 ";
+  const std::string dir = run_test::fresh_dir("tetrahedron");
+  for (const char* nodes : {"1 2 3 4 5 6 7 8 9 10", "1 3 2 4 7 6 5 8 10 9"}) {
+    const Mesh mesh = run_test::mesh_of(PETSC_COMM_WORLD, dir, head + nodes + "\n$EndElements\n");
+    EXPECT_LT(largest_bend(mesh), 1e-15);
+    EXPECT_NEAR(volume(mesh), 1.0 / 6, 1e-15);
+  }
+}
+
+TEST(SecondOrder, RefusesWhatItCannotUse) {
+  const std::string dir = run_test::fresh_dir("refused");
+  const auto refusal = [&](const std::string& text, int order = 0, int refine = 0) {
+    ExitCode code{};
+    on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(dir + "/mesh.msh") << text; });
+    MeshRequest request;
+    request.file = dir + "/mesh.msh";
+    request.order = order;
+    request.refine = refine;
+    std::string says = user_error(code, [&] { read_mesh(PETSC_COMM_WORLD, request); });
+    EXPECT_EQ(code, ExitCode::data) << says;
+    return says;
+  };
+  const std::string good = triangle("1 2 3 4 5 6");
+  const auto replaced = [&](const std::string& what, const std::string& with) {
+    std::string text = good;
+    const std::size_t place = text.find(what);
+    EXPECT_NE(place, std::string::npos) << what;
+    return text.replace(place, what.size(), with);
+  };
+  EXPECT_NE(refusal(good, 1).find("of second order, -order is 1"), std::string::npos);
+  EXPECT_NE(refusal(good, 0, 1).find("-dm_refine"), std::string::npos);
+  EXPECT_NE(refusal(replaced("0.6 0.6 0", "0.1 0.1 0")).find("inverted"), std::string::npos);
+  const auto second = [&](const std::string& count, const std::string& nodes, const std::string& element) {
+    std::string text = replaced("$Nodes\n6\n", "$Nodes\n" + count + "\n");
+    text.replace(text.find("$EndNodes"), 9, nodes + "$EndNodes");
+    return text.replace(text.find("$Elements\n2\n"), 12, "$Elements\n3\n3 " + element + "\n");
+  };
+  EXPECT_NE(refusal(second("7", "7 1 1 0\n", "2 2 1 1 2 7 3")).find("first and of second order"),
+            std::string::npos);
+  EXPECT_NE(refusal(second("10", "7 1 1 0\n8 0.5 0.5 0\n9 1 0.5 0\n10 0.5 1 0\n", "9 2 1 1 2 7 3 9 10 8"))
+                .find("two nodes in the middle of one edge"),
+            std::string::npos);
+}
+
+} // namespace
+} // namespace impact
