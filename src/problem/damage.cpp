@@ -1,3 +1,4 @@
+#include "damage_batches.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
@@ -5,7 +6,6 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
-#include <impact/problem/damage.hpp>
 
 /// The bounded solve. Sub-steps: damage_substeps.cpp; what a step dissipated: damage_book.cpp.
 namespace impact {
@@ -38,11 +38,6 @@ Batch driving_energy(const MaterialParameters& m, const Drive& drive) {
   if (m.split == Split::none) sum += drive.minus;
   if (m.gp == PlasticDegradation::ge) sum += drive.plastic;
   return sum;
-}
-
-// The history of that energy in place of its parts.
-void put_history(const PointValues<1>& H, PointValues<drive_size>& drive) {
-  for (int q = 0; q < H.size; ++q) drive_at(drive.data(), q) = {H.value[q], 0.0, 0.0};
 }
 
 } // namespace
@@ -125,41 +120,6 @@ void DamageProblem::take_full_steps(SNES snes) {
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
   check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));
   check(SNESSetDivergenceTolerance(snes, -1));
-}
-
-// body(batch, input of the kernels at x) answers with the lanes that lost their meaning; false where any did.
-template <class Body> bool DamageProblem::visit_batches(const Equation& equation, Vec x, Body&& body) {
-  d_.scalar.to_local(x, x_);
-  bool sound = true;
-  for_each_batch(d_, damages, [&](const CellBatch& batch) {
-    const PointLaw& law = batch.law;
-    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.displaced(*step_.u),
-               u_n = batch.displaced(*step_.u_n);
-    const auto phi = batch.scalars(x_), phi_n = batch.scalars(*equation.phi_n);
-    auto now = batch.load<drive_size>(drive_.trial), before = batch.load<drive_size>(drive_.committed);
-    if (history_) {
-      put_history(batch.load<1>(history_->trial), now);
-      put_history(batch.load<1>(history_->committed), before);
-    }
-    auto worn = batch.points<1>();
-    auto flowed = batch.histories();
-    DamageInput in;
-    in.fatigue = batch.read(worn_ && law.fatigues() ? &worn_->committed : nullptr, worn);
-    in.history = batch.read(is_ductile(law.parameters) ? &flow_.committed : nullptr, flowed);
-    in.X = X.data();
-    in.u = u.data();
-    in.u_n = u_n.data();
-    in.phi = phi.data();
-    in.phi_n = phi_n.data();
-    in.drive = now.data();
-    in.drive_n = before.data();
-    in.dt = equation.dt;
-    in.form = equation.form;
-    in.theta_d = equation.theta;
-    in.convex = true;
-    sound = batch.broken(body(batch, in)) == 0 && sound;
-  });
-  return all_ranks_agree(d_.mesh.comm(), sound);
 }
 
 void DamageProblem::forget_factors() {
