@@ -1,4 +1,5 @@
 #include "damage_batches.hpp"
+#include "nodal_rate.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
@@ -128,7 +129,7 @@ void DamageProblem::forget_factors() {
 
 std::vector<SNES> DamageProblem::solvers() const {
   std::vector<SNES> all(1, snes_.get());
-  if (substeps_) check(TSGetSNES(substeps_, &all.emplace_back()));
+  if (substeps_ && !rate_) check(TSGetSNES(substeps_, &all.emplace_back()));
   return all;
 }
 

@@ -1,3 +1,4 @@
+#include "nodal_rate.hpp"
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/problem/damage.hpp>
@@ -13,7 +14,7 @@ template <void (DamageProblem::*method)(TS)> PetscErrorCode DamageProblem::call(
 }
 
 void DamageProblem::make_substeps() {
-  if (settings_.substep == 0) return;
+  if (settings_.substep == 0 && settings_.explicit_substeps == 0) return;
   if (settings_.form != DamageForm::multiplied || settings_.theta != 1)
     throw UserError(ExitCode::usage,
                     "-damage_ts_dt: sub-steps want -damage_form multiplied and -damage_theta 1; the "
@@ -21,18 +22,25 @@ void DamageProblem::make_substeps() {
   check(TSCreate(d_.mesh.comm(), substeps_.out()));
   check(TSSetOptionsPrefix(substeps_, "damage_"));
   check(TSSetProblemType(substeps_, TS_NONLINEAR));
-  check(TSSetType(substeps_, TSBEULER));
-  check(TSSetTimeStep(substeps_, settings_.substep));
   check(TSSetApplicationContext(substeps_, this));
-  check(TSSetIFunction(substeps_, nullptr, Callback<&DamageProblem::substep_residual>::call, this));
-  check(TSSetIJacobian(substeps_, field_.matrix(), field_.matrix(),
-                       Callback<&DamageProblem::substep_tangent>::call, this));
   check(TSSetPreStep(substeps_, call<&DamageProblem::start_substep>));
   check(TSSetPostStep(substeps_, call<&DamageProblem::finish_substep>));
-  const SNES snes = Get(TSGetSNES)(substeps_);
-  prepare(snes);
   check(TSSetExactFinalTime(substeps_, TS_EXACTFINALTIME_MATCHSTEP));
-  check(TSSetFromOptions(substeps_));
+  if (settings_.explicit_substeps > 0)
+    set_explicit(substeps_);
+  else
+    set_implicit(substeps_);
+}
+
+void DamageProblem::set_implicit(TS ts) {
+  check(TSSetType(ts, TSBEULER));
+  check(TSSetTimeStep(ts, settings_.substep));
+  check(TSSetIFunction(ts, nullptr, Callback<&DamageProblem::substep_residual>::call, this));
+  check(TSSetIJacobian(ts, field_.matrix(), field_.matrix(), Callback<&DamageProblem::substep_tangent>::call,
+                       this));
+  const SNES snes = Get(TSGetSNES)(ts);
+  prepare(snes);
+  check(TSSetFromOptions(ts));
   suit_linear_solver(snes);
 }
 
@@ -41,6 +49,7 @@ void DamageProblem::start_substep(TS ts) {
   const Vec x = Get(TSGetSolution)(ts);
   d_.scalar.to_local(x, substep_start_);
   equation_.phi_n = &substep_start_;
+  if (rate_) return weigh_nodes(Get(TSGetTimeStep)(ts));
   if (settings_.bounds != DamageBounds::vi) return;
   set_bounds(substep_start_, substep_start_);
   const SNES snes = Get(TSGetSNES)(ts);
@@ -51,7 +60,15 @@ void DamageProblem::finish_substep(TS ts) {
   const Vec x = Get(TSGetSolution)(ts);
   const PetscReal start = Get(TSGetPrevTime)(ts);
   const PetscReal end = Get(TSGetTime)(ts);
+  if (rate_) check(VecPointwiseMin(x, x, upper_));
   d_.scalar.to_local(x, substep_end_);
+  if (rate_) {
+    book_substep(end - start);
+    const PetscInt left = settings_.explicit_substeps - Get(TSGetStepNumber)(ts);
+    if (step_.dt - end > 1e-9 * step_.dt)
+      check(TSSetTimeStep(ts, substep_that_fits(step_.dt - end, left, substep_end_)));
+    return;
+  }
   book_rate(substep_start_, substep_end_, end - start);
 }
 
@@ -72,9 +89,10 @@ ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   ScalarOutcome outcome;
   PetscReal dt = 0;
   if (substep_ == 0) check(TSGetTimeStep(substeps_, &substep_));
-  dt = std::min<PetscReal>(substep_, step.dt);
   phi = *step.phi_n;
   boundary_.set_damage(step.t, phi);
+  dt = rate_ ? substep_that_fits(step.dt, settings_.explicit_substeps, *step.phi_n)
+             : std::min<PetscReal>(substep_, step.dt);
   d_.scalar.to_global(phi, field_.solution());
   check(TSSetTime(substeps_, 0));
   check(TSSetStepNumber(substeps_, 0));

@@ -303,6 +303,9 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
   energy_.report_end(snapshot_.time);
   if (const long ways = stage_.coupling.motion_solver().counts().second_ways; ways > 0)
     check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", ways));
+  if (const double part = stage_.damage ? stage_.damage->held_back() : 0; part > 1e-3)
+    check(PetscPrintf(comm_, "  part of the growth of damage that is held back (-damage_substeps)  %.2g\n",
+                      part));
   const char* file = checkpoints_.file().c_str();
   if (!stopped_by_.empty())
     check(PetscPrintf(comm_, "stopped by request (%s); -restart auto goes on from %s\n", stopped_by_.c_str(),

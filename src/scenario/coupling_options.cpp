@@ -77,6 +77,28 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
                             "multiplied and theta 1; their own method is chosen by -damage_ts_type")
                      .otherwise("none"),
                  [](const Scenario& s) { return s.damage.substep; });
+  const auto by_rate = [](auto when) {
+    return [=](const Scenario& s) { return s.damage.explicit_substeps > 0 && when(s); };
+  };
+  row.count(
+         "damage_substeps", &DamageScenario::explicit_substeps, 0,
+         "the rate law of damage explicitly, lumped at the nodes: no equation is solved, but each step has "
+         "as many sub-steps as are stable, at most so many; nodes for which they are too long follow more "
+         "slowly, and the log tells what part of its growth that takes; their method is "
+         "-damage_ts_type euler, the default, or ssp; 0: the equation is solved")
+      .refused(by_rate([](const Scenario& s) {
+                 return std::ranges::any_of(s.materials, [](const MaterialScenario& m) {
+                   return m.law.damage != Damage::none && !std::isfinite(m.law.c);
+                 });
+               }),
+               "without a rate damage is in balance at once; give each material that damages a finite "
+               "-material_<id>_c")
+      .refused(by_rate([](const Scenario& s) {
+                 return s.damage.form != DamageForm::multiplied || s.damage.theta != 1 ||
+                        s.damage.bounds != DamageBounds::vi || s.damage.substep > 0;
+               }),
+               "goes without -damage_form divided, -damage_theta, -damage_ts_dt and other bounds than vi; "
+               "remove them, or this");
   Rows(rows, RestartKey::guarded, &Scenario::coupling)
       .count("damage_every", &CouplingScenario::damage_every, 1,
              "of central differences: damage is solved in every so many steps, over the time of all of them")

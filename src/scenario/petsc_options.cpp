@@ -166,7 +166,9 @@ void try_petsc_options(MPI_Comm comm, const Scenario& s) {
   if (given_behind("ts_"))
     try_options("ts_", [&] { try_integrator(comm, "", s.has_motion() ? s.time.type : "static"); });
   if (given_behind("damage_ts_"))
-    try_options("damage_ts_", [&] { try_integrator(comm, "damage_", TSBEULER); });
+    try_options("damage_ts_", [&] {
+      try_integrator(comm, "damage_", s.damage.explicit_substeps > 0 ? TSEULER : TSBEULER);
+    });
 }
 
 namespace {

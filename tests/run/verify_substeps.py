@@ -66,6 +66,36 @@ for a, b in ((20, 40), (40, 80)):
     runs.check(f"held strain, order of the error from {a} to {b} sub-steps", math.log2(error[0] / error[1]), 1, 0.12,
                relative=False)
 
+# The rate law explicitly, without an equation. Its capacity is lumped: it has a reference of its own, near that of the equation.
+def explicit(name, steps, most=1, **more):
+    return final(name, {**HELD, **RATE, "damage_substeps": most, **more}, steps)
+
+
+SSP = {"damage_ts_type": "ssp"}
+exact = explicit("explicit_reference", 640, **SSP)
+runs.check("explicit, reference: phi over that of the equation", exact["phi_max"][-1] / fine["phi_max"][-1], 1, 5e-3)
+runs.check("explicit, reference: dissipated by damage over that of the equation", exact["dissipated_damage"][-1] / fine["dissipated_damage"][-1], 1, 1e-2)
+for name, method, order in (("euler", {}, 1), ("ssp", SSP, 2)):
+    errors = {n: abs(explicit(f"explicit_{name}_{n}", n, **method)["phi_max"][-1] - exact["phi_max"][-1]) for n in (40, 80, 160)}
+    print(f"     {name}: errors of phi", {n: f"{error:.2e}" for n, error in errors.items()})
+    for a, b in ((40, 80), (80, 160)):
+        runs.check(f"explicit, {name}, order of the error from {a} to {b} steps", math.log2(errors[a] / errors[b]), order, 0.15, relative=False)
+one = explicit("explicit_one", 1, 1000)
+runs.check("explicit, one step in as many sub-steps as are stable", one["phi_max"][-1] / exact["phi_max"][-1], 1, 0.03)
+runs.require("no node is held back by these", "held back" not in one.log)
+held_back = explicit("explicit_held_back", 1)
+runs.check_between("explicit, a step that is too long: largest phi over that of the law", held_back["phi_max"][-1] / exact["phi_max"][-1], 0.05, 1)
+runs.require("the log tells of nodes held back", "held back (-damage_substeps)" in held_back.log)
+two = runs.run("explicit_ranks", {**HELD, **RATE, "damage_substeps": 1, "ts_dt": TIME / 20}, ranks=2)
+one = explicit("explicit_rank", 20)
+for column in ("phi_max", "energy_fracture", "dissipated_damage"):
+    runs.check(f"explicit, two ranks over one: {column}", two[column][-1] / one[column][-1], 1, 1e-12)
+for more, words in (({"material_solid_c": "inf"}, ["-damage_substeps", "material_<id>_c"]), ({"damage_ts_dt": TIME / 4}, ["-damage_substeps", "-damage_ts_dt"]),
+                    ({"damage_ts_type": "beuler"}, ["-damage_ts_type", "euler or ssp"])):
+    refused = runs.run("explicit_refused", {**HELD, **RATE, "damage_substeps": 2, "ts_dt": TIME, **more}, code=2)
+    line = [line for line in refused.log.splitlines() if line.startswith("impact: ")][-1]
+    runs.require(f"{more}: {line}", all(word in line for word in words))
+
 # Pulled: motion and damage take turns, so that steps and sub-steps are shortened together.
 pulled = {n: final(f"pulled_{n}", {**PULLED, **RATE}, n, 4) for n in (20, 40, 80)}
 fine = final("pulled_reference", {**PULLED, **RATE}, 640)

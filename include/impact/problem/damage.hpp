@@ -5,10 +5,13 @@
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/scalar_field.hpp>
 #include <impact/problem/settings.hpp>
+#include <memory>
 
 /// The damage balance of one step: SNES `damage_`, with the bounds phi_n <= phi <= 1 of type vinewtonqp
 /// (bounded_newton.hpp).
 namespace impact {
+
+struct NodalRate;
 
 struct DamageStep {
   double t = 0, dt = 0;
@@ -24,6 +27,7 @@ public:
   /// written.
   DamageProblem(const Discretisation& discretisation, StateTable& state, const BoundaryData& boundary,
                 const DamageScenario& settings);
+  ~DamageProblem();
 
   /// Solves for phi at t_{n+1} from the trial half of "drive"; phi (local, ghosts consistent) holds the guess
   /// on entry. Collective.
@@ -38,6 +42,10 @@ public:
   double prescribed_work() const { return work_; }
   /// Microforces of the start of a run at displacement u, local [node][dim]. Collective.
   void start(const std::vector<double>& u);
+
+  /// Of the energy that the forces gave to the growth of phi since the run began or resumed, the part that
+  /// explicit sub-steps hold back; negative: there are none. Collective.
+  double held_back() const;
 
   SNES snes() const { return snes_; }
   /// Drops what its linear solvers keep. Collective.
@@ -72,12 +80,21 @@ private:
   void set_bounds(const std::vector<double>& phi_n, const std::vector<double>& phi);
   void clip();
   void make_substeps();
+  void set_implicit(TS ts);
+  void set_explicit(TS ts);
   template <void (DamageProblem::*method)(TS)> static PetscErrorCode call(TS ts);
   void start_substep(TS ts);
   void finish_substep(TS ts);
   void substep_residual(TS ts, PetscReal, Vec x, Vec, Vec f);
   void substep_tangent(TS, PetscReal, Vec x, Vec, PetscReal shift, Mat, Mat);
   ScalarOutcome solve_substeps(const DamageStep& step, std::vector<double>& phi);
+  void find_volumes();
+  void find_driving_force(const std::vector<double>& phi, bool with_stiffness);
+  void find_capacity(const std::vector<double>& phi);
+  void weigh_nodes(double dt);
+  double substep_that_fits(double dt, PetscInt most, const std::vector<double>& phi);
+  void substep_rate(TS, PetscReal, Vec x, Vec rate);
+  void book_substep(double dt);
 
   const Discretisation& d_;
   const BoundaryData& boundary_;
@@ -94,6 +111,7 @@ private:
   Handle<SNES> snes_;
   Handle<TS> substeps_; ///< when -damage_ts_dt asks for sub-steps
   PetscReal substep_ = 0;
+  std::unique_ptr<NodalRate> rate_; ///< when -damage_substeps asks for explicit ones
   std::vector<double> substep_start_, substep_end_;
   std::vector<double> dissipated_;
   bool prescribes_ = false; ///< phi of any node

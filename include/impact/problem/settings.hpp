@@ -14,7 +14,8 @@ struct DamageScenario {
   DamageForm form = DamageForm::multiplied;
   double theta = 1;
   DamageBounds bounds = DamageBounds::vi;
-  double substep = 0; ///< -damage_ts_dt; 0: none
+  double substep = 0;        ///< -damage_ts_dt; 0: none
+  int explicit_substeps = 0; ///< at most so many of them, of the rate law explicitly; 0: none
 };
 
 struct HeatScenario {
