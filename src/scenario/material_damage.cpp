@@ -130,7 +130,9 @@ void add_strength(MaterialRows& rows) {
                "wu and "
                "<>ge linear, exponential or cornelissen, or <>damage at1 and <>ge lorentz");
   row.number("lorentz_p", &Material::lorentz_p, "1 p (56'')", {0.5, 100, false, false},
-             "of ge lorentz: the larger, the steeper the stress falls at first and the longer its tail");
+             "of ge lorentz: the larger, the steeper the stress falls at first and the longer its tail")
+      .refused(damaging([](const Law& law) { return law.ge != Degradation::lorentz; }),
+               "has no effect with <>ge {ge}; remove it, or add <>damage at1 and <>ge lorentz");
 }
 
 void add_degradation(MaterialRows& rows) {

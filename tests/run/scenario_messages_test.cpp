@@ -165,6 +165,9 @@ const std::vector<Row>& rows() {
        "the strength; remove it, or add -material_beam_damage wu and -material_beam_ge linear, exponential "
        "or "
        "cornelissen, or -material_beam_damage at1 and -material_beam_ge lorentz"},
+      {cohesive({{"-material_beam_lorentz_p", "2"}}), ExitCode::usage,
+       "-material_beam_lorentz_p \"2\": has no effect with -material_beam_ge cornelissen; remove it, or add "
+       "-material_beam_damage at1 and -material_beam_ge lorentz"},
       {cohesive({{"-material_beam_gamma", "1 m"}}), ExitCode::usage,
        "-material_beam_gamma \"1\": is too long for -material_beam_strength 3e+06 with -material_beam_ge "
        "cornelissen: what reaches it would break at once; allowed: at most 0.2620643294710636, better a "

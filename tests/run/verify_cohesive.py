@@ -32,6 +32,22 @@ for ge in LAWS:
             runs.check(f"{ge}, gamma {gamma}, {name}: strength of a bar", force.max(), STRENGTH, 1e-3)
             runs.require(f"{ge}, gamma {gamma}, {name}: softens behind it", force[-1] < 0.9995 * force.max())
 
+# That split leaves the lateral contraction whole: with a large nu and a small gamma a bar hardens before it softens.
+NU, SHORT = 0.3, 2.5
+lame, shear = E * NU / ((1 + NU) * (1 - 2 * NU)), E / 2 / (1 + NU)
+limit = STRENGTH**2 / (2 * E) * (1 + NU * (1 - 2 * NU)) / (1 + NU)
+a1 = 2 / math.pi * GC / SHORT / limit
+phi = numpy.linspace(0, 0.2, 20001)
+free, soft = (1 - phi)**2, a1 * phi * (1 - phi / 2)
+g, fall = free / (free + soft), a1 * (1 - phi) / (free + soft)**2
+strain = numpy.sqrt(limit * a1 * (1 - phi) / fall / (lame / 2 / (1 + lame / shear * g)**2 + shear))
+stress = g * strain * (lame / (1 + lame / shear * g) + 2 * shear)
+far = 1.5 * strain[stress.argmax()]
+run = runs.run("hardens", {**CELL, **law("linear", SHORT), **SPACE, "material_solid_nu": NU, "coupling_snes_atol": 1e-7,
+                           "bc_pull_ux": f"{0.99 * STRENGTH / E}+{far - 0.99 * STRENGTH / E}*t"})
+runs.check(f"spectral split, nu {NU}, gamma {SHORT}: what a bar bears, over the strength", run["reaction_pull_x"][1:].max() / STRENGTH,
+           stress.max() / STRENGTH, 1e-3)
+
 
 def softening(ge):
     """Openings over G_c/f_t and stresses over f_t: the localised solution of a bar by quadrature (theory.md, (56'''))."""
