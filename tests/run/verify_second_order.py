@@ -30,6 +30,16 @@ linear = cook("cook_tri3", 16, 1)
 runs.check_between("Cook, linear triangles lock", linear["probe_p_uy"][-1], 0.5, 5)
 runs.require("and the remedy is said", " lock, " in linear.log and "-order 2" in linear.log)
 
+# A cantilever ten times as long as high, one row of tetrahedra over its height, beside Timoshenko's beam.
+BEAM = {**BLOCK, **STATIC, "mesh_set_dim": 3, "mesh_set_lx": 10, "mesh_set_n": 10, "mesh_set_ny": 1, "mesh_set_nz": 1,
+        "material_solid_E": 1000, "material_solid_nu": 0.3, "bcs": "hold,push", "bc_hold_on": "left", "bc_hold_type": "fix",
+        "bc_push_on": "right", "bc_push_uy": "1e-4*t", "bc_push_type": "traction", "ts_dt": 1, "ts_max_time": 1, "probes": "p",
+        "probe_p_at": "10,0.5,0.5", "probe_p_fields": "u"}
+timoshenko = 1e-4 * (10 ** 3 / 3 / (1000 / 12) + 10 / (5 / 6 * 1000 / 2.6))
+runs.check("cantilever of Tet10", runs.run("beam_tet10", BEAM)["probe_p_uy"][-1], timoshenko, 0.015)
+runs.check_between("cantilever of Tet4, over Timoshenko's", runs.run("beam_tet4", {**BEAM, "order": 1})["probe_p_uy"][-1]
+                   / timoshenko, 0.3, 0.5)
+
 # A tube of radii 1 and 2 under inner pressure (Lame), a quarter of it: curved edges and the pressure on them. Plane strain,
 # strains of 1e-6.
 TUBE = """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {2, 0, 0}; Point(4) = {0, 2, 0}; Point(5) = {0, 1, 0};
