@@ -21,12 +21,26 @@ def cook(name, n, order, depth=0):
         "material_solid_E": 240.565, "material_solid_nu": 0.4999, "bcs": "clamp,shear", "bc_clamp_on": "left",
         "bc_clamp_type": "fix", "bc_shear_on": "right", "bc_shear_type": "force", "bc_shear_uy": f"{100 * (depth or 1)}*t",
         "ts_dt": 0.1, "ts_max_time": 1, "probes": "p", "probe_p_at": f"48,60,{depth / 2}" if depth else "48,60",
-        "probe_p_fields": "u", **space}, refused=6)
+        "probe_p_fields": "u", "outputs": "vis", "output_vis_fields": "pressure", **space}, refused=6)
+
+
+def pressure_jump(folder):
+    """Root mean square of what the mean pressures of neighbouring triangles differ by, over that of the pressure."""
+    fields = Fields(f"{folder}/vis.xdmf")
+    grid, sides = fields.grids[-1], {}
+    pressure = fields.field(grid, "pressure")[0][:, 0]
+    for cell, corners in enumerate(fields.array(grid.find("Topology").find("DataItem"))[:, :3]):
+        for k in range(3):
+            sides.setdefault(tuple(sorted((corners[k], corners[k - 1]))), []).append(cell)
+    pairs = numpy.array([cells for cells in sides.values() if len(cells) == 2])
+    return numpy.sqrt(numpy.mean((pressure[pairs[:, 0]] - pressure[pairs[:, 1]]) ** 2)) / numpy.std(pressure)
 
 
 runs.check("Cook, 16 x 16 x 2 Tri6, corner", cook("cook_tri6", 16, 2)["probe_p_uy"][-1], 6.93, 0.012)
 runs.check("Cook, slab of Tet10, corner", cook("cook_tet10", 12, 2, 3)["probe_p_uy"][-1], 6.93, 0.016)
 linear = cook("cook_tri3", 16, 1)
+runs.check_between("Cook, Tri6: no chessboard in the pressure", pressure_jump("cook_tri6"), 0, 0.25)
+runs.check_between("as linear triangles have it", pressure_jump("cook_tri3"), 1, 10)
 runs.check_between("Cook, linear triangles lock", linear["probe_p_uy"][-1], 0.5, 5)
 runs.require("and the remedy is said", " lock, " in linear.log and "-order 2" in linear.log)
 
