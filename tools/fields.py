@@ -12,8 +12,12 @@ import xml.etree.ElementTree as ElementTree
 import h5py
 import numpy as np
 
-NODES = {4: 3, 5: 4, 6: 4, 9: 8}  # by XDMF cell type
-TYPES = {"Triangle": 4, "Quadrilateral": 5, "Tetrahedron": 6, "Hexahedron": 9}
+NODES = {4: 3, 5: 4, 6: 4, 9: 8, 36: 6, 38: 10}  # by XDMF cell type
+TYPES = {"Triangle": 4, "Quadrilateral": 5, "Tetrahedron": 6, "Hexahedron": 9, "Triangle_6": 36, "Tetrahedron_10": 38}
+# Cells of second order are seen as linear ones between their nodes: the type of these, their corners.
+PARTS = {36: (4, [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]),
+         38: (6, [(0, 4, 6, 7), (4, 1, 5, 8), (6, 5, 2, 9), (7, 8, 9, 3),
+                  (6, 8, 4, 5), (6, 8, 5, 9), (6, 8, 9, 7), (6, 8, 7, 4)])}
 FACES = {6: [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)],
          9: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]}
 TETRAHEDRA = {6: [(0, 1, 2, 3)], 9: [(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)]}
@@ -93,7 +97,9 @@ class Fields:
     @staticmethod
     def _sorted(data, kind):
         if kind in TYPES:
-            return [(TYPES[kind], data.reshape(-1, NODES[TYPES[kind]]), np.arange(len(data)))]
+            nodes = data.reshape(-1, NODES[TYPES[kind]])
+            linear, parts = PARTS.get(TYPES[kind], (TYPES[kind], [range(nodes.shape[1])]))
+            return [(linear, np.concatenate([nodes[:, corners] for corners in parts]), np.tile(np.arange(len(nodes)), len(parts)))]
         if kind != "Mixed":
             stop(f"cells of type {kind} are not supported")
         lists, at, cell = {}, 0, 0

@@ -206,17 +206,21 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                     damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, m.id).c_str(),
                     p.rho * extent.size, extent.narrowest, extent.widest));
   if (p.damage != Damage::none) {
-    // A crack is a row of broken cells and what stands beside it (Bourdin, Francfort, Marigo 2008, 8.1).
+    // A crack is a row of broken cells, halves of those of second order, and what stands beside it (Bourdin,
+    // Francfort, Marigo 2008, 8.1).
+    const bool halves = d.mesh.order() == 2;
+    const double narrowest = extent.narrowest / d.mesh.order(), widest = extent.widest / d.mesh.order();
     check(PetscPrintf(
-        comm, "material %s: gamma is %.3g to %.3g cells wide; a crack along the narrowest takes %.3g Gc\n",
-        m.id.c_str(), p.gamma / extent.widest, p.gamma / extent.narrowest,
-        1 + regularisation(p).broken() * extent.narrowest / p.gamma));
+        comm, "material %s: gamma is %.3g to %.3g %s wide; a crack along the narrowest takes %.3g Gc\n",
+        m.id.c_str(), p.gamma / widest, p.gamma / narrowest, halves ? "half cells" : "cells",
+        1 + regularisation(p).broken() * narrowest / p.gamma));
     // A crack narrower than its cells, or wider than its body, is none: its energy is not Gc.
-    if (p.gamma < 2 * (1 - 1e-6) * extent.narrowest)
+    if (p.gamma < 2 * (1 - 1e-6) * narrowest)
       check(PetscPrintf(comm,
-                        "impact: WARNING: -material_%s_gamma %.4g is %.3g times its narrowest cell %.4g: a "
+                        "impact: WARNING: -material_%s_gamma %.4g is %.3g times its narrowest %s %.4g: a "
                         "crack wants at least 2, or it takes more than Gc; refine where it will run\n",
-                        m.id.c_str(), p.gamma, p.gamma / extent.narrowest, extent.narrowest));
+                        m.id.c_str(), p.gamma, p.gamma / narrowest, halves ? "half cell" : "cell",
+                        narrowest));
     if (p.gamma > extent.length)
       check(
           PetscPrintf(comm,

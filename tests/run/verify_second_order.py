@@ -1,0 +1,161 @@
+# labels: run
+# processors: 2
+# timeout: 240
+"""Cells of second order in whole runs: they do not lock, follow curved boundaries, keep the bounds of damage and energies of
+explicit steps, and are the same on two ranks and from a checkpoint."""
+import numpy
+import _runs as runs
+from _histories import difference, fields_difference
+from fields import Fields
+
+STATIC = {"ts_type": "static", "units": "mm_t_s_MPa"}
+BLOCK = {"mesh": runs.mesh("block.geo"), "mesh_set_simplex": 1, "order": 2, "materials": "solid"}
+
+
+# Cook's membrane, nearly incompressible: 6.93 is the limit of quadrilaterals with mean dilatation (6.815, 6.884, 6.911 with 16,
+# 32, 64 cells along a side), in the plane and as a slab between smooth walls. Linear triangles lock.
+def cook(name, n, order, depth=0):
+    space = {"mesh_set_depth": depth, "bcs": "clamp,shear,faces", "bc_faces_on": "faces", "bc_faces_uz": 0} if depth else {}
+    return runs.run(name, {
+        **STATIC, "mesh": runs.mesh("cook.geo"), "mesh_set_n": n, "mesh_set_simplices": 1, "order": order, "materials": "solid",
+        "material_solid_E": 240.565, "material_solid_nu": 0.4999, "bcs": "clamp,shear", "bc_clamp_on": "left",
+        "bc_clamp_type": "fix", "bc_shear_on": "right", "bc_shear_type": "force", "bc_shear_uy": f"{100 * (depth or 1)}*t",
+        "ts_dt": 0.1, "ts_max_time": 1, "probes": "p", "probe_p_at": f"48,60,{depth / 2}" if depth else "48,60",
+        "probe_p_fields": "u", "outputs": "vis", "output_vis_fields": "pressure", **space}, refused=6)
+
+
+def pressure_jump(folder):
+    """Root mean square of what the mean pressures of neighbouring triangles differ by, over that of the pressure."""
+    fields = Fields(f"{folder}/vis.xdmf")
+    grid, sides = fields.grids[-1], {}
+    pressure = fields.field(grid, "pressure")[0][:, 0]
+    for cell, corners in enumerate(fields.array(grid.find("Topology").find("DataItem"))[:, :3]):
+        for k in range(3):
+            sides.setdefault(tuple(sorted((corners[k], corners[k - 1]))), []).append(cell)
+    pairs = numpy.array([cells for cells in sides.values() if len(cells) == 2])
+    return numpy.sqrt(numpy.mean((pressure[pairs[:, 0]] - pressure[pairs[:, 1]]) ** 2)) / numpy.std(pressure)
+
+
+runs.check("Cook, 16 x 16 x 2 Tri6, corner", cook("cook_tri6", 16, 2)["probe_p_uy"][-1], 6.93, 0.012)
+runs.check("Cook, slab of Tet10, corner", cook("cook_tet10", 12, 2, 3)["probe_p_uy"][-1], 6.93, 0.016)
+linear = cook("cook_tri3", 16, 1)
+runs.check_between("Cook, Tri6: no chessboard in the pressure", pressure_jump("cook_tri6"), 0, 0.25)
+runs.check_between("as linear triangles have it", pressure_jump("cook_tri3"), 1, 10)
+runs.check_between("Cook, linear triangles lock", linear["probe_p_uy"][-1], 0.5, 5)
+runs.require("and the remedy is said", " lock, " in linear.log and "-order 2" in linear.log)
+
+# A cantilever ten times as long as high, one row of tetrahedra over its height, beside Timoshenko's beam.
+BEAM = {**BLOCK, **STATIC, "mesh_set_dim": 3, "mesh_set_lx": 10, "mesh_set_n": 10, "mesh_set_ny": 1, "mesh_set_nz": 1,
+        "material_solid_E": 1000, "material_solid_nu": 0.3, "bcs": "hold,push", "bc_hold_on": "left", "bc_hold_type": "fix",
+        "bc_push_on": "right", "bc_push_uy": "1e-4*t", "bc_push_type": "traction", "ts_dt": 1, "ts_max_time": 1, "probes": "p",
+        "probe_p_at": "10,0.5,0.5", "probe_p_fields": "u"}
+timoshenko = 1e-4 * (10 ** 3 / 3 / (1000 / 12) + 10 / (5 / 6 * 1000 / 2.6))
+runs.check("cantilever of Tet10", runs.run("beam_tet10", BEAM)["probe_p_uy"][-1], timoshenko, 0.015)
+runs.check_between("cantilever of Tet4, over Timoshenko's", runs.run("beam_tet4", {**BEAM, "order": 1})["probe_p_uy"][-1]
+                   / timoshenko, 0.3, 0.5)
+
+# A tube of radii 1 and 2 under inner pressure (Lame), a quarter of it: curved edges and the pressure on them. Plane strain,
+# strains of 1e-6.
+TUBE = """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {2, 0, 0}; Point(4) = {0, 2, 0}; Point(5) = {0, 1, 0};
+Line(1) = {2, 3}; Circle(2) = {3, 1, 4}; Line(3) = {4, 5}; Circle(4) = {5, 1, 2};
+Curve Loop(1) = {1 : 4}; Plane Surface(1) = {1}; DefineConstant[ n = 1 ];
+Transfinite Curve {1, 3} = 3 * n + 1; Transfinite Curve {2, 4} = 5 * n + 1; Transfinite Surface {1};
+Physical Surface("tube") = {1}; Physical Curve("bore") = {4}; Physical Curve("foot") = {1}; Physical Curve("side") = {3};
+"""
+with open("tube.geo", "w") as file:
+    file.write(TUBE)
+E, NU, P = 1000.0, 0.3, 1e-3
+reference = (1 + NU) / E * P / 3 * ((1 - 2 * NU) + 4)  # u_r at the bore: (1 + nu)/E p a^2/(b^2 - a^2) ((1 - 2 nu) a + b^2/a)
+
+
+def widened(order, n):
+    tube = runs.run(f"tube_{order}_{n}", {
+        **STATIC, "mesh": "tube.geo", "mesh_set_n": n, "order": order, "materials": "tube", "material_tube_E": E,
+        "material_tube_nu": NU, "bcs": "press,foot,side", "bc_press_on": "bore", "bc_press_type": "pressure",
+        "bc_press_value": P, "bc_foot_on": "foot", "bc_foot_uy": 0, "bc_side_on": "side", "bc_side_ux": 0, "ts_dt": 1,
+        "ts_max_time": 1, "probes": "bore", "probe_bore_at": "1,0", "probe_bore_fields": "u"})
+    return tube["probe_bore_ux"][-1] / reference - 1
+
+
+errors = [widened(2, n) for n in (1, 2, 4)]
+runs.check_between("Lame's tube, error at the bore", abs(errors[1]), 0, 5e-4)
+for coarse, fine in zip(errors, errors[1:]):
+    runs.check_between("Lame's tube, error over that of cells half as large", coarse / fine, 6, 12)
+runs.check_between("Lame's tube, that of linear triangles of half the size", widened(1, 4) / errors[1], 8, 20)
+
+# What is quadratic in space is exact between the nodes too; files name the cells.
+for dim, name in ((2, "Triangle_6"), (3, "Tetrahedron_10")):
+    u = {"bc_every_ux": "1e-3*x*y*t", "bc_every_uy": "1e-3*(y*y-x)*t", **({"bc_every_uz": "1e-3*x*z*t"} if dim == 3 else {})}
+    moved = runs.run(f"moved_{dim}", {
+        **BLOCK, **STATIC, "mesh_set_dim": dim, "mesh_set_n": 2, "material_solid_E": 1000, "material_solid_nu": 0.3, "bcs": "every",
+        "bc_every_on": "solid", **u, "ts_dt": 1, "ts_max_time": 1, "probes": "p", "probe_p_at": "0.37,0.61,0.23"[:9 if dim == 2 else 14],
+        "probe_p_fields": "u", "outputs": "vis", "output_vis_fields": "u"})
+    runs.check(f"a quadratic field at a probe in {dim}D", moved["probe_p_ux"][-1], 1e-3 * 0.37 * 0.61, 1e-12)
+    runs.require(f"cells of {name} in the output", f'"{name}"' in open(f"moved_{dim}/vis.xdmf").read())
+    fields = Fields(f"moved_{dim}/vis.xdmf")
+    x, (u, at_nodes) = fields.places(fields.grids[-1]), fields.field(fields.grids[-1], "u")
+    runs.check(f"nodal values of the output in {dim}D", abs(u[:, 0] - 1e-3 * x[:, 0] * x[:, 1]).max(), 0, 1e-15, relative=False)
+
+# A bar is pulled until it breaks where its toughness is least: damage keeps its bounds at every node.
+TEAR = {**BLOCK, **STATIC, "mesh_set_n": 12, "mesh_set_ly": 0.25, "mesh_set_ny": 3, "material_solid_E": 1000,
+        "material_solid_nu": 0.3, "material_solid_damage": "at2", "material_solid_Gc": 0.1, "material_solid_gamma": 0.1,
+        "bcs": "hold,pull,whole", "bc_hold_on": "left", "bc_hold_ux": 0, "bc_pull_on": "right", "bc_pull_ux": "0.03*t",
+        "bc_whole_on": "origin", "bc_whole_uy": 0, "ics": "seed", "ic_seed_on": "solid",
+        "ic_seed_phi": "0.3*exp(-((x-0.5)/0.1)^2)", "ts_dt": 0.05, "ts_max_time": 1, "outputs": "vis", "output_vis_every": 1,
+        "output_vis_fields": "u,phi"}
+torn = runs.run("torn", TEAR, refused=3)
+fields = Fields("torn/vis.xdmf")
+phi = numpy.array([fields.field(grid, "phi")[0][:, 0] for grid in fields.grids])
+runs.check_between("the bar is broken", phi[-1].max(), 0.95, 1)
+runs.check_between("phi never falls at a node", numpy.diff(phi, axis=0).min(), -1e-9, 1)
+runs.check_between("phi is never below 0", phi.min(), -1e-9, 1)
+
+# Explicit steps: a free block that turns keeps energy, momentum and its spin; the mass at the nodes is the whole mass.
+SPIN = {**BLOCK, "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_rho": 1, "ics": "go", "ic_go_on": "solid",
+        "ic_go_vx": "2-y", "ic_go_vy": "x", "ts_type": "central_difference", "ts_max_time": 0.5}
+for dim, n in ((2, 4), (3, 2)):
+    spin = runs.run(f"spin_{dim}", {**SPIN, "mesh_set_dim": dim, "mesh_set_n": n})
+    total = spin["energy_kinetic"] + spin["energy_elastic"]
+    runs.check_between(f"explicit, {dim}D: drift of the energy of a body that spins", abs(total / total[0] - 1).max(), 0, 1e-6)
+    runs.check(f"explicit, {dim}D: momentum", spin["momentum_solid_x"][-1], spin["momentum_solid_x"][0], 1e-11)
+    runs.check(f"explicit, {dim}D: momentum is that of the mass", spin["momentum_solid_x"][0], 1.5, 1e-11)
+
+# Flow, heat, damage and inertia together: from a checkpoint to the bit, on two ranks to rounding.
+WHOLE = {**BLOCK, "units": "mm_t_s_MPa", "mesh_set_n": 4, "material_solid_model": "j2", "material_solid_E": "70 GPa",
+         "material_solid_nu": 0.3, "material_solid_rho": "2700 kg/m^3", "material_solid_sigma_y": "300 MPa",
+         "material_solid_damage": "at2", "material_solid_Gc": "20 N/mm", "material_solid_gamma": 0.3, "material_solid_c_v": 2.4,
+         "material_solid_conductivity": 200, "material_solid_alpha_t": 2e-5, "bcs": "hold,pull", "bc_hold_on": "left",
+         "bc_hold_type": "fix", "bc_pull_on": "right", "bc_pull_ux": "2e4*t", "ts_dt": 2e-7, "ts_max_time": 4e-6,
+         "motion_snes_rtol": 1e-12, "damage_snes_rtol": 1e-12, "checkpoint_every": 10, "outputs": "vis", "output_vis_every": 5}
+for dim in (2, 3):
+    more = {**WHOLE, "mesh_set_dim": dim, "mesh_set_n": 4 if dim == 2 else 2}
+    one = runs.run(f"whole_{dim}", more)
+    runs.check_between(f"{dim}D: it flows and is damaged", min(one["alpha_max"][-1], one["phi_max"][-1]), 1e-3, 1)
+    runs.run(f"cut_{dim}", {**more, "ts_max_steps": 10})
+    again = runs.run(f"cut_{dim}", {**more, "restart": "auto"})
+    worst, where = difference(one.history, again.history, exact=True)
+    runs.check(f"{dim}D: from a checkpoint, largest difference, in {where}", worst, 0, 1e-300, relative=False)
+    two = runs.run(f"two_{dim}", more, ranks=2)
+    worst, where = difference(one.history, two.history)
+    runs.check(f"{dim}D: on two ranks, largest difference, in {where}", worst, 0, 1e-8, relative=False)
+    worst, where = fields_difference(two.dir, one.dir, by_place=True)
+    runs.check(f"{dim}D: on two ranks, largest difference of a field, {where}", worst, 0, 1e-7, relative=False)
+    runs.run(f"moved_on_{dim}", {**more, "ts_max_steps": 10})
+    moved_on = runs.run(f"moved_on_{dim}", {**more, "restart": "auto"}, ranks=2)
+    worst, where = difference(one.history, moved_on.history)
+    runs.check(f"{dim}D: from one rank to two, largest difference, in {where}", worst, 0, 1e-8, relative=False)
+
+# What these cells cannot do is refused before the first step.
+BODY = {**BLOCK, **STATIC, "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_rho": 1e-9, "bcs": "hold",
+        "bc_hold_on": "left", "bc_hold_type": "fix", "ts_dt": 1, "ts_max_time": 1}
+for name, more, words in (
+        ("contact", {"contacts": "wall", "contact_wall_secondary": "right", "contact_wall_primary": "plane",
+                     "contact_wall_plane_point": "1.1,0", "contact_wall_plane_normal": "-1,0"}, ("-contact_wall", "-order 1")),
+        ("erosion", {"ts_type": "central_difference", "material_solid_erosion": "on", "material_solid_damage": "at2",
+                     "material_solid_Gc": 1, "material_solid_gamma": 1}, ("-material_solid_erosion", "-order 1")),
+        ("refined", {"dm_refine": 1}, ("-dm_refine", "-order 1")),
+        ("quads", {"mesh_set_simplex": 0}, ("triangles of 6", "-order 1"))):
+    for ranks in (1, 2):
+        log = runs.run(f"refused_{name}_{ranks}", {**BODY, **more}, ranks=ranks, code=3).log
+        runs.require(f"{name} is refused on {ranks} ranks", all(word in log for word in words))
+runs.finish()
