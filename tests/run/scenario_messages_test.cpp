@@ -70,8 +70,7 @@ const std::vector<Row>& rows() {
       {{{"-damage_bound", "vi"}},
        ExitCode::usage,
        "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: bounds, every, form, "
-       "theta, "
-       "ts_dt, and PETSc's options of solvers)"},
+       "substeps, theta, ts_dt, and PETSc's options of solvers)"},
       {{{"-stops", "broken"}, {"-stop_end_when", "-"}},
        ExitCode::usage,
        "-stop_broken_when: missing; allowed: condition on columns by name; it is what ends the run, as in "
