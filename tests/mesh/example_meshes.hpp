@@ -61,4 +61,31 @@ template <class Body> std::string user_error(ExitCode& code, Body&& body) {
   return "";
 }
 
+/// Coordinate i of a local node.
+inline double x_of(const Mesh& mesh, int node, int i) {
+  return mesh.coordinates()[static_cast<std::size_t>(node * mesh.dim() + i)];
+}
+
+/// Of all cells on all ranks, by their rule.
+inline double volume(const Mesh& mesh) {
+  double sum = 0;
+  for (const CellTable& table : mesh.cells()) {
+    const int dim = table.shape->dim, nodes = table.shape->nodes;
+    for (std::size_t c = 0; c < table.point.size(); ++c)
+      for (int q = 0; q < table.shape->points; ++q) {
+        double J[3][3] = {};
+        J[2][2] = dim == 2 ? 1 : 0;
+        for (int a = 0; a < nodes; ++a)
+          for (int i = 0; i < dim; ++i)
+            for (int k = 0; k < dim; ++k)
+              J[i][k] += x_of(mesh, table.connectivity[c * unsigned(nodes) + unsigned(a)], i) *
+                         table.shape->dN[(q * nodes + a) * dim + k];
+        sum += table.shape->weight[q] * (J[0][0] * (J[1][1] * J[2][2] - J[1][2] * J[2][1]) -
+                                         J[0][1] * (J[1][0] * J[2][2] - J[1][2] * J[2][0]) +
+                                         J[0][2] * (J[1][0] * J[2][1] - J[1][1] * J[2][0]));
+      }
+  }
+  return sum_over_ranks(sum);
+}
+
 } // namespace impact
