@@ -26,6 +26,17 @@ void cell_mass(const CellBatch& batch, double factor, CellMatrix& m, CellMatrix&
       for (int k = 0; k < dim; ++k) K(i * dim + k, j * dim + k) = Batch(factor) * m(i, j);
 }
 
+// The diagonal alone, with the mass of the cell: for cells of second order, as LumpedMass has it.
+void lump(int n, CellMatrix& m) {
+  Batch all = 0, diagonal = 0;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) all += m(i, j);
+    diagonal += m(i, i);
+  }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) m(i, j) = i == j ? m(i, i) * all / diagonal : Batch(0.0);
+}
+
 } // namespace
 
 void add_eroded_inertia(const CellBatch& batch, const NodalValues& acceleration, NodalValues& force) {
@@ -82,18 +93,7 @@ void MassMatrix::build() {
   check(KSPSetOperators(solver_, free_, free_));
 }
 
-// Row sums of the consistent mass, int rho N_a; of second order its diagonal, with the mass of the cell: as
-// LumpedMass has it.
-void lump(int n, CellMatrix& m) {
-  Batch all = 0, diagonal = 0;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) all += m(i, j);
-    diagonal += m(i, i);
-  }
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j) m(i, j) = i == j ? m(i, i) * all / diagonal : Batch(0.0);
-}
-
+// Row sums of the consistent mass, int rho N_a, or of what `lump` makes of it: positive.
 Handle<Vec> MassMatrix::make_lumped(const std::vector<double>* factors) const {
   std::vector<double> mass = d_.displacement.make_local();
   CellMatrix m;
