@@ -101,7 +101,7 @@ void DamageProblem::find_capacity(const std::vector<double>& phi) {
 // Capacities at the start of a sub-step: what damage has, and what its length wants in addition.
 void DamageProblem::weigh_nodes(double dt) {
   NodalRate& rate = *rate_;
-  find_driving_force(substep_start_, true);
+  if (!rate.at_start) find_driving_force(substep_start_, true); // else by substep_that_fits
   rate.at_start = true;
   find_capacity(substep_start_);
   for (std::size_t a = 0; a < rate.capacity.size(); ++a)
@@ -110,8 +110,9 @@ void DamageProblem::weigh_nodes(double dt) {
 
 // A time in as many equal parts as the nodes want that move from phi, if these are not more than `most`.
 double DamageProblem::substep_that_fits(double dt, PetscInt most, const std::vector<double>& phi) {
-  if (most <= 1) return dt;
   NodalRate& rate = *rate_;
+  rate.at_start = false;
+  if (most <= 1) return dt;
   substep_start_ = phi;
   weigh_nodes(dt);
   double parts = 1;

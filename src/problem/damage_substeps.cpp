@@ -91,7 +91,7 @@ ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   if (substep_ == 0) check(TSGetTimeStep(substeps_, &substep_));
   phi = *step.phi_n;
   boundary_.set_damage(step.t, phi);
-  dt = rate_ ? substep_that_fits(step.dt, settings_.explicit_substeps, *step.phi_n)
+  dt = rate_ ? substep_that_fits(step.dt, settings_.explicit_substeps, phi)
              : std::min<PetscReal>(substep_, step.dt);
   d_.scalar.to_global(phi, field_.solution());
   check(TSSetTime(substeps_, 0));
