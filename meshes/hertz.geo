@@ -6,6 +6,7 @@ DefineConstant[
   patch = 9,             // width and depth of the fine patches
   n = 20,                // cells along the patch of the block
   n_cylinder = 4 * n / 5, // and along that of the cylinder
+  simplices = 0,         // 1: triangles
   grow = 1.25^(20 / n)   // largest ratio of the sizes of neighbouring cells outside
 ];
 Macro Body
@@ -40,7 +41,9 @@ Macro Body
   Curve Loop(s + 2) = {along + 6, along + 7, -(along + 8), -(along + 2)};
   Plane Surface(s + 2) = {s + 2};
   Transfinite Surface {s, s + 1, s + 2};
-  Recombine Surface {s, s + 1, s + 2};
+  If (simplices == 0)
+    Recombine Surface {s, s + 1, s + 2};
+  EndIf
 Return
 
 disc = 0; m = n; way = block_height - patch;

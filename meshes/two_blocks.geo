@@ -7,7 +7,8 @@ DefineConstant[
   inset = 0,    // the upper block is narrower by this on each side
   angle = 0,    // degrees: both blocks turned about the origin in the plane of x and y
   tilt = 0,     // degrees: in space, and then in the plane of y and z
-  simplices_lower = 0, simplices_upper = 0 // 1: triangles or tetrahedra
+  simplices_lower = 0, simplices_upper = 0 // 1: triangles or tetrahedra; 2: their diagonals
+                // on upper_bottom are those on lower_top
 ];
 turn = angle * Pi / 180;
 lean = tilt * Pi / 180;
@@ -45,6 +46,9 @@ For b In {0 : 1}
   EndIf
 EndFor
 Transfinite Surface "*";
+If (dim == 3 && simplices_upper == 2)
+  Transfinite Surface {103} Right;
+EndIf
 simplices[] = {simplices_lower, simplices_upper};
 For b In {0 : 1}
   If (simplices[b] == 0)

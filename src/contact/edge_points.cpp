@@ -40,13 +40,14 @@ std::array<double, 2> shape_of(const ShapeValues& shape) { return {shape[0], sha
 
 } // namespace
 
-FormPoints EdgePoints::make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame) {
+FormPoints<ShapeValues> EdgePoints::make_points(ContactSurface& surface, const ContactSettings& settings,
+                                                Frame frame) {
   const int n = settings.points;
   if (n < 1 || n > 16)
     throw UserError(ExitCode::usage, "-contact_" + settings.id + "_points " + std::to_string(n) +
                                          ": allowed are 1 to 16 points per facet");
   const GaussRule rule = gauss_rule(n);
-  FormPoints points{n, {}, {}, std::vector<int>(surface.length.size(), 2)};
+  FormPoints<Point> points{n, {}, {}, std::vector<int>(surface.length.size(), 2)};
   for (int f = 0; f < surface.count(); ++f)
     for (int q = 0; q < n; ++q) {
       const double xi = surface.reversed[at(f)] ? -rule.xi[at(q)] : rule.xi[at(q)];
@@ -73,14 +74,14 @@ EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shap
   Seen seen;
   seen.candidate = candidate;
   seen.edge = edge_of(nodes(), search_.candidates().facet[at(candidate)], x);
-  seen.foot = foot_on_line(place_on(facet.corner, shape), seen.edge);
+  seen.foot = foot_on_line(place_on(facet.node, shape), seen.edge);
   return seen;
 }
 
 template <>
 EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& shape,
                                         const ContactValues& x) const {
-  const Point2<double> here = place_on(facet.corner, shape);
+  const Point2<double> here = place_on(facet.node, shape);
   double nearest = infinity;
   Seen best;
   const Candidates& list = search_.candidates();
@@ -116,7 +117,7 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
                                        const ContactValues& x) const {
   Seen first;
   if (nodes().start.empty()) return first;
-  const Point2<double> here = place_on(facet.corner, shape),
+  const Point2<double> here = place_on(facet.node, shape),
                        before = place_on(
                            corners_at<EdgeCorners>(secondary_slots(facet.number), nodes().start), shape);
   double earliest = infinity;

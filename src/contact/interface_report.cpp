@@ -214,7 +214,7 @@ ContactFields ContactInterface::nodal_fields(Vec u, ContactFields fields) const 
   constraints_->visit(nodes.displacement(u), directions, [&](const Constraint& c) {
     const Rubbing rubbing = rubbing_at(c, friction_, d);
     for (std::size_t a = 0; a < c.share.size(); ++a) {
-      const double weight = c.weight * c.share[a];
+      const double weight = c.weight * c.nodal_parts()[a];
       const std::size_t i = d * at(c.node[a]);
       faces[i] += weight;
       sum[of_all][i + weighed_pressure] += weight * c.pressure / c.stretch;

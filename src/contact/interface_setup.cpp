@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/edge_points.hpp>
-#include <impact/contact/face_points.hpp>
 #include <impact/contact/interface.hpp>
 #include <impact/contact/mortar_form.hpp>
+#include <impact/contact/ray_points.hpp>
 #include <impact/contact/resolve_settings.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 std::unique_ptr<ContactForm> make_form(const FormRequest& request) {
   if (request.settings.method == ContactMethod::mortar) return std::make_unique<MortarForm>(request);
-  return request.mesh.dim() == 2 ? make_edge_point_form(request) : make_face_point_form(request);
+  return stored_nodes(request.mesh) == 2 ? make_edge_point_form(request) : make_ray_point_form(request);
 }
 
 } // namespace

@@ -20,7 +20,7 @@ FaceCorners face_of(const std::vector<double>& X, int facet) { // [facet][corner
 } // namespace
 
 MortarForm::MortarForm(const FormRequest& request)
-    : ContactForm(request), dim_(request.mesh.dim()), corners_(at(request.secondary.corners)),
+    : ContactForm(request), dim_(request.mesh.dim()), corners_(at(request.secondary.per_facet)),
       frame_(request.frame), node_count_(at(request.mesh.node_count())) {
   const Mesh& mesh = request.mesh;
   const FieldLayout& layout = request.layout;
@@ -28,7 +28,7 @@ MortarForm::MortarForm(const FormRequest& request)
   find_facets(mesh, secondary);
   std::vector<PetscInt> nodes;
   for (const Facet& facet : facets_)
-    nodes.insert(nodes.end(), facet.node.begin(), facet.node.begin() + secondary.corners);
+    nodes.insert(nodes.end(), facet.node.begin(), facet.node.begin() + secondary.per_facet);
   std::vector<PetscInt> wanted = nodes;
   sort_unique(wanted);
   const Handle<Vec> coordinates = layout.make_global();
@@ -101,7 +101,7 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
   for (const std::array<PetscInt, 4>& nodes : facets_at_owned_nodes(mesh, secondary)) {
     Facet facet;
     facet.node = nodes;
-    facet.corners = secondary.corners == 2 ? 2 : nodes[3] == nodes[2] ? 3 : 4;
+    facet.corners = secondary.per_facet == 2 ? 2 : nodes[3] == nodes[2] ? 3 : 4;
     for (int a = 0; a < facet.corners; ++a) {
       const auto found = mine.find(nodes[at(a)]);
       if (found == mine.end()) continue;

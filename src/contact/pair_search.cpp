@@ -103,8 +103,8 @@ std::vector<double> ContactNodes::current(const ContactValues& u) const {
 PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
                        const std::vector<double>& secondary_X, const ContactSurface& primary,
                        SearchRange range, Primary kind)
-    : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), corners_(mesh.dim() == 2 ? 2 : 4),
-      secondary_(secondary), primary_(primary.node), kind_(kind), radius_(range.radius),
+    : mesh_(&mesh), layout_(&layout), dim_(mesh.dim()), per_facet_(stored_nodes(mesh)), secondary_(secondary),
+      primary_(primary.node), kind_(kind), radius_(range.radius),
       local_(range.local && kind == Primary::other) {
   if (kind != Primary::rigid) neighbour_ = surface_neighbours(layout, primary);
   std::vector<PetscInt> nodes = secondary_;
@@ -190,18 +190,35 @@ PairSearch::Outcome PairSearch::update(Vec u) {
 
 std::array<double, 12> PairSearch::in_space(const int* slot, const ContactValues& x) const {
   std::array<double, 12> corner{};
-  for (int a = 0; a < 4; ++a)
-    std::copy_n(&x[at(dim_ * slot[std::min(a, corners_ - 1)])], dim_, &corner[at(3 * a)]);
+  const int last = stored_corners(per_facet_) - 1;
+  for (int a = 0; a < 4; ++a) std::copy_n(&x[at(dim_ * slot[std::min(a, last)])], dim_, &corner[at(3 * a)]);
   return corner;
+}
+
+// A facet of second order is its straight one and sum N_e d_e over the middles of its sides, d_e their offset
+// from those of the straight sides. N_e is never negative there, and their sum at most 4/3.
+double PairSearch::bulge(const int* slot, const ContactValues& x) const {
+  const int corners = stored_corners(per_facet_);
+  double square = 0;
+  for (int e = 0; e < per_facet_ - corners; ++e) {
+    double offset = 0;
+    for (int k = 0; k < dim_; ++k) {
+      const auto of = [&](int a) { return x[at(dim_ * slot[a] + k)]; };
+      const double d = of(corners + e) - (of(e) + of((e + 1) % corners)) / 2;
+      offset += d * d;
+    }
+    square = std::max(square, offset);
+  }
+  return 4.0 / 3 * std::sqrt(square);
 }
 
 double PairSearch::tighten(const std::vector<int>& slot, const std::vector<double>& X,
                            std::vector<double>& slack) const {
   double smallest = HUGE_VAL;
-  for (std::size_t i = 0; i < slot.size(); i += at(corners_)) {
+  for (std::size_t i = 0; i < slot.size(); i += at(per_facet_)) {
     const double size = longest_side(in_space(&slot[i], X).data(), 4, 3);
     smallest = std::min(smallest, size);
-    for (std::size_t a = i; local_ && a < i + at(corners_); ++a)
+    for (std::size_t a = i; local_ && a < i + at(per_facet_); ++a)
       slack[at(slot[a])] = std::min(slack[at(slot[a])], local_slack * size);
   }
   return smallest;
@@ -209,21 +226,25 @@ double PairSearch::tighten(const std::vector<int>& slot, const std::vector<doubl
 
 SearchSecondary PairSearch::secondary_at(const ContactValues& x) const {
   SearchSecondary secondary;
-  for (std::size_t f = 0; f < secondary_.size(); f += at(corners_)) {
+  const bool curved = stored_corners(per_facet_) < per_facet_;
+  for (std::size_t f = 0; f < secondary_.size(); f += at(per_facet_)) {
     const std::array<double, 12> corner = in_space(&secondary_slot_[f], x);
     secondary.x.insert(secondary.x.end(), corner.begin(), corner.end());
-    for (int a = 0; a < 4; ++a) secondary.node.push_back(secondary_[f + at(std::min(a, corners_ - 1))]);
+    for (int a = 0; a < 4; ++a) secondary.node.push_back(secondary_[f + at(std::min(a, per_facet_ - 1))]);
+    if (curved) secondary.bulge.push_back(bulge(&secondary_slot_[f], x));
   }
   return secondary;
 }
 
 std::vector<SearchFacet> PairSearch::primary_at(const ContactValues& x) const {
-  std::vector<SearchFacet> primary(primary_.size() / at(corners_));
+  std::vector<SearchFacet> primary(primary_.size() / at(per_facet_));
   for (std::size_t f = 0; f < primary.size(); ++f) {
-    const std::size_t first = at(corners_) * f;
+    const std::size_t first = at(per_facet_) * f;
     primary[f].neighbour = {neighbour_[2 * f], neighbour_[2 * f + 1]};
     primary[f].x = in_space(&primary_slot_[first], x);
-    for (int a = 0; a < 4; ++a) primary[f].node[at(a)] = primary_[first + at(std::min(a, corners_ - 1))];
+    primary[f].bulge = bulge(&primary_slot_[first], x);
+    for (int a = 0; a < static_cast<int>(primary[f].node.size()); ++a)
+      primary[f].node[at(a)] = primary_[first + at(std::min(a, per_facet_ - 1))];
   }
   return primary;
 }
@@ -239,27 +260,28 @@ Candidates PairSearch::search(const ContactValues& x) const {
 std::vector<PetscInt> PairSearch::primary_nodes(int secondary_facet) const {
   if (list_.candidates.offset.empty()) return added_; // against a rigid plane, sphere or cylinder
   std::vector<PetscInt> nodes;
-  for (int c : list_.candidates.of(at(secondary_facet)))
-    for (PetscInt node : list_.candidates.primary[at(list_.candidates.facet[at(c)])].node)
-      nodes.push_back(node);
+  for (int c : list_.candidates.of(at(secondary_facet))) {
+    const GlobalFacet& facet = list_.candidates.primary[at(list_.candidates.facet[at(c)])].node;
+    nodes.insert(nodes.end(), facet.begin(), facet.begin() + per_facet_);
+  }
   return nodes;
 }
 
 void PairSearch::fetch_nodes() {
   ContactNodes next;
   next.dim = dim_;
-  next.corners = corners_;
+  next.per_facet = per_facet_;
   next.global = secondary_;
   next.global.insert(next.global.end(), added_.begin(), added_.end());
   for (const SearchFacet& facet : list_.candidates.primary) {
-    next.global.insert(next.global.end(), facet.node.begin(), facet.node.end());
+    next.global.insert(next.global.end(), facet.node.begin(), facet.node.begin() + per_facet_);
     for (PetscInt node : facet.neighbour)
       if (node >= 0) next.global.push_back(node);
   }
   sort_unique(next.global);
   for (PetscInt node : secondary_) next.secondary.push_back(position(next.global, node));
   for (const SearchFacet& facet : list_.candidates.primary) {
-    for (int a = 0; a < corners_; ++a) next.primary.push_back(position(next.global, facet.node[at(a)]));
+    for (int a = 0; a < per_facet_; ++a) next.primary.push_back(position(next.global, facet.node[at(a)]));
     for (PetscInt node : facet.neighbour)
       next.neighbour.push_back(node >= 0 ? position(next.global, node) : -1);
   }
@@ -288,10 +310,10 @@ double PairSearch::nearest_nodes(const ContactValues& u) const {
   const auto& offset = list_.candidates.offset;
   for (std::size_t f = 0; f + 1 < offset.size(); ++f)
     for (int c = offset[f]; c < offset[f + 1]; ++c)
-      for (int a = 0; a < corners_; ++a)
-        for (int b = 0; b < corners_; ++b) {
-          const int s = list_.nodes.secondary[at(corners_) * f + at(a)],
-                    p = list_.nodes.primary[at(corners_ * list_.candidates.facet[at(c)] + b)];
+      for (int a = 0; a < per_facet_; ++a)
+        for (int b = 0; b < per_facet_; ++b) {
+          const int s = list_.nodes.secondary[at(per_facet_) * f + at(a)],
+                    p = list_.nodes.primary[at(per_facet_ * list_.candidates.facet[at(c)] + b)];
           square = std::min(square, square_of_move(&x[at(dim_ * s)], &x[at(dim_ * p)], dim_));
         }
   return std::sqrt(square);

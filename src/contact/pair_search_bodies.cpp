@@ -26,9 +26,9 @@ bool PairSearch::find_shapes(const SearchSecondary& secondary, const std::vector
     has[at(2 * b + side)] = 1;
     return b;
   };
-  for (std::size_t f = 0; f < primary.size(); ++f) body_at(primary_slot_[at(corners_) * f], 1);
+  for (std::size_t f = 0; f < primary.size(); ++f) body_at(primary_slot_[at(per_facet_) * f], 1);
   for (std::size_t f = 0; f < secondary.node.size() / 4; ++f) {
-    const int* slot = &secondary_slot_[at(corners_) * f];
+    const int* slot = &secondary_slot_[at(per_facet_) * f];
     shapes_.push_back(facet_shape(dim_, in_space(slot, static_X_), body_at(*slot, 0)));
   }
   max_over_ranks(mesh_->comm(), has);
@@ -53,7 +53,7 @@ void PairSearch::prepare_self_contact(const SearchSecondary& secondary,
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     depth_.push_back(self_depth * shapes_[f].size);
     for (int c : list_.candidates.of(f)) {
-      const int* slot = &list_.nodes.primary[at(corners_ * list_.candidates.facet[at(c)])];
+      const int* slot = &list_.nodes.primary[at(per_facet_ * list_.candidates.facet[at(c)])];
       const FacetShape other =
           facet_shape(dim_, in_space(slot, list_.nodes.X), static_cast<int>(node_body[at(dim_ * *slot)]));
       depth_[f] = std::min(depth_[f], SelfContact::thickness(shapes_[f], other));
@@ -69,7 +69,7 @@ void PairSearch::drop_neighbours(Vec u) {
   const auto primaries = static_cast<int>(list_.candidates.primary.size());
   std::vector<FacetShape> reference, current;
   for (int p = 0; p < primaries; ++p) {
-    const int* slot = &list_.nodes.primary[at(corners_ * p)];
+    const int* slot = &list_.nodes.primary[at(per_facet_ * p)];
     reference.push_back(
         facet_shape(dim_, in_space(slot, list_.nodes.X), static_cast<int>(body[at(dim_ * *slot)])));
     current.push_back(facet_shape(dim_, in_space(slot, now), 0));
@@ -79,7 +79,7 @@ void PairSearch::drop_neighbours(Vec u) {
   list_.counts.clear();
   for (std::size_t f = 0; f < shapes_.size(); ++f) {
     const std::array<double, 3> n =
-        facet_shape(dim_, in_space(&list_.nodes.secondary[at(corners_) * f], now), 0).normal;
+        facet_shape(dim_, in_space(&list_.nodes.secondary[at(per_facet_) * f], now), 0).normal;
     for (int c : list_.candidates.of(f)) {
       const int p = list_.candidates.facet[at(c)];
       const FacetShape& other = reference[at(p)];

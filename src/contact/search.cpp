@@ -20,9 +20,16 @@ Box box_of(const double* facet) {
   return box;
 }
 
-Box grown_box_of(const double* facet, double part) {
+Box grown_box_of(const double* facet, double part, double bulge) {
   const Box box = box_of(facet);
-  return part > 0 ? box.grown(part * longest_side(facet, 4, 3)) : box;
+  const double by = part > 0 ? part * longest_side(facet, 4, 3) + bulge : bulge;
+  return by > 0 ? box.grown(by) : box;
+}
+Box grown_box_of(const SearchFacet& facet, double part) {
+  return grown_box_of(facet.x.data(), part, facet.bulge);
+}
+Box grown_box_of(const SearchSecondary& facets, std::size_t f, double part) {
+  return grown_box_of(&facets.x[12 * f], part, facets.bulge.empty() ? 0 : facets.bulge[f]);
 }
 
 // The boxes of both surfaces of every rank; an empty surface has an inverted box that meets nothing.
@@ -56,7 +63,7 @@ std::vector<SearchFacet> exchange(MPI_Comm comm, const std::vector<RankBoxes>& b
     if (other == rank || !target.meets(mine.primary)) continue;
     auto& message = outbox[static_cast<std::size_t>(other)];
     for (const SearchFacet& facet : own)
-      if (target.meets(grown_box_of(facet.x.data(), part))) message.push_back(facet);
+      if (target.meets(grown_box_of(facet, part))) message.push_back(facet);
     MPI_Isend(message.data(), static_cast<int>(message.size() * sizeof(SearchFacet)), MPI_BYTE, other, tag,
               comm, &requests.emplace_back());
   }
@@ -76,7 +83,7 @@ std::vector<SearchFacet> exchange(MPI_Comm comm, const std::vector<RankBoxes>& b
   return all;
 }
 
-bool share_node(const PetscInt* a, const std::array<PetscInt, 4>& b) {
+bool share_node(const PetscInt* a, const GlobalFacet& b) {
   int shared = 0; // without a branch: nearly always none
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t j = 0; j < 4; ++j) shared |= a[i] == b[j] ? 1 : 0;
@@ -129,7 +136,7 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
   found.primary = std::move(primary);
   std::vector<Box> boxes;
   boxes.reserve(found.primary.size());
-  for (const SearchFacet& facet : found.primary) boxes.push_back(grown_box_of(facet.x.data(), part));
+  for (const SearchFacet& facet : found.primary) boxes.push_back(grown_box_of(facet, part));
   const BoxTree tree(boxes);
   const std::size_t count = secondary.node.size() / 4;
   found.offset.reserve(count + 1);
@@ -141,7 +148,7 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
     const std::size_t last = std::min(first + together, count);
     Box all;
     for (std::size_t s = first; s < last; ++s) {
-      group[s - first] = grown_box_of(&secondary.x[12 * s], part).grown(reach);
+      group[s - first] = grown_box_of(secondary, s, part).grown(reach);
       all.include(group[s - first]);
     }
     const bool near = all.longest() <= spread_limit * group[0].longest();
@@ -169,9 +176,9 @@ Candidates match_boxes(const SearchSecondary& secondary, std::vector<SearchFacet
 Candidates find_candidates(MPI_Comm comm, const SearchSecondary& secondary,
                            const std::vector<SearchFacet>& own_primary, double reach, double part) {
   RankBoxes mine;
-  for (std::size_t i = 0; i < secondary.x.size(); i += 12)
-    mine.secondary.include(grown_box_of(&secondary.x[i], part));
-  for (const SearchFacet& facet : own_primary) mine.primary.include(grown_box_of(facet.x.data(), part));
+  for (std::size_t f = 0; f < secondary.x.size() / 12; ++f)
+    mine.secondary.include(grown_box_of(secondary, f, part));
+  for (const SearchFacet& facet : own_primary) mine.primary.include(grown_box_of(facet, part));
   return match_boxes(secondary, exchange(comm, gather_boxes(comm, mine), own_primary, reach, part), reach,
                      part);
 }

@@ -32,6 +32,8 @@ double longest_side(const double* corner, int corners, int dim) {
   return std::sqrt(largest);
 }
 
+int stored_nodes(const Mesh& mesh) { return mesh.dim() == 2 ? mesh.order() + 1 : mesh.order() == 1 ? 4 : 6; }
+
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group) {
   const Group* found = mesh.find_group(group);
   if (found == nullptr || found->dim != mesh.dim() - 1)
@@ -48,18 +50,18 @@ ContactSurface surface_of(const Mesh& mesh, const std::string& group, const Face
   ContactSurface surface;
   const int dim = mesh.dim();
   surface.group = group;
-  surface.corners = dim == 2 ? 2 : 4;
+  surface.per_facet = stored_nodes(mesh);
   for (int f = 0; f < facets.count(); ++f) {
     const int* nodes = &facets.connectivity[at(facets.nodes_per_facet * f)];
     const std::size_t first = surface.X.size();
-    for (int a = 0; a < surface.corners; ++a) {
+    for (int a = 0; a < surface.per_facet; ++a) {
       const int node = nodes[std::min(a, facets.nodes_per_facet - 1)];
       surface.local.push_back(node);
       surface.node.push_back(mesh.global_node()[at(node)]);
       const auto place = mesh.coordinates().begin() + dim * node;
       surface.X.insert(surface.X.end(), place, place + dim);
     }
-    surface.length.push_back(longest_side(&surface.X[first], surface.corners, dim));
+    surface.length.push_back(longest_side(&surface.X[first], stored_corners(surface.per_facet), dim));
     const PetscInt* cone = nullptr;
     check(DMPlexGetCone(mesh.dm(), facets.point[at(f)], &cone));
     surface.reversed.push_back(dim != 2 || cone[0] == mesh.point(nodes[0]) ? 0 : 1);
@@ -124,8 +126,8 @@ std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, con
   for (int f = 0; f < surface.count(); ++f) {
     std::array<PetscInt, 4> nodes;
     for (int a = 0; a < 4; ++a)
-      nodes[at(a)] = surface.node[at(surface.corners * f + std::min(a, surface.corners - 1))];
-    mine.insert(mine.end(), at(surface.corners), nodes);
+      nodes[at(a)] = surface.node[at(surface.per_facet * f + std::min(a, surface.per_facet - 1))];
+    mine.insert(mine.end(), at(surface.per_facet), nodes);
   }
   PetscLayout layout = nullptr;
   check(PetscLayoutCreate(mesh.comm(), &layout));
@@ -153,7 +155,7 @@ std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, con
 }
 
 std::vector<PetscInt> surface_neighbours(const FieldLayout& layout, const ContactSurface& surface) {
-  if (surface.corners != 2) return std::vector<PetscInt>(at(2 * surface.count()), -1);
+  if (surface.per_facet != 2) return std::vector<PetscInt>(at(2 * surface.count()), -1);
   // The far node of an edge is left at its other node: as a sum, with a count beside it, so that a node where
   // more than one edge starts or ends is recognised. Node numbers are exact in a double.
   const Handle<Vec> sum = layout.make_global(), count = layout.make_global();

@@ -1,4 +1,4 @@
-#include <impact/element/second_order.hpp>
+#include <impact/element/facets.hpp>
 #include <impact/kernel/boundary_load.hpp>
 
 #include <cmath>
@@ -13,7 +13,7 @@ template <class Cell> void fill(int q, FacetPoint& p) {
   p.weight = t.weight[q];
   for (int a = 0; a < Cell::nodes; ++a) {
     p.N[a] = t.N[q][a];
-    for (int i = 0; i < 2; ++i) p.dN[a][i] = t.dN[q][a][i];
+    for (int i = 0; i < Cell::dim; ++i) p.dN[a][i] = t.dN[q][a][i];
   }
 }
 
@@ -44,17 +44,10 @@ void area_vector(const double (&a)[3][2], int dim, double* n) {
 
 FacetPoint facet_point(int dim, int nodes, int q) {
   FacetPoint p{};
-  if (dim == 3) {
+  if (dim == 3)
     nodes == 3 ? fill<Tri3>(q, p) : nodes == 4 ? fill<Quad4>(q, p) : fill<Tri6>(q, p);
-  } else if (nodes == 2) {
-    const double xi = q == 0 ? -Quad4::gauss : Quad4::gauss;
-    p = {{(1 - xi) / 2, (1 + xi) / 2}, {{-0.5, 0}, {0.5, 0}}, 1};
-  } else { // 3-point Gauss rule
-    const double xi = (q - 1) * 0.77459666924148337704;
-    p = {{xi * (xi - 1) / 2, xi * (xi + 1) / 2, 1 - xi * xi},
-         {{xi - 0.5, 0}, {xi + 0.5, 0}, {-2 * xi, 0}},
-         q == 1 ? 8.0 / 9 : 5.0 / 9};
-  }
+  else
+    nodes == 2 ? fill<Line2>(q, p) : fill<Line3>(q, p);
   return p;
 }
 

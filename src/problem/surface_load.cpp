@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 #include <impact/kernel/boundary_load.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
@@ -91,6 +92,21 @@ void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<
         add_dead_traction(p, n.count, frame, n.X.data(), t, load.data());
       },
       [&](const FacetNodes& n) { scatter(n, dim, load, force); });
+}
+
+void add_felt_area(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                   std::vector<double>& area) {
+  const int dim = dimension(frame);
+  FacetVector felt{};
+  visit_facets(
+      facets, dim, X, nullptr,
+      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double*) {
+        const double area_here = reference_area(p, n.count, frame, n.X.data());
+        double sum = 0;
+        for (int b = 0; b < n.count; ++b) sum += std::abs(p.N[b]);
+        for (int i = 0; i < n.count * dim; ++i) felt[at(i)] += area_here * std::abs(p.N[i / dim]) * sum;
+      },
+      [&](const FacetNodes& n) { scatter(n, dim, felt, area); });
 }
 
 void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vector<double>& X,

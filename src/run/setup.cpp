@@ -48,14 +48,13 @@ GmshFile read_file(MPI_Comm comm, const MeshRequest& request) {
   return read_stored_mesh(comm, request.file);
 }
 
-// What knows corners of facets alone, or wants int N_a dV_0 > 0.
+// What wants int N_a dV_0 > 0.
 void refuse_second_order(const Scenario& s, const Mesh& mesh) {
   if (mesh.order() == 1) return;
   const std::string remedy =
       ": cells of second order do not know it yet; allowed: cells of first order (-order 1, gmsh -order 1)";
   if (s.damage.explicit_substeps > 0) throw UserError(ExitCode::data, "-damage_substeps" + remedy);
   if (!s.has_motion()) return;
-  if (!s.contacts.empty()) throw UserError(ExitCode::data, "-contact_" + s.contacts.front().id + remedy);
   for (const MaterialScenario& m : s.materials)
     if (m.erosion.on) throw UserError(ExitCode::data, "-material_" + m.id + "_erosion" + remedy);
 }

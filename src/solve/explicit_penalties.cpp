@@ -34,11 +34,10 @@ ExplicitContact::Loads ExplicitContact::loads(const ContactInterface& contact) {
   const std::vector<double> X(d.mesh.coordinates().begin(), d.mesh.coordinates().end()),
       mass = d.local_of(motion_.lumped_mass());
   Loads loads = no_loads();
-  const auto unit = [&](const double*, double* value) { std::fill_n(value, d.dim(), 1.0); };
   const auto add_side = [&](const std::string& side) {
     std::vector<double> area = d.displacement.make_local();
     if (ContactSettings::rigid_name(side)) return area;
-    add_dead_traction(contact.facets(side), d.frame, X, unit, area);
+    add_felt_area(contact.facets(side), d.frame, X, area);
     add_up(d.displacement, area);
     for (std::size_t i = 0; i < area.size(); ++i) loads.nodes[i] += 2 * area[i] / mass[i];
     return area;

@@ -80,7 +80,7 @@ void LooseBodies::measure(const std::vector<int>& loose) {
         if (loose[node] < 0) continue;
         const auto b = at(loose[node]);
         meets[b] = 1;
-        facet[b] = std::min(facet[b], facets.length[i / at(facets.corners)]);
+        facet[b] = std::min(facet[b], facets.length[i / at(facets.per_facet)]);
       }
     }
     max_over_ranks(mesh.comm(), meets);

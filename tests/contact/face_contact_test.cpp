@@ -16,7 +16,8 @@ std::vector<Case> cases(bool hill, double angle = 0) {
           {{true, false, angle, hill}, brick_settings(MultiplierSpace::dual)},
           {{true, true, angle, hill}, brick_settings()},
           {{false, true, angle, hill}, brick_points()},
-          {{true, false, angle, hill}, brick_points()}};
+          {{true, false, angle, hill}, brick_points()},
+          {{true, true, angle, hill, false, 2}, brick_points()}};
 }
 
 double norm(Vec v) {

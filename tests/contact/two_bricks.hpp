@@ -29,6 +29,7 @@ struct TwoBricks {
   double angle = 0;
   bool hill = false;     ///< the lower surface is curved
   bool one_name = false; ///< both surfaces are one boundary, lower_top
+  int order = 1;         ///< of the cells; 2 of tetrahedra on both sides
 };
 
 /// Regions lower, upper; boundaries lower_top, upper_bottom.
@@ -105,7 +106,7 @@ struct BrickRig {
   ContactInterface contact;
 
   BrickRig(MPI_Comm comm, const std::string& dir, const TwoBricks& b, const ContactSettings& s)
-      : bricks(b), mesh(run_test::mesh_of(comm, dir, brick_text(b))), layout(mesh, "u", 3),
+      : bricks(b), mesh(run_test::mesh_of(comm, dir, brick_text(b), b.order)), layout(mesh, "u", 3),
         contact(mesh, layout, s, in_space(), state) {}
 
   static ContactEnvironment in_space() {

@@ -149,8 +149,6 @@ for dim in (2, 3):
 BODY = {**BLOCK, **STATIC, "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_rho": 1e-9, "bcs": "hold",
         "bc_hold_on": "left", "bc_hold_type": "fix", "ts_dt": 1, "ts_max_time": 1}
 for name, more, words in (
-        ("contact", {"contacts": "wall", "contact_wall_secondary": "right", "contact_wall_primary": "plane",
-                     "contact_wall_plane_point": "1.1,0", "contact_wall_plane_normal": "-1,0"}, ("-contact_wall", "-order 1")),
         ("erosion", {"ts_type": "central_difference", "material_solid_erosion": "on", "material_solid_damage": "at2",
                      "material_solid_Gc": 1, "material_solid_gamma": 1}, ("-material_solid_erosion", "-order 1")),
         ("refined", {"dm_refine": 1}, ("-dm_refine", "-order 1")),

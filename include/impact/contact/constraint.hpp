@@ -27,6 +27,7 @@ struct Constraint {
   bool active = false;
   std::span<const int> node;            ///< into ContactForm::nodes(), secondary ones first
   std::span<const double> share;        ///< of the secondary nodes in the constraint, sum 1
+  std::span<const double> spread;       ///< none negative, for means at the nodes, sum 1; empty: share
   std::span<const double> gradient;     ///< [node][dim]
   std::span<const double> end_gradient; ///< of the gap, where the force stands along another one, else empty
   /// Tangential motion since the start of the step, mean over the weight, in directions that the secondary
@@ -37,6 +38,7 @@ struct Constraint {
   std::span<const double> slip_gradient; ///< [direction][node][dim]
 
   bool works_exactly() const { return start_gap != unknown_gap; }
+  std::span<const double> nodal_parts() const { return spread.empty() ? share : spread; }
   /// Mean distance of what faces something; of a penetration the mean over the weight, which is what
   /// pressures close.
   double distance() const { return gap > 0 ? gap / cover : gap; }

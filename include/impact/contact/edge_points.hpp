@@ -1,14 +1,13 @@
 #pragma once
 #include <impact/contact/point_form.hpp>
 
-/// Points of edges in the plane: each faces the nearest place of the primary surface (71')
+/// Points of straight edges in the plane: each faces the nearest place of the primary surface (71')
 /// (contact_pair.hpp).
 namespace impact {
 
-struct EdgePoints {
-  static constexpr std::size_t dim = 2, corners = 2;
+struct EdgePoints : StraightPoints {
+  static constexpr std::size_t dim = 2, nodes = 2;
   static constexpr HoldRule hold = hold_on_edge;
-  using Corners = EdgeCorners;
   struct Seen {
     int candidate = -1, part = 0;
     Foot<double> foot;
@@ -17,11 +16,11 @@ struct EdgePoints {
   /// Gauss points, 1 to 16 per edge, exact for polynomials of degree 2 points - 1; numbered along the cone of
   /// the facet in the mesh, which is the same for every partition, so that what is kept per point can move to
   /// other ranks. Throws UserError(usage).
-  static FormPoints make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
+  static FormPoints<Point> make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
   static void make_map(const ContactSurface&, int, FaceMap&) {} // one direction needs none
-  static Point2<double> normal(const Corners& x) { return detail::right_normal(x[0], x[1]); }
-  static double stretch(const Corners& x, const Corners& /*from_corner*/, const ContactSurface& surface,
-                        int f) {
+  static Point2<double> normal(const EdgeCorners& x) { return detail::right_normal(x[0], x[1]); }
+  static double stretch(const EdgeCorners& x, const EdgeCorners& /*from_corner*/,
+                        const ContactSurface& surface, int f, const Point&) {
     return std::hypot(x[1][0] - x[0][0], x[1][1] - x[0][1]) / surface.length[static_cast<std::size_t>(f)];
   }
   static bool faces(const CarriedFunction& gap, const Point2<double>& normal);

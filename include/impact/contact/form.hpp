@@ -60,11 +60,12 @@ private:
 
 /// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
 struct Opposite {
-  std::array<PetscInt, 4> node{}; ///< global
-  std::array<int, 4> slot{};      ///< in the nodes of the contact, -1: not there
+  GlobalFacet node{};
+  std::array<int, 6> slot{}; ///< in the nodes of the contact, -1: not there
 
   void locate(const ContactNodes& nodes) {
-    for (std::size_t b = 0; b < 4; ++b) slot[b] = nodes.slot(node[b]);
+    for (std::size_t b = 0; b < node.size(); ++b)
+      slot[b] = b > 0 && node[b] == node[b - 1] ? slot[b - 1] : nodes.slot(node[b]);
   }
   bool found() const { return *std::min_element(slot.begin(), slot.end()) >= 0; }
 };
@@ -138,23 +139,23 @@ protected:
     return outcome;
   }
 
-  /// Places in nodes() of the corners of a secondary facet, and of the facet of a candidate pair.
+  /// Places in nodes() of the nodes of a secondary facet, and of the facet of a candidate pair.
   const int* secondary_slots(int facet) const {
-    return &nodes().secondary[static_cast<std::size_t>(nodes().corners * facet)];
+    return &nodes().secondary[static_cast<std::size_t>(nodes().per_facet * facet)];
   }
   const int* primary_slots(int candidate) const {
     const int facet = search_.candidates().facet[static_cast<std::size_t>(candidate)];
-    return &nodes().primary[static_cast<std::size_t>(nodes().corners * facet)];
+    return &nodes().primary[static_cast<std::size_t>(nodes().per_facet * facet)];
   }
-  /// Global nodes of the facet of a candidate pair, of which one with fewer than four repeats the last.
-  const std::array<PetscInt, 4>& primary_nodes(int candidate) const {
+  /// Global nodes of the facet of a candidate pair.
+  const GlobalFacet& primary_nodes(int candidate) const {
     const Candidates& list = search_.candidates();
     return list.primary[static_cast<std::size_t>(list.facet[static_cast<std::size_t>(candidate)])].node;
   }
-  /// Different corners of that facet.
+  /// Different corners of that facet, one of first order.
   int primary_corners(int candidate) const {
     const int* slot = primary_slots(candidate);
-    return nodes().corners == 2 ? 2 : slot[3] == slot[2] ? 3 : 4;
+    return nodes().per_facet == 2 ? 2 : slot[3] == slot[2] ? 3 : 4;
   }
   /// Corners of a facet, an array of places, at coordinates x [node][dim] of nodes(); or at a displacement,
   /// seen from a node.
@@ -191,14 +192,14 @@ protected:
   /// derivatives by its carrier.
   void visit_slip_block(int facet, const Opposite& opposite, std::span<const double> block,
                         const BlockVisitor& visitor) const {
-    const auto corners = static_cast<std::size_t>(nodes().corners);
+    const auto corners = static_cast<std::size_t>(nodes().per_facet);
     std::vector<int> node = with_carrier(facet, corners);
     std::vector<double> chained;
     if (rigid()) {
       obstacle_.chain_block(facet, block, chained);
       block = chained;
     } else {
-      node.insert(node.end(), opposite.slot.begin(), opposite.slot.begin() + nodes().corners);
+      node.insert(node.end(), opposite.slot.begin(), opposite.slot.begin() + nodes().per_facet);
     }
     visitor(node, block);
   }

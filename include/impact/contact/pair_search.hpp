@@ -39,13 +39,13 @@ using ContactValues = std::vector<double>;
 /// The nodes of a contact on this rank, on compact numbers.
 struct ContactNodes {
   int dim = 2;
-  int corners = 2; ///< per facet: 2 in the plane; 4 in space, where a triangle repeats its third corner
+  int per_facet = 2; ///< stored_nodes of a facet (surface.hpp)
   NodeExchange exchange;
   std::vector<PetscInt> global; ///< sorted
   std::vector<double> X;        ///< [node][dim] reference coordinates
   std::vector<double> start;    ///< [node][dim] at the start of the step; empty: unknown
-  std::vector<int> secondary;   ///< [secondary facet][corner]
-  std::vector<int> primary;     ///< [candidate primary][corner]
+  std::vector<int> secondary;   ///< [secondary facet][node]
+  std::vector<int> primary;     ///< [candidate primary][node]
   std::vector<int> neighbour;   ///< [candidate primary][2]: far nodes of an edge's neighbours, -1: none
 
   /// Place of a global node, -1: not there.
@@ -91,8 +91,8 @@ public:
   enum class Primary { rigid, other, itself };
 
   PairSearch() = default;
-  /// `secondary`: global nodes [facet][corner] of the facets that this rank evaluates, whoever owns their
-  /// cells, and `secondary_X` [facet][corner][dim]; `primary`: the facets of this rank's cells, empty where
+  /// `secondary`: global nodes [facet][node] of the facets that this rank evaluates, whoever owns their
+  /// cells, and `secondary_X` [facet][node][dim]; `primary`: the facets of this rank's cells, empty where
   /// the primary is no surface of the mesh. Sides of one body, or one that may meet itself, keep of their
   /// pairs those that SelfContact lets touch. Mesh and layout must outlive the search. Collective.
   PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::vector<PetscInt>& secondary,
@@ -165,8 +165,10 @@ private:
     double reach = 0;             // most motion within a step for which the list holds every facet
     bool outdated = true;
   };
-  // A facet with these nodes, at coordinates x [node][dim], in the form of the search.
+  // The corners of a facet with these nodes, at coordinates x [node][dim], in the form of the search, and how
+  // far it leaves their box.
   std::array<double, 12> in_space(const int* slot, const ContactValues& x) const;
+  double bulge(const int* slot, const ContactValues& x) const;
   // Lets the nodes of facets move by no more than their facets allow; the smallest of these. X: [node][dim].
   double tighten(const std::vector<int>& slot, const std::vector<double>& X,
                  std::vector<double>& slack) const;
@@ -185,11 +187,11 @@ private:
 
   const Mesh* mesh_ = nullptr;
   const FieldLayout* layout_ = nullptr;
-  int dim_ = 2, corners_ = 2;
-  std::vector<PetscInt> secondary_, primary_;      // [facet][corner]
+  int dim_ = 2, per_facet_ = 2;
+  std::vector<PetscInt> secondary_, primary_;      // [facet][node]
   std::vector<PetscInt> neighbour_;                // [facet][2]
   std::vector<PetscInt> added_;                    // nodes of no facet
-  std::vector<int> secondary_slot_, primary_slot_; // [facet][corner] into the static nodes
+  std::vector<int> secondary_slot_, primary_slot_; // [facet][node] into the static nodes
   NodeExchange static_;                            // nodes of this rank's facets of both surfaces
   std::vector<double> static_X_, static_start_;    // [node][dim]; start empty: unknown
   std::vector<double> static_slack_;               // [node] what it may move by until the list is made anew

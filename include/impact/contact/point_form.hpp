@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <impact/contact/form.hpp>
 #include <impact/kernel/face_ray.hpp>
 #include <impact/kernel/face_slip.hpp>
@@ -9,9 +10,11 @@
 
 /// Contact at Gauss points of the secondary facets: one gap constraint at every point, to what lies opposite
 /// on the primary surface or to a rigid body (theory.md, contact). Here stands what edges and faces have in
-/// common; `Geometry` brings the rest (edge_points.hpp in the plane, face_points.hpp in space):
-///   dim, corners              of a facet
+/// common; `Geometry` brings the rest (edge_points.hpp, ray_points.hpp):
+///   dim, nodes                of a facet
+///   Point                     a place of a facet, whose `weights` are those of its nodes
 ///   Seen                      what a point faces: a candidate, -1 for none, and the foot on it
+///   curved, slides            whether normals differ along a facet; whether it knows slip
 /// and functions of points, of which Facet says where their secondary facet stands.
 ///
 /// `update` ties every point near the surface to what it faces, continued beyond its sides, until the next
@@ -19,18 +22,18 @@
 namespace impact {
 
 using ShapeValues = std::array<double, 4>; ///< weights of a facet's corners in a place
-/// The points of the secondary facets: shape functions of the corners, and reference areas.
-struct FormPoints {
+/// The points of the secondary facets: their places, and reference areas.
+template <class Point> struct FormPoints {
   int per_facet = 0;
-  std::vector<ShapeValues> shape; ///< [facet][point]
-  std::vector<double> weight;     ///< [facet][point] 0: no such point
-  std::vector<int> corners;       ///< [facet] different ones
+  std::vector<Point> shape;   ///< [facet][point]
+  std::vector<double> weight; ///< [facet][point] 0: no such point
+  std::vector<int> nodes;     ///< [facet] different ones
 
   std::size_t index(int facet, int point) const {
     return static_cast<std::size_t>(facet * per_facet + point);
   }
   /// The same areas, lumped at the corners, of which a facet has no more than points.
-  void move_to_corners() {
+  void move_to_corners() requires std::same_as<Point, ShapeValues> {
     for (std::size_t first = 0; first < weight.size(); first += static_cast<std::size_t>(per_facet)) {
       ShapeValues lumped{};
       for (std::size_t q = 0; q < static_cast<std::size_t>(per_facet); ++q)
@@ -44,13 +47,29 @@ struct FormPoints {
   }
 };
 
+/// What the geometries of straight facets have in common.
+struct StraightPoints {
+  static constexpr bool curved = false, slides = true;
+  using Point = ShapeValues;
+  static const ShapeValues& weights(const ShapeValues& point) { return point; }
+  /// None negative, for means at the nodes.
+  static const ShapeValues& spread(const ShapeValues& point) { return point; }
+  /// The place of a node.
+  static ShapeValues node(std::size_t a) {
+    ShapeValues shape{};
+    shape[a] = 1;
+    return shape;
+  }
+};
+
 template <class Geometry> class PointForm : public ContactForm {
 public:
-  static constexpr std::size_t dim = Geometry::dim, corners = Geometry::corners, dofs = 2 * dim * corners;
+  static constexpr std::size_t dim = Geometry::dim, width = Geometry::nodes, dofs = 2 * dim * width;
   using Place = std::array<double, dim>;
-  using Corners = std::array<Place, corners>;
+  using Nodes = std::array<Place, width>;
+  using Point = typename Geometry::Point;
   using Seen = typename Geometry::Seen;
-  /// Of a step: a row, or a matrix, over the dofs of (secondary corners, primary corners).
+  /// A row, or a matrix, over the dofs of (secondary nodes, primary nodes).
   using Row = std::array<double, dofs>;
   using Matrix = std::array<double, dofs * dofs>;
 
@@ -74,12 +93,12 @@ private:
   // A secondary facet at coordinates.
   struct Facet {
     int number = 0;
-    Corners corner{};
-    Place normal{};
+    Nodes node{};
+    Place normal{}; // of a straight one
   };
   // What a point is tied to: a candidate by its place in the list, -1: not there, and by its nodes.
   struct Hold {
-    std::array<PetscInt, 4> node = {-1, -1, -1, -1};
+    GlobalFacet node = {-1, -1, -1, -1, -1, -1};
     int candidate = -1, part = 0; // part: triangle of a face
     Switches switches;
   };
@@ -91,7 +110,7 @@ private:
   };
   // Both facets of an anchor at a displacement, seen from the secondary's first corner.
   struct SlipPlaces {
-    Corners s{}, p{};
+    Nodes s{}, p{};
   };
   struct Workspace {
     NodePlaces place;
@@ -101,15 +120,20 @@ private:
   Facet facet_at(int number, const ContactValues& x) const {
     Facet facet;
     facet.number = number;
-    facet.corner = corners_at<Corners>(secondary_slots(number), x);
-    facet.normal = Geometry::normal(facet.corner);
+    facet.node = corners_at<Nodes>(secondary_slots(number), x);
+    if constexpr (!Geometry::curved) facet.normal = Geometry::normal(facet.node);
     return facet;
   }
-  static Place place_on(const Corners& corner, const ShapeValues& shape) {
+  static Place normal_at(const Facet& facet, const Point& point) {
+    if constexpr (Geometry::curved) return Geometry::normal(facet.node, point);
+    return facet.normal;
+  }
+  static Place place_on(const Nodes& node, const Point& point) {
+    const auto& shape = Geometry::weights(point);
     Place x{};
     for (std::size_t k = 0; k < dim; ++k) {
-      x[k] = shape[0] * corner[0][k] + shape[1] * corner[1][k];
-      for (std::size_t a = 2; a < corners; ++a) x[k] += shape[a] * corner[a][k];
+      x[k] = shape[0] * node[0][k] + shape[1] * node[1][k];
+      for (std::size_t a = 2; a < width; ++a) x[k] += shape[a] * node[a][k];
     }
     return x;
   }
@@ -119,24 +143,23 @@ private:
     return y;
   }
   std::span<const double> share_of(std::size_t number, int facet) const {
-    return {points_.shape[number].data(), at(points_.corners[at(facet)])};
+    return {Geometry::weights(points_.shape[number]).data(), at(points_.nodes[at(facet)])};
   }
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
-  Seen nearest(const Facet& facet, const ShapeValues& shape, const ContactValues& x) const;
+  Seen nearest(const Facet& facet, const Point& point, const ContactValues& x) const;
   // What the point is tied to; false where an iterate went too far astray.
-  bool held(const Facet& facet, const ShapeValues& shape, const ContactValues& x, const Hold& hold,
+  bool held(const Facet& facet, const Point& point, const ContactValues& x, const Hold& hold,
             Seen& seen) const;
   // What it came through within this step, however deep, where nothing else is seen.
-  Seen passed(const Facet& facet, const ShapeValues& shape, const ContactValues& x) const;
-  Seen face(const Facet& facet, const ShapeValues& shape, const ContactValues& x, const Hold& hold) const {
+  Seen passed(const Facet& facet, const Point& point, const ContactValues& x) const;
+  Seen face(const Facet& facet, const Point& point, const ContactValues& x, const Hold& hold) const {
     Seen seen;
-    if (hold.candidate >= 0 && held(facet, shape, x, hold, seen)) return seen;
-    seen = nearest(facet, shape, x);
-    return seen.candidate >= 0 ? seen : passed(facet, shape, x);
+    if (hold.candidate >= 0 && held(facet, point, x, hold, seen)) return seen;
+    seen = nearest(facet, point, x);
+    return seen.candidate >= 0 ? seen : passed(facet, point, x);
   }
-  Seen look(const Facet& facet, const ShapeValues& shape, int candidate, int part,
-            const ContactValues& x) const;
-  bool may_touch(const Facet& facet, const ShapeValues& shape, const Seen& seen) const;
+  Seen look(const Facet& facet, const Point& point, int candidate, int part, const ContactValues& x) const;
+  bool may_touch(const Facet& facet, const Point& point, const Seen& seen) const;
   // How deep a point is seen that did not come through a surface within the step. Explicit steps move bodies
   // by far less than a facet: what is deeper lies behind another part of a body, which cells that broke have
   // laid open: from then on no more is seen than a penalty lets in, which is little beside what bodies move
@@ -152,19 +175,22 @@ private:
   bool folded() const { return search_.meets_itself() || settings_.exposed; }
   // Once more with all digits: a penalty makes a pressure of what is lost.
   void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
-  // Of faces: the point and the triangle that it sees.
-  FaceRay ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
+  // Of points that look along their normal: the point and what it sees.
+  auto ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
   // d(gap) and its second variation times a factor, over the dofs of both facets.
   Row gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
   void add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen, double factor,
                        Matrix& hessian) const;
 
   void tie(const ContactValues& x, const Presses& presses);
+  void find_anchors(Vec u) requires Geometry::slides;
   void locate_anchors();
   void locate_holds();
   bool slip_places(int facet, std::size_t number, const ContactValues& u, SlipPlaces& places) const;
   void add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient, Workspace& w,
                 Constraint& c) const;
+  void add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
+                      Constraint& c) const requires Geometry::slides; // no plane
   void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
                         const ContactValues& u, Workspace& w, Constraint& c) const;
   // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something.
@@ -172,7 +198,7 @@ private:
 
   ContactSurface secondary_;
   Frame frame_;
-  FormPoints points_;
+  FormPoints<Point> points_;
   std::vector<FaceMap> map_; // [secondary facet] of faces, for the slip
   std::vector<double> nodal_area_;
   std::vector<Hold> holds_;     // [secondary facet][point]

@@ -10,23 +10,25 @@ PointForm<G>::PointForm(const FormRequest& request)
     : ContactForm(request), secondary_(request.secondary), frame_(request.frame),
       points_(G::make_points(secondary_, request.settings, request.frame)), hold_gap_(request.hold_gap) {
   const FieldLayout& layout = request.layout;
-  if (settings_.at_nodes) points_.move_to_corners();
+  if constexpr (!G::curved)
+    if (settings_.at_nodes) points_.move_to_corners();
   holds_.resize(points_.weight.size());
   if (frictional()) {
     anchors_.resize(points_.weight.size());
     map_.resize(at(secondary_.count()));
-    for (int f = 0; f < secondary_.count(); ++f) G::make_map(secondary_, f, map_[at(f)]);
+    if constexpr (G::slides)
+      for (int f = 0; f < secondary_.count(); ++f) G::make_map(secondary_, f, map_[at(f)]);
   }
   search_ = PairSearch(request.mesh, layout, secondary_.node, secondary_.X, request.primary,
                        {settings_.search_radius, settings_.local_search}, what_it_meets(settings_));
   std::vector<double> area = layout.make_local();
   for (int f = 0; f < secondary_.count(); ++f)
-    for (int q = 0; q < points_.per_facet; ++q)
-      for (std::size_t a = 0; a < corners; ++a) {
-        const std::size_t number = points_.index(f, q);
-        area[dim * at(secondary_.local[corners * at(f) + a])] +=
-            points_.weight[number] * points_.shape[number][a];
-      }
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const std::size_t number = points_.index(f, q);
+      const auto& spread = G::spread(points_.shape[number]);
+      for (std::size_t a = 0; a < width; ++a)
+        area[dim * at(secondary_.local[width * at(f) + a])] += points_.weight[number] * spread[a];
+    }
   const Handle<Vec> sum = layout.make_global();
   layout.add_to_global(area, sum);
   layout.to_local(sum, area);
@@ -43,6 +45,10 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
   if (!frictional()) return; // all ranks agree on that, not on whether they have points
+  if constexpr (G::slides) find_anchors(u);
+}
+
+template <class G> void PointForm<G>::find_anchors(Vec u) requires G::slides {
   const ContactValues& x = nodes().start;
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;
@@ -65,9 +71,9 @@ template <class G> void PointForm<G>::anchor(Vec u) {
       anchor.opposite.node = primary_nodes(seen.candidate);
       const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
       // Of faces the slip counts from the directions of the start; of edges from the gap along the normal.
-      const SlipPlaces places = dim == 3 ? SlipPlaces{facet.corner, corners_at<Corners>(other, x)}
-                                         : SlipPlaces{corners_from<Corners>(mine[0], mine, moved),
-                                                      corners_from<Corners>(mine[0], other, moved)};
+      const SlipPlaces places = dim == 3 ? SlipPlaces{facet.node, corners_at<Nodes>(other, x)}
+                                         : SlipPlaces{corners_from<Nodes>(mine[0], mine, moved),
+                                                      corners_from<Nodes>(mine[0], other, moved)};
       anchor.pair.start = facet_slips(places.s, places.p, map_[at(f)], anchor.pair, false).value;
     }
   }
@@ -105,8 +111,8 @@ template <class G> NodePairs PointForm<G>::couplings() const {
   for (int f = 0; f < secondary_.count(); ++f) {
     const std::vector<PetscInt> primary = search_.primary_nodes(f);
     for (PetscInt p : primary)
-      for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a)
-        pairs.emplace_back(secondary_.node[corners * at(f) + a], p);
+      for (std::size_t a = 0; a < at(points_.nodes[at(f)]); ++a)
+        pairs.emplace_back(secondary_.node[width * at(f) + a], p);
     // Friction couples the facet that a point lay on at the start of the step with the one that it is on now.
     if (!anchors_.empty()) add_pairs_among(primary, pairs);
   }
@@ -121,27 +127,27 @@ template <class G> void PointForm<G>::tie(const ContactValues& x, const Presses&
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
       if (points_.weight[number] == 0) continue;
-      const ShapeValues& shape = points_.shape[number];
+      const Point& point = points_.shape[number];
       Hold& hold = holds_[number];
-      const Seen before = face(facet, shape, x, hold);
+      const Seen before = face(facet, point, x, hold);
       Hold next;
       next.switches = hold.switches;
       const auto stays = [&](const Seen& seen, const Seen& near) {
         return G::within(seen, G::hold.overlap) && std::abs(seen.foot.gap - near.foot.gap) <= hold_gap_;
       };
-      if (const Seen near = hold.switches.exhausted() ? Seen{} : nearest(facet, shape, x);
+      if (const Seen near = hold.switches.exhausted() ? Seen{} : nearest(facet, point, x);
           near.candidate >= 0 &&
           std::abs(near.foot.gap) <= hold_range * G::size_of(near, secondary_.length[at(f)])) {
         Seen still;
-        if (hold.candidate >= 0 && held(facet, shape, x, hold, still) && stays(still, near)) {
+        if (hold.candidate >= 0 && held(facet, point, x, hold, still) && stays(still, near)) {
           next = hold;
-        } else if (stays(look(facet, shape, near.candidate, near.part, x), near)) {
+        } else if (stays(look(facet, point, near.candidate, near.part, x), near)) {
           next.candidate = near.candidate;
           next.part = near.part;
           next.node = primary_nodes(near.candidate);
         }
       }
-      const Seen after = face(facet, shape, x, next);
+      const Seen after = face(facet, point, x, next);
       const auto pressing = [&](const Seen& seen) {
         return seen.candidate >= 0 && presses(static_cast<int>(number), seen.foot.gap);
       };
@@ -170,30 +176,32 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
       if (points_.weight[number] == 0) continue;
-      const Place here = place_on(facet.corner, points_.shape[number]);
+      const Point& point = points_.shape[number];
+      const Place here = place_on(facet.node, point);
       Seen seen;
       CarriedFunction to_obstacle;
       if (rigid()) {
         to_obstacle = obstacle_.gap(obstacle, in_space(here));
-        if (!G::faces(to_obstacle, facet.normal)) continue;
+        if (!G::faces(to_obstacle, normal_at(facet, point))) continue;
         seen.foot.gap = to_obstacle.value;
       } else {
-        seen = face(facet, points_.shape[number], x, holds_[number]);
+        seen = face(facet, point, x, holds_[number]);
         if (seen.candidate < 0) continue;
         sharpen(f, number, u, seen);
       }
-      if (stretch == 0)
-        stretch = G::stretch(
-            facet.corner, corners_from<Corners>(secondary_slots(f)[0], secondary_slots(f), u), secondary_, f);
+      if (G::curved || stretch == 0)
+        stretch = G::stretch(facet.node, corners_from<Nodes>(secondary_slots(f)[0], secondary_slots(f), u),
+                             secondary_, f, point);
       Constraint c;
       c.index = static_cast<int>(number);
       c.weight = points_.weight[number];
       c.stretch = stretch;
       if (frame_ == Frame::axisymmetric)
-        c.stretch *=
-            here[0] / place_on(corners_at<Corners>(secondary_slots(f), nodes().X), points_.shape[number])[0];
+        c.stretch *= here[0] / place_on(corners_at<Nodes>(secondary_slots(f), nodes().X), point)[0];
       c.gap = seen.foot.gap;
       c.share = share_of(number, f);
+      const auto& spread = G::spread(point);
+      c.spread = {spread.data(), c.share.size()};
       visitor(c, f, seen, to_obstacle);
     }
   }
@@ -208,11 +216,11 @@ void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives,
     NodePlaces& place = w.place;
     place.node.clear();
     for (std::size_t a = 0; a < c.share.size(); ++a) place(secondary_slots(f)[a]);
-    for (std::size_t b = 0; seen.candidate >= 0 && b < corners; ++b) place(primary_slots(seen.candidate)[b]);
+    for (std::size_t b = 0; seen.candidate >= 0 && b < width; ++b) place(primary_slots(seen.candidate)[b]);
     for (int slot : obstacle_.slots()) place.node.push_back(slot);
     SlipPlaces places;
     c.slides = slip_places(f, at(c.index), u, places);
-    for (std::size_t b = 0; c.slides && !rigid() && b < corners; ++b)
+    for (std::size_t b = 0; c.slides && !rigid() && b < width; ++b)
       place(anchors_[at(c.index)].opposite.slot[b]);
     if (with_gradient) add_gap_gradient(f, seen, to_obstacle, u, w, c);
     if (c.slides) add_slip(f, places, u, with_gradient, w, c);
@@ -229,8 +237,8 @@ void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFu
     obstacle_.add_gradient(to_obstacle, c.share, obstacle_.shares(), 1, w.gradient.data());
   } else {
     const Row of_facets = gap_gradient(facet, at(c.index), u, seen);
-    for (std::size_t a = 0; a < 2 * corners; ++a) {
-      const int slot = a < corners ? secondary_slots(facet)[a] : primary_slots(seen.candidate)[a - corners];
+    for (std::size_t a = 0; a < 2 * width; ++a) {
+      const int slot = a < width ? secondary_slots(facet)[a] : primary_slots(seen.candidate)[a - width];
       const std::size_t place = dim * w.place(slot);
       for (std::size_t k = 0; k < dim; ++k) w.gradient[place + k] += of_facets[dim * a + k];
     }
@@ -249,15 +257,15 @@ bool PointForm<G>::slip_places(int facet, std::size_t number, const ContactValue
   if (!anchor.valid) return false;
   if (!rigid() && !anchor.opposite.found()) return false;
   const int* slot = secondary_slots(facet);
-  places.s = corners_from<Corners>(slot[0], slot, u);
-  places.p = opposite<Corners>(anchor.opposite, facet, u);
+  places.s = corners_from<Nodes>(slot[0], slot, u);
+  places.p = opposite<Nodes>(anchor.opposite, facet, u);
   return true;
 }
 
 template <class G>
 void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient,
                             Workspace& w, Constraint& c) const {
-  const std::size_t n = dim * w.place.node.size(), half = dim * corners;
+  const std::size_t n = dim * w.place.node.size();
   w.slip_gradient.assign((dim - 1) * n, 0.0);
   c.slip_gradient = w.slip_gradient;
   for (std::size_t e = 0; on_plane() && e < dim - 1; ++e) {
@@ -266,6 +274,13 @@ void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactVa
     obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
   }
   if (on_plane()) return;
+  if constexpr (G::slides) add_facet_slip(facet, places, with_gradient, w, c);
+}
+
+template <class G>
+void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
+                                  Constraint& c) const requires G::slides {
+  const std::size_t n = dim * w.place.node.size(), half = dim * width;
   const Anchor& anchor = anchors_[at(c.index)];
   const FacetSlips slips = facet_slips(places.s, places.p, map_[at(facet)], anchor.pair, with_gradient);
   c.slip = slips.value[0];
@@ -275,8 +290,8 @@ void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactVa
       for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[place + k] += value[k];
     };
     const std::array<double, 24>& row = slips.gradient[0][e];
-    for (std::size_t a = 0; a < corners; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
-    for (std::size_t b = 0; !rigid() && b < corners; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
+    for (std::size_t a = 0; a < width; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
+    for (std::size_t b = 0; !rigid() && b < width; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
     std::array<double, dim*(dim + 1)> by_carrier;
     obstacle_.chain(facet, &row[half], by_carrier.data());
     for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
@@ -310,14 +325,16 @@ void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactor
     } else if (of_gap != 0) {
       Matrix hessian{};
       add_gap_hessian(f, at(c.index), u, seen, of_gap, hessian);
-      node.assign(secondary, secondary + corners);
-      node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + corners);
+      node.assign(secondary, secondary + width);
+      node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + width);
       visitor(node, hessian);
     }
     if (!slips || on_plane()) return;
-    Matrix hessian{};
-    add_slip_hessian(places.s, places.p, map_[at(f)], anchors_[at(c.index)].pair, {of_slip}, hessian);
-    visit_slip_block(f, anchors_[at(c.index)].opposite, hessian, visitor);
+    if constexpr (G::slides) {
+      Matrix hessian{};
+      add_slip_hessian(places.s, places.p, map_[at(f)], anchors_[at(c.index)].pair, {of_slip}, hessian);
+      visit_slip_block(f, anchors_[at(c.index)].opposite, hessian, visitor);
+    }
   });
 }
 
@@ -330,8 +347,8 @@ void PointForm<G>::visit_meetings(const ContactValues& u, const MeetingVisitor& 
     share.assign(c.share.begin(), c.share.end());
     if (seen.candidate >= 0) {
       const auto opposite = G::shares_of(seen);
-      node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + corners);
-      share.insert(share.end(), opposite.begin(), opposite.begin() + corners);
+      node.insert(node.end(), primary_slots(seen.candidate), primary_slots(seen.candidate) + width);
+      share.insert(share.end(), opposite.begin(), opposite.begin() + width);
     }
     Meeting meeting;
     meeting.index = c.index;
@@ -347,19 +364,18 @@ template <class G>
 void PointForm<G>::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
-    for (std::size_t a = 0; a < at(points_.corners[at(f)]); ++a) {
-      const Place& place = facet.corner[a];
+    for (std::size_t a = 0; a < at(points_.nodes[at(f)]); ++a) {
+      const Place& place = facet.node[a];
+      const Point point = G::node(a);
       CarriedFunction gap;
       if (rigid()) {
         gap = obstacle_.gap(obstacle_.reference(), in_space(place));
-        if (dim == 2 && !G::faces(gap, facet.normal)) continue;
+        if (dim == 2 && !G::faces(gap, normal_at(facet, point))) continue;
       } else {
-        ShapeValues shape{};
-        shape[a] = 1;
-        const Seen seen = nearest(facet, shape, x);
+        const Seen seen = nearest(facet, point, x);
         if (seen.candidate < 0) continue;
         gap.value = seen.foot.gap;
-        gap.by_place = G::way_out(seen, facet.normal);
+        gap.by_place = G::way_out(seen, normal_at(facet, point));
       }
       // Coordinates that were meant to touch differ by rounding of their own size.
       double size = secondary_.length[at(f)];

@@ -9,18 +9,24 @@
 /// neighbours.
 namespace impact {
 
-/// A primary facet as it travels between ranks: global nodes, of which one with fewer than four repeats the
-/// last; far nodes of an edge's neighbours (-1: none); coordinates [node][3], the third zero in the plane.
+/// Global nodes of a facet, its corners first; one with fewer repeats the last.
+using GlobalFacet = std::array<PetscInt, 6>;
+
+/// A primary facet as it travels between ranks: its nodes; far nodes of an edge's neighbours (-1: none);
+/// coordinates of its corners [4][3], of which one with fewer repeats the last, the third zero in the plane;
+/// how far it leaves the box of these where it is curved.
 struct SearchFacet {
-  std::array<PetscInt, 4> node;
+  GlobalFacet node;
   std::array<PetscInt, 2> neighbour;
   std::array<double, 12> x;
+  double bulge = 0;
 };
 
-/// Secondary facets of this rank in the same form: global nodes [facet][4] and coordinates [facet][4][3].
+/// Secondary facets of this rank in the same form: global nodes [facet][4], of which two facets that touch
+/// share one, coordinates [facet][4][3] and, unless all are straight, [facet] bulges.
 struct SearchSecondary {
   std::vector<PetscInt> node;
-  std::vector<double> x;
+  std::vector<double> x, bulge;
 };
 
 /// Pairs sorted by secondary facet, then by the global nodes of the primary.

@@ -5,19 +5,25 @@
 #include <string>
 #include <vector>
 
-/// The two surfaces of a contact on this rank: edges in the plane, triangles and quadrilaterals in space,
-/// with their reference sizes; of edges also neighbours. Each facet belongs to the rank of its cell, so its
-/// points and multipliers have exactly one owner.
+/// The two surfaces of a contact on this rank: edges in the plane, triangles and quadrilaterals in space, of
+/// first or second order, with their reference sizes; of straight edges also neighbours. Each facet belongs
+/// to the rank of its cell, so its points and multipliers have exactly one owner.
 namespace impact {
+
+/// Nodes that are stored per facet of a mesh: 2 in the plane, 4 in space, where a triangle repeats its third
+/// one; of second order 3 and 6, the corners first, then the middles of the sides.
+int stored_nodes(const Mesh& mesh);
+/// Those among them that are corners.
+constexpr int stored_corners(int per_facet) { return per_facet == 3 ? 2 : per_facet == 6 ? 3 : per_facet; }
 
 struct ContactSurface {
   std::string group;
-  int corners = 2; ///< per facet: 2 in the plane, 4 in space, where a triangle repeats its third corner
-  /// [facet][corner] mesh nodes; an edge in the order that gives the outward normal (t_y, -t_x), a face
+  int per_facet = 2; ///< stored_nodes
+  /// [facet][node] mesh nodes; an edge in the order that gives the outward normal (t_y, -t_x), a face
   /// counter-clockwise as seen from outside.
   std::vector<int> local;
-  std::vector<PetscInt> node; ///< [facet][corner] global nodes
-  std::vector<double> X;      ///< [facet][corner][dim] reference coordinates
+  std::vector<PetscInt> node; ///< [facet][node] global nodes
+  std::vector<double> X;      ///< [facet][node][dim] reference coordinates
   std::vector<double> length; ///< [facet] longest side
   std::vector<char> reversed; ///< [facet] of edges, 1: the cone of the mesh runs against the order of `local`
 
@@ -39,9 +45,8 @@ ContactSurface surface_of(const Mesh& mesh, const std::string& group, const Face
 std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface);
 
 /// Global numbers of the far nodes of the neighbouring edges, [facet][2] (before the first node, after the
-/// second), -1 at an end of the surface or where more than two edges meet; all -1 in space. `layout`: the
-/// displacement's.
-/// Collective.
+/// second), -1 at an end of the surface or where more than two edges meet; all -1 in space and of second
+/// order. `layout`: the displacement's. Collective.
 std::vector<PetscInt> surface_neighbours(const FieldLayout& layout, const ContactSurface& surface);
 
 /// Abscissae in [-1, 1], ascending, and weights (sum 2) of the Gauss rule.

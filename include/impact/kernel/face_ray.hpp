@@ -1,5 +1,7 @@
 #pragma once
 #include <array>
+#include <cmath>
+#include <impact/element/facets.hpp>
 #include <impact/kernel/mortar_face.hpp>
 
 /// Contact of one point of a secondary face with one triangle of a primary face in space (theory.md,
@@ -36,5 +38,52 @@ std::array<double, 24> ray_gradient(const FaceRay& ray);
 
 /// Adds factor d2g, 24 x 24 row by row, to `hessian`; symmetric and exact.
 void add_ray_hessian(const FaceRay& ray, double factor, std::span<double> hessian);
+
+/// The same between facets of second order, Line3 in the plane and Tri6 in space (element/facets.hpp): the
+/// normal is that at the point, and the primary facet is met as it is, curved, beyond its sides as its
+/// functions go on:
+///   x + g n = y(xi)   (71c)
+template <class Facet> struct CurvedRay {
+  static constexpr std::size_t dim = Facet::dim + 1, nodes = Facet::nodes, dofs = 2 * dim * nodes;
+  using Nodes = std::array<std::array<double, dim>, nodes>;
+  Nodes x;
+  FacetPlace<Facet> at; ///< the point
+  Nodes p;
+};
+
+template <class Facet> struct CurvedFoot {
+  double gap = 0, opposition = 1;                    ///< as of RayFoot
+  std::array<double, Facet::dim + 1> part{}, normal; ///< likewise; of an edge the parts of its ends
+  typename Facet::Point xi{};
+  FacetPlace<Facet> place; ///< on the primary facet, at xi
+};
+
+/// By Newton's method from a reference place of the primary facet; far from it, or where the method fails,
+/// the parts are minus infinity.
+template <class Facet>
+CurvedFoot<Facet> cast_ray(const CurvedRay<Facet>& ray,
+                           const typename Facet::Point& start = Facet::Corners::centroid());
+
+/// dg and factor d2g over the dofs of (secondary nodes, primary nodes), of a ray with its foot.
+template <class Facet>
+std::array<double, CurvedRay<Facet>::dofs> ray_gradient(const CurvedRay<Facet>& ray,
+                                                        const CurvedFoot<Facet>& foot);
+template <class Facet>
+void add_ray_hessian(const CurvedRay<Facet>& ray, const CurvedFoot<Facet>& foot, double factor,
+                     std::span<double> hessian);
+
+/// n dA over the area of the reference facet, n outward, of a facet of second order at a place; n alone.
+template <class Facet>
+std::array<double, Facet::dim + 1> facet_area(const typename CurvedRay<Facet>::Nodes& x,
+                                              const FacetPlace<Facet>& place);
+template <class Facet>
+std::array<double, Facet::dim + 1> facet_normal(const typename CurvedRay<Facet>::Nodes& x,
+                                                const FacetPlace<Facet>& place) {
+  std::array<double, Facet::dim + 1> n = facet_area<Facet>(x, place);
+  double square = 0;
+  for (double component : n) square += component * component;
+  for (double& component : n) component /= std::sqrt(square);
+  return n;
+}
 
 } // namespace impact

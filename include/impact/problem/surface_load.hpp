@@ -16,6 +16,11 @@ void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<
                        const std::function<void(const double* x, double* value)>& traction,
                        std::vector<double>& force);
 
+/// area [node][dim] += int |N_a| sum_b |N_b| dA_0: as much of int N_a N_b as a node can feel, whatever the
+/// signs of the functions; int N_a dA_0 of first order.
+void add_felt_area(const FacetTable& facets, Frame frame, const std::vector<double>& X,
+                   std::vector<double>& area);
+
 /// force [node][dim] += -int N_a p n da over the deformed facets; p(x) at the reference point, n outward.
 void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                            const std::vector<double>& u,

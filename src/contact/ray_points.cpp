@@ -1,0 +1,309 @@
+#include <impact/contact/point_form_impl.hpp>
+#include <impact/contact/ray_points.hpp>
+#include <impact/math/index.hpp>
+#include <impact/math/vector3.hpp>
+#include <impact/petsc/error.hpp>
+#include <numbers>
+
+namespace impact {
+
+namespace {
+
+// A foot belongs to a triangle if no part of it is below minus this; beyond the sides of the whole surface
+// contact goes on by this part of a triangle.
+constexpr double inside = 1e-9, beyond = 0.01;
+constexpr int largest_rule = 16;
+
+Point3 point3(const ContactValues& x, int node) {
+  return {x[at(3 * node)], x[at(3 * node + 1)], x[at(3 * node + 2)]};
+}
+
+template <class Foot> double least_part(const Foot& foot) {
+  return *std::min_element(foot.part.begin(), foot.part.end());
+}
+
+int triangles_of(int corners) { return corners == 3 ? 1 : 4; }
+
+FaceCorners reference(const ContactSurface& surface, int f) {
+  return {point3(surface.X, 4 * f), point3(surface.X, 4 * f + 1), point3(surface.X, 4 * f + 2),
+          point3(surface.X, 4 * f + 3)};
+}
+
+double area_at(const FaceCorners& x) {
+  const std::array<double, 4> parts = nodal_areas(x);
+  return parts[0] + parts[1] + parts[2] + parts[3];
+}
+
+// The corner with the smallest coordinates first: points are then numbered in the same way by every
+// partition, so that what is kept per point can move to other ranks.
+void start_at_smallest_corner(ContactSurface& surface) {
+  const std::size_t width = at(surface.per_facet);
+  const bool curved = width == 6;
+  for (int f = 0; f < surface.count(); ++f) {
+    const std::size_t first = width * at(f);
+    const std::ptrdiff_t corners = curved || surface.node[first + 3] == surface.node[first + 2] ? 3 : 4;
+    std::array<Point3, 6> X;
+    for (std::size_t a = 0; a < width; ++a) std::copy_n(&surface.X[3 * (first + a)], 3, X[a].begin());
+    const std::ptrdiff_t smallest = std::min_element(X.begin(), X.begin() + corners) - X.begin();
+    const auto turn = [&](auto* values) {
+      std::rotate(values, values + smallest, values + corners);
+      if (curved)
+        std::rotate(values + 3, values + 3 + smallest, values + 6);
+      else if (corners == 3)
+        values[3] = values[2];
+    };
+    turn(X.data());
+    turn(&surface.node[first]);
+    turn(&surface.local[first]);
+    for (std::size_t a = 0; a < width; ++a) std::copy_n(X[a].begin(), 3, &surface.X[3 * (first + a)]);
+  }
+}
+
+int checked_points(const ContactSettings& settings) {
+  if (settings.points < 1 || settings.points > largest_rule)
+    throw UserError(ExitCode::usage, "-contact_" + settings.id + "_points " +
+                                         std::to_string(settings.points) + ": allowed on faces are 1 to " +
+                                         std::to_string(largest_rule) + " points in each direction");
+  return settings.points;
+}
+
+template <class Shape> typename CurvedRay<Shape>::Nodes reference(const ContactSurface& surface, int f) {
+  typename CurvedRay<Shape>::Nodes X;
+  const double* from = &surface.X[X.size() * X[0].size() * at(f)];
+  for (auto& node : X) {
+    std::copy_n(from, node.size(), node.begin());
+    from += node.size();
+  }
+  return X;
+}
+
+template <std::size_t dim> double density_of(const std::array<double, dim>& area) {
+  double square = 0;
+  for (double component : area) square += component * component;
+  return std::sqrt(square);
+}
+
+// What a point looks at, and the derivatives of its gap.
+FaceRay ray_between(const FaceCorners& x, const ShapeValues& point, const FaceCorners& p, int triangle) {
+  return {x, point, p, triangle_weights(corners_of(p), triangle)};
+}
+template <class Nodes, class Shape>
+CurvedRay<Shape> ray_between(const Nodes& x, const FacetPlace<Shape>& point, const Nodes& p, int) {
+  return {x, point, p};
+}
+std::array<double, 24> row_of(const FaceRay& ray, const RayFoot&) { return ray_gradient(ray); }
+template <class Shape> auto row_of(const CurvedRay<Shape>& ray, const CurvedFoot<Shape>& foot) {
+  return ray_gradient(ray, foot);
+}
+void add_hessian(const FaceRay& ray, const RayFoot&, double factor, std::span<double> hessian) {
+  add_ray_hessian(ray, factor, hessian);
+}
+template <class Shape>
+void add_hessian(const CurvedRay<Shape>& ray, const CurvedFoot<Shape>& foot, double factor,
+                 std::span<double> hessian) {
+  add_ray_hessian(ray, foot, factor, hessian);
+}
+
+} // namespace
+
+FormPoints<ShapeValues> FacePoints::make_points(ContactSurface& surface, const ContactSettings& settings,
+                                                Frame) {
+  const int n = checked_points(settings);
+  start_at_smallest_corner(surface);
+  FormPoints<Point> points;
+  points.per_facet = n * n;
+  points.shape.assign(at(surface.count() * points.per_facet), {});
+  points.weight.assign(points.shape.size(), 0.0);
+  const TriangleRule triangle = triangle_rule(n);
+  const GaussRule line = gauss_rule(n);
+  for (int f = 0; f < surface.count(); ++f) {
+    const int corners = corners_of(reference(surface, f));
+    const double area = area_at(reference(surface, f));
+    points.nodes.push_back(corners);
+    std::size_t number = points.index(f, 0);
+    const auto add = [&](const std::array<double, 4>& shape, double weight) {
+      points.shape[number] = shape;
+      points.weight[number++] = weight;
+    };
+    if (corners == 3) {
+      for (std::size_t q = 0; q < triangle.part.size(); ++q)
+        add({triangle.part[q][0], triangle.part[q][1], triangle.part[q][2], 0}, triangle.weight[q] * area);
+      continue;
+    }
+    for (std::size_t i = 0; i < line.xi.size(); ++i)
+      for (std::size_t j = 0; j < line.xi.size(); ++j) {
+        const double r = line.xi[i], s = line.xi[j];
+        const std::array<double, 4> of_r = {-(1 - s) / 4, (1 - s) / 4, (1 + s) / 4, -(1 + s) / 4},
+                                    of_s = {-(1 - r) / 4, -(1 + r) / 4, (1 + r) / 4, (1 - r) / 4};
+        Point3 along_r{}, along_s{};
+        for (int a = 0; a < 4; ++a) {
+          const Point3 X = point3(surface.X, 4 * f + a);
+          for (std::size_t k = 0; k < 3; ++k) {
+            along_r[k] += of_r[at(a)] * X[k];
+            along_s[k] += of_s[at(a)] * X[k];
+          }
+        }
+        const double across = dot(along_r, along_s);
+        const double density = std::sqrt(dot(along_r, along_r) * dot(along_s, along_s) - across * across);
+        add({(1 - r) * (1 - s) / 4, (1 + r) * (1 - s) / 4, (1 + r) * (1 + s) / 4, (1 - r) * (1 + s) / 4},
+            line.weight[i] * line.weight[j] * density);
+      }
+  }
+  return points;
+}
+
+void FacePoints::make_map(const ContactSurface& surface, int f, FaceMap& map) {
+  map = make_face_map(reference(surface, f));
+}
+
+double FacePoints::stretch(const FaceCorners&, const FaceCorners& from_corner, const ContactSurface& surface,
+                           int f, const Point&) {
+  return area_at(from_corner) / area_at(reference(surface, f));
+}
+
+template <class Shape>
+FormPoints<FacetPlace<Shape>> CurvedPoints<Shape>::make_points(ContactSurface& surface,
+                                                               const ContactSettings& settings, Frame frame) {
+  const int n = checked_points(settings);
+  std::vector<typename Shape::Point> place; // of the reference facet, and areas
+  std::vector<double> weight;
+  if constexpr (dim == 2) {
+    const GaussRule rule = gauss_rule(n);
+    for (double xi : rule.xi) place.push_back({xi});
+    weight = rule.weight;
+  } else {
+    start_at_smallest_corner(surface);
+    const TriangleRule rule = triangle_rule(n);
+    for (const std::array<double, 3>& part : rule.part) place.push_back({part[1], part[2]});
+    for (double part : rule.weight) weight.push_back(part / 2);
+  }
+  FormPoints<Point> points{
+      static_cast<int>(place.size()), {}, {}, std::vector<int>(surface.length.size(), Shape::nodes)};
+  for (int f = 0; f < surface.count(); ++f) {
+    const Nodes X = impact::reference<Shape>(surface, f);
+    for (std::size_t q = 0; q < place.size(); ++q) {
+      typename Shape::Point xi = place[q];
+      if (dim == 2 && surface.reversed[at(f)]) xi[0] = -xi[0];
+      const Point point = Point::at(xi);
+      double ring = 0; // radius
+      for (std::size_t a = 0; a < nodes; ++a) ring += point.N[a] * X[a][0];
+      ring = frame == Frame::axisymmetric ? 2 * std::numbers::pi * ring : 1;
+      points.shape.push_back(point);
+      points.weight.push_back(weight[q] * density_of(facet_area<Shape>(X, point)) * ring);
+    }
+  }
+  return points;
+}
+
+template <class Shape>
+double CurvedPoints<Shape>::stretch(const Nodes&, const Nodes& from_first, const ContactSurface& surface,
+                                    int f, const Point& point) {
+  return density_of(facet_area<Shape>(from_first, point)) /
+         density_of(facet_area<Shape>(impact::reference<Shape>(surface, f), point));
+}
+
+template <class G>
+auto PointForm<G>::look(const Facet& facet, const Point& point, int candidate, int part,
+                        const ContactValues& x) const -> Seen {
+  return {candidate, part,
+          cast_ray(ray_between(facet.node, point, corners_at<Nodes>(primary_slots(candidate), x), part))};
+}
+
+// By normals and depth.
+template <class G>
+bool PointForm<G>::may_touch(const Facet& facet, const Point& point, const Seen& seen) const {
+  if (!(seen.foot.opposition < -least_opposition) || !(seen.foot.gap < search_.radius())) return false;
+  const double deep = depth(facet.number);
+  if (seen.foot.gap > -deep) return true;
+  // So deep only what came through the surface within this step.
+  if (nodes().start.empty()) return false;
+  const Seen before =
+      look(facet_at(facet.number, nodes().start), point, seen.candidate, seen.part, nodes().start);
+  return -least_opposition > before.foot.opposition && before.foot.gap > -deep;
+}
+
+// What lies before the point, or behind it: the nearest; beside the surface, what is next to it.
+template <class G>
+auto PointForm<G>::nearest(const Facet& facet, const Point& point, const ContactValues& x) const -> Seen {
+  // By reference coordinates: of two equal distances every number of ranks takes the same facet, or triangle.
+  const auto key = [&](int c, int t) {
+    Nodes face = corners_at<Nodes>(primary_slots(c), nodes().X);
+    std::array<Place, 2> side{};
+    if constexpr (!G::curved) side = {face[at(t)], face[(at(t) + 1) % at(primary_corners(c))]};
+    std::sort(side.begin(), side.end());
+    std::sort(face.begin(), face.end());
+    return std::pair(side, face);
+  };
+  Seen best;
+  bool best_inside = false;
+  const double equal = 1e-9 * secondary_.length[at(facet.number)];
+  const Candidates& list = search_.candidates();
+  for (int c : list.of(at(facet.number)))
+    for (int t = 0; t < (G::curved ? 1 : triangles_of(primary_corners(c))); ++t) {
+      const Seen seen = look(facet, point, c, t, x);
+      const double least = least_part(seen.foot);
+      if (!(least >= -beyond) || !may_touch(facet, point, seen)) continue;
+      const bool is_inside = least >= -inside;
+      bool better = best.candidate < 0;
+      if (!better && is_inside != best_inside) {
+        better = is_inside;
+      } else if (!better && is_inside) {
+        const double nearer = std::abs(best.foot.gap) - std::abs(seen.foot.gap);
+        better = nearer > equal || (nearer > -equal && key(c, t) < key(best.candidate, best.part));
+      } else if (!better) {
+        better = least > least_part(best.foot);
+      }
+      if (!better) continue;
+      best = seen;
+      best_inside = is_inside;
+    }
+  if (best.candidate >= 0 && !search_.counts(best.candidate)) best.candidate = -1;
+  return best;
+}
+
+template <class G>
+bool PointForm<G>::held(const Facet& facet, const Point& point, const ContactValues& x, const Hold& hold,
+                        Seen& seen) const {
+  seen = look(facet, point, hold.candidate, hold.part, x);
+  return least_part(seen.foot) > -G::hold.limit && may_touch(facet, point, seen);
+}
+
+template <class G> auto PointForm<G>::passed(const Facet&, const Point&, const ContactValues&) const -> Seen {
+  return {}; // may_touch says which
+}
+
+template <class G>
+auto PointForm<G>::ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const {
+  const int* slot = secondary_slots(facet);
+  return ray_between(corners_from<Nodes>(slot[0], slot, u), points_.shape[number],
+                     corners_from<Nodes>(slot[0], primary_slots(seen.candidate), u), seen.part);
+}
+
+template <class G>
+void PointForm<G>::sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const {
+  seen.foot = cast_ray(ray_of(facet, number, u, seen));
+}
+
+template <class G>
+auto PointForm<G>::gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const
+    -> Row {
+  return row_of(ray_of(facet, number, u, seen), seen.foot);
+}
+
+template <class G>
+void PointForm<G>::add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen,
+                                   double factor, Matrix& hessian) const {
+  add_hessian(ray_of(facet, number, u, seen), seen.foot, factor, hessian);
+}
+
+template class PointForm<FacePoints>;
+template class PointForm<CurvedPoints<Line3>>;
+template class PointForm<CurvedPoints<Tri6>>;
+
+std::unique_ptr<ContactForm> make_ray_point_form(const FormRequest& request) {
+  if (request.mesh.order() == 1) return std::make_unique<FacePointForm>(request);
+  if (request.mesh.dim() == 2) return std::make_unique<PointForm<CurvedPoints<Line3>>>(request);
+  return std::make_unique<PointForm<CurvedPoints<Tri6>>>(request);
+}
+
+} // namespace impact

@@ -1,0 +1,121 @@
+# labels: run
+# timeout: 300
+# processors: 2
+"""Contact on facets of second order (Gauss points): blocks whose facets lie within each other's carry the uniform pressure
+of the closed form by every enforcement, at any angle, in the plane and in space, others nearly; a block that flies into another one keeps momentum and energy at any angle, with each body on a rank of its own,
+implicit and explicit; the same from a checkpoint to the bit; what is refused."""
+import math
+import os
+import subprocess
+
+from _gates import flight, same, touches_and_keeps_momentum, turned_mesh
+from _histories import difference
+from _press import press
+from _runs import check, check_between, finish, mesh, require, run
+
+E, NU, PRESS = 1e6, 0.3, 0.02
+CURVED = {"order": 2, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 2}
+TIGHT = {"contact_face_gap_tol": 1e-11, "contact_face_pressure_tol": 1e-10, "uzawa_snes_max_it": 200}
+STIFF = {"contact_face_penalty": 1e11}
+ENFORCEMENTS = {"penalty": STIFF, "auglag": TIGHT, "semismooth": {}}
+
+
+def patch(name, dim, cells, angle=0, extra=None):
+    """Two blocks of the given cells along a side, compressed along the press and stretched across it. Over the pressure of the
+    closed form: those of the points, smallest and largest, and the stress across in cells beside the interface."""
+    stretch, force = press(E, NU, 1 - PRESS, dim=dim)
+    pressure = force / stretch ** (dim - 1)
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    along = f"({c!r}*x+{s!r}*y)*{stretch - 1!r}"
+
+    def end(side, down):
+        across = {f"bc_{side}_uz": f"{stretch - 1!r}*z*t"} if dim == 3 else {}
+        return {f"bc_{side}_ux": f"({c!r}*({along})-{s!r}*({-down!r}))*t",
+                f"bc_{side}_uy": f"({s!r}*({along})+{c!r}*({-down!r}))*t", **across}
+
+    places = [(x, y) for x in (0.1, 0.3, 0.52) for y in (0.95, 1.05)]
+    probes = {f"probe_p{i}_at": f"{c * x - s * y!r},{s * x + c * y!r}" + (",0.47" if dim == 3 else "")
+              for i, (x, y) in enumerate(places)}
+    r = run(f"patch_{name}", {
+        **CURVED, "probes": ",".join(f"p{i}" for i in range(len(places))), **probes,
+        **{f"probe_p{i}_fields": "stress" for i in range(len(places))}, "mesh": mesh("two_blocks.geo"), "mesh_set_dim": dim, "mesh_set_n_lower": cells[0],
+        "mesh_set_n_upper": cells[1], "mesh_set_angle": angle, "materials": "lower,upper", "material_lower_E": E,
+        "material_lower_nu": NU, "material_upper_like": "lower", "contacts": "face",
+        "contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom", "bcs": "plate,press",
+        "bc_plate_on": "lower_bottom", "bc_press_on": "upper_top", **end("plate", 0.0), **end("press", 2 * PRESS),
+        "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "motion_snes_rtol": 1e-12, **(extra or {})})
+    check_between("tries of the step", r["tries"].max(), 1, 1)
+    stress = [-(s * s * r[f"probe_p{i}_stress_xx"][-1] + c * c * r[f"probe_p{i}_stress_yy"][-1]
+                - 2 * s * c * r[f"probe_p{i}_stress_xy"][-1]) / pressure for i in range(len(places))]
+    return [r[f"contact_face_pressure_{end}"][-1] / pressure for end in ("min", "max")], stress
+
+
+print("facets within each other's")
+for dim, cells in ((2, (6, 3)), (3, (4, 2))):
+    for angle, (enforce, extra) in zip((0, 33, 33), ENFORCEMENTS.items()):
+        (low, high), stress = patch(f"{dim}_{enforce}", dim, cells, angle, {"contact_face_enforce": enforce, **extra})
+        name, soft = f"{dim}D, {enforce}, angle {angle}", extra == STIFF
+        if soft:  # the overlap that a penalty needs has a moment
+            check(f"{name}: largest over smallest pressure", high / low, 1, 1e-6)
+        check(f"{name}: stress on both sides of the interface", max(abs(p - 1) for p in stress), 0, 1e-5 if soft else 1e-8,
+              relative=False)
+        # In space there are three points for two nodes, which share a force in many ways.
+        check(f"{name}: pressures of the points", max(high - 1, 1 - low), 0, 1e-5 if soft else 1e-8 if dim == 2 else 1e-4,
+              relative=False)
+print("others, by the automatic penalty")
+for dim, cells, most in ((2, (5, 4), 0.05), (3, (3, 2), 0.05)):
+    (low, high), stress = patch(f"{dim}_others", dim, cells, 0, {"contact_face_enforce": "penalty"})
+    print(f"     {dim}D: pressures {low:.4f} to {high:.4f}, stress {min(stress):.4f} to {max(stress):.4f}")
+    check(f"{dim}D: largest deviation of the stress", max(abs(p - 1) for p in stress), 0, most, relative=False)
+
+print("a block flies into another one")
+FLIGHTS = {2: CURVED}
+spread = os.path.abspath("blocks.msh")
+subprocess.run(["gmsh", "-v", "1", "-3", "-order", "2", "-format", "msh22", mesh("two_blocks.geo"), "-o", spread,
+                *[word for key, value in {"dim": 3, "n_lower": 2, "n_upper": 2, "gap": 0.0213, "inset": 0.07,
+                                          "simplices_lower": 1, "simplices_upper": 1}.items()
+                  for word in ("-setnumber", key, str(value))]], check=True)
+FLIGHTS[3] = {"mesh": spread, "ts_max_time": 0.1}
+for dim, flown in FLIGHTS.items():
+    turned_by = {"angle": 37, "tilt": -24 if dim == 3 else 0}
+    turned_on = {"mesh": turned_mesh(spread, **turned_by)} if dim == 3 else {}
+    for enforce in ENFORCEMENTS:
+        case, name = (dim, "gpts", enforce), f"{dim}D, {enforce}"
+        straight = flight(case, "straight", extra=flown)
+        touches_and_keeps_momentum(name, straight)
+        turned = flight(case, "turned", **turned_by, ranks=2,
+                        extra={**flown, **turned_on, "petscpartitioner_type": "simple"})
+        same(f"{name}, turned, each body on its own rank", straight, turned, 1e-10)
+    parts = {**flown, "checkpoint_every": 10, "ts_max_time": 0.06}
+    case = (dim, "gpts", "auglag")
+    whole = flight(case, "whole", extra=parts)
+    for ranks in (1, 2):
+        flight(case, f"cut_{ranks}", extra={**parts, "ts_max_steps": 10})
+        again = flight(case, f"cut_{ranks}", extra={**parts, "restart": "auto"}, ranks=ranks)
+        worst, where = difference(whole.history, again.history, exact=ranks == 1)
+        check(f"{dim}D: from a checkpoint on {ranks} ranks, largest difference, in {where}", worst, 0,
+              1e-300 if ranks == 1 else 1e-8, relative=False)
+    hit = flight((dim, "gpts", "penalty"), "explicit", extra={
+        **flown, "ts_type": "central_difference", "ts_max_time": 0.1, "ts_dt": 1e-3, "ts_newmark_rho": None,
+        "motion_snes_rtol": None, "motion_snes_atol": None, "motion_ksp_type": None, "motion_pc_type": None})
+    total = [hit[f"momentum_lower_{k}"] + hit[f"momentum_upper_{k}"] for k in "xyz"[:dim]]
+    start = abs(total[1][0])
+    check(f"{dim}D, explicit: sum of the momenta", max(abs(p - p[0]).max() for p in total) / start, 0, 1e-12,
+          relative=False)
+    check_between(f"{dim}D, explicit: impulse over the momentum", abs(hit["impulse_face_y"][-1]) / start, 0.5, 1.2)
+    energy = hit["energy_kinetic"] + hit["energy_elastic"] + hit["energy_contact"]
+    check_between(f"{dim}D, explicit: largest energy over that of the start", energy.max() / energy[0], 1, 1 + 5e-3)
+
+print("what is not there says so")
+for name, extra, said in (("mortar", {"contact_face_method": "mortar"}, "-contact_face_method: mortar"),
+                          ("friction", {"contact_face_friction": 0.2}, "-contact_face_friction: friction")):
+    for ranks in (1, 2):
+        r = run(f"refused_{name}_{ranks}", {
+            **CURVED, "mesh": mesh("two_blocks.geo"), "materials": "lower,upper", "material_lower_E": E,
+            "material_lower_nu": NU, "material_upper_like": "lower", "contacts": "face",
+            "contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom", "ts_type": "static", "ts_dt": 1,
+            "ts_max_time": 1, "bcs": "plate", "bc_plate_on": "lower_bottom", "bc_plate_type": "fix", **extra},
+            ranks=ranks, code=2)
+        require(f"{name} on {ranks} ranks: one line that names the option and the remedy",
+                sum(said in line and "gpts" in line for line in r.log.splitlines()) == 1)
+finish()
