@@ -56,13 +56,13 @@ void check_second_order(const ContactSettings& settings) {
   const auto refuse = [&](bool asked, const std::string& key, const std::string& what) {
     if (asked)
       throw usage(settings, key,
-                  what + " not on cells of second order; allowed: -contact_" + settings.id +
+                  what + " is not there on cells of second order; allowed: -contact_" + settings.id +
                       "_method gpts without friction, by penalty, auglag or semismooth, or "
                       "cells of first order (-order 1, gmsh -order 1)");
   };
-  refuse(settings.method == ContactMethod::mortar, "method", "mortar is");
-  refuse(settings.friction > 0, "friction", "friction is");
-  refuse(settings.enforce == Enforcement::impulse, "enforce", "impulses are");
+  refuse(settings.method == ContactMethod::mortar, "method", "mortar");
+  refuse(settings.friction > 0, "friction", "friction");
+  refuse(settings.enforce == Enforcement::impulse, "enforce", "impulse");
 }
 
 void check_settings(ContactSettings& settings, const Mesh& mesh, bool adjoin) {

@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 300
+# timeout: 400
 # processors: 2
 """Contact on facets of second order (Gauss points): blocks whose facets lie within each other's carry the uniform pressure
 of the closed form by every enforcement, at any angle, in the plane and in space, others nearly; a block that flies into another one keeps momentum and energy at any angle, with each body on a rank of its own,

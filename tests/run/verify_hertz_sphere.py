@@ -3,7 +3,8 @@
 # processors: 2
 """Hertz: a quarter of a steel half sphere pressed on a rigid plane in space (options/hertz_sphere.opts). Force at the
 given approach, largest pressure, radius of contact and the pressure over it against the closed form; the error falls
-under refinement; an augmented Lagrangian gives the same from penalties a thousandfold apart."""
+under refinement, and faces of six nodes twice as large do as well; an augmented Lagrangian gives the same from penalties a
+thousandfold apart."""
 import os
 import sys
 
@@ -39,9 +40,10 @@ def pressures(name):
 
 
 errors = []
-for near in (0.06, 0.025):
+# Of second order: twice the size, at Gauss points.
+for near, extra in ((0.12, {"order": 2}), (0.06, {}), (0.025, {})):
     name = f"near_{near}"
-    r = sphere(name, near)
+    r = sphere(name, near, extra)
     force = 4 * r["contact_foot_force_y"][-1]
     at, p = pressures(name)
     hertz = PEAK * numpy.sqrt(numpy.maximum(0, 1 - (at / RADIUS) ** 2))
@@ -51,6 +53,10 @@ for near in (0.06, 0.025):
     print(f"     {RADIUS / near:.1f} cells over the radius: force {force / FORCE:.4f}, pressure {peak:.4f} (in the middle {p[0] / PEAK:.4f}),"
           f" radius {radius / RADIUS:.4f} of Hertz, pressure {scatter:.3f} off in the mean, {r['newton'].max():.0f} Newton iterations")
     errors.append((abs(force / FORCE - 1), scatter))
+curved, *errors = errors
+for what, i in (("force", 0), ("pressure", 1)):
+    check_between(f"{what}: error of faces of six nodes over that of straight ones of half the size", curved[i] / errors[0][i],
+                  0, 1)
 check("force", force, FORCE, 0.05)
 check("largest pressure of the profile that fits best, over Hertz", peak, 1, 0.05)
 check("radius of contact, from the closed area", radius, RADIUS, 0.05)

@@ -34,7 +34,7 @@ struct ContactSettings {
   std::array<std::function<double(double t)>, 3>
       rigid_motion;    ///< displacement of the rigid body; empty: none
   std::string carrier; ///< region of the rigid body of the mesh that carries it; empty: it moves as told
-  ContactMethod method = ContactMethod::automatic; ///< automatic: mortar
+  ContactMethod method = ContactMethod::automatic; ///< automatic: mortar, gauss_points of second order
   MultiplierSpace multipliers =
       MultiplierSpace::automatic;               ///< automatic: standard in the plane, dual in space
   Enforcement enforce = Enforcement::automatic; ///< automatic: resolve_settings.hpp
