@@ -213,6 +213,7 @@ std::vector<PetscInt> find_patches(DM dm, const std::vector<std::vector<std::str
   for (std::size_t m = 0; m < materials.size(); ++m)
     for (const std::string& region : materials[m])
       for (const PetscInt cell : labelled_points(dm, region, dim)) {
+        if (cell < first || cell >= end) continue; // refinement labels what lies inside of a cell, too
         DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
         check(DMPlexGetCellType(dm, cell, &type));
         if (type == DM_POLYTOPE_TRIANGLE || type == DM_POLYTOPE_TETRAHEDRON)
