@@ -87,6 +87,14 @@ for dim in (2, 3):
     worst, where = difference(one.history, moved_on.history)
     runs.check(f"{dim}D: from one rank to two, largest difference, in {where}", worst, 0, 1e-8, relative=False)
 
+# Cells that leave: their patches go on, and the energy balances.
+worn = runs.run("worn", {"mesh": runs.mesh("block.geo"), "mesh_set_n": 8, "mesh_set_simplex": 1, "materials": "solid", **STEEL,
+                         "units": "mm_t_s_MPa", "material_solid_rho": "7800 kg/m^3", "material_solid_erosion": "on",
+                         "material_solid_erosion_strain": 0.3, "bcs": "hold,pull", "bc_hold_on": "left", "bc_hold_type": "fix",
+                         "bc_pull_on": "right", "bc_pull_ux": "5e4*t", "ts_type": "central_difference", "ts_max_time": 1e-5})
+runs.check_between("cells leave", worn["eroded_cells"][-1], 5, 100)
+runs.check("cells leave: balance", abs(worn["balance"]).max(), 0, 1e-13, relative=False)
+
 # A refined mesh has patches of its own, the same on two ranks; another partitioner would part them.
 fine = {**WHOLE, "mesh_set_n": 3, "dm_refine": 1, "ts_max_steps": 5}
 one, two = (runs.run(f"fine_{ranks}", fine, ranks=ranks) for ranks in (1, 2))
