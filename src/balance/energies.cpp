@@ -54,6 +54,8 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   };
   Energies energies;
   energies.of.resize(d.materials.size());
+  PatchState patches;
+  share_volumes(d, {&u_local}, patches);
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     MaterialEnergies& mine = energies.of[batch.material()];
     const auto X = batch.vectors(d.mesh.coordinates()), moved = batch.displaced(u_local),
@@ -62,7 +64,9 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     auto points = batch.histories();
     auto fatigue = batch.points<1>();
     auto driven = batch.points<drive_size>();
+    BatchArray<1> patch(1);
     EnergyInput in;
+    in.patch = batch.read_shared(patches.J_minus_1, patch);
     in.X = X.data();
     in.u = moved.data();
     in.v = v ? speed.data() : nullptr;

@@ -36,7 +36,8 @@ double smallest_relative_det(Shape shape, const double* coordinates, const int* 
 
 } // namespace
 
-Mesh::Mesh(Handle<DM> dm, std::vector<Group> groups) : dm_(std::move(dm)), groups_(std::move(groups)) {
+Mesh::Mesh(Handle<DM> dm, std::vector<Group> groups, std::vector<PetscInt> patches)
+    : dm_(std::move(dm)), groups_(std::move(groups)), patches_(std::move(patches)) {
   PetscInt dim = 0;
   check(DMGetDimension(dm_, &dim));
   dim_ = static_cast<int>(dim);
@@ -195,7 +196,7 @@ Mesh shifted_mesh(const Mesh& mesh, const std::vector<double>& shift) {
   std::transform(shift.begin(), shift.end(), mesh.coordinates().begin(), x, std::plus());
   check(VecRestoreArrayWrite(after, &x));
   check(DMSetCoordinatesLocal(dm, after)); // the global ones are made afresh from these
-  return Mesh(std::move(dm), mesh.groups());
+  return Mesh(std::move(dm), mesh.groups(), mesh.patches());
 }
 
 } // namespace impact

@@ -9,12 +9,14 @@
 #include <impact/petsc/ranks.hpp>
 #include <numeric>
 #include <petsc/private/partitionerimpl.h>
+#include <string_view>
 #include <vector>
 
 // Outside of our namespace, where impact::PetscError would hide the function that PETSc's macros call.
 namespace {
 
 constexpr const char* contact_part = "contact"; // section of it that the partitioner carries
+constexpr const char* patch_part = "patch";     // patches of the vertices, or -1
 
 // The numbers of all ranks, in their order, on rank 0; how many each has is told there too.
 std::vector<idx_t> on_first_rank(MPI_Comm comm, const idx_t* mine, PetscInt size, std::vector<int>& counts) {
@@ -25,6 +27,33 @@ std::vector<idx_t> on_first_rank(MPI_Comm comm, const idx_t* mine, PetscInt size
   std::vector<idx_t> all(static_cast<std::size_t>(from.back()));
   MPI_Gatherv(mine, own, MPIU_INT, all.data(), counts.data(), from.data(), MPIU_INT, 0, comm);
   return all;
+}
+
+// All vertices of a patch follow its first one. patch: [vertex] or empty; -1: of none.
+void keep_together(const std::vector<idx_t>& patch, std::vector<idx_t>& part) {
+  std::vector<idx_t> of_patch;
+  for (std::size_t v = 0; v < patch.size(); ++v) {
+    if (patch[v] < 0) continue;
+    const auto p = static_cast<std::size_t>(patch[v]);
+    if (of_patch.size() <= p) of_patch.resize(p + 1, -1);
+    if (of_patch[p] < 0) of_patch[p] = part[v];
+    part[v] = of_patch[p];
+  }
+}
+
+// The patches of all vertices, on rank 0; empty where none are said.
+PetscErrorCode gather_patches(PetscPartitioner self, PetscInt vertices, std::vector<int>& counts,
+                              std::vector<idx_t>& patch) {
+  IS kept = nullptr;
+  const PetscInt* mine = nullptr;
+  PetscFunctionBegin;
+  PetscCall(PetscObjectQuery(reinterpret_cast<PetscObject>(self), patch_part,
+                             reinterpret_cast<PetscObject*>(&kept)));
+  if (!kept) PetscFunctionReturn(0);
+  PetscCall(ISGetIndices(kept, &mine));
+  patch = on_first_rank(PetscObjectComm(reinterpret_cast<PetscObject>(self)), mine, vertices, counts);
+  PetscCall(ISRestoreIndices(kept, &mine));
+  PetscFunctionReturn(0);
 }
 
 // METIS works on one rank: the graph goes to rank 0, wherever its vertices are, and the parts come back.
@@ -62,7 +91,10 @@ PetscErrorCode partition(PetscPartitioner self, PetscInt parts, PetscInt vertice
                      part(static_cast<std::size_t>(vertices));
   from.insert(from.begin(), 0);
   std::partial_sum(from.begin(), from.end(), from.begin());
+  std::vector<idx_t> patch;
+  PetscCall(gather_patches(self, vertices, ignored, patch));
   int code = rank == 0 ? impact::metis_parts(parts, from, to, weight_of, kinds, all) : METIS_OK;
+  keep_together(patch, all);
   MPI_Bcast(&code, 1, MPI_INT, 0, comm);
   PetscCheck(code == METIS_OK, comm, PETSC_ERR_LIB, "METIS failed");
   std::vector<int> place(counts.size() + 1, 0);
@@ -178,6 +210,41 @@ void set_weights(DM dm, PetscPartitioner partitioner, const PartitionWeights& we
           section_of(comm, 0, static_cast<PetscInt>(sum.size()), 0, costs.contact).get())));
 }
 
+// Tells the partitioner which cells must not be parted.
+void keep_patches(DM dm, PetscPartitioner partitioner, const std::vector<PetscInt>& patches) {
+  const MPI_Comm comm = PetscObjectComm(reinterpret_cast<PetscObject>(dm));
+  const auto count = static_cast<PetscInt>(patches.size());
+  if (max_over_ranks(comm, static_cast<int>(count)) == 0) return;
+  PetscPartitionerType type = nullptr;
+  check(PetscPartitionerGetType(partitioner, &type));
+  if (sum_over_ranks(comm, 1.0) > 1 && std::string_view(type) != "metis")
+    throw UserError(ExitCode::usage, std::string("-petscpartitioner_type ") + type +
+                                         ": may part linear triangles or tetrahedra that share their volume; "
+                                         "allowed: metis, or -material_<id>_locking none");
+  Handle<IS> kept;
+  check(ISCreateGeneral(comm, count, patches.data(), PETSC_COPY_VALUES, kept.out()));
+  check(PetscObjectCompose(reinterpret_cast<PetscObject>(partitioner), patch_part,
+                           reinterpret_cast<PetscObject>(kept.get())));
+}
+
+// The patches of the cells where these are now.
+void move_patches(DM before, DM after, PetscSF migration, std::vector<PetscInt>& patches) {
+  if (max_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(after)),
+                     static_cast<int>(patches.size())) == 0)
+    return;
+  PetscInt end = 0, first = 0, last = 0;
+  check(DMPlexGetChart(before, nullptr, &end));
+  std::vector<PetscInt> from(at(end), -1);
+  check(DMPlexGetHeightStratum(before, 0, &first, nullptr));
+  std::copy(patches.begin(), patches.end(), from.begin() + first);
+  check(DMPlexGetChart(after, nullptr, &end));
+  std::vector<PetscInt> to(at(end), -1);
+  check(PetscSFBcastBegin(migration, MPIU_INT, from.data(), to.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(migration, MPIU_INT, from.data(), to.data(), MPI_REPLACE));
+  check(DMPlexGetHeightStratum(after, 0, &first, &last));
+  patches.assign(to.begin() + first, to.begin() + last);
+}
+
 // DMPlexPermute of PETSc 3.18 leaves the new mesh without the knowledge of which points other ranks share.
 void renumber_shared_points(DM before, IS new_number, DM after) {
   PetscSF old_sf = nullptr, sf = nullptr;
@@ -204,7 +271,7 @@ void renumber_shared_points(DM before, IS new_number, DM after) {
 
 } // namespace
 
-Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights) {
+Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights, std::vector<PetscInt>& patches) {
   const Timed timed(Event::mesh_partition);
   register_metis_partitioner();
   PetscPartitioner partitioner = nullptr;
@@ -214,14 +281,16 @@ Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights) {
   check(DMPlexDistributeSetDefault(dm, PETSC_FALSE));
   check(DMPlexSetPartitionBalance(dm, PETSC_TRUE)); // shares out the nodes between ranks
   set_weights(dm, partitioner, weights);
+  keep_patches(dm, partitioner, patches);
   Handle<PetscSF> migration;
   Handle<DM> moved;
   PetscSF sf = nullptr;
   DM parallel = nullptr;
   check(DMPlexDistribute(dm, 0, &sf, &parallel));
   if (parallel) {
-    dm = Handle<DM>(parallel);
     migration = Handle<PetscSF>(sf);
+    move_patches(dm, parallel, migration, patches);
+    dm = Handle<DM>(parallel);
   }
   check(DMSetLocalSection(dm, nullptr));
   return migration;
@@ -238,12 +307,21 @@ bool evenly_shared(DM dm, const PartitionWeights& weights) {
   return true;
 }
 
-void order_for_locality(Handle<DM>& dm) {
+void order_for_locality(Handle<DM>& dm, std::vector<PetscInt>& patches) {
   Handle<IS> order;
   Handle<DM> ordered;
   check(DMPlexGetOrdering(dm, MATORDERINGRCM, nullptr, order.out()));
   check(DMPlexPermute(dm, order, ordered.out()));
   renumber_shared_points(dm, order, ordered);
+  if (!patches.empty()) {
+    const PetscInt* number = nullptr;
+    PetscInt first = 0;
+    check(DMPlexGetHeightStratum(dm, 0, &first, nullptr));
+    check(ISGetIndices(order, &number));
+    const std::vector<PetscInt> before = patches;
+    for (std::size_t c = 0; c < before.size(); ++c) patches[at(number[at(first) + c] - first)] = before[c];
+    check(ISRestoreIndices(order, &number));
+  }
   dm = std::move(ordered);
 }
 

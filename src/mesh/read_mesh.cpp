@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <impact/math/index.hpp>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/mesh/cell_patches.hpp>
 #include <impact/mesh/gmsh.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <impact/petsc/log.hpp>
@@ -360,16 +361,20 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
   }
   check_size(comm, dm, file.dim, request);
   file = GmshFile();
-  distribute(dm, request.weights);
+  const bool patched = !request.patched.empty() && std::max(order, request.order) == 1;
+  std::vector<PetscInt> patches;
+  if (patched && request.refine == 0) patches = find_patches(dm, request.patched);
+  distribute(dm, request.weights, patches);
   if (request.refine > 0) {
     refine(dm, request.refine);
+    if (patched) patches = find_patches(dm, request.patched);
     // Where the file has few cells or facets for a rank, those of the refined mesh can be shared more evenly.
-    if (!evenly_shared(dm, request.weights)) distribute(dm, request.weights);
+    if (patched || !evenly_shared(dm, request.weights)) distribute(dm, request.weights, patches);
   }
-  order_for_locality(dm);
+  order_for_locality(dm, patches);
   if (request.order > order) add_edge_nodes(dm);
   check(PetscObjectSetName(reinterpret_cast<PetscObject>(dm.get()), "mesh"));
-  return Mesh(std::move(dm), std::move(groups));
+  return Mesh(std::move(dm), std::move(groups), std::move(patches));
 }
 
 } // namespace impact

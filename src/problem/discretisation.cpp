@@ -130,6 +130,7 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
                                         : "-plane stress: the mesh is 3D; sheets want a 2D mesh");
   FieldLayout displacement(mesh, "u", dim), scalar(mesh, "phi", 1);
   std::vector<CellGroup> groups = pack_cells(mesh, materials_of_cells(mesh, materials));
+  VolumePatches patches(mesh, groups, materials);
   const Frame frame = dim == 3 ? Frame::solid : plane;
   return {std::move(mesh),
           std::move(displacement),
@@ -139,7 +140,8 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
           frame,
           is_flat(frame) ? thickness : 1.0,
           {},
-          false};
+          false,
+          std::move(patches)};
 }
 
 void declare_state(const Discretisation& d, StateTable& table) {

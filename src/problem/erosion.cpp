@@ -53,7 +53,7 @@ bool Erosion::may_invert(const CellBatch& batch, int lane, const std::vector<dou
 
 // Energy of some lanes: all that is stored in a cell, or what stays with the nodes of one that is gone.
 double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vector<double>& u, bool trial,
-                          bool gone, double& mass) const {
+                          bool gone, const PatchState& patches, double& mass) const {
   const auto half = [&](const char* name) -> const std::vector<double>* {
     const StateRow* const row = state_.find(name);
     return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
@@ -64,9 +64,11 @@ double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vecto
   auto points = batch.histories();
   auto fatigue = batch.points<1>();
   auto driven = batch.points<drive_size>();
+  BatchArray<1> patch(1);
   EnergyInput in;
   in.X = X.data();
   in.u = moved.data();
+  in.patch = gone ? nullptr : batch.read_shared(patches.J_minus_1, patch);
   in.lumped = d_.lumped_mass;
   in.phi = batch.read(half("phi"), phi);
   in.theta = batch.read(half("theta"), theta);
@@ -96,18 +98,34 @@ double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vecto
   return sum;
 }
 
+// Energy of the cells that share their volume in patches, without some lanes, which is another one when these
+// leave.
+double Erosion::patched_energy(const std::vector<int>& lanes_of, const std::vector<double>& u, bool trial,
+                               const PatchState& patches) const {
+  double sum = 0, unused = 0;
+  if (d_.patches.empty()) return sum;
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    if (batch.patched())
+      sum += energy_of(batch, batch.broken(~lanes_of[batch.place()]), u, trial, false, patches, unused);
+  });
+  return sum;
+}
+
 bool Erosion::take_out(const std::vector<int>& lanes_of, const std::vector<double>& u, bool trial) {
   std::array<double, ErosionTotals::components> sums{};
   for (const int lanes_gone : lanes_of) sums[ErosionTotals::cells] += lanes_gone != 0 ? 1 : 0;
   if (max_over_ranks(d_.mesh.comm(), sums[ErosionTotals::cells]) == 0) return false;
   sums = {};
+  PatchState patches;
+  share_volumes(d_, {&u}, patches);
+  double rest = patched_energy(lanes_of, u, trial, patches);
   for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
     const int gone = lanes_of[batch.place()];
     if (gone == 0) return;
     sums[ErosionTotals::cells] += std::popcount(static_cast<unsigned>(gone));
     double mass = 0, unused = 0;
-    sums[ErosionTotals::energy] +=
-        energy_of(batch, gone, u, trial, false, mass) - energy_of(batch, gone, u, trial, true, unused);
+    sums[ErosionTotals::energy] += energy_of(batch, gone, u, trial, false, patches, mass) -
+                                   energy_of(batch, gone, u, trial, true, patches, unused);
     sums[ErosionTotals::mass] += mass;
     auto row = batch.load<1>(eroded_->trial);
     for (Batch& value : row.all())
@@ -120,6 +138,9 @@ bool Erosion::take_out(const std::vector<int>& lanes_of, const std::vector<doubl
   totals_->trial[ErosionTotals::mass] += d_.thickness * sums[ErosionTotals::mass];
   totals_->trial[ErosionTotals::energy] += d_.thickness * sums[ErosionTotals::energy];
   follow_rows();
+  share_volumes(d_, {&u}, patches);
+  rest -= patched_energy(lanes_of, u, trial, patches);
+  totals_->trial[ErosionTotals::energy] += d_.thickness * sum_over_ranks(d_.mesh.comm(), rest);
   return true;
 }
 

@@ -10,6 +10,9 @@ namespace impact {
 FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const FatigueStep& step) {
   StateRow &fatigue = state.row("fatigue"), &history = state.row("history");
   FatigueGrowth growth{.dissipated = std::vector<double>(d.materials.size(), 0.0)};
+  PatchState patches, patches_n;
+  share_volumes(d, {step.u}, patches);
+  share_volumes(d, {step.u_n}, patches_n);
   for_each_batch(d, fatigues, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     const auto X = batch.vectors(d.mesh.coordinates()), u = batch.displaced(*step.u),
@@ -27,6 +30,9 @@ FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const Fat
     in.theta_n = batch.read(expands ? step.theta_n : nullptr, theta_n);
     in.history = batch.read(flows ? &history.trial : nullptr, now);
     in.history_n = batch.read(flows ? &history.committed : nullptr, before);
+    BatchArray<1> patch(1), patch_n(1);
+    in.patch = batch.read_shared(patches.J_minus_1, patch);
+    in.patch_n = batch.read_shared(patches_n.J_minus_1, patch_n);
     in.fatigue_n = old.data();
     in.dt = step.dt;
     FatigueSums sums;

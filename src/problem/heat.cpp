@@ -147,6 +147,9 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
     put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
     if (in.u) batch.forget_eroded(u);
     if (in.u_n) batch.forget_eroded(u_n);
+    BatchArray<1> patch(1), patch_n(1);
+    in.patch = batch.read_shared(patches_.J_minus_1, patch);
+    in.patch_n = batch.read_shared(patches_n_.J_minus_1, patch_n);
     put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
     if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
     const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
@@ -170,9 +173,20 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
   return sound;
 }
 
+// At a part of the step, where bodies move.
+void HeatProblem::share_volume(double part, PatchState& patches) const {
+  if (!step_.u || d_.patches.empty()) return;
+  std::vector<double> u = *step_.u;
+  for (std::size_t i = 0; part < 1 && i < u.size(); ++i)
+    u[i] = (*step_.u_n)[i] + part * (u[i] - (*step_.u_n)[i]);
+  share_volumes(d_, {&u}, patches);
+}
+
 bool HeatProblem::make_constant_part() {
   const Timed timed(Event::heat_loads);
   std::fill(constant_.begin(), constant_.end(), 0.0);
+  share_volume(window_.end, patches_);
+  share_volume(window_.begin, patches_n_);
   const bool sound = visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
     auto points = batch.points<heat_point_size>();
     auto r = batch.zero(1);

@@ -126,12 +126,19 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           .theta = law.parameters.alpha_t != 0 || law.softens() ? step_.theta : nullptr,
           .history = keeps_history(law) ? &history_.committed : nullptr,
           .dt = step_.dt,
-          .unilateral = step_.unilateral_scale};
+          .unilateral = step_.unilateral_scale,
+          .patches = &patches_};
+}
+
+void MotionProblem::share(const std::vector<double>& u, double unilateral, PatchState& patches,
+                          bool pressures) const {
+  share_volumes(d_, {&u, step_.phi, step_.theta, &history_.committed, unilateral}, patches, pressures);
 }
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
                               double unilateral, std::vector<double>& r) {
   forget_broken();
+  share(u, unilateral, patches_);
   bool sound = true;
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionFields fields = step_fields(u, accel, batch.law);

@@ -14,6 +14,7 @@ struct MotionFields {
   const std::vector<double>* drive = nullptr; ///< the committed row, for laws that soften
   double unilateral = 1;                      ///< factor of the unilateral stress
   BulkViscosity bulk = {};                    ///< wants u_n
+  const PatchState* patches = nullptr;        ///< of u
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
@@ -22,6 +23,8 @@ struct MotionBatch {
   BatchArray<max_nodes> phi, theta;
   PointValues<max_history_size> history;
   PointValues<drive_size> drive;
+  BatchArray<1> patch{1};
+  BatchArray<2> patch_pressure{2};
   MotionInput in;
 
   MotionBatch(const CellBatch& batch, const MotionFields& fields)
@@ -37,6 +40,10 @@ struct MotionBatch {
     in.theta = batch.read(fields.theta, theta);
     in.history = batch.read(fields.history, history);
     in.drive = batch.read(fields.drive, drive);
+    if (fields.patches) {
+      in.patch = batch.read_shared(fields.patches->J_minus_1, patch);
+      in.patch_pressure = batch.read_shared(fields.patches->pressure, patch_pressure);
+    }
     in.dt = fields.dt;
     in.unilateral = fields.unilateral;
     in.bulk_linear = fields.bulk.linear;

@@ -40,6 +40,9 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
     std::fill(r_.begin(), r_.end(), 0.0);
     forget_broken();
   }
+  share(u_, apart ? 0 : 1, patches_);
+  PatchState twice;
+  if (apart && heat.step_stress) share(u_, 2, twice);
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     MotionFields fields = step_fields(u_, nullptr, law);
@@ -58,6 +61,8 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
     if (apart && heat.step_stress) {
       MotionInput in = cells.in;
       in.unilateral = 2;
+      BatchArray<2> pressure(2);
+      in.patch_pressure = batch.read_shared(twice.pressure, pressure);
       StepSums unused;
       batch.kernels.motion_advance(law, in, trial, nullptr, unused, {nullptr, stress.data()});
       batch.store(stress, *heat.step_stress);
@@ -112,17 +117,22 @@ void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec chan
   const Timed timed(Event::motion_residual);
   d_.displacement.to_local(u, u_);
   std::fill(r_.begin(), r_.end(), 0.0);
+  PatchState changed;
+  share(u_, step_.unilateral_scale, patches_);
+  share_volumes(d_, {&u_, &phi, step_.theta, &history_.committed, step_.unilateral_scale}, changed);
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const NodalValues before = batch.scalars(*step_.phi), now = batch.scalars(phi);
     Batch most = Batch(0.0);
     for (int a = 0; a < batch.nodes(); ++a) most = max(most, abs(now.value[a] - before.value[a]));
     double grown = 0;
     for (int l = 0; l < lanes; ++l) grown = std::max(grown, most[l]);
-    if (!(grown > negligible_growth)) return;
+    if (!(grown > negligible_growth) && !batch.patched()) return;
     MotionFields fields = step_fields(u_, nullptr, batch.law);
     const MotionBatch cells(batch, fields);
     MotionInput after = cells.in;
+    BatchArray<2> pressure(2);
     after.phi = now.value;
+    after.patch_pressure = batch.read_shared(changed.pressure, pressure);
     auto force = batch.zero(d_.dim()), old_force = batch.zero(d_.dim());
     batch.kernels.motion_residual(batch.law, after, force.data());
     batch.kernels.motion_residual(batch.law, cells.in, old_force.data());

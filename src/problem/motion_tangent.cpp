@@ -17,7 +17,14 @@ void MotionProblem::rebuild_matrix() {
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
-  assembly_ = make_assembly(d_.displacement, d_.mesh, solved_ ? d_.groups : no_groups_, extra, format_);
+  if (!d_.patches.empty() && matrix_groups_.empty()) {
+    matrix_groups_ = d_.groups;
+    matrix_groups_.insert(matrix_groups_.end(), d_.patches.stencils.begin(), d_.patches.stencils.end());
+  }
+  const std::vector<CellGroup>& groups = !solved_                 ? no_groups_
+                                         : matrix_groups_.empty() ? d_.groups
+                                                                  : matrix_groups_;
+  assembly_ = make_assembly(d_.displacement, d_.mesh, groups, extra, format_);
   const Handle<MatNullSpace> modes = near_null_space(d_.displacement, d_.mesh);
   check(MatSetNearNullSpace(matrix(), modes));
 }
@@ -63,6 +70,7 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
   bool sound = true;
   double diagonal = 0;
   CellMatrix K;
+  share(u_, step_.unilateral_scale, patches_, true);
   assembly_->zero();
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionBatch cells(batch, step_fields(u_, nullptr, batch.law));
@@ -77,6 +85,10 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
     diagonal += batch.sum(K.trace());
     assembly_->add(batch.number_of_group, batch.number, K.data());
   });
+  diagonal +=
+      add_patch_tangents(d_, u_, patches_, rows_.free, [&](int stencil, int batch, const Batch* part) {
+        assembly_->add(static_cast<int>(d_.groups.size()) + stencil, batch, part);
+      });
   close_tangent(u, true, diagonal, mass_shift);
   return all_ranks_agree(d_.mesh.comm(), sound);
 }

@@ -74,6 +74,8 @@ std::vector<double> FieldSource::cell_means(const std::string& name, int compone
     for (int k = 0; k < components; ++k)
       for (int l = 0; l < lanes; ++l) values.push_back(source[k][l]);
   };
+  PatchState patches;
+  if (row == nullptr) share_volumes(d, {&u, phi_row, theta_row, &history}, patches);
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     if (row != nullptr) {
       const Batch mean = cell_mean(batch, row->committed);
@@ -89,6 +91,10 @@ std::vector<double> FieldSource::cell_means(const std::string& name, int compone
     in.phi = batch.read(phi_row, phi);
     in.theta = batch.read(theta_row, theta);
     in.history = batch.read(&history, points);
+    BatchArray<1> patch(1);
+    BatchArray<2> pressure(2);
+    in.patch = batch.read_shared(patches.J_minus_1, patch);
+    in.patch_pressure = batch.read_shared(patches.pressure, pressure);
     CellOutput out;
     batch.kernels.cell_output(batch.law, in, out);
     append(name == "stress"      ? out.stress

@@ -22,29 +22,33 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion() || s.plane == PlaneMode::stress) return;
   const std::size_t shapes = known_shapes().size();
   std::vector<int> found(d.materials.size() * shapes, 0);
-  for (const CellGroup& group : d.groups) found[at(group.material) * shapes + at(index_of(group.shape))] = 1;
+  constexpr int present = 1, in_patches = 2;
+  for (std::size_t g = 0; g < d.groups.size(); ++g)
+    found[at(d.groups[g].material) * shapes + at(index_of(d.groups[g].shape))] =
+        !d.patches.empty() && d.patches.in_group[g] != 0 ? in_patches : present;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const auto& [law, regions, id, points, erosion] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
+    const bool cured = simplex ? found[i] == in_patches : p.locking != Locking::none;
     if (!found[i]) continue;
-    if (!simplex && p.locking != Locking::none)
+    if (cured)
       check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),
-                        shape->names.plural, p.locking == Locking::mean ? "mean volume of a cell" : "F-bar"));
-    // Cells that have a choice of cures lock at the user's will.
-    if (!keeps_volume(p) || (!simplex && !law.spectral())) continue;
+                        shape->names.plural,
+                        simplex                      ? "mean volume of patches of cells"
+                        : p.locking == Locking::mean ? "mean volume of a cell"
+                                                     : "F-bar"));
+    // Cells that have a choice of cures lock at the user's will; of linear simplices it is said all the same.
+    if (!keeps_volume(p) || cured || (!simplex && !law.spectral())) continue;
     check(PetscPrintf(
         d.mesh.comm(),
         "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
         shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
-        !simplex ? "another -material_<id>_split"
-        : shape->dim == 2
-            ? "cells of second order (-order 2), quadrilaterals (Recombine Surface in the .geo)"
-            : "cells of second order (-order 2), hexahedra (Transfinite Volume and Recombine in "
-              "the .geo)"));
+        simplex ? "-material_<id>_locking mean, or cells of second order (-order 2)"
+                : "another -material_<id>_split"));
   }
 }
 

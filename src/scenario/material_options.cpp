@@ -83,10 +83,12 @@ void add_elasticity(MaterialRows& rows) {
           "needed by a body force")
       .needed([](const Material&, const Scenario& s) { return s.has_inertia(); },
               "needed by inertia; or run without it: -ts_type static");
-  row.choice("locking", &Material::locking,
-             "cure of volumetric locking, in all cells but linear triangles and tetrahedra; auto: mean for "
-             "j2 and for nu from 0.45 on, else none, as in cells of second order",
-             "auto", std::nullopt, "mean", Locking::mean, "fbar", Locking::fbar, "none", Locking::none)
+  row.choice(
+         "locking", &Material::locking,
+         "cure of volumetric locking: mean, the volume of a cell, of linear triangles and tetrahedra that of "
+         "patches of 2 and of 8 of them; fbar, that of the centroid, in other cells; auto: mean for j2 and "
+         "for nu from 0.45 on, else none, as in cells of second order",
+         "auto", std::nullopt, "mean", Locking::mean, "fbar", Locking::fbar, "none", Locking::none)
       .refused([](const Material& m,
                   const Scenario& s) { return s.plane == PlaneMode::stress && m.locking != Locking::none; },
                "has no meaning with -plane stress, where the volume is free; allowed: auto, none");

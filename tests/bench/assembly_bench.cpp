@@ -43,7 +43,8 @@ Mesh unit_box(int dim, int n) {
   Handle<DM> dm;
   check(DMPlexCreateBoxMesh(PETSC_COMM_WORLD, dim, PETSC_FALSE, faces, nullptr, nullptr, nullptr, PETSC_TRUE,
                             dm.out()));
-  order_for_locality(dm);
+  std::vector<PetscInt> no_patches;
+  order_for_locality(dm, no_patches);
   check(DMCreateLabel(dm, "solid"));
   check(DMCreateLabel(dm, "hull"));
   DMLabel solid = nullptr, hull = nullptr;

@@ -144,15 +144,17 @@ inline std::string block(int n) {
   return mesh.text("2\n3 1 \"block\"\n2 2 \"top\"\n");
 }
 
-/// Writes a mesh file and reads it on `comm`. Collective on PETSC_COMM_WORLD or on a part of it with its rank
-/// 0.
-inline Mesh mesh_of(MPI_Comm comm, const std::string& dir, const std::string& text, int order = 0) {
+/// Writes a mesh file and reads it on `comm`; its cells in the regions `patched` share their volume in
+/// patches. Collective on PETSC_COMM_WORLD or on a part of it with its rank 0.
+inline Mesh mesh_of(MPI_Comm comm, const std::string& dir, const std::string& text, int order = 0,
+                    const std::vector<std::vector<std::string>>& patched = {}) {
   const std::string file = dir + "/mesh.msh";
   on_rank_zero(comm, [&] { std::ofstream(file) << text; });
   MeshRequest request;
   request.file = file;
   request.work_dir = dir;
   request.order = order;
+  request.patched = patched;
   return read_mesh(comm, request);
 }
 

@@ -20,6 +20,19 @@ def pressed(run, k=-1):
     return x[nodes], (x + u)[nodes], p[nodes]
 
 
+def pressure_jump(folder, corners=3):
+    """Of triangles (3 corners) or tetrahedra (4), at the last time: root mean square of what the mean pressures of neighbours
+    differ by, over that of the pressure."""
+    fields = Fields(os.path.join(folder, "vis.xdmf"))
+    grid, sides = fields.grids[-1], {}
+    pressure = fields.field(grid, "pressure")[0][:, 0]
+    for cell, nodes in enumerate(fields.array(grid.find("Topology").find("DataItem"))[:, :corners]):
+        for k in range(corners):
+            sides.setdefault(tuple(sorted(numpy.delete(nodes, k))), []).append(cell)
+    pairs = numpy.array([cells for cells in sides.values() if len(cells) == 2])
+    return numpy.sqrt(numpy.mean((pressure[pairs[:, 0]] - pressure[pairs[:, 1]]) ** 2)) / numpy.std(pressure)
+
+
 class Bodies:
     """Momentum and moment of momentum of plane quadrilaterals by 2 x 2 Gauss points, from the fields u and v."""
 

@@ -49,7 +49,8 @@ Mesh wedges(int n) {
   check(DMPlexGetHeightStratum(dm, 0, &start, &end));
   for (PetscInt cell = start; cell < end; ++cell) check(DMLabelSetValue(solid, cell, 3));
   check(DMPlexMarkBoundaryFaces(dm, 2, boundary));
-  distribute(dm, {});
+  std::vector<PetscInt> no_patches;
+  distribute(dm, {}, no_patches);
   return {std::move(dm), {{"solid", 3}, {"boundary", 2}}};
 }
 

@@ -74,7 +74,8 @@ void patch(Mesh mesh, const std::vector<std::string>& boundary, Locking locking,
 
 void patch_of(Shape shape, int n, Locking locking, const char* what) {
   const std::string dir = run_test::fresh_dir("patch");
-  patch(run_test::mesh_of(PETSC_COMM_WORLD, dir, distorted(shape, n)), {"boundary"}, locking, what);
+  patch(run_test::mesh_of(PETSC_COMM_WORLD, dir, distorted(shape, n), 0, {{"solid"}}), {"boundary"}, locking,
+        what);
 }
 
 TEST(Patch, DistortedQuadrilateralsReproduceAnAffineMotion) {
@@ -83,7 +84,14 @@ TEST(Patch, DistortedQuadrilateralsReproduceAnAffineMotion) {
   patch_of(Shape::quad4, 4, Locking::fbar, "quad4, F-bar");
 }
 
-TEST(Patch, DistortedTrianglesReproduceAnAffineMotion) { patch_of(Shape::tri3, 4, Locking::none, "tri3"); }
+TEST(Patch, DistortedTrianglesReproduceAnAffineMotion) {
+  patch_of(Shape::tri3, 4, Locking::none, "tri3");
+  patch_of(Shape::tri3, 4, Locking::mean, "tri3, mean volume of patches");
+}
+
+TEST(Patch, DistortedTetrahedraReproduceAnAffineMotion) {
+  patch_of(Shape::tet4, 3, Locking::mean, "tet4, mean volume of patches");
+}
 
 TEST(Patch, DistortedHexahedraReproduceAnAffineMotion) {
   patch_of(Shape::hex8, 3, Locking::none, "hex8");

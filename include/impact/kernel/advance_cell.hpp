@@ -85,7 +85,8 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
   constexpr int d = Cell::dim;
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
+                       {in.patch, in.patch_pressure});
   status.bad |= find_thickness<Cell, frame>(law, in, s);
   StepForces<Cell, frame> force;
   if constexpr (forces) force.start(law, in, s);

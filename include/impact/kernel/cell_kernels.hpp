@@ -29,6 +29,14 @@ struct CellKernels {
   /// The longest step of central differences at which each cell is stable.
   Batch (*stable_step)(const PointLaw&, const MotionInput&);
 
+  // patches of linear triangles and tetrahedra, which share one volume ratio
+  /// Reference volume of each cell, and what it has grown by: int (J - 1) dV_0.
+  void (*cell_volume)(const Batch* X, const Batch* u, Batch& volume, Batch& growth);
+  /// v [node][dim] = int dJ/du dV_0.
+  void (*volume_slope)(const Batch* X, const Batch* u, Batch* v);
+  /// int p dV_0 and int dp/dJ dV_0, with g, at the volume ratio in.patch.
+  void (*cell_pressure)(const PointLaw&, const MotionInput& in, Batch& p, Batch& dp);
+
   // damage and fatigue
   /// r [node] += residual.
   int (*damage_residual)(const PointLaw&, const DamageInput&, Batch* r);

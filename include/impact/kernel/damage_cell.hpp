@@ -137,8 +137,8 @@ template <class Cell, Frame frame, class Law>
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> now, before;
-  prepare<Cell, frame>(law, in.X, in.u, nullptr, in.theta, now);
-  prepare<Cell, frame>(law, in.X, in.u_n, nullptr, in.theta_n, before);
+  prepare<Cell, frame>(law, in.X, in.u, nullptr, in.theta, now, nullptr, 1, {in.patch, nullptr});
+  prepare<Cell, frame>(law, in.X, in.u_n, nullptr, in.theta_n, before, nullptr, 1, {in.patch_n, nullptr});
   read_thickness<Cell, frame>(in.history, now);
   read_thickness<Cell, frame>(in.history_n, before);
   std::copy(before.start_33, before.start_33 + Cell::points, now.start_33);

@@ -15,7 +15,7 @@ int failure_advance_of(const Law& law, const MotionInput& at, const Batch* histo
   MotionInput in = at;
   in.held = true;
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
   Batch finite = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {

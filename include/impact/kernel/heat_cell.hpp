@@ -38,11 +38,12 @@ template <class Cell, Frame frame> struct HeatState {
   const Batch *phi, *theta, *history, *drive;
 
   HeatState(const PointLaw& law, const Batch* X, const Batch* u, const Batch* nodal_phi,
-            const Batch* nodal_theta, const Batch* point_history, const Batch* point_drive)
+            const Batch* nodal_theta, const Batch* point_history, const Batch* point_drive,
+            const Batch* patch)
       : moved(u != nullptr), phi(nodal_phi), theta(nodal_theta), history(point_history), drive(point_drive) {
     cell.volume_J = Batch(0.0);
     if (!moved) return;
-    prepare<Cell, frame>(law, X, u, nullptr, nullptr, cell);
+    prepare<Cell, frame>(law, X, u, nullptr, nullptr, cell, nullptr, 1, {patch, nullptr});
     read_thickness<Cell, frame>(point_history, cell);
   }
   /// J - 1 that the volumetric stress sees.
@@ -111,8 +112,9 @@ template <class Cell, Frame frame, class Law>
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const bool energy = in.form == HeatForm::energy, has_damage = m.damage != Damage::none && in.phi;
-  const HeatState<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history, in.drive);
-  const HeatState<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n);
+  const HeatState<Cell, frame> now(law, in.X, in.u, in.phi, in.theta, in.history, in.drive, in.patch);
+  const HeatState<Cell, frame> before(law, in.X, in.u_n, in.phi_n, in.theta_n, in.history_n, in.drive_n,
+                                      in.patch_n);
   int bad = 0;
   Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {

@@ -31,7 +31,7 @@ template <class Cell, Frame frame, bool spectral, class Law>
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
   const bool at_nodes = is_second_order<Cell> && in.v && in.lumped;
   LumpedMass<Cell> mass;
@@ -88,7 +88,7 @@ template <class Cell, Frame frame, class Law>
 void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
   const MaterialParameters& m = law.parameters;
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, nullptr, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
@@ -138,7 +138,7 @@ void cell_output_of(const Law& law, const MotionInput& state, CellOutput& out) {
   MotionInput in = state;
   in.held = true; // a flow stress that temperature or rate have changed since would let it flow again
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
   Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();
   out.alpha = out.phi = Batch(0.0);

@@ -177,9 +177,11 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
   const Locking locking = law.parameters.locking;
   const bool upper = locking != Locking::fbar && (in.symmetric || !law.flows());
   const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
+  const bool mean = locking == Locking::mean && !(is_linear_simplex<Cell> && in.patch);
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
-  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral);
+  prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
+                       {in.patch, in.patch_pressure});
   status.bad |= find_thickness<Cell, frame>(law, in, s);
 
   Fluxes<Cell, frame> fluxes;
@@ -207,13 +209,13 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
         add_stiffness<Cell, frame, true>(G, a, w, K);
       else
         add_stiffness<Cell, frame, false>(G, a, w, K);
-      if (locking == Locking::mean) coupling.add_point(G, w * e.k.J);
+      if (mean) coupling.add_point(G, w * e.k.J);
       if (locking == Locking::fbar) coupling.add_tangent(law, e, G, w, K);
     }
   }
   if (r) fluxes.add_forces(r);
   if constexpr (tangent)
-    if (locking == Locking::mean) coupling.add_tangent(s, K);
+    if (mean) coupling.add_tangent(s, K);
   if (in.accel || (tangent && in.mass_shift != 0))
     add_inertia<Cell, frame>(law, in, s, r, tangent ? K : nullptr);
 

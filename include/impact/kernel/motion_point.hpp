@@ -16,6 +16,9 @@ template <Frame frame, class F> decltype(auto) with_state(const PointLaw& law, F
   return f(law);
 }
 
+/// Cells in which J is constant, but for that of rings: they share their volume in patches.
+template <class Cell> inline constexpr bool is_linear_simplex = Cell::nodes == Cell::dim + 1;
+
 /// What all points of a cell share before the law is evaluated.
 template <class Cell, Frame frame> struct CellState {
   PointMap<Cell, frame> map[Cell::points];
@@ -73,11 +76,17 @@ inline PointEnergies<Batch> point_energies(const Law& law, const Batch& z, const
     return law.energies(z, Je_minus_1, alpha);
 }
 
+/// J - 1, and p and dp/dJ, that come from the patch of a cell; null: the cell finds its own.
+struct PatchVolume {
+  const Batch *J_minus_1 = nullptr, *pressure = nullptr;
+};
+
 /// Geometry, Grad u and the volume ratios; for `mean` also the uniform p = (1/V) int g_v U'(J_mean/J_th)/J_th
 /// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
 template <class Cell, Frame frame, class Law>
 inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
-                    CellState<Cell, frame>& s, const Batch* history = nullptr, double unilateral = 1) {
+                    CellState<Cell, frame>& s, const Batch* history = nullptr, double unilateral = 1,
+                    const PatchVolume& patch = {}) {
   constexpr int d = Cell::dim;
   const auto& t = shape_table<Cell>;
   Batch jacobian[Cell::points][d * d], slope[Cell::points][d * d]; // dX_i/dxi_k, du_i/dxi_k
@@ -89,10 +98,16 @@ inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch*
     s.H[q] = mapped_gradient<Cell, frame>(s.map[q], slope[q], t.N[q], u);
     s.volume += s.map[q].weight;
   }
-  if (law.parameters.locking == Locking::mean) {
-    Batch mean = Batch(0.0);
-    for (int q = 0; q < Cell::points; ++q) mean += s.map[q].weight * detm1(s.H[q]);
-    s.volume_J = mean / s.volume;
+  if (is_linear_simplex<Cell> && patch.J_minus_1) s.volume_J = *patch.J_minus_1;
+  if (is_linear_simplex<Cell> && patch.pressure) {
+    s.mean_p = patch.pressure[0];
+    s.mean_dp = patch.pressure[1];
+  } else if (law.parameters.locking == Locking::mean) {
+    if (!is_linear_simplex<Cell> || !patch.J_minus_1) {
+      Batch mean = Batch(0.0);
+      for (int q = 0; q < Cell::points; ++q) mean += s.map[q].weight * detm1(s.H[q]);
+      s.volume_J = mean / s.volume;
+    }
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {
       const Volumetric<Batch> v =

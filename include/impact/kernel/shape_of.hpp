@@ -9,6 +9,7 @@
 #include <impact/kernel/motion_cell.hpp>
 #include <impact/kernel/shape.hpp>
 #include <impact/kernel/stable_step.hpp>
+#include <impact/kernel/volume_cell.hpp>
 
 /// Makes of the struct of a cell the record that a run uses: all kernels are compiled here, once per shape.
 namespace impact {
@@ -20,6 +21,9 @@ inline constexpr CellKernels cell_kernels = {
     .motion_advance = motion_advance<Cell, frame>,
     .motion_step = motion_step<Cell, frame>,
     .stable_step = stable_step<Cell, frame>,
+    .cell_volume = cell_volume<Cell, frame>,
+    .volume_slope = volume_slope<Cell, frame>,
+    .cell_pressure = cell_pressure<Cell, frame>,
     .damage_residual = damage_residual<Cell, frame>,
     .damage_tangent = damage_tangent<Cell, frame>,
     .damage_dissipation = damage_dissipation<Cell>,

@@ -59,7 +59,8 @@ public:
   /// Takes a distributed, interpolated DMPlex (overlap 0) with one label per physical group name. A rank may
   /// hold no cell at all. Collective. Throws UserError(data) for unsupported cells, inverted or degenerate
   /// cells (named by region and coordinates).
-  Mesh(Handle<DM> dm, std::vector<Group> groups);
+  /// `patches`: [cell] of this rank, cell_patches.hpp; none where there are none.
+  Mesh(Handle<DM> dm, std::vector<Group> groups, std::vector<PetscInt> patches = {});
 
   DM dm() const { return dm_; }
   MPI_Comm comm() const;
@@ -82,6 +83,8 @@ public:
   PetscInt cell_start() const { return cell_start_; }           ///< first DMPlex cell point
   int cell_count() const { return cell_count_; }                ///< on this rank, all shapes
   bool has_shape(Shape shape) const;                            ///< on any rank
+  /// The patch of each cell, [cell point minus cell_start], all on this rank; -1: none. Empty without any.
+  const std::vector<PetscInt>& patches() const { return patches_; }
 
   const std::vector<Group>& groups() const { return groups_; }
   const Group* find_group(const std::string& name) const;
@@ -135,6 +138,7 @@ private:
   std::vector<int> has_shape_; // [known shape] 1 or 0, equal on all ranks
   std::vector<PetscInt> global_node_;
   std::vector<Group> groups_;
+  std::vector<PetscInt> patches_;
   double smallest_edge_ = 0;
 };
 
@@ -195,6 +199,7 @@ struct MeshRequest {
   /// y, z, then largest) are known; alike on all ranks. Empty: none.
   std::function<std::vector<AddedCell>(int dim, const std::array<double, 6>& box)> add;
   PartitionWeights weights;
+  std::vector<std::vector<std::string>> patched; ///< the regions of each material with patches
 };
 
 /// Reads (or makes with gmsh, run as a program on rank 0, never through a shell), checks, distributes and
@@ -211,16 +216,18 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file);
 /// Throws UserError(usage) for what a request asks of no file of its kind. No communication.
 void check_request(const MeshRequest& request);
 
-/// Moves the cells of a mesh to the ranks (overlap 0) by weight, wherever they are; `dm` is replaced. Returns
-/// the migration SF, empty when nothing moved (one rank). Collective.
-Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights);
+/// Moves the cells of a mesh to the ranks (overlap 0) by weight, wherever they are; `dm` is replaced. Cells
+/// of one patch, [cell], come to one rank, and `patches` goes with them. Returns the migration SF, empty when
+/// nothing moved (one rank). Throws UserError(usage) for patches with another partitioner than ours.
+/// Collective.
+Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights, std::vector<PetscInt>& patches);
 
 /// Whether each rank has its share of the cells, and of the facets of the weights' boundaries, as far as
 /// whole cells and facets allow. Collective.
 bool evenly_shared(DM dm, const PartitionWeights& weights);
 
 /// Renumbers the points of each rank so that neighbours stand close in memory (reverse Cuthill-McKee).
-/// Collective.
-void order_for_locality(Handle<DM>& dm);
+/// `patches` goes with its cells. Collective.
+void order_for_locality(Handle<DM>& dm, std::vector<PetscInt>& patches);
 
 } // namespace impact

@@ -95,6 +95,9 @@ struct CellBatch {
   int broken(int bad) const { return bad & ((1 << used()) - 1) & ~eroded; }
   std::size_t place() const { return first_cell / lanes + at(number); } ///< among the batches of all groups
   std::size_t material() const { return at(group.material); }
+  /// Whether the cells share their volume in patches, and the patch of one; -1 for padding.
+  bool patched() const { return !d.patches.empty() && d.patches.in_group[at(number_of_group)] != 0; }
+  int patch(int lane) const { return d.patches.of_lane[place() * lanes + at(lane)]; }
   double sum(const Batch& value) const { return lane_sum(value, used()); }
   /// Of the cells that are still there.
   double live_sum(const Batch& value) const {
@@ -122,6 +125,15 @@ struct CellBatch {
     load(*row, values);
     return values.data();
   }
+  /// What the patches of the cells share; null where the cells are in none, or the row is empty.
+  template <int most>
+  const Batch* read_shared(const std::vector<double>& row, BatchArray<most>& values) const {
+    if (row.empty() || !patched()) return nullptr;
+    const std::size_t size = at(values.size) * lanes;
+    std::copy_n(row.data() + place() * size, size, reinterpret_cast<double*>(values.value));
+    forget_eroded(values);
+    return values.data();
+  }
   NodalValues vectors(std::span<const double> field) const { return gather(field, d.dim()); }
   /// A displacement, zero where the cell has left: what its nodes do is no deformation any more.
   NodalValues displaced(std::span<const double> field) const {
@@ -129,7 +141,7 @@ struct CellBatch {
     forget_eroded(values);
     return values;
   }
-  void forget_eroded(NodalValues& values) const {
+  template <int most> void forget_eroded(BatchArray<most>& values) const {
     for (int l = 0; eroded != 0 && l < lanes; ++l)
       for (int i = 0; !live(l) && i < values.size; ++i) values.value[i].set(l, 0);
   }

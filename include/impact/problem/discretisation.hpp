@@ -6,6 +6,7 @@
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/erosion_rule.hpp>
+#include <impact/problem/volume_patches.hpp>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,6 +44,8 @@ struct Discretisation {
   double thickness = 1;     ///< multiplies integrals of plane problems in what is reported
   ErodedCells eroded{};     ///< at the end of the attempt at work; Erosion keeps it
   bool lumped_mass = false; ///< a cell's mass stands at its nodes, by the integrals of the shape functions
+
+  VolumePatches patches{};
 
   const std::vector<double>* mass_factor =
       nullptr; ///< of the row "mass_factor": mass in use over the true one

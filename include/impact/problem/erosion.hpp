@@ -42,7 +42,9 @@ private:
   int failed_lanes(const CellBatch& batch, const std::vector<double>& u) const;
   bool take_out(const std::vector<int>& lanes_of, const std::vector<double>& u, bool trial);
   double energy_of(const CellBatch& batch, int lanes_of, const std::vector<double>& u, bool trial, bool gone,
-                   double& mass) const;
+                   const PatchState& patches, double& mass) const;
+  double patched_energy(const std::vector<int>& lanes_of, const std::vector<double>& u, bool trial,
+                        const PatchState& patches) const;
 
   Discretisation& d_;
   StateTable& state_;

@@ -76,6 +76,7 @@ private:
   bool assemble_residual(const std::vector<double>& theta, Vec solution, Vec f);
   template <class Body> bool visit_batches(const std::vector<double>& theta, Body&& body);
   bool make_constant_part();
+  void share_volume(double part, PatchState& patches) const;
   void residual(SNES, Vec x, Vec f);
   void tangent(SNES, Vec x, Mat, Mat);
   void book();
@@ -96,8 +97,9 @@ private:
   std::vector<double> step_stress_; // HeatRows
   Supply supplied_;
   std::vector<double> load_,
-      load_supplied_;       ///< nodal heat by what the temperature does not change, and its sums
-  double residual_tol_ = 0; ///< absolute, as the options say
+      load_supplied_;              ///< nodal heat by what the temperature does not change, and its sums
+  PatchState patches_, patches_n_; ///< at the ends of the window
+  double residual_tol_ = 0;        ///< absolute, as the options say
   bool flows_;
   std::vector<ContactHeat> contacts_;
   Handle<SNES> snes_;

@@ -170,6 +170,8 @@ private:
                   const HeatFeed& heat);
   bool sum_up(bool sound, double least, Increments& sums);
   void put(const std::vector<double>& local, Vec force) const;
+  void share(const std::vector<double>& u, double unilateral, PatchState& patches,
+             bool pressures = false) const;
   void rebuild_matrix();
   void close_tangent(Vec u, bool pressures, double diagonal, double mass_shift);
   void multiply(Vec x, Vec y);
@@ -194,6 +196,8 @@ private:
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
   std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
   bool has_body_force_ = false;
+  PatchState patches_;                   // of the evaluation at work, as step_fields has them
+  std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches
   const std::vector<CellGroup> no_groups_;
   BrokenCell broken_;
   std::vector<std::size_t> inverted_;
