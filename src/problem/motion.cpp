@@ -126,7 +126,8 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           .theta = law.parameters.alpha_t != 0 || law.softens() ? step_.theta : nullptr,
           .history = keeps_history(law) ? &history_.committed : nullptr,
           .dt = step_.dt,
-          .unilateral = step_.unilateral_scale};
+          .unilateral = step_.unilateral_scale,
+          .failure = law.parameters.failure_softening > 0 ? &state_.row("jc_failure").committed : nullptr};
 }
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
