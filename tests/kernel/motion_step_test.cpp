@@ -109,8 +109,8 @@ TYPED_TEST(MotionStepKernel, FailureWeakensLikeASmallerFlowStress) {
   constexpr int dofs = Cell::nodes * Cell::dim, size = history_size(frame);
   Sampler random(73);
   MaterialParameters m = aluminium(), weaker = m;
-  m.failure_softening = 0.4;
-  for (double* k : {&weaker.sigma_y, &weaker.voce_r, &weaker.linear_h}) *k *= 1 - 0.4 * 0.7;
+  m.failure_softening = 0.5;
+  for (double* k : {&weaker.sigma_y, &weaker.voce_r, &weaker.linear_h}) *k *= 1 - 0.5 * 0.7;
   const auto cases = reference::cases<Cell, frame>(random, 0.02);
   const reference::CellBatch<Cell, frame> batch(cases);
   MotionInput in = batch.input(1e-3);
