@@ -255,7 +255,7 @@ void RunStage::shed_mass(Vec u_now, double dt) {
   Vec unused = nullptr, v_now = nullptr;
   check(TS2GetSolution(ts, &unused, &v_now));
   const Vec a_now = acceleration(ts);
-  const Ledger::Inertia before = ledger.inertia(u_now, v_now, a_now, dt);
+  const Ledger::Inertia with_it = ledger.inertia(u_now, v_now, a_now, dt);
   const std::vector<double> mass = d.local_of(motion.lumped_mass());
   erosion.shed_mass();
   motion.forget_mass();
@@ -270,7 +270,7 @@ void RunStage::shed_mass(Vec u_now, double dt) {
   d.displacement.to_global(rate, a_now);
   rows.v.committed = rows.v.trial = std::move(speed);
   rows.a.committed = rows.a.trial = std::move(rate);
-  ledger.book_shed_mass(before, ledger.inertia(u_now, v_now, a_now, dt));
+  ledger.book_shed_mass(with_it, ledger.inertia(u_now, v_now, a_now, dt));
 }
 
 } // namespace impact
