@@ -11,12 +11,12 @@ namespace {
 // The order of the sums is part of their values: cell by cell, then over ranks.
 void add(const EnergySums& sums, const CellBatch& batch, MaterialEnergies& to) {
   const int used = batch.used();
-  to.kinetic += lane_sum(sums.kinetic, used);
+  to.kinetic += batch.massive_sum(sums.kinetic);
   to.elastic += batch.live_sum(sums.elastic);
   to.plastic += batch.live_sum(sums.plastic);
   to.fracture += lane_sum(sums.fracture, used);
   to.fatigue += lane_sum(sums.fatigue, used);
-  for (int k = 0; k < 3; ++k) to.momentum[k] += lane_sum(sums.momentum[k], used);
+  for (int k = 0; k < 3; ++k) to.momentum[k] += batch.massive_sum(sums.momentum[k]);
 }
 
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {

@@ -198,6 +198,29 @@ void Ledger::book_exposure(double before, double after) {
   }
 }
 
+Ledger::Inertia Ledger::inertia(Vec u, Vec v, Vec a, double dt) {
+  return {find_energies(motion_.discretisation(), rows_, u, v, false),
+          motion_.discretisation().thickness * forces_.kept(dt, a)};
+}
+
+void Ledger::book_shed_mass(const Inertia& before, const Inertia& after) {
+  const double kinetic_lost = before.energies.total.kinetic - after.energies.total.kinetic,
+               kept_lost = before.kept - after.kept;
+  std::array<double, 3> momentum{};
+  for (std::size_t m = 0; m < before.energies.of.size(); ++m)
+    for (std::size_t k = 0; k < 3; ++k)
+      momentum[k] += before.energies.of[m].momentum[k] - after.energies.of[m].momentum[k];
+  for (const bool trial : {false, true}) {
+    std::vector<double>&totals = trial ? totals_.trial : totals_.committed,
+    &erosion = trial ? erosion_->trial : erosion_->committed;
+    totals[Total::kinetic] -= kinetic_lost;
+    totals[Total::kept] -= kept_lost;
+    erosion[ErosionTotals::energy] += kinetic_lost + kept_lost;
+    for (std::size_t k = 0; k < 3; ++k) erosion[ErosionTotals::momentum + k] += momentum[k];
+  }
+  energies_ = after.energies;
+}
+
 double Ledger::dissipated() const {
   const double lost = sum(numerical) + sum(contact_loss) + eroded(ErosionTotals::energy);
   // The rest is thermal energy; of closing cracks where the heat balance takes the work of the stress.

@@ -201,6 +201,17 @@ std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::
   return over_step;
 }
 
+double ForceBook::kept(double dt, Vec a) {
+  const Discretisation& d = motion_.discretisation();
+  mass_ = d.local_of(motion_.lumped_mass());
+  const std::vector<double> rate = d.local_of(a);
+  double sum = 0;
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    if (d.mesh.owned(static_cast<int>(i / at(d.dim()))) && !in_rigid_body(i))
+      sum += rate[i] * mass_[i] * rate[i];
+  return -dt * dt / 8 * sum_over_ranks(d.mesh.comm(), sum);
+}
+
 // N1 and N2 with beta = 0: loss = -dt^2/8 (a.Ma - a_n.Ma_n), kept = -dt^2/8 a.Ma.
 StepWork ForceBook::book_explicit(const StepRecord& step, Vec u, Vec a) {
   const Discretisation& d = motion_.discretisation();

@@ -43,6 +43,14 @@ void Erosion::follow_rows() {
   news_ = true;
 }
 
+void Erosion::shed_mass() {
+  d_.weightless = d_.eroded.lanes_of;
+  if (d_.weightless.empty()) return;
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    if (d_.materials[batch.material()].erosion.keeps_mass) d_.weightless[batch.place()] = 0;
+  });
+}
+
 bool Erosion::may_invert(const CellBatch& batch, int lane, const std::vector<double>* phi) {
   const ErosionRule& rule = batch.d.materials[batch.material()].erosion;
   if (!rule.on) return false;

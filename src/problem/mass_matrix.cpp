@@ -107,6 +107,7 @@ Handle<Vec> MassMatrix::make_lumped(const std::vector<double>* factors) const {
     for (int i = 0; i < nodes; ++i)
       for (int j = 0; j < nodes; ++j)
         for (int k = 0; k < dim; ++k) at_nodes.value[i * dim + k] += factor * m(i, j);
+    batch.forget_weightless(at_nodes);
     batch.scatter(at_nodes, mass);
   });
   Handle<Vec> lumped = d_.displacement.make_global();

@@ -127,6 +127,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           .history = keeps_history(law) ? &history_.committed : nullptr,
           .dt = step_.dt,
           .unilateral = step_.unilateral_scale,
+          .failure = law.parameters.failure_softening > 0 ? &state_.row("jc_failure").committed : nullptr,
           .patches = &patches_};
 }
 

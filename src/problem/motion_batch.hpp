@@ -11,10 +11,11 @@ namespace impact {
 struct MotionFields {
   const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *history;
   double dt;
-  const std::vector<double>* drive = nullptr; ///< the committed row, for laws that soften
-  double unilateral = 1;                      ///< factor of the unilateral stress
-  BulkViscosity bulk = {};                    ///< wants u_n
-  const PatchState* patches = nullptr;        ///< of u
+  const std::vector<double>* drive = nullptr;   ///< the committed row, for laws that soften
+  double unilateral = 1;                        ///< factor of the unilateral stress
+  const std::vector<double>* failure = nullptr; ///< the committed row, for laws that it weakens
+  BulkViscosity bulk = {};                      ///< wants u_n
+  const PatchState* patches = nullptr;          ///< of u
 };
 
 /// Gathered copies of the fields of one batch, and the input that points to them. Not to be copied.
@@ -23,13 +24,15 @@ struct MotionBatch {
   BatchArray<max_nodes> phi, theta;
   PointValues<max_history_size> history;
   PointValues<drive_size> drive;
+  PointValues<1> failure;
   BatchArray<1> patch{1};
   BatchArray<2> patch_pressure{2};
   MotionInput in;
 
   MotionBatch(const CellBatch& batch, const MotionFields& fields)
       : X(batch.nodes() * batch.d.dim()), u(X.size), u_n(X.size), accel(X.size), phi(batch.nodes()),
-        theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()) {
+        theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()),
+        failure(batch.points<1>()) {
     in.X = batch.read(fields.X, X);
     in.u = batch.read(fields.u, u);
     in.u_n = batch.read(fields.u_n, u_n);
@@ -40,6 +43,7 @@ struct MotionBatch {
     in.theta = batch.read(fields.theta, theta);
     in.history = batch.read(fields.history, history);
     in.drive = batch.read(fields.drive, drive);
+    in.failure = batch.read(fields.failure, failure);
     if (fields.patches) {
       in.patch = batch.read_shared(fields.patches->J_minus_1, patch);
       in.patch_pressure = batch.read_shared(fields.patches->pressure, patch_pressure);

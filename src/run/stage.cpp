@@ -117,6 +117,7 @@ void RunStage::set_state(const Checkpoint* resume) {
   check(TS2SetSolution(ts, u, v));
   if (erosion.on() && resume != nullptr) {
     erosion.follow_rows();
+    erosion.shed_mass();
     if (erosion.news()) coupling.expose_contacts(u);
   }
   motion.update_contact(u);
@@ -230,10 +231,10 @@ void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   }
   if (erosion.on()) erosion.settle();
   state.commit();
-  follow_erosion(u_new);
+  follow_erosion(u_new, attempt.dt);
 }
 
-void RunStage::follow_erosion(Vec u_now) {
+void RunStage::follow_erosion(Vec u_now, double dt) {
   if (!erosion.on()) return;
   erosion.follow_rows();
   if (!erosion.news()) return;
@@ -245,6 +246,31 @@ void RunStage::follow_erosion(Vec u_now) {
   const double kept = springs();
   coupling.expose_contacts(u_now);
   ledger.book_exposure(kept, springs());
+  if (d.sheds_mass()) shed_mass(u_now, dt);
+}
+
+// The forces that are there act on through the first half of the next step, on the mass that is left: M a
+// stays, but at prescribed dofs. Nodes without any mass stand still.
+void RunStage::shed_mass(Vec u_now, double dt) {
+  Vec unused = nullptr, v_now = nullptr;
+  check(TS2GetSolution(ts, &unused, &v_now));
+  const Vec a_now = acceleration(ts);
+  const Ledger::Inertia with_it = ledger.inertia(u_now, v_now, a_now, dt);
+  const std::vector<double> mass = d.local_of(motion.lumped_mass());
+  erosion.shed_mass();
+  motion.forget_mass();
+  const std::vector<double> left = d.local_of(motion.lumped_mass());
+  std::vector<double> speed = d.local_of(v_now), rate = d.local_of(a_now);
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    if (left[i] == mass[i] || setup->boundary.fixed_mask()[i]) continue;
+    rate[i] *= left[i] > 0 ? mass[i] / left[i] : 0;
+    if (left[i] == 0) speed[i] = 0;
+  }
+  d.displacement.to_global(speed, v_now);
+  d.displacement.to_global(rate, a_now);
+  rows.v.committed = rows.v.trial = std::move(speed);
+  rows.a.committed = rows.a.trial = std::move(rate);
+  ledger.book_shed_mass(with_it, ledger.inertia(u_now, v_now, a_now, dt));
 }
 
 } // namespace impact

@@ -50,7 +50,8 @@ constexpr ColumnNote history[] = {
     {"dissipated_fatigue", "J", "by growth of the fatigue variable (25')"},
     {"dissipated_contact", "J", "by impacts, signed; negative: energy that contact gave"},
     {"dissipated_erosion", "J",
-     "energy that cells which left had stored, less what stays with their nodes (7)"},
+     "energy that cells which left had stored, less what stays with their nodes; with erosion_mass remove "
+     "their kinetic energy, too (7)"},
     {"dissipated_closing", "J", "where cracks close, signed (section 7)"},
     {"dissipated_numerical", "J", "by the integrator, signed (N1), (N2)"},
     {"dissipated_<kind>_<material>", "J", "viscous, damage, plastic or fatigue loss in one material"},
@@ -76,7 +77,10 @@ constexpr ColumnNote history[] = {
     {"theta_max", "K", "largest temperature at a node, absolute"},
     {"fatigue_max", "N/m", "largest fatigue variable at a point; broken at Gc (F1)"},
     {"eroded_cells", "", "number of cells that have left since t = 0"},
-    {"eroded_mass", "kg", "their mass, which stays with their nodes; of a plane problem times the thickness"},
+    {"eroded_mass", "kg",
+     "their mass, of a plane problem times the thickness; it stays with their nodes unless erosion_mass says "
+     "remove"},
+    {"eroded_momentum_<axis>", "N.s", "that went with mass that cells took along (erosion_mass remove)"},
     {"jc_failure_max", "", "largest failure measure at a point, failed at 1 (55d)"},
     {"reaction_<bc>_<axis>", "N",
      "force of the support on the bodies, over the condition's group, or of the guide on obstacle_<contact> "

@@ -42,7 +42,8 @@ void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
   row.flag("erosion", &Rule::on,
            "cells that fail by any of the criteria below leave their bodies, as do those that lose their "
            "volume (with damage: that are broken then): they bear no force, their faces inside come free "
-           "for contact, mass, heat and crack energy stay with their nodes, what else they stored is "
+           "for contact, mass (erosion_mass), heat and crack energy stay with their nodes, what else they "
+           "stored is "
            "dissipated_erosion")
       .notation("(7)")
       .refused(
@@ -80,6 +81,16 @@ void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
                }),
                "needs <>jc_failure and <>model j2")
       .barred([=](const Material& m) { return idle(m) && m.erosion.failure; }, useless);
+  row.choice(
+         "erosion_mass", &Rule::keeps_mass,
+         "the mass of a cell that leaves stays with its nodes, which fly on, or goes with it, and with it "
+         "momentum and kinetic energy; nodes without any mass stand still; heat and crack energy stay",
+         "keep", true, "remove", false)
+      .refused(eroding([](const Material& m, const Scenario& s) {
+                 return !m.erosion.keeps_mass && !s.explicit_steps();
+               }),
+               "leaves nodes that no equation moves; take keep, or -ts_type central_difference")
+      .barred([=](const Material& m) { return idle(m) && !m.erosion.keeps_mass; }, useless);
   row.number("erosion_J", &Rule::J, "1 J", {0, 1, false, true},
              "a cell leaves when its volume at any point is at most this part of the first one")
       .barred([=](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);

@@ -106,6 +106,16 @@ void add_rate_and_softening(MaterialRows& rows) {
   Rows of_law(rows, RestartKey::guarded, &Material::law);
   of_law.number("jc_c", &Law::rate_c, "1 C (55a)", not_negative,
                 "rate factor 1 + C ln(rate/rate0) above the rate rate0, with any hardening");
+  of_law
+      .choice("jc_rate_form", &Law::rate_form,
+              "factors of the rate: 1 + C ln(rate/rate0) above rate0, or (1 + rate/rate0)^C; so for jc_d4",
+              "log", RateForm::logarithm, "power", RateForm::power)
+      .notation("R (55a)")
+      .refused(
+          [](const Material& m) {
+            return m.law.rate_form == RateForm::power && m.law.rate_c == 0 && m.law.jc_d4 == 0;
+          },
+          "nothing hangs on the rate; needs <>jc_c or <>jc_d4");
   row.number("jc_rate0", &Material::rate_0, "1/s rate0 (55a)", positive,
              "rate of alpha from which jc_c counts")
       .otherwise("required with jc_c")
@@ -150,8 +160,20 @@ void add_failure(MaterialRows& rows) {
             "the failure measure D of Johnson and Cook is followed where the material flows, column "
             "jc_failure_max and field jc_failure: dD = dalpha/eps_f, eps_f = (D1 + D2 exp(D3 sigma*)) "
             "(1 + D4 ln(rate/rate0)) (1 + D5 T*), sigma* the mean stress over that of von Mises, tension "
-            "positive; nothing but erosion_failure depends on it")
+            "positive; nothing but jc_softening and erosion_failure depends on it")
       .notation("D (55d)");
+  of_law
+      .number(
+          "jc_softening", &Law::failure_softening, "1 D_c (55e)", {0, 1, true, false},
+          "factor 1 - D_c D on k, D the failure measure at the start of the step, up to 1: what is left of "
+          "the strength when a point has failed is 1 - D_c; local, so that the flow gathers in a band of "
+          "one cell")
+      .otherwise("0")
+      .refused(
+          [](const Material& m) {
+            return m.law.failure_softening > 0 && !(m.law.jc_failure && m.law.model == Model::j2);
+          },
+          "needs <>jc_failure and <>model j2");
   of_law.number("jc_d1", &Law::jc_d1, "1 D1 (55d)", any_number, "its D1")
       .needed([](const Material& m) { return m.law.jc_failure && m.law.jc_d1 == 0 && m.law.jc_d2 == 0; },
               "<>jc_failure needs it, or <>jc_d2");

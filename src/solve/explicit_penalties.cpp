@@ -39,7 +39,8 @@ ExplicitContact::Loads ExplicitContact::loads(const ContactInterface& contact) {
     if (ContactSettings::rigid_name(side)) return area;
     add_felt_area(contact.facets(side), d.frame, X, area);
     add_up(d.displacement, area);
-    for (std::size_t i = 0; i < area.size(); ++i) loads.nodes[i] += 2 * area[i] / mass[i];
+    for (std::size_t i = 0; i < area.size(); ++i)
+      if (area[i] > 0) loads.nodes[i] += 2 * area[i] / mass[i];
     return area;
   };
   const std::vector<double> secondary = add_side(contact.settings().secondary);

@@ -2,6 +2,7 @@
 #include "reference_cell.hpp"
 
 #include <gtest/gtest.h>
+#include <memory>
 
 using namespace impact;
 using reference::aluminium;
@@ -98,6 +99,44 @@ TYPED_TEST_SUITE(MotionStepKernel, Shapes);
 
 TYPED_TEST(MotionStepKernel, IsResidualAndAdvanceInOnePassForEveryLaw) {
   every_law<typename TypeParam::Cell, TypeParam::frame>(71);
+}
+
+// A measure D makes a point as strong as one whose flow stress is 1 - D_c D of that of the law, in force,
+// tangent, flow and what is lost; and one of the step's start is no part of the tangent.
+TYPED_TEST(MotionStepKernel, FailureWeakensLikeASmallerFlowStress) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  constexpr int dofs = Cell::nodes * Cell::dim, size = history_size(frame);
+  Sampler random(73);
+  MaterialParameters m = aluminium(), weaker = m;
+  m.failure_softening = 0.5;
+  for (double* k : {&weaker.sigma_y, &weaker.voce_r, &weaker.linear_h}) *k *= 1 - 0.5 * 0.7;
+  const auto cases = reference::cases<Cell, frame>(random, 0.02);
+  const reference::CellBatch<Cell, frame> batch(cases);
+  MotionInput in = batch.input(1e-3);
+  Batch measure[Cell::points];
+  for (auto& x : measure) x = 0.7;
+  struct Outcome {
+    Batch r[dofs], K[dofs * dofs], history[Cell::points * size], drive[Cell::points * drive_size];
+    StepSums sums;
+  };
+  const auto step = [&](const MaterialParameters& law, const Batch* failure) {
+    auto out = std::make_unique<Outcome>();
+    in.failure = failure;
+    for (auto& x : out->r) x = 0.0;
+    EXPECT_EQ((kernels<Cell, frame>().motion_tangent(PointLaw{law}, in, nullptr, out->K).bad), 0);
+    EXPECT_EQ((kernels<Cell, frame>()
+                   .motion_step(PointLaw{law}, in, out->history, out->drive, out->sums, {}, out->r)
+                   .bad),
+              0);
+    return out;
+  };
+  const auto one = step(m, measure), other = step(weaker, nullptr), sound = step(m, nullptr);
+  expect_same(one->r, other->r, "force");
+  expect_same(one->K, other->K, "tangent");
+  expect_same(one->history, other->history, "history");
+  expect_same(one->sums, other->sums, "sums");
+  EXPECT_GT(largest(sound->r), 1.001 * largest(one->r));
 }
 
 TYPED_TEST(MotionStepKernel, MarksInvertedCellsAndOverflow) {

@@ -32,6 +32,24 @@ TEST(Failure, RateAndTemperatureCountBetweenTheirBounds) {
   EXPECT_EQ(failure_strain(m, 0.0, 1.0, 1356.0), failure_strain(m, 0.0, 1.0, 5000.0));
 }
 
+TEST(Failure, RateCountsAsAPowerByOption) { // Weldox 460 E at 1e5/s: (1 + 2e8)^-0.0146 = 0.7564930841
+  MaterialParameters m = copper();
+  m.jc_d4 = -0.0146, m.rate_0 = 5e-4;
+  const double slow = failure_strain(m, 0.0, 0.0, 293.0);
+  EXPECT_NEAR(failure_strain(m, 0.0, 1e5, 293.0) / slow, 1 - 0.0146 * std::log(2e8), 1e-12);
+  m.rate_form = RateForm::power;
+  EXPECT_NEAR(failure_strain(m, 0.0, 1e5, 293.0) / slow, 0.7564930841, 1e-10);
+}
+
+TEST(Failure, TakesItsShareOfTheStrengthUpToFailure) {
+  MaterialParameters m = copper();
+  m.failure_softening = 0.3;
+  EXPECT_EQ(weakening(m, 0.0), 1);
+  EXPECT_EQ(weakening(m, 0.5), 0.85);
+  EXPECT_EQ(weakening(m, 1.0), weakening(m, 7.0));
+  EXPECT_EQ(weakening(m, 1.0), 0.7);
+}
+
 TEST(Failure, StrainIsPositiveAndANumberAtAnyStress) {
   MaterialParameters m = copper();
   m.jc_d1 = -0.068; // of 7075 aluminium

@@ -66,6 +66,15 @@ TEST(Hardening, JohnsonCookAtGivenRateAndTemperature) {
   EXPECT_EQ(softening(m, 3000.0), 0);
 }
 
+// (1 + 1e3/1)^0.0089 = 1.0634176477 of the steel, and at rest 1 without a kink.
+TEST(Hardening, RateFactorAsAPower) {
+  MaterialParameters m = steel();
+  m.rate_form = RateForm::power;
+  EXPECT_NEAR(rate_factor(m, 1e-5, 1e-2).k, 1.0634176477, 1e-10);
+  EXPECT_EQ(rate_factor(m, 1e-5, 0.0).k, 1);
+  EXPECT_NEAR(rate_factor(m, 1e-5, 0.0).dk, 0.0089 / 1e-5, 1e-9);
+}
+
 TEST(Hardening, FlowStressAndItsSlopeAlongTheStep) {
   for (int kind = 0; kind < reference::hardening_kinds; ++kind) {
     MaterialParameters m = aluminium();
@@ -123,6 +132,7 @@ TEST(Hardening, SlightOverstressFlowsAtTheRateThatCarriesIt) {
     reference::set_hardening(m, trial % reference::hardening_kinds);
     m.softening = Softening::none;
     m.rate_c = decades(-3, -1.5), m.rate_0 = 1;
+    m.rate_form = trial / reference::hardening_kinds % 2 ? RateForm::power : RateForm::logarithm;
     const FlowConditions<double> at{1, decades(-9, -3)};
     std::array<double, lanes> alpha, ratio, N;
     Batch alphas, ratios;

@@ -41,7 +41,7 @@ inline void set_hardening(MaterialParameters& m, int k) {
     set_hardening(m, 3);
     m.softening = Softening::johnson_cook;
     m.theta_ref = 310, m.theta_melt = 900, m.softening_m = 0.7;
-    m.rate_c = 0.05, m.rate_0 = 10;
+    m.rate_c = 0.05, m.rate_0 = 10, m.rate_form = RateForm::power;
     break;
   }
 }

@@ -111,7 +111,9 @@ template <class T> T static_stress(const MaterialParameters& m, const T& a) {
 template <class T>
 T flow_stress(const MaterialParameters& m, const T& a, const T& da, double theta, double dt) {
   T k = static_stress(m, a);
-  if (m.rate_c > 0 && dt > 0 && std::real(da) / dt > m.rate_0)
+  if (m.rate_c > 0 && dt > 0 && m.rate_form == impact::RateForm::power)
+    k *= std::pow(1.0 + da / (dt * m.rate_0), m.rate_c);
+  else if (m.rate_c > 0 && dt > 0 && std::real(da) / dt > m.rate_0)
     k *= 1.0 + m.rate_c * std::log(da / (dt * m.rate_0));
   if (m.softening == impact::Softening::linear) k *= std::max(0.0, 1 - m.softening_w * (theta - m.theta0));
   if (m.softening == impact::Softening::johnson_cook && theta > m.theta_ref)

@@ -127,6 +127,32 @@ fine, finer = (run(f"bar_{parts}", {**PULL, **WEAK, "ts_type": "newmark", "ts_dt
                for parts in (4, 16))
 check_between("implicit: what the first law misses with steps four times as long, first order", fine / finer, 2.5, 5)
 
+# With their mass go momentum and kinetic energy; the bar flies to the right as a whole. Lumped masses stand at x = 4, 4.25, .. 5.
+FLY = 1.0
+flying = {**PULL, **EXPLICIT, **WEAK, "ic_pull_vx": f"{RATE}*(x-4.5)+{FLY}"}
+kept, gone = (run(f"bar_{word}", {**flying, "material_middle_erosion_mass": word, "checkpoint_every": 10}) for word in ("keep", "remove"))
+places, share = numpy.linspace(4, 5, 5), RHO / 4 * numpy.array([0.5, 1, 1, 1, 0.5])
+mass = gone["eroded_mass"][-1]
+left = numpy.nonzero(gone["eroded_cells"])[0][0]
+check("remove: momentum that goes", gone["eroded_momentum_x"][-1], mass * FLY, 1e-9)
+check("remove: kinetic energy that goes, beside what the integrator held", gone["dissipated_erosion"][-1] - kept["dissipated_erosion"][-1],
+      (share / 2 * (RATE * (places - 4.5) + FLY) ** 2).sum(), 1e-3)
+check("remove: kinetic energy, before and after", gone["energy_kinetic"][left] - kept["energy_kinetic"][left],
+      -(share / 2 * (RATE * (places - 4.5) + FLY) ** 2).sum(), 1e-9)
+momentum = sum(gone[f"momentum_{part}_x"] for part in ("left", "middle", "right"))
+check("remove: momentum with that", largest((momentum + gone["eroded_momentum_x"]) / momentum[0] - 1), 0, 1e-12, relative=False)
+check("remove: the middle has none left", largest(gone["momentum_middle_x"][left:]), 0, 0, relative=False)
+for name in ("balance", "balance_first_law"):
+    check(f"remove: {name}", largest(gone[name]), 0, {"balance": 1e-10}.get(name, 1e-2), relative=False)
+require("keep: no column tells of momentum that goes", not any("eroded_momentum" in c for c in kept.history))
+fly = {**flying, "material_middle_erosion_mass": "remove", "checkpoint_every": 10}
+run("bar_again", {**fly, "ts_max_steps": int(gone["step"][left]) + 3})
+run("bar_again", {**fly, "restart": "auto"})
+require("remove: restart after that is bitwise", filecmp.cmp("bar_remove/history.csv", "bar_again/history.csv", shallow=False))
+two = run("bar_two", {**flying, "material_middle_erosion_mass": "remove"}, ranks=2)
+worst, where = difference(gone.history, two.history)
+check(f"remove: two ranks, in {where}", worst, 0, 1e-8, relative=False)
+
 print("faces that come free")
 HIT = {}
 for dim, y in ((2, "0, 1, 1.5, 2.5"), (3, "0, 0.5, 1, 1.5")):
@@ -207,6 +233,9 @@ for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_er
                     ({"material_middle_erosion_strain": 0.5}, ["-material_middle_erosion_strain", "j2"]),
                     ({"material_middle_erosion_failure": "on"}, ["-material_middle_erosion_failure", "jc_failure"]),
                     ({**FLOOR, "contact_floor_friction": 0.3}, ["-contact_floor_friction", "erosion"]),
+                    ({**SCHEMES["implicit"], "material_middle_erosion_mass": "remove"}, ["-material_middle_erosion_mass", "keep"]),
+                    ({"material_middle_erosion": "off", "material_middle_erosion_stretch": "none", "material_middle_erosion_mass": "remove"},
+                     ["-material_middle_erosion_mass", "no effect"]),
                     ({**SCHEMES["implicit"], **FLOOR}, ["-contact_floor_method", "gpts"]),
                     ({**SCHEMES["implicit"], **FLOOR, "contact_floor_method": "gpts"}, ["-contact_floor_enforce", "penalty"])):
     refused = run("refused", {**PULL, **EXPLICIT, **WEAK, **more}, code=2)

@@ -61,4 +61,50 @@ runs.check("two ranks: failure measure", two["jc_failure_max"][-1], one["jc_fail
 runs.require("it is not uniform", one["jc_failure_max"][-1] > 1.02 * one["probe_p_jc_failure"][-1])
 again = runs.run("again", {**plate, "restart": "one/checkpoints/checkpoint_000001.h5"})
 runs.check("restart: failure measure", again["jc_failure_max"][-1], one["jc_failure_max"][-1], 1e-15)
+
+# What failure takes of the strength: the bar with a constant eps_f = D1 carries (sigma_y + H alpha)(1 - D_c alpha/D1) up to its
+# failure and (1 - D_c) of its strength from there on; D is that of the start of a step, so that what is left falls with the step.
+DC, FAILED = 0.6, 0.15
+weak = {**LAW, "plane": "axisymmetric", "bcs": "axis,foot,pull", "bc_axis_on": "left", "bc_axis_ux": 0, "bc_foot_on": "bottom",
+        "bc_foot_uy": 0, "bc_pull_on": "top", "bc_pull_uy": "exp(t)-1", "material_solid_jc_softening": DC,
+        "material_solid_jc_d1": FAILED, "material_solid_taylor_quinney": 0.8,
+        **{f"material_solid_jc_d{k}": 0 for k in (2, 3, 4, 5)}, "ts_max_time": 0.2}
+gaps = []
+for steps in (40, 80):
+    run = runs.run(f"weak_{steps}", {**weak, "ts_dt": 0.2 / steps})
+    alpha, stress, D = (run[f"probe_p_{name}"] for name in ("alpha", "stress_yy", "jc_failure"))
+    start = numpy.concatenate([[0], D[:-1]])
+    sound = 90 + 300 * alpha
+    bears = sound * (1 - DC * numpy.minimum(start, 1))  # of Kirchhoff's stress, p J = K/2 (J^2 - 1)
+    bears /= numpy.sqrt(1 + 2 * bears / (124e3 / (1 - 2 * 0.34)))
+    flows = numpy.diff(alpha, prepend=0) > 0
+    runs.check(f"{steps} steps: stress by the measure of their start", max(abs(stress / bears - 1)[flows]), 0, 1e-8, relative=False)
+    gaps.append(max(abs(stress - sound * (1 - DC * numpy.minimum(alpha / FAILED, 1)))[flows]))
+    growth = numpy.diff(alpha, prepend=0)
+    lost = math.pi * numpy.cumsum(0.8 * sound * (1 - DC * numpy.minimum(start, 1)) * growth)
+    runs.check(f"{steps} steps: what flow dissipates", run["dissipated_plastic"][-1], lost[-1], 1e-9)
+runs.check("closed form: the gap falls with the step", gaps[0] / gaps[1], 2, 0.05)
+runs.check("closed form: and is small", gaps[1] / 90, 0, 0.03, relative=False)
+runs.check("strength that is left after failure", stress[-1] / sound[-1], 1 - DC, 1e-3)
+
+# The plate goes on from a checkpoint to the last digit, and is that of two ranks.
+plate = {**plate, "material_solid_jc_softening": 0.3}
+one, two = runs.run("weak_one", plate), runs.run("weak_two", plate, ranks=2)
+runs.check("weakened plate, two ranks: energy", two["energy_elastic"][-1], one["energy_elastic"][-1], 1e-8)
+again = runs.run("weak_again", {**plate, "restart": "weak_one/checkpoints/checkpoint_000001.h5"})
+runs.check("weakened plate, restart: energy", again["energy_elastic"][-1], one["energy_elastic"][-1], 1e-15)
+
+# Explicit steps of a bar that is pulled slowly: the same stress.
+fast = runs.run("weak_explicit", {**weak, "ts_type": "central_difference", "material_solid_rho": "8960 kg/m^3",
+                                  "bc_pull_uy": "exp(1000*t)-1", "ts_max_time": 2e-4})
+alpha, stress = fast["probe_p_alpha"], fast["probe_p_stress_yy"]
+late = fast["time"] > 1e-4
+runs.check("explicit: stress", numpy.mean((stress / ((90 + 300 * alpha) * (1 - DC * numpy.minimum(alpha / FAILED, 1))))[late]), 1,
+           0.01)
+
+for change, words in (({"material_solid_jc_softening": 0.3, "material_solid_jc_failure": "off"}, ["jc_softening", "jc_failure"]),
+                      ({"material_solid_jc_rate_form": "power", "material_solid_jc_d4": 0}, ["jc_rate_form", "jc_c"]),
+                      ({"material_solid_jc_softening": 1.5}, ["jc_softening", "value <= 1"])):
+    refused = runs.run("refused", {**sheet, **change}, code=2)
+    runs.require(f"{words[0]} is refused", all(word in refused.log for word in words))
 runs.finish()

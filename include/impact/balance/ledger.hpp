@@ -41,6 +41,15 @@ public:
   /// Between two steps the surfaces of contacts have changed and with them the energy that contacts keep:
   /// cells that left took the difference along.
   void book_exposure(double before, double after);
+  /// What hangs on the mass between two steps, u, v and a being those at hand and dt the length of the last
+  /// one: of all bodies, and what the integrator holds beside rigid bodies. Collective.
+  struct Inertia {
+    Energies energies;
+    double kept;
+  };
+  Inertia inertia(Vec u, Vec v, Vec a, double dt);
+  /// Likewise cells took their mass along.
+  void book_shed_mass(const Inertia& before, const Inertia& after);
   /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
   void unbook() { energies_ = energies_before_; }
 

@@ -41,6 +41,9 @@ public:
   /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
   StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
   /// The same of a step by central differences: one loop over the nodes, one reduction.
+  /// -dt^2/8 a.Ma, what a step of central differences holds, by the mass that is there now, which later
+  /// bookings take too. Not times the thickness. Collective.
+  double kept(double dt, Vec a);
   StepWork book_explicit(const StepRecord& step, Vec u, Vec a);
 
   /// These forces close the balance of momentum on prescribed dofs, [node][dim].

@@ -15,11 +15,12 @@ namespace impact {
 /// > 0 (and in the step sums), drive by laws that soften, in motion_advance. Without a history in plane
 /// stress F_33 is looked for from 1, and the viscous stress is wrong.
 struct MotionInput : CellFields {
-  const Batch* accel = nullptr; ///< [node][dim] acceleration minus body force per mass; nullptr = none
-  bool held = false;            ///< the history is that of u: nothing flows
-  double unilateral = 1;        ///< factor of the unilateral stress m tau-
-  double mass_shift = 0;        ///< tangent += mass_shift rho N_a N_b delta_ik
-  bool symmetric = false;       ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
+  const Batch* accel = nullptr;   ///< [node][dim] acceleration minus body force per mass; nullptr = none
+  const Batch* failure = nullptr; ///< [point] failure measure at t_n, for laws that it weakens
+  bool held = false;              ///< the history is that of u: nothing flows
+  double unilateral = 1;          ///< factor of the unilateral stress m tau-
+  double mass_shift = 0;          ///< tangent += mass_shift rho N_a N_b delta_ik
+  bool symmetric = false;         ///< symmetrised tangent: plastic n (x) dev n^2 term, and the F-bar coupling
   double bulk_linear = 0, bulk_quadratic = 0; ///< of motion_step; u_n must be there (bulk_viscosity.hpp)
 
   bool has_bulk_viscosity() const { return bulk_linear > 0 || bulk_quadratic > 0; }

@@ -140,7 +140,8 @@ inline FlowConditions<Batch> point_conditions(const PointLaw& law, const MotionI
   if (is_plain(law.parameters)) return {};
   const bool warm = in.theta && law.softens();
   FlowConditions<Batch> at =
-      law.conditions(warm ? interpolate<Cell>(in.theta, q) : Batch(law.parameters.theta0), in.dt);
+      law.conditions(warm ? interpolate<Cell>(in.theta, q) : Batch(law.parameters.theta0), in.dt,
+                     in.failure ? in.failure[q] : Batch(0.0));
   at.held = in.held;
   return at;
 }

@@ -37,7 +37,7 @@ template <Terms terms> inline PointLaw restricted_law(const PointLaw& law) {
   if constexpr (terms == Terms::undamaged || terms == Terms::plain) {
     m.hardening = HardeningKind::voce;
     m.softening = Softening::none;
-    m.rate_c = 0;
+    m.rate_c = m.failure_softening = 0;
   }
   return r;
 }

@@ -1,12 +1,11 @@
 #pragma once
-#include <impact/material/parameters.hpp>
-#include <impact/math/dual.hpp>
+#include <impact/material/flow_stress.hpp>
 
 /// Failure of a ductile material after G. R. Johnson and W. H. Cook, Fracture characteristics of three
 /// metals, Engineering Fracture Mechanics 21, 1985: the measure D of a point grows with its plastic strain,
 ///   dD = dalpha/eps_f,   eps_f = (D1 + D2 exp(D3 sigma*)) (1 + D4 ln max(rate/rate_0, 1)) (1 + D5 T*) (55d)
-/// sigma* = mean stress over that of von Mises, tension positive, so that D3 is negative in most metals; T*
-/// is that of the flow stress, between 0 and 1. It has failed at D = 1. Nothing else depends on D.
+/// or with (1 + rate/rate_0)^D4. sigma* = mean stress over that of von Mises, tension positive, so that D3 is
+/// negative in most metals; T* is that of the flow stress, between 0 and 1. It has failed at D = 1.
 namespace impact {
 
 /// eps_f is not less than this, though D1 or D4 may be negative.
@@ -21,10 +20,7 @@ T failure_strain(const MaterialParameters& m, const T& triaxiality, const T& rat
   const T bounded =
       select(value(exponent) < V(-50.0), low, select(value(exponent) > V(50.0), high, exponent));
   T strain = T(m.jc_d1) + m.jc_d2 * exp(bounded);
-  if (m.jc_d4 != 0) {
-    const T ratio = (1 / m.rate_0) * rate;
-    strain = strain * (T(1.0) + m.jc_d4 * log(select(value(ratio) > V(1.0), ratio, T(1.0))));
-  }
+  if (m.jc_d4 != 0) strain = strain * rate_function(m, m.jc_d4, T((1 / m.rate_0) * rate));
   if (m.jc_d5 != 0) {
     const T x = (1 / (m.theta_melt - m.theta_ref)) * (theta - T(m.theta_ref));
     const T warm = select(value(x) > V(0.0), select(value(x) < V(1.0), x, T(1.0)), T(0.0));

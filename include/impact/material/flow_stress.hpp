@@ -1,8 +1,8 @@
 #pragma once
 #include <impact/material/hardening.hpp>
 
-/// k = k_0(alpha) f(theta) R(dalpha/dt) (55a), with f at the frozen temperature of the pass and the rate of
-/// the step by backward Euler. R = 1 + c ln(rate/rate_0) above rate_0, 1 below, as in DynELA and Abaqus.
+/// k = k_0(alpha) f(theta) R(dalpha/dt) w(D) (55a), with f at the frozen temperature of the pass, the rate of
+/// the step by backward Euler and the failure measure D at its start (55e).
 namespace impact {
 
 /// f(theta), the factor of the temperature on the flow stress (55a): never negative.
@@ -20,23 +20,41 @@ template <class T> T softening(const MaterialParameters& m, const T& theta) {
   return select(value(f) > V(0.0), f, T(0.0));
 }
 
+/// 1 - D_c D, the factor of the failure measure on the flow stress (55e); D counts up to 1.
+template <class T> T weakening(const MaterialParameters& m, const T& measure) {
+  return T(1.0) - m.failure_softening * select(value(measure) < Value<T>(1.0), measure, T(1.0));
+}
+
 template <class T> struct FlowConditions {
-  T softening = T(1.0); ///< f(theta)
+  T softening = T(1.0); ///< f(theta) w(D)
   double dt = 0;        ///< 0: at rest, R = 1
   bool held = false;    ///< the history is that of the end of the step already: nothing flows
 };
 
 /// k hangs on alpha alone.
-inline bool is_plain(const MaterialParameters& m) { return m.softening == Softening::none && m.rate_c == 0; }
+inline bool is_plain(const MaterialParameters& m) {
+  return m.softening == Softening::none && m.rate_c == 0 && m.failure_softening == 0;
+}
+
+/// Whether k climbs by decades of alpha from the start of flow on, so that its root is looked for in those.
+inline bool climbs_steeply(const MaterialParameters& m) {
+  return is_steep(m) || (m.rate_c > 0 && m.rate_form == RateForm::power);
+}
+
+/// 1 + c ln(ratio) above 1 and 1 below, as in DynELA and Abaqus, or (1 + ratio)^c, of ratio = rate/rate_0.
+template <class T> T rate_function(const MaterialParameters& m, double c, const T& ratio) {
+  if (m.rate_form == RateForm::power) return pow(T(1.0) + ratio, c);
+  return T(1.0) + c * log(select(value(ratio) > Value<T>(1.0), ratio, T(1.0)));
+}
 
 /// R and its slope along dalpha.
 template <class T> Hardening<T> rate_factor(const MaterialParameters& m, double dt, const T& dalpha) {
   using V = Value<T>;
   if (m.rate_c == 0 || dt <= 0) return {T(1.0), T(0.0)};
-  const T ratio = (1 / (dt * m.rate_0)) * dalpha;
-  const auto fast = value(ratio) > V(1.0);
-  const V slope = select(fast, V(m.rate_c) / value(dalpha), V(0.0));
-  return {T(1.0) + m.rate_c * log(select(fast, ratio, T(1.0))), T(slope)};
+  const double scale = 1 / (dt * m.rate_0);
+  const T ratio = scale * dalpha, R = rate_function(m, m.rate_c, ratio);
+  if (m.rate_form == RateForm::power) return {R, T(V(m.rate_c * scale) * value(R) / (V(1.0) + value(ratio)))};
+  return {R, T(select(value(ratio) > V(1.0), V(m.rate_c) / value(dalpha), V(0.0)))};
 }
 
 /// k(alpha) and its slope along alpha = alpha_n + dalpha at the frozen temperature.

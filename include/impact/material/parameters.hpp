@@ -23,6 +23,7 @@ enum class HardeningKind { voce, power, table, own };
 /// Volumetric law: (52), or that for high pressure (equation_of_state.hpp).
 enum class EquationOfState { none, mie_grueneisen };
 enum class Softening { none, linear, johnson_cook }; ///< f(theta), a factor on k_0
+enum class RateForm { logarithm, power };            ///< of a factor of the rate (55a)
 
 struct HardeningTable;       // material/hardening.hpp
 struct HardeningFunctions;   // material/hardening.hpp
@@ -46,8 +47,10 @@ struct FlowParameters {
   double power_b = 0, power_n = 1; ///< k_0 = s_y + b alpha^n
   double rate_c = 0, rate_0 = 1;   ///< factor 1 + c ln(rate/rate_0) on k above the rate rate_0
   Softening softening = Softening::none;
+  RateForm rate_form = RateForm::logarithm;                   ///< or power: (1 + rate/rate_0)^c
   double softening_w = 0;                                     ///< linear: f = 1 - w (theta - theta_0)
   double theta_ref = 298.15, theta_melt = 0, softening_m = 1; ///< Johnson-Cook: f = 1 - T*^m
+  double failure_softening = 0;                               ///< D_c: factor 1 - D_c D on k (55e)
   double taylor_quinney = 0.9;                                ///< chi: k_d = chi k (theory.md, E9)
   const HardeningTable* table = nullptr;                      ///< with HardeningKind::table
   const HardeningFunctions* own_hardening = nullptr;          ///< with HardeningKind::own

@@ -50,7 +50,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
 
   // admissibility
   const T N = m.G * sqrt(dot(out.trial, out.trial)), mu = m.G * out.y;
-  const Hardening<T> start = flow_stress(m, at, alpha_n, T(0.0));
+  const Hardening<T> start = flow_stress(m, FlowConditions<T>{at.softening, 0, false}, alpha_n, T(0.0));
   const V f = value(N) - value((q * ratio) * start.k);
   out.plastic = at.held ? f < f : f > V(0.0);
   if (!any(out.plastic)) return out;
@@ -72,7 +72,7 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
                        residual, noise);
   };
   ScalarRoot<V> root;
-  if (is_steep(m)) { // k' is infinite at alpha = 0: `first` is 0 there, and the root anywhere above
+  if (climbs_steeply(m)) { // k' may be infinite at alpha = 0: `first` is 0 there, and the root anywhere above
     const V noise = V(4e-15) * Nv;
     root = solve(max(first, V(V(1e-6) * high)), V(V(1e-280) * high), &noise);
   } else {

@@ -49,7 +49,9 @@ struct PointLaw {
   /// No law at all: the cells of a rigid body have mass alone.
   bool rigid() const { return parameters.model == Model::rigid; }
   /// Plastic energy is a sum over the steps, not a function of alpha.
-  bool softens() const { return flows() && parameters.softening != Softening::none; }
+  bool softens() const {
+    return flows() && (parameters.softening != Softening::none || parameters.failure_softening > 0);
+  }
   bool viscous() const { return parameters.b_d > 0; }
   bool fatigues() const { return parameters.damage != Damage::none && parameters.fatigue_a > 0; }
   bool fails() const { return flows() && parameters.jc_failure; }
@@ -80,12 +82,16 @@ struct PointLaw {
     return v;
   }
 
-  /// What the flow stress hangs on beside alpha, at the temperature theta in a step dt.
-  template <class T> FlowConditions<T> conditions(const T& theta, double dt) const {
-    return {softens() ? softening(parameters, theta) : T(1.0), dt, false};
+  /// What the flow stress hangs on beside alpha, at the temperature theta in a step dt that begins with a
+  /// failure measure.
+  template <class T>
+  FlowConditions<T> conditions(const T& theta, double dt, const T& failure_n = T(0.0)) const {
+    if (!softens()) return {T(1.0), dt, false};
+    const T f = softening(parameters, theta);
+    return {parameters.failure_softening > 0 ? f * weakening(parameters, failure_n) : f, dt, false};
   }
 
-  /// H_0 at the end of the return: with softening what was reached before plus f times its growth.
+  /// H_0 at the end of the return: with softening what was reached before plus f w times its growth.
   template <class T, int d> T plastic_energy(const Return<T, d>& flow, const T& alpha_n, const T& H_n) const {
     if (!softens()) return plastic_potential(parameters, flow.alpha);
     const T growth = plastic_potential(parameters, flow.alpha) - plastic_potential(parameters, alpha_n);

@@ -88,6 +88,7 @@ struct CellBatch {
   std::size_t first_point,
       first_cell; ///< of the group, in rows [group][batch][point][lane], [group][batch][lane]
   int eroded;     ///< bit l: the cell in lane l has left the body
+  int weightless; ///< and its mass is gone
 
   int nodes() const { return group.shape->nodes; }
   int used() const { return group.lanes_in_use(number); }
@@ -99,14 +100,17 @@ struct CellBatch {
   bool patched() const { return !d.patches.empty() && d.patches.in_group[at(number_of_group)] != 0; }
   int patch(int lane) const { return d.patches.of_lane[place() * lanes + at(lane)]; }
   double sum(const Batch& value) const { return lane_sum(value, used()); }
-  /// Of the cells that are still there.
-  double live_sum(const Batch& value) const {
-    if (eroded == 0) return sum(value);
+  /// Of the cells but for those lanes.
+  double sum_without(int gone, const Batch& value) const {
+    if (gone == 0) return sum(value);
     double sum = 0;
     for (int l = 0; l < used(); ++l)
-      if (live(l)) sum += value[l];
+      if ((gone & (1 << l)) == 0) sum += value[l];
     return sum;
   }
+  /// Of the cells that are still there; whose mass is.
+  double live_sum(const Batch& value) const { return sum_without(eroded, value); }
+  double massive_sum(const Batch& value) const { return sum_without(weightless, value); }
   bool live(int lane) const { return (eroded & (1 << lane)) == 0; }
 
   NodalValues gather(std::span<const double> field, int components) const {
@@ -141,10 +145,8 @@ struct CellBatch {
     forget_eroded(values);
     return values;
   }
-  template <int most> void forget_eroded(BatchArray<most>& values) const {
-    for (int l = 0; eroded != 0 && l < lanes; ++l)
-      for (int i = 0; !live(l) && i < values.size; ++i) values.value[i].set(l, 0);
-  }
+  template <int most> void forget_eroded(BatchArray<most>& values) const { forget(eroded, values); }
+  void forget_weightless(NodalValues& values) const { forget(weightless, values); }
   NodalValues scalars(std::span<const double> field) const { return gather(field, 1); }
   /// Nodal values to be filled; to be summed up, 0 at first; and their sum into a field.
   NodalValues nodal(int components) const { return NodalValues(nodes() * components); }
@@ -184,6 +186,10 @@ struct CellBatch {
   }
 
 private:
+  template <int most> static void forget(int gone, BatchArray<most>& values) {
+    for (int l = 0; gone != 0 && l < lanes; ++l)
+      for (int i = 0; (gone & (1 << l)) != 0 && i < values.size; ++i) values.value[i].set(l, 0);
+  }
   template <int most> std::size_t place(const PointValues<most>& values) const {
     return first_point * at(values.components) + at(number) * at(values.size) * lanes;
   }
@@ -198,7 +204,8 @@ template <class Takes, class Body> void for_each_batch(const Discretisation& d, 
     if (takes(d.law(group)))
       for (int b = 0; b < group.batch_count; ++b)
         body(CellBatch{d, group, d.law(group), kernels, static_cast<int>(g), b, point, cell,
-                       d.eroded.in_batch(cell / lanes + at(b))});
+                       d.eroded.in_batch(cell / lanes + at(b)),
+                       d.weightless.empty() ? 0 : d.weightless[cell / lanes + at(b)]});
     point += point_values(group, 1);
     cell += at(group.batch_count) * lanes;
   }

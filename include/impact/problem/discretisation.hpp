@@ -41,8 +41,9 @@ struct Discretisation {
   std::vector<MaterialAssignment> materials;
   std::vector<CellGroup> groups;
   Frame frame;
-  double thickness = 1;     ///< multiplies integrals of plane problems in what is reported
-  ErodedCells eroded{};     ///< at the end of the attempt at work; Erosion keeps it
+  double thickness = 1;          ///< multiplies integrals of plane problems in what is reported
+  ErodedCells eroded{};          ///< at the end of the attempt at work; Erosion keeps it
+  std::vector<int> weightless{}; ///< as ErodedCells::lanes_of, of cells whose mass is gone; empty: none
   bool lumped_mass = false; ///< a cell's mass stands at its nodes, by the integrals of the shape functions
 
   VolumePatches patches{};
@@ -69,6 +70,10 @@ struct Discretisation {
   }
   bool erodes() const {
     return std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.erosion.on; });
+  }
+  bool sheds_mass() const {
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const auto& m) { return m.erosion.on && !m.erosion.keeps_mass; });
   }
   bool has_viscosity() const {
     return any_law([](const PointLaw& law) { return law.viscous(); });

@@ -4,8 +4,9 @@
 #include <utility>
 
 /// Cells that fail leave their bodies (theory.md, 7): no force, no energy, no bound of the step comes from
-/// them any more; their mass, heat and crack energy stay with their nodes. The row "eroded" says which, 1 at
-/// all points of a cell, the row "erosion_totals" what went with them.
+/// them any more; their heat and crack energy stay with their nodes, and their mass unless the rule of their
+/// material says otherwise. The row "eroded" says which, 1 at all points of a cell, the row "erosion_totals"
+/// what went with them.
 namespace impact {
 
 class Erosion {
@@ -29,6 +30,9 @@ public:
   /// hold. Collective.
   void find_failed(Vec u);
 
+  /// Between steps: the mass of those cells whose material keeps none is gone from here on; whoever keeps
+  /// sums of it makes them anew.
+  void shed_mass();
   /// Before the table commits: what leaves keeps no history.
   void settle();
   /// Since the last call cells have left; counts as of the trial halves. Equal on all ranks.

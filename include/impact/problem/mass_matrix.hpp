@@ -26,6 +26,11 @@ public:
   /// The lumped mass is that of the cells times these factors, of a row with one for each point; they must
   /// outlive the matrix.
   void scale(const std::vector<double>* factors);
+  /// Cells have left with their mass: the lumped mass is made anew.
+  void forget() {
+    lumped_ = {};
+    unscaled_ = {};
+  }
   /// Solves M x = b on free dofs; other entries of x keep their values, their columns lifted. Throws
   /// UserError. Collective.
   void solve(Vec b, Vec x);

@@ -122,6 +122,7 @@ public:
   void mass_solve(Vec b, Vec x) { mass_.solve(b, x); }
   /// Of a discretisation with lumped mass, at each dof.
   Vec lumped_mass() { return mass_.lumped(); }
+  void forget_mass() { mass_.forget(); }
   /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
   /// from `u_n`; infinite without deformable bodies. Collective.
   double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);

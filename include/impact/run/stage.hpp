@@ -41,8 +41,10 @@ struct RunStage {
   /// Velocity and acceleration `with_ghosts` where someone writes fields or columns; explicit steps do
   /// without else. Collective.
   void accept(const Attempt& attempt, bool with_ghosts = true);
-  /// Lets those who keep something for cells know which are there, after the table has changed. Collective.
-  void follow_erosion(Vec u_now);
+  /// Lets those who keep something for cells know which are there, after the table has changed; the mass of
+  /// cells goes where it is told to. dt: length of the step. Collective.
+  void follow_erosion(Vec u_now, double dt);
+  void shed_mass(Vec u_now, double dt);
   /// A resumed run builds its list of candidates afresh and factors anew: so does one that has written a
   /// checkpoint, or they would part by round-off.
   void forget_what_a_restart_lacks();
