@@ -139,6 +139,8 @@ bool DamageProblem::assemble_forces(const Equation& equation, Vec x, Vec f) {
   const bool sound = visit_batches(equation, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_residual(batch.law, in, r.data());
+    if (batch.tiring().works())
+      for (Batch& force : r.all()) force *= batch.toughness(worn_->committed);
     batch.scatter(r, r_);
     return bad;
   });
@@ -160,6 +162,7 @@ void DamageProblem::tangent(SNES, Vec x, Mat, Mat) {
   visit_batches(equation_, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_tangent(batch.law, in, r.data(), K.zeroed(batch.nodes()));
+    if (batch.tiring().works()) K.scale(batch.toughness(worn_->committed));
     field_.add(batch, K);
     return bad;
   });

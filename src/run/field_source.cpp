@@ -24,12 +24,7 @@ bool is_point_row(std::string_view name) {
 
 // Mean over each cell of a row with one number per point.
 Batch cell_mean(const CellBatch& batch, const std::vector<double>& row) {
-  const auto X = batch.vectors(batch.d.mesh.coordinates());
-  const auto values = batch.load<1>(row);
-  auto ones = batch.points<1>();
-  std::ranges::fill(ones.all(), Batch(1.0));
-  const auto integral = batch.kernels.cell_integral;
-  return integral(X.data(), values.data()) / integral(X.data(), ones.data());
+  return batch.mean(batch.vectors(batch.d.mesh.coordinates()), batch.load<1>(row));
 }
 
 } // namespace

@@ -98,7 +98,9 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
       p.equation_of_state = EquationOfState::none;
       p.locking = Locking::none;
     }
-    materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{}});
+    const bool tires = s.has_motion() && p.damage != Damage::none;
+    materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{},
+                         tires ? m.fatigue : ToughnessFatigue{}});
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;

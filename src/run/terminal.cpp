@@ -25,7 +25,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   for (const CellGroup& group : d.groups) found[at(group.material) * shapes + at(index_of(group.shape))] = 1;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto& [law, regions, id, points, erosion] = d.materials[i / shapes];
+    const auto& [law, regions, id, points, erosion, fatigue] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
@@ -203,8 +203,8 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"
                                            : "elastic",
-                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, m.id).c_str(),
-                    p.rho * extent.size, extent.narrowest, extent.widest));
+                    damage.c_str(), m.law.fatigues() || m.fatigue.works() ? " and fatigue" : "",
+                    values_text(s, m.id).c_str(), p.rho * extent.size, extent.narrowest, extent.widest));
   if (p.damage != Damage::none) {
     // A crack is a row of broken cells, halves of those of second order, and what stands beside it (Bourdin,
     // Francfort, Marigo 2008, 8.1).

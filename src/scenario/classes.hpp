@@ -90,6 +90,7 @@ void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows);
 void resolve_hardening(MaterialScenario& material);
 /// Likewise of a degradation that knows the strength; the moduli and the split are resolved.
 void resolve_strength(MaterialScenario& material);
+void resolve_fatigue(MaterialScenario& material);
 /// Which softening it has, by its option or by the hardening that brings one.
 Softening softening_of(const MaterialScenario& material);
 /// The rows of rigid obstacles.

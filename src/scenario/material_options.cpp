@@ -241,6 +241,7 @@ void resolve(Material& m, const Scenario& scenario) {
   law.split = m.split == Split::automatic ? automatic_split(m, scenario) : m.split;
   law.locking = m.locking.value_or(automatic_locking(law, scenario.plane));
   resolve_strength(m);
+  resolve_fatigue(m);
 }
 
 } // namespace

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <impact/kernel/point_data.hpp>
+#include <impact/material/toughness.hpp>
 #include <impact/math/index.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
@@ -21,6 +22,7 @@ struct MaterialAssignment {
   std::string id{};                               ///< what the user calls it
   std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
   ErosionRule erosion{};
+  ToughnessFatigue fatigue{};
 };
 
 /// Which cells have left their bodies (erosion.hpp); empty as long as none has.
@@ -59,7 +61,8 @@ struct Discretisation {
     return any_law([](const PointLaw& law) { return law.parameters.damage != Damage::none; });
   }
   bool has_fatigue() const {
-    return any_law([](const PointLaw& law) { return law.fatigues(); });
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const auto& m) { return m.law.fatigues() || m.fatigue.works(); });
   }
   bool has_failure() const {
     return any_law([](const PointLaw& law) { return law.fails(); });

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <impact/contact/settings.hpp>
 #include <impact/input/units.hpp>
+#include <impact/material/toughness.hpp>
 #include <impact/problem/boundary_conditions.hpp>
 #include <impact/problem/erosion_rule.hpp>
 #include <impact/problem/settings.hpp>
@@ -57,6 +58,7 @@ struct MaterialScenario {
   Split split = Split::automatic;
   std::optional<Softening> softening; ///< empty: automatic, and so below
   ErosionRule erosion;
+  ToughnessFatigue fatigue;
   std::optional<Locking> locking; ///< automatic: mean for j2 on quads and hexes, else none
   struct Option {
     std::string name, text, said; ///< text: in the run's units; said: the user's words, empty for a default
