@@ -51,11 +51,11 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
       lower_(d_.scalar.make_global()), upper_(d_.scalar.make_global()) {
   double toughness = 0;
   const bool vi = settings_.bounds == DamageBounds::vi;
-  for (const MaterialAssignment& m : d_.materials)
-    if (damages(m.law)) {
-      toughness = std::max(toughness, m.law.parameters.Gc);
-      bounded_at_once_ = bounded_at_once_ || (vi && needs_bounds(m.law));
-      width_ = std::max(width_, m.law.parameters.gamma);
+  for (const PointLaw& law : d_.laws)
+    if (damages(law)) {
+      toughness = std::max(toughness, law.parameters.Gc);
+      bounded_at_once_ = bounded_at_once_ || (vi && needs_bounds(law));
+      width_ = std::max(width_, law.parameters.gamma);
     }
   reference_ = 1e-12 * toughness / width_ * std::pow(d_.mesh.smallest_edge(), d_.dim());
   const std::size_t points = d_.point_values(1);

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/input/spelling.hpp>
 #include <impact/kernel/cell_kernels.hpp>
+#include <impact/material/cohesive.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/field_source.hpp>
@@ -20,6 +22,14 @@ const std::pair<std::string, std::vector<double> ContactFields::*> contact_field
 // Fields that are rows with one number per point.
 bool is_point_row(std::string_view name) {
   return name == "fatigue" || name == "jc_failure" || name == "eroded";
+}
+
+// Fields that are a number of the law.
+std::optional<double> number_of(std::string_view name, const MaterialParameters& m) {
+  if (name == "E") return m.G == 0 ? 0 : 9 * m.K * m.G / (3 * m.K + m.G);
+  if (name == "Gc") return m.Gc;
+  if (name == "strength") return is_cohesive(m.ge) ? std::sqrt(cohesive_slope(m, 1) / m.cohesive.a1) : 0;
+  return {};
 }
 
 // Mean over each cell of a row with one number per point.
@@ -70,6 +80,10 @@ std::vector<double> FieldSource::cell_means(const std::string& name, int compone
       for (int l = 0; l < lanes; ++l) values.push_back(source[k][l]);
   };
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    if (const auto number = number_of(name, batch.law.parameters)) {
+      const Batch same = *number;
+      return append(&same);
+    }
     if (row != nullptr) {
       const Batch mean = cell_mean(batch, row->committed);
       return append(&mean);

@@ -25,7 +25,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
   for (const CellGroup& group : d.groups) found[at(group.material) * shapes + at(index_of(group.shape))] = 1;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto& [law, regions, id, points, erosion, fatigue] = d.materials[i / shapes];
+    const auto& [law, regions, id, points, erosion, fatigue, factors] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
@@ -235,6 +235,16 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
   }
 }
 
+// Each law has batches of its own, the last of which is seldom full.
+void report_places(const Discretisation& d) {
+  for (std::size_t m = 0; m < d.materials.size(); ++m)
+    if (d.materials[m].factors)
+      check(PetscPrintf(
+          d.mesh.comm(), "material %s: numbers that differ from place to place, %d laws of cells\n",
+          d.materials[m].id.c_str(),
+          static_cast<int>(std::ranges::count(d.groups, static_cast<int>(m), &CellGroup::material))));
+}
+
 // An output or a checkpoint behind the end never comes.
 void report_late(MPI_Comm comm, const Scenario& s) {
   const double end = s.time.max_time, least = end * (1 + 1e-9);
@@ -278,6 +288,7 @@ void report_setup(const Scenario& s, const Discretisation& d) {
   report_shares(s, d);
   report_groups(d);
   for (const MaterialAssignment& m : d.materials) report_material(s, d, m);
+  report_places(d);
   if (s.has_heat())
     for (const MaterialAssignment& m : d.materials)
       check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",

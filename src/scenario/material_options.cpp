@@ -257,6 +257,7 @@ OptionClass<MaterialScenario> material_class() {
   add_heat(table.rows);
   add_damage(table.rows);
   add_erosion(table.rows);
+  add_places(table.rows);
   bar_from_rigid(table.rows);
   table.inherits = true;
   table.finish = [](Material& m, OptionContext&) {
