@@ -75,10 +75,11 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     in.phi = batch.read(half(rows.phi), phi);
     in.theta = batch.read(half(rows.theta), theta);
     in.history = batch.read(half(&rows.history), points);
-    in.fatigue = batch.read(half(rows.fatigue), fatigue);
+    in.fatigue = batch.read(batch.law.fatigues() ? half(rows.fatigue) : nullptr, fatigue);
     in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, driven);
     EnergySums sums;
     batch.kernels.stored_energy(batch.law, in, sums);
+    sums.fatigue += batch.toughness_energy(half(rows.fatigue), sums.fracture);
     add(sums, batch, mine);
     if (!rows.theta) return;
     HeatSums heat;

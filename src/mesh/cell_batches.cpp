@@ -34,24 +34,24 @@ void pack(const CellTable& table, const std::vector<std::size_t>& cells, CellGro
 
 int CellGroup::lanes_in_use(int batch) const { return std::min(lanes, cell_count - batch * lanes); }
 
-std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell) {
-  int materials = 0;
-  for (const int m : material_of_cell) materials = std::max(materials, m + 1);
-  materials = max_over_ranks(mesh.comm(), materials);
+std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& law_of_cell) {
+  int laws = 0;
+  for (const int law : law_of_cell) laws = std::max(laws, law + 1);
+  laws = max_over_ranks(mesh.comm(), laws);
   const auto shapes = static_cast<int>(known_shapes().size());
-  // [material][shape][cell of the table of that shape]
-  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(materials * shapes));
+  // [law][shape][cell of the table of that shape]
+  std::vector<std::vector<std::size_t>> members(static_cast<std::size_t>(laws * shapes));
   std::vector<const CellTable*> table_of_shape(known_shapes().size());
   std::string trouble;
   for (const CellTable& table : mesh.cells()) {
     const int shape = index_of(table.shape);
     table_of_shape[static_cast<std::size_t>(shape)] = &table;
     for (std::size_t c = 0; c < table.point.size() && trouble.empty(); ++c) {
-      const int m = material_of_cell[static_cast<std::size_t>(table.point[c] - mesh.cell_start())];
-      if (m < 0)
+      const int law = law_of_cell[static_cast<std::size_t>(table.point[c] - mesh.cell_start())];
+      if (law < 0)
         trouble = place_without_material(mesh, table, c);
       else
-        members[static_cast<std::size_t>(m * shapes + shape)].push_back(c);
+        members[static_cast<std::size_t>(law * shapes + shape)].push_back(c);
     }
   }
   throw_first(mesh.comm(), ExitCode::data, trouble);
@@ -64,7 +64,7 @@ std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& mate
     if (used[k] == 0) continue;
     CellGroup& group = groups.emplace_back();
     group.shape = known_shapes()[k % known_shapes().size()];
-    group.material = static_cast<int>(k) / shapes;
+    group.law = group.material = static_cast<int>(k) / shapes;
     if (!members[k].empty()) pack(*table_of_shape[k % known_shapes().size()], members[k], group);
   }
   return groups;

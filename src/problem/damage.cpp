@@ -51,11 +51,11 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
       lower_(d_.scalar.make_global()), upper_(d_.scalar.make_global()) {
   double toughness = 0;
   const bool vi = settings_.bounds == DamageBounds::vi;
-  for (const MaterialAssignment& m : d_.materials)
-    if (damages(m.law)) {
-      toughness = std::max(toughness, m.law.parameters.Gc);
-      bounded_at_once_ = bounded_at_once_ || (vi && needs_bounds(m.law));
-      width_ = std::max(width_, m.law.parameters.gamma);
+  for (const PointLaw& law : d_.laws)
+    if (damages(law)) {
+      toughness = std::max(toughness, law.parameters.Gc);
+      bounded_at_once_ = bounded_at_once_ || (vi && needs_bounds(law));
+      width_ = std::max(width_, law.parameters.gamma);
     }
   reference_ = 1e-12 * toughness / width_ * std::pow(d_.mesh.smallest_edge(), d_.dim());
   const std::size_t points = d_.point_values(1);
@@ -139,6 +139,8 @@ bool DamageProblem::assemble_forces(const Equation& equation, Vec x, Vec f) {
   const bool sound = visit_batches(equation, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_residual(batch.law, in, r.data());
+    if (batch.tiring().works())
+      for (Batch& force : r.all()) force *= batch.toughness(worn_->committed);
     batch.scatter(r, r_);
     return bad;
   });
@@ -160,6 +162,7 @@ void DamageProblem::tangent(SNES, Vec x, Mat, Mat) {
   visit_batches(equation_, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_tangent(batch.law, in, r.data(), K.zeroed(batch.nodes()));
+    if (batch.tiring().works()) K.scale(batch.toughness(worn_->committed));
     field_.add(batch, K);
     return bad;
   });

@@ -25,6 +25,13 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
       put_history(batch.load<1>(history_->trial), now);
       put_history(batch.load<1>(history_->committed), before);
     }
+    // Of a cell of the toughness f G_c the equation is f times that of one of the toughness G_c that 1/f of
+    // the energies drives (F2).
+    if (batch.tiring().works()) {
+      const Batch left = batch.toughness(worn_->committed);
+      for (auto* energies : {&now, &before})
+        for (Batch& energy : energies->all()) energy = energy / left;
+    }
     auto worn = batch.points<1>();
     auto flowed = batch.histories();
     DamageInput in;

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
+#include <impact/mesh/agreed_error.hpp>
+#include <impact/mesh/exchange.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
@@ -10,8 +13,8 @@ namespace impact {
 
 double Discretisation::softest_modulus() const {
   double softest = HUGE_VAL;
-  for (const MaterialAssignment& m : materials)
-    if (const MaterialParameters& p = m.law.parameters; !m.law.rigid())
+  for (const PointLaw& law : laws)
+    if (const MaterialParameters& p = law.parameters; !law.rigid())
       softest = std::min(softest, 9 * p.K * p.G / (3 * p.K + p.G));
   return softest;
 }
@@ -118,6 +121,70 @@ std::vector<int> materials_of_cells(const Mesh& mesh, const std::vector<Material
   return material;
 }
 
+// The mean of a cell's nodes, the same to the last bit whatever their order.
+std::array<double, 3> centre_of(const Mesh& mesh, const CellTable& table, std::size_t cell) {
+  const auto nodes = at(node_count(table.shape)), dim = at(mesh.dim());
+  std::array<double, 3> centre{};
+  for (std::size_t k = 0; k < dim; ++k) {
+    std::vector<double> values;
+    for (std::size_t a = 0; a < nodes; ++a)
+      values.push_back(mesh.coordinates()[at(table.connectivity[cell * nodes + a]) * dim + k]);
+    std::ranges::sort(values);
+    for (const double value : values) centre[k] += value / static_cast<double>(nodes);
+  }
+  return centre;
+}
+
+/// A material and its factors somewhere.
+struct PlacedLaw {
+  int material = 0;
+  PlaceFactors factors;
+  auto operator<=>(const PlacedLaw&) const = default;
+};
+
+// All that any rank has, without repetition, in order.
+std::vector<PlacedLaw> unite(MPI_Comm comm, std::vector<PlacedLaw> mine) {
+  const auto sort = [](std::vector<PlacedLaw>& all) {
+    std::ranges::sort(all);
+    all.erase(std::ranges::unique(all).begin(), all.end());
+  };
+  sort(mine);
+  int ranks = 0;
+  MPI_Comm_size(comm, &ranks);
+  std::vector<PlacedLaw> all;
+  for (const auto& part : all_to_all(comm, std::vector(at(ranks), mine)))
+    all.insert(all.end(), part.begin(), part.end());
+  sort(all);
+  return all;
+}
+
+// Cells of one law come into the same batches; so what depends on place costs a law for each of its values.
+std::vector<CellGroup> pack(const Mesh& mesh, const std::vector<MaterialAssignment>& materials,
+                            std::vector<PointLaw>& laws) {
+  std::vector<int> of_cell = materials_of_cells(mesh, materials);
+  std::vector<PlacedLaw> placed(of_cell.size());
+  for (std::size_t c = 0; c < placed.size(); ++c) placed[c].material = of_cell[c];
+  const auto place = [&](const CellTable& table) {
+    for (std::size_t c = 0; c < table.point.size(); ++c) {
+      PlacedLaw& cell = placed[at(table.point[c] - mesh.cell_start())];
+      if (cell.material < 0 || !materials[at(cell.material)].factors) continue;
+      cell.factors = materials[at(cell.material)].factors(centre_of(mesh, table, c).data());
+    }
+  };
+  agree_on_errors(mesh.comm(), [&] { std::ranges::for_each(mesh.cells(), place); });
+  std::vector<PlacedLaw> kinds = unite(mesh.comm(), placed);
+  std::erase_if(kinds, [](const PlacedLaw& kind) { return kind.material < 0; });
+  for (std::size_t c = 0; c < placed.size(); ++c)
+    if (of_cell[c] >= 0)
+      of_cell[c] = static_cast<int>(std::ranges::lower_bound(kinds, placed[c]) - kinds.begin());
+  std::vector<CellGroup> groups = pack_cells(mesh, of_cell);
+  for (CellGroup& group : groups) group.material = kinds[at(group.law)].material;
+  for (const PlacedLaw& kind : kinds)
+    laws.push_back(kind.factors == PlaceFactors{} ? materials[at(kind.material)].law
+                                                  : law_at(materials[at(kind.material)].law, kind.factors));
+  return groups;
+}
+
 } // namespace
 
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, Frame plane,
@@ -129,7 +196,8 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
                                           "mesh (x = R, y = Z)"
                                         : "-plane stress: the mesh is 3D; sheets want a 2D mesh");
   FieldLayout displacement(mesh, "u", dim), scalar(mesh, "phi", 1);
-  std::vector<CellGroup> groups = pack_cells(mesh, materials_of_cells(mesh, materials));
+  std::vector<PointLaw> laws;
+  std::vector<CellGroup> groups = pack(mesh, materials, laws);
   VolumePatches patches(mesh, groups, materials);
   const Frame frame = dim == 3 ? Frame::solid : plane;
   return {std::move(mesh),
@@ -137,6 +205,7 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
           std::move(scalar),
           std::move(materials),
           std::move(groups),
+          std::move(laws),
           frame,
           is_flat(frame) ? thickness : 1.0,
           {},

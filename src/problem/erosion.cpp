@@ -81,7 +81,7 @@ double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vecto
   in.phi = batch.read(half("phi"), phi);
   in.theta = batch.read(half("theta"), theta);
   in.history = gone ? nullptr : batch.read(half("history"), points);
-  in.fatigue = batch.read(half("fatigue"), fatigue);
+  in.fatigue = batch.read(batch.law.fatigues() ? half("fatigue") : nullptr, fatigue);
   in.drive = gone ? nullptr : batch.read(batch.law.softens() ? half("drive") : nullptr, driven);
   auto virgin = batch.histories();
   if (gone) {
@@ -90,7 +90,7 @@ double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vecto
   }
   EnergySums sums;
   batch.kernels.stored_energy(batch.law, in, sums);
-  Batch energy = sums.fracture + sums.fatigue;
+  Batch energy = sums.fracture + sums.fatigue + batch.toughness_energy(half("fatigue"), sums.fracture);
   if (!gone) energy += sums.elastic + sums.plastic;
   if (in.theta) {
     HeatSums heat;

@@ -7,6 +7,67 @@
 
 namespace impact {
 
+namespace {
+
+// Mean over each cell of the energy that drives damage, as degraded as it is stored.
+Batch driving_energy(const CellBatch& batch, const NodalValues& X, const NodalValues& phi,
+                     const std::vector<double>& drive) {
+  const MaterialParameters& m = batch.law.parameters;
+  const auto driving = batch.load<drive_size>(drive);
+  auto energy = batch.points<1>();
+  for (int q = 0; q < energy.size; ++q) {
+    Batch damage = 0;
+    for (int a = 0; a < phi.size; ++a) damage += batch.group.shape->N[q * phi.size + a] * phi.value[a];
+    const Degradations<Batch> g = degradations(m, damage, Batch(0.0));
+    const Drive& of_point = drive_at(driving.data(), q);
+    energy.value[q] = g.e1.g * of_point.plus;
+    if (m.split == Split::none) energy.value[q] += g.e2.g * of_point.minus;
+  }
+  return batch.mean(X, energy);
+}
+
+// int psi_phi of each cell.
+Batch crack_energy_of(const CellBatch& batch, const NodalValues& X, const NodalValues& phi,
+                      const FatigueStep& step, const StateRow& history) {
+  const auto u = batch.displaced(*step.u);
+  auto flowed = batch.histories();
+  EnergyInput in;
+  in.X = X.data();
+  in.u = u.data();
+  in.phi = phi.data();
+  in.history = batch.read(&history.trial, flowed);
+  EnergySums sums;
+  batch.kernels.stored_energy(batch.law, in, sums);
+  return sums.fracture;
+}
+
+// The toughness of the cells of one batch (F2), and what its fall at the phi of the end dissipates (F3).
+void lower_toughness(const CellBatch& batch, StateTable& state, const FatigueStep& step,
+                     FatigueGrowth& growth) {
+  StateRow &fatigue = state.row("fatigue"), &drive = state.row("drive");
+  const auto X = batch.vectors(batch.d.mesh.coordinates());
+  const auto phi = batch.scalars(*step.phi), phi_n = batch.scalars(*step.phi_n);
+  auto values = batch.load<1>(fatigue.committed);
+  Batch grown = batch.tiring().growth(driving_energy(batch, X, phi_n, drive.committed),
+                                      driving_energy(batch, X, phi, drive.trial));
+  for (int l = 0; l < lanes; ++l)
+    if (!batch.live(l)) grown.set(l, 0);
+  if (batch.broken(bits(~is_finite(grown))) != 0) growth.sound = false;
+  for (Batch& value : values.all()) value += grown;
+  batch.store(values, fatigue.trial);
+  const Batch lost = (batch.toughness(fatigue.committed) - batch.toughness(fatigue.trial)) *
+                     crack_energy_of(batch, X, phi, step, state.row("history"));
+  growth.dissipated[batch.material()] += batch.sum(lost);
+  if (step.dissipation == nullptr) return;
+  auto ones = batch.points<1>(), heating = batch.load<1>(*step.dissipation);
+  std::ranges::fill(ones.all(), Batch(1.0));
+  const Batch volume = batch.kernels.cell_integral(X.data(), ones.data());
+  for (Batch& value : heating.all()) value += lost / volume;
+  batch.store(heating, *step.dissipation);
+}
+
+} // namespace
+
 FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const FatigueStep& step) {
   StateRow &fatigue = state.row("fatigue"), &history = state.row("history");
   FatigueGrowth growth{.dissipated = std::vector<double>(d.materials.size(), 0.0)};
@@ -40,6 +101,9 @@ FatigueGrowth grow_fatigue(const Discretisation& d, StateTable& state, const Fat
     batch.store(grown, fatigue.trial);
     growth.dissipated[batch.material()] += batch.sum(sums.dissipation);
     for (int l = 0; l < batch.used(); ++l) growth.least = std::min(growth.least, sums.least[l]);
+  });
+  for_each_batch(d, damages, [&](const CellBatch& batch) {
+    if (batch.tiring().works()) lower_toughness(batch, state, step, growth);
   });
   sum_over_ranks(d.mesh.comm(), growth.dissipated);
   growth.least = min_over_ranks(d.mesh.comm(), growth.least);

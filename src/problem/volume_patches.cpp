@@ -157,9 +157,9 @@ void share_volumes(const Discretisation& d, const PatchFields& fields, PatchStat
   if (d.patches.empty()) return;
   find_volumes(d, *fields.u, state);
   state.pressure.clear();
-  const bool vary = d.any_law([&](const PointLaw& law) {
-    return (fields.phi && law.parameters.damage != Damage::none) ||
-           (fields.theta && law.parameters.alpha_t != 0);
+  const bool vary = std::ranges::any_of(d.materials, [&](const MaterialAssignment& m) {
+    const MaterialParameters& of = m.law.parameters;
+    return (fields.phi && of.damage != Damage::none) || (fields.theta && of.alpha_t != 0) || m.factors;
   });
   if (vary || pressures) find_pressures(d, fields, state);
 }

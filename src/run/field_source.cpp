@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/input/spelling.hpp>
 #include <impact/kernel/cell_kernels.hpp>
+#include <impact/material/cohesive.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/run/field_source.hpp>
@@ -22,14 +24,17 @@ bool is_point_row(std::string_view name) {
   return name == "fatigue" || name == "jc_failure" || name == "eroded";
 }
 
+// Fields that are a number of the law.
+std::optional<double> number_of(std::string_view name, const MaterialParameters& m) {
+  if (name == "E") return m.G == 0 ? 0 : 9 * m.K * m.G / (3 * m.K + m.G);
+  if (name == "Gc") return m.Gc;
+  if (name == "strength") return is_cohesive(m.ge) ? std::sqrt(cohesive_slope(m, 1) / m.cohesive.a1) : 0;
+  return {};
+}
+
 // Mean over each cell of a row with one number per point.
 Batch cell_mean(const CellBatch& batch, const std::vector<double>& row) {
-  const auto X = batch.vectors(batch.d.mesh.coordinates());
-  const auto values = batch.load<1>(row);
-  auto ones = batch.points<1>();
-  std::ranges::fill(ones.all(), Batch(1.0));
-  const auto integral = batch.kernels.cell_integral;
-  return integral(X.data(), values.data()) / integral(X.data(), ones.data());
+  return batch.mean(batch.vectors(batch.d.mesh.coordinates()), batch.load<1>(row));
 }
 
 } // namespace
@@ -77,6 +82,10 @@ std::vector<double> FieldSource::cell_means(const std::string& name, int compone
   PatchState patches;
   if (row == nullptr) share_volumes(d, {&u, phi_row, theta_row, &history}, patches);
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    if (const auto number = number_of(name, batch.law.parameters)) {
+      const Batch same = *number;
+      return append(&same);
+    }
     if (row != nullptr) {
       const Batch mean = cell_mean(batch, row->committed);
       return append(&mean);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/io/mesh_file.hpp>
+#include <impact/material/cohesive.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
@@ -81,6 +82,30 @@ Mesh make_mesh(MPI_Comm comm, const Scenario& s, MeshRequest request, std::vecto
   return mesh;
 }
 
+// The factors of a cell, of expressions and of chance; empty where nothing differs from place to place.
+std::function<PlaceFactors(const double*)> factors_of(const MaterialScenario& m) {
+  if (!m.place.given()) return {};
+  return [m](const double* centre) {
+    const PlaceScenario& place = m.place;
+    const auto value = [&](const PlaceScenario::Factor& factor, std::uint64_t stream) {
+      double product = factor.expression ? (*factor.expression)(centre, 3, 0) : 1;
+      if (factor.weibull > 0)
+        product *=
+            weibull_at(static_cast<std::uint64_t>(place.seed), stream, centre, place.length, factor.weibull);
+      return to_three_digits(product);
+    };
+    const PlaceFactors factors{value(place.E, 0), value(place.Gc, 1), value(place.strength, 2)};
+    const MaterialParameters local = law_at(PointLaw{m.law}, factors).parameters;
+    if (is_cohesive(local.ge) && local.cohesive.a1 < least_cohesive_slope(local))
+      throw UserError(ExitCode::data, "-material_" + m.id +
+                                          "_gamma: is too long for the strength of the cell at " +
+                                          place_text(centre, 3) + ", " + text_of("%.4g", factors.strength) +
+                                          " times that of the material: it would break at once; remedy: a "
+                                          "shorter gamma, or factors that differ less");
+    return factors;
+  };
+}
+
 // `order`: of the cells. Those of second order do not lock.
 std::vector<MaterialAssignment> assign_materials(const Scenario& s,
                                                  const std::vector<ObstacleBody>& obstacles, int order) {
@@ -99,7 +124,9 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
       p.equation_of_state = EquationOfState::none;
       p.locking = Locking::none;
     }
-    materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{}});
+    const bool tires = s.has_motion() && p.damage != Damage::none;
+    materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{},
+                         tires ? m.fatigue : ToughnessFatigue{}, factors_of(m)});
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;
@@ -111,12 +138,7 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
 }
 
 double softer_modulus(const Discretisation& d) {
-  double softest = HUGE_VAL;
-  for (const MaterialAssignment& m : d.materials) {
-    const MaterialParameters& p = m.law.parameters;
-    if (m.law.rigid()) continue;
-    softest = std::min(softest, 9 * p.K * p.G / (3 * p.K + p.G));
-  }
+  const double softest = d.softest_modulus();
   return std::isinf(softest) ? 0 : softest;
 }
 

@@ -28,7 +28,7 @@ void report_locking(const Scenario& s, const Discretisation& d) {
         !d.patches.empty() && d.patches.in_group[g] != 0 ? in_patches : present;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto& [law, regions, id, points, erosion] = d.materials[i / shapes];
+    const auto& [law, regions, id, points, erosion, fatigue, factors] = d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it
@@ -207,8 +207,8 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"
                                            : "elastic",
-                    damage.c_str(), m.law.fatigues() ? " and fatigue" : "", values_text(s, m.id).c_str(),
-                    p.rho * extent.size, extent.narrowest, extent.widest));
+                    damage.c_str(), m.law.fatigues() || m.fatigue.works() ? " and fatigue" : "",
+                    values_text(s, m.id).c_str(), p.rho * extent.size, extent.narrowest, extent.widest));
   if (p.damage != Damage::none) {
     // A crack is a row of broken cells, halves of those of second order, and what stands beside it (Bourdin,
     // Francfort, Marigo 2008, 8.1).
@@ -237,6 +237,16 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
     check(PetscPrintf(comm, "material %s: h/c_p from %.3g, c_p %.6g\n", m.id.c_str(),
                       extent.narrowest / speed, speed));
   }
+}
+
+// Each law has batches of its own, the last of which is seldom full.
+void report_places(const Discretisation& d) {
+  for (std::size_t m = 0; m < d.materials.size(); ++m)
+    if (d.materials[m].factors)
+      check(PetscPrintf(
+          d.mesh.comm(), "material %s: numbers that differ from place to place, %d laws of cells\n",
+          d.materials[m].id.c_str(),
+          static_cast<int>(std::ranges::count(d.groups, static_cast<int>(m), &CellGroup::material))));
 }
 
 // An output or a checkpoint behind the end never comes.
@@ -282,6 +292,7 @@ void report_setup(const Scenario& s, const Discretisation& d) {
   report_shares(s, d);
   report_groups(d);
   for (const MaterialAssignment& m : d.materials) report_material(s, d, m);
+  report_places(d);
   if (s.has_heat())
     for (const MaterialAssignment& m : d.materials)
       check(PetscPrintf(comm, "heat in %s: c_V %.6g, conductivity %.6g, alpha_t %.6g, theta_0 %.6g\n",

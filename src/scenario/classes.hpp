@@ -86,10 +86,12 @@ void complete_and_check(Scenario& scenario);
 void add_hardening(std::vector<OptionRow<MaterialScenario>>& rows);
 void add_damage(std::vector<OptionRow<MaterialScenario>>& rows);
 void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows);
+void add_places(std::vector<OptionRow<MaterialScenario>>& rows);
 /// What the rows of hardening make of the law.
 void resolve_hardening(MaterialScenario& material);
 /// Likewise of a degradation that knows the strength; the moduli and the split are resolved.
 void resolve_strength(MaterialScenario& material);
+void resolve_fatigue(MaterialScenario& material);
 /// Which softening it has, by its option or by the hardening that brings one.
 Softening softening_of(const MaterialScenario& material);
 /// The rows of rigid obstacles.

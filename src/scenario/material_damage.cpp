@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <cmath>
 #include <impact/material/cohesive.hpp>
 
 /// The options of damage, its split, its degradation, and of fatigue.
@@ -24,8 +25,9 @@ template <class When> auto unbounded_but_for_vi(When when) {
   };
 }
 
-bool tires_beyond_bounds(const Material&, const Scenario& s) {
-  return s.any_fatigue() && s.damage.bounds != DamageBounds::vi && s.damage.bounds != DamageBounds::clip;
+bool tires_beyond_bounds(const Material& m, const Scenario& s) {
+  return s.has_motion() && s.damage.bounds != DamageBounds::vi && s.damage.bounds != DamageBounds::clip &&
+         damaging([](const Law& law) { return law.fatigue_a > 0; })(m, s);
 }
 
 /// Degradations for the local energy of Damage::wu.
@@ -79,6 +81,57 @@ void add_crack(MaterialRows& rows) {
               "allowed with fatigue: vi, clip");
   row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative, "viscous stress 2 b_d dC/dt");
   row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too");
+}
+
+void add_toughness(MaterialRows& rows) {
+  Rows row(rows, RestartKey::guarded, &Material::fatigue);
+  const auto tiring = [](auto when) {
+    return [=](const Material& m, const Scenario& s) {
+      return s.has_motion() && s.solves("damage") && m.law.damage != Damage::none && m.fatigue.works() &&
+             when(m, s);
+    };
+  };
+  const auto law_of = [=](auto when) {
+    return tiring([=](const Material& m, const Scenario&) { return when(m.law); });
+  };
+  const std::string power = ", or <>fatigue power";
+  row.choice("fatigue", &ToughnessFatigue::law,
+             "what fatigue lowers: power, the drive of damage, by the variable of fatigue_a (F1); asymptotic "
+             "or logarithmic, the toughness, by that function of the degraded energy in tension, summed up "
+             "while it grows",
+             "power", FatigueLaw::power, "asymptotic", FatigueLaw::asymptotic, "logarithmic",
+             FatigueLaw::logarithmic)
+      .notation("f (F2)")
+      .refused(law_of([](const Law& law) { return law.fatigue_a > 0; }),
+               "goes without <>fatigue_a; remove one of them")
+      .refused(law_of([](const Law& law) { return law.damage_gradient != DamageGradient::material; }),
+               "the stress of the crack energy knows no toughness that falls; allowed with <>damage_gradient "
+               "material" +
+                   power)
+      .refused(law_of([](const Law& law) { return law.ge == Degradation::ductile; }),
+               "sums up elastic energy, and with <>ge ductile plastic strain damages; allowed with another "
+               "<>ge" +
+                   power)
+      .refused(law_of([](const Law& law) { return std::isfinite(law.c); }),
+               "not available with a damage rate; allowed: <>c inf" + power)
+      .refused(tiring([](const Material&, const Scenario& s) {
+                 return s.has_heat() && s.heat.form == HeatForm::energy;
+               }),
+               "not available with -heat_form energy; allowed: entropy" + power);
+  row.number("fatigue_threshold", &ToughnessFatigue::threshold, "J/m^3 alpha_T (F2)",
+             or_word(positive, "auto", 0),
+             "of fatigue asymptotic and logarithmic: summed energy up to which the toughness stays; auto: "
+             "Gc/(12 gamma)");
+  row.number("fatigue_kappa", &ToughnessFatigue::kappa, "1 kappa (F2)", {0, 1e3, true, false},
+             "of fatigue logarithmic: the toughness is gone at 10^(1/kappa) thresholds")
+      .otherwise("required with fatigue logarithmic")
+      .needed(
+          tiring([](const Material& m, const Scenario&) { return m.fatigue.law == FatigueLaw::logarithmic; }),
+          "<>fatigue logarithmic needs it");
+  row.number("fatigue_mean_load", &ToughnessFatigue::mean_load, "J/m^3 alpha_N (F2)",
+             or_word(positive, "none", 0),
+             "of fatigue asymptotic and logarithmic: the growth of the energy counts times the energy over "
+             "this, so that cycles about a higher mean load count more");
 }
 
 void add_split(MaterialRows& rows) {
@@ -187,6 +240,12 @@ void add_degradation(MaterialRows& rows) {
 
 } // namespace
 
+void resolve_fatigue(MaterialScenario& m) {
+  if (m.law.damage == Damage::none) return;
+  m.fatigue.width = m.law.gamma;
+  if (m.fatigue.threshold == 0) m.fatigue.threshold = m.law.Gc / (12 * m.law.gamma);
+}
+
 void resolve_strength(MaterialScenario& m) {
   if (!is_cohesive(m.law.ge)) return;
   m.law.cohesive = cohesive_shape(m.law, m.lorentz_p);
@@ -195,6 +254,7 @@ void resolve_strength(MaterialScenario& m) {
 
 void add_damage(std::vector<OptionRow<MaterialScenario>>& rows) {
   add_crack(rows);
+  add_toughness(rows);
   add_split(rows);
   add_degradation(rows);
 }

@@ -243,6 +243,7 @@ void resolve(Material& m, const Scenario& scenario) {
   law.split = m.split == Split::automatic ? automatic_split(m, scenario) : m.split;
   law.locking = m.locking.value_or(automatic_locking(law, scenario.plane));
   resolve_strength(m);
+  resolve_fatigue(m);
 }
 
 } // namespace
@@ -258,6 +259,7 @@ OptionClass<MaterialScenario> material_class() {
   add_heat(table.rows);
   add_damage(table.rows);
   add_erosion(table.rows);
+  add_places(table.rows);
   bar_from_rigid(table.rows);
   table.inherits = true;
   table.finish = [](Material& m, OptionContext&) {

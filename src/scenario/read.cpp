@@ -175,7 +175,7 @@ bool Scenario::has_damage() const {
 
 bool Scenario::any_fatigue() const {
   return has_motion() && has_damage() && std::ranges::any_of(materials, [](const MaterialScenario& m) {
-           return m.law.damage != Damage::none && m.law.fatigue_a > 0;
+           return m.law.damage != Damage::none && (m.law.fatigue_a > 0 || m.fatigue.works());
          });
 }
 

@@ -308,6 +308,8 @@ void Coupling::fatigue_pass(PassResult& result) {
     fatigue.theta = &pass_.theta;
     fatigue.theta_n = &fields_.state.row("theta").committed;
   }
+  fatigue.phi_n = &fields_.state.row("phi").committed;
+  if (!pass_.dissipation.empty()) fatigue.dissipation = &pass_.dissipation;
   fatigue_ = grow_fatigue(fields_.motion.discretisation(), fields_.state, fatigue);
   if (!fatigue_.sound) refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
 }

@@ -82,9 +82,9 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
   bool keeps_volume = false; // so that iterations grow with K / G
-  for (const MaterialAssignment& m : d.materials) {
-    const MaterialParameters& p = m.law.parameters;
-    if (m.law.rigid()) continue;
+  for (const PointLaw& law : d.laws) {
+    const MaterialParameters& p = law.parameters;
+    if (law.rigid()) continue;
     if (p.rho > 0) speed = std::max(speed, longitudinal_speed(p));
     keeps_volume = keeps_volume || p.K > 100 * p.G;
   }

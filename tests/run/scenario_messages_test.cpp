@@ -93,6 +93,28 @@ const std::vector<Row>& rows() {
        "-damage_bounds \"history\": lets the fatigue of -material_beam_fatigue_a drive phi beyond 1; allowed "
        "with "
        "fatigue: vi, clip"},
+      {{{"-material_beam_damage", "at2"},
+        {"-material_beam_Gc", "1"},
+        {"-material_beam_gamma", "1"},
+        {"-material_beam_fatigue", "asymptotic"}},
+       ExitCode::usage,
+       "-material_beam_fatigue \"asymptotic\": the stress of the crack energy knows no toughness that falls; "
+       "allowed with -material_beam_damage_gradient material, or -material_beam_fatigue power"},
+      {{{"-material_beam_damage", "at2"},
+        {"-material_beam_Gc", "1"},
+        {"-material_beam_gamma", "1"},
+        {"-material_beam_damage_gradient", "material"},
+        {"-material_beam_fatigue", "logarithmic"}},
+       ExitCode::usage,
+       "-material_beam_fatigue_kappa: missing; -material_beam_fatigue logarithmic needs it"},
+      {{{"-material_beam_damage", "at2"},
+        {"-material_beam_Gc", "1"},
+        {"-material_beam_gamma", "1"},
+        {"-material_beam_strength_factor", "1+x"}},
+       ExitCode::usage,
+       "-material_beam_strength_factor \"1+x\": has no effect with -material_beam_ge quadratic: E, Gc and "
+       "gamma "
+       "tell the strength; allowed with linear, exponential, cornelissen or lorentz"},
       {{{"-ts_static_start", "1"}}, ExitCode::usage, "-ts_static_start \"1\": not available; remove it"},
       {{{"-order", "3"}}, ExitCode::usage, "-order \"3\": out of range; allowed: a whole number from 1 to 2"},
       {{{"-contact_operatro", "shell"}},
@@ -358,7 +380,8 @@ const std::vector<Row>& rows() {
        "-output_vis_fields \"u,vonmises\": 'vonmises' is not available; allowed: u, v, a, phi, theta, "
        "stress, "
        "von_mises, alpha, "
-       "pressure, fatigue, jc_failure, eroded, contact_pressure, contact_gap, contact_status, "
+       "pressure, fatigue, E, Gc, strength, jc_failure, eroded, contact_pressure, contact_gap, "
+       "contact_status, "
        "contact_traction, "
        "contact_slip; "
        "did you "

@@ -7,23 +7,12 @@ import math
 
 import numpy
 
+import _fatigue as fatigue
 import _runs as runs
+from _fatigue import GC, REST, WIDTH, stretched, wave
 
-E, NU, GC, WIDTH, RATE, REST = 1000.0, 0.3, 1.0, 1.0, 0.5, 1e-6
-K, G = E / 3 / (1 - 2 * NU), E / 2 / (1 + NU)
-SOLID = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "materials": "solid",
-         "material_solid_E": E, "material_solid_nu": NU, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": GC,
-         "material_solid_gamma": WIDTH, "material_solid_residual_stiffness": REST, "material_solid_fatigue_a": RATE,
-         "ts_period": 1, "damage_snes_rtol": 1e-13, "damage_ksp_rtol": 1e-13}
-# A few steps for each cycle: the recurrence is that of the steps, the first law is not.
-CELL = {**SOLID, "energy_stop": 0, "mesh_set_n": 1, "bcs": "hold", "bc_hold_on": "solid", "bc_hold_uy": 0}
-
-
-def stretched(l):
-    """Energy and S_11 of the undamaged body at diag(l, 1, 1), l >= 1."""
-    shape, trace = l ** (-2 / 3), l * l + 2
-    return (K / 2 * ((l * l - 1) / 2 - math.log(l)) + G / 2 * (shape * trace - 3),
-            K / 2 * (l * l - 1) / l ** 2 + G * shape * (1 - trace / (3 * l * l)))
+RATE = 0.5
+SOLID, CELL = ({**options, "material_solid_fatigue_a": RATE} for options in (fatigue.SOLID, fatigue.CELL))
 
 
 def recurrence(strain, times, rate=math.inf):
@@ -38,10 +27,6 @@ def recurrence(strain, times, rate=math.inf):
         work = (S + S_n) / 4 * ((1 + strain(now)) ** 2 - (1 + strain(before)) ** 2)
         fat.append(fat[-1] + RATE / WIDTH * (1 - phi[-1]) * phi[-1] * abs(work))
     return numpy.array(phi), numpy.array(fat)
-
-
-def wave(t):
-    return 1 - abs(2 * (t - math.floor(t)) - 1)
 
 
 # Constant amplitude, rate-independent and with a rate.

@@ -11,17 +11,18 @@ namespace impact {
 struct CellGroup {
   Shape shape;
   int material = 0; ///< index into the run's list of materials
+  int law = 0;      ///< index into its list of laws, several of one material where a number depends on place
   int cell_count = 0, batch_count = 0;
   std::vector<int> node;             ///< [batch][node][lane] local node
   std::vector<PetscInt> cell_point;  ///< [batch][lane] DMPlex point (padding repeats)
   int lanes_in_use(int batch) const; ///< lanes of `batch` that hold a cell of their own
 };
 
-/// Packs all cells. `material_of_cell[p - mesh.cell_start()]` is the material index of DMPlex cell point p.
-/// The list of groups (shape, material) is the same on all ranks, by rising material, then shape; a rank
-/// without such cells has an empty group. Throws UserError(data) when a cell has no material (-1), naming its
-/// coordinates. Collective.
-std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& material_of_cell);
+/// Packs all cells. `law_of_cell[p - mesh.cell_start()]` is the law index of DMPlex cell point p, and the
+/// material until the caller says otherwise. The list of groups (shape, law) is the same on all ranks, by
+/// rising law, then shape; a rank without such cells has an empty group. Throws UserError(data) when a cell
+/// has no law (-1), naming its coordinates. Collective.
+std::vector<CellGroup> pack_cells(const Mesh& mesh, const std::vector<int>& law_of_cell);
 
 /// The local nodes of one batch, [node][lane].
 inline const int* batch_nodes(const CellGroup& group, int batch) {

@@ -58,6 +58,9 @@ public:
     for (int i = 0; i < rows_; ++i)
       for (int j = 0; j < rows_; ++j) (*this)(i, j) *= free.value[i] * free.value[j];
   }
+  void scale(const Batch& factor) {
+    for (Batch& entry : value_) entry *= factor;
+  }
   Batch trace() const {
     Batch sum = value_[0];
     for (int i = 1; i < rows_; ++i) sum += value_[at(i * rows_ + i)];
@@ -112,6 +115,23 @@ struct CellBatch {
   double live_sum(const Batch& value) const { return sum_without(eroded, value); }
   double massive_sum(const Batch& value) const { return sum_without(weightless, value); }
   bool live(int lane) const { return (eroded & (1 << lane)) == 0; }
+  /// Mean over each cell of values at its points.
+  Batch mean(const NodalValues& X, const PointValues<1>& values) const {
+    auto ones = points<1>();
+    std::fill_n(ones.value, ones.size, Batch(1.0));
+    return kernels.cell_integral(X.data(), values.data()) / kernels.cell_integral(X.data(), ones.data());
+  }
+
+  const ToughnessFatigue& tiring() const { return d.materials[material()].fatigue; }
+  /// f of the cells (F2) from the row "fatigue"; 1 where the toughness stays.
+  Batch toughness(const std::vector<double>& fatigue) const {
+    return tiring().works() ? tiring().left(load<1>(fatigue).value[0]) : Batch(1.0);
+  }
+  /// Their psi_F, -(1 - f) psi_phi, from the integral of psi_phi.
+  Batch toughness_energy(const std::vector<double>* fatigue, const Batch& fracture) const {
+    return fatigue == nullptr || !tiring().works() ? Batch(0.0)
+                                                   : (toughness(*fatigue) - Batch(1.0)) * fracture;
+  }
 
   NodalValues gather(std::span<const double> field, int components) const {
     NodalValues values = nodal(components);

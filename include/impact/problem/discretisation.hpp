@@ -1,6 +1,9 @@
 #pragma once
 #include <algorithm>
+#include <functional>
 #include <impact/kernel/point_data.hpp>
+#include <impact/material/place_factors.hpp>
+#include <impact/material/toughness.hpp>
 #include <impact/math/index.hpp>
 #include <impact/mesh/cell_batches.hpp>
 #include <impact/mesh/field_layout.hpp>
@@ -22,6 +25,9 @@ struct MaterialAssignment {
   std::string id{};                               ///< what the user calls it
   std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
   ErosionRule erosion{};
+  ToughnessFatigue fatigue{};
+  /// Factors of a cell with its centre there [3]; empty: the law is the same everywhere.
+  std::function<PlaceFactors(const double* centre)> factors{};
 };
 
 /// Which cells have left their bodies (erosion.hpp); empty as long as none has.
@@ -40,6 +46,7 @@ struct Discretisation {
   FieldLayout scalar;       ///< one component (damage, temperature)
   std::vector<MaterialAssignment> materials;
   std::vector<CellGroup> groups;
+  std::vector<PointLaw> laws; ///< of the groups
   Frame frame;
   double thickness = 1;          ///< multiplies integrals of plane problems in what is reported
   ErodedCells eroded{};          ///< at the end of the attempt at work; Erosion keeps it
@@ -52,7 +59,7 @@ struct Discretisation {
       nullptr; ///< of the row "mass_factor": mass in use over the true one
 
   int dim() const { return mesh.dim(); }
-  const PointLaw& law(const CellGroup& group) const { return materials[at(group.material)].law; }
+  const PointLaw& law(const CellGroup& group) const { return laws[at(group.law)]; }
   std::size_t node_values(int components) const { return at(mesh.node_count() * components); }
   std::vector<double> local_of(Vec u) const; ///< [node][dim] of a displacement or force. Collective.
   Handle<Vec> global_of(const std::vector<double>& u) const; ///< of owned nodes' [node][dim]. Collective.
@@ -63,7 +70,8 @@ struct Discretisation {
     return any_law([](const PointLaw& law) { return law.parameters.damage != Damage::none; });
   }
   bool has_fatigue() const {
-    return any_law([](const PointLaw& law) { return law.fatigues(); });
+    return std::any_of(materials.begin(), materials.end(),
+                       [](const auto& m) { return m.law.fatigues() || m.fatigue.works(); });
   }
   bool has_failure() const {
     return any_law([](const PointLaw& law) { return law.fails(); });

@@ -2,11 +2,11 @@
 #include <impact/problem/discretisation.hpp>
 #include <vector>
 
-/// Growth of the fatigue variable over a step (F1'), pointwise after the damage solve: row "fatigue" of the
-/// state table.
+/// Growth of the fatigue variable over a step after the damage solve: row "fatigue" of the state table. That
+/// of (F1') belongs to a point; that of (F2), by which the toughness falls, to a cell, at all its points.
 namespace impact {
 
-/// Local arrays; the rows "fatigue" and "history" come from the table.
+/// Local arrays; the rows "fatigue", "history" and "drive" come from the table.
 struct FatigueStep {
   double dt = 0;
   const std::vector<double>* u = nullptr; ///< accepted displacement at t_{n+1} [node][dim]
@@ -14,6 +14,8 @@ struct FatigueStep {
   const std::vector<double>* phi = nullptr;   ///< at t_{n+1} [node]
   const std::vector<double>* theta = nullptr; ///< that the motion solve saw, or null [node]
   const std::vector<double>* theta_n = nullptr;
+  const std::vector<double>* phi_n = nullptr;
+  std::vector<double>* dissipation = nullptr; ///< added to: energy per volume at the points (F3); or null
 };
 
 /// What came of it.

@@ -50,7 +50,7 @@ struct PatchFields {
   double unilateral = 1; ///< factor of the unilateral stress
 };
 
-/// The state of the patches: pressures where damage or temperature make them differ within one, and
+/// The state of the patches: pressures where damage, temperature or place make them differ within one, and
 /// everywhere where `pressures`. No communication.
 void share_volumes(const Discretisation& d, const PatchFields& fields, PatchState& state,
                    bool pressures = false);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <impact/contact/settings.hpp>
 #include <impact/input/units.hpp>
+#include <impact/material/toughness.hpp>
 #include <impact/problem/boundary_conditions.hpp>
 #include <impact/problem/erosion_rule.hpp>
 #include <impact/problem/settings.hpp>
@@ -40,6 +41,19 @@ struct MeshScenario {
 };
 
 /// A material as the user describes it, and the law that is made of this when everything has been read.
+/// How numbers of a law differ from place to place: factors.
+struct PlaceScenario {
+  struct Factor {
+    std::optional<Expression> expression; ///< of x, y, z
+    double weibull = 0;                   ///< modulus of a factor of chance beside it; 0: none
+    bool given() const { return expression || weibull > 0; }
+  } E, Gc, strength;
+  int seed = 1;
+  double length = 0; ///< of the cubes that share a number of chance; 0: cells
+
+  bool given() const { return E.given() || Gc.given() || strength.given(); }
+};
+
 struct MaterialScenario {
   static constexpr double absent = std::numeric_limits<double>::quiet_NaN();
   std::string id;
@@ -57,6 +71,8 @@ struct MaterialScenario {
   Split split = Split::automatic;
   std::optional<Softening> softening; ///< empty: automatic, and so below
   ErosionRule erosion;
+  ToughnessFatigue fatigue;
+  PlaceScenario place;
   std::optional<Locking> locking; ///< automatic: mean for j2 on quads and hexes, else none
   struct Option {
     std::string name, text, said; ///< text: in the run's units; said: the user's words, empty for a default
