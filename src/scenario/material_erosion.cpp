@@ -21,6 +21,8 @@ std::string hindering_contact(const Scenario& s) {
     const bool points = c.method == ContactMethod::gauss_points ||
                         (c.method == ContactMethod::automatic && s.explicit_steps());
     if (!points) return of + "_method: mean gaps (mortar) follow no surface that changes; take gpts";
+    if (c.enforce == Enforcement::impulse)
+      return of + "_enforce: impulses are kept for facets, which go and come; take penalty";
     if (s.explicit_steps()) continue;
     if (c.enforce != Enforcement::penalty)
       return of + "_enforce: multipliers belong to facets, which go and come; take penalty";

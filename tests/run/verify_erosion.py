@@ -233,6 +233,7 @@ for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_er
                     ({"material_middle_erosion_strain": 0.5}, ["-material_middle_erosion_strain", "j2"]),
                     ({"material_middle_erosion_failure": "on"}, ["-material_middle_erosion_failure", "jc_failure"]),
                     ({**FLOOR, "contact_floor_friction": 0.3}, ["-contact_floor_friction", "erosion"]),
+                    ({**FLOOR, "contact_floor_enforce": "impulse"}, ["-contact_floor_enforce", "penalty"]),
                     ({**SCHEMES["implicit"], "material_middle_erosion_mass": "remove"}, ["-material_middle_erosion_mass", "keep"]),
                     ({"material_middle_erosion": "off", "material_middle_erosion_stretch": "none", "material_middle_erosion_mass": "remove"},
                      ["-material_middle_erosion_mass", "no effect"]),
