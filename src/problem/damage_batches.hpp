@@ -25,6 +25,8 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
       put_history(batch.load<1>(history_->trial), now);
       put_history(batch.load<1>(history_->committed), before);
     }
+    if (step_.drive_factor != 1)
+      for (Batch& energy : now.all()) energy *= step_.drive_factor;
     auto worn = batch.points<1>();
     auto flowed = batch.histories();
     DamageInput in;
