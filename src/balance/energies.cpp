@@ -45,41 +45,70 @@ BodyRows::BodyRows(StateTable& state)
     : history(state.row("history")), drive(state.row("drive")), phi(state.find("phi")),
       theta(state.find("theta")), fatigue(state.find("fatigue")), failure(state.find("jc_failure")) {}
 
+namespace {
+
+const std::vector<double>* half_of(const StateRow* row, bool trial) {
+  return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
+}
+
+/// What the measure kernels read of a batch, of the state at t_n or in the trial halves.
+// Members beyond twelve: the arrays that the input points at.
+struct StoredInput {
+  NodalValues X, u, phi, theta;
+  PointValues<max_history_size> history;
+  PointValues<1> fatigue;
+  PointValues<drive_size> drive;
+  BatchArray<1> patch{1};
+  EnergyInput in;
+
+  /// `patches`: J - 1 that patches of cells share at this displacement.
+  StoredInput(const CellBatch& batch, const BodyRows& rows, std::span<const double> places,
+              std::span<const double> displacement, const std::vector<double>& patches, bool trial)
+      : X(batch.vectors(places)), u(batch.displaced(displacement)), phi(batch.nodal(1)),
+        theta(batch.nodal(1)), history(batch.histories()), fatigue(batch.points<1>()),
+        drive(batch.points<drive_size>()) {
+    const auto half = [trial](const StateRow* row) { return half_of(row, trial); };
+    in.patch = batch.read_shared(patches, patch);
+    in.X = X.data();
+    in.u = u.data();
+    in.phi = batch.read(half(rows.phi), phi);
+    in.theta = batch.read(half(rows.theta), theta);
+    in.history = batch.read(half(&rows.history), history);
+    in.fatigue = batch.read(batch.law.fatigues() ? half(rows.fatigue) : nullptr, fatigue);
+    in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, drive);
+  }
+  StoredInput(const StoredInput&) = delete;
+  StoredInput& operator=(const StoredInput&) = delete;
+};
+
+bool moves_alike(const NodalValues& moved, int dim) {
+  for (int i = dim; i < moved.size; ++i)
+    for (int l = 0; l < lanes; ++l)
+      if (moved.value[i][l] != moved.value[i % dim][l]) return false;
+  return true;
+}
+
+} // namespace
+
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial) {
   std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;
   d.displacement.to_local(u, u_local);
   if (v) d.displacement.to_local(v, v_local);
-  const auto half = [trial](const StateRow* row) {
-    return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
-  };
   Energies energies;
   energies.of.resize(d.materials.size());
   PatchState patches;
   share_volumes(d, {&u_local}, patches);
   for_each_batch(d, all_laws, [&](const CellBatch& batch) {
     MaterialEnergies& mine = energies.of[batch.material()];
-    const auto X = batch.vectors(d.mesh.coordinates()), moved = batch.displaced(u_local),
-               speed = batch.vectors(v_local);
-    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
-    auto points = batch.histories();
-    auto fatigue = batch.points<1>();
-    auto driven = batch.points<drive_size>();
-    BatchArray<1> patch(1);
-    EnergyInput in;
-    in.patch = batch.read_shared(patches.J_minus_1, patch);
-    in.X = X.data();
-    in.u = moved.data();
+    StoredInput stored(batch, rows, d.mesh.coordinates(), u_local, patches.J_minus_1, trial);
+    const auto speed = batch.vectors(v_local);
+    EnergyInput& in = stored.in;
     in.v = v ? speed.data() : nullptr;
     in.lumped = d.lumped_mass && !batch.law.rigid();
     if (d.mass_factor != nullptr) in.mass_factor = batch.load<1>(*d.mass_factor).value[0];
-    in.phi = batch.read(half(rows.phi), phi);
-    in.theta = batch.read(half(rows.theta), theta);
-    in.history = batch.read(half(&rows.history), points);
-    in.fatigue = batch.read(batch.law.fatigues() ? half(rows.fatigue) : nullptr, fatigue);
-    in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, driven);
     EnergySums sums;
     batch.kernels.stored_energy(batch.law, in, sums);
-    sums.fatigue += batch.toughness_energy(half(rows.fatigue), sums.fracture);
+    sums.fatigue += batch.toughness_energy(half_of(rows.fatigue, trial), sums.fracture);
     add(sums, batch, mine);
     if (!rows.theta) return;
     HeatSums heat;
@@ -96,6 +125,30 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   }
   find_peaks(d, rows, trial, energies);
   return energies;
+}
+
+// By a difference of the energies of each cell over a small part of it. Cells in patches count with their own
+// volume ratio.
+double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const std::vector<double>& moved) {
+  const std::vector<double> u_local = d.local_of(u);
+  const double part = 1e-4 * d.mesh.smallest_edge();
+  std::vector<double> places[2];
+  for (const int side : {0, 1}) {
+    const auto X = d.mesh.coordinates();
+    places[side].assign(X.begin(), X.end());
+    for (std::size_t i = 0; i < X.size(); ++i) places[side][i] += (side == 0 ? -part : part) * moved[i];
+  }
+  double released = 0;
+  for_each_batch(d, deformable, [&](const CellBatch& batch) {
+    if (moves_alike(batch.vectors(moved), d.dim())) return;
+    EnergySums sums[2];
+    for (const int side : {0, 1}) {
+      const StoredInput stored(batch, rows, places[side], u_local, {}, false);
+      batch.kernels.stored_energy(batch.law, stored.in, sums[side]);
+    }
+    released += batch.live_sum(sums[0].elastic - sums[1].elastic);
+  });
+  return sum_over_ranks(d.mesh.comm(), released) / (2 * part);
 }
 
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {

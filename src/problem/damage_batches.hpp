@@ -32,6 +32,8 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
       for (auto* energies : {&now, &before})
         for (Batch& energy : energies->all()) energy = energy / left;
     }
+    if (step_.drive_factor != 1)
+      for (Batch& energy : now.all()) energy *= step_.drive_factor;
     auto worn = batch.points<1>();
     auto flowed = batch.histories();
     DamageInput in;

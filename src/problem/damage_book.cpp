@@ -65,6 +65,24 @@ void DamageProblem::book_energy(const std::vector<double>& from, const std::vect
   work_ += (held_work(microforce_->committed, from, to) + held_work(microforce_->trial, from, to)) / 2;
 }
 
+double DamageProblem::crack_energy(const DamageStep& step, const std::vector<double>& phi) const {
+  double energy = 0;
+  for_each_batch(d_, damages, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.displaced(*step.u);
+    const auto damage = batch.scalars(phi);
+    auto flowed = batch.histories();
+    EnergyInput in;
+    in.X = X.data();
+    in.u = u.data();
+    in.phi = damage.data();
+    in.history = batch.read(&flow_.trial, flowed);
+    EnergySums sums;
+    batch.kernels.stored_energy(batch.law, in, sums);
+    energy += batch.sum(sums.fracture);
+  });
+  return d_.thickness * sum_over_ranks(d_.mesh.comm(), energy);
+}
+
 void DamageProblem::start(const std::vector<double>& u) {
   const std::vector<double>& phi = phi_.committed;
   step_ = {.u = &u, .u_n = &u};

@@ -209,6 +209,7 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
           frame,
           is_flat(frame) ? thickness : 1.0,
           {},
+          {},
           false,
           std::move(patches)};
 }

@@ -76,8 +76,10 @@ const FacetTable& MotionProblem::live_facets(const LoadedFacets& load) {
 
 void MotionProblem::impose(Vec u) const {
   std::vector<double> local = d_.local_of(u);
-  boundary_.set_displacement(step_.t_n, step_.t, *step_.u_n, state_.row("prescribed_velocity").committed,
-                             local);
+  agree_on_errors(d_.mesh.comm(), [&] {
+    boundary_.set_displacement(step_.t_n, step_.t, *step_.u_n, state_.row("prescribed_velocity").committed,
+                               local);
+  });
   d_.displacement.to_global(local, u);
   rigid_->retract(u);
 }

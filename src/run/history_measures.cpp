@@ -7,6 +7,16 @@
 /// Columns of the history that stand for fields on parts of the surface.
 namespace impact {
 
+namespace {
+
+// 1 inside of the ring, 0 outside, even between: what a node advances by.
+double advance(const ReleaseScenario& ring, const double* x) {
+  const double distance = std::hypot(x[0] - ring.at[0], x[1] - ring.at[1]);
+  return std::clamp((ring.outer - distance) / (ring.outer - ring.inner), 0.0, 1.0);
+}
+
+} // namespace
+
 void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const {
   const Discretisation& d = motion_.discretisation();
   using Of = MeasureScenario::Of;
@@ -34,6 +44,19 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
         row.emplace_back("measure_" + measure.id + "_" + component_name(field, k, of.components), value);
       }
     }
+  }
+}
+
+void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  const Discretisation& d = motion_.discretisation();
+  const auto X = d.mesh.coordinates();
+  using Along = ReleaseScenario::Along;
+  for (const ReleaseScenario& ring : scenario_.releases) {
+    const std::size_t axis = ring.along == Along::y || ring.along == Along::minus_y ? 1 : 0;
+    const double sign = ring.along == Along::minus_x || ring.along == Along::minus_y ? -1 : 1;
+    std::vector<double> moved(X.size(), 0.0);
+    for (std::size_t i = 0; i < X.size(); i += 2) moved[i + axis] = sign * advance(ring, &X[i]);
+    row.emplace_back("release_" + ring.id, find_release(d, bodies_, snapshot.u, moved));
   }
 }
 

@@ -21,8 +21,8 @@ std::string history_file_name(const Scenario& scenario) {
 
 HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger,
                                  StateTable& state, const FieldSource& source)
-    : scenario_(scenario), motion_(motion), ledger_(ledger), v_(state.row("v")), phi_(state.find("phi")),
-      source_(source) {
+    : scenario_(scenario), motion_(motion), ledger_(ledger), bodies_(state), v_(state.row("v")),
+      phi_(state.find("phi")), load_(state.find("load_parameter")), source_(source) {
   if (scenario_.explicit_steps()) {
     every_ = 0;
     dt_ = 1e-3 * scenario_.time.max_time;
@@ -67,6 +67,7 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
                        {"tries", snapshot.tries},
                        {"newton", counts.newton},
                        {"linear", counts.linear}};
+  if (load_ != nullptr) row.emplace_back("load_parameter", load_->committed[0]);
   if (!motion_.contacts().empty()) {
     row.emplace_back("uzawa", counts.uzawa);
     row.emplace_back("newton_most", counts.longest);
@@ -83,6 +84,7 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
   append_cracks(row);
   append_probes(row, snapshot);
   append_measures(row, snapshot);
+  append_releases(row, snapshot);
   return row;
 }
 

@@ -179,9 +179,10 @@ StepHooks RunStage::hooks() {
   return hooks;
 }
 
-void RunStage::check_prescribed_data(const Attempt& attempt) const {
+void RunStage::check_prescribed_data(const Attempt& of_step) const {
   const BoundaryData& boundary = setup->boundary;
   if (!boundary.has_data()) return;
+  const Attempt attempt = coupling.first_loads(of_step);
   const std::vector<double>&u_n = rows.u.committed, &v_n = rows.prescribed_velocity.committed;
   std::vector<double> unused = u_n;
   agree_on_errors(d.mesh.comm(), [&] {
@@ -219,7 +220,8 @@ void RunStage::accept(const Attempt& attempt, bool with_ghosts) {
   for (std::size_t i = 0; i < rate.size(); ++i)
     rate[i] = (rows.u.trial[i] - rows.u.committed[i]) / attempt.dt;
   if (!coupling.explicit_step()) setup->rigid.advance(u_new);
-  setup->boundary.set_exact_velocity(attempt.t_n, attempt.t, rows.prescribed_velocity.committed,
+  const Attempt loads = coupling.loads(attempt);
+  setup->boundary.set_exact_velocity(loads.t_n, loads.t, rows.prescribed_velocity.committed,
                                      rows.prescribed_velocity.trial);
   if (!setup->contacts.empty()) {
     if (!before) before = d.displacement.make_global();

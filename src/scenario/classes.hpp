@@ -36,6 +36,7 @@ OptionClass<ContactScenario> contact_class();
 OptionClass<OutputScenario> output_class();
 OptionClass<ProbeScenario> probe_class();
 OptionClass<MeasureScenario> measure_class();
+OptionClass<ReleaseScenario> release_class();
 OptionClass<StopScenario> stop_class();
 
 /// The groups in the order of the reference; all their rows in one list.
@@ -45,9 +46,9 @@ const std::vector<OptionRow<Scenario>>& global_rows();
 /// All classes in the order in which they are read: what expressions are made of first, then the laws, which
 /// say what physics there is.
 inline const auto& all_classes() {
-  static const auto classes =
-      std::tuple(parameter_class(), function_class(), material_class(), boundary_class(), initial_class(),
-                 contact_class(), output_class(), probe_class(), measure_class(), stop_class());
+  static const auto classes = std::tuple(parameter_class(), function_class(), material_class(),
+                                         boundary_class(), initial_class(), contact_class(), output_class(),
+                                         probe_class(), measure_class(), release_class(), stop_class());
   return classes;
 }
 

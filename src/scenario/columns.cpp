@@ -21,8 +21,9 @@ constexpr const char* pairs[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
 // The first one that fits a name describes it.
 constexpr ColumnNote history[] = {
     {"step", "", "number of accepted steps since t = 0"},
-    {"time", "s", "t; load factor with -ts_type static"},
+    {"time", "s", "t; load factor with -ts_type static; length of the path with -ts_path_dissipation"},
     {"dt", "s", "length of the step that ended here"},
+    {"load_parameter", "s", "the t of conditions with -ts_path_dissipation"},
     {"tries", "", "of the step: 1, and one for each time that it was cut"},
     {"newton", "", "Newton iterations of the motion in the step's last try, over all passes; so the next"},
     {"linear", "", "iterations of its linear solver; 1 for a direct solve"},
@@ -126,6 +127,7 @@ constexpr ColumnNote history[] = {
     {"crack_<material>_measure", "extent",
      "energy_fracture of the material over Gc: length of a plane problem (thickness apart), else area"},
     {"probe_<probe>_<field>", "", "field at a material point, unit and components as below"},
+    {"release_<release>", "N/m", "energy release rate of the crack in the ring, elastic energy by area (J1)"},
     {"measure_<measure>_<field>", "", "mean, least, largest or sum of a field over the nodes of a group"},
 };
 

@@ -155,8 +155,9 @@ bool iterates(const Scenario& scenario) {
 void complete_coupling(Scenario& scenario) {
   CouplingScenario& coupling = scenario.coupling;
   if (coupling.max_it == 0) { // not given
-    coupling.follow_cracks = scenario.has_motion() && !scenario.has_inertia() && iterates(scenario);
-    coupling.max_it = coupling.follow_cracks ? 200 : 1;
+    const bool iterated = scenario.has_motion() && !scenario.has_inertia() && iterates(scenario);
+    coupling.follow_cracks = iterated && coupling.path_dissipation == 0;
+    coupling.max_it = iterated ? 200 : 1;
   }
   coupling.moves = scenario.has_motion();
   const TimeScenario& time = scenario.time;

@@ -131,6 +131,34 @@ OptionClass<MeasureScenario> measure_class() {
   return table;
 }
 
+OptionClass<ReleaseScenario> release_class() {
+  using Release = ReleaseScenario;
+  using Along = Release::Along;
+  OptionClass<Release> table{
+      "release", "releases", "Energy release rates",
+      "Of a crack whose tip lies in a ring, in plane problems, as columns `release_<id>` of the history: the "
+      "elastic energy that an advance of what the ring encloses would set free, over that advance.",
+      &Scenario::releases};
+  Rows row(table.rows, RestartKey::free);
+  row.point("at", &Release::at, "m", "middle of the ring, reference coordinates").misfit =
+      [](const Release&, int dim) { return dim == 3 ? ": of plane problems alone; remove it" : ""; };
+  row.number("inner", &Release::inner, "m (J1)", positive, "inner radius, beyond the damage around the tip")
+      .required()
+      .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > 0");
+  row.number("outer", &Release::outer, "m (J1)", positive,
+             "outer radius: a circle that meets no other crack, no load and no held node")
+      .required()
+      .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > <>inner")
+      .refused([](const Release& r) { return r.outer <= r.inner; },
+               "not larger than <>inner {inner}; allowed: > <>inner")
+      .refused([](const Release&,
+                  const Scenario& s) { return !s.has_motion() || s.plane == PlaneMode::axisymmetric; },
+               "is for motion with -plane strain or stress; remove -releases");
+  row.choice("along", &Release::along, "where the crack would advance to", "x", Along::x, "-x",
+             Along::minus_x, "y", Along::y, "-y", Along::minus_y);
+  return table;
+}
+
 OptionClass<StopScenario> stop_class() {
   OptionClass<StopScenario> table{
       "stop", "stops", "Stops",

@@ -1,5 +1,6 @@
 #include "classes.hpp"
 #include <algorithm>
+#include <cmath>
 
 /// The options of the time scheme and of its steps.
 namespace impact {
@@ -47,6 +48,31 @@ std::string hindrance(const Scenario& s) {
   if (s.coupling.max_it > 1)
     return "makes one pass in a step (-coupling_snes_max_it " + std::to_string(s.coupling.max_it) +
            "); take 1, or -ts_type newmark";
+  return "";
+}
+
+/// What a step that finds its load cannot do, "" = nothing.
+std::string hindrance_of_path(const Scenario& s) {
+  if (!s.has_motion() || s.has_inertia() || !s.has_damage())
+    return "is for motion and damage with -ts_type static; take that, or remove it";
+  if (s.has_heat()) return "knows no heat, which flows over a time; remove that of materials, or this";
+  if (!s.contacts.empty())
+    return "knows no contact; prescribe the motion of nodes in the place of -contact_" +
+           s.contacts.front().id + ", or remove this";
+  if (s.damage.bounds != DamageBounds::vi || s.damage.substep > 0 || s.damage.theta != 1)
+    return "goes with -damage_bounds vi and without -damage_ts_dt and -damage_theta; remove them, or this";
+  if (s.coupling.max_it == 1) return "wants passes; remove -coupling_snes_max_it 1, or this";
+  if (s.time.period > 0) return "has no cycles; remove -ts_period, or this";
+  for (const MaterialScenario& m : s.materials) {
+    const std::string of = "-material_" + m.id, or_this = "; remove that, or this";
+    if (m.law.model == Model::rigid) return "knows no rigid bodies (" + of + "_model rigid)" + or_this;
+    if (m.law.model == Model::j2)
+      return "finds the load by elastic energy, which plastic flow is not (" + of + "_model j2)" + or_this;
+    if (m.law.b_d > 0 || std::isfinite(m.law.c))
+      return "has no time for rates to be of (" + of + (m.law.b_d > 0 ? "_b_d" : "_c") + ")" + or_this;
+    if (m.law.fatigue_a > 0) return "has no cycles (" + of + "_fatigue_a)" + or_this;
+    if (m.erosion.on) return "keeps all cells (" + of + "_erosion on)" + or_this;
+  }
   return "";
 }
 
@@ -107,6 +133,16 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
       .otherwise("1e5");
 }
 
+void add_path(std::vector<OptionRow<Scenario>>& rows) {
+  Rows(rows, RestartKey::guarded, &Scenario::coupling)
+      .number("ts_path_dissipation", &CouplingScenario::path_dissipation, "J (P1)", positive,
+              "static steps follow a crack, through snap-back too: they find the load, the t of conditions "
+              "and column load_parameter, at which cracks take up this energy in a step of -ts_dt, less in a "
+              "shorter one; loads that ask less of them grow by the step; -ts_max_time is of the path")
+      .otherwise("none: t is the load")
+      .refused([](const Scenario& s) { return !hindrance_of_path(s).empty(); }, hindrance_of_path);
+}
+
 void add_mass_scaling(std::vector<OptionRow<Scenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Scenario::time);
   row.number("ts_mass_scaling_dt", &TimeScenario::scaled_step, "s", positive,
@@ -147,6 +183,7 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
 OptionGroup time_options() {
   OptionGroup group{"Time", "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly."};
   add_scheme_and_limits(group.rows);
+  add_path(group.rows);
   add_mass_scaling(group.rows);
   add_table(group.rows);
   const auto add = [&](RestartKey restart, const auto&... said) {

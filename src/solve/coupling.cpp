@@ -43,6 +43,7 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
     explicit_.emplace(ts_, fields_.motion, fields_.state, fields_.erosion, settings_.by_central_differences);
   if (explicit_ && fields_.damage && settings_.damage_every > 1)
     damage_wait_ = &fields_.state.add({"damage_wait", Support::global, 2}, 2);
+  if (settings_.path_dissipation > 0) path_.emplace(fields_.state, settings_);
   const Discretisation& d = fields_.motion.discretisation();
   pass_.u = d.displacement.make_local();
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
@@ -76,6 +77,7 @@ MotionStep Coupling::frozen_step() const {
 void Coupling::begin_between_steps(double t, Vec u, Vec v) {
   const Discretisation& d = fields_.motion.discretisation();
   const PetscReal dt = Get(TSGetTimeStep)(ts_);
+  if (path_) t = path_->start();
   const double h = 1e-6 * dt;
   u_before_ = d.local_of(u);
   const std::vector<double> rate = d.local_of(v);
@@ -121,6 +123,15 @@ void Coupling::start(Vec u, Vec v, Vec a) {
   set_acceleration(ts_, a);
 }
 
+Attempt Coupling::first_loads(const Attempt& attempt) const {
+  return path_ ? Attempt{path_->start(), attempt.dt, path_->guess(attempt.dt), attempt.number} : attempt;
+}
+
+Attempt Coupling::loads(const Attempt& attempt) const {
+  const MotionStep& step = fields_.motion.step();
+  return path_ ? Attempt{step.t_n, attempt.dt, step.t, attempt.number} : attempt;
+}
+
 void Coupling::before_attempt(const Attempt& attempt) {
   StateTable& state = fields_.state;
   if (!explicit_ || attempt.number > 1) state.rollback();
@@ -143,8 +154,10 @@ void Coupling::before_attempt(const Attempt& attempt) {
     pass_.theta = state.row("theta").committed;
   }
   MotionStep step = frozen_step();
-  step.t_n = attempt.t_n;
-  step.t = attempt.t;
+  const Attempt at = first_loads(attempt);
+  if (path_) path_->begin(attempt.dt);
+  step.t_n = at.t_n;
+  step.t = at.t;
   step.dt = attempt.dt;
   step.u_n = &state.row("u").committed;
   step.stabilised = update_.stabilised();
@@ -222,7 +235,13 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
 }
 
 bool Coupling::motion_pass(Vec u, PassResult& result) {
-  if (pass_.number == 1) {
+  const bool other_load = path_ && pass_.number > 1;
+  if (other_load) {
+    MotionStep step = fields_.motion.step();
+    step.t = path_->load();
+    fields_.motion.begin(step);
+  }
+  if (pass_.number == 1 || other_load) {
     const Handle<Vec> goal = solver_.imposed(u);
     if (std::string refusal = limits_.closing(fields_.motion.contacts(), goal); !refusal.empty()) {
       refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
@@ -273,8 +292,9 @@ bool Coupling::damage_pass(PassResult& result) {
     }
     wait[0] = wait[1] = 0;
   }
-  const ScalarOutcome outcome = fields_.damage->solve(
-      {.t = step.t, .dt = dt, .u = &pass_.u, .u_n = step.u_n, .phi_n = &phi.committed}, phi.trial);
+  const DamageStep solved{.t = step.t, .dt = dt, .u = &pass_.u, .u_n = step.u_n, .phi_n = &phi.committed};
+  const ScalarOutcome outcome =
+      path_ ? path_->solve(*fields_.damage, solved, phi.trial) : fields_.damage->solve(solved, phi.trial);
   counts_.damage += outcome.newton;
   counts_.damage_linear += outcome.linear;
   if (outcome.reason < 0) {
@@ -285,9 +305,10 @@ bool Coupling::damage_pass(PassResult& result) {
     pass_.dissipation[i] += fields_.damage->dissipated()[i];
   const PhiPasses::Change change = phi_passes_.note(pass_.phi, phi);
   result.inner = outcome.reason;
-  result.change = change.of_pass;
+  const double of_load = path_ ? path_->change() : 0;
+  result.change = std::max<PetscReal>(change.of_pass, of_load);
   result.counts = !(settings_.follow_cracks && change.gained);
-  pass_.changing = "phi";
+  pass_.changing = of_load > change.of_pass ? "the load parameter" : "phi";
   phi_passes_.report(pass_.number, phi);
   if (std::string refusal = limits_.damage(change.growth); !refusal.empty())
     refuse(result, SNES_DIVERGED_INNER, std::move(refusal));

@@ -18,6 +18,7 @@ struct DamageStep {
   const std::vector<double>* u = nullptr; ///< accepted displacement at t_{n+1}, local [node][dim]
   const std::vector<double>* u_n = nullptr;
   const std::vector<double>* phi_n = nullptr; ///< local [node]
+  double drive_factor = 1;                    ///< of the energies that drive phi: those of another load
 };
 
 // Members beyond twelve: solvers of two kinds, bounds and bookings of one step.
@@ -42,6 +43,9 @@ public:
   double prescribed_work() const { return work_; }
   /// Microforces of the start of a run at displacement u, local [node][dim]. Collective.
   void start(const std::vector<double>& u);
+
+  /// int psi_phi at the displacement of a step, of all ranks, for the whole thickness. Collective.
+  double crack_energy(const DamageStep& step, const std::vector<double>& phi) const;
 
   /// Of the energy that the forces gave to the growth of phi since the run began or resumed, the part that
   /// explicit sub-steps hold back; negative: there are none. Collective.

@@ -53,9 +53,11 @@ struct CouplingScenario {
   double max_dalpha = 0;            ///< largest increment of the plastic strain
   double max_dtheta = 0;            ///< largest change of the temperature
   double max_closing = 1;           ///< largest depth in facets at which a contact may close; 0: no limit
-  bool report_error = false;        ///< evaluate StepRecord::internal_of_next_pass
-  double dt = 0;                    ///< -ts_dt
-  double crack_level = 0.9;         ///< phi from which a node counts as cracked
+  double path_dissipation =
+      0; ///< that a step of the length dt asks of cracks; 0: loads are given, see PathControl
+  bool report_error = false; ///< evaluate StepRecord::internal_of_next_pass
+  double dt = 0;             ///< -ts_dt
+  double crack_level = 0.9;  ///< phi from which a node counts as cracked
   std::string length_unit = "m";
   bool moves = true;    ///< -physics has motion
   int damage_every = 1; ///< explicit steps between two solves of damage

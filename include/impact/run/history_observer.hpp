@@ -39,6 +39,7 @@ private:
   void append_cracks(HistoryFile::Row& row);
   void append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
+  void append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void locate_probes();
 
   struct Located {
@@ -51,8 +52,9 @@ private:
   const Scenario& scenario_;
   MotionProblem& motion_;
   const Ledger& ledger_;
+  const BodyRows bodies_;
   const StateRow& v_;
-  const StateRow* phi_;
+  const StateRow *phi_, *load_;
   const FieldSource& source_;
   std::optional<HistoryFile> file_;
   // Of the csv outputs, the rarest; without one a row for each step, or for a thousandth of an explicit run.

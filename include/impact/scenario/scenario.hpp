@@ -105,6 +105,14 @@ struct MeasureScenario {
   enum class Of { mean, min, max, sum } of = Of::mean;
 };
 
+/// A ring around the tip of a crack, whose energy release rate is a column.
+struct ReleaseScenario {
+  std::string id;
+  double at[3] = {0, 0, 0};
+  double inner = 0, outer = 0; ///< radii between which the virtual advance falls from 1 to 0
+  enum class Along { x, minus_x, y, minus_y } along = Along::x;
+};
+
 /// Ends the run when it holds at the end of a step.
 struct StopScenario {
   std::string id, when; ///< a Condition on columns of the history
@@ -175,6 +183,7 @@ struct Scenario {
   std::vector<OutputScenario> outputs;
   std::vector<ProbeScenario> probes;
   std::vector<MeasureScenario> measures;
+  std::vector<ReleaseScenario> releases;
   std::vector<StopScenario> stops;
   CheckpointScenario checkpoint;
   double energy_tol = 0.02; ///< of the largest energy; 0: off

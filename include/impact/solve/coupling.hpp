@@ -5,6 +5,7 @@
 #include <impact/problem/heat.hpp>
 #include <impact/solve/augmentation.hpp>
 #include <impact/solve/explicit_step.hpp>
+#include <impact/solve/path_control.hpp>
 #include <impact/solve/phi_passes.hpp>
 #include <impact/solve/stabilised_update.hpp>
 #include <impact/solve/step_limits.hpp>
@@ -26,7 +27,8 @@ struct Fields {
   Erosion* erosion = nullptr; ///< null: no cell leaves
 };
 
-// Members beyond twelve: the collaborators of a pass stand here by value, and nowhere else.
+// Members beyond twelve and functions beyond twenty: the collaborators of a pass stand here by value, and
+// nowhere else; hooks of the TS, reports of a step.
 class Coupling {
 public:
   /// Hangs itself into `ts` (type set, options not yet read): its SNES; the hooks are the caller's. Without
@@ -50,6 +52,11 @@ public:
   bool corrects() const { return explicit_ ? !explicit_->bodies().empty() : update_.corrects(); }
   void correct(Vec u, Vec v, Vec a);
   void reject() { fields_.state.rollback(); }
+
+  /// The attempt with the load parameters between which its motion begins, or was solved, in the place of its
+  /// times: what conditions are evaluated at.
+  Attempt first_loads(const Attempt& attempt) const;
+  Attempt loads(const Attempt& attempt) const;
 
   /// What the solved attempt, which ended at u, was made of. Collective.
   StepRecord record(Vec u);
@@ -105,6 +112,7 @@ private:
   std::optional<ExplicitStep> explicit_;
   StateRow* damage_wait_ = nullptr; // steps and time since damage was solved
   PhiPasses phi_passes_;
+  std::optional<PathControl> path_;
   StepLimits limits_;
   FatigueGrowth fatigue_;
   PassShell shell_;
