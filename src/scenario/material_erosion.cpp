@@ -32,35 +32,19 @@ std::string hindering_contact(const Scenario& s) {
   return "";
 }
 
-} // namespace
+constexpr auto eroding(auto when) {
+  return [=](const Material& m, const Scenario& s) { return m.erosion.on && when(m, s); };
+}
+bool idle(const Material& m) { return !m.erosion.on; }
+const std::string useless = ": has no effect without <>erosion; add it, or remove this";
 
-void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
+void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Material::erosion);
-  const auto eroding = [](auto when) {
-    return [=](const Material& m, const Scenario& s) { return m.erosion.on && when(m, s); };
-  };
-  const auto idle = [](const Material& m) { return !m.erosion.on; };
-  const std::string useless = ": has no effect without <>erosion; add it, or remove this";
-  row.flag("erosion", &Rule::on,
-           "cells that fail by any of the criteria below leave their bodies, as do those that lose their "
-           "volume (with damage: that are broken then): they bear no force, their faces inside come free "
-           "for contact, mass (erosion_mass), heat and crack energy stay with their nodes, what else they "
-           "stored is "
-           "dissipated_erosion")
-      .notation("(7)")
-      .refused(
-          eroding([](const Material&, const Scenario& s) { return s.has_motion() && !s.has_inertia(); }),
-          "nothing holds the nodes of a static run whose cells have left; allowed: with -ts_type newmark or "
-          "central_difference")
-      .refused(eroding([](const Material& m, const Scenario&) { return m.law.model == Model::rigid; }),
-               "has no meaning with <>model rigid; remove it")
-      .denied(eroding([](const Material&, const Scenario& s) { return !hindering_contact(s).empty(); }),
-              [](const Material&, const Scenario& s) { return hindering_contact(s) + ", or no <>erosion"; });
   row.number(
          "erosion_points", &Rule::points, "1", {0, 1, true, false},
          "part of the points of a cell that must have reached erosion_phi, _strain or _failure; 1: all of "
          "them, less than one over their number: any")
-      .barred([](const Material& m) { return !m.erosion.on && m.erosion.points != 1; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.points != 1; }, useless);
   row.number("erosion_phi", &Rule::phi, "1 phi", {0, 1, true, false},
              "with damage: a cell is broken where phi is this at its points; broken cells leave, where "
              "erosion_J, _stretch or _step is given when one of these is met, too")
@@ -68,21 +52,21 @@ void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
                 return m.erosion.phi != Rule{}.phi && !damages_here(m, s);
               }),
               ": nothing damages here; remove it")
-      .barred([](const Material& m) { return !m.erosion.on && m.erosion.phi != Rule{}.phi; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.phi != Rule{}.phi; }, useless);
   row.number("erosion_strain", &Rule::strain, "1 alpha", or_word(positive, "none", Rule::none),
              "a cell leaves at this plastic strain at its points")
       .refused(eroding([](const Material& m, const Scenario&) {
                  return m.erosion.strain < Rule::none && m.law.model != Model::j2;
                }),
                "nothing flows; allowed with <>model j2")
-      .barred([](const Material& m) { return !m.erosion.on && m.erosion.strain < Rule::none; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.strain < Rule::none; }, useless);
   row.flag("erosion_failure", &Rule::failure, "a cell leaves when jc_failure is 1 at its points")
       .notation("(55d)")
       .refused(eroding([](const Material& m, const Scenario&) {
                  return m.erosion.failure && !(m.law.jc_failure && m.law.model == Model::j2);
                }),
                "needs <>jc_failure and <>model j2")
-      .barred([=](const Material& m) { return idle(m) && m.erosion.failure; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.failure; }, useless);
   row.choice(
          "erosion_mass", &Rule::keeps_mass,
          "the mass of a cell that leaves stays with its nodes, which fly on, or goes with it, and with it "
@@ -92,16 +76,37 @@ void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
                  return !m.erosion.keeps_mass && !s.explicit_steps();
                }),
                "leaves nodes that no equation moves; take keep, or -ts_type central_difference")
-      .barred([=](const Material& m) { return idle(m) && !m.erosion.keeps_mass; }, useless);
+      .barred([](const Material& m) { return idle(m) && !m.erosion.keeps_mass; }, useless);
   row.number("erosion_J", &Rule::J, "1 J", {0, 1, false, true},
              "a cell leaves when its volume at any point is at most this part of the first one")
-      .barred([=](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);
   row.number("erosion_stretch", &Rule::stretch, "1", or_word({1, 1e3, true, false}, "none", Rule::none),
              "a cell leaves when the largest principal stretch at any of its points is this")
-      .barred([=](const Material& m) { return idle(m) && m.erosion.stretch < Rule::none; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.stretch < Rule::none; }, useless);
   row.number("erosion_step", &Rule::step, "1", {0, 1, false, true},
              "a cell leaves when its stable step is below this part of that of the undeformed cell")
-      .barred([=](const Material& m) { return idle(m) && m.erosion.step > 0; }, useless);
+      .barred([](const Material& m) { return idle(m) && m.erosion.step > 0; }, useless);
+}
+
+} // namespace
+
+void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
+  Rows row(rows, RestartKey::guarded, &Material::erosion);
+  row.flag("erosion", &Rule::on,
+           "cells that fail by any of the criteria below leave their bodies, as do those that lose their "
+           "volume (with damage: that are broken then): they bear no force, their faces inside come free "
+           "for contact, mass (erosion_mass), heat and crack energy stay with their nodes, what else they "
+           "stored is dissipated_erosion")
+      .notation("(7)")
+      .refused(
+          eroding([](const Material&, const Scenario& s) { return s.has_motion() && !s.has_inertia(); }),
+          "nothing holds the nodes of a static run whose cells have left; allowed: with -ts_type newmark or "
+          "central_difference")
+      .refused(eroding([](const Material& m, const Scenario&) { return m.law.model == Model::rigid; }),
+               "has no meaning with <>model rigid; remove it")
+      .denied(eroding([](const Material&, const Scenario& s) { return !hindering_contact(s).empty(); }),
+              [](const Material&, const Scenario& s) { return hindering_contact(s) + ", or no <>erosion"; });
+  add_criteria(rows);
 }
 
 } // namespace impact
