@@ -136,7 +136,9 @@ TYPED_TEST(MotionStepKernel, FailureWeakensLikeASmallerFlowStress) {
   expect_same(one->K, other->K, "tangent");
   expect_same(one->history, other->history, "history");
   expect_same(one->sums, other->sums, "sums");
-  EXPECT_GT(largest(sound->r), 1.001 * largest(one->r));
+  Batch taken[dofs];
+  for (int i = 0; i < dofs; ++i) taken[i] = sound->r[i] - one->r[i];
+  EXPECT_GT(largest(taken), 1e-3 * largest(one->r));
 }
 
 TYPED_TEST(MotionStepKernel, MarksInvertedCellsAndOverflow) {

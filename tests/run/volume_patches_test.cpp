@@ -168,7 +168,9 @@ TEST(VolumePatches, TheForceTurnsWithTheBody) {
     for (std::size_t i = 0; i < f.size(); i += dim) {
       EXPECT_NEAR(g[i], c * f[i] - s * f[i + 1], 1e-12);
       EXPECT_NEAR(g[i + 1], s * f[i] + c * f[i + 1], 1e-12);
-      if (dim == 3) EXPECT_NEAR(g[i + 2], f[i + 2], 1e-12);
+      if (dim == 3) {
+        EXPECT_NEAR(g[i + 2], f[i + 2], 1e-12);
+      }
     }
   }
 }
