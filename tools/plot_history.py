@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draw force, energies, damage and hardening of a history file over time.
+"""Draw force, energies, damage and hardening of a history file over time, or over another column.
 
     tools/plot_history.py run/history.csv run/history.png --force reaction
 """
@@ -65,9 +65,9 @@ def readable(name):
     return name.replace("_", " ")
 
 
-def draw_lines(axis, data, names, title, ylabel):
+def draw_lines(axis, data, over, names, title, ylabel):
     for k, name in enumerate(names):
-        axis.plot(data["time"], data[name], lw=1.3, color=COLOURS[k % len(COLOURS)],
+        axis.plot(data[over], data[name], lw=1.3, color=COLOURS[k % len(COLOURS)],
                   ls=["-", "--", ":"][k // len(COLOURS) % 3], label=readable(name))
     axis.set_title(title, loc="left")
     axis.set_ylabel(ylabel)
@@ -87,9 +87,13 @@ def main():
     parser.add_argument("history")
     parser.add_argument("figure", help="its ending gives the kind of file: .png, .pdf, .svg")
     parser.add_argument("--force", metavar="PREFIX", help="draw the columns that begin so, forces or measures (default: all forces)")
+    parser.add_argument("--over", metavar="COLUMN", default="time", help="what is drawn to the right (default: time)")
     parser.add_argument("--title")
     options = parser.parse_args()
     data, units = read(options.history)
+    over = options.over
+    if over not in data:
+        stop(f"no column {over}")
 
     import matplotlib
     matplotlib.use("Agg")
@@ -100,12 +104,12 @@ def main():
     figure, axes = plt.subplots(3 if fields else 2, 1, figsize=(7.2, 7.0 if fields else 4.9), sharex=True)
     forces, energies = force_columns(data, options.force), [n for n in ENERGIES if n in data]
     what = readable(options.force) if (options.force or "").startswith(("measure_", "probe_")) else "force"
-    draw_lines(axes[0], data, strongest(data, forces, 8), "(a) " + what, what.split()[-1] + unit_of(units, forces))
-    draw_lines(axes[1], data, strongest(data, energies, 12), "(b) energy", "energy" + unit_of(units, energies))
+    draw_lines(axes[0], data, over, strongest(data, forces, 8), "(a) " + what, what.split()[-1] + unit_of(units, forces))
+    draw_lines(axes[1], data, over, strongest(data, energies, 12), "(b) energy", "energy" + unit_of(units, energies))
     if fields:
-        draw_fields(axes[2], data, fields)
-    axes[-1].set_xlabel("time" + unit_of(units, ["time"]))
-    axes[-1].set_xlim(data["time"][0], max(data["time"][-1], np.nextafter(data["time"][0], np.inf)))
+        draw_fields(axes[2], data, over, fields)
+    axes[-1].set_xlabel(readable(over) + unit_of(units, [over]))
+    axes[-1].set_xlim(data[over].min(), max(data[over].max(), np.nextafter(data[over].min(), np.inf)))
     for axis in axes:
         axis.grid(True, lw=0.4, color="0.88")
         axis.set_axisbelow(True)
@@ -119,17 +123,17 @@ def main():
         stop(f"cannot write {options.figure}: {error}")
 
 
-def draw_fields(axis, data, fields):
+def draw_fields(axis, data, over, fields):
     """Damage on the left scale, hardening on the right one."""
     axis.set_title("(c) largest damage and hardening", loc="left")
     handles = []
     if "phi_max" in fields:
-        handles += axis.plot(data["time"], data["phi_max"], lw=1.3, color=COLOURS[1], label=r"$\phi$ (left)")
+        handles += axis.plot(data[over], data["phi_max"], lw=1.3, color=COLOURS[1], label=r"$\phi$ (left)")
         axis.set_ylim(0, 1.05)
         axis.set_ylabel(r"max $\phi$")
     if "alpha_max" in fields:
         right = axis.twinx() if "phi_max" in fields else axis
-        handles += right.plot(data["time"], data["alpha_max"], lw=1.3, color=COLOURS[0],
+        handles += right.plot(data[over], data["alpha_max"], lw=1.3, color=COLOURS[0],
                               label=r"$\alpha$ (right)" if right is not axis else r"$\alpha$")
         right.set_ylabel(r"max $\alpha$")
         right.set_ylim(bottom=0)
