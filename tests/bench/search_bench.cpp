@@ -32,7 +32,7 @@ double ns_per_facet(int m, double reach, int repetitions, double& pairs) {
   const std::vector<SearchFacet> primary = sheet(m, 0.4, (m + 1) * (m + 1));
   SearchSecondary secondary;
   for (const SearchFacet& facet : sheet(m, 0, 0)) {
-    secondary.node.insert(secondary.node.end(), facet.node.begin(), facet.node.end());
+    secondary.node.insert(secondary.node.end(), facet.node.begin(), facet.node.begin() + 4);
     secondary.x.insert(secondary.x.end(), facet.x.begin(), facet.x.end());
   }
   const double facets = 2.0 * m * m;

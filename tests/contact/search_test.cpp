@@ -30,7 +30,7 @@ struct Scatter {
     };
     for (int s = 0; s < secondary_count; ++s) {
       const SearchFacet f = facet(4 * s, s % 2 == 0);
-      secondary.node.insert(secondary.node.end(), f.node.begin(), f.node.end());
+      secondary.node.insert(secondary.node.end(), f.node.begin(), f.node.begin() + 4);
       secondary.x.insert(secondary.x.end(), f.x.begin(), f.x.end());
     }
     for (int p = 0; p < primary_count; ++p) {
@@ -50,7 +50,7 @@ PairSet pairs(const SearchSecondary& secondary, const Candidates& found) {
           found.primary[static_cast<std::size_t>(found.facet[static_cast<std::size_t>(c)])];
       std::array<PetscInt, 8> pair{};
       std::copy_n(&secondary.node[4 * s], 4, pair.begin());
-      std::copy(p.node.begin(), p.node.end(), pair.begin() + 4);
+      std::copy_n(p.node.begin(), 4, pair.begin() + 4);
       all.insert(pair);
     }
   return all;
@@ -72,7 +72,7 @@ PairSet by_hand(const SearchSecondary& secondary, const std::vector<SearchFacet>
       }
       std::array<PetscInt, 8> pair{};
       std::copy_n(&secondary.node[4 * s], 4, pair.begin());
-      std::copy(p.node.begin(), p.node.end(), pair.begin() + 4);
+      std::copy_n(p.node.begin(), 4, pair.begin() + 4);
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = 4; b < 8; ++b) near = near && pair[a] != pair[b];
       if (near) all.insert(pair);

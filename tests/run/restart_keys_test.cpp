@@ -114,7 +114,7 @@ TEST(RestartKeys, EveryOptionOfTheReferenceHasItsKind) {
       if (key.starts_with(std::string(word) + "_<id>") || key == std::string(word) + "s") {
         EXPECT_EQ(kind, RestartKey::guarded) << key;
       }
-    for (const char* word : {"output", "probe", "measure"})
+    for (const char* word : {"output", "probe", "measure", "release"})
       if (key.starts_with(std::string(word) + "_<id>") || key == std::string(word) + "s") {
         EXPECT_EQ(kind, RestartKey::free) << key;
       }

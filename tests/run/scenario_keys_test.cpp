@@ -17,7 +17,7 @@ std::vector<Documented> documented() {
   const std::pair<std::string, std::string> ids[] = {
       {"-param_", "v0"},     {"-function_", "load"}, {"-material_", "beam"}, {"-bc_", "push"},
       {"-ic_", "fly"},       {"-contact_", "tip"},   {"-output_", "vis"},    {"-probe_", "p1"},
-      {"-measure_", "tail"}, {"-stop_", "end"}};
+      {"-measure_", "tail"}, {"-release_", "ring"},  {"-stop_", "end"}};
   std::vector<Documented> all;
   std::istringstream lines(impact::option_reference());
   for (std::string line; std::getline(lines, line);) {

@@ -39,6 +39,9 @@ inline Options base() {
           {"-probe_p1_at", "0.1,0.2"},
           {"-stops", "end"},
           {"-stop_end_when", "t > 100"},
+          {"-releases", "ring"},
+          {"-release_ring_inner", "0.1"},
+          {"-release_ring_outer", "0.2"},
           {"-measures", "tail"},
           {"-measure_tail_on", "beam_left"}};
 }

@@ -79,10 +79,16 @@ check_header(turned, plane=False)
 check_header(runs.run("tired", block(
     mesh_set_n=1, material_solid_damage="at2", material_solid_Gc=1, material_solid_gamma=1, material_solid_fatigue_a=1e-3, bcs="hold",
     bc_hold_on="solid", bc_hold_ux="0.01*t*x", bc_hold_uy=0, probes="p", probe_p_at="0.5,0.5", probe_p_fields="fatigue")))
-# Cells that leave.
+# Cells that leave with their mass.
 check_header(runs.run("worn", block(
     mesh_set_n=1, ts_type="central_difference", material_solid_rho=1, material_solid_erosion="on", material_solid_erosion_stretch=1.5,
+    material_solid_erosion_mass="remove",
     bcs="hold", bc_hold_on="solid", bc_hold_ux="t*x", bc_hold_uy=0, probes="p", probe_p_at="0.5,0.5", probe_p_fields="eroded")))
+# A crack that finds its load, a ring around it.
+check_header(runs.run("followed", block(
+    mesh_set_n=4, material_solid_damage="at2", material_solid_split="volumetric", material_solid_Gc=1, material_solid_gamma=1, bcs="hold,pull",
+    bc_hold_on="left", bc_hold_ux=0, bc_hold_uy=0, bc_pull_on="right", bc_pull_ux="0.01*t", ts_path_dissipation=1, releases="ring",
+    release_ring_at="0.5,0.5", release_ring_inner=0.1, release_ring_outer=0.4)))
 
 # Cracks are told as they are: phi is prescribed everywhere, nothing moves.
 CRACK = {"mesh": runs.mesh("block.geo"), "mesh_set_n": 20, "physics": "damage", "ts_type": "static", "materials": "solid",
