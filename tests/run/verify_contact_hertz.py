@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 120
+# timeout: 240
 """Hertz's line contact, a cylinder pressed into a block (NAFEMS CGS-1): largest pressure, half width and profile of the
 closed form; the error falls with the cells; augmented Lagrangian finds the state of the semismooth method from a hundredth
 to a hundred times its penalty; half the facets do with triangles of second order. Strains at the full load are up to a

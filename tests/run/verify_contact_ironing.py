@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 120
+# timeout: 240
 """Shallow ironing with friction (options/ironing.opts): forces between those of Code_Aster, of Poulios and Renard and of a
 finite-volume program; smooth on two meshes; the Gauss points, which lose their way as soon as the block slides over the
 hollow that it has made, agree with mortar until then."""
