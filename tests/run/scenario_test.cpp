@@ -70,6 +70,9 @@ TEST(Scenario, HeatCapacityIsPerVolumeOrPerMass) {
 // What physics that is left out would need is not asked for, and motion without inertia needs no density.
 TEST(Scenario, HeatAloneNeedsNoModuli) {
   const Scenario scenario = read(with({{"-physics", "heat"},
+                                       {"-releases", "-"},
+                                       {"-release_ring_inner", "-"},
+                                       {"-release_ring_outer", "-"},
                                        {"-material_beam_E", "-"},
                                        {"-material_beam_nu", "-"},
                                        {"-material_beam_rho", "-"},
