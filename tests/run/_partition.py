@@ -18,12 +18,13 @@ def shares(log):
 
 def check_case(name, options, settings, refine):
     linear = {}
-    for ranks in (1, 2, 4, 8, 16):
+    for ranks in (1, 4, 8, 16):
         r = run(f"{name}_{ranks}", {**settings, "dm_refine": refine}, files=[option_file(options)], ranks=ranks)
         linear[ranks] = r["linear"].sum()
-        if ranks <= 2:
+        if ranks == 1:
             continue
         for what, share in zip(("cells", "contact facets"), shares(r.log)):
             check_between(f"{name}, {ranks} ranks: {what} of the fullest over the mean", share, 1, MOST_SHARE)
-        check_between(f"{name}, {ranks} ranks: {linear[ranks]:.0f} linear iterations, over the {linear[1]:.0f} and "
-                      f"{linear[2]:.0f} of one rank and two", linear[ranks] / min(linear[1], linear[2]), 0.5, MOST_GROWTH)
+        # GAMG's aggregates differ with the numbers of the unknowns: the count of two ranks is a draw as much as any other.
+        check_between(f"{name}, {ranks} ranks: {linear[ranks]:.0f} linear iterations, over the {linear[1]:.0f} of one rank",
+                      linear[ranks] / linear[1], 0.5, MOST_GROWTH)

@@ -1,5 +1,5 @@
 """On 4, 8 and 16 ranks the fullest rank has at most 1.15 times the mean of the cells and 1.15 times the mean of the facets of contact
-surfaces, and linear solvers take at most 1.2 times the iterations of one rank or two: the beam on the wedge, once refined, and the
+surfaces, and linear solvers take at most 1.2 times the iterations of one rank: the beam on the wedge, once refined, and the
 sphere on a plane in space. Balanced in the sum of both, one of 16 ranks had 6.7 times the mean of the facets."""
 # labels: run
 # processors: 2
