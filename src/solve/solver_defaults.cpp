@@ -33,10 +33,13 @@ void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
     check(PCSetType(pc, preconditioner));
     check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, most));
   };
+  // One application of the factors in each iteration; GMRES has another one in each solve.
   switch (defaults.method) {
   case LinearMethod::factors:
   case LinearMethod::kept_factors:
-    take(defaults.method == LinearMethod::factors ? KSPPREONLY : KSPGMRES, half ? PCCHOLESKY : PCLU, 1000);
+  case LinearMethod::half_factors:
+    take(defaults.method == LinearMethod::factors ? KSPPREONLY : KSPFGMRES,
+         half || defaults.method == LinearMethod::half_factors ? PCCHOLESKY : PCLU, 1000);
     return check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   case LinearMethod::multigrid:
     // The blocks of bjacobi are factorised like the matrix of one rank: a symmetric format by ICC.
@@ -82,11 +85,14 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
   bool keeps_volume = false; // so that iterations grow with K / G
+  // Stresses of viscosity and the consistent tangent of flow differ from symmetry by far less than a digit.
+  bool half_suffices = !demands.unsymmetric;
   for (const PointLaw& law : d.laws) {
     const MaterialParameters& p = law.parameters;
     if (law.rigid()) continue;
     if (p.rho > 0) speed = std::max(speed, longitudinal_speed(p));
     keeps_volume = keeps_volume || p.K > 100 * p.G;
+    half_suffices = half_suffices && p.locking != Locking::fbar;
   }
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
   const bool plane = d.dim() == 2, small = is_factorised(d.mesh),
@@ -101,6 +107,8 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     choice.method = LinearMethod::two_level;
   else if (!small)
     choice.method = LinearMethod::multigrid;
+  else if (plane && dofs > 20000 && half_suffices)
+    choice.method = LinearMethod::half_factors;
   else if (dofs > 20000 && !demands.closes_gaps)
     choice.method = LinearMethod::kept_factors;
 
@@ -143,7 +151,10 @@ void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_step
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
   if (defaults.method != LinearMethod::factors && defaults.method != LinearMethod::diagonal && !full_steps)
-    set_forcing(snes, defaults.method == LinearMethod::two_level ? 1e-3 : 1e-2);
+    set_forcing(snes,
+                defaults.method == LinearMethod::two_level || defaults.method == LinearMethod::half_factors
+                    ? 1e-3
+                    : 1e-2);
   check(SNESSetFromOptions(snes));
   // Slip under friction takes a hundred iterations of multigrid, which restarts at PETSc's 30 do not bring to
   // an end. Memory is taken as iterations need it. Beside a shell, whose preconditioner leaves the penalties

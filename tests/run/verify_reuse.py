@@ -77,10 +77,13 @@ for column, tolerance in (("reaction_push_x", 1e-4), ("reaction_push_y", 1e-4), 
 beam = run("beam", {"ts_max_steps": 22, "outputs": "hist", "output_hist_type": "csv"}, files=[option_file("beam_wedge.opts")])
 check_between("beam_wedge, elastic: most iterations of Newton's method in a step", beam["newton"][2:].max(), 1, 6)
 check_between("on the average", beam["newton"][2:].mean(), 1, 4.5)
-# The same with some 6e4 unknowns, whose factors serve on over the steps.
-fine = run("fine", {"dm_refine": 2, "ts_max_steps": 8, "outputs": "hist", "output_hist_type": "csv", "log_view": ""},
-           files=[option_file("beam_wedge.opts")])
-require("refined twice: no step is cut", fine["tries"].max() == 1)
+# The same with some 6e4 unknowns, whose factors of one half serve on over the steps.
+FINE = {"dm_refine": 2, "outputs": "hist", "output_hist_type": "csv", "log_view": ""}
+touch, fine = (run(f"fine_{steps}", {**FINE, "ts_max_steps": steps}, files=[option_file("beam_wedge.opts")]) for steps in (1, 12))
+require("refined twice: Cholesky factors, no step is cut", "fgmres + cholesky by mumps" in fine.log and fine["tries"].max() == 1)
 check_between("refined twice: most iterations in a step after the first", fine["newton"][2:].max(), 1, 6)
-check_between("refined twice: factorisations in 8 steps, first touch included", events(fine.log, "MatLUFactor"), 1, 12)
+made = events(fine.log, "MatCholFctrNum") - events(touch.log, "MatCholFctrNum")
+check_between("refined twice: factorisations in the 11 steps after the first touch", made, 0, 10)
+applied = events(fine.log, "MatSolve") - events(touch.log, "MatSolve")
+check_between("their applications in a step: one for each linear iteration, none beside", applied / fine["linear"][2:].sum(), 1, 1.05)
 finish()

@@ -7,14 +7,16 @@
 #include <string>
 
 /// Which solver the motion has where the options say nothing: preonly + MUMPS up to 2e4 dofs, in the
-/// plane gmres + MUMPS up to 1.5e6, beyond them gmres + gamg; where the tangent is symmetric, in space cg +
+/// plane fgmres + MUMPS up to 1.5e6, by Cholesky factors unless friction, rigid bodies, follower pressure or
+/// F-bar spoil the symmetry, beyond them gmres + gamg; where the tangent is symmetric, in space cg +
 /// two_level from 5e3 dofs on, cg + jacobi where steps resolve waves. The scalar fields have theirs in
 /// petsc/field_solver.hpp. `tools/bench_solvers` is the evidence.
 namespace impact {
 
 enum class LinearMethod {
   factors,      ///< preonly + lu
-  kept_factors, ///< gmres + lu, whose factors serve on
+  kept_factors, ///< fgmres + lu, whose factors serve on
+  half_factors, ///< fgmres + cholesky of the upper half of a tangent that is symmetric or nearly so
   multigrid,    ///< gmres + gamg
   two_level,    ///< cg + two_level
   diagonal      ///< cg + jacobi
