@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/damage.hpp>
@@ -9,6 +10,23 @@ namespace impact {
 // The history of that energy in place of its parts.
 inline void put_history(const PointValues<1>& H, PointValues<drive_size>& drive) {
   for (int q = 0; q < H.size; ++q) drive_at(drive.data(), q) = {H.value[q], 0.0, 0.0};
+}
+
+// int psi_phi of each cell at u and phi, with the toughness G_c; `flow` holds what flowed by the end of the
+// step.
+inline Batch crack_energy_of(const CellBatch& batch, const std::vector<double>& u,
+                             const std::vector<double>& phi, const StateRow& flow) {
+  const auto X = batch.vectors(batch.d.mesh.coordinates()), displaced = batch.displaced(u);
+  const auto damage = batch.scalars(phi);
+  auto flowed = batch.histories();
+  EnergyInput in;
+  in.X = X.data();
+  in.u = displaced.data();
+  in.phi = damage.data();
+  in.history = batch.read(&flow.trial, flowed);
+  EnergySums sums;
+  batch.kernels.stored_energy(batch.law, in, sums);
+  return sums.fracture;
 }
 
 // body(batch, input of the kernels at x) answers with the lanes that lost their meaning; false where any did.

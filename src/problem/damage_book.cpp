@@ -1,8 +1,7 @@
+#include "damage_batches.hpp"
 #include <algorithm>
-#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/problem/damage.hpp>
 #include <limits>
 
 /// What a solved step of damage dissipated, and the work of the microforces that prescribe phi.
@@ -68,17 +67,7 @@ void DamageProblem::book_energy(const std::vector<double>& from, const std::vect
 double DamageProblem::crack_energy(const DamageStep& step, const std::vector<double>& phi) const {
   double energy = 0;
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.displaced(*step.u);
-    const auto damage = batch.scalars(phi);
-    auto flowed = batch.histories();
-    EnergyInput in;
-    in.X = X.data();
-    in.u = u.data();
-    in.phi = damage.data();
-    in.history = batch.read(&flow_.trial, flowed);
-    EnergySums sums;
-    batch.kernels.stored_energy(batch.law, in, sums);
-    energy += batch.sum(sums.fracture);
+    energy += batch.sum(crack_energy_of(batch, *step.u, phi, flow_));
   });
   return d_.thickness * sum_over_ranks(d_.mesh.comm(), energy);
 }

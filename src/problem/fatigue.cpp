@@ -1,8 +1,7 @@
+#include "damage_batches.hpp"
 #include <algorithm>
-#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/fatigue.hpp>
 
 namespace impact {
@@ -26,21 +25,6 @@ Batch driving_energy(const CellBatch& batch, const NodalValues& X, const NodalVa
   return batch.mean(X, energy);
 }
 
-// int psi_phi of each cell.
-Batch crack_energy_of(const CellBatch& batch, const NodalValues& X, const NodalValues& phi,
-                      const FatigueStep& step, const StateRow& history) {
-  const auto u = batch.displaced(*step.u);
-  auto flowed = batch.histories();
-  EnergyInput in;
-  in.X = X.data();
-  in.u = u.data();
-  in.phi = phi.data();
-  in.history = batch.read(&history.trial, flowed);
-  EnergySums sums;
-  batch.kernels.stored_energy(batch.law, in, sums);
-  return sums.fracture;
-}
-
 // The toughness of the cells of one batch (F2), and what its fall at the phi of the end dissipates (F3).
 void lower_toughness(const CellBatch& batch, StateTable& state, const FatigueStep& step,
                      FatigueGrowth& growth) {
@@ -56,7 +40,7 @@ void lower_toughness(const CellBatch& batch, StateTable& state, const FatigueSte
   for (Batch& value : values.all()) value += grown;
   batch.store(values, fatigue.trial);
   const Batch lost = (batch.toughness(fatigue.committed) - batch.toughness(fatigue.trial)) *
-                     crack_energy_of(batch, X, phi, step, state.row("history"));
+                     crack_energy_of(batch, *step.u, *step.phi, state.row("history"));
   growth.dissipated[batch.material()] += batch.sum(lost);
   if (step.dissipation == nullptr) return;
   auto ones = batch.points<1>(), heating = batch.load<1>(*step.dissipation);
