@@ -86,4 +86,10 @@ made = events(fine.log, "MatCholFctrNum") - events(touch.log, "MatCholFctrNum")
 check_between("refined twice: factorisations in the 11 steps after the first touch", made, 0, 10)
 applied = events(fine.log, "MatSolve") - events(touch.log, "MatSolve")
 check_between("their applications in a step: one for each linear iteration, none beside", applied / fine["linear"][2:].sum(), 1, 1.05)
+# However fine the mesh, the first touch takes one try and hardly more iterations.
+finer = run("finer", {"dm_refine": 3, "outputs": "hist", "output_hist_type": "csv", "ts_max_steps": 1}, ranks=2,
+            files=[option_file("beam_wedge.opts")])
+for refined, first in (("no", beam), ("two", fine), ("three", finer)):
+    check_between(f"iterations of the first touch after {refined} refinements", first["newton"][1], 1, 19)
+require("none of them is cut", max(first["tries"].max() for first in (beam, fine, finer)) == 1)
 finish()

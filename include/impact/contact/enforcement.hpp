@@ -89,7 +89,9 @@ public:
   /// What takes its place where it does not come to rest, or may not be used; null: itself.
   virtual std::unique_ptr<EnforcementMethod> fallback() const { return nullptr; }
 
-  /// Before Newton's method starts from u. Collective, as what follows.
+  /// Before the first solve of a step, from u. Collective, as what follows.
+  virtual void start_step(const Constraints& /*constraints*/, const Friction& /*friction*/, Vec /*u*/) {}
+  /// Before Newton's method starts from u.
   virtual void start_newton(const Constraints& /*constraints*/, Vec /*u*/) {}
   /// After its step du from u, which ended at `next`. True on all ranks where other constraints are active
   /// there.

@@ -1,5 +1,9 @@
 #include <algorithm>
+#include <array>
+#include <impact/contact/constraints.hpp>
 #include <impact/contact/enforcement.hpp>
+#include <impact/contact/friction.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -7,6 +11,11 @@ namespace {
 
 // A gap that fell by less than this factor makes the penalty grow.
 constexpr double wanted_fall = 4;
+
+// Where nothing presses yet, points that lie deeper than this part of a facet would press with more than 0.15
+// E at the automatic penalty, 10 E/h. Each that comes to press throws its neighbours off then, the more the
+// finer the mesh; so the first solve takes as much less of the penalty.
+constexpr double shallow = 0.015;
 
 // Augmented Lagrangian: after every solve lambda <- <lambda - eps g> (75'), 0 where a constraint faces
 // nothing; then the penalty grows by its rule, which the settings name.
@@ -19,10 +28,25 @@ public:
     return report.settled && report.penetration < settings_->gap_tol &&
            std::min(report.change, report.force_change) < settings_->pressure_tol;
   }
+  // With friction the pressures of the first solve say what sticks.
+  void start_step(const Constraints& constraints, const Friction& friction, Vec u) override {
+    if (!settings_->automatic_penalty || settings_->growth == PenaltyGrowth::every_augmentation) return;
+    if (friction.acts()) return;
+    const std::vector<double>& lambda = rows_.multiplier->trial;
+    std::array<double, 2> largest{}; // multiplier, depth
+    for (const double p : lambda) largest[0] = std::max(largest[0], p);
+    constraints.visit(u, Derivatives::none,
+                      [&](const Constraint& c) { largest[1] = std::max(largest[1], -c.gap); });
+    max_over_ranks(constraints.comm(), largest);
+    if (largest[0] > 0) return;
+    const double much = shallow * constraints.mean_length() / std::max(largest[1], 1e-300);
+    rows_.penalty->trial[EnforcementRows::value] = std::min(much, 1.0) * settings_->penalty;
+  }
   void augment(const AugmentReport& report, std::vector<double>& lambda) override {
     rows_.multiplier->trial = std::move(lambda);
     std::vector<double>& row = rows_.penalty->trial;
     double &penalty = row[EnforcementRows::value], &before = row[EnforcementRows::last_gap];
+    penalty = std::max(penalty, settings_->penalty);
     const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
     if (settings_->growth == PenaltyGrowth::every_augmentation || slow)
       penalty = std::max(penalty, std::min(penalty + settings_->penalty_increment, settings_->penalty_max));
