@@ -12,10 +12,17 @@ import xml.etree.ElementTree as ElementTree
 import h5py
 import numpy as np
 
-NODES = {4: 3, 5: 4, 6: 4, 9: 8, 36: 6, 38: 10}  # by XDMF cell type
-TYPES = {"Triangle": 4, "Quadrilateral": 5, "Tetrahedron": 6, "Hexahedron": 9, "Triangle_6": 36, "Tetrahedron_10": 38}
-# Cells of second order are seen as linear ones between their nodes: the type of these, their corners.
-PARTS = {36: (4, [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]),
+NODES = {4: 3, 5: 4, 6: 4, 9: 8, 35: 9, 36: 6, 37: 8, 38: 10, 48: 20, 50: 27}  # by XDMF cell type
+TYPES = {"Triangle": 4, "Quadrilateral": 5, "Tetrahedron": 6, "Hexahedron": 9, "Triangle_6": 36, "Tetrahedron_10": 38,
+         "Quadrilateral_9": 35, "Quadrilateral_8": 37, "Hexahedron_27": 50, "Hexahedron_20": 48}
+GRID = [0, 8, 1, 11, 24, 9, 3, 10, 2, 16, 22, 17, 20, 26, 21, 19, 23, 18, 4, 12, 5, 15, 25, 13, 7, 14, 6]  # of Hexahedron_27
+# Cells of second order are seen as linear ones between their nodes (Hexahedron_20: between its corners): the type of these, their
+# corners.
+PARTS = {35: (5, [(0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3)]),
+         37: (4, [(0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)]),
+         48: (9, [tuple(range(8))]),
+         50: (9, [tuple(GRID[first + step] for step in (0, 1, 4, 3, 9, 10, 13, 12)) for first in (0, 1, 3, 4, 9, 10, 12, 13)]),
+         36: (4, [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]),
          38: (6, [(0, 4, 6, 7), (4, 1, 5, 8), (6, 5, 2, 9), (7, 8, 9, 3),
                   (6, 8, 4, 5), (6, 8, 5, 9), (6, 8, 9, 7), (6, 8, 7, 4)])}
 FACES = {6: [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)],
@@ -96,10 +103,13 @@ class Fields:
 
     @staticmethod
     def _sorted(data, kind):
+        def linear(kind, nodes, index):
+            kind, parts = PARTS.get(kind, (kind, [range(nodes.shape[1])]))
+            return kind, np.concatenate([nodes[:, corners] for corners in parts]), np.tile(index, len(parts))
+
         if kind in TYPES:
             nodes = data.reshape(-1, NODES[TYPES[kind]])
-            linear, parts = PARTS.get(TYPES[kind], (TYPES[kind], [range(nodes.shape[1])]))
-            return [(linear, np.concatenate([nodes[:, corners] for corners in parts]), np.tile(np.arange(len(nodes)), len(parts)))]
+            return [linear(TYPES[kind], nodes, np.arange(len(nodes)))]
         if kind != "Mixed":
             stop(f"cells of type {kind} are not supported")
         lists, at, cell = {}, 0, 0
@@ -111,7 +121,7 @@ class Fields:
             lists.setdefault(data[at], ([], []))[0].append(data[at + 1:at + 1 + size])
             lists[data[at]][1].append(cell)
             at, cell = at + 1 + size, cell + 1
-        return [(kind, np.array(nodes), np.array(index)) for kind, (nodes, index) in lists.items()]
+        return [linear(kind, np.array(nodes), np.array(index)) for kind, (nodes, index) in lists.items()]
 
 
 def solid(cells):

@@ -195,8 +195,9 @@ std::array<double, 12> PairSearch::in_space(const int* slot, const ContactValues
   return corner;
 }
 
-// A facet of second order is its straight one and sum N_e d_e over the middles of its sides, d_e their offset
-// from those of the straight sides. N_e is never negative there, and their sum at most 4/3.
+// A facet of second order is its straight one and sum N_e d_e over the middles of its sides and its own, d_e
+// their offset from those of the straight facet. The sum of |N_e| is at most 4/3 on edges and triangles, 2 on
+// quadrilaterals.
 double PairSearch::bulge(const int* slot, const ContactValues& x) const {
   const int corners = stored_corners(per_facet_);
   double square = 0;
@@ -204,12 +205,14 @@ double PairSearch::bulge(const int* slot, const ContactValues& x) const {
     double offset = 0;
     for (int k = 0; k < dim_; ++k) {
       const auto of = [&](int a) { return x[at(dim_ * slot[a] + k)]; };
-      const double d = of(corners + e) - (of(e) + of((e + 1) % corners)) / 2;
+      const double straight =
+          e < corners ? (of(e) + of((e + 1) % corners)) / 2 : (of(0) + of(1) + of(2) + of(3)) / 4;
+      const double d = of(corners + e) - straight;
       offset += d * d;
     }
     square = std::max(square, offset);
   }
-  return 4.0 / 3 * std::sqrt(square);
+  return (corners == 4 ? 2 : 4.0 / 3) * std::sqrt(square);
 }
 
 double PairSearch::tighten(const std::vector<int>& slot, const std::vector<double>& X,

@@ -38,17 +38,19 @@ double area_at(const FaceCorners& x) {
 // partition, so that what is kept per point can move to other ranks.
 void start_at_smallest_corner(ContactSurface& surface) {
   const std::size_t width = at(surface.per_facet);
-  const bool curved = width == 6;
+  const bool curved = width > 4;
   for (int f = 0; f < surface.count(); ++f) {
     const std::size_t first = width * at(f);
-    const std::ptrdiff_t corners = curved || surface.node[first + 3] == surface.node[first + 2] ? 3 : 4;
-    std::array<Point3, 6> X;
+    const std::ptrdiff_t corners = curved ? stored_corners(surface.per_facet)
+                                   : surface.node[first + 3] == surface.node[first + 2] ? 3
+                                                                                        : 4;
+    std::array<Point3, std::tuple_size_v<GlobalFacet>> X;
     for (std::size_t a = 0; a < width; ++a) std::copy_n(&surface.X[3 * (first + a)], 3, X[a].begin());
     const std::ptrdiff_t smallest = std::min_element(X.begin(), X.begin() + corners) - X.begin();
     const auto turn = [&](auto* values) {
       std::rotate(values, values + smallest, values + corners);
       if (curved)
-        std::rotate(values + 3, values + 3 + smallest, values + 6);
+        std::rotate(values + corners, values + corners + smallest, values + 2 * corners);
       else if (corners == 3)
         values[3] = values[2];
     };
@@ -173,9 +175,18 @@ FormPoints<FacetPlace<Shape>> CurvedPoints<Shape>::make_points(ContactSurface& s
     weight = rule.weight;
   } else {
     start_at_smallest_corner(surface);
-    const TriangleRule rule = triangle_rule(n);
-    for (const std::array<double, 3>& part : rule.part) place.push_back({part[1], part[2]});
-    for (double part : rule.weight) weight.push_back(part / 2);
+    if (Shape::Corners::nodes == 3) {
+      const TriangleRule rule = triangle_rule(n);
+      for (const std::array<double, 3>& part : rule.part) place.push_back({part[1], part[2]});
+      for (double part : rule.weight) weight.push_back(part / 2);
+    } else {
+      const GaussRule line = gauss_rule(n);
+      for (std::size_t i = 0; i < line.xi.size(); ++i)
+        for (std::size_t j = 0; j < line.xi.size(); ++j) {
+          place.push_back({line.xi[i], line.xi[j]});
+          weight.push_back(line.weight[i] * line.weight[j]);
+        }
+    }
   }
   FormPoints<Point> points{
       static_cast<int>(place.size()), {}, {}, std::vector<int>(surface.length.size(), Shape::nodes)};
@@ -299,11 +310,20 @@ void PointForm<G>::add_gap_hessian(int facet, std::size_t number, const ContactV
 template class PointForm<FacePoints>;
 template class PointForm<CurvedPoints<Line3>>;
 template class PointForm<CurvedPoints<Tri6>>;
+template class PointForm<CurvedPoints<Quad8>>;
+template class PointForm<CurvedPoints<Quad9>>;
 
 std::unique_ptr<ContactForm> make_ray_point_form(const FormRequest& request) {
   if (request.mesh.order() == 1) return std::make_unique<FacePointForm>(request);
   if (request.mesh.dim() == 2) return std::make_unique<PointForm<CurvedPoints<Line3>>>(request);
-  return std::make_unique<PointForm<CurvedPoints<Tri6>>>(request);
+  switch (stored_nodes(request.mesh)) {
+  case 6:
+    return std::make_unique<PointForm<CurvedPoints<Tri6>>>(request);
+  case 8:
+    return std::make_unique<PointForm<CurvedPoints<Quad8>>>(request);
+  default:
+    return std::make_unique<PointForm<CurvedPoints<Quad9>>>(request);
+  }
 }
 
 } // namespace impact

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/contact/surface.hpp>
 #include <impact/math/index.hpp>
+#include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/handle.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -32,7 +33,10 @@ double longest_side(const double* corner, int corners, int dim) {
   return std::sqrt(largest);
 }
 
-int stored_nodes(const Mesh& mesh) { return mesh.dim() == 2 ? mesh.order() + 1 : mesh.order() == 1 ? 4 : 6; }
+int stored_nodes(const Mesh& mesh) {
+  if (mesh.dim() == 2) return mesh.order() + 1;
+  return mesh.order() == 1 ? 4 : mesh.has_shape(Shape::hex27) ? 9 : mesh.has_shape(Shape::hex20) ? 8 : 6;
+}
 
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group) {
   const Group* found = mesh.find_group(group);
@@ -41,6 +45,16 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
                                         "` in the mesh; boundaries are: " + boundary_names(mesh));
   mesh.require_outside("contact " + contact + ": boundary", group);
   ContactSurface surface = surface_of(mesh, group, mesh.facets(group));
+  const std::size_t width = at(surface.per_facet);
+  bool mixed = false;
+  for (std::size_t first = 0; width > 4 && first < surface.node.size(); first += width)
+    mixed = mixed || surface.node[first + width - 1] == surface.node[first + width - 2];
+  throw_first(
+      mesh.comm(), ExitCode::data,
+      mixed ? "contact " + contact + ": boundary `" + group +
+                  "` has triangles of second order in a mesh that has hexahedra too; allowed: tetrahedra "
+                  "or hexahedra alone on both sides, or cells of first order (-order 1, gmsh -order 1)"
+            : "");
   if (sum_over_ranks(mesh.comm(), surface.count()) == 0)
     throw UserError(ExitCode::data, "contact " + contact + ": boundary `" + group + "` has no facets");
   return surface;

@@ -8,6 +8,16 @@ namespace impact {
 
 namespace {
 
+// body(facet) with the facet of so many nodes.
+template <class Body> auto visit(int dim, int nodes, Body&& body) {
+  if (dim == 2) return nodes == 2 ? body(Line2()) : body(Line3());
+  return nodes == 3   ? body(Tri3())
+         : nodes == 4 ? body(Quad4())
+         : nodes == 6 ? body(Tri6())
+         : nodes == 8 ? body(Quad8())
+                      : body(Quad9());
+}
+
 template <class Cell> void fill(int q, FacetPoint& p) {
   const auto& t = shape_table<Cell>;
   p.weight = t.weight[q];
@@ -42,12 +52,13 @@ void area_vector(const double (&a)[3][2], int dim, double* n) {
 
 } // namespace
 
+int facet_points(int dim, int nodes) {
+  return visit(dim, nodes, []<class Facet>(Facet) { return Facet::points; });
+}
+
 FacetPoint facet_point(int dim, int nodes, int q) {
   FacetPoint p{};
-  if (dim == 3)
-    nodes == 3 ? fill<Tri3>(q, p) : nodes == 4 ? fill<Quad4>(q, p) : fill<Tri6>(q, p);
-  else
-    nodes == 2 ? fill<Line2>(q, p) : fill<Line3>(q, p);
+  visit(dim, nodes, [&]<class Facet>(Facet) { fill<Facet>(q, p); });
   return p;
 }
 

@@ -258,7 +258,7 @@ void add_ray_hessian(const CurvedRay<Facet>& ray, const CurvedFoot<Facet>& foot,
   // To second order the facet leaves that plane by half of y_ij xi_i xi_j: d2g is that of the plane and
   // m.y_ij/(n.m) dxi_i (x) dxi_j.
   constexpr std::size_t dim = CurvedRay<Facet>::dim, nodes = Facet::nodes, dofs = CurvedRay<Facet>::dofs;
-  constexpr auto d2N = second_derivatives<Facet>();
+  const auto d2N = second_derivatives<Facet>(foot.xi);
   const auto w = weights_of(ray, foot.place);
   const Spans<double, dim> y = spans_of(w, ray.x, ray.p), dg = gradient_of<double, dim>(y);
   add_hessian<dim, nodes>(w, y, factor, hessian);
@@ -299,12 +299,20 @@ std::array<double, Facet::dim + 1> facet_area(const typename CurvedRay<Facet>::N
 }
 
 template CurvedFoot<Line3> cast_ray(const CurvedRay<Line3>&, const Line3::Point&);
-template CurvedFoot<Tri6> cast_ray(const CurvedRay<Tri6>&, const Tri6::Point&);
 template std::array<double, 12> ray_gradient(const CurvedRay<Line3>&, const CurvedFoot<Line3>&);
-template std::array<double, 36> ray_gradient(const CurvedRay<Tri6>&, const CurvedFoot<Tri6>&);
 template void add_ray_hessian(const CurvedRay<Line3>&, const CurvedFoot<Line3>&, double, std::span<double>);
-template void add_ray_hessian(const CurvedRay<Tri6>&, const CurvedFoot<Tri6>&, double, std::span<double>);
 template std::array<double, 2> facet_area<Line3>(const CurvedRay<Line3>::Nodes&, const FacetPlace<Line3>&);
+template CurvedFoot<Tri6> cast_ray(const CurvedRay<Tri6>&, const Tri6::Point&);
+template std::array<double, 36> ray_gradient(const CurvedRay<Tri6>&, const CurvedFoot<Tri6>&);
+template void add_ray_hessian(const CurvedRay<Tri6>&, const CurvedFoot<Tri6>&, double, std::span<double>);
 template std::array<double, 3> facet_area<Tri6>(const CurvedRay<Tri6>::Nodes&, const FacetPlace<Tri6>&);
+template CurvedFoot<Quad8> cast_ray(const CurvedRay<Quad8>&, const Quad8::Point&);
+template std::array<double, 48> ray_gradient(const CurvedRay<Quad8>&, const CurvedFoot<Quad8>&);
+template void add_ray_hessian(const CurvedRay<Quad8>&, const CurvedFoot<Quad8>&, double, std::span<double>);
+template std::array<double, 3> facet_area<Quad8>(const CurvedRay<Quad8>::Nodes&, const FacetPlace<Quad8>&);
+template CurvedFoot<Quad9> cast_ray(const CurvedRay<Quad9>&, const Quad9::Point&);
+template std::array<double, 54> ray_gradient(const CurvedRay<Quad9>&, const CurvedFoot<Quad9>&);
+template void add_ray_hessian(const CurvedRay<Quad9>&, const CurvedFoot<Quad9>&, double, std::span<double>);
+template std::array<double, 3> facet_area<Quad9>(const CurvedRay<Quad9>::Nodes&, const FacetPlace<Quad9>&);
 
 } // namespace impact

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <impact/kernel/shape.hpp>
 #include <impact/math/rotation.hpp>
+#include <numeric>
 
 namespace impact {
 
@@ -9,8 +10,8 @@ namespace {
 
 // The list of all shapes.
 std::vector<Shape>& shapes() {
-  static std::vector<Shape> list = {Shape::tri3, Shape::quad4, Shape::tet4,
-                                    Shape::hex8, Shape::tri6,  Shape::tet10};
+  static std::vector<Shape> list = {Shape::tri3,  Shape::quad4, Shape::tet4,  Shape::hex8,  Shape::tri6,
+                                    Shape::tet10, Shape::quad9, Shape::hex27, Shape::quad8, Shape::hex20};
   return list;
 }
 
@@ -22,26 +23,50 @@ int index_of(Shape shape) {
   return static_cast<int>(std::find(shapes().begin(), shapes().end(), shape) - shapes().begin());
 }
 
-Shape find_shape(int dim, std::string_view polytope, int order) {
+Shape find_shape(int dim, std::string_view polytope, int nodes) {
   Shape found;
   for (const Shape shape : shapes())
-    if (shape->dim == dim && shape->names.polytope == polytope && shape->order() == order) found = shape;
+    if (shape->dim == dim && shape->names.polytope == polytope && shape->nodes == nodes) found = shape;
   return found;
 }
 
 Shape linear(Shape shape) {
-  return shape->order() == 1 ? shape : find_shape(shape->dim, shape->names.polytope, 1);
+  return shape->order() == 1 ? shape : find_shape(shape->dim, shape->names.polytope, shape->corners());
+}
+
+std::vector<int> corners_around(Shape shape, int node) {
+  std::vector<int> corners;
+  std::size_t place = static_cast<std::size_t>(node - shape->corners());
+  if (node < shape->corners()) {
+    corners = {node};
+  } else if (place < shape->edges.size()) {
+    corners = {shape->edges[place].begin(), shape->edges[place].end()};
+  } else if (place -= shape->edges.size(); place < shape->faces.size()) {
+    corners = {shape->faces[place].begin(), shape->faces[place].end()};
+  } else {
+    corners.resize(static_cast<std::size_t>(shape->corners()));
+    std::iota(corners.begin(), corners.end(), 0);
+  }
+  std::sort(corners.begin(), corners.end());
+  return corners;
 }
 
 std::vector<int> facet_nodes(Shape shape, const CellFacet& facet) {
   const auto corners = static_cast<std::size_t>(node_count(facet));
   std::vector<int> nodes(facet.begin(), facet.begin() + corners);
-  for (std::size_t k = 0; k < (corners == 2 ? 1 : corners); ++k) {
-    const int a = facet[k], b = facet[(k + 1) % corners];
-    for (std::size_t e = 0; e < shape->edges.size(); ++e)
-      if (shape->edges[e] == CellEdge{a, b} || shape->edges[e] == CellEdge{b, a})
-        nodes.push_back(shape->corners() + static_cast<int>(e));
-  }
+  int first = shape->corners();
+  const auto add_node_amid = [&](auto around, auto places) {
+    std::sort(around.begin(), around.end());
+    for (std::size_t k = 0; k < places.size(); ++k) {
+      auto other = places[k];
+      std::sort(other.begin(), other.end());
+      if (other == around) nodes.push_back(first + static_cast<int>(k));
+    }
+  };
+  for (std::size_t k = 0; k < (corners == 2 ? 1 : corners); ++k)
+    add_node_amid(CellEdge{facet[k], facet[(k + 1) % corners]}, shape->edges);
+  first += static_cast<int>(shape->edges.size());
+  add_node_amid(facet, shape->faces);
   return nodes;
 }
 

@@ -8,7 +8,7 @@ FieldLayout::FieldLayout(const Mesh& mesh, std::string name, int components)
     : name_(std::move(name)), components_(components), node_count_(mesh.node_count()) {
   check(DMClone(mesh.dm(), dm_.out()));
   check(DMSetNumFields(dm_, 1));
-  const Handle<PetscSection> section = node_section(dm_, mesh.order(), components_);
+  const Handle<PetscSection> section = node_section(dm_, node_map(mesh.dm()), components_);
   check(PetscSectionSetFieldName(section, 0, name_.c_str()));
   check(DMSetLocalSection(dm_, section));
   // The local vector borrows the caller's arrays; it needs none of its own.

@@ -53,24 +53,35 @@ void order_nodes(GmshFile& file) {
   }
 }
 
-// Cells of one order, which have the nodes on their common edges in common.
-void check_edges(GmshFile& file) {
-  std::vector<std::array<int, 3>> edges; // ends, middle
-  bool first_order = false;
+// Cells of one order, which have the nodes on their common edges and faces in common.
+void check_middles(GmshFile& file) {
+  struct Middle {
+    CellFacet around; // corners, rising
+    int node;
+    auto operator<=>(const Middle&) const = default;
+  };
+  std::vector<Middle> middles;
+  bool first_order = false, complete = false, incomplete = false;
   for_each_cell(file, [&](const int* node, Shape shape) {
     first_order = first_order || shape->order() == 1;
-    for (std::size_t e = 0; e < shape->edges.size(); ++e) {
-      const auto [a, b] = std::minmax(node[shape->edges[e][0]], node[shape->edges[e][1]]);
-      edges.push_back({a, b, node[at(shape->corners()) + e]});
+    if (!shape->simplex()) (shape->faces.empty() ? incomplete : complete) = true;
+    for (int a = shape->corners(); a < shape->nodes - (shape->middle ? 1 : 0); ++a) {
+      Middle& middle = middles.emplace_back(Middle{{-1, -1, -1, -1}, node[a]});
+      std::ranges::transform(corners_around(shape, a), middle.around.begin(), [&](int b) { return node[b]; });
+      std::ranges::sort(middle.around);
     }
   });
-  if (edges.empty()) return;
+  if (middles.empty()) return;
   if (first_order) unusable("cells of first and of second order; give all cells the same order");
-  std::sort(edges.begin(), edges.end());
-  for (std::size_t k = 1; k < edges.size(); ++k)
-    if (edges[k][0] == edges[k - 1][0] && edges[k][1] == edges[k - 1][1] && edges[k][2] != edges[k - 1][2])
-      unusable("two nodes in the middle of one edge, near " + place(file, edges[k][2]) +
-               "; cells must share all nodes of their common sides");
+  if (complete && incomplete)
+    unusable("quadrilaterals or hexahedra of second order with and without nodes in their middle; mesh all "
+             "with the same Mesh.SecondOrderIncomplete of gmsh");
+  std::ranges::sort(middles);
+  const auto twin = std::ranges::adjacent_find(
+      middles, [](const Middle& a, const Middle& b) { return a.around == b.around && a.node != b.node; });
+  if (twin != middles.end())
+    unusable("two nodes in the middle of one edge or face, near " + place(file, twin->node) +
+             "; cells must share all nodes of their common sides");
 }
 
 void check_nodes(GmshFile& file) {
@@ -160,17 +171,20 @@ std::vector<int> mirrored(Shape shape) {
     std::swap(place[1], place[3]);
     std::swap(place[5], place[7]);
   }
-  for (const auto& [a, b] : shape->edges) {
-    const CellEdge edge{place[at(a)], place[at(b)]}, reverse{edge[1], edge[0]};
-    const auto found = std::ranges::find_if(
-        shape->edges, [&](const CellEdge& other) { return other == edge || other == reverse; });
-    place.push_back(shape->corners() + static_cast<int>(found - shape->edges.begin()));
+  for (int node = shape->corners(); node < shape->nodes; ++node) {
+    std::vector<int> around = corners_around(shape, node);
+    for (int& corner : around) corner = place[at(corner)];
+    std::ranges::sort(around);
+    place.push_back(node);
+    for (int other = shape->corners(); other < shape->nodes; ++other)
+      if (corners_around(shape, other) == around) place.back() = other;
   }
   return place;
 }
 
 // Cells whose nodes run the other way round are turned.
 void orient(GmshFile& file) {
+  std::map<Shape, std::vector<int>> places;
   for_each_cell(file, [&](int* node, Shape shape) {
     const auto& edges = corner_edges(shape);
     double sum = 0;
@@ -178,7 +192,9 @@ void orient(GmshFile& file) {
     if (sum >= 0) return;
     ++file.turned_cells;
     const std::vector<int> before(node, node + shape->nodes);
-    for (const int from : mirrored(shape)) *node++ = before[at(from)];
+    std::vector<int>& place = places[shape];
+    if (place.empty()) place = mirrored(shape);
+    for (const int from : place) *node++ = before[at(from)];
   });
 }
 
@@ -278,7 +294,7 @@ void check_gmsh(GmshFile& file, bool version4) {
     unusable("no physical group of cells; name the regions (Physical Surface or Volume)");
   order_nodes(file);
   check_nodes(file);
-  check_edges(file);
+  check_middles(file);
   check_duplicates(file, version4);
   orient(file);
   check_corners(file);

@@ -26,8 +26,8 @@ GmshBlock kind_of(std::int64_t type) {
   if (type >= 8 && type <= 140)
     throw UserError(ExitCode::data,
                     "elements of gmsh type " + std::to_string(type) +
-                        ": of second order allowed are triangles of 6 and tetrahedra of 10 nodes, and no "
-                        "higher order; mesh with first order (gmsh -order 1)");
+                        ": allowed are triangles, quadrilaterals, tetrahedra and hexahedra of first and "
+                        "second order; mesh with one of them (gmsh -order 2)");
   garbled("unknown element type " + std::to_string(type));
 }
 

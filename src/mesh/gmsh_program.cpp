@@ -119,6 +119,8 @@ void check_parameters(const std::string& geo, const std::map<std::string, std::s
 std::vector<std::string> command(const MeshRequest& request, const std::string& out) {
   std::vector<std::string> words{"gmsh", "-3", "-format",  "msh41", "-order", request.order == 2 ? "2" : "1",
                                  "-nt",  "1",  "-nopopup", "-v",    "2"};
+  if (request.middles == Middles::edges)
+    words.insert(words.end(), {"-setnumber", "Mesh.SecondOrderIncomplete", "1"});
   for (const auto& [name, value] : request.parameters) {
     words.insert(words.end(), {is_number(value) ? "-setnumber" : "-setstring", name, value});
   }

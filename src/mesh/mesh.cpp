@@ -43,8 +43,8 @@ Mesh::Mesh(Handle<DM> dm, std::vector<Group> groups, std::vector<PetscInt> patch
   dim_ = static_cast<int>(dim);
   if (dim_ != 2 && dim_ != 3)
     throw UserError(ExitCode::data, "mesh: dimension " + std::to_string(dim_) + "; allowed 2 and 3");
-  order_ = order_of(dm_);
-  nodes_ = node_map(dm_, order_);
+  nodes_ = node_map(dm_);
+  order_ = order_of(dm_, nodes_);
   for (const Group& g : groups_) {
     PetscBool known = PETSC_FALSE;
     check(DMHasLabel(dm_, g.name.c_str(), &known));
@@ -94,7 +94,7 @@ void Mesh::number_nodes() {
   PetscSection numbers = nullptr;
   check(DMClone(dm_, dm.out()));
   check(DMSetNumFields(dm, 1));
-  check(DMSetLocalSection(dm, node_section(dm, order_, 1)));
+  check(DMSetLocalSection(dm, node_section(dm, nodes_, 1)));
   check(DMGetGlobalSection(dm, &numbers));
   for (int n = 0; n < node_count(); ++n) { // those of other ranks are marked by their sign
     PetscInt number = 0;
@@ -105,16 +105,13 @@ void Mesh::number_nodes() {
   global_node_count_ = sum_over_ranks(comm(), owned_node_count_);
 }
 
-Shape Mesh::shape_of(PetscInt cell) const {
+Mesh::CellNodes Mesh::cell_nodes(PetscInt cell) const {
   DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
   check(DMPlexGetCellType(dm_, cell, &type));
-  return find_shape(dim_, DMPolytopeTypes[type], order_);
-}
-
-std::vector<int> Mesh::cell_nodes(PetscInt cell) const {
   const std::vector<int> node = closure(cell);
-  std::vector<int> ordered;
-  for (const int place : shape_of(cell)->from_plex) ordered.push_back(node[at(place)]);
+  CellNodes ordered{find_shape(dim_, DMPolytopeTypes[type], static_cast<int>(node.size())), {}};
+  if (ordered.shape == Shape()) return ordered;
+  for (const int place : ordered.shape->from_plex) ordered.node.push_back(node[at(place)]);
   return ordered;
 }
 
@@ -126,20 +123,18 @@ void Mesh::read_cells() {
   std::string trouble;
   has_shape_.assign(known_shapes().size(), 0);
   for (PetscInt point = cell_start_; point < end && trouble.empty(); ++point) {
-    const Shape shape = shape_of(point);
+    const auto [shape, nodes] = cell_nodes(point);
     if (shape == Shape()) {
       DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
       check(DMPlexGetCellType(dm_, point, &type));
-      trouble = std::string("mesh: a cell of type ") + DMPolytopeTypes[type] +
-                (order_ == 2 ? " in a mesh of second order; allowed are triangles in 2D and tetrahedra in 3D"
-                             : "; allowed are triangles and quadrilaterals in 2D, tetrahedra and hexahedra "
-                               "in 3D");
+      trouble = std::string("mesh: a cell of type ") + DMPolytopeTypes[type] + " with " +
+                std::to_string(closure(point).size()) +
+                " nodes; allowed are triangles and quadrilaterals in 2D, tetrahedra and hexahedra in 3D";
       break;
     }
     has_shape_[at(index_of(shape))] = 1;
     auto table = std::find_if(cells_.begin(), cells_.end(), [&](const auto& t) { return t.shape == shape; });
     if (table == cells_.end()) table = cells_.insert(table, {shape, {}, {}});
-    const std::vector<int> nodes = cell_nodes(point);
     table->connectivity.insert(table->connectivity.end(), nodes.begin(), nodes.end());
     table->point.push_back(point);
   }

@@ -91,8 +91,7 @@ std::string Mesh::regions_of(PetscInt cell_point) const {
 void Mesh::add_facet(PetscInt facet, PetscInt cell, FacetTable& table) const {
   std::vector<int> wanted = closure(facet);
   std::sort(wanted.begin(), wanted.end());
-  const std::vector<int> node = cell_nodes(cell);
-  const Shape shape = shape_of(cell);
+  const auto [shape, node] = cell_nodes(cell);
   for (const CellFacet& side : shape->facets) {
     std::vector<int> nodes;
     for (const int a : facet_nodes(shape, side)) nodes.push_back(node[at(a)]);

@@ -1,34 +1,37 @@
 #include <algorithm>
-#include <array>
+#include <impact/math/index.hpp>
 #include <impact/mesh/node_map.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
-#include <stdexcept>
-#include <vector>
+#include <numeric>
 
 namespace impact {
 
-int order_of(DM dm) {
-  PetscSection section = nullptr;
-  PetscInt first = 0, end = 0, begin = 0, chart_end = 0, dofs = 0;
-  check(DMPlexGetDepthStratum(dm, 1, &first, &end));
-  check(DMGetCoordinateSection(dm, &section));
-  check(PetscSectionGetChart(section, &begin, &chart_end));
-  if (first < end && first >= begin && first < chart_end) check(PetscSectionGetDof(section, first, &dofs));
-  return max_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), dofs > 0 ? 2 : 1);
+NodeMap::NodeMap(std::vector<PetscInt> points) : point_(std::move(points)) {
+  if (point_.empty()) return;
+  first_ = point_.front();
+  node_.assign(at(point_.back() - first_ + 1), -1);
+  for (int node = 0; node < count(); ++node) node_[at(point(node) - first_)] = node;
 }
 
-NodeMap node_map(DM dm, int order) {
-  NodeMap map;
-  PetscInt end = 0;
-  check(DMPlexGetDepthStratum(dm, 0, &map.first_vertex, &end));
-  map.vertices = end - map.first_vertex;
-  if (order == 1) return map;
-  check(DMPlexGetDepthStratum(dm, 1, &map.first_edge, &end));
-  map.edges = end - map.first_edge;
-  if (map.edges > 0 && map.first_edge < map.first_vertex)
-    throw std::logic_error("DMPlex numbers edges before vertices");
-  return map;
+NodeMap node_map(DM dm) {
+  PetscSection section = nullptr;
+  PetscInt begin = 0, end = 0, dofs = 0;
+  std::vector<PetscInt> points;
+  check(DMGetCoordinateSection(dm, &section));
+  check(PetscSectionGetChart(section, &begin, &end));
+  for (PetscInt point = begin; point < end; ++point) {
+    check(PetscSectionGetDof(section, point, &dofs));
+    if (dofs > 0) points.push_back(point);
+  }
+  return NodeMap(std::move(points));
+}
+
+int order_of(DM dm, const NodeMap& nodes) {
+  PetscInt first = 0, end = 0;
+  check(DMPlexGetDepthStratum(dm, 1, &first, &end));
+  return max_over_ranks(PetscObjectComm(reinterpret_cast<PetscObject>(dm)),
+                        first < end && nodes.node(first) >= 0 ? 2 : 1);
 }
 
 std::vector<int> nodes_around(DM dm, const NodeMap& nodes, PetscInt point) {
@@ -41,7 +44,7 @@ std::vector<int> nodes_around(DM dm, const NodeMap& nodes, PetscInt point) {
   return found;
 }
 
-Handle<PetscSection> node_section(DM dm, int order, int dofs) {
+Handle<PetscSection> node_section(DM dm, const NodeMap& nodes, int dofs) {
   PetscInt first = 0, end = 0;
   Handle<PetscSection> section;
   check(PetscSectionCreate(PetscObjectComm(reinterpret_cast<PetscObject>(dm)), section.out()));
@@ -49,7 +52,6 @@ Handle<PetscSection> node_section(DM dm, int order, int dofs) {
   check(PetscSectionSetFieldComponents(section, 0, dofs));
   check(DMPlexGetChart(dm, &first, &end));
   check(PetscSectionSetChart(section, first, end));
-  const NodeMap nodes = node_map(dm, order);
   for (int node = 0; node < nodes.count(); ++node) {
     check(PetscSectionSetDof(section, nodes.point(node), dofs));
     check(PetscSectionSetFieldDof(section, nodes.point(node), 0, dofs));
@@ -58,33 +60,43 @@ Handle<PetscSection> node_section(DM dm, int order, int dofs) {
   return section;
 }
 
-void add_edge_nodes(DM dm) {
-  PetscInt dim = 0;
+void add_middles(DM dm, Middles middles) {
+  PetscInt dim = 0, first = 0, end = 0;
   Vec corners = nullptr;
   const PetscScalar* x = nullptr;
   check(DMGetCoordinateDim(dm, &dim));
   check(DMGetCoordinatesLocalSetUp(dm));
   check(DMGetCoordinatesLocal(dm, &corners));
-  const NodeMap nodes = node_map(dm, 2);
+  const NodeMap vertices = node_map(dm);
+  check(DMPlexGetChart(dm, &first, &end));
+  std::vector<PetscInt> points;
+  for (PetscInt point = first; point < end; ++point) {
+    DMPolytopeType type = DM_POLYTOPE_UNKNOWN;
+    check(DMPlexGetCellType(dm, point, &type));
+    const bool quadrilateral = type == DM_POLYTOPE_QUADRILATERAL || type == DM_POLYTOPE_HEXAHEDRON;
+    if (type == DM_POLYTOPE_POINT || type == DM_POLYTOPE_SEGMENT ||
+        (quadrilateral && middles == Middles::all))
+      points.push_back(point);
+  }
+  const NodeMap nodes(std::move(points));
   std::vector<PetscScalar> all;
-  if (nodes.vertices > 0) {
-    check(VecGetArrayRead(corners, &x));
-    all.assign(x, x + nodes.vertices * dim);
-    check(VecRestoreArrayRead(corners, &x));
+  if (nodes.count() > 0) check(VecGetArrayRead(corners, &x));
+  for (int node = 0; node < nodes.count(); ++node) {
+    const std::vector<int> around = nodes_around(dm, vertices, nodes.point(node));
+    std::vector<PetscScalar> of_corners(around.size());
+    for (PetscInt i = 0; i < dim;
+         ++i) { // summed by size: the same on all ranks, whichever corner is the first
+      std::ranges::transform(around, of_corners.begin(), [&](int corner) { return x[corner * dim + i]; });
+      std::ranges::sort(of_corners);
+      all.push_back(std::accumulate(of_corners.begin(), of_corners.end(), 0.0) /
+                    static_cast<double>(around.size()));
+    }
   }
-  for (PetscInt edge = nodes.first_edge; edge < nodes.first_edge + nodes.edges; ++edge) {
-    const PetscInt* cone = nullptr;
-    check(DMPlexGetCone(dm, edge, &cone));
-    const auto *a = &all[static_cast<std::size_t>(nodes.node(cone[0]) * dim)],
-               *b = &all[static_cast<std::size_t>(nodes.node(cone[1]) * dim)];
-    std::array<PetscScalar, 3> middle{}; // the same on all ranks, whichever end is the first
-    std::transform(a, a + dim, b, middle.begin(), [](double p, double q) { return 0.5 * (p + q); });
-    all.insert(all.end(), middle.begin(), middle.begin() + dim);
-  }
+  if (nodes.count() > 0) check(VecRestoreArrayRead(corners, &x));
   DM coordinate_dm = nullptr;
   Handle<Vec> values;
   PetscScalar* to = nullptr;
-  const Handle<PetscSection> section = node_section(dm, 2, static_cast<int>(dim));
+  const Handle<PetscSection> section = node_section(dm, nodes, static_cast<int>(dim));
   check(PetscSectionSetFieldName(section, 0, "coordinates"));
   check(DMGetCoordinateDM(dm, &coordinate_dm));
   check(DMSetCoordinateSection(dm, dim, section));

@@ -78,7 +78,7 @@ struct FileNodes {
   }
 };
 
-// Corners of this rank's cells, or the nodes in the middle of their edges.
+// Corners of this rank's cells, or the nodes between them.
 std::vector<PetscInt> used_nodes(const GmshFile& file, bool corners) {
   std::vector<PetscInt> used;
   for_each_cell(file, [&](const int* node, Shape shape) {
@@ -163,10 +163,17 @@ void set_coordinates(DM dm, const Part& part, const GmshFile& file, double scale
   check(DMPlexBuildCoordinatesFromCellList(dm, file.dim, x.data()));
 }
 
-// Nodes in the middle of the edges, where the file has them; straight edges elsewhere.
-void set_edge_nodes(DM dm, MPI_Comm comm, const GmshFile& file, double scale) {
-  add_edge_nodes(dm);
-  const NodeMap nodes = node_map(dm, 2);
+// Nodes between the corners, where the file has them.
+void set_middles(DM dm, MPI_Comm comm, const GmshFile& file, const MeshRequest& request) {
+  int all = 0;
+  for_each_cell(file, [&](const int*, Shape shape) { all = std::max(all, shape->faces.empty() ? 0 : 1); });
+  all = max_over_ranks(comm, all);
+  if (all && request.middles == Middles::edges)
+    throw UserError(ExitCode::data, request.file +
+                                        ": its cells have nodes in their middle, which -mesh_serendipity "
+                                        "leaves out; mesh with Mesh.SecondOrderIncomplete = 1, or remove it");
+  add_middles(dm, all ? Middles::all : Middles::edges);
+  const NodeMap nodes = node_map(dm);
   const FileNodes middles(comm, file, used_nodes(file, false));
   const std::vector<std::array<double, 3>> X = middles.places(file);
   Vec coordinates = nullptr;
@@ -178,7 +185,8 @@ void set_edge_nodes(DM dm, MPI_Comm comm, const GmshFile& file, double scale) {
     const std::vector<int> local = nodes_around(dm, nodes, cell++);
     for (int a = shape->corners(); a < shape->nodes; ++a)
       for (int i = 0; i < file.dim; ++i)
-        x[local[at(shape->from_plex[at(a)])] * file.dim + i] = scale * X[at(middles.find(node[a]))][at(i)];
+        x[local[at(shape->from_plex[at(a)])] * file.dim + i] =
+            request.scale * X[at(middles.find(node[a]))][at(i)];
   });
   check(VecRestoreArray(coordinates, &x));
   check(DMSetCoordinatesLocal(dm, coordinates)); // the global ones are made afresh from these
@@ -354,7 +362,7 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
     const Part part(comm, file);
     dm = make_topology(part, file);
     set_coordinates(dm, part, file, request.scale);
-    if (order == 2) set_edge_nodes(dm, comm, file, request.scale);
+    if (order == 2) set_middles(dm, comm, file, request);
     for (const Group& g : groups) check(DMCreateLabel(dm, g.name.c_str()));
     agree_on_errors(comm, [&] { label_elements(dm, part, file); });
     share_labels(dm, file);
@@ -372,7 +380,7 @@ Mesh build_mesh(MPI_Comm comm, const MeshRequest& request, GmshFile file) {
     if (patched || !evenly_shared(dm, request.weights)) distribute(dm, request.weights, patches);
   }
   order_for_locality(dm, patches);
-  if (request.order > order) add_edge_nodes(dm);
+  if (request.order > order) add_middles(dm, request.middles);
   check(PetscObjectSetName(reinterpret_cast<PetscObject>(dm.get()), "mesh"));
   return Mesh(std::move(dm), std::move(groups), std::move(patches));
 }

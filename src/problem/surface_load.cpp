@@ -11,9 +11,10 @@ namespace {
 
 // A mixed 3D table repeats the last node of its triangles.
 int count_nodes(const FacetTable& facets, int f) {
-  const int n = facets.nodes_per_facet;
-  const auto base = at(f * n);
-  return n == 4 && facets.connectivity[base + 3] == facets.connectivity[base + 2] ? 3 : n;
+  int n = facets.nodes_per_facet;
+  const int* node = &facets.connectivity[at(f * n)];
+  while (node[n - 1] == node[n - 2]) --n;
+  return n;
 }
 
 using FacetVector = std::array<double, 3 * max_facet_nodes>; // [node][dim]
@@ -45,7 +46,7 @@ void visit_facets(const FacetTable& facets, int dim, const std::vector<double>& 
                   const std::vector<double>* u, Point&& point, Done&& done) {
   for (int f = 0; f < facets.count(); ++f) {
     const FacetNodes n = facet_nodes(facets, f, dim, X, u);
-    for (int q = 0; q < n.count; ++q) {
+    for (int q = 0; q < facet_points(dim, n.count); ++q) {
       const FacetPoint p = facet_point(dim, n.count, q);
       double x[3] = {0, 0, 0};
       facet_position(p, n.count, dim, n.X.data(), x);

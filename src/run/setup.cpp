@@ -30,6 +30,7 @@ MeshRequest request_of(const Scenario& s) {
   request.file = s.mesh.file;
   request.parameters = s.mesh.set;
   request.order = s.mesh.order;
+  request.middles = s.mesh.serendipity ? Middles::edges : Middles::all;
   request.scale = s.mesh.scale;
   request.refine = s.mesh.refine;
   request.most_cells = s.mesh.most_cells;

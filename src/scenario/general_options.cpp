@@ -75,10 +75,14 @@ OptionGroup mesh_options() {
     }
   };
   row.count("order", &MeshScenario::order, 1,
-            "order of the cells. 2: displacement, damage and temperature are quadratic in triangles and "
-            "tetrahedra; a .geo gives curved edges, a .msh of first order straight ones",
+            "order of the cells. 2: displacement, damage and temperature are quadratic; a .geo gives curved "
+            "edges, a .msh of first order straight ones",
             2)
       .otherwise("that of the file, 1 for a .geo");
+  row.flag("mesh_serendipity", &MeshScenario::serendipity,
+           "-order 2 makes quadrilaterals of 8 and hexahedra of 20 nodes instead of 9 and 27")
+      .refused([](const Scenario& s) { return s.mesh.serendipity && s.mesh.order != 2; },
+               "it is for -order 2; a .msh of second order says by itself which nodes its cells have");
   row.number("mesh_scale", &MeshScenario::scale, "1", positive, "factor of all coordinates of the file");
   row.count("dm_refine", &MeshScenario::refine, 0, "uniform refinements after reading", 10);
   row.restart = RestartKey::free;

@@ -1,32 +1,22 @@
 #include <cmath>
 #include <gtest/gtest.h>
-#include <impact/element/second_order.hpp>
+#include <impact/element/second_order_products.hpp>
 
 using namespace impact;
 
 namespace {
 
 template <class Cell> struct Shapes : testing::Test {};
-using Cells = testing::Types<Tri3, Quad4, Tet4, Hex8, Tri6, Tet10>;
+using Cells = testing::Types<Tri3, Quad4, Tet4, Hex8, Tri6, Tet10, Quad9, Hex27, Quad8, Hex20>;
 TYPED_TEST_SUITE(Shapes, Cells);
 
+template <class Cell> constexpr int corners = Cell::nodes;
+template <class Cell>
+requires is_second_order<Cell>
+constexpr int corners<Cell> = Cell::Corners::nodes;
+template <class Cell> constexpr bool is_product = corners<Cell> == 1 << Cell::dim;
+
 /// Integral of x^a y^b z^c over the reference cell.
-template <class Cell> constexpr bool is_product = requires { Cell::sign; };
-
-/// Reference place of a node.
-template <class Cell> typename Cell::Point node_place(int a) {
-  typename Cell::Point x{};
-  if constexpr (is_product<Cell>) {
-    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = Cell::sign[a][i];
-  } else if (a <= Cell::dim) {
-    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = a == int(i) + 1;
-  } else if constexpr (is_second_order<Cell>) {
-    const auto& [from, to] = Cell::edges[a - Cell::dim - 1];
-    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = (node_place<Cell>(from)[i] + node_place<Cell>(to)[i]) / 2;
-  }
-  return x;
-}
-
 template <class Cell> double exact_moment(const int (&power)[3]) {
   const auto factorial = [](int n) { return std::tgamma(n + 1.0); };
   if (!is_product<Cell>)
@@ -51,7 +41,7 @@ TYPED_TEST(Shapes, ShapeFunctionsSumToOneAndInterpolateTheNodes) {
     for (double x : derivative) EXPECT_NEAR(x, 0, 1e-15);
   }
   for (int a = 0; a < TypeParam::nodes; ++a) {
-    const auto N = TypeParam::N(node_place<TypeParam>(a));
+    const auto N = TypeParam::N(place_of_node<TypeParam>(unsigned(a)));
     for (int b = 0; b < TypeParam::nodes; ++b) EXPECT_NEAR(N[unsigned(b)], a == b, 1e-15);
   }
 }
@@ -91,7 +81,7 @@ TYPED_TEST(Shapes, FacetsHaveTheirNormalsOutward) {
   using Cell = TypeParam;
   const auto place = [](int node) {
     std::array<double, 3> x{};
-    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = node_place<Cell>(node)[i];
+    for (unsigned i = 0; i < Cell::dim; ++i) x[i] = place_of_node<Cell>(unsigned(node))[i];
     return x;
   };
   for (const CellFacet& facet : Cell::facets) {
@@ -110,7 +100,8 @@ TYPED_TEST(Shapes, FacetsHaveTheirNormalsOutward) {
       EXPECT_LE(height, 0);
       inside += height < 0;
     }
-    const int corners = node_count(facet), on_edges = Cell::dim == 2 ? 1 : corners;
-    EXPECT_EQ(inside, Cell::nodes - corners - (is_second_order<Cell> ? on_edges : 0));
+    const int ends = node_count(facet), on_edges = Cell::dim == 2 ? 1 : ends,
+              amid = Cell::dim == 3 && has_faces<Cell> ? 1 : 0;
+    EXPECT_EQ(inside, Cell::nodes - ends - (is_second_order<Cell> ? on_edges + amid : 0));
   }
 }

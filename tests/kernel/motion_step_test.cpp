@@ -92,7 +92,8 @@ using Shapes = testing::Types<
     reference::Element<Tri3, Frame::plane_stress>, reference::Element<Quad4, Frame::plane_strain>,
     reference::Element<Quad4, Frame::axisymmetric>, reference::Element<Quad4, Frame::plane_stress>,
     reference::Element<Tet4, Frame::solid>, reference::Element<Hex8, Frame::solid>,
-    reference::Element<Tri6, Frame::plane_strain>, reference::Element<Tet10, Frame::solid>>;
+    reference::Element<Tri6, Frame::plane_strain>, reference::Element<Tet10, Frame::solid>,
+    reference::Element<Quad9, Frame::plane_strain>, reference::Element<Hex27, Frame::solid>>;
 TYPED_TEST_SUITE(MotionStepKernel, Shapes);
 
 } // namespace

@@ -13,7 +13,7 @@ namespace {
 
 constexpr Frame sheet = Frame::plane_stress;
 
-using Sheets = testing::Types<Tri3, Quad4, Tri6>;
+using Sheets = testing::Types<Tri3, Quad4, Tri6, Quad9>;
 template <class> struct PlaneStress : testing::Test {};
 TYPED_TEST_SUITE(PlaneStress, Sheets);
 

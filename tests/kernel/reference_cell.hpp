@@ -2,7 +2,7 @@
 #include "../material/law_sampler.hpp"
 
 #include <gtest/gtest.h>
-#include <impact/element/second_order.hpp>
+#include <impact/element/second_order_products.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/kernel/shape.hpp>
 #include <numbers>
@@ -17,7 +17,7 @@ namespace impact {
 
 /// The kernels that the program has for a cell.
 template <class Cell, Frame frame> const CellKernels& kernels() {
-  const Shape shape = find_shape(Cell::dim, Cell::names.polytope, is_second_order<Cell> ? 2 : 1);
+  const Shape shape = find_shape(Cell::dim, Cell::names.polytope, Cell::nodes);
   if (shape == Shape()) throw std::logic_error(Cell::names.polytope);
   return shape.kernels(frame);
 }
@@ -39,7 +39,10 @@ using Elements =
                    Element<impact::Quad4, Frame::plane_strain>, Element<impact::Quad4, Frame::axisymmetric>,
                    Element<impact::Tet4, Frame::solid>, Element<impact::Hex8, Frame::solid>,
                    Element<impact::Tri6, Frame::plane_strain>, Element<impact::Tri6, Frame::axisymmetric>,
-                   Element<impact::Tet10, Frame::solid>>;
+                   Element<impact::Tet10, Frame::solid>, Element<impact::Quad9, Frame::plane_strain>,
+                   Element<impact::Quad9, Frame::axisymmetric>, Element<impact::Hex27, Frame::solid>,
+                   Element<impact::Quad8, Frame::plane_strain>, Element<impact::Quad8, Frame::axisymmetric>,
+                   Element<impact::Hex20, Frame::solid>>;
 
 template <class Cell> inline constexpr int corners = Cell::nodes;
 template <class Cell>
@@ -48,17 +51,11 @@ inline constexpr int corners<Cell> = Cell::Corners::nodes;
 
 /// Node a of the cell with sides of length 1.
 template <class Cell> std::array<double, 3> node_place(int a) {
-  if constexpr (impact::is_second_order<Cell>)
-    if (a >= corners<Cell>) {
-      const auto& [i, j] = Cell::edges[a - corners<Cell>];
-      const auto x = node_place<Cell>(i), y = node_place<Cell>(j);
-      return {(x[0] + y[0]) / 2, (x[1] + y[1]) / 2, (x[2] + y[2]) / 2};
-    }
-  constexpr double box[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  constexpr double simplex[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  const double* x = corners<Cell> == Cell::dim + 1 ? simplex[a] : box[a];
-  return {x[0], x[1], x[2]};
+  const auto xi = impact::place_of_node<Cell>(unsigned(a));
+  constexpr bool simplex = corners<Cell> == Cell::dim + 1;
+  std::array<double, 3> x{};
+  for (unsigned k = 0; k < Cell::dim; ++k) x[k] = simplex ? xi[k] : (1 + xi[k]) / 2;
+  return x;
 }
 
 /// Aluminium with the k-th choice of locking cure, split, degradations, viscosity, damage gradient and
@@ -108,10 +105,11 @@ template <class Cell, Frame frame> struct CellCase {
       for (int i = 0; i < dim; ++i) {
         const double noise = random.uniform(-0.15, 0.15);
         X[a * dim + i] = h * (c[unsigned(i)] + noise + (frame == Frame::axisymmetric && i == 0 ? 2 : 0));
-        if constexpr (impact::is_second_order<Cell>) // a slightly bent edge between its ends
+        if constexpr (impact::is_second_order<Cell>) // slightly bent between its corners
           if (a >= corners<Cell>) {
-            const auto& [from, to] = Cell::edges[a - corners<Cell>];
-            X[a * dim + i] = (X[from * dim + i] + X[to * dim + i]) / 2 + h * noise / 5;
+            X[a * dim + i] = h * noise / 5;
+            const auto N = Cell::Corners::N(impact::place_of_node<Cell>(unsigned(a)));
+            for (int b = 0; b < corners<Cell>; ++b) X[a * dim + i] += N[unsigned(b)] * X[b * dim + i];
           }
       }
       phi[a] = random.uniform(0, 0.8);

@@ -132,6 +132,7 @@ TEST(Registry, EveryLawTakesAStepOnSheets) {
     one_step_of<Tri3, Frame::plane_stress>(m, name, random);
     one_step_of<Quad4, Frame::plane_stress>(m, name, random);
     one_step_of<Tri6, Frame::plane_stress>(m, name, random);
+    one_step_of<Quad9, Frame::plane_stress>(m, name, random);
   });
   EXPECT_GT(laws, 100);
 }
@@ -162,5 +163,22 @@ TEST(Registry, EveryLawTakesAStepOnTet10) {
   Sampler random(57);
   for_every_law([&](const MaterialParameters& m, const std::string& name) {
     one_step_of<Tet10, Frame::solid>(m, name, random);
+  });
+}
+
+TEST(Registry, EveryLawTakesAStepOnQuad9AndQuad8) {
+  Sampler random(58);
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    one_step_of<Quad9, Frame::plane_strain>(m, name, random);
+    one_step_of<Quad9, Frame::axisymmetric>(m, name, random);
+    one_step_of<Quad8, Frame::plane_strain>(m, name, random);
+  });
+}
+
+TEST(Registry, EveryLawTakesAStepOnHex27AndHex20) {
+  Sampler random(59);
+  for_every_law([&](const MaterialParameters& m, const std::string& name) {
+    one_step_of<Hex27, Frame::solid>(m, name, random);
+    one_step_of<Hex20, Frame::solid>(m, name, random);
   });
 }

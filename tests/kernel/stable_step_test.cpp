@@ -17,7 +17,10 @@ using ElementsAndSheets = testing::Types<
     reference::Element<Quad4, Frame::axisymmetric>, reference::Element<Quad4, Frame::plane_stress>,
     reference::Element<Tet4, Frame::solid>, reference::Element<Hex8, Frame::solid>,
     reference::Element<Tri6, Frame::plane_strain>, reference::Element<Tri6, Frame::axisymmetric>,
-    reference::Element<Tri6, Frame::plane_stress>, reference::Element<Tet10, Frame::solid>>;
+    reference::Element<Tri6, Frame::plane_stress>, reference::Element<Tet10, Frame::solid>,
+    reference::Element<Quad9, Frame::plane_strain>, reference::Element<Quad9, Frame::axisymmetric>,
+    reference::Element<Quad8, Frame::plane_strain>, reference::Element<Hex27, Frame::solid>,
+    reference::Element<Hex20, Frame::solid>>;
 TYPED_TEST_SUITE(StableStep, ElementsAndSheets);
 
 MaterialParameters elastic(double nu, Locking locking = Locking::none) {

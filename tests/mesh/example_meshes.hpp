@@ -25,6 +25,7 @@ inline Mesh make_block(Shape shape, int n) {
                                                {"simplex", shape->simplex() ? "1" : "0"},
                                                {"n", std::to_string(n)}});
   request.order = shape->order();
+  if (shape->faces.empty() && shape->order() == 2 && !shape->simplex()) request.middles = Middles::edges;
   request.work_dir += "/block" + std::to_string(index_of(shape)) + "_" + std::to_string(n);
   if (std::exchange(made[{shape, n}], true)) {
     request.file = request.work_dir + "/block.msh";
@@ -33,8 +34,8 @@ inline Mesh make_block(Shape shape, int n) {
   return read_mesh(PETSC_COMM_WORLD, request);
 }
 
-inline const Shape all_shapes[] = {Shape::tri3, Shape::quad4, Shape::tet4,
-                                   Shape::hex8, Shape::tri6,  Shape::tet10};
+inline const Shape all_shapes[] = {Shape::tri3,  Shape::quad4, Shape::tet4,  Shape::hex8,  Shape::tri6,
+                                   Shape::tet10, Shape::quad9, Shape::hex27, Shape::quad8, Shape::hex20};
 
 inline double sum_over_ranks(double mine) {
   double all = 0;

@@ -11,7 +11,7 @@ namespace {
 
 // Area vector of a facet from its corners, as the table promises it.
 std::array<double, 3> area_vector(const Mesh& mesh, const int* node, int nodes) {
-  if (mesh.order() == 2) nodes = 3;
+  nodes = nodes == 6 ? 3 : nodes > 6 ? 4 : nodes; // corners
   if (mesh.dim() == 2)
     return {x_of(mesh, node[1], 1) - x_of(mesh, node[0], 1), x_of(mesh, node[0], 0) - x_of(mesh, node[1], 0),
             0};

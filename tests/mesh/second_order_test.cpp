@@ -1,3 +1,4 @@
+#include "box_mesh.hpp"
 #include "example_meshes.hpp"
 #include "small_mesh.hpp"
 #include <cmath>
@@ -10,29 +11,33 @@ namespace impact {
 
 namespace {
 
-/// Largest distance of a node on an edge from the middle of its ends, over all cells.
+/// Largest distance of a node from the middle of the corners around it, over all cells.
 double largest_bend(const Mesh& mesh) {
   double bend = 0;
   for (const CellTable& table : mesh.cells()) {
     EXPECT_EQ(table.shape->order(), 2);
     const auto nodes = static_cast<std::size_t>(table.shape->nodes);
     for (std::size_t c = 0; c < table.connectivity.size(); c += nodes)
-      for (std::size_t e = 0; e < table.shape->edges.size(); ++e) {
-        const auto node = [&](int a) { return table.connectivity[c + static_cast<std::size_t>(a)]; };
-        const int corners = table.shape->corners();
-        for (int i = 0; i < mesh.dim(); ++i)
-          bend = std::max(bend, std::abs(x_of(mesh, node(corners + static_cast<int>(e)), i) -
-                                         (x_of(mesh, node(table.shape->edges[e][0]), i) +
-                                          x_of(mesh, node(table.shape->edges[e][1]), i)) /
-                                             2));
+      for (int a = 0; a < table.shape->nodes; ++a) {
+        const auto node = [&](int b) { return table.connectivity[c + static_cast<std::size_t>(b)]; };
+        const std::vector<int> around = corners_around(table.shape, a);
+        for (int i = 0; i < mesh.dim(); ++i) {
+          double mean = 0;
+          for (const int b : around) mean += x_of(mesh, node(b), i) / static_cast<double>(around.size());
+          bend = std::max(bend, std::abs(x_of(mesh, node(a), i) - mean));
+        }
       }
   }
   return largest_over_ranks(bend);
 }
 
-// Each edge of each cell finds the node in its own middle, whatever way DMPlex turns the cell.
-TEST(SecondOrder, NodesStandInTheMiddleOfTheEdgesOfTheirCells) {
-  for (const Shape shape : {Shape::tri6, Shape::tet10}) {
+const Shape second_order[] = {Shape::tri6,  Shape::tet10, Shape::quad9,
+                              Shape::hex27, Shape::quad8, Shape::hex20};
+
+// Each edge and face of each cell finds the node in its own middle, whatever way DMPlex turns the cell: gmsh
+// writes these files.
+TEST(SecondOrder, NodesStandInTheMiddleOfTheEdgesAndFacesOfTheirCells) {
+  for (const Shape shape : second_order) {
     const Mesh mesh = make_block(shape, 3);
     EXPECT_EQ(mesh.order(), 2);
     EXPECT_TRUE(mesh.has_shape(shape));
@@ -41,59 +46,85 @@ TEST(SecondOrder, NodesStandInTheMiddleOfTheEdgesOfTheirCells) {
   }
 }
 
-TEST(SecondOrder, OrderTwoGivesAMeshOfFirstOrderNodesOnItsEdges) {
-  for (const Shape shape : {Shape::tri3, Shape::tet4})
-    for (const int refine : {0, 1}) {
+TEST(SecondOrder, CellsInsideOutAreTurnedWithAllTheirNodes) {
+  for (const Shape shape : second_order) {
+    const Mesh mesh = run_test::mesh_of(PETSC_COMM_WORLD, run_test::fresh_dir("mirrored"),
+                                        run_test::box_mesh(shape, 2, [](std::array<double, 3> x, bool) {
+                                          return std::array<double, 3>{1 - x[0], x[1], x[2]};
+                                        }));
+    EXPECT_LT(largest_bend(mesh), 1e-12) << shape->names.plural;
+    EXPECT_NEAR(volume(mesh), 1, 1e-12);
+  }
+}
+
+TEST(SecondOrder, OrderTwoGivesAMeshOfFirstOrderNodesOnItsEdgesAndInItsBoxes) {
+  for (const auto& [shape, middles] : {std::pair{Shape::tri3, Middles::all},
+                                       {Shape::tet4, Middles::all},
+                                       {Shape::quad4, Middles::all},
+                                       {Shape::hex8, Middles::all},
+                                       {Shape::quad4, Middles::edges},
+                                       {Shape::hex8, Middles::edges}})
+    for (const int refine : {0, middles == Middles::all ? 1 : 0}) {
       make_block(shape, 2); // the file
       MeshRequest request;
       request.file = "mesh_test_files/block" + std::to_string(index_of(shape)) + "_2/block.msh";
+      request.middles = middles;
       request.refine = refine;
       const Mesh plain = read_mesh(PETSC_COMM_WORLD, request);
       request.order = 2;
       const Mesh mesh = read_mesh(PETSC_COMM_WORLD, request);
       EXPECT_EQ(mesh.order(), 2);
       EXPECT_EQ(mesh.global_cell_count(), plain.global_cell_count());
-      EXPECT_EQ(largest_bend(mesh), 0);
+      EXPECT_LT(largest_bend(mesh), 1e-15);
       EXPECT_NEAR(volume(mesh), 1, 1e-12);
       EXPECT_EQ(mesh.smallest_edge(), plain.smallest_edge());
-      // Euler: V - E + C = 1 in the plane, V - E + F - C = 1 in space with 2 F = 4 C + boundary.
+      // Euler: V - E + C = 1 in the plane, V - E + F - C = 1 in space with 2 F = facets C + boundary.
       double boundary = 0;
       for (const char* side : {"left", "right", "bottom", "top", "back", "front"})
         if (mesh.find_group(side) != nullptr) boundary += sum_over_ranks(mesh.facets(side).count());
       const double V = plain.global_node_count(), C = plain.global_cell_count(),
-                   E = mesh.dim() == 2 ? V + C - 1 : V + (4 * C + boundary) / 2 - C - 1;
-      EXPECT_EQ(mesh.global_node_count(), V + E);
-      EXPECT_EQ(sum_over_ranks(mesh.owned_node_count()), V + E);
+                   F = (static_cast<double>(shape->facets.size()) * C + boundary) / 2,
+                   E = mesh.dim() == 2 ? V + C - 1 : V + F - C - 1;
+      const bool amid = !shape->simplex() && middles == Middles::all;
+      const double nodes = V + E + (amid ? C : 0) + (amid && mesh.dim() == 3 ? F : 0);
+      EXPECT_EQ(mesh.global_node_count(), nodes);
+      EXPECT_EQ(sum_over_ranks(mesh.owned_node_count()), nodes);
     }
 }
 
-const char* const disc = R"(SetFactory("OpenCASCADE");
+std::string disc(bool boxes) {
+  return std::string(R"(SetFactory("OpenCASCADE");
 Disk(1) = {0, 0, 0, 1, 1};
 Mesh.MeshSizeMin = 0.4;
 Mesh.MeshSizeMax = 0.4;
 Physical Surface("body") = {1};
 Physical Curve("rim") = {1};
-)";
+)") + (boxes ? "Recombine Surface \"*\";\n" : "");
+}
 
-// The area of a circle by parabolas errs 4th order in h where that of chords errs in h^2.
+// The area of a circle by parabolas errs 4th order in h where that of chords errs in h^2. Quadrilaterals too,
+// and triangles among them.
 TEST(SecondOrder, GmshGivesCurvedEdges) {
-  const std::string dir = run_test::fresh_dir("disc");
-  on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(dir + "/disc.geo") << disc; });
-  MeshRequest request;
-  request.file = dir + "/disc.geo";
-  request.work_dir = dir;
-  const double chords = volume(read_mesh(PETSC_COMM_WORLD, request)) - std::numbers::pi;
-  request.order = 2;
-  const Mesh mesh = read_mesh(PETSC_COMM_WORLD, request);
-  EXPECT_LT(chords, -0.03);
-  EXPECT_NEAR(volume(mesh), std::numbers::pi, 1e-3);
-  EXPECT_GT(largest_bend(mesh), 0.01);
-  for (const int node : mesh.nodes("rim"))
-    EXPECT_NEAR(std::hypot(x_of(mesh, node, 0), x_of(mesh, node, 1)), 1, 1e-9);
-  EXPECT_EQ(mesh.facets("rim").nodes_per_facet, 3);
-  request.file = dir + "/disc.msh"; // as it was written
-  request.order = 0;
-  EXPECT_EQ(volume(read_mesh(PETSC_COMM_WORLD, request)), volume(mesh));
+  for (const bool boxes : {false, true}) {
+    const std::string dir = run_test::fresh_dir("disc");
+    on_rank_zero(PETSC_COMM_WORLD, [&] { std::ofstream(dir + "/disc.geo") << disc(boxes); });
+    MeshRequest request;
+    request.file = dir + "/disc.geo";
+    request.work_dir = dir;
+    const double chords = volume(read_mesh(PETSC_COMM_WORLD, request)) - std::numbers::pi;
+    request.order = 2;
+    const Mesh mesh = read_mesh(PETSC_COMM_WORLD, request);
+    EXPECT_LT(chords, -0.03);
+    EXPECT_NEAR(volume(mesh), std::numbers::pi, 1e-3);
+    EXPECT_EQ(mesh.has_shape(Shape::quad9), boxes);
+    EXPECT_GT(largest_bend(mesh), 0.01);
+    for (const int node : mesh.nodes("rim"))
+      EXPECT_NEAR(std::hypot(x_of(mesh, node, 0), x_of(mesh, node, 1)), 1, 1e-9);
+    EXPECT_EQ(mesh.facets("rim").nodes_per_facet, 3);
+    request.file = dir + "/disc.msh"; // as it was written
+    request.order = 0;
+    EXPECT_EQ(volume(read_mesh(PETSC_COMM_WORLD, request)), volume(mesh));
+  }
 }
 
 // A triangle with a bulge at its long side: 1/2 + 2/3 of the chord times the height.
@@ -164,6 +195,16 @@ TEST(SecondOrder, RefusesWhatItCannotUse) {
   EXPECT_NE(refusal(second("10", "7 1 1 0\n8 0.5 0.5 0\n9 1 0.5 0\n10 0.5 1 0\n", "9 2 1 1 2 7 3 9 10 8"))
                 .find("two nodes in the middle of one edge"),
             std::string::npos);
+  const std::string box = run_test::box_mesh(Shape::quad9, 2);
+  std::string mixed = box;
+  const std::size_t first = mixed.find(" 10 2 1 1 "), line = mixed.find('\n', first),
+                    last = mixed.rfind(' ', line);
+  mixed.replace(last, line - last, "").replace(first, 4, " 16 "); // the first cell without its middle node
+  EXPECT_NE(refusal(mixed).find("belong to no cell"), std::string::npos);
+  const std::size_t node = mixed.find("\n7 0.25 0.25 0\n");
+  ASSERT_NE(node, std::string::npos);
+  mixed.erase(node, 14).replace(mixed.find("$Nodes\n25"), 9, "$Nodes\n24");
+  EXPECT_NE(refusal(mixed).find("with and without nodes in their middle"), std::string::npos);
 }
 
 } // namespace

@@ -17,10 +17,10 @@ def compare(claim, one, other, tolerance=1e-8):
     check(f"{claim}, largest difference, in {where}", worst, 0, tolerance, relative=False)
 
 
-def check_whole(cells, numbers_of_ranks, **options):
+def check_whole(cells, numbers_of_ranks, kind="", **options):
     """`cells`: [dim -> cells along an edge]."""
     for dim, n in cells.items():
-        more = {**WHOLE, "mesh_set_dim": dim, "mesh_set_n": n, **options}
+        more, dim = {**WHOLE, "mesh_set_dim": dim, "mesh_set_n": n, **options}, f"{kind}{dim}"
         one = run(f"whole_{dim}", more)
         check_between(f"{dim}D: it flows and is damaged", min(one["alpha_max"][-1], one["phi_max"][-1]), 1e-3, 1)
         run(f"cut_{dim}", {**more, "ts_max_steps": 10})

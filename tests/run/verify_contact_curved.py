@@ -15,6 +15,7 @@ from _runs import check, check_between, finish, mesh, require, run
 
 E, NU, PRESS = 1e6, 0.3, 0.02
 CURVED = {"order": 2, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 2}
+BOXES = {"mesh_set_simplices_lower": 0, "mesh_set_simplices_upper": 0}
 TIGHT = {"contact_face_gap_tol": 1e-11, "contact_face_pressure_tol": 1e-10, "uzawa_snes_max_it": 200}
 STIFF = {"contact_face_penalty": 1e11}
 ENFORCEMENTS = {"penalty": STIFF, "auglag": TIGHT, "semismooth": {}}
@@ -51,10 +52,12 @@ def patch(name, dim, cells, angle=0, extra=None):
 
 
 print("facets within each other's")
-for dim, cells in ((2, (6, 3)), (3, (4, 2))):
+for kind, dim, cells, shape in (("simplices", 2, (6, 3), {}), ("simplices", 3, (4, 2), {}), ("boxes", 2, (6, 3), BOXES),
+                                ("boxes", 3, (4, 2), BOXES), ("serendipity", 3, (2, 1), {**BOXES, "mesh_serendipity": 1})):
     for angle, (enforce, extra) in zip((0, 33, 33), ENFORCEMENTS.items()):
-        (low, high), stress = patch(f"{dim}_{enforce}", dim, cells, angle, {"contact_face_enforce": enforce, **extra})
-        name, soft = f"{dim}D, {enforce}, angle {angle}", extra == STIFF
+        (low, high), stress = patch(f"{kind}_{dim}_{enforce}", dim, cells, angle,
+                                    {"contact_face_enforce": enforce, **extra, **shape})
+        name, soft = f"{dim}D, {kind}, {enforce}, angle {angle}", extra == STIFF
         if soft:  # the overlap that a penalty needs has a moment
             check(f"{name}: largest over smallest pressure", high / low, 1, 1e-6)
         check(f"{name}: stress on both sides of the interface", max(abs(p - 1) for p in stress), 0, 1e-5 if soft else 1e-8,
@@ -63,10 +66,11 @@ for dim, cells in ((2, (6, 3)), (3, (4, 2))):
         check(f"{name}: pressures of the points", max(high - 1, 1 - low), 0, 1e-5 if soft else 1e-8 if dim == 2 else 1e-4,
               relative=False)
 print("others, by the automatic penalty")
-for dim, cells, most in ((2, (5, 4), 0.05), (3, (3, 2), 0.05)):
-    (low, high), stress = patch(f"{dim}_others", dim, cells, 0, {"contact_face_enforce": "penalty"})
+for kind, dim, cells, most, shape in (("simplices", 2, (5, 4), 0.05, {}), ("simplices", 3, (3, 2), 0.05, {}),
+                                      ("boxes", 2, (5, 4), 0.05, BOXES), ("boxes", 3, (3, 2), 0.05, BOXES)):
+    (low, high), stress = patch(f"{kind}_{dim}_others", dim, cells, 0, {"contact_face_enforce": "penalty", **shape})
     print(f"     {dim}D: pressures {low:.4f} to {high:.4f}, stress {min(stress):.4f} to {max(stress):.4f}")
-    check(f"{dim}D: largest deviation of the stress", max(abs(p - 1) for p in stress), 0, most, relative=False)
+    check(f"{dim}D, {kind}: largest deviation of the stress", max(abs(p - 1) for p in stress), 0, most, relative=False)
 
 print("a block flies into another one")
 FLIGHTS = {2: CURVED}

@@ -114,6 +114,8 @@ TEST(DamageEquation, ConvergesWithOrderTwoInSpace) {
 TEST(DamageEquation, ConvergesWithOrderThreeInCellsOfSecondOrder) {
   space_order(Shape::tri6, {8, 16, 32}, "tri6");
   space_order(Shape::tet10, {6, 9, 12}, "tet10");
+  space_order(Shape::quad9, {8, 16, 32}, "quad9");
+  space_order(Shape::hex27, {4, 6, 8}, "hex27");
 }
 
 /// phi(T) of the rate law phi_dot (1 - phi) = A (1 - phi) - B phi under a constant drive, from the closed

@@ -117,6 +117,8 @@ TEST(HeatEquation, ConvergesWithOrderTwoInSpaceAndThreeInCellsOfSecondOrder) {
   space_order(Shape::tri6, {8, 16, 32}, false, "tri6");
   space_order(Shape::tri6, {8, 16, 32}, true, "tri6, rings");
   space_order(Shape::tet10, {4, 6, 8}, false, "tet10");
+  space_order(Shape::quad9, {8, 16, 32}, true, "quad9, rings");
+  space_order(Shape::hex27, {3, 4, 6}, false, "hex27");
 }
 
 // theta = 300 + 50 sin(3 t) + x (1 + t): linear in space, so that only the steps err. Flux on all sides:

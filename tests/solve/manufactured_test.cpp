@@ -192,6 +192,17 @@ TEST(Manufactured, DisplacementConvergesWithOrderThreeOnSecondOrderTetrahedra) {
   space_order<3>(curved(Shape::tet10), {3, 4, 6}, Locking::none, "tet10, curved", 3);
 }
 
+TEST(Manufactured, DisplacementConvergesWithOrderThreeOnSecondOrderQuadrilaterals) {
+  space_order<2>(distorted(Shape::quad9), {4, 8, 16}, Locking::none, "quad9, distorted", 3);
+  space_order<2>(curved(Shape::quad9), {4, 8, 16}, Locking::none, "quad9, curved", 3);
+  space_order<2>(regular(Shape::quad8), {4, 8, 16}, Locking::none, "quad8", 3);
+}
+TEST(Manufactured, DisplacementConvergesWithOrderThreeOnSecondOrderHexahedra) {
+  space_order<3>(distorted(Shape::hex27), {2, 4, 6}, Locking::none, "hex27, distorted", 3);
+  space_order<3>(curved(Shape::hex27), {3, 4, 5}, Locking::none, "hex27, curved", 3);
+  space_order<3>(regular(Shape::hex20), {3, 4, 5}, Locking::none, "hex20", 3);
+}
+
 TEST(Manufactured, NewmarkConvergesWithOrderTwoInTime) {
   // The mesh stays: differences of successive solutions show the error in time alone.
   const MaterialParameters law = soft_solid(Locking::none);

@@ -104,6 +104,10 @@ TEST(Patch, DistortedSecondOrderCellsReproduceAnAffineMotion) {
   for (const Locking cure : {Locking::none, Locking::mean, Locking::fbar}) {
     patch_of(Shape::tri6, 3, cure, "tri6");
     patch_of(Shape::tet10, 2, cure, "tet10");
+    patch_of(Shape::quad9, 3, cure, "quad9");
+    patch_of(Shape::quad8, 3, cure, "quad8");
+    patch_of(Shape::hex27, 2, cure, "hex27");
+    patch_of(Shape::hex20, 2, cure, "hex20");
   }
 }
 

@@ -61,7 +61,7 @@ private:
 /// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
 struct Opposite {
   GlobalFacet node{};
-  std::array<int, 6> slot{}; ///< in the nodes of the contact, -1: not there
+  std::array<int, std::tuple_size_v<GlobalFacet>> slot{}; ///< in the nodes of the contact, -1: not there
 
   void locate(const ContactNodes& nodes) {
     for (std::size_t b = 0; b < node.size(); ++b)

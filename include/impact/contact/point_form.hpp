@@ -98,7 +98,7 @@ private:
   };
   // What a point is tied to: a candidate by its place in the list, -1: not there, and by its nodes.
   struct Hold {
-    GlobalFacet node = {-1, -1, -1, -1, -1, -1};
+    GlobalFacet node = {-1};
     int candidate = -1, part = 0; // part: triangle of a face
     Switches switches;
   };

@@ -32,7 +32,7 @@ struct FacePoints : StraightPoints {
 };
 using FacePointForm = PointForm<FacePoints>;
 
-/// `Shape`: Line3 or Tri6 (element/facets.hpp).
+/// `Shape`: Line3, Tri6, Quad8 or Quad9 (element/facets.hpp).
 template <class Shape> struct CurvedPoints {
   static constexpr std::size_t dim = Shape::dim + 1, nodes = Shape::nodes;
   static constexpr bool curved = true, slides = false;
@@ -45,8 +45,8 @@ template <class Shape> struct CurvedPoints {
     CurvedFoot<Shape> foot;
   };
 
-  /// Edges: 1 to 16 Gauss points along the cone of the facet; faces: those of a triangle, whose corners are
-  /// turned as of straight ones. Throws UserError(usage).
+  /// Edges: 1 to 16 Gauss points along the cone of the facet; faces: those of a triangle or a square, whose
+  /// corners are turned as of straight ones. Throws UserError(usage).
   static FormPoints<Point> make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
   static const auto& weights(const Point& point) { return point.N; }
   /// The integral of a corner's function over a face is zero; those of the squares have the sum of the areas.

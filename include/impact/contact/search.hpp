@@ -10,7 +10,7 @@
 namespace impact {
 
 /// Global nodes of a facet, its corners first; one with fewer repeats the last.
-using GlobalFacet = std::array<PetscInt, 6>;
+using GlobalFacet = std::array<PetscInt, 9>;
 
 /// A primary facet as it travels between ranks: its nodes; far nodes of an edge's neighbours (-1: none);
 /// coordinates of its corners [4][3], of which one with fewer repeats the last, the third zero in the plane;

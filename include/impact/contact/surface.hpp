@@ -11,10 +11,12 @@
 namespace impact {
 
 /// Nodes that are stored per facet of a mesh: 2 in the plane, 4 in space, where a triangle repeats its third
-/// one; of second order 3 and 6, the corners first, then the middles of the sides.
+/// one; of second order 3 and 6, 8 or 9, the corners first, then the middles of the sides and of the facet.
 int stored_nodes(const Mesh& mesh);
 /// Those among them that are corners.
-constexpr int stored_corners(int per_facet) { return per_facet == 3 ? 2 : per_facet == 6 ? 3 : per_facet; }
+constexpr int stored_corners(int per_facet) {
+  return per_facet == 3 ? 2 : per_facet == 6 ? 3 : per_facet > 6 ? 4 : per_facet;
+}
 
 struct ContactSurface {
   std::string group;
@@ -33,7 +35,8 @@ struct ContactSurface {
 /// Longest side of a facet whose corners [corner][dim] follow each other.
 double longest_side(const double* corner, int corners, int dim);
 
-/// Facets of a boundary group. Throws UserError(data) when the group is unknown, empty or no boundary.
+/// Facets of a boundary group. Throws UserError(data) when the group is unknown, empty or no boundary, or has
+/// faces of second order of two kinds.
 /// Collective.
 ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const std::string& group);
 

@@ -130,6 +130,9 @@ struct Hex8 : LineProduct<Hex8, 3> {
 
 /// Whether a cell has nodes in the middle of its edges.
 template <class Cell> inline constexpr bool is_second_order = requires { Cell::edges; };
+/// Whether it has others in the middle of its quadrilaterals, and of itself.
+template <class Cell> inline constexpr bool has_faces = requires { Cell::faces; };
+template <class Cell> inline constexpr bool has_middle = requires { Cell::middle; };
 
 /// Shape functions and their reference derivatives at the points of the rule and at the centroid, as
 /// constants.

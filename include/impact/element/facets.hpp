@@ -1,9 +1,9 @@
 #pragma once
-#include <impact/element/second_order.hpp>
+#include <impact/element/second_order_products.hpp>
 
-/// Facets of cells, as cells of one dimension less (cells.hpp): edges here, faces are Tri3, Quad4 and Tri6.
-/// Of second order the corners come first, then the middles of the edges. The rules integrate products of two
-/// shape functions of an affine facet exactly.
+/// Facets of cells, as cells of one dimension less (cells.hpp): edges here, faces are Tri3, Quad4, Tri6,
+/// Quad8 and Quad9. Of second order the corners come first, then the middles of the edges, then that of the
+/// facet. The rules integrate products of two shape functions of an affine facet exactly.
 namespace impact {
 
 /// Edge of two nodes, from -1 to 1.
@@ -30,36 +30,21 @@ struct Line3 {
   }
 };
 
-/// Second derivatives of the shape functions of a facet of second order, [node][i][j]: differences of first
-/// ones, which are linear.
+/// Second derivatives of the shape functions of a facet of second order at a place, [node][i][j]: central
+/// differences of first ones, which are at most quadratic along each direction.
 template <class Facet>
-constexpr std::array<std::array<typename Facet::Point, Facet::dim>, Facet::nodes> second_derivatives() {
+constexpr std::array<std::array<typename Facet::Point, Facet::dim>, Facet::nodes>
+second_derivatives(const typename Facet::Point& x) {
   std::array<std::array<typename Facet::Point, Facet::dim>, Facet::nodes> d2N{};
-  const auto at_origin = Facet::dN({});
   for (unsigned j = 0; j < Facet::dim; ++j) {
-    typename Facet::Point x{};
-    x[j] = 1;
-    const auto there = Facet::dN(x);
+    typename Facet::Point up = x, down = x;
+    up[j] += 1;
+    down[j] -= 1;
+    const auto above = Facet::dN(up), below = Facet::dN(down);
     for (unsigned a = 0; a < Facet::nodes; ++a)
-      for (unsigned i = 0; i < Facet::dim; ++i) d2N[a][i][j] = there[a][i] - at_origin[a][i];
+      for (unsigned i = 0; i < Facet::dim; ++i) d2N[a][i][j] = (above[a][i] - below[a][i]) / 2;
   }
   return d2N;
-}
-
-/// Reference place of a node of a facet of second order.
-template <class Facet> constexpr typename Facet::Point place_of_node(std::size_t a) {
-  constexpr std::size_t corners = Facet::Corners::nodes;
-  typename Facet::Point x{};
-  if (a >= corners) { // in the middle of an edge
-    const auto from = place_of_node<Facet>(static_cast<std::size_t>(Facet::edges[a - corners][0])),
-               to = place_of_node<Facet>(static_cast<std::size_t>(Facet::edges[a - corners][1]));
-    for (std::size_t k = 0; k < Facet::dim; ++k) x[k] = (from[k] + to[k]) / 2;
-  } else if (Facet::dim == 1) {
-    x[0] = a == 0 ? -1 : 1;
-  } else if (a > 0) {
-    x[a - 1] = 1;
-  }
-  return x;
 }
 
 /// A place of a facet: its shape functions and their slopes there.

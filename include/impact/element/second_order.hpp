@@ -1,11 +1,48 @@
 #pragma once
 #include <impact/element/cells.hpp>
+#include <iterator>
 
 /// Triangles and tetrahedra of second order: nodes at the corners of the linear cell, then in the middle of
 /// its edges. Where the edges are straight and the nodes in their middle the map of the cell is that of the
 /// linear one. The rules have positive weights, all points inside, and integrate polynomials of degree 4
 /// (Tri6) and 5 (Tet10) exactly, so products of two shape functions.
 namespace impact {
+
+/// Reference place of a node: of the corners of products of lines their ends, of simplices 1 along an axis;
+/// then the middles of edges, of faces and of the cell, each halfway between two corners.
+template <class Cell> constexpr typename Cell::Point place_of_node(std::size_t a) {
+  typename Cell::Point x{};
+  if constexpr (is_second_order<Cell>) {
+    using Corners = typename Cell::Corners;
+    std::array<std::size_t, 2> ends = {a, a};
+    constexpr std::size_t edges = std::size(Cell::edges);
+    if (a >= Corners::nodes + edges) {
+      ends = {0, Corners::nodes - 2}; // of a hexahedron the diagonal of the cell
+      if constexpr (has_faces<Cell>)
+        if (const std::size_t face = a - Corners::nodes - edges; face < std::size(Cell::faces))
+          ends = {static_cast<std::size_t>(Cell::faces[face][0]),
+                  static_cast<std::size_t>(Cell::faces[face][2])};
+    } else if (a >= Corners::nodes) {
+      const CellEdge& edge = Cell::edges[a - Corners::nodes];
+      ends = {static_cast<std::size_t>(edge[0]), static_cast<std::size_t>(edge[1])};
+    }
+    const auto from = place_of_node<Corners>(ends[0]), to = place_of_node<Corners>(ends[1]);
+    for (std::size_t k = 0; k < Cell::dim; ++k) x[k] = (from[k] + to[k]) / 2;
+  } else if constexpr (requires { Cell::sign; }) {
+    for (std::size_t k = 0; k < Cell::dim; ++k) x[k] = Cell::sign[a][k];
+  } else if (a > 0) {
+    x[a - 1] = 1;
+  }
+  return x;
+}
+
+/// Those of all nodes, [node][dim].
+template <class Cell> constexpr auto make_node_places() {
+  std::array<typename Cell::Point, Cell::nodes> places{};
+  for (std::size_t a = 0; a < Cell::nodes; ++a) places[a] = place_of_node<Cell>(a);
+  return places;
+}
+template <class Cell> inline constexpr auto node_places = make_node_places<Cell>();
 
 /// N = L (2 L - 1) at corners and 4 L_i L_j on edges, with the linear functions L.
 template <class Cell, class Linear> struct QuadraticSimplex {

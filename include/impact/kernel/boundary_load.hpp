@@ -1,13 +1,13 @@
 #pragma once
 #include <impact/kernel/frame.hpp>
 
-/// Loads on one boundary facet (line of 2 or 3 nodes in the plane; triangle of 3 or 6 nodes or quadrilateral
-/// in space), point by point, so that the caller evaluates its load where it stands. Lines run with the body
-/// on their left (counter-clockwise cells), faces counter-clockwise seen from outside: the normal below then
-/// points outward.
+/// Loads on one boundary facet (line of 2 or 3 nodes in the plane; triangle of 3 or 6, quadrilateral of 4, 8
+/// or 9 nodes in space), point by point, so that the caller evaluates its load where it stands. Lines run
+/// with the body on their left (counter-clockwise cells), faces counter-clockwise seen from outside: the
+/// normal below then points outward.
 namespace impact {
 
-inline constexpr int max_facet_nodes = 6; ///< and points
+inline constexpr int max_facet_nodes = 9; ///< and points
 
 /// One quadrature point of a facet; the rule integrates N_a N_b exactly on an affine facet.
 struct FacetPoint {
@@ -16,7 +16,8 @@ struct FacetPoint {
   double weight;
 };
 
-/// As many points as nodes: q < nodes. The corners of a facet come first, then the middles of its edges.
+/// q < facet_points. The corners of a facet come first, then the middles of its edges, then its own.
+int facet_points(int dim, int nodes);
 FacetPoint facet_point(int dim, int nodes, int q);
 
 /// Position of the point, from node coordinates X [node][dim] to x [dim].

@@ -39,7 +39,8 @@ std::array<double, 24> ray_gradient(const FaceRay& ray);
 /// Adds factor d2g, 24 x 24 row by row, to `hessian`; symmetric and exact.
 void add_ray_hessian(const FaceRay& ray, double factor, std::span<double> hessian);
 
-/// The same between facets of second order, Line3 in the plane and Tri6 in space (element/facets.hpp): the
+/// The same between facets of second order, Line3 in the plane, Tri6, Quad8 and Quad9 in space
+/// (element/facets.hpp): the
 /// normal is that at the point, and the primary facet is met as it is, curved, beyond its sides as its
 /// functions go on:
 ///   x + g n = y(xi)   (71c)
@@ -52,8 +53,10 @@ template <class Facet> struct CurvedRay {
 };
 
 template <class Facet> struct CurvedFoot {
-  double gap = 0, opposition = 1;                    ///< as of RayFoot
-  std::array<double, Facet::dim + 1> part{}, normal; ///< likewise; of an edge the parts of its ends
+  double gap = 0, opposition = 1; ///< as of RayFoot
+  /// Likewise; the parts of its corners.
+  std::array<double, Facet::Corners::nodes> part{};
+  std::array<double, Facet::dim + 1> normal{};
   typename Facet::Point xi{};
   FacetPlace<Facet> place; ///< on the primary facet, at xi
 };

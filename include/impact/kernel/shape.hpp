@@ -21,8 +21,11 @@ struct CellShape {
   int dim, nodes, points;
   std::span<const CellFacet> facets;
   std::span<const int> from_plex; ///< place of each node in the order of DMPlex
-  /// Of second order: the edge in whose middle each node after the corners stands.
+  /// Of second order: the edges in whose middle the nodes after the corners stand, then the quadrilateral
+  /// faces (of the plane the cell itself); last the node in the middle of the cell, where there is one.
   std::span<const CellEdge> edges;
+  std::span<const CellFacet> faces;
+  bool middle;
   std::span<const int> from_gmsh;            ///< place of each node in the order of gmsh; empty: the same
   const double *N, *dN, *weight;             ///< [point][node], [point][node][dim], [point]
   std::array<double, 3> centroid;            ///< in reference coordinates
@@ -33,7 +36,7 @@ struct CellShape {
   /// the centroid in quads and hexes. X [node][dim].
   Batch (*size)(const Batch* X);
 
-  int corners() const { return nodes - static_cast<int>(edges.size()); }
+  int corners() const { return nodes - static_cast<int>(edges.size() + faces.size() + middle); }
   int order() const { return edges.empty() ? 1 : 2; }
   bool simplex() const { return corners() == dim + 1; }
 };
@@ -41,7 +44,7 @@ struct CellShape {
 /// Which shape: the name of an entry of the list.
 class Shape {
 public:
-  static const Shape tri3, quad4, tet4, hex8, tri6, tet10;
+  static const Shape tri3, quad4, tet4, hex8, tri6, tet10, quad9, hex27, quad8, hex20;
 
   Shape() = default;
   constexpr explicit Shape(const CellShape& cell) : cell_(&cell) {}
@@ -57,13 +60,15 @@ inline int dimension(Shape s) { return s->dim; }
 inline int node_count(Shape s) { return s->nodes; }
 inline int point_count(Shape s) { return s->points; }
 
-/// All shapes; a mesh takes for each of its cells the last one with the right polytope and order.
+/// All shapes; a mesh takes for each of its cells the last one with the right polytope and number of nodes.
 std::span<const Shape> known_shapes();
 /// That one, whose names.polytope this is; none where there is no such cell.
-Shape find_shape(int dim, std::string_view polytope, int order);
+Shape find_shape(int dim, std::string_view polytope, int nodes);
 /// The cell of first order with the same corners.
 Shape linear(Shape);
-/// Nodes of a facet of the cell: its corners, then the middles of its edges.
+/// The corners amid which a node stands: its own, those of its edge, of its face or of the cell; rising.
+std::vector<int> corners_around(Shape, int node);
+/// Nodes of a facet of the cell: its corners, then the middles of its edges and its own.
 std::vector<int> facet_nodes(Shape, const CellFacet&);
 /// Place in that list.
 int index_of(Shape);

@@ -64,6 +64,8 @@ template <class Cell> constexpr CellShape cell_shape() {
                  .facets = Cell::facets,
                  .from_plex = Cell::from_plex,
                  .edges = {},
+                 .faces = {},
+                 .middle = has_middle<Cell>,
                  .from_gmsh = {},
                  .N = table.N[0],
                  .dN = table.dN[0][0],
@@ -75,6 +77,7 @@ template <class Cell> constexpr CellShape cell_shape() {
   if constexpr (is_second_order<Cell>) {
     s.edges = Cell::edges;
     s.from_gmsh = Cell::from_gmsh;
+    if constexpr (has_faces<Cell>) s.faces = Cell::faces;
   }
   for (std::size_t k = 0; k < Cell::dim; ++k) s.centroid[k] = Cell::centroid()[k];
   const auto in = [&s](Frame frame, const CellKernels& kernels) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <concepts>
 #include <impact/kernel/motion_point.hpp>
 #include <impact/material/modulus.hpp>
 
@@ -8,6 +9,9 @@
 namespace impact {
 
 template <class Cell> inline constexpr int dofs = Cell::nodes* Cell::dim;
+
+/// Loops over the nodes of larger cells stay loops: unrolled they take minutes to compile and are no faster.
+inline constexpr int few_nodes = 10;
 
 /// The map of the current configuration at one point: inverse[k * dim + j] = dxi_k/dx_j and, axisymmetric,
 /// 1/r.
@@ -71,13 +75,13 @@ template <class Cell, Frame frame> struct Fluxes {
 };
 
 /// K_ai,bk += w g_a,j a_ij,kl g_b,l; only blocks a <= b where `upper`. One column bk after the other, so that
-/// its w a_ij,kl g_b,l stay in registers while the rows pass; unrolled, because branches at the end of loops
-/// of one to eight rounds are mispredicted.
+/// its w a_ij,kl g_b,l stay in registers while the rows pass; of few nodes unrolled, because branches at the
+/// end of loops of one to eight rounds are mispredicted.
 template <class Cell, Frame frame, bool upper>
 inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
                           const Modulus<Batch, gradient_size(frame)>& a, const Batch& weight, Batch* K) {
   constexpr int d = Cell::dim, n = gradient_size(frame), m = dofs<Cell>;
-  unroll<Cell::nodes>([&](auto b) {
+  const auto add_column = [&](auto b) {
     Batch g[d];
     for (int l = 0; l < d; ++l) g[l] = weight * G.g[b][l];
     for (int k = 0; k < d; ++k) {
@@ -87,7 +91,7 @@ inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
         if constexpr (frame == Frame::axisymmetric)
           if (k == 0) D[I] += a.c[I][4] * (weight * G.ring[b]);
       }
-      unroll<(upper ? b + 1 : Cell::nodes)>([&](auto c) {
+      const auto add_block = [&](auto c) {
         Batch* column = K + c * d * m + b * d + k;
         for (int i = 0; i < d; ++i) {
           Batch s = column[i * m];
@@ -96,9 +100,17 @@ inline void add_stiffness(const SpatialGradients<Cell, frame>& G,
             if (i == 0) s += G.ring[c] * D[4];
           column[i * m] = s;
         }
-      });
+      };
+      if constexpr (std::same_as<decltype(b), int>)
+        for (int c = 0; c < (upper ? b + 1 : Cell::nodes); ++c) add_block(c);
+      else
+        unroll<(upper ? b + 1 : Cell::nodes)>(add_block);
     }
-  });
+  };
+  if constexpr (Cell::nodes > few_nodes)
+    for (int b = 0; b < Cell::nodes; ++b) add_column(b);
+  else
+    unroll<Cell::nodes>(add_column);
 }
 
 /// v_ai: derivative of the volume ratio J with respect to u_ai, J g_a.

@@ -11,8 +11,8 @@
 
 /// The distributed mesh: topology, coordinates and named groups, immutable after construction (total
 /// Lagrangian). Overlap 0: every cell lives on exactly one rank; nodes on rank borders are shared, one rank
-/// owns each. Nodes are the vertices and, in a mesh of second order, the middles of the edges (NodeMap);
-/// numbered 0..node_count-1 locally, owned or ghost.
+/// owns each. Nodes are the vertices and, in a mesh of second order, the middles of edges, faces and cells
+/// (NodeMap); numbered 0..node_count-1 locally, owned or ghost.
 namespace impact {
 
 /// Cells of one shape on this rank. connectivity[cell * nodes + a] = local node, usual finite-element order
@@ -25,10 +25,10 @@ struct CellTable {
 
 /// Boundary facets of a named group on this rank, each owned by the rank of its cell.
 /// Node order gives the outward normal of the cell: in 2D (t_y, -t_x) with t = x_1 - x_0, in 3D (x_1-x_0) x
-/// (x_2-x_0); of second order the corners come first, then the middles of the edges.
+/// (x_2-x_0); of second order the corners come first, then the middles of the edges, then that of the facet.
 struct FacetTable {
-  int nodes_per_facet = 0;          ///< 2 (edges), 3 or 4, of second order 3 or 6; triangles in a mixed 3D
-                                    ///< table repeat the last node
+  int nodes_per_facet = 0;          ///< 2 (edges), 3 or 4, of second order 3, 6, 8 or 9; triangles in a mixed
+                                    ///< 3D table repeat the last node
   std::vector<int> connectivity;    ///< [facet][nodes_per_facet] local nodes
   std::vector<PetscInt> point;      ///< DMPlex point of each facet
   std::vector<PetscInt> cell_point; ///< DMPlex point of the cell behind it
@@ -122,8 +122,11 @@ private:
   void read_cells();
   void check_cells() const;
   void measure_edges();
-  Shape shape_of(PetscInt cell) const; // none where a cell of that kind cannot be used
-  std::vector<int> cell_nodes(PetscInt cell) const;
+  struct CellNodes {
+    Shape shape; // none where a cell of that kind cannot be used
+    std::vector<int> node;
+  };
+  CellNodes cell_nodes(PetscInt cell) const;
   std::vector<int> closure(PetscInt point) const; // its nodes in the order of DMPlex
   void add_facet(PetscInt facet, PetscInt cell, FacetTable& table) const;
   std::vector<PetscInt> points(const std::string& group) const;
@@ -189,6 +192,7 @@ struct MeshRequest {
   std::map<std::string, std::string>
       parameters;                              ///< -mesh_set_<name>: values of DefineConstant names in a .geo
   int order = 0;                               ///< of the cells, 1 or 2; 0: that of the file, 1 for a .geo
+  Middles middles = Middles::all;              ///< that order 2 gives to a file of first order
   double scale = 1;                            ///< every coordinate is multiplied by it
   int refine = 0;                              ///< uniform refinements
   double most_cells = 2e6;                     ///< refinement to more is refused before it is made

@@ -31,8 +31,9 @@ struct FunctionScenario {
 };
 
 struct MeshScenario {
-  std::string file; ///< resolved path
-  int order = 0;    ///< of the cells; 0: that of the file
+  std::string file;         ///< resolved path
+  int order = 0;            ///< of the cells; 0: that of the file
+  bool serendipity = false; ///< of second order: no nodes amid quadrilaterals and hexahedra
   double scale = 1;
   int refine = 0;
   double most_cells = 2e6, patience = 600; ///< -mesh_cells, -mesh_wall

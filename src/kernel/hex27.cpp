@@ -1,0 +1,11 @@
+#include <impact/element/second_order_products.hpp>
+#include <impact/kernel/shape_of.hpp>
+
+namespace impact {
+
+namespace {
+constexpr CellShape record = cell_shape<Hex27>();
+}
+constinit const Shape Shape::hex27{record};
+
+} // namespace impact
