@@ -14,9 +14,11 @@ namespace impact {
 namespace {
 
 // Laws whose unconstrained problem has no solution, or not the wanted one: those with a threshold would take
-// virgin material below 0, a concave degradation may have no minimum at all.
+// virgin material below 0, as does a split whose E+ may be negative; a concave degradation may have no
+// minimum at all.
 bool needs_bounds(const PointLaw& law) {
-  return damages(law) && (regularisation(law.parameters).linear > 0 || !is_convex(law.parameters));
+  const MaterialParameters& m = law.parameters;
+  return damages(law) && (regularisation(m).linear > 0 || !is_convex(m) || compressed_share(m) < 0);
 }
 
 // [node] 1 where phi is prescribed or no damaging cell touches it on any rank.
@@ -36,7 +38,7 @@ std::vector<char> held_nodes(const Discretisation& d, const BoundaryData& bounda
 // others are not degraded at all.
 Batch driving_energy(const MaterialParameters& m, const Drive& drive) {
   Batch sum = drive.plus;
-  if (m.split == Split::none) sum += drive.minus;
+  if (const double share = compressed_share(m); share != 0) sum += share * drive.minus;
   if (m.gp == PlasticDegradation::ge) sum += drive.plastic;
   return sum;
 }

@@ -20,7 +20,8 @@ Batch driving_energy(const CellBatch& batch, const NodalValues& X, const NodalVa
     const Degradations<Batch> g = degradations(m, damage, Batch(0.0));
     const Drive& of_point = drive_at(driving.data(), q);
     energy.value[q] = g.e1.g * of_point.plus;
-    if (m.split == Split::none) energy.value[q] += g.e2.g * of_point.minus;
+    if (const double share = compressed_share(m); share != 0)
+      energy.value[q] = max(Batch(energy.value[q] + share * (g.e1.g * of_point.minus)), Batch(0.0));
   }
   return batch.mean(X, energy);
 }

@@ -153,8 +153,11 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
     put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
     if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
     const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
-    if ((energy && flows_) || exchanges || (step_.u && is_ductile(law.parameters)) ||
-        (step_.u && d_.frame == Frame::plane_stress))
+    // A ductile degradation asks for alpha, a split by principal stretches for what is elastic of them,
+    // sheets for their stretch across.
+    const bool looked_at =
+        is_ductile(law.parameters) || (law.principal() && law.flows()) || d_.frame == Frame::plane_stress;
+    if ((energy && flows_) || exchanges || (step_.u && looked_at))
       put_row(history_, A, in.history, A_n, in.history_n);
     // The exchange of the entropy form takes the energies of the end, like damage.
     if ((energy && law.softens()) || exchanges) put_row(drive_, E, in.drive, E_n, in.drive_n, energy);

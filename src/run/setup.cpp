@@ -38,7 +38,9 @@ MeshRequest request_of(const Scenario& s) {
   request.work_dir = s.output_dir;
   request.reason_to_stop = [&s] { return reason_to_stop({s.checkpoint.walltime, s.checkpoint.margin()}); };
   for (const MaterialScenario& m : s.materials)
-    if (s.has_motion() && m.law.locking == Locking::mean) request.patched.push_back(m.regions);
+    // A patch knows the mean pressure of its cells, but not how their dev tau moves with the mean volume.
+    if (s.has_motion() && m.law.locking == Locking::mean && !PointLaw{m.law}.principal())
+      request.patched.push_back(m.regions);
   // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
   for (const ContactSettings& contact : s.contacts)
     for (const std::string& side : std::set{contact.secondary, contact.primary})

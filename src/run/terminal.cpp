@@ -17,6 +17,21 @@ namespace impact {
 
 namespace {
 
+const char* name_of(Split split) {
+  switch (split) {
+  case Split::spectral:
+    return ", spectral split";
+  case Split::no_tension:
+    return ", no-tension split";
+  case Split::star_convex:
+    return ", star-convex split";
+  case Split::volumetric:
+    return ", volumetric split";
+  default:
+    return ", no split";
+  }
+}
+
 // The choice of a locking cure, and a word where there is none: for each material and shape, once.
 void report_locking(const Scenario& s, const Discretisation& d) {
   if (!s.has_motion() || s.plane == PlaneMode::stress) return;
@@ -41,14 +56,15 @@ void report_locking(const Scenario& s, const Discretisation& d) {
                         : p.locking == Locking::mean ? "mean volume of a cell"
                                                      : "F-bar"));
     // Cells that have a choice of cures lock at the user's will; of linear simplices it is said all the same.
-    if (!keeps_volume(p) || cured || (!simplex && !law.spectral())) continue;
+    if (!keeps_volume(p) || cured || (!simplex && !law.principal())) continue;
     check(PetscPrintf(
         d.mesh.comm(),
         "impact: material %s: its %s lock, too stiff, because %s; remedy: %s, or a finer mesh\n", id.c_str(),
         shape->names.plural,
         law.flows() ? "plastic flow (j2) keeps the volume" : "it is nearly incompressible (nu from 0.45 on)",
-        simplex ? "-material_<id>_locking mean, or cells of second order (-order 2)"
-                : "another -material_<id>_split"));
+        !simplex          ? "-material_<id>_locking mean"
+        : law.principal() ? "cells of second order (-order 2), or another -material_<id>_split"
+                          : "-material_<id>_locking mean, or cells of second order (-order 2)"));
   }
 }
 
@@ -200,9 +216,7 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                                  : std::string(p.damage == Damage::at2   ? " with at2 damage"
                                                : p.damage == Damage::at1 ? " with at1 damage"
                                                                          : " with wu damage") +
-                                       (p.split == Split::spectral     ? ", spectral split"
-                                        : p.split == Split::volumetric ? ", volumetric split"
-                                                                       : ", no split");
+                                       name_of(p.split);
   check(PetscPrintf(comm, "material %s: %s%s%s%s, mass %.6g; cells %.3g to %.3g wide\n", m.id.c_str(),
                     m.law.rigid()          ? "rigid"
                     : p.model == Model::j2 ? "j2"

@@ -134,40 +134,50 @@ void add_toughness(MaterialRows& rows) {
              "this, so that cycles about a higher mean load count more");
 }
 
+/// A predicate of materials with a split that asks for principal stretches.
+template <class When> auto principal(When when) {
+  return damaging([=](const Law& law) { return by_principal(law.split) && when(law); });
+}
+
 void add_split(MaterialRows& rows) {
-  const auto spectral = [](auto when) {
-    return [=](const Material& m, const Scenario& s) {
-      return damaging([](const Law& law) { return law.split == Split::spectral; })(m, s) && when(m, s);
-    };
-  };
-  const std::string remedy = "; choose volumetric";
+  const auto star_convex = [](const Law& law) { return law.split == Split::star_convex; };
   Rows(rows)
       .choice("split", &Material::split,
-              "which energy drives damage: spectral, only that of principal stretches above 1 and of "
-              "dilation; volumetric, all but volumetric compression, or none, all (the paper's run), so that "
-              "shear drives it in compression too; auto: spectral where that is possible, in elastic bodies "
-              "with 0 <= nu < 0.45 without heat, plane stress or a cure of locking, else volumetric",
+              "which energy drives damage, and is lost with it: spectral, that of principal stretches above "
+              "1 and "
+              "of dilation; no_tension, all that cracks can let go, so that they bear pressure alone; "
+              "volumetric, "
+              "all but volumetric compression; star_convex, the same less gamma* times that compression; "
+              "none, all "
+              "(the paper's run). The last three let shear drive it in compression too. auto: spectral in "
+              "elastic "
+              "bodies with 0 <= nu < 0.45 without heat, plane stress or a cure of locking, else volumetric",
               "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
-              Split::spectral)
+              Split::spectral, "star_convex", Split::star_convex, "no_tension", Split::no_tension)
       .notation("g_e2 (49)")
+      .refused(principal([](const Law& law) { return law.equation_of_state != EquationOfState::none; }),
+               "not available with <>eos, whose energy is no sum over principal stretches; allowed: <>eos "
+               "none; choose volumetric or star_convex")
       .refused(
-          spectral([](const Material& m, const Scenario&) {
-            return m.law.equation_of_state != EquationOfState::none;
-          }),
-          "not available with <>eos, whose energy is no sum over principal stretches; allowed: <>eos none" +
-              remedy)
-      .refused(spectral([](const Material& m, const Scenario&) { return m.law.model == Model::j2; }),
-               "the return map wants one factor for the whole deviator, the split has two; allowed: "
-               "<>model elastic" +
-                   remedy)
-      .refused(spectral([](const Material& m, const Scenario&) { return m.law.locking != Locking::none; }),
-               "not available with <>locking, which shares the volume between points; allowed: none" + remedy)
-      .refused(spectral([](const Material& m, const Scenario& s) { return s.has_heat() && m.law.c_v != 0; }),
-               "the heat balance does not know its entropy; allowed: runs without heat" + remedy)
-      .refused(spectral([](const Material&, const Scenario& s) { return s.plane == PlaneMode::stress; }),
-               "not available with -plane stress; allowed: strain, axisymmetric, or meshes in space" + remedy)
-      .refused(spectral([](const Material& m, const Scenario&) { return 3 * m.law.K < 2 * m.law.G; }),
-               "with nu < 0 its tensile part can be negative; allowed: nu >= 0" + remedy);
+          principal([](const Law& law) { return law.split == Split::no_tension && law.model == Model::j2; }),
+          "not available with <>model j2: cracks that open as they like and flow are two inelastic strains, "
+          "and "
+          "nothing says how they share a deformation; allowed: <>model elastic; choose spectral, volumetric "
+          "or "
+          "star_convex")
+      .refused(principal([](const Law& law) { return 3 * law.K < 2 * law.G; }),
+               "with nu < 0 its tensile part can be negative; allowed: nu >= 0; choose volumetric")
+      .denied(unbounded_but_for_vi(star_convex),
+              "-damage_bounds: only the bounds of vi keep <>split star_convex from damage below 0, because "
+              "compression drives it backwards; allowed: vi");
+  Rows(rows, RestartKey::guarded, &Material::law)
+      .number("star_gamma", &Law::star_gamma, "1 gamma* (50''')", {0, 1e3, true, false},
+              "of split star_convex: compression of volume counts this many times against the energy that "
+              "drives damage; 0 would be volumetric")
+      .otherwise("required with split star_convex")
+      .needed(damaging(star_convex), "<>split star_convex needs it")
+      .refused(damaging([](const Law& law) { return law.split != Split::star_convex; }),
+               "has no effect with <>split {split}; remove it, or add <>split star_convex");
 }
 
 void add_strength(MaterialRows& rows) {

@@ -279,7 +279,8 @@ bool keeps_volume(const MaterialParameters& law) {
 }
 
 Locking automatic_locking(const MaterialParameters& law, PlaneMode plane) {
-  const bool curable = law.damage == Damage::none || law.split != Split::spectral;
+  // An elastic body under a split by principal stretches is cured where it is asked for.
+  const bool curable = law.model == Model::j2 || !PointLaw{law}.principal();
   return plane != PlaneMode::stress && keeps_volume(law) && curable ? Locking::mean : Locking::none;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/material/energy_split.hpp>
 #include <impact/material/equation_of_state.hpp>
 #include <impact/material/modulus.hpp>
 #include <impact/material/point_law.hpp>
@@ -32,11 +33,35 @@ Volumetric<T> volume_of(const PointLaw& law, const T& J_minus_1, const T& theta,
   return state.pressure(J_minus_1, thermal_volume(state, theta), g);
 }
 
+/// What a split by principal stretches is asked at a point by itself.
+template <class T, int d> SplitState<T, d> split_state_of(const PointLaw& law, const PointInput<T, d>& in) {
+  const Kinematics<T, d> k = kinematics(in.H);
+  SplitState<T, d> s{left_strain(in.H),
+                     k.J_minus_1,
+                     k.J_minus_1,
+                     thermal_volume(law.parameters, in.theta),
+                     in.old.alpha,
+                     degradations(law.parameters, in.phi, in.old.alpha),
+                     T(0.0),
+                     law.conditions(in.theta, in.dt)};
+  s.pressed = s.g.e2.g;
+  if (law.flows()) s.left = s.left + push(k.F, in.old.A - identity<T, d>());
+  return s;
+}
+
 template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, const PointInput<T, d>& in) {
   PointResponse<T, d> out;
   const Degradations<T> g = degradations(law.parameters, in.phi, in.old.alpha);
   out.k = kinematics(in.H);
-  out.flow = law.isochoric(in.H, out.k, in.old, g, law.conditions(in.theta, in.dt));
+  SplitState<T, d> state;
+  SplitResponse<T, d> split;
+  if (law.principal()) {
+    state = split_state_of(law, in);
+    split = split_response(law, state);
+    out.flow = split.flow;
+  } else {
+    out.flow = law.isochoric(in.H, out.k, in.old, g, law.conditions(in.theta, in.dt));
+  }
   const Volumetric<T> v = volume_of(law, out.k.J_minus_1, in.theta, g);
   out.tau = (law.parameters.G * g.e1.g) * out.flow.dev_b;
   for (int i = 0; i < 3; ++i) out.tau[i] = out.tau[i] + v.p * out.k.J;
@@ -47,12 +72,10 @@ template <class T, int d> PointResponse<T, d> evaluate(const PointLaw& law, cons
                                             out.history.alpha)
                    : law.energies(z, v.Je_minus_1, out.history.alpha);
   if (law.softens()) out.energy.plastic = law.plastic_energy(out.flow, in.old.alpha, in.H_n);
-  if (!law.spectral()) return out;
-  const SpectralSplit<T, d> split = spectral_split(law.parameters, left_strain(in.H), out.k.J_minus_1,
-                                                   thermal_volume(law.parameters, in.theta));
-  out.tau = g.e1.g * split.tau_plus + g.e2.g * split.tau_minus;
-  out.energy.plus = split.plus;
-  out.energy.minus = split.minus;
+  if (!law.principal()) return out;
+  out.tau = split_stress(state, split.of);
+  out.energy.plus = split.of.plus;
+  out.energy.minus = split.of.minus;
   return out;
 }
 

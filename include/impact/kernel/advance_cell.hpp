@@ -8,16 +8,17 @@
 /// lost; in explicit steps the internal force with it.
 namespace impact {
 
-/// g_p k_d dalpha + b_d |C - C_n|^2 / dt of the step.
+/// What flow dissipates, g_p k_d dalpha.
+template <int d>
+inline Batch flow_dissipation(const PointLaw& law, const PointEvaluation<d>& e, const Batch& alpha,
+                              const Batch& dalpha) {
+  return e.g.p.g * (dissipative_stress(law.parameters, e.flow.at, alpha, dalpha) * dalpha);
+}
+
+/// That and b_d |C - C_n|^2 / dt of the step.
 template <class Cell, Frame frame>
 inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s,
-                            const PointEvaluation<Cell::dim>& e, int q,
-                            const PointHistory<Batch, Cell::dim>& now,
-                            const PointHistory<Batch, Cell::dim>& old) {
-  Batch lost = Batch(0.0);
-  if (law.flows())
-    lost = e.g.p.g * (dissipative_stress(law.parameters, e.flow.at, now.alpha, now.alpha - old.alpha) *
-                      (now.alpha - old.alpha));
+                            const PointEvaluation<Cell::dim>& e, int q, Batch lost) {
   if (law.viscous() && in.u_n) {
     const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
     lost += (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
@@ -25,18 +26,33 @@ inline Batch dissipation_at(const PointLaw& law, const MotionInput& in, const Ce
   return lost;
 }
 
-/// What the flow of a step dissipates and what elastic energy it releases, at one point of weight w.
+/// What the flow of a step dissipates and what elastic energy it releases, at one point.
+struct FlowBook {
+  Batch lost, released;
+};
+
 template <int d>
-inline void book_flow(const PointLaw& law, const PointEvaluation<d>& e, const PointHistory<Batch, d>& now,
-                      const PointHistory<Batch, d>& old, const Batch& z_trial, const Batch& z, const Batch& w,
-                      StepSums& sums) {
-  const MaterialParameters& m = law.parameters;
-  const Batch k_d = dissipative_stress(m, e.flow.at, now.alpha, now.alpha - old.alpha);
-  const Batch lost = e.g.p.g * (k_d * (now.alpha - old.alpha));
-  sums.plastic_dissipation += w * lost;
-  sums.least_dissipation = min(lost, sums.least_dissipation);
-  const Batch released = isochoric_energy(m, trace_excess(e.flow.trial, z_trial) - z);
-  sums.plastic_work += w * (e.g.e1.g * select(e.flow.plastic, released, Batch(0.0)));
+inline FlowBook flow_book(const PointLaw& law, const PointEvaluation<d>& e, const Batch& alpha,
+                          const Batch& dalpha, const Batch& z_trial, const Batch& z) {
+  const Batch released = isochoric_energy(law.parameters, trace_excess(e.flow.trial, z_trial) - z);
+  return {flow_dissipation(law, e, alpha, dalpha), e.g.e1.g * select(e.flow.plastic, released, Batch(0.0))};
+}
+/// Where the work of the degraded stress is `power` k dalpha with another degradation than g_p, what the
+/// store does not take of it is lost.
+template <int d>
+inline FlowBook flow_book(const PointLaw& law, const SplitEvaluation<d>& e, const Batch& alpha,
+                          const Batch& dalpha, const Batch&, const Batch&) {
+  const SplitFlow work = split_work(law, e.state, e.flow);
+  const Batch k = flow_stress(law.parameters, e.flow).k;
+  return {flow_dissipation(law, e, alpha, dalpha) + (work.power - e.g.p.g) * (k * dalpha), work.released};
+}
+
+/// Adds it to the sums, with the weight of the point, and returns what is lost.
+inline Batch book(const FlowBook& flow, const Batch& w, StepSums& sums) {
+  sums.plastic_dissipation += w * flow.lost;
+  sums.least_dissipation = min(flow.lost, sums.least_dissipation);
+  sums.plastic_work += w * flow.released;
+  return flow.lost;
 }
 
 /// The internal force of a step whose forces and flow are found together.
@@ -79,7 +95,7 @@ template <class Cell, Frame frame> struct StepForces {
 
 /// With `heats` also what the heat balance asks for, with `forces` the internal force: bodies of code of
 /// their own, so that a run without them pays nothing and keeps its last digits.
-template <class Cell, Frame frame, bool heats, bool spectral, bool forces = false, class Law>
+template <class Cell, Frame frame, bool heats, bool principal, bool forces = false, class Law>
 inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat, Batch* r = nullptr) {
   constexpr int d = Cell::dim;
@@ -87,11 +103,11 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
                        {in.patch, in.patch_pressure});
-  status.bad |= find_thickness<Cell, frame>(law, in, s);
+  status.bad |= share_unknowns<Cell, frame, principal>(law, in, s);
   StepForces<Cell, frame> force;
   if constexpr (forces) force.start(law, in, s);
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
+    const auto e = evaluate_point<Cell, frame, principal>(law, in, s, q);
     note<Cell, frame>(status, law, s, e);
     if constexpr (forces) force.add(law, in, s, e, q);
     const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
@@ -99,11 +115,7 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
     const PointHistory<Batch, d> now = law.updated(e.k, old, e.flow, z);
     PointEnergies<Batch> energy = point_energies<Cell>(law, z, e.Je_minus_1, now.alpha, in.theta, q);
-    if constexpr (spectral) {
-      const auto split = point_split<Cell, frame>(law, s, e.k.J_minus_1, in.theta, q);
-      energy.plus = split.plus;
-      energy.minus = split.minus;
-    }
+    if constexpr (principal) energy = {e.of.plus, e.of.minus, energy.plastic};
     if (law.softens())
       energy.plastic =
           law.plastic_energy(e.flow, old.alpha, in.drive ? drive_at(in.drive, q).plastic : Batch(0.0));
@@ -115,7 +127,8 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
     }
     if (drive) drive_at(drive, q) = {energy.plus, energy.minus, law.plastic_drive(energy.plastic)};
     status.bad |= bits(~is_finite(energy.plus + energy.minus + energy.plastic));
-    if (law.flows()) book_flow(law, e, now, old, z_trial, z, w, sums);
+    Batch lost = Batch(0.0);
+    if (law.flows()) lost = book(flow_book(law, e, now.alpha, now.alpha - old.alpha, z_trial, z), w, sums);
     if constexpr (heats) {
       if (heat.stress) {
         Vector<Batch, d> h;
@@ -123,16 +136,16 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
             first_piola(e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h), e.k.inverse_F);
         for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
       }
-      if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, now, old);
+      if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, lost);
       if constexpr (forces)
         if (heat.dissipation) heat.dissipation[q] += force.lost(in.dt);
     }
     if constexpr (forces) sums.viscous_dissipation += w * force.lost(in.dt);
     if (law.viscous() && in.u_n) {
       const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
-      const Batch lost = (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
-      sums.viscous_dissipation += w * lost;
-      sums.least_dissipation = min(lost, sums.least_dissipation);
+      const Batch viscous = (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
+      sums.viscous_dissipation += w * viscous;
+      sums.least_dissipation = min(viscous, sums.least_dissipation);
     }
   }
   if constexpr (forces) status.bad |= force.finish(r);
@@ -143,8 +156,8 @@ template <class Cell, Frame frame, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
                                                         Batch* trial_history, Batch* drive, StepSums& sums) {
   const LastDigits kept;
-  return advance<Cell, frame, false, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
-                                                               trial_history, drive, sums, {});
+  return advance<Cell, frame, false, terms == Terms::principal>(restricted<terms>(law), restricted(in, terms),
+                                                                trial_history, drive, sums, {});
 }
 
 template <class Cell, Frame frame, Terms terms>
@@ -152,23 +165,23 @@ template <class Cell, Frame frame, Terms terms>
                                                             Batch* trial_history, Batch* drive,
                                                             StepSums& sums, const HeatFeed& heat) {
   const LastDigits kept;
-  return advance<Cell, frame, true, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
-                                                              trial_history, drive, sums, heat);
+  return advance<Cell, frame, true, terms == Terms::principal>(restricted<terms>(law), restricted(in, terms),
+                                                               trial_history, drive, sums, heat);
 }
 
 template <class Cell, Frame frame, bool heats, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus step_with(const PointLaw& law, const MotionInput& in,
                                                      Batch* trial_history, Batch* drive, StepSums& sums,
                                                      const HeatFeed& heat, Batch* r) {
-  return advance<Cell, frame, heats, terms == Terms::spectral, true>(
+  return advance<Cell, frame, heats, terms == Terms::principal, true>(
       restricted<terms>(law), restricted(in, terms), trial_history, drive, sums, heat, r);
 }
 
 /// Calls f(constant) for the terms of a law where heat asks: fewer bodies of code.
 template <Frame frame, class F> decltype(auto) with_terms_of_heat(Terms terms, F&& f) {
+  if (terms == Terms::principal) return f(std::integral_constant<Terms, Terms::principal>{});
   if constexpr (frame != Frame::plane_stress) {
     if (terms == Terms::state) return f(std::integral_constant<Terms, Terms::state>{});
-    if (terms == Terms::spectral) return f(std::integral_constant<Terms, Terms::spectral>{});
     if (terms != Terms::all) return f(std::integral_constant<Terms, Terms::plain>{});
   } else if (terms != Terms::all)
     return f(std::integral_constant<Terms, Terms::plain>{});
@@ -183,7 +196,10 @@ CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* tri
       return advance_for_heat<Cell, frame, terms>(law, in, trial_history, drive, sums, heat);
     });
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
-    return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
+    if constexpr (terms == Terms::principal) // one body of code for both
+      return advance_for_heat<Cell, frame, terms>(law, in, trial_history, drive, sums, heat);
+    else
+      return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
   });
 }
 
@@ -195,7 +211,8 @@ CellStatus motion_step(const PointLaw& law, const MotionInput& in, Batch* trial_
       return step_with<Cell, frame, true, terms>(law, in, trial_history, drive, sums, heat, r);
     });
   return with_terms<frame>(terms_of(law, in), [&](auto terms) {
-    return step_with<Cell, frame, false, terms>(law, in, trial_history, drive, sums, {}, r);
+    return step_with<Cell, frame, terms == Terms::principal, terms>(law, in, trial_history, drive, sums, heat,
+                                                                    r);
   });
 }
 

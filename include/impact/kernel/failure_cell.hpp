@@ -17,9 +17,10 @@ int failure_advance_of(const Law& law, const MotionInput& at, const Batch* histo
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
+  if (law.principal()) share_split_pressure<Cell, frame>(law, in, s);
   Batch finite = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = evaluate_point<Cell, frame>(law, in, s, q);
+    const PointEvaluation<d> e = evaluate_any<Cell, frame>(law, in, s, q);
     const Batch growth = history_at<frame>(in.history, q).alpha - history_at<frame>(history_n, q).alpha;
     const Symmetric<Batch, d> deviator = dev(e.tau);
     const Batch mises = sqrt(1.5 * dot(deviator, deviator)), mean = (1.0 / 3) * trace(e.tau);

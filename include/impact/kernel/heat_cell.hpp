@@ -14,11 +14,21 @@ inline Batch volume_degradation(const Degradations<Batch>& g, const Batch& Je_mi
   return select(Je_minus_1 >= Batch(0.0), g.e1.g, g.e2.g);
 }
 
-/// F^-1 of a body that does not move.
-template <int d> Tensor<Batch, d> unit_tensor() {
+/// Grad u and F^-1 of a body that does not move.
+template <int d> Tensor<Batch, d> zero_tensor() {
   Tensor<Batch, d> zero;
   for (int i = 0; i < tensor_size(d); ++i) zero[i] = Batch(0.0);
-  return plus_identity(zero);
+  return zero;
+}
+template <int d> Tensor<Batch, d> unit_tensor() { return plus_identity(zero_tensor<d>()); }
+
+/// Grad u at the end of the step, with that across a sheet.
+template <class Cell, Frame frame>
+Tensor<Batch, Cell::dim> moved_gradient(const HeatInput& in, const PointGeometry<Cell, frame>& X, int q) {
+  if (!in.u) return zero_tensor<Cell::dim>();
+  Tensor<Batch, Cell::dim> H = gradient_of_vector<Cell, frame>(X, in.u);
+  if constexpr (frame == Frame::plane_stress) H[4] = history_at<frame>(in.history, q).stretch;
+  return H;
 }
 
 /// kappa grad theta in the reference configuration: k g_theta J C^-1 Grad theta, or k g_theta Grad theta.
@@ -29,6 +39,32 @@ Vector<Batch, d> conducted(const MaterialParameters& m, const Degradations<Batch
   const Batch k = m.conductivity * conduction_degradation(m, g.e1.g);
   if (!inverse_F || m.conduction == Conduction::material) return k * grad;
   return (k * J) * raised_gradient(*inverse_F, grad);
+}
+
+/// What of the free energy hangs on the temperature at fixed strain: its energy, its entropy and theta
+/// ds/dtheta with c_V.
+struct ThermalPart {
+  Batch energy, entropy, capacity;
+};
+
+/// The energy is found where it is wanted.
+template <class Law>
+inline ThermalPart thermal_part(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
+                                const Batch& theta, bool energy) {
+  const ElasticVolume<Batch> v = elastic_volume(law, J_minus_1, theta);
+  const Batch g_v = volume_degradation(g, v.Je_minus_1);
+  return {energy ? volume_energy(law, v, g_v) : Batch(0.0), thermoelastic_entropy(law, v, g_v),
+          heat_capacity(law, v, g_v, theta)};
+}
+/// Of a split by principal stretches, in a body with the gradient H.
+template <Frame frame, int d>
+[[gnu::noinline]] ThermalPart thermal_part(const PointLaw& law, const Tensor<Batch, d>& H,
+                                           const Batch& J_minus_1, const Degradations<Batch>& g,
+                                           const Batch& theta, const Batch* history, int q) {
+  const Batch J_th = law.parameters.alpha_t == 0 ? Batch(1.0) : thermal_volume(law, theta);
+  const SplitHeat at =
+      split_heat(law, split_state<frame>(law, H, J_minus_1, J_th, g, history, q, {Batch(1.0), 0, true}));
+  return {at.elastic, at.entropy, law.parameters.c_v + theta * at.entropy_slope};
 }
 
 /// The state of one batch at one end of the step.
@@ -51,7 +87,12 @@ template <class Cell, Frame frame> struct HeatState {
     if (!moved) return Batch(0.0);
     return law.parameters.locking == Locking::none ? detm1(cell.H[q]) : cell.volume_J;
   }
-  /// g_1 W + g_p H_s + psi_phi: the internal energy but for what hangs on the temperature.
+  Tensor<Batch, Cell::dim> gradient(int q) const { return moved ? cell.H[q] : zero_tensor<Cell::dim>(); }
+  ThermalPart thermal(const PointLaw& law, int q, const Degradations<Batch>& g, const Batch& at) const {
+    return thermal_part<frame>(law, gradient(q), volume(law, q), g, at, history, q);
+  }
+  /// g_1 W + g_p H_s + psi_phi: the internal energy but for what hangs on the temperature, as all that is
+  /// elastic does under a split by principal stretches.
   Batch stored(const PointLaw& law, const PointGeometry<Cell, frame>& X, int q,
                const Degradations<Batch>& g) const {
     constexpr int d = Cell::dim;
@@ -64,7 +105,7 @@ template <class Cell, Frame frame> struct HeatState {
       Symmetric<Batch, d> e = left_strain(cell.H[q]);
       if (law.flows()) e = e + push(k.F, A.A - identity<Batch, d>());
       const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
-      sum = g.e1.g * isochoric_energy(m, trace_excess(k.J23 * dev(e), start));
+      if (!law.principal()) sum = g.e1.g * isochoric_energy(m, trace_excess(k.J23 * dev(e), start));
       if (law.flows())
         sum += ((1 - m.taylor_quinney) * g.p.g) *
                (law.softens() && drive ? drive_at(drive, q).plastic : plastic_potential(m, A.alpha));
@@ -122,10 +163,10 @@ template <class Cell, Frame frame, class Law>
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history),
                               g_n = point_degradations<Cell, frame>(law, in.phi_n, q, in.history_n);
     const Batch theta_n = interpolate<Cell>(in.theta_n, q);
-    const ElasticVolume<Batch> v_n = elastic_volume(law, before.volume(law, q), theta_n);
-    const Batch g_vn = volume_degradation(g_n, v_n.Je_minus_1);
-    const Batch entropy_n = thermoelastic_entropy(law, v_n, g_vn);
-    heat_point_at(points, q) = {now.volume(law, q), entropy_n};
+    const ThermalPart thermal_n = law.principal()
+                                      ? before.thermal(law, q, g_n, theta_n)
+                                      : thermal_part(law, before.volume(law, q), g_n, theta_n, energy);
+    heat_point_at(points, q) = {now.volume(law, q), thermal_n.entropy};
 
     Tensor<Batch, d> inverse_F = unit_tensor<d>(), inverse_F_n = inverse_F;
     Batch J = Batch(1.0), J_n = Batch(1.0);
@@ -142,7 +183,7 @@ template <class Cell, Frame frame, class Law>
     for (int i = 0; i < d; ++i) flux[i] = Batch(0.0);
     if (energy)
       local = now.stored(law, X, q, g) - before.stored(law, X, q, g_n) -
-              (volume_energy(law, v_n, g_vn) + theta_n * entropy_n);
+              (thermal_n.energy + theta_n * thermal_n.entropy);
     else if (in.dissipation)
       local -= in.dissipation[q];
     if (has_damage) add_damage<Cell, frame>(law, in, X, inverse_F, q, local, flux);
@@ -179,12 +220,14 @@ template <class Cell, Frame frame, bool tangent, class Law>
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
     const Batch theta = interpolate<Cell>(in.theta, q), theta_n = interpolate<Cell>(in.theta_n, q);
     bad |= bits(~(theta > Batch(0.0)));
-    const ElasticVolume<Batch> v = elastic_volume(law, heat_point_at(points, q).volume, theta);
-    const Batch g_v = volume_degradation(g, v.Je_minus_1);
-    const Batch s = thermoelastic_entropy(law, v, g_v), capacity = heat_capacity(law, v, g_v, theta);
+    const Batch volume = heat_point_at(points, q).volume;
+    const auto [stored, s, capacity] =
+        law.principal()
+            ? thermal_part<frame>(law, moved_gradient<Cell, frame>(in, X, q), volume, g, theta, in.history, q)
+            : thermal_part(law, volume, g, theta, energy);
     Batch local, slope;
     if (energy) {
-      local = m.c_v * (theta - theta_n) + theta * s + volume_energy(law, v, g_v);
+      local = m.c_v * (theta - theta_n) + theta * s + stored;
       slope = capacity;
     } else {
       const Batch mean = in.theta_h * theta + (1 - in.theta_h) * theta_n;
@@ -205,8 +248,7 @@ template <class Cell, Frame frame, bool tangent, class Law>
     Batch J = Batch(1.0);
     const bool moved = in.u && m.conduction == Conduction::spatial;
     if (moved) {
-      Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(X, in.u);
-      if constexpr (frame == Frame::plane_stress) H[4] = history_at<frame>(in.history, q).stretch;
+      const Tensor<Batch, d> H = moved_gradient<Cell, frame>(in, X, q);
       J += detm1(H);
       inverse_F = inverse(plus_identity(H), J);
     }

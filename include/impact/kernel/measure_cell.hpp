@@ -26,7 +26,7 @@ template <class Cell> inline Batch nodal_square(const Batch* v, int q, int i) {
       [&](int a) { return shape_table<Cell>.N[q][a] * (v[a * Cell::dim + i] * v[a * Cell::dim + i]); });
 }
 
-template <class Cell, Frame frame, bool spectral, class Law>
+template <class Cell, Frame frame, bool principal, class Law>
 [[gnu::flatten]] void stored_energy_with(const Law& law, const EnergyInput& in, EnergySums& sums) {
   constexpr int d = Cell::dim;
   const MaterialParameters& m = law.parameters;
@@ -47,8 +47,10 @@ template <class Cell, Frame frame, bool spectral, class Law>
     const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
     PointEnergies<Batch> energy = point_energies<Cell>(law, z, Je, history.alpha, in.theta, q);
-    if constexpr (spectral) {
-      const auto split = point_split<Cell, frame>(law, s, k.J_minus_1, in.theta, q);
+    if constexpr (principal) {
+      const auto state =
+          held_state<Cell, frame>(law, s, point_thermal_volume<Cell>(law, in.theta, q), g, in.history, q);
+      const SplitEnergies<Batch, d> split = split_response(law, state).of;
       energy.plus = split.plus;
       energy.minus = split.minus;
     }
@@ -78,7 +80,7 @@ template <class Cell, Frame frame, bool spectral, class Law>
 
 template <class Cell, Frame frame>
 void stored_energy(const PointLaw& law, const EnergyInput& in, EnergySums& sums) {
-  if (law.spectral())
+  if (law.principal())
     stored_energy_with<Cell, frame, true>(law, in, sums);
   else
     with_state<frame>(law, [&](const auto& l) { stored_energy_with<Cell, frame, false>(l, in, sums); });
@@ -92,10 +94,16 @@ void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
   read_thickness<Cell, frame>(in.history, s);
   for (int q = 0; q < Cell::points; ++q) {
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
+    const Batch J_th = point_thermal_volume<Cell>(law, in.theta, q), theta = interpolate<Cell>(in.theta, q);
+    if (law.principal()) {
+      const Batch s_q = split_heat(law, held_state<Cell, frame>(law, s, J_th, g, in.history, q)).entropy;
+      sums.energy += s.map[q].weight * (m.c_v * (theta - Batch(m.theta0)) + theta * s_q);
+      sums.entropy += s.map[q].weight * (m.c_v * log_ratio(theta, Batch(m.theta0)) + s_q);
+      continue;
+    }
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
-    const Batch J_th = point_thermal_volume<Cell>(law, in.theta, q);
     const Batch Je = law.pressure(J_minus_1, J_th, g).Je_minus_1;
-    const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g), theta = interpolate<Cell>(in.theta, q);
+    const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g);
     const ElasticVolume<Batch> v{Je, J_th};
     sums.energy += s.map[q].weight * thermal_energy(law, v, g_v, theta);
     sums.entropy +=
@@ -140,11 +148,11 @@ void cell_output_of(const Law& law, const MotionInput& state, CellOutput& out) {
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
+  if (law.principal()) share_split_pressure<Cell, frame>(law, in, s);
   Symmetric<Batch, d> sigma = Batch(0.0) * identity<Batch, d>();
   out.alpha = out.phi = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = law.spectral() ? evaluate_point<Cell, frame, true>(law, in, s, q)
-                                                : evaluate_point<Cell, frame>(law, in, s, q);
+    const PointEvaluation<d> e = evaluate_any<Cell, frame>(law, in, s, q);
     Vector<Batch, d> h;
     const Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
     const Batch w = s.map[q].weight / s.volume;

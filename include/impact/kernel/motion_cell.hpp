@@ -31,85 +31,60 @@ inline void add_inertia(const PointLaw& law, const MotionInput& in, const CellSt
   }
 }
 
-/// dtau - tau L^T along each direction L of the velocity gradient, where b changes by L b + b L^T and J by
-/// J tr L; dual numbers carry both through the spectral split.
-template <Frame frame, int d>
-inline Modulus<Batch, gradient_size(frame)>
-spectral_modulus(const MaterialParameters& m, const Tensor<Batch, d>& H, const Batch& J_minus_1,
-                 const Batch& J_th, const Degradations<Batch>& g) {
-  constexpr int n = gradient_size(frame);
-  using D = Dual<Batch, n>;
-  const Symmetric<Batch, d> e = left_strain(H);
-  const auto b = [&](int i, int j) {
-    const int ij = symmetric_index(d, i, j);
-    return ij < 0 ? Batch(0.0) : i == j ? Batch(1.0) + e[ij] : e[ij];
-  };
-  Symmetric<D, d> left;
-  D J(J_minus_1);
-  for (int i = 0; i < 3; ++i)
-    for (int j = i; j < 3; ++j) {
-      const int ij = symmetric_index(d, i, j);
-      if (ij < 0) continue;
-      left[ij] = D(e[ij]);
-      for (int K = 0; K < n; ++K) {
-        const int k = row_of<n>(K), l = column_of<n>(K);
-        if (i == k) left[ij].d[K] += b(l, j);
-        if (j == k) left[ij].d[K] += b(i, l);
-      }
-    }
-  for (int K = 0; K < n; ++K)
-    if (row_of<n>(K) == column_of<n>(K)) J.d[K] = Batch(1.0) + J_minus_1;
-  const auto split = spectral_split(m, left, J, D(J_th));
-  Modulus<Batch, n> a;
-  for (int I = 0; I < n; ++I) {
-    const int i = row_of<n>(I), j = column_of<n>(I), ij = symmetric_index(d, i, j);
-    for (int K = 0; K < n; ++K) {
-      const int l = column_of<n>(K), il = symmetric_index(d, i, l);
-      a.c[I][K] = g.e1.g * split.tau_plus[ij].d[K] + g.e2.g * split.tau_minus[ij].d[K];
-      if (j == row_of<n>(K) && il >= 0)
-        a.c[I][K] -= g.e1.g * split.tau_plus[il].v + g.e2.g * split.tau_minus[il].v;
-    }
-  }
-  return a;
-}
+/// Rows of the modulus before that across a sheet is taken out.
+constexpr int modulus_size(Frame frame) { return frame == Frame::plane_stress ? 5 : gradient_size(frame); }
 
-/// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h
-/// = spatial gradient of phi.
-template <class Cell, Frame frame, bool spectral>
-inline Modulus<Batch, gradient_size(frame)>
-modulus_at(const PointLaw& law, const MotionInput& in, const PointEvaluation<Cell::dim>& e,
-           const Symmetric<Batch, Cell::dim>* tau_extra, const Vector<Batch, Cell::dim>& h,
-           const Tensor<Batch, Cell::dim>& H, int q) {
-  constexpr bool sheet = frame == Frame::plane_stress;
-  constexpr int n = sheet ? 5 : gradient_size(frame);
-  const MaterialParameters& m = law.parameters;
-  const bool fbar = m.locking == Locking::fbar;
-  const Batch J = e.k.J, dpJ2 = m.locking == Locking::none ? e.dp * (J * J) : Batch(0.0);
-  ModulusParts<Batch, Cell::dim> parts = law_modulus<n>(
-      m, e.flow, e.g.e1.g, e.g.p.g / e.g.e1.g, Batch(e.p * J), dpJ2, e.zeta, fbar, in.symmetric && !fbar);
-  if (tau_extra) parts.tau = parts.tau + *tau_extra;
-  if constexpr (spectral) { // of the law nothing but the geometric part of tau_extra is left
-    const Symmetric<Batch, Cell::dim> none = Batch(0.0) * e.tau;
-    parts = {Batch(0.0), Batch(0.0), Batch(0.0), none, none, tau_extra ? *tau_extra : none,
-             false,      {},         {},         {}};
-  }
-  Modulus<Batch, n> a = assemble_modulus<n>(parts);
-  if constexpr (spectral && !sheet) { // no option leads to a sheet with this split
-    const auto law_part =
-        spectral_modulus<frame>(m, H, e.k.J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
-    for (int I = 0; I < n; ++I)
-      for (int K = 0; K < n; ++K) a.c[I][K] += law_part.c[I][K];
-  }
-  if (law.crack_stress() && in.phi) add_crack(a, crack_flux(m), h);
+/// The modulus of the law with the parts of the crack and of viscosity, without the thickness of a sheet.
+template <Frame frame, int n, int d>
+inline Modulus<Batch, gradient_size(frame)> completed(const PointLaw& law, const MotionInput& in,
+                                                      const PointEvaluation<d>& e, Modulus<Batch, n> a,
+                                                      const Vector<Batch, d>& h, const Tensor<Batch, d>& H) {
+  if (law.crack_stress() && in.phi) add_crack(a, crack_flux(law.parameters), h);
   if (law.viscous() && in.u_n) {
-    Symmetric<Batch, Cell::dim> B = left_strain(H);
+    Symmetric<Batch, d> B = left_strain(H);
     for (int i = 0; i < 3; ++i) B[i] += Batch(1.0);
-    add_viscous(a, 2 / in.dt, B, viscosity(m, e.g));
+    add_viscous(a, 2 / in.dt, B, viscosity(law.parameters, e.g));
   }
-  if constexpr (sheet)
+  if constexpr (frame == Frame::plane_stress)
     return condensed(a);
   else
     return a;
+}
+
+/// a += delta_ik tau_jl.
+template <int n, int d> inline void add_geometric(Modulus<Batch, n>& a, const Symmetric<Batch, d>& tau) {
+  for (int I = 0; I < n; ++I)
+    for (int K = 0; K < n; ++K)
+      if (const int jl = symmetric_index(d, column_of<n>(I), column_of<n>(K));
+          row_of<n>(I) == row_of<n>(K) && jl >= 0)
+        a.c[I][K] += tau[jl];
+}
+
+/// Modulus at one point, all parts of the stress included. tau_extra = tau_phi + tau_d where there is any, h
+/// = spatial gradient of phi. `coupling` takes what a cure of locking adds under a split by principal
+/// stretches.
+template <class Cell, Frame frame, class Evaluation, class Coupling>
+inline Modulus<Batch, gradient_size(frame)>
+modulus_at(const PointLaw& law, const MotionInput& in, const Evaluation& e,
+           const Symmetric<Batch, Cell::dim>* tau_extra, const Vector<Batch, Cell::dim>& h,
+           const Tensor<Batch, Cell::dim>& H, Coupling&& coupling) {
+  constexpr int n = modulus_size(frame);
+  const MaterialParameters& m = law.parameters;
+  if constexpr (std::is_same_v<Evaluation, SplitEvaluation<Cell::dim>>) {
+    const SplitModulus<n> split =
+        split_modulus<n>(law, e.state, e.p * e.k.J, e.zeta, in.symmetric && m.locking != Locking::fbar);
+    coupling(split);
+    Modulus<Batch, n> a = split.a;
+    if (tau_extra) add_geometric(a, *tau_extra);
+    return completed<frame>(law, in, e, a, h, H);
+  } else {
+    const bool fbar = m.locking == Locking::fbar;
+    const Batch J = e.k.J, dpJ2 = m.locking == Locking::none ? e.dp * (J * J) : Batch(0.0);
+    ModulusParts<Batch, Cell::dim> parts = law_modulus<n>(
+        m, e.flow, e.g.e1.g, e.g.p.g / e.g.e1.g, Batch(e.p * J), dpJ2, e.zeta, fbar, in.symmetric && !fbar);
+    if (tau_extra) parts.tau = parts.tau + *tau_extra;
+    return completed<frame>(law, in, e, assemble_modulus<n>(parts), h, H);
+  }
 }
 
 /// The blocks below the diagonal from those above.
@@ -129,13 +104,18 @@ template <class Cell> inline void take_symmetric_part(Batch* K) {
 
 /// How the stress of a point moves with the volume ratio J_0 that the cure shares between the points. Mean
 /// dilatation: K += (p'/V) v v^T with v_ai = int J g_ai dV_0. F-bar: dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof
-/// F.
-template <class Cell, Frame frame> struct VolumeCoupling {
+/// F. Under a split by principal stretches dev tau moves with the mean volume, too, and p with the points
+/// (SplitModulus): K += (1/V) (r v^T + v t^T).
+template <class Cell, Frame frame, bool principal> struct VolumeCoupling {
   Batch row[dofs<Cell>]; ///< v, or dJ_0/du of the centroid
   Batch J_0;
+  Batch force[principal ? dofs<Cell> : 1], pressure[principal ? dofs<Cell> : 1]; ///< r, t
+  Batch split_dp = Batch(0.0);                                                   ///< int dp/dJ_0 dV_0
 
   void start(const CellState<Cell, frame>& s, Locking locking) {
     for (Batch& x : row) x = Batch(0.0);
+    for (Batch& x : force) x = Batch(0.0);
+    for (Batch& x : pressure) x = Batch(0.0);
     J_0 = Batch(1.0) + s.volume_J;
     if (locking != Locking::fbar) return;
     CurrentMap<Cell, frame> map;
@@ -148,29 +128,56 @@ template <class Cell, Frame frame> struct VolumeCoupling {
     for (int a = 0; a < Cell::nodes; ++a)
       for (int i = 0; i < Cell::dim; ++i) row[a * Cell::dim + i] += J * volume_gradient<Cell, frame>(G, a, i);
   }
+  void add_point(const SpatialGradients<Cell, frame>& G, const SplitModulus<modulus_size(frame)>& split,
+                 const Batch& weight) {
+    split_dp += weight * split.dp;
+    for (int i = 0; i < dofs<Cell>; ++i) {
+      force[i] += weight * nodal_force(split.dtau, G, i);
+      pressure[i] += weight * nodal_force(split.dp_along, G, i);
+    }
+  }
+  void add_split(Locking locking, const SplitModulus<modulus_size(frame)>& split,
+                 const SpatialGradients<Cell, frame>& G, const Batch& weight, Batch* K) {
+    if (locking == Locking::mean) add_point(G, split, weight);
+    if (locking == Locking::fbar) add_tangent(split.dtau, G, weight, K);
+  }
   void add_tangent(const CellState<Cell, frame>& s, Batch* K) const {
-    const Batch factor = s.mean_dp / s.volume;
-    for (int i = 0; i < dofs<Cell>; ++i) add_row(i, factor * row[i], K);
+    const Batch inverse_V = Batch(1.0) / s.volume,
+                factor = principal ? split_dp * (inverse_V * inverse_V) : s.mean_dp / s.volume;
+    for (int i = 0; i < dofs<Cell>; ++i) {
+      add_row(i, factor * row[i], K);
+      if constexpr (principal)
+        for (int j = 0; j < dofs<Cell>; ++j)
+          K[i * dofs<Cell> + j] += inverse_V * (force[i] * row[j] + row[i] * pressure[j]);
+    }
   }
   void add_tangent(const PointLaw& law, const PointEvaluation<Cell::dim>& e,
                    const SpatialGradients<Cell, frame>& G, const Batch& weight, Batch* K) const {
     constexpr int d = Cell::dim;
     Symmetric<Batch, d> dtau = (-law.parameters.G * (e.zeta * e.g.e1.g / J_0)) * e.flow.dev_b;
     for (int i = 0; i < 3; ++i) dtau[i] += e.dp * e.k.J;
-    for (int a = 0; a < Cell::nodes; ++a)
-      for (int i = 0; i < d; ++i) {
-        Batch f = sum<d>([&](int j) { return dtau[symmetric_index(d, i, j)] * G.g[a][j]; });
-        if constexpr (frame == Frame::axisymmetric)
-          if (i == 0) f += dtau[2] * G.ring[a];
-        add_row(a * d + i, weight * f, K);
-      }
+    add_tangent(dtau, G, weight, K);
+  }
+  void add_tangent(const Symmetric<Batch, Cell::dim>& dtau, const SpatialGradients<Cell, frame>& G,
+                   const Batch& weight, Batch* K) const {
+    for (int i = 0; i < dofs<Cell>; ++i) add_row(i, weight * nodal_force(dtau, G, i), K);
+  }
+  /// tau_ij g_a,j at the dof k = (a, i).
+  static Batch nodal_force(const Symmetric<Batch, Cell::dim>& tau, const SpatialGradients<Cell, frame>& G,
+                           int k) {
+    constexpr int d = Cell::dim;
+    const int a = k / d, i = k % d;
+    Batch f = sum<d>([&](int j) { return tau[symmetric_index(d, i, j)] * G.g[a][j]; });
+    if constexpr (frame == Frame::axisymmetric)
+      if (i == 0) f += tau[2] * G.ring[a];
+    return f;
   }
   void add_row(int i, const Batch& f, Batch* K) const {
     for (int j = 0; j < dofs<Cell>; ++j) K[i * dofs<Cell> + j] += f * row[j];
   }
 };
 
-template <class Cell, Frame frame, bool tangent, bool spectral, class Law>
+template <class Cell, Frame frame, bool tangent, bool principal, class Law>
 inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch* K) {
   constexpr int d = Cell::dim, m = dofs<Cell>;
   const auto& t = shape_table<Cell>;
@@ -182,16 +189,15 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
                        {in.patch, in.patch_pressure});
-  status.bad |= find_thickness<Cell, frame>(law, in, s);
-
+  status.bad |= share_unknowns<Cell, frame, principal>(law, in, s);
   Fluxes<Cell, frame> fluxes;
-  VolumeCoupling<Cell, frame> coupling;
+  VolumeCoupling<Cell, frame, principal> coupling;
   if constexpr (tangent) {
     for (int i = 0; i < m * m; ++i) K[i] = Batch(0.0);
     if (locking != Locking::none) coupling.start(s, locking);
   }
   for (int q = 0; q < Cell::points; ++q) {
-    const PointEvaluation<d> e = evaluate_point<Cell, frame, spectral>(law, in, s, q);
+    const auto e = evaluate_point<Cell, frame, principal>(law, in, s, q);
     note<Cell, frame>(status, law, s, e);
     const Batch w = s.map[q].weight;
     CurrentMap<Cell, frame> map;
@@ -204,13 +210,14 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
       SpatialGradients<Cell, frame> G;
       spatial_gradients(map, t.N[q], t.dN[q], G);
       const auto a =
-          modulus_at<Cell, frame, spectral>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q], q);
+          modulus_at<Cell, frame>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q],
+                                  [&](const auto& split) { coupling.add_split(locking, split, G, w, K); });
       if (upper)
         add_stiffness<Cell, frame, true>(G, a, w, K);
       else
         add_stiffness<Cell, frame, false>(G, a, w, K);
       if (mean) coupling.add_point(G, w * e.k.J);
-      if (locking == Locking::fbar) coupling.add_tangent(law, e, G, w, K);
+      if (!principal && locking == Locking::fbar) coupling.add_tangent(law, e, G, w, K);
     }
   }
   if (r) fluxes.add_forces(r);
@@ -236,8 +243,8 @@ template <class Cell, Frame frame, bool tangent, Terms terms>
 [[gnu::flatten, gnu::noinline]] CellStatus motion_with(const PointLaw& law, const MotionInput& in, Batch* r,
                                                        Batch* K) {
   const LastDigits kept;
-  return motion<Cell, frame, tangent, terms == Terms::spectral>(restricted<terms>(law), restricted(in, terms),
-                                                                r, K);
+  return motion<Cell, frame, tangent, terms == Terms::principal>(restricted<terms>(law),
+                                                                 restricted(in, terms), r, K);
 }
 
 template <class Cell, Frame frame>

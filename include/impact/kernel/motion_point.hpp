@@ -2,6 +2,7 @@
 #include <impact/kernel/motion_input.hpp>
 #include <impact/kernel/point_map.hpp>
 #include <impact/kernel/reference_gradient.hpp>
+#include <impact/material/energy_split.hpp>
 #include <impact/material/equation_of_state.hpp>
 #include <impact/material/point_law.hpp>
 
@@ -157,17 +158,81 @@ template <int dim> struct PointEvaluation {
   Symmetric<Batch, dim> tau; ///< zeta s + p J 1
 };
 
-/// E+, E- and their stresses at one point under the spectral split.
+/// The law at one point under a split by principal stretches.
+template <int dim> struct SplitEvaluation : PointEvaluation<dim> {
+  SplitState<Batch, dim> state;
+  SplitEnergies<Batch, dim> of;
+};
+template <int dim, bool principal>
+using EvaluationOf = std::conditional_t<principal, SplitEvaluation<dim>, PointEvaluation<dim>>;
+
+/// What the law of a point of such a split is asked; J_minus_1 is that of the cure.
+template <Frame frame, int d>
+[[gnu::noinline]] SplitState<Batch, d>
+split_state(const PointLaw& law, const Tensor<Batch, d>& H, const Batch& J_minus_1, const Batch& J_th,
+            const Degradations<Batch>& g, const Batch* history, int q, const FlowConditions<Batch>& at) {
+  SplitState<Batch, d> s{left_strain(H), detm1(H), J_minus_1, J_th, Batch(0.0), g, g.e2.g, at};
+  if (!law.flows()) return s;
+  const PointHistory<Batch, d> old = read_history<frame>(law, history, q);
+  s.left = s.left + push(plus_identity(H), old.A - identity<Batch, d>());
+  s.alpha = old.alpha;
+  return s;
+}
+/// The same of a history that is that of the displacement: nothing flows.
 template <class Cell, Frame frame>
-inline SpectralSplit<Batch, Cell::dim> point_split(const PointLaw& law, const CellState<Cell, frame>& s,
-                                                   const Batch& J_minus_1, const Batch* theta, int q) {
-  return spectral_split(law.parameters, left_strain(s.H[q]), J_minus_1,
-                        point_thermal_volume<Cell>(law, theta, q));
+inline SplitState<Batch, Cell::dim> held_state(const PointLaw& law, const CellState<Cell, frame>& s,
+                                               const Batch& J_th, const Degradations<Batch>& g,
+                                               const Batch* history, int q) {
+  const Batch J_minus_1 = law.parameters.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
+  return split_state<frame>(law, s.H[q], J_minus_1, J_th, g, history, q, {Batch(1.0), 0, true});
 }
 
-template <class Cell, Frame frame, bool spectral = false, class Law>
-inline PointEvaluation<Cell::dim> evaluate_point(const Law& law, const MotionInput& in,
-                                                 const CellState<Cell, frame>& s, int q) {
+/// Not inlined: it is long, and a call costs nothing beside it.
+template <class Cell, Frame frame>
+[[gnu::noinline]] SplitEvaluation<Cell::dim> evaluate_split(const PointLaw& law, const MotionInput& in,
+                                                            const CellState<Cell, frame>& s, int q) {
+  const Locking locking = law.parameters.locking;
+  SplitEvaluation<Cell::dim> e;
+  e.k = kinematics(s.H[q]);
+  e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history); // flow knows the stress as a whole
+  const Batch J_minus_1 = locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
+  e.state = split_state<frame>(law, s.H[q], J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g,
+                               in.history, q, point_conditions<Cell>(law, in, q));
+  e.g.e2.g += (in.unilateral - 1) * unilateral_part(e.g);
+  e.state.pressed = e.g.e2.g;
+  const SplitResponse<Batch, Cell::dim> response = split_response(law, e.state);
+  e.flow = response.flow;
+  e.of = response.of;
+  e.Je_minus_1 = elastic_volume(e.state);
+  e.zeta = locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
+  e.tau = split_stress(e.state, e.of);
+  e.p = (1.0 / 3) * (trace(e.tau) / (Batch(1.0) + J_minus_1));
+  e.dp = Batch(0.0);
+  if (locking == Locking::mean) {
+    e.p = s.mean_p;
+    e.tau = dev(e.tau);
+    for (int i = 0; i < 3; ++i) e.tau[i] += e.p * e.k.J;
+  }
+  if (locking == Locking::fbar) e.tau = e.zeta * e.tau;
+  return e;
+}
+
+/// The uniform p of `mean` under a split by principal stretches, tr tau/(3 J) of the points.
+template <class Cell, Frame frame>
+inline void share_split_pressure(const PointLaw& law, const MotionInput& in, CellState<Cell, frame>& s) {
+  if (law.parameters.locking != Locking::mean) return;
+  Batch sum = Batch(0.0);
+  s.mean_p = Batch(0.0);
+  for (int q = 0; q < Cell::points; ++q) {
+    const auto e = evaluate_split<Cell, frame>(law, in, s, q);
+    sum += s.map[q].weight * trace(split_stress(e.state, e.of));
+  }
+  s.mean_p = (1.0 / 3) * (sum / (s.volume * (Batch(1.0) + s.volume_J)));
+}
+
+template <class Cell, Frame frame, class Law>
+inline PointEvaluation<Cell::dim> evaluate_unsplit(const Law& law, const MotionInput& in,
+                                                   const CellState<Cell, frame>& s, int q) {
   const MaterialParameters& m = law.parameters;
   PointEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
@@ -183,11 +248,24 @@ inline PointEvaluation<Cell::dim> evaluate_point(const Law& law, const MotionInp
   e.zeta = m.locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
   e.tau = (m.G * (e.zeta * e.g.e1.g)) * e.flow.dev_b;
   for (int i = 0; i < 3; ++i) e.tau[i] += e.p * e.k.J;
-  if constexpr (spectral) {
-    const auto split = point_split<Cell, frame>(law, s, e.k.J_minus_1, in.theta, q);
-    e.tau = e.g.e1.g * split.tau_plus + e.g.e2.g * split.tau_minus;
-  }
   return e;
+}
+
+template <class Cell, Frame frame, bool principal = false, class Law>
+inline EvaluationOf<Cell::dim, principal> evaluate_point(const Law& law, const MotionInput& in,
+                                                         const CellState<Cell, frame>& s, int q) {
+  if constexpr (principal)
+    return evaluate_split<Cell, frame>(law, in, s, q);
+  else
+    return evaluate_unsplit<Cell, frame>(law, in, s, q);
+}
+
+/// Where the cost of the choice does not matter.
+template <class Cell, Frame frame, class Law>
+inline PointEvaluation<Cell::dim> evaluate_any(const Law& law, const MotionInput& in,
+                                               const CellState<Cell, frame>& s, int q) {
+  if (law.principal()) return evaluate_split<Cell, frame>(law, in, s, q);
+  return evaluate_unsplit<Cell, frame>(law, in, s, q);
 }
 
 /// Factor b_d g of the viscous stress.

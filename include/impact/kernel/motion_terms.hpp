@@ -9,16 +9,17 @@ namespace impact {
 /// Which terms a law can have. The kernels are compiled for each, because a term that may be there costs
 /// registers and chains of selections even where it is not.
 /// `plain`: all, but for a flow stress that hangs on alpha alone, by the Voce law. `state`: all, and an
-/// equation of state, which no other has.
-enum class Terms { elastic, undamaged, plain, all, spectral, state };
+/// equation of state, which no other has. `principal`: all, and a split by principal stretches.
+enum class Terms { elastic, undamaged, plain, all, principal, state };
 
 inline Terms terms_of(const PointLaw& law, const MotionInput& in) {
   const MaterialParameters& m = law.parameters;
   if (has_state(m)) return Terms::state;
+  if (law.principal()) return Terms::principal;
   if (m.hardening != HardeningKind::voce || !is_plain(m)) return Terms::all;
   const bool undamaged =
       m.damage == Damage::none && !law.viscous() && !in.has_bulk_viscosity() && (!in.theta || m.alpha_t == 0);
-  if (!undamaged) return law.spectral() ? Terms::spectral : Terms::plain;
+  if (!undamaged) return Terms::plain;
   return law.flows() || m.locking != Locking::none ? Terms::undamaged : Terms::elastic;
 }
 
@@ -48,7 +49,7 @@ template <Terms terms> inline auto restricted(const PointLaw& law) {
     return restricted_law<terms>(law);
 }
 inline MotionInput restricted(MotionInput in, Terms terms) {
-  if (terms != Terms::all && terms != Terms::state) in.drive = nullptr;
+  if (terms == Terms::elastic || terms == Terms::undamaged || terms == Terms::plain) in.drive = nullptr;
   if (terms == Terms::elastic || terms == Terms::undamaged) in.phi = in.theta = in.u_n = nullptr;
   return in;
 }
@@ -61,20 +62,21 @@ struct LastDigits {
   ~LastDigits() { asm volatile(""); }
 };
 
-/// Calls f(constant) for the terms of this law; sheets have one kernel for all laws.
+/// Calls f(constant) for the terms of this law; sheets have one kernel for all laws but those of a split by
+/// principal stretches.
 template <Frame frame, class F> decltype(auto) with_terms(Terms terms, F&& f) {
+  if (terms == Terms::principal) return f(std::integral_constant<Terms, Terms::principal>{});
   if constexpr (frame != Frame::plane_stress) switch (terms) {
     case Terms::elastic:
       return f(std::integral_constant<Terms, Terms::elastic>{});
     case Terms::undamaged:
       return f(std::integral_constant<Terms, Terms::undamaged>{});
-    case Terms::spectral:
-      return f(std::integral_constant<Terms, Terms::spectral>{});
     case Terms::plain:
       return f(std::integral_constant<Terms, Terms::plain>{});
     case Terms::state:
       return f(std::integral_constant<Terms, Terms::state>{});
     case Terms::all:
+    case Terms::principal:
       break;
     }
   return f(std::integral_constant<Terms, Terms::all>{});

@@ -39,7 +39,8 @@ template <int d> inline Batch largest_stretch(const Symmetric<Batch, d>& e) {
 }
 
 /// Largest modulus of the Kirchhoff stress at a point, against any gradient of the velocity: of a change of
-/// volume, or of shape, and the stress that is there. Flow and damage only make it smaller.
+/// volume, or of shape, and the stress that is there. Flow and damage only make it smaller, but for the
+/// pressure of the star-convex split.
 template <class Cell, Frame frame, class Law>
 inline Batch largest_modulus(const Law& law, const MotionInput& in, const Tensor<Batch, Cell::dim>& H,
                              const Batch& J, int q) {
@@ -55,7 +56,8 @@ inline Batch largest_modulus(const Law& law, const MotionInput& in, const Tensor
     mean = (r * r) * (Batch(1.0) + (1.0 / 3) * trace(e));
     most = (r * r) * largest_stretch(e);
   }
-  const Batch bulk = max(J * (v.p + J * v.dp), Batch(0.0)), bent = (2 * m.G) * (mean - Batch(1.0));
+  const double stiffest = m.damage == Damage::none ? 1 : 1 + std::max(-compressed_share(m), 0.0); // g_2
+  const Batch bulk = stiffest * max(J * (v.p + J * v.dp), Batch(0.0)), bent = (2 * m.G) * (mean - Batch(1.0));
   // An even change of area is a change of shape, too: |dev d|^2 = |d|^2/3.
   Batch volume = directions<frame> * bulk + ((2 - 2.0 / 3 * directions<frame>)*m.G) * mean + bent;
   if constexpr (frame ==

@@ -46,9 +46,12 @@ inline CohesiveShape cohesive_shape(const DegradationParameters& m, double loren
   }
 }
 
-/// E+ at the uniaxial stress f, small strains. The spectral split leaves the lateral contraction out.
+/// E+ at the uniaxial stress f, small strains. The spectral split leaves the lateral contraction out, that
+/// without tension what presses in the plane across once the crack is open.
 inline double uniaxial_energy(const MaterialParameters& m, double f) {
   const double E = 9 * m.K * m.G / (3 * m.K + m.G), strain = f / E, volume = f / (3 * m.K);
+  const double nu = 0.5 * E / m.G - 1;
+  if (m.split == Split::no_tension) return 0.5 * f * strain * (1 - 2 * nu * nu / (1 - nu));
   if (m.split != Split::spectral) return 0.5 * f * strain;
   return 0.5 * (m.K - 2 * m.G / 3) * volume * volume + m.G * strain * strain;
 }

@@ -138,11 +138,24 @@ inline bool is_convex(const MaterialParameters& m) {
 /// g_e1, g_e2 (of E-) and g_p (plastic potential) at one point.
 template <class T> struct Degradations { Degraded<T> e1, e2, p; };
 
+/// g_2' over g_1': how much of E- drives damage beside E+.
+inline double compressed_share(const MaterialParameters& m) {
+  return m.split == Split::none ? 1 : m.split == Split::star_convex ? -m.star_gamma : 0;
+}
+
+/// g_2 of g_1: 1, g_1, or of the star-convex split 1 + gamma* (1 - g_1).
+template <class T> Degraded<T> compressed(const MaterialParameters& m, const Degraded<T>& e1) {
+  if (m.split == Split::none) return e1;
+  if (m.split != Split::star_convex) return {T(1.0), T(0.0), T(0.0)};
+  const double gamma = m.star_gamma;
+  return {T(1.0) + gamma * (T(1.0) - e1.g), -gamma * e1.dg, -gamma * e1.d2g};
+}
+
 template <class T> Degradations<T> degradations(const MaterialParameters& m, const T& phi, const T& alpha_n) {
   const Degraded<T> one{T(1.0), T(0.0), T(0.0)};
   if (m.damage == Damage::none) return {one, one, one};
   const Degraded<T> e1 = degradation(m, phi, alpha_n);
-  return {e1, m.split == Split::none ? e1 : one, m.gp == PlasticDegradation::ge ? e1 : one};
+  return {e1, compressed(m, e1), m.gp == PlasticDegradation::ge ? e1 : one};
 }
 
 /// m = (g_2 - g_1)(1 - g_1), the part of g_2 that the integrator treats like a contact of crack faces

@@ -9,7 +9,7 @@ namespace impact {
 enum class Model { elastic, j2, rigid };
 enum class Damage { none, at2, at1, wu }; ///< local part of the crack energy (56), see crack.hpp
 /// What of the elastic energy is E+ (49); automatic: of options, no law has it.
-enum class Split { volumetric, none, spectral, automatic };
+enum class Split { volumetric, none, star_convex, spectral, no_tension, automatic };
 /// g_e1(phi), ductile: g_e1(phi, alpha); from linear to lorentz: those of a strength (cohesive.hpp)
 enum class Degradation { quadratic, cubic, ductile, linear, exponential, cornelissen, lorentz, own };
 enum class PlasticDegradation { one, ge };       ///< g_p = 1 (the paper's run) or g_p = g_e1
@@ -93,6 +93,7 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
   double b_d = 0;            ///< viscosity: S_d = 2 b_d Cdot (62)
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
+  double star_gamma = 0; ///< gamma* of the star-convex split
   PlasticDegradation gp = PlasticDegradation::one;
   bool jc_failure = false; ///< whether the failure measure is followed (failure.hpp)
   double jc_d1 = 0, jc_d2 = 0, jc_d3 = 0, jc_d4 = 0, jc_d5 = 0;
@@ -101,6 +102,8 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
 };
 static_assert(std::is_trivially_copyable_v<MaterialParameters>);
 
+/// Whether a split asks for the principal stretches, not only for volume and shape.
+inline bool by_principal(Split split) { return split == Split::spectral || split == Split::no_tension; }
 inline bool has_state(const MaterialParameters& m) { return m.equation_of_state != EquationOfState::none; }
 
 } // namespace impact

@@ -38,33 +38,47 @@ Return<T, d> predictor(const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
   return out;
 }
 
-/// Predictor, admissibility, return (theory.md, return mapping). `ratio` = g_p/g_e1, the degraded yield
-/// stress over the degraded modulus. e = F A F^T - 1 and J23 = J^(-2/3) define b_trial = J23 (1 + e). The
-/// multiplier is found on values; one more step in T carries its derivative.
-template <class T, int d>
-Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
-                        const T& ratio, const FlowConditions<T>& at = {}) {
+/// What drives the flow against the multiplier x: N - 2 mu x, the norm of dev b = (1 - 2 mu x/N) trial times
+/// G.
+template <class T> struct RadialStress {
+  using V = Value<T>;
+  T N, mu;
+
+  V start() const { return value(N); }
+  V stiffness() const { return V(2.0) * value(mu); }
+  V at(const V& x, V& slope) const {
+    slope = V(-2.0) * value(mu);
+    return value(N) - V(2.0) * value(mu) * x;
+  }
+  T at(const T& x) const { return N - 2.0 * (mu * x); }
+};
+
+/// Admissibility and return from the predictor `out` along its deviator. The multiplier is found on values;
+/// one more step in T carries its derivative.
+template <class T, int d, class Stress>
+Return<T, d> flow_back(const MaterialParameters& m, Return<T, d> out, const Stress& stress, const T& ratio) {
   using V = Value<T>;
   const double q = 0.81649658092772603273; // sqrt(2/3)
-  Return<T, d> out = predictor(e, J23, alpha_n, at);
+  const FlowConditions<T>& at = out.at;
+  const T alpha_n = out.alpha;
 
   // admissibility
-  const T N = m.G * sqrt(dot(out.trial, out.trial)), mu = m.G * out.y;
   const Hardening<T> start = flow_stress(m, FlowConditions<T>{at.softening, 0, false}, alpha_n, T(0.0));
-  const V f = value(N) - value((q * ratio) * start.k);
+  const V f = stress.start() - value((q * ratio) * start.k);
   out.plastic = at.held ? f < f : f > V(0.0);
   if (!any(out.plastic)) return out;
 
   // return
-  const V Nv = value(N), muv = value(mu), a = value(alpha_n), c = value(ratio);
+  const V a = value(alpha_n), c = value(ratio);
   const FlowConditions<V> conditions{value(at.softening), at.dt, at.held};
   const auto residual = [&](const V& x, V& slope) {
     const Hardening<V> h = flow_stress(m, conditions, V(a + q * x), V(q * x));
-    slope = V(-2.0) * muv - (2.0 / 3) * (c * h.dk);
-    return V(Nv - V(2.0) * muv * x - q * (c * h.k));
+    const V driven = stress.at(x, slope);
+    slope = slope - (2.0 / 3) * (c * h.dk);
+    return V(driven - q * (c * h.k));
   };
-  const V first = f / (V(2.0) * muv + (2.0 / 3) * (c * value(start.dk)));
-  const V high = V(0.5) * Nv / muv;
+  const V first = f / (stress.stiffness() + (2.0 / 3) * (c * value(start.dk)));
+  const V high = V(0.5) * value(stress.N) / value(stress.mu);
   // A last step below 1e-4 of the root leaves an error of its square, and the step in T squares that again. A
   // steep slope, which is not corrected by that step, asks for one more.
   const auto solve = [&](const V& guess, const V& low, const V* noise) {
@@ -73,22 +87,31 @@ Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, c
   };
   ScalarRoot<V> root;
   if (climbs_steeply(m)) { // k' may be infinite at alpha = 0: `first` is 0 there, and the root anywhere above
-    const V noise = V(4e-15) * Nv;
+    const V noise = V(4e-15) * value(stress.N);
     root = solve(max(first, V(V(1e-6) * high)), V(V(1e-280) * high), &noise);
   } else {
     root = solve(first, V(0.0), nullptr);
   }
   V slope;
   residual(root.x, slope);
-  const T r = N - 2.0 * (mu * T(root.x)) -
-              q * (ratio * flow_stress(m, at, T(alpha_n + T(q * root.x)), T(q * root.x)).k);
+  const T r =
+      stress.at(T(root.x)) - q * (ratio * flow_stress(m, at, T(alpha_n + T(q * root.x)), T(q * root.x)).k);
   const T dbeta = differentiated_root(root.x, r, slope);
   out.failed = root.failed;
   out.dbeta = select(out.plastic, dbeta, T(0.0));
-  out.scale = select(out.plastic, T(1.0) - 2.0 * (mu * dbeta) / N, T(1.0));
+  out.scale = select(out.plastic, T(1.0) - 2.0 * (stress.mu * dbeta) / stress.N, T(1.0));
   out.dev_b = out.scale * out.trial;
   out.alpha = alpha_n + q * out.dbeta;
   return out;
+}
+
+/// Predictor, admissibility, return (theory.md, return mapping). `ratio` = g_p/g_e1, the degraded yield
+/// stress over the degraded modulus. e = F A F^T - 1 and J23 = J^(-2/3) define b_trial = J23 (1 + e).
+template <class T, int d>
+Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
+                        const T& ratio, const FlowConditions<T>& at = {}) {
+  const Return<T, d> out = predictor(e, J23, alpha_n, at);
+  return flow_back(m, out, RadialStress<T>{m.G * sqrt(dot(out.trial, out.trial)), m.G * out.y}, ratio);
 }
 
 /// The flow stress and its slope where the return ended.

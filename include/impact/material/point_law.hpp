@@ -4,14 +4,13 @@
 #include <impact/material/elasticity.hpp>
 #include <impact/material/parameters.hpp>
 #include <impact/material/plasticity.hpp>
-#include <impact/material/spectral_split.hpp>
 #include <impact/material/thermal.hpp>
 #include <impact/math/tensor.hpp>
 
 /// The law of one material point: value in, value out, one template for Batch, double, std::complex and Dual.
 /// Kirchhoff stress tau = s + p J 1 with s = g_e1 G dev b and p = g_v U'(J_e)/J_th; the kernels may take p
-/// from another J (mean dilatation, F-bar). g_v = g_e1 where J_e >= 1, else g_e2. The spectral split has a
-/// tau of its own, g_e1 tau+ + g_e2 tau-, of elastic bodies and the J of the point.
+/// from another J (mean dilatation, F-bar). g_v = g_e1 where J_e >= 1, else g_e2. The splits by principal
+/// stretches have a tau of their own, g_e1 tau+ + g_e2 tau- (energy_split.hpp).
 namespace impact {
 
 template <class T, int d> struct Kinematics {
@@ -58,8 +57,8 @@ struct PointLaw {
   bool crack_stress() const {
     return parameters.damage != Damage::none && parameters.damage_gradient == DamageGradient::spatial;
   }
-  /// Whether tau is that of the spectral split; without damage all splits are the same.
-  bool spectral() const { return parameters.damage != Damage::none && parameters.split == Split::spectral; }
+  /// Whether tau is that of a split by principal stretches; without damage all splits are the same.
+  bool principal() const { return parameters.damage != Damage::none && by_principal(parameters.split); }
 
   /// Isochoric part: dev b after return, alpha_{n+1}; s = g.e1.g * G * dev_b.
   template <class T, int d>
