@@ -14,8 +14,9 @@ constexpr double wanted_fall = 4;
 
 // Where nothing presses yet, points that lie deeper than this part of a facet would press with more than 0.15
 // E at the automatic penalty, 10 E/h. Each that comes to press throws its neighbours off then, the more the
-// finer the mesh; so the first solve takes as much less of the penalty.
-constexpr double shallow = 0.015;
+// finer the mesh; so the first solve takes as much less of the penalty, though not less than the surface's
+// stiffness, E/h.
+constexpr double shallow = 0.015, least_part = 0.1;
 
 // Augmented Lagrangian: after every solve lambda <- <lambda - eps g> (75'), 0 where a constraint faces
 // nothing; then the penalty grows by its rule, which the settings name.
@@ -40,7 +41,7 @@ public:
     max_over_ranks(constraints.comm(), largest);
     if (largest[0] > 0) return;
     const double much = shallow * constraints.mean_length() / std::max(largest[1], 1e-300);
-    rows_.penalty->trial[EnforcementRows::value] = std::min(much, 1.0) * settings_->penalty;
+    rows_.penalty->trial[EnforcementRows::value] = std::clamp(much, least_part, 1.0) * settings_->penalty;
   }
   void augment(const AugmentReport& report, std::vector<double>& lambda) override {
     rows_.multiplier->trial = std::move(lambda);
