@@ -152,7 +152,11 @@ TYPED_TEST(DamageCell, ResidualAndTangentAreThoseOfTheWeakForm) {
       }
     double old[lanes][n];
     for (int a = 0; a < n; ++a)
-      for (int l = 0; l < lanes; ++l) phi_n[a].set(l, old[l][a] = random.uniform(0, 0.7));
+      for (int l = 0; l < lanes; ++l) old[l][a] = random.uniform(0, 0.7);
+    for (int l = 0; l < lanes; ++l) {
+      reference::hold_between_nodes<Cell>(old[l], 0.7);
+      for (int a = 0; a < n; ++a) phi_n[a].set(l, old[l][a]);
+    }
     DamageInput in;
     in.X = batch.X, in.u = batch.u, in.u_n = batch.u_n, in.phi = batch.phi, in.phi_n = phi_n;
     in.drive = drive, in.drive_n = drive_n, in.fatigue = fatigue, in.history = batch.history;

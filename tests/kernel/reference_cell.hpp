@@ -58,6 +58,26 @@ template <class Cell> std::array<double, 3> node_place(int a) {
   return x;
 }
 
+/// Functions of the linear cell at the place of node a.
+template <class Cell> auto corner_functions(int a) {
+  const auto xi = impact::place_of_node<Cell>(unsigned(a));
+  if constexpr (impact::is_second_order<Cell>)
+    return Cell::Corners::N(xi);
+  else
+    return Cell::N(xi);
+}
+
+/// Values at random from 0 to `most` at the nodes leave that range between those of boxes of second order:
+/// there the ones after the corners become near to the linear function of these.
+template <class Cell> void hold_between_nodes(double* value, double most) {
+  if (!impact::is_second_order<Cell> || corners<Cell> != 1 << Cell::dim) return;
+  for (int a = corners<Cell>; a < Cell::nodes; ++a) {
+    value[a] = (value[a] - most / 2) / 8;
+    const auto N = corner_functions<Cell>(a);
+    for (int b = 0; b < corners<Cell>; ++b) value[a] += N[unsigned(b)] * value[b];
+  }
+}
+
 /// Aluminium with the k-th choice of locking cure, split, degradations, viscosity, damage gradient and
 /// equation of state.
 inline impact::MaterialParameters every_option(int k) {
@@ -108,7 +128,7 @@ template <class Cell, Frame frame> struct CellCase {
         if constexpr (impact::is_second_order<Cell>) // slightly bent between its corners
           if (a >= corners<Cell>) {
             X[a * dim + i] = h * noise / 5;
-            const auto N = Cell::Corners::N(impact::place_of_node<Cell>(unsigned(a)));
+            const auto N = corner_functions<Cell>(a);
             for (int b = 0; b < corners<Cell>; ++b) X[a * dim + i] += N[unsigned(b)] * X[b * dim + i];
           }
       }
@@ -125,6 +145,7 @@ template <class Cell, Frame frame> struct CellCase {
         for (int j = 0; j < dim; ++j) u[k] += H[i][j] * X[a * dim + j], u_n[k] += H_n[i][j] * X[a * dim + j];
         accel[k] = random.uniform(-1e6, 1e6);
       }
+    hold_between_nodes<Cell>(phi, 0.8);
     for (auto& p : history) p = random.history<dim>(prestrain);
   }
 };
