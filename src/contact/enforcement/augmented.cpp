@@ -12,11 +12,10 @@ namespace {
 // A gap that fell by less than this factor makes the penalty grow.
 constexpr double wanted_fall = 4;
 
-// Where nothing presses yet, points that lie deeper than this part of a facet would press with more than 0.15
-// E at the automatic penalty, 10 E/h. Each that comes to press throws its neighbours off then, the more the
-// finer the mesh; so the first solve takes as much less of the penalty, though not less than the surface's
-// stiffness, E/h.
-constexpr double shallow = 0.015, least_part = 0.1;
+// Where nothing presses yet and points lie deeper than this part of a facet, they press with more than E at
+// the automatic penalty, 10 E/h, and throw their neighbours off, cells with them. The first solve takes this
+// part of the penalty then, the stiffness of the surface.
+constexpr double deep = 0.1, first_part = 0.1;
 
 // Augmented Lagrangian: after every solve lambda <- <lambda - eps g> (75'), 0 where a constraint faces
 // nothing; then the penalty grows by its rule, which the settings name.
@@ -39,9 +38,9 @@ public:
     constraints.visit(u, Derivatives::none,
                       [&](const Constraint& c) { largest[1] = std::max(largest[1], -c.gap); });
     max_over_ranks(constraints.comm(), largest);
-    if (largest[0] > 0) return;
-    const double much = shallow * constraints.mean_length() / std::max(largest[1], 1e-300);
-    rows_.penalty->trial[EnforcementRows::value] = std::clamp(much, least_part, 1.0) * settings_->penalty;
+    const bool first_touch = !(largest[0] > 0) && largest[1] > deep * constraints.mean_length();
+    double& penalty = rows_.penalty->trial[EnforcementRows::value];
+    penalty = first_touch ? first_part * settings_->penalty : std::max(penalty, settings_->penalty);
   }
   void augment(const AugmentReport& report, std::vector<double>& lambda) override {
     rows_.multiplier->trial = std::move(lambda);
