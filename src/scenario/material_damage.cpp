@@ -175,7 +175,9 @@ void add_split(MaterialRows& rows) {
               "of split star_convex: compression of volume counts this many times against the energy that "
               "drives damage; 0 would be volumetric")
       .otherwise("required with split star_convex")
-      .needed(damaging(star_convex), "<>split star_convex needs it")
+      .needed([](const Material& m,
+                 const Scenario& s) { return needs_damage_data(m, s) && m.split == Split::star_convex; },
+              "<>split star_convex needs it")
       .refused(damaging([](const Law& law) { return law.split != Split::star_convex; }),
                "has no effect with <>split {split}; remove it, or add <>split star_convex");
 }

@@ -27,7 +27,9 @@ ScalarRoot<V> scalar_root(V start, V low, V high, M active, double tolerance, F&
     high = select(r > V(0.0), high, x);
     // Only a step of Newton's method tells how near the root is: a bisection of decades may be tiny.
     const V newton = x - r / slope, step = abs(newton - x), close = V(tolerance) * abs(newton);
-    const auto inside = (newton >= low) & (newton <= high);
+    // Where the slope falls by much across a kink Newton's method may go to and fro about the root for ever.
+    const bool to_and_fro = it >= 12 && it % 3 == 0 && !noise;
+    const auto inside = to_and_fro ? newton < newton : (newton >= low) & (newton <= high);
     V middle = V(0.5) * (low + high);
     if (noise) { // Newton's method in ln x meets a logarithm at once
       const V other = x * exp(-r / (slope * x));
