@@ -41,8 +41,8 @@ runs.check_between("cantilever of Tet4, over Timoshenko's", runs.run("beam_tet4"
                    / timoshenko, 0.3, 0.5)
 
 # A tube of radii 1 and 2 under inner pressure (Lame), a quarter of it: curved edges and the pressure on them. Plane strain,
-# strains of 1e-7. gmsh puts the node amid a
-# quadrilateral amid its corners, however its sides bend, which costs half an order.
+# strains of 1e-7. gmsh bends sides on the boundary alone: the cubic term of a quadrilateral's map there is of the size of
+# h^2, which costs half an order; the map of a triangle has none.
 TUBE = """Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {2, 0, 0}; Point(4) = {0, 2, 0}; Point(5) = {0, 1, 0};
 Line(1) = {2, 3}; Circle(2) = {3, 1, 4}; Line(3) = {4, 5}; Circle(4) = {5, 1, 2};
 Curve Loop(1) = {1 : 4}; Plane Surface(1) = {1}; DefineConstant[ n = 1 ];
