@@ -64,6 +64,15 @@ template <int n, int d> SplitState<Dual<Batch, n>, d> moving(const SplitState<Ba
   return s;
 }
 
+/// The stress; of a body that has not flowed no return is differentiated, and the degradation is a number.
+template <int n, int d>
+Symmetric<Dual<Batch, n>, d> carried_stress(const PointLaw& law, const SplitState<Dual<Batch, n>, d>& s) {
+  if (law.flows()) return split_stress(s, split_response(law, s).of);
+  const SplitEnergies<Dual<Batch, n>, d> of =
+      split_energies(law.parameters, elastic_strain(law.parameters, s), elastic_volume(s));
+  return s.g.e1.g.v * of.tau_plus + s.pressed.v * of.tau_minus;
+}
+
 /// dtau along direction K, and for K < 0 tau itself.
 template <int n, int d> Symmetric<Batch, d> of_stress(const Symmetric<Dual<Batch, n>, d>& tau, int K) {
   Symmetric<Batch, d> r;
@@ -81,7 +90,7 @@ template <int n, int d>
 void couple(const PointLaw& law, const SplitState<Batch, d>& state, const Batch& zeta, SplitModulus<n>& r) {
   SplitState<Dual<Batch, 1>, d> s = lifted<1>(state);
   s.volume.d[0] = Batch(1.0);
-  const auto carried = split_stress(s, split_response(law, s).of);
+  const auto carried = carried_stress(law, s);
   const Symmetric<Batch, d> tau = of_stress(carried, -1), dtau = of_stress(carried, 0);
   const Batch inverse_J = Batch(1.0) / (Batch(1.0) + state.volume);
   if (law.parameters.locking == Locking::fbar) {
@@ -106,7 +115,7 @@ SplitModulus<n> split_modulus(const PointLaw& law, const SplitState<Batch, layou
   constexpr int d = layout_of<n>;
   const Locking locking = law.parameters.locking;
   const SplitState<Dual<Batch, n>, d> s = moving<n>(state, locking != Locking::none);
-  const auto carried = split_stress(s, split_response(law, s).of);
+  const auto carried = carried_stress(law, s);
   SplitModulus<n> r;
   r.dtau = r.dp_along = Batch(0.0) * state.left;
   r.dp = Batch(0.0);

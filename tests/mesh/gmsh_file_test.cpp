@@ -128,7 +128,7 @@ TEST(GmshFile, RefusesWhatItCannotUse) {
       {replaced(good, "2 1 0\n$EndNodes", "0.5 0.6 0\n$EndNodes"), "cell", ExitCode::data},
       {replaced(replaced(good, "$Elements\n3 4", "$Elements\n2 3"), "2 2 3 1\n4 2 3 6 5\n", ""),
        "belong to no cell", ExitCode::data},
-      {replaced(good, "2 2 3 1\n", "2 2 16 1\n"), "order", ExitCode::data},
+      {replaced(good, "2 2 3 1\n", "2 2 36 1\n"), "order", ExitCode::data},
       {replaced(good, "2 2 3 1\n", "3 2 6 1\n"), "prisms", ExitCode::data},
       {replaced(good, "1 1 2\n2 2 3", "1 1 5\n2 2 3"), "foot", ExitCode::data}, // a line inside a cell
       {replaced(good, "1 1 2\n2 2 3", "1 1 6\n2 2 3"), "foot", ExitCode::data},

@@ -123,7 +123,7 @@ TEST(RestartKeys, EveryOptionOfTheReferenceHasItsKind) {
         EXPECT_EQ(kind, RestartKey::free) << key;
       }
   }
-  EXPECT_EQ(frozen, 7); // units, dim, plane, mesh, order, mesh_scale, dm_refine
+  EXPECT_EQ(frozen, 8); // units, dim, plane, mesh, order, mesh_serendipity, mesh_scale, dm_refine
   EXPECT_GT(free, 30);
   EXPECT_GT(guarded, 60);
 }
