@@ -84,8 +84,8 @@ void add_middles(DM dm, Middles middles) {
   for (int node = 0; node < nodes.count(); ++node) {
     const std::vector<int> around = nodes_around(dm, vertices, nodes.point(node));
     std::vector<PetscScalar> of_corners(around.size());
-    for (PetscInt i = 0; i < dim;
-         ++i) { // summed by size: the same on all ranks, whichever corner is the first
+    // Summed by size: the same on all ranks, whichever corner is the first.
+    for (PetscInt i = 0; i < dim; ++i) {
       std::ranges::transform(around, of_corners.begin(), [&](int corner) { return x[corner * dim + i]; });
       std::ranges::sort(of_corners);
       all.push_back(std::accumulate(of_corners.begin(), of_corners.end(), 0.0) /

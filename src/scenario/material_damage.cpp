@@ -144,14 +144,11 @@ void add_split(MaterialRows& rows) {
   Rows(rows)
       .choice("split", &Material::split,
               "which energy drives damage, and is lost with it: spectral, that of principal stretches above "
-              "1 and "
-              "of dilation; no_tension, all that cracks can let go, so that they bear pressure alone; "
-              "volumetric, "
-              "all but volumetric compression; star_convex, the same less gamma* times that compression; "
-              "none, all "
-              "(the paper's run). The last three let shear drive it in compression too. auto: spectral in "
-              "elastic "
-              "bodies with 0 <= nu < 0.45 without heat, plane stress or a cure of locking, else volumetric",
+              "1 and of dilation; no_tension, all that cracks can let go, so that they bear pressure alone; "
+              "volumetric, all but volumetric compression; star_convex, the same less gamma* times that "
+              "compression; none, all (the paper's run). The last three let shear drive it in compression "
+              "too. auto: spectral in elastic bodies with 0 <= nu < 0.45 without heat, plane stress or a "
+              "cure of locking, else volumetric",
               "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
               Split::spectral, "star_convex", Split::star_convex, "no_tension", Split::no_tension)
       .notation("g_e2 (49)")
@@ -161,10 +158,8 @@ void add_split(MaterialRows& rows) {
       .refused(
           principal([](const Law& law) { return law.split == Split::no_tension && law.model == Model::j2; }),
           "not available with <>model j2: cracks that open as they like and flow are two inelastic strains, "
-          "and "
-          "nothing says how they share a deformation; allowed: <>model elastic; choose spectral, volumetric "
-          "or "
-          "star_convex")
+          "and nothing says how they share a deformation; allowed: <>model elastic; choose spectral, "
+          "volumetric or star_convex")
       .refused(principal([](const Law& law) { return 3 * law.K < 2 * law.G; }),
                "with nu < 0 its tensile part can be negative; allowed: nu >= 0; choose volumetric")
       .denied(unbounded_but_for_vi(star_convex),

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <impact/contact/constraints.hpp>
 #include <impact/contact/enforcement.hpp>
 #include <impact/contact/friction.hpp>
@@ -33,12 +32,11 @@ public:
     if (!settings_->automatic_penalty || settings_->growth == PenaltyGrowth::every_augmentation) return;
     if (friction.acts()) return;
     const std::vector<double>& lambda = rows_.multiplier->trial;
-    std::array<double, 2> largest{}; // multiplier, depth
-    for (const double p : lambda) largest[0] = std::max(largest[0], p);
-    constraints.visit(u, Derivatives::none,
-                      [&](const Constraint& c) { largest[1] = std::max(largest[1], -c.gap); });
-    max_over_ranks(constraints.comm(), largest);
-    const bool first_touch = !(largest[0] > 0) && largest[1] > deep * constraints.mean_length();
+    const int presses = std::any_of(lambda.begin(), lambda.end(), [](double p) { return p > 0; });
+    if (max_over_ranks(constraints.comm(), presses) != 0) return; // with all of the penalty, or more
+    double depth = 0;
+    constraints.visit(u, Derivatives::none, [&](const Constraint& c) { depth = std::max(depth, -c.gap); });
+    const bool first_touch = max_over_ranks(constraints.comm(), depth) > deep * constraints.mean_length();
     double& penalty = rows_.penalty->trial[EnforcementRows::value];
     penalty = first_touch ? first_part * settings_->penalty : std::max(penalty, settings_->penalty);
   }
