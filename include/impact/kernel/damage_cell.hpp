@@ -141,7 +141,7 @@ template <class Cell, Frame frame, class Law>
   prepare<Cell, frame>(law, in.X, in.u_n, nullptr, in.theta_n, before, nullptr, 1, {in.patch_n, nullptr});
   read_thickness<Cell, frame>(in.history, now);
   read_thickness<Cell, frame>(in.history_n, before);
-  std::copy(before.start_33, before.start_33 + Cell::points, now.start_33);
+  if constexpr (frame == Frame::plane_stress) std::ranges::copy(before.start_33, now.start_33);
   Batch finite = Batch(0.0);
   int bad = 0;
   for (int q = 0; q < Cell::points; ++q) {
