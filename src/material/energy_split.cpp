@@ -40,26 +40,33 @@ template SplitHeat split_heat(const PointLaw&, const SplitState<Batch, 3>&);
 
 namespace {
 
-/// The state along each direction L of the velocity gradient, where b changes by L b + b L^T and J by J tr L;
-/// the volume of a cure stays.
-template <int n, int d> SplitState<Dual<Batch, n>, d> moving(const SplitState<Batch, d>& state, bool cured) {
-  const auto b = [&](int i, int j) {
-    const int ij = symmetric_index(d, i, j);
-    return ij < 0 ? Batch(0.0) : i == j ? Batch(1.0) + state.left[ij] : state.left[ij];
-  };
-  SplitState<Dual<Batch, n>, d> s = lifted<n>(state);
+/// How b = left + 1 changes along the direction K of the velocity gradient L: L b + b L^T.
+template <int n, int d> Symmetric<Batch, d> carried_left(const Symmetric<Batch, d>& left, int K) {
+  const int k = row_of<n>(K), l = column_of<n>(K);
+  Symmetric<Batch, d> db = Batch(0.0) * left;
   for (int i = 0; i < 3; ++i)
     for (int j = i; j < 3; ++j) {
       const int ij = symmetric_index(d, i, j);
       if (ij < 0) continue;
-      for (int K = 0; K < n; ++K) {
-        const int k = row_of<n>(K), l = column_of<n>(K);
-        if (i == k) s.left[ij].d[K] += b(l, j);
-        if (j == k) s.left[ij].d[K] += b(i, l);
-      }
+      const auto b = [&](int a) {
+        const int al = symmetric_index(d, a, l);
+        return al < 0 ? Batch(0.0) : a == l ? Batch(1.0) + left[al] : left[al];
+      };
+      if (i == k) db[ij] += b(j);
+      if (j == k) db[ij] += b(i);
     }
-  for (int K = 0; K < n; ++K)
+  return db;
+}
+
+/// The state along each direction of the velocity gradient, where J changes by J tr L; the volume of a cure
+/// stays.
+template <int n, int d> SplitState<Dual<Batch, n>, d> moving(const SplitState<Batch, d>& state, bool cured) {
+  SplitState<Dual<Batch, n>, d> s = lifted<n>(state);
+  for (int K = 0; K < n; ++K) {
+    const Symmetric<Batch, d> db = carried_left<n>(state.left, K);
+    for (int i = 0; i < symmetric_size(d); ++i) s.left[i].d[K] = db[i];
     if (row_of<n>(K) == column_of<n>(K)) s.J_minus_1.d[K] = Batch(1.0) + state.J_minus_1;
+  }
   if (!cured) s.volume = s.J_minus_1;
   return s;
 }
@@ -107,18 +114,72 @@ template <int n> void take_symmetric_part(SplitModulus<n>& r) {
   r.dtau = r.dp_along = Batch(0.5) * (r.dtau + r.dp_along); // of `mean`
 }
 
+/// a_iK = dtau - tau L^T along the direction K.
+template <int n, int d>
+void set_column(Modulus<Batch, n>& a, int K, const Symmetric<Batch, d>& dtau,
+                const Symmetric<Batch, d>& tau) {
+  const int k = row_of<n>(K), l = column_of<n>(K);
+  for (int I = 0; I < n; ++I) {
+    const int i = row_of<n>(I), j = column_of<n>(I), il = symmetric_index(d, i, l);
+    a.c[I][K] = dtau[symmetric_index(d, i, j)];
+    if (j == k && il >= 0) a.c[I][K] -= tau[il];
+  }
+}
+
+/// Of an elastic body under the spectral split: only the tensile part of e is differentiated along each
+/// direction, and the functions of J_e once.
+template <int n, int d>
+[[gnu::flatten, gnu::noinline]] Modulus<Batch, n> elastic_modulus(const MaterialParameters& m,
+                                                                  const SplitState<Batch, d>& s) {
+  const Batch dJ = elastic_volume(s), r = inverse_cbrt(s.J_th), inverse_th = r * r;
+  const Symmetric<Batch, d> e = elastic_strain(m, s);
+  const LameVolume<Dual<Batch, 1>> volume = lame_volume(m, seed<Batch, 1>(dJ, 0));
+  const TensileMap<Batch, d> map(m, e);
+  const Batch g_up = s.g.e1.g, g_down = s.pressed, g_v = select(dJ >= Batch(0.0), g_up, g_down);
+  const auto of = [&](const PrincipalParts<Batch, d>& part, const Symmetric<Batch, d>& all) {
+    return plus_pressure(g_up * part.tensor + g_down * (all - part.tensor),
+                         (-1.0 / 3) * (g_up * part.first + g_down * part.second));
+  };
+  const Symmetric<Batch, d> shape = of(map.at(), e);
+  const Batch Gw = m.G * volume.w.v;
+  const Symmetric<Batch, d> tau = plus_pressure(Gw * shape, g_v * volume.slope.v);
+  const Batch dJe = (Batch(1.0) + s.J_minus_1) / s.J_th; // along tr L
+  const Symmetric<Batch, d> dilation =
+      plus_pressure((m.G * (volume.w.d[0] * dJe)) * shape, g_v * (volume.slope.d[0] * dJe));
+  Modulus<Batch, n> a;
+  for (int K = 0; K < n; ++K) {
+    const Symmetric<Batch, d> de = inverse_th * carried_left<n>(s.left, K);
+    Symmetric<Batch, d> dtau = Gw * of(map.derivative(de), de);
+    if (row_of<n>(K) == column_of<n>(K)) dtau = dtau + dilation;
+    set_column(a, K, dtau, tau);
+  }
+  return a;
+}
+
 } // namespace
+
+template <int d>
+[[gnu::flatten]] SplitEnergies<Batch, d> elastic_split(const MaterialParameters& m,
+                                                       const SplitState<Batch, d>& s) {
+  return split_energies(m, elastic_strain(m, s), elastic_volume(s));
+}
+template SplitEnergies<Batch, 2> elastic_split(const MaterialParameters&, const SplitState<Batch, 2>&);
+template SplitEnergies<Batch, 3> elastic_split(const MaterialParameters&, const SplitState<Batch, 3>&);
 
 template <int n>
 SplitModulus<n> split_modulus(const PointLaw& law, const SplitState<Batch, layout_of<n>>& state,
                               const Batch& pJ, const Batch& zeta, bool symmetric) {
   constexpr int d = layout_of<n>;
   const Locking locking = law.parameters.locking;
-  const SplitState<Dual<Batch, n>, d> s = moving<n>(state, locking != Locking::none);
-  const auto carried = carried_stress(law, s);
   SplitModulus<n> r;
   r.dtau = r.dp_along = Batch(0.0) * state.left;
   r.dp = Batch(0.0);
+  if (!law.flows() && locking == Locking::none && law.parameters.split == Split::spectral) {
+    r.a = elastic_modulus<n>(law.parameters, state);
+    return r;
+  }
+  const SplitState<Dual<Batch, n>, d> s = moving<n>(state, locking != Locking::none);
+  const auto carried = carried_stress(law, s);
   Symmetric<Batch, d> tau = of_stress(carried, -1);
   if (locking == Locking::mean) tau = plus_pressure(dev(tau), pJ);
   if (locking == Locking::fbar) tau = zeta * tau;
@@ -131,11 +192,7 @@ SplitModulus<n> split_modulus(const PointLaw& law, const SplitState<Batch, layou
       dtau = k == l ? plus_pressure(dev(dtau), pJ) : dev(dtau);
     }
     if (locking == Locking::fbar) dtau = k == l ? zeta * dtau + tau : zeta * dtau;
-    for (int I = 0; I < n; ++I) { // dtau - tau L^T
-      const int i = row_of<n>(I), j = column_of<n>(I), il = symmetric_index(d, i, l);
-      r.a.c[I][K] = dtau[symmetric_index(d, i, j)];
-      if (j == k && il >= 0) r.a.c[I][K] -= tau[il];
-    }
+    set_column(r.a, K, dtau, tau);
   }
   if (locking != Locking::none) couple(law, state, zeta, r);
   if (symmetric && law.flows()) take_symmetric_part(r);

@@ -59,7 +59,7 @@ inline Batch book(const FlowBook& flow, const Batch& w, StepSums& sums) {
 template <class Cell, Frame frame> struct StepForces {
   Fluxes<Cell, frame> fluxes;
   BulkRate bulk{};
-  bool pressed, extra;
+  bool pressed = false, extra = false;
 
   template <class Law> void start(const Law& law, const MotionInput& in, const CellState<Cell, frame>& s) {
     pressed = in.has_bulk_viscosity() && in.u_n;
@@ -93,11 +93,11 @@ template <class Cell, Frame frame> struct StepForces {
   }
 };
 
-/// With `heats` also what the heat balance asks for, with `forces` the internal force: bodies of code of
-/// their own, so that a run without them pays nothing and keeps its last digits.
-template <class Cell, Frame frame, bool heats, bool principal, bool forces = false, class Law>
+/// With `heats` also what the heat balance asks for, with `forces` the internal force. Forces is a constant
+/// where a run without them is to pay nothing and to keep its last digits.
+template <class Cell, Frame frame, bool heats, bool principal, class Law, class Forces>
 inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_history, Batch* drive,
-                          StepSums& sums, const HeatFeed& heat, Batch* r = nullptr) {
+                          StepSums& sums, const HeatFeed& heat, Forces forces, Batch* r) {
   constexpr int d = Cell::dim;
   CellStatus status{0, Batch(1e300)};
   CellState<Cell, frame> s;
@@ -105,11 +105,11 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
                        {in.patch, in.patch_pressure});
   status.bad |= share_unknowns<Cell, frame, principal>(law, in, s);
   StepForces<Cell, frame> force;
-  if constexpr (forces) force.start(law, in, s);
+  if (forces) force.start(law, in, s);
   for (int q = 0; q < Cell::points; ++q) {
     const auto e = evaluate_point<Cell, frame, principal>(law, in, s, q);
     note<Cell, frame>(status, law, s, e);
-    if constexpr (forces) force.add(law, in, s, e, q);
+    if (forces) force.add(law, in, s, e, q);
     const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
     const Batch z_trial = e.flow.y - Batch(1.0);
     const Batch z = trace_excess(e.flow.dev_b, z_trial), w = s.map[q].weight;
@@ -137,10 +137,9 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
         for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
       }
       if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, lost);
-      if constexpr (forces)
-        if (heat.dissipation) heat.dissipation[q] += force.lost(in.dt);
+      if (forces && heat.dissipation) heat.dissipation[q] += force.lost(in.dt);
     }
-    if constexpr (forces) sums.viscous_dissipation += w * force.lost(in.dt);
+    if (forces) sums.viscous_dissipation += w * force.lost(in.dt);
     if (law.viscous() && in.u_n) {
       const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
       const Batch viscous = (1 / in.dt) * (viscosity(law.parameters, e.g) * dot(dC, dC));
@@ -148,72 +147,46 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
       sums.least_dissipation = min(viscous, sums.least_dissipation);
     }
   }
-  if constexpr (forces) status.bad |= force.finish(r);
+  if (forces) status.bad |= force.finish(r);
   return status;
 }
 
-template <class Cell, Frame frame, Terms terms>
+template <class Cell, Frame frame, bool heats, Terms terms, class Forces>
 [[gnu::flatten, gnu::noinline]] CellStatus advance_with(const PointLaw& law, const MotionInput& in,
-                                                        Batch* trial_history, Batch* drive, StepSums& sums) {
+                                                        Batch* trial_history, Batch* drive, StepSums& sums,
+                                                        const HeatFeed& heat, Forces forces, Batch* r) {
   const LastDigits kept;
-  return advance<Cell, frame, false, terms == Terms::principal>(restricted<terms>(law), restricted(in, terms),
-                                                                trial_history, drive, sums, {});
+  return advance<Cell, frame, heats, terms == Terms::principal>(restricted<terms>(law), restricted(in, terms),
+                                                                trial_history, drive, sums, heat, forces, r);
 }
 
-template <class Cell, Frame frame, Terms terms>
-[[gnu::flatten, gnu::noinline]] CellStatus advance_for_heat(const PointLaw& law, const MotionInput& in,
-                                                            Batch* trial_history, Batch* drive,
-                                                            StepSums& sums, const HeatFeed& heat) {
-  const LastDigits kept;
-  return advance<Cell, frame, true, terms == Terms::principal>(restricted<terms>(law), restricted(in, terms),
-                                                               trial_history, drive, sums, heat);
-}
-
-template <class Cell, Frame frame, bool heats, Terms terms>
-[[gnu::flatten, gnu::noinline]] CellStatus step_with(const PointLaw& law, const MotionInput& in,
-                                                     Batch* trial_history, Batch* drive, StepSums& sums,
-                                                     const HeatFeed& heat, Batch* r) {
-  return advance<Cell, frame, heats, terms == Terms::principal, true>(
-      restricted<terms>(law), restricted(in, terms), trial_history, drive, sums, heat, r);
-}
-
-/// Calls f(constant) for the terms of a law where heat asks: fewer bodies of code.
-template <Frame frame, class F> decltype(auto) with_terms_of_heat(Terms terms, F&& f) {
-  if (terms == Terms::principal) return f(std::integral_constant<Terms, Terms::principal>{});
-  if constexpr (frame != Frame::plane_stress) {
-    if (terms == Terms::state) return f(std::integral_constant<Terms, Terms::state>{});
-    if (terms != Terms::all) return f(std::integral_constant<Terms, Terms::plain>{});
-  } else if (terms != Terms::all)
-    return f(std::integral_constant<Terms, Terms::plain>{});
-  return f(std::integral_constant<Terms, Terms::all>{});
+/// A short law has a body of code for each of what is asked, a long one does all with one.
+template <class Cell, Frame frame, class Forces>
+CellStatus advance_as_asked(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
+                            StepSums& sums, const HeatFeed& heat, Forces forces, Batch* r) {
+  const bool heats = heat.dissipation || heat.stress;
+  return with_terms<Cell, frame>(terms_of(law, in), [&](auto terms) {
+    if constexpr (is_long(terms))
+      return advance_with<Cell, frame, true, terms, bool>(law, in, trial_history, drive, sums, heat, forces,
+                                                          r);
+    else if (heats)
+      return advance_with<Cell, frame, true, Terms::plain>(law, in, trial_history, drive, sums, heat, forces,
+                                                           r);
+    else
+      return advance_with<Cell, frame, false, terms>(law, in, trial_history, drive, sums, heat, forces, r);
+  });
 }
 
 template <class Cell, Frame frame>
 CellStatus motion_advance(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                           StepSums& sums, const HeatFeed& heat) {
-  if (heat.dissipation || heat.stress)
-    return with_terms_of_heat<frame>(terms_of(law, in), [&](auto terms) {
-      return advance_for_heat<Cell, frame, terms>(law, in, trial_history, drive, sums, heat);
-    });
-  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
-    if constexpr (terms == Terms::principal) // one body of code for both
-      return advance_for_heat<Cell, frame, terms>(law, in, trial_history, drive, sums, heat);
-    else
-      return advance_with<Cell, frame, terms>(law, in, trial_history, drive, sums);
-  });
+  return advance_as_asked<Cell, frame>(law, in, trial_history, drive, sums, heat, std::false_type{}, nullptr);
 }
 
 template <class Cell, Frame frame>
 CellStatus motion_step(const PointLaw& law, const MotionInput& in, Batch* trial_history, Batch* drive,
                        StepSums& sums, const HeatFeed& heat, Batch* r) {
-  if (heat.dissipation || heat.stress)
-    return with_terms_of_heat<frame>(terms_of(law, in), [&](auto terms) {
-      return step_with<Cell, frame, true, terms>(law, in, trial_history, drive, sums, heat, r);
-    });
-  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
-    return step_with<Cell, frame, terms == Terms::principal, terms>(law, in, trial_history, drive, sums, heat,
-                                                                    r);
-  });
+  return advance_as_asked<Cell, frame>(law, in, trial_history, drive, sums, heat, std::true_type{}, r);
 }
 
 } // namespace impact

@@ -249,15 +249,15 @@ template <class Cell, Frame frame, bool tangent, Terms terms>
 
 template <class Cell, Frame frame>
 CellStatus motion_residual(const PointLaw& law, const MotionInput& in, Batch* r) {
-  return with_terms<frame>(terms_of(law, in), [&](auto terms) {
+  return with_terms<Cell, frame>(terms_of(law, in), [&](auto terms) {
     return motion_with<Cell, frame, false, terms>(law, in, r, nullptr);
   });
 }
 
 template <class Cell, Frame frame>
 CellStatus motion_tangent(const PointLaw& law, const MotionInput& in, Batch* r, Batch* K) {
-  return with_terms<frame>(terms_of(law, in),
-                           [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
+  return with_terms<Cell, frame>(
+      terms_of(law, in), [&](auto terms) { return motion_with<Cell, frame, true, terms>(law, in, r, K); });
 }
 
 } // namespace impact

@@ -168,9 +168,9 @@ using EvaluationOf = std::conditional_t<principal, SplitEvaluation<dim>, PointEv
 
 /// What the law of a point of such a split is asked; J_minus_1 is that of the cure.
 template <Frame frame, int d>
-[[gnu::noinline]] SplitState<Batch, d>
-split_state(const PointLaw& law, const Tensor<Batch, d>& H, const Batch& J_minus_1, const Batch& J_th,
-            const Degradations<Batch>& g, const Batch* history, int q, const FlowConditions<Batch>& at) {
+SplitState<Batch, d> split_state(const PointLaw& law, const Tensor<Batch, d>& H, const Batch& J_minus_1,
+                                 const Batch& J_th, const Degradations<Batch>& g, const Batch* history, int q,
+                                 const FlowConditions<Batch>& at) {
   SplitState<Batch, d> s{left_strain(H), detm1(H), J_minus_1, J_th, Batch(0.0), g, g.e2.g, at};
   if (!law.flows()) return s;
   const PointHistory<Batch, d> old = read_history<frame>(law, history, q);
@@ -187,10 +187,21 @@ inline SplitState<Batch, Cell::dim> held_state(const PointLaw& law, const CellSt
   return split_state<frame>(law, s.H[q], J_minus_1, J_th, g, history, q, {Batch(1.0), 0, true});
 }
 
+/// The flow of a body that has none.
+template <int d> Return<Batch, d> no_flow() {
+  Return<Batch, d> r;
+  for (int i = 0; i < symmetric_size(d); ++i) r.trial[i] = r.dev_b[i] = Batch(0.0);
+  r.y = r.scale = Batch(1.0);
+  r.alpha = r.dbeta = Batch(0.0);
+  r.plastic = r.y < r.y;
+  r.failed = 0;
+  return r;
+}
+
 /// Not inlined: it is long, and a call costs nothing beside it.
 template <class Cell, Frame frame>
-[[gnu::noinline]] SplitEvaluation<Cell::dim> evaluate_split(const PointLaw& law, const MotionInput& in,
-                                                            const CellState<Cell, frame>& s, int q) {
+[[gnu::noinline, gnu::flatten]] SplitEvaluation<Cell::dim>
+evaluate_split(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s, int q) {
   const Locking locking = law.parameters.locking;
   SplitEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
@@ -200,9 +211,14 @@ template <class Cell, Frame frame>
                                in.history, q, point_conditions<Cell>(law, in, q));
   e.g.e2.g += (in.unilateral - 1) * unilateral_part(e.g);
   e.state.pressed = e.g.e2.g;
-  const SplitResponse<Batch, Cell::dim> response = split_response(law, e.state);
-  e.flow = response.flow;
-  e.of = response.of;
+  if (law.flows()) {
+    const SplitResponse<Batch, Cell::dim> response = split_response(law, e.state);
+    e.flow = response.flow;
+    e.of = response.of;
+  } else {
+    e.flow = no_flow<Cell::dim>();
+    e.of = elastic_split(law.parameters, e.state);
+  }
   e.Je_minus_1 = elastic_volume(e.state);
   e.zeta = locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
   e.tau = split_stress(e.state, e.of);

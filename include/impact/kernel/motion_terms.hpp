@@ -62,24 +62,39 @@ struct LastDigits {
   ~LastDigits() { asm volatile(""); }
 };
 
-/// Calls f(constant) for the terms of this law; sheets have one kernel for all laws but those of a split by
-/// principal stretches.
-template <Frame frame, class F> decltype(auto) with_terms(Terms terms, F&& f) {
-  if (terms == Terms::principal) return f(std::integral_constant<Terms, Terms::principal>{});
-  if constexpr (frame != Frame::plane_stress) switch (terms) {
-    case Terms::elastic:
-      return f(std::integral_constant<Terms, Terms::elastic>{});
-    case Terms::undamaged:
-      return f(std::integral_constant<Terms, Terms::undamaged>{});
-    case Terms::plain:
-      return f(std::integral_constant<Terms, Terms::plain>{});
-    case Terms::state:
-      return f(std::integral_constant<Terms, Terms::state>{});
-    case Terms::all:
-    case Terms::principal:
-      break;
-    }
-  return f(std::integral_constant<Terms, Terms::all>{});
+/// Laws of which a call costs little beside what they compute: one body of code does for several kernels.
+constexpr bool is_long(Terms terms) {
+  return terms == Terms::all || terms == Terms::principal || terms == Terms::state;
+}
+
+/// The terms that are compiled for a cell: sheets, which find their thickness by the law, and cells of second
+/// order, whose law is the smaller part of the work, have fewer.
+template <class Cell, Frame frame> constexpr Terms compiled(Terms terms) {
+  if (terms == Terms::principal) return terms;
+  if (frame == Frame::plane_stress) return Terms::all; // which have no equation of state
+  return is_second_order<Cell> && terms == Terms::undamaged ? Terms::plain : terms;
+}
+
+/// Calls f(constant) for the terms that are compiled for this law.
+template <class Cell, Frame frame, class F> decltype(auto) with_terms(Terms terms, F&& f) {
+  const auto call = [&]<Terms t>(std::integral_constant<Terms, t>) {
+    return f(std::integral_constant<Terms, compiled<Cell, frame>(t)>{});
+  };
+  switch (terms) {
+  case Terms::elastic:
+    return call(std::integral_constant<Terms, Terms::elastic>{});
+  case Terms::undamaged:
+    return call(std::integral_constant<Terms, Terms::undamaged>{});
+  case Terms::plain:
+    return call(std::integral_constant<Terms, Terms::plain>{});
+  case Terms::principal:
+    return call(std::integral_constant<Terms, Terms::principal>{});
+  case Terms::state:
+    return call(std::integral_constant<Terms, Terms::state>{});
+  case Terms::all:
+    break;
+  }
+  return call(std::integral_constant<Terms, Terms::all>{});
 }
 
 } // namespace impact

@@ -150,7 +150,8 @@ template <class T, int d> Return<T, d> split_flow(const PointLaw& law, const Spl
     return return_map(m, s.left, T(r * r), s.alpha, T(1.0), s.at);
   Return<T, d> out = predictor(s.left, T(r * r), s.alpha, s.at);
   const ProjectedStress<T, d> stress(m, out, s);
-  return flow_back(m, out, stress, s.g.p.g);
+  flow_back_of_any(m, out, stress, s.g.p.g);
+  return out;
 }
 
 template <class T, int d> T split_excess(const Return<T, d>& flow) {
@@ -195,6 +196,9 @@ struct SplitHeat {
 // What the kernels ask for is compiled once, in src/material/energy_split.cpp.
 template <int d> SplitFlow split_work(const PointLaw&, const SplitState<Batch, d>&, const Return<Batch, d>&);
 template <int d> SplitHeat split_heat(const PointLaw&, const SplitState<Batch, d>&);
+/// Of a body that does not flow.
+template <int d>
+SplitEnergies<Batch, d> elastic_split(const MaterialParameters&, const SplitState<Batch, d>&);
 /// pJ = p J of `mean`, zeta = J/J_0 of F-bar.
 template <int n>
 SplitModulus<n> split_modulus(const PointLaw&, const SplitState<Batch, layout_of<n>>&, const Batch& pJ,

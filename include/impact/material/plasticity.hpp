@@ -53,26 +53,44 @@ template <class T> struct RadialStress {
   T at(const T& x) const { return N - 2.0 * (mu * x); }
 };
 
+/// The flow stress that the parameters name, and Voce's at rest and at one temperature.
+struct AnyFlow {
+  template <class T>
+  static Hardening<T> stress(const MaterialParameters& m, const FlowConditions<T>& at, const T& alpha,
+                             const T& dalpha) {
+    return flow_stress(m, at, alpha, dalpha);
+  }
+  static bool climbs(const MaterialParameters& m) { return climbs_steeply(m); }
+};
+struct VoceFlow {
+  template <class T>
+  static Hardening<T> stress(const MaterialParameters& m, const FlowConditions<T>&, const T& alpha,
+                             const T&) {
+    return VoceHardening::curve(m, alpha);
+  }
+  static bool climbs(const MaterialParameters&) { return false; }
+};
+
 /// Admissibility and return from the predictor `out` along its deviator. The multiplier is found on values;
 /// one more step in T carries its derivative.
-template <class T, int d, class Stress>
-Return<T, d> flow_back(const MaterialParameters& m, Return<T, d> out, const Stress& stress, const T& ratio) {
+template <class Flow, class T, int d, class Stress>
+void flow_back(const MaterialParameters& m, Return<T, d>& out, const Stress& stress, const T& ratio) {
   using V = Value<T>;
   const double q = 0.81649658092772603273; // sqrt(2/3)
-  const FlowConditions<T>& at = out.at;
+  const FlowConditions<T> at = out.at;
   const T alpha_n = out.alpha;
 
   // admissibility
-  const Hardening<T> start = flow_stress(m, FlowConditions<T>{at.softening, 0, false}, alpha_n, T(0.0));
+  const Hardening<T> start = Flow::stress(m, FlowConditions<T>{at.softening, 0, false}, alpha_n, T(0.0));
   const V f = stress.start() - value((q * ratio) * start.k);
   out.plastic = at.held ? f < f : f > V(0.0);
-  if (!any(out.plastic)) return out;
+  if (!any(out.plastic)) return;
 
   // return
   const V a = value(alpha_n), c = value(ratio);
   const FlowConditions<V> conditions{value(at.softening), at.dt, at.held};
   const auto residual = [&](const V& x, V& slope) {
-    const Hardening<V> h = flow_stress(m, conditions, V(a + q * x), V(q * x));
+    const Hardening<V> h = Flow::stress(m, conditions, V(a + q * x), V(q * x));
     const V driven = stress.at(x, slope);
     slope = slope - (2.0 / 3) * (c * h.dk);
     return V(driven - q * (c * h.k));
@@ -81,28 +99,29 @@ Return<T, d> flow_back(const MaterialParameters& m, Return<T, d> out, const Stre
   const V high = V(0.5) * value(stress.N) / value(stress.mu);
   // A last step below 1e-4 of the root leaves an error of its square, and the step in T squares that again. A
   // steep slope, which is not corrected by that step, asks for one more.
-  const auto solve = [&](const V& guess, const V& low, const V* noise) {
-    return scalar_root(select(out.plastic, guess, V(0.0)), low, high, out.plastic, noise ? 1e-8 : 1e-4,
-                       residual, noise);
-  };
-  ScalarRoot<V> root;
-  if (climbs_steeply(m)) { // k' may be infinite at alpha = 0: `first` is 0 there, and the root anywhere above
-    const V noise = V(4e-15) * value(stress.N);
-    root = solve(max(first, V(V(1e-6) * high)), V(V(1e-280) * high), &noise);
-  } else {
-    root = solve(first, V(0.0), nullptr);
-  }
+  // Where k' may be infinite at alpha = 0, `first` is 0 and the root anywhere above.
+  const bool climbs = Flow::climbs(m);
+  const V noise = V(4e-15) * value(stress.N), low = climbs ? V(V(1e-280) * high) : V(0.0);
+  const V guess = climbs ? max(first, V(V(1e-6) * high)) : first;
+  const ScalarRoot<V> root = scalar_root(select(out.plastic, guess, V(0.0)), low, high, out.plastic,
+                                         climbs ? 1e-8 : 1e-4, residual, climbs ? &noise : nullptr);
   V slope;
   residual(root.x, slope);
   const T r =
-      stress.at(T(root.x)) - q * (ratio * flow_stress(m, at, T(alpha_n + T(q * root.x)), T(q * root.x)).k);
+      stress.at(T(root.x)) - q * (ratio * Flow::stress(m, at, T(alpha_n + T(q * root.x)), T(q * root.x)).k);
   const T dbeta = differentiated_root(root.x, r, slope);
   out.failed = root.failed;
   out.dbeta = select(out.plastic, dbeta, T(0.0));
   out.scale = select(out.plastic, T(1.0) - 2.0 * (stress.mu * dbeta) / stress.N, T(1.0));
   out.dev_b = out.scale * out.trial;
   out.alpha = alpha_n + q * out.dbeta;
-  return out;
+}
+
+/// Not inlined: the laws with their powers are long, and a kernel would hold them several times.
+template <class T, int d, class Stress>
+[[gnu::noinline, gnu::flatten]] void flow_back_of_any(const MaterialParameters& m, Return<T, d>& out,
+                                                      const Stress& stress, const T& ratio) {
+  flow_back<AnyFlow>(m, out, stress, ratio);
 }
 
 /// Predictor, admissibility, return (theory.md, return mapping). `ratio` = g_p/g_e1, the degraded yield
@@ -110,8 +129,13 @@ Return<T, d> flow_back(const MaterialParameters& m, Return<T, d> out, const Stre
 template <class T, int d>
 Return<T, d> return_map(const MaterialParameters& m, const Symmetric<T, d>& e, const T& J23, const T& alpha_n,
                         const T& ratio, const FlowConditions<T>& at = {}) {
-  const Return<T, d> out = predictor(e, J23, alpha_n, at);
-  return flow_back(m, out, RadialStress<T>{m.G * sqrt(dot(out.trial, out.trial)), m.G * out.y}, ratio);
+  Return<T, d> out = predictor(e, J23, alpha_n, at);
+  const RadialStress<T> stress{m.G * sqrt(dot(out.trial, out.trial)), m.G * out.y};
+  if (m.hardening == HardeningKind::voce && is_plain(m))
+    flow_back<VoceFlow>(m, out, stress, ratio);
+  else
+    flow_back_of_any(m, out, stress, ratio);
+  return out;
 }
 
 /// The flow stress and its slope where the return ended.
