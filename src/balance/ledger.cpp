@@ -56,6 +56,17 @@ void Ledger::resume(Vec u, Vec v) {
   measure(u, v, false);
 }
 
+void Ledger::resume_with(const Integrator& integrator, double dt, Vec u, Vec v, Vec a) {
+  measure(u, v, false);
+  const double more = energies_.total.kinetic - sum(kinetic);
+  sum(more > 0 ? start_energy : numerical) += std::abs(more);
+  sum(kinetic) = energies_.total.kinetic;
+  const double kept_now = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a);
+  sum(numerical) -= kept_now - sum(kept);
+  sum(kept) = kept_now;
+  reactions_.find(forces_.reactions(), u);
+}
+
 void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   const Timed timed(Event::balances);
   const double w = motion_.discretisation().thickness;

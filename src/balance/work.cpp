@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <impact/balance/work.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -64,6 +65,7 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
   motion_.parts(u, parts);
   d.displacement.to_local(parts.internal, internal_.trial);
   d.displacement.to_local(parts.external, external_.trial);
+  for (StateRow* row : {&inertia_force_, &left_, &step_acceleration_}) std::ranges::fill(row->trial, 0);
   double kept = 0;
   if (inertia_) {
     // M a_0 balances these forces on the free dofs, contact apart.
@@ -74,12 +76,13 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
     if (integrator.is_explicit()) kept += kept_by_nodes_of_bodies(dt, a, Ma);
   }
   const std::vector<double> loads = external_.trial, unilateral = unilateral_of(d, parts);
+  const std::vector<double>& touch = contact_.trial = contact_.committed;
   reactions_ = internal_.trial;
   for (std::size_t i = 0; i < loads.size(); ++i) {
     // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step.
     if (!inertia_ || motion_.boundary().fixed_mask()[i])
-      external_.trial[i] = inertia_force_.trial[i] + internal_.trial[i];
-    reactions_[i] += unilateral[i] - loads[i];
+      external_.trial[i] = inertia_force_.trial[i] + internal_.trial[i] - touch[i];
+    reactions_[i] += unilateral[i] - loads[i] - touch[i];
   }
   return kept;
 }

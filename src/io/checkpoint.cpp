@@ -65,6 +65,16 @@ std::string row_list(const StateTable& table) {
   return text.str();
 }
 
+/// Such a list without the lines of the rows of these names.
+std::string without(const std::string& list, const std::vector<std::string>& names) {
+  std::istringstream lines(list);
+  std::string left;
+  for (std::string line; std::getline(lines, line);)
+    if (std::ranges::none_of(names, [&](const std::string& name) { return line.starts_with(name + " ("); }))
+      left += line + "\n";
+  return left;
+}
+
 /// "/state" of a row, "/keys" of a set of entities.
 std::string path_in(const std::string& group, std::string name) {
   std::ranges::replace(name, '/', '_');
@@ -189,10 +199,12 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
   return checkpoint.file;
 }
 
-void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
+void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state,
+                     const std::vector<std::string>& begin_anew) {
   const Timed timed(Event::checkpoint_read);
   const MPI_Comm comm = state.mesh.comm();
-  if (const std::string wanted = row_list(state.table); checkpoint.rows != wanted)
+  const std::string wanted = row_list(state.table);
+  if (without(checkpoint.rows, begin_anew) != without(wanted, begin_anew))
     throw UserError(ExitCode::io, "cannot use checkpoint " + checkpoint.file + ": it holds " +
                                       in_one_line(checkpoint.rows) + "; this run needs " +
                                       in_one_line(wanted) + "; restart with the physics of its run");
@@ -200,7 +212,8 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state) {
     PetscLayout slabs = nullptr;
     const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);
     for (const auto& row : state.table.rows())
-      if (row->checkpointed && entities_name(*row) == set.name)
+      if (row->checkpointed && entities_name(*row) == set.name &&
+          std::ranges::find(begin_anew, row->name) == begin_anew.end())
         read_row(state, checkpoint.file, set, sf, slabs, *row);
     check(PetscLayoutDestroy(&slabs));
   }

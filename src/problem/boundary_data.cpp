@@ -236,7 +236,8 @@ void BoundaryData::set_exact_velocity(double t0, double t1, const std::vector<do
   }
 }
 
-void BoundaryData::set_initial_rates(double dt, std::vector<double>& v, std::vector<double>& a) const {
+void BoundaryData::set_initial_rates(double start, double dt, std::vector<double>& v,
+                                     std::vector<double>& a) const {
   for (const FixedDof& fixed : fixed_) {
     const BoundaryCondition& bc = conditions_[at(fixed.condition)];
     const auto i = at(fixed.dof);
@@ -244,8 +245,8 @@ void BoundaryData::set_initial_rates(double dt, std::vector<double>& v, std::vec
     if (!bc.component[fixed.component]) continue;
     const Expression& data = *bc.component[fixed.component];
     const double* x = &x_[at(fixed.dof / dim_ * dim_)];
-    auto value = [&](double t) { return data(x, dim_, t); };
-    // One-sided second-order differences over a small part of the step: data may start at t = 0.
+    auto value = [&](double t) { return data(x, dim_, start + t); };
+    // One-sided second-order differences over a small part of the step: data may begin at the start.
     const double h = 1e-3 * dt;
     if (bc.type == BcType::displacement) {
       const double f0 = value(0), f1 = value(h), f2 = value(2 * h), f3 = value(3 * h);

@@ -1,7 +1,23 @@
+#include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/run/setup.hpp>
 
 namespace impact {
+
+namespace {
+
+// The rows that steps extrapolate by, from v with the rates of prescribed dofs; `rate`: v without them.
+void set_rates(Setup& setup, std::vector<double> rate) {
+  StateTable& state = setup.state;
+  const std::vector<double>& v = state.row("v").trial;
+  state.row("prescribed_velocity").trial = v;
+  // What the first guess extrapolates by: prescribed nodes do not run ahead of their neighbours.
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (!setup.boundary.fixed_mask()[i]) rate[i] = v[i];
+  state.row("mean_rate").trial = std::move(rate);
+}
+
+} // namespace
 
 void set_initial_state(const Scenario& s, Setup& setup) {
   const Discretisation& d = setup.discretisation;
@@ -36,20 +52,43 @@ void set_initial_state(const Scenario& s, Setup& setup) {
         }
       });
     }
-  // What the first guess extrapolates by: prescribed nodes do not run ahead of their neighbours.
   std::vector<double> rate = v;
   agree_on_errors(d.mesh.comm(), [&] {
     setup.boundary.set_displacement(0, 0, u, v, u);
-    setup.boundary.set_initial_rates(s.time.scale(), v, a);
+    setup.boundary.set_initial_rates(0, s.time.scale(), v, a);
     if (state.find("phi")) setup.boundary.set_damage(0, state.row("phi").trial);
     if (state.find("theta")) setup.boundary.set_temperature(0, state.row("theta").trial);
   });
   setup.rigid.set_initial(s.time.scale(), u, v);
-  state.row("prescribed_velocity").trial = v;
-  for (std::size_t i = 0; i < v.size(); ++i)
-    if (!setup.boundary.fixed_mask()[i]) rate[i] = v[i];
-  state.row("mean_rate").trial = std::move(rate);
+  set_rates(setup, std::move(rate));
   state.commit();
+}
+
+void set_state_of_other_scheme(const Scenario& s, Setup& setup, double start, bool from_rest) {
+  const Discretisation& d = setup.discretisation;
+  if (!setup.rigid.empty())
+    throw UserError(ExitCode::usage, "-ts_type: a run with rigid bodies (_model rigid) cannot go on from a "
+                                     "checkpoint of another one; take that of the checkpoint");
+  StateTable& state = setup.state;
+  std::vector<double>&v = state.row("v").trial, &a = state.row("a").trial;
+  std::ranges::fill(a, 0);
+  if (from_rest || !s.has_inertia()) std::ranges::fill(v, 0);
+  const auto X = d.mesh.coordinates();
+  const auto dim = at(d.dim());
+  std::vector<double> rate;
+  agree_on_errors(d.mesh.comm(), [&] {
+    for (const InitialCondition& ic : s.ics)
+      for (const std::string& name : ic.on)
+        for (const int node : d.mesh.nodes(name))
+          for (std::size_t k = 0; k < dim && from_rest && s.has_inertia(); ++k)
+            if (ic.v[k]) v[at(node) * dim + k] = (*ic.v[k])(&X[at(node) * dim], d.dim(), 0);
+    rate = v;
+    setup.boundary.set_initial_rates(start, s.time.scale(), v, a);
+  });
+  if (!s.has_inertia()) std::ranges::fill(a, 0);
+  set_rates(setup, std::move(rate));
+  for (const char* name : {"v", "a", "prescribed_velocity", "mean_rate"})
+    state.row(name).committed = state.row(name).trial;
 }
 
 } // namespace impact

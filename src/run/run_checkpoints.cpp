@@ -105,8 +105,9 @@ void RunCheckpoints::resume(const Checkpoint& from, StopCriteria& stops) {
   file_ = from.file;
   if (stage_.scenario.checkpoint.restart == "auto") step_ = from.values.step;
   const std::vector<double>& c = control_.committed;
-  set_step_control_state(stage_.ts,
-                         {c[0], c[1] != 0, static_cast<PetscInt>(c[2]), static_cast<PetscInt>(c[3])});
+  if (!stage_.other_scheme)
+    set_step_control_state(stage_.ts,
+                           {c[0], c[1] != 0, static_cast<PetscInt>(c[2]), static_cast<PetscInt>(c[3])});
   for (const std::string& peak : stops.restore(from.values))
     check(PetscPrintf(comm, "impact: %s does not know peak(%s): it is counted from here on\n", file_.c_str(),
                       peak.c_str()));

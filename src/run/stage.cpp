@@ -4,6 +4,7 @@
 #include <impact/run/stage.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/time/step_control.hpp>
+#include <sstream>
 
 namespace impact {
 
@@ -51,6 +52,14 @@ SolverDefaults choose(const Scenario& s, Setup& setup) {
       choose_solver(setup.discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup.discretisation);
   return solver;
+}
+
+// -ts_type of the run that wrote.
+std::string time_scheme_of(const Checkpoint& checkpoint) {
+  std::istringstream lines(checkpoint.values.texts.at("options"));
+  for (std::string key, line; lines >> key; std::getline(lines, line))
+    if (key == "-ts_type" && lines >> line) return line;
+  return "newmark";
 }
 
 template <class Problem, class... Given> std::optional<Problem> made_if(bool there, Given&&... given) {
@@ -104,8 +113,14 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
 void RunStage::set_state(const Checkpoint* resume) {
   double time = 0;
   if (resume != nullptr) {
-    read_checkpoint(*resume, {d.mesh, d.groups, state});
+    const std::string type = time_scheme_of(*resume);
+    other_scheme = scenario.has_motion() && type != scenario.time.type;
+    // What explicit steps alone keep.
+    const std::vector<std::string> begin_anew{"stable_step", "damage_wait"};
+    read_checkpoint(*resume, {d.mesh, d.groups, state},
+                    other_scheme ? begin_anew : std::vector<std::string>{});
     time = resume->values.time;
+    if (other_scheme) set_state_of_other_scheme(scenario, *setup, time, type == "static");
     check(TSSetTime(ts, time));
     check(TSSetStepNumber(ts, static_cast<PetscInt>(resume->values.step)));
   } else {
@@ -122,7 +137,7 @@ void RunStage::set_state(const Checkpoint* resume) {
   }
   motion.update_contact(u);
   if (ExplicitStep* const step = coupling.explicit_step()) {
-    if (resume == nullptr)
+    if (resume == nullptr || other_scheme)
       step->start(u, v);
     else
       step->resume();
@@ -149,8 +164,18 @@ void RunStage::start() {
 }
 
 void RunStage::resume() {
-  if (inertia) set_acceleration(ts, a);
-  ledger.resume(u, v);
+  if (other_scheme) {
+    coupling.start_acceleration(u, v, d.global_of(state.row("force_contact").committed), a);
+    if (inertia) d.displacement.to_local(a, rows.a.trial);
+    PetscReal dt = 0;
+    check(TSGetTimeStep(ts, &dt));
+    ledger.resume_with(integrator_of(ts), dt, u, v, a);
+    for (StateRow* row : {&rows.u, &rows.v, &rows.mean_rate}) row->trial = row->committed;
+    state.commit();
+  } else {
+    if (inertia) set_acceleration(ts, a);
+    ledger.resume(u, v);
+  }
   // Lists of candidates made so far would serve for a while, but they are not those that the interrupted run
   // made in its next step.
   for (ContactInterface& contact : setup->contacts) contact.search().forget();

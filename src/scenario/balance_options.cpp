@@ -84,7 +84,9 @@ OptionGroup checkpoint_options() {
       "SIGINT ends it at once. However a run ends, its last state is in a checkpoint, so that a later end "
       "computes nothing twice. On restart mesh, dimension and units cannot change; parameters, materials, "
       "conditions, contacts, the damage equation and the time scheme only with `-restart_allow`; solvers, "
-      "output, end time and time step at will."};
+      "output, end time and time step at will. With another `-ts_type` the motion starts anew from the "
+      "displacement, damage, temperature, history and contact forces that are there, and the energies go on: "
+      "what is loaded statically is let go, or struck by bodies with the velocities of `-ics`."};
   Rows row(group.rows, RestartKey::free, &Scenario::checkpoint);
   row.text("checkpoint_dir", &Checkpoint::dir, "path", "folder of the checkpoints")
       .otherwise("<output_dir>/checkpoints");

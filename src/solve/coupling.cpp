@@ -107,17 +107,22 @@ void Coupling::start(Vec u, Vec v, Vec a) {
     layout.to_local(u, pass_.u);
     fields_.damage->start(pass_.u);
   }
+  start_acceleration(u, v, nullptr, a);
+}
+
+void Coupling::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   if (!integrator_of(ts_).inertia) return;
   if (explicit_) {
-    explicit_->start_acceleration(u, v, a);
+    explicit_->start_acceleration(u, v, contact, a);
     return set_acceleration(ts_, a);
   }
-  // M a_0 = F_ext - F_int(u_0, v_0) without contact on the free dofs; prescribed dofs keep the rate of their
-  // data.
+  // M a_0 = F_ext - F_int(u_0, v_0) on the free dofs; prescribed dofs keep the rate of their data.
+  MotionProblem& motion = fields_.motion;
   ForceParts forces;
   motion.parts(u, forces);
   check(VecAXPY(forces.external, -1, forces.internal));
-  layout.to_global(state.row("a").committed, a);
+  if (contact) check(VecAXPY(forces.external, 1, contact));
+  motion.discretisation().displacement.to_global(fields_.state.row("a").committed, a);
   motion.mass_solve(forces.external, a);
   motion.rigid().accelerate(forces.external, a);
   set_acceleration(ts_, a);

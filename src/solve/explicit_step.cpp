@@ -131,11 +131,14 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   check(VecRestoreArray(a, &values));
 }
 
-void ExplicitStep::start_acceleration(Vec u, Vec v, Vec a) {
+void ExplicitStep::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   MotionProblem::Increments unused;
   motion_.advance(u, unused, {}, forces_.internal);
   motion_.loads(u, forces_.external);
-  check(VecSet(forces_.contact, 0));
+  if (contact)
+    check(VecCopy(contact, forces_.contact));
+  else
+    check(VecSet(forces_.contact, 0));
   const double dt = Get(TSGetTimeStep)(ts_);
   divide_by_mass({0, dt, u, v, nullptr}, a);
   bodies_.start_forces(0, dt, {{{forces_.external, 1}}}, a);

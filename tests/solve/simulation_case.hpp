@@ -89,7 +89,7 @@ public:
     if (damage_) set_scalar("phi", settings_.initial_phi);
     if (heat_) set_scalar("theta", settings_.initial_theta);
     boundary_.set_displacement(0, 0, u, v, u);
-    boundary_.set_initial_rates(settings_.dt, v, state_.row("a").trial);
+    boundary_.set_initial_rates(0, settings_.dt, v, state_.row("a").trial);
     state_.row("mean_rate").trial = v;
     state_.row("prescribed_velocity").trial = v;
     state_.commit();

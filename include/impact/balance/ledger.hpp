@@ -34,6 +34,9 @@ public:
   void start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a, double kept_by_bodies = 0);
   /// After a restart: energies of the restored state; totals and forces came with the table. Collective.
   void resume(Vec u, Vec v);
+  /// The same under another integrator, whose first step is dt long. What velocities have more than before is
+  /// energy of the start, what they have less is the integrator's loss, as is what it holds. Collective.
+  void resume_with(const Integrator& integrator, double dt, Vec u, Vec v, Vec a);
   /// Books an accepted step. To be called before the state table commits: rows still hold t_n, trial halves
   /// t_{n+1}. u, v, a: the integrator's values at t_{n+1}. Energies and reactions are only found where the
   /// step is `watched`. Collective.

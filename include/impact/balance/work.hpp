@@ -33,8 +33,8 @@ public:
   /// Adds the rows. References must outlive the book.
   ForceBook(MotionProblem& motion, StateTable& state, bool inertia);
 
-  /// Forces of the start: the half of the first step's work, dt long, that belongs to t = 0. Returns what the
-  /// integrator holds then. Collective.
+  /// Forces of the start: the half of the first step's work, dt long, that belongs to it; those of contact
+  /// are as in their row. Returns what the integrator holds then. Collective.
   double start(const Integrator& integrator, double dt, Vec u, Vec a);
   /// After a restart: reactions are not known before the next step.
   void resume();

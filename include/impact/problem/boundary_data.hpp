@@ -58,8 +58,9 @@ public:
   /// points: exact to degree 9).
   void set_displacement(double t0, double t1, const std::vector<double>& u_n, const std::vector<double>& v_n,
                         std::vector<double>& u) const;
-  /// Velocity and acceleration of the prescribed dofs at t = 0 (one-sided differences of displacement data).
-  void set_initial_rates(double dt, std::vector<double>& v, std::vector<double>& a) const;
+  /// Velocity and acceleration of the prescribed dofs at the start (one-sided differences of displacement
+  /// data over a small part of dt).
+  void set_initial_rates(double start, double dt, std::vector<double>& v, std::vector<double>& a) const;
   /// Velocity at t1 of dofs with acceleration data, integrated from v_n at t0 (the row
   /// "prescribed_velocity").
   void set_exact_velocity(double t0, double t1, const std::vector<double>& v_n, std::vector<double>& v) const;

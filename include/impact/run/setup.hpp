@@ -48,4 +48,9 @@ bool between_rigid_sides(const Setup& setup, const ContactSettings& contact);
 /// boundary data, which win. Collective. Throws UserError.
 void set_initial_state(const Scenario& scenario, Setup& setup);
 
+/// Velocities and accelerations, of prescribed dofs too, where a run goes on at t = `start` from the
+/// checkpoint of one with another -ts_type. From statics (`from_rest`) bodies start with the velocities of
+/// the initial conditions. Collective. Throws UserError where there are rigid bodies.
+void set_state_of_other_scheme(const Scenario& scenario, Setup& setup, double start, bool from_rest);
+
 } // namespace impact

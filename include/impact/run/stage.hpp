@@ -65,7 +65,8 @@ struct RunStage {
   Ledger ledger;
   FieldSource source;
   Handle<Vec> u, v, a;
-  Handle<Vec> before; ///< work space of `accept`
+  Handle<Vec> before;        ///< work space of `accept`
+  bool other_scheme = false; ///< the checkpoint is of a run with another -ts_type
 };
 
 } // namespace impact

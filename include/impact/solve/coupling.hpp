@@ -44,6 +44,8 @@ public:
   /// After that, at the start of a run: the committed rows that heat and damage take from the motion and,
   /// with inertia, the acceleration into a, whose prescribed dofs come from the row. Collective.
   void start(Vec u, Vec v, Vec a);
+  /// The acceleration alone, under the forces `contact`, or null.
+  void start_acceleration(Vec u, Vec v, Vec contact, Vec a);
 
   /// Hooks of the TS. `predict` and `correct` want inertia; `corrects` says whether there is anything to do.
   void before_attempt(const Attempt& attempt);

@@ -33,8 +33,8 @@ public:
   /// How long the steps are, for the head of the log; `asked`: -ts_dt, or 0.
   std::string text(double asked);
 
-  /// Acceleration at the start, from the forces without contact. Collective.
-  void start_acceleration(Vec u, Vec v, Vec a);
+  /// Acceleration at the start, from the forces and those of contact, null for none. Collective.
+  void start_acceleration(Vec u, Vec v, Vec contact, Vec a);
   /// The forces at u and from them the new acceleration of the TS; flow and what drives damage, as
   /// MotionProblem::advance has it. False where a cell lost its meaning. Collective.
   bool take(Vec u, MotionProblem::Increments& sums, const HeatRows& heat);

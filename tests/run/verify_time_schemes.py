@@ -1,0 +1,93 @@
+# labels: run
+# timeout: 120
+"""A run that goes on from a checkpoint with another -ts_type: loaded statically, then let go; each way between the schemes.
+The motion is that of a run which starts from the same displacement, and the energies go on."""
+import glob
+
+import numpy
+
+from _runs import check, check_between, finish, mesh, require, run
+
+# A bar of length 10 on rails, pulled to a strain of 1e-4: the static solution is u = strain x.
+STRAIN, LENGTH, E, RHO = 1e-4, 10.0, 1000.0, 1.0
+SPEED = (E / RHO) ** 0.5
+BAR = {"mesh": mesh("block.geo"), "mesh_set_lx": LENGTH, "mesh_set_ly": 0.5, "mesh_set_n": 40, "mesh_set_ny": 2,
+       "materials": "solid", "material_solid_E": E, "material_solid_nu": 0, "material_solid_rho": RHO,
+       "bcs": "wall,rails", "bc_wall_on": "left", "bc_wall_ux": 0, "bc_rails_on": "solid", "bc_rails_uy": 0}
+PULLED = {**BAR, "bcs": "wall,rails,pull", "bc_pull_on": "right", "bc_pull_ux": f"{STRAIN * LENGTH}*t"}
+CHANGED = "ts_type,bcs,bc_pull_on,bc_pull_type,bc_pull_ux"
+SCHEMES = {"newmark": {"ts_type": "newmark", "ts_dt": 2e-3}, "central_difference": {"ts_type": "central_difference", "ts_dt": 2e-3}}
+STATIC = {"ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+
+
+def last_checkpoint(of):
+    return max(glob.glob(f"{of.dir}/checkpoints/*.h5"))
+
+
+def go_on(name, before, options, allow, end, **more):
+    return run(name, {**options, "restart": last_checkpoint(before), "restart_allow": allow,
+                      "ts_max_time": before["time"][-1] + end}, **more)
+
+
+loaded = run("loaded", {**PULLED, **STATIC})
+energy = loaded["energy_elastic"][-1]
+check("elastic energy of the pulled bar", energy, 0.5 * E * STRAIN ** 2 * LENGTH * 0.5, 1e-3)
+# All of the energy is motion when the wave of the free end has come to the wall.
+let_go = {}
+for scheme, options in SCHEMES.items():
+    afresh = run(f"afresh_{scheme}", {**BAR, **options, "ics": "stretch", "ic_stretch_on": "solid", "ic_stretch_ux": f"{STRAIN}*x",
+                                      "ts_max_time": 0.64})
+    after = let_go[scheme] = go_on(f"after_{scheme}", loaded, {**BAR, **options}, CHANGED, 0.64)
+    rows = len(after["time"])
+    for column in ("energy_kinetic", "energy_elastic", "energy_numerical"):
+        if column not in after.history:
+            continue
+        worst = numpy.abs(after[column] - afresh[column][-rows:]).max() / energy
+        check(f"{scheme} from statics: {column} as from the displacement", worst, 0, 1e-8, relative=False)
+    at = numpy.argmin(abs(after["time"] - 1 - LENGTH / SPEED))
+    check_between(f"{scheme}: share of motion after L/c", after["energy_kinetic"][at] / energy, 0.95, 1.0)
+    check(f"{scheme}: first law", after["balance_first_law"][-1], 0, 1e-3, relative=False)
+
+# From one scheme to the other and back: what vibrates goes on.
+ways = [("newmark", "central_difference"), ("central_difference", "newmark")]
+for first, second in ways:
+    other = go_on(f"{first}_then", let_go[first], {**BAR, **SCHEMES[second]}, "ts_type", 0.5)
+    total = (other["energy_kinetic"] + other["energy_elastic"]) / energy
+    # The mass is lumped in the one and not in the other.
+    check_between(f"{first}, then {second}: motion and strain", total[0], 0.99, 1.01)
+    check(f"{first}, then {second}: change of motion and strain", total.max() - total.min(), 0, 5e-4, relative=False)
+    check(f"{first}, then {second}: balance of momentum", abs(other["balance"]).max(), 0, 1e-10, relative=False)
+
+# To rest: statics have no motion, whose energy the change of scheme takes.
+rest = go_on("rest", let_go["newmark"], {**BAR, "ts_type": "static", "ts_dt": 1}, "ts_type", 1)
+before = let_go["newmark"]
+check("at rest: energy of motion that was there is the integrator's loss",
+      (rest["dissipated_numerical"][-1] - before["dissipated_numerical"][-1]) / energy, before["energy_kinetic"][-1] / energy, 1e-6)
+check("at rest: elastic energy", rest["energy_elastic"][-1] / energy, 0, 1e-9, relative=False)
+
+# A body that is thrown once the load stands.
+thrown = go_on("thrown", loaded, {**PULLED, "bc_pull_ux": STRAIN * LENGTH, **SCHEMES["newmark"], "ics": "throw",
+                                  "ic_throw_on": "solid", "ic_throw_vx": "1e-3*x*(10-x)"},
+               "ts_type,ics,ic_throw_on,ic_throw_vx,bc_pull_ux", 0.02)
+check("thrown from statics: energy of motion", thrown["energy_kinetic"][0],
+      0.5 * RHO * 0.5 * 1e-6 * LENGTH ** 5 / 30, 2e-2)
+
+# Two blocks that are pressed together stay so.
+PRESSED = {"mesh": mesh("two_blocks.geo"), "mesh_set_gap": 0, "materials": "lower,upper", "material_lower_E": 1e6,
+           "material_lower_nu": 0.3, "material_lower_rho": 1000, "material_upper_like": "lower",
+           "bcs": "ground,press", "bc_ground_on": "lower_bottom", "bc_ground_type": "fix", "bc_press_on": "upper_top", "bc_press_ux": 0,
+           "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+           "contact_face_method": "gpts", "contact_face_enforce": "penalty", "contact_face_penalty": 1e8}
+pressed = run("pressed", {**PRESSED, "bc_press_uy": "0-1e-3*t", **STATIC})
+for scheme in SCHEMES:
+    held = go_on(f"held_{scheme}", pressed, {**PRESSED, "bc_press_uy": -1e-3, "ts_type": scheme, "ts_dt": 2e-4,
+                                             **({"contact_face_impact": "none"} if scheme == "newmark" else {})},
+                 "ts_type,bc_press_uy,contact_face_impact", 0.02)
+    check(f"pressed, then {scheme}: energy of motion, relative",
+          held["energy_kinetic"].max() / pressed["energy_elastic"][-1], 0, 1e-9, relative=False)
+    check(f"pressed, then {scheme}: pressing force", held["contact_face_force_y"][-1],
+          pressed["contact_face_force_y"][-1], 1e-6)
+
+refused = run("refused", {**BAR, **SCHEMES["newmark"], "restart": last_checkpoint(loaded), "ts_max_time": 2}, code=None)
+require("another scheme is refused where it is not allowed", refused.code == 2 and "-restart_allow" in refused.log)
+finish()
