@@ -196,6 +196,7 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
                                           "mesh (x = R, y = Z)"
                                         : "-plane stress: the mesh is 3D; sheets want a 2D mesh");
   FieldLayout displacement(mesh, "u", dim), scalar(mesh, "phi", 1);
+  for (MaterialAssignment& material : materials) material.law.parameters.sheet = plane == Frame::plane_stress;
   std::vector<PointLaw> laws;
   std::vector<CellGroup> groups = pack(mesh, materials, laws);
   VolumePatches patches(mesh, groups, materials);

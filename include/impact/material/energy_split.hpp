@@ -103,7 +103,10 @@ template <class T, int d> struct ProjectedStress {
     const Symmetric<S, 2> e = elastic_strain(dev_b, z, S(value(Je_minus_1)));
     S sum = S(0.0);
     for (int i = 0; i < 3; ++i)
-      sum += S(select(value(e[i]) > V(0.0), value(tension), value(compression)) * principal[i]) * e[i];
+      sum += S(select((value(e[i]) > V(0.0)) & (V(i == 2 && m.sheet ? 0.0 : 1.0) > V(0.0)), value(tension),
+                      value(compression)) *
+               principal[i]) *
+             e[i];
     const S of = S(m.G * (scaled(value(Je_minus_1)) * (m.G / value(N)))) * sum;
     slope = of.d[0];
     return of.v;

@@ -94,6 +94,7 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
   double star_gamma = 0; ///< gamma* of the star-convex split
+  bool sheet = false;    ///< plane stress: the spectral split takes no stretch across for that of a crack
   PlasticDegradation gp = PlasticDegradation::one;
   bool jc_failure = false; ///< whether the failure measure is followed (failure.hpp)
   double jc_d1 = 0, jc_d2 = 0, jc_d3 = 0, jc_d4 = 0, jc_d5 = 0;

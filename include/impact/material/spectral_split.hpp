@@ -11,6 +11,10 @@
 /// split of Miehe, Welschinger and Hofacker (2010), lambda/2 <+-tr eps>^2 + G sum <+-eps_i>^2. E+ vanishes
 /// where no principal stretch exceeds 1. It is never negative if lambda = K - 2G/3 is not.
 ///
+/// In a sheet, whose cracks run through it, the stretch across belongs to E- whatever its sign: else nothing
+/// holds the thickness of what is broken and pressed, -(G/3) w l(e) of the pressed stretches stands against
+/// stresses of E+ alone, and tau_33 = 0 has no root.
+///
 /// l'(e) (1 + e) = e: the stresses need no function of the eigenvalues, only the positive part of e itself,
 /// whose derivative has divided differences of a piecewise linear function. Equal or nearly equal eigenvalues
 /// lose nothing.
@@ -19,9 +23,10 @@ namespace impact {
 /// <e>_+ = sum <e_i> n_i (x) n_i, and sum l over the positive and over the negative eigenvalues.
 template <class V, int d> class TensileMap {
 public:
-  TensileMap(const MaterialParameters&, const Symmetric<V, d>& e) : frame_(e), at_(no_parts<V, d>()) {
+  TensileMap(const MaterialParameters& m, const Symmetric<V, d>& e)
+      : frame_(e), at_(no_parts<V, d>()), sheet_(m.sheet) {
     for (int i = 0; i < 3; ++i) {
-      const V x = frame_.eigen.value[i], stretched = select(x > V(0.0), x, V(0.0));
+      const V x = frame_.eigen.value[i], stretched = select((x > V(0.0)) & opens(i), x, V(0.0));
       at_.first += log1p_excess(stretched);
       at_.second += log1p_excess(V(x - stretched));
       frame_.add_dyad(i, i, stretched, at_.tensor);
@@ -35,21 +40,27 @@ public:
       for (int j = i; j < 3; ++j) {
         const V a = frame_.eigen.value[i], b = frame_.eigen.value[j];
         const V part = frame_.component(i, j, de);
-        const V up = select(a > V(0.0), a, V(0.0)) + select(b > V(0.0), b, V(0.0)), all = abs(a) + abs(b);
+        const auto a_opens = (a > V(0.0)) & opens(i);
+        const V up = select(a_opens, a, V(0.0)) + select((b > V(0.0)) & opens(j), b, V(0.0)),
+                all = abs(a) + abs(b);
         // (<a> - <b>)/(a - b): 1 or 0 for equal signs, else the positive one's share of |a| + |b|
         const V share = select(all > V(0.0), up / all, V(0.0));
         frame_.add_dyad(i, j, i == j ? share * part : V(2.0) * (share * part), r.tensor);
         if (i != j) continue;
         const V slope = part * (a / (V(1.0) + a));
-        r.first += select(a > V(0.0), slope, V(0.0));
-        r.second += select(a > V(0.0), V(0.0), slope);
+        r.first += select(a_opens, slope, V(0.0));
+        r.second += select(a_opens, V(0.0), slope);
       }
     return r;
   }
 
 private:
+  /// Whether a stretch along the axis is that of a crack: in a sheet not the third, which is that across it.
+  auto opens(int axis) const { return V(axis == 2 && sheet_ ? 0.0 : 1.0) > V(0.0); }
+
   PrincipalFrame<V, d> frame_;
   PrincipalParts<V, d> at_;
+  bool sheet_;
 };
 
 /// E+, E- and their Kirchhoff stresses, undegraded.
