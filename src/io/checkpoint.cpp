@@ -65,13 +65,19 @@ std::string row_list(const StateTable& table) {
   return text.str();
 }
 
-/// Such a list without the lines of the rows of these names.
-std::string without(const std::string& list, const std::vector<std::string>& names) {
-  std::istringstream lines(list);
+bool lists(const std::string& rows, const std::string& name) {
+  return ("\n" + rows).find("\n" + name + " (") != std::string::npos;
+}
+
+/// Such a list without the rows of these names that the other list lacks.
+std::string without(const std::string& rows, const std::vector<std::string>& names,
+                    const std::string& other) {
+  std::istringstream lines(rows);
   std::string left;
-  for (std::string line; std::getline(lines, line);)
-    if (std::ranges::none_of(names, [&](const std::string& name) { return line.starts_with(name + " ("); }))
-      left += line + "\n";
+  for (std::string line; std::getline(lines, line);) {
+    const std::string name = line.substr(0, line.find(" ("));
+    if (std::ranges::find(names, name) == names.end() || lists(other, name)) left += line + "\n";
+  }
   return left;
 }
 
@@ -199,12 +205,11 @@ std::string CheckpointWriter::write(const CheckpointValues& values) {
   return checkpoint.file;
 }
 
-void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state,
-                     const std::vector<std::string>& begin_anew) {
+void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state, const OtherRows& others) {
   const Timed timed(Event::checkpoint_read);
   const MPI_Comm comm = state.mesh.comm();
-  const std::string wanted = row_list(state.table);
-  if (without(checkpoint.rows, begin_anew) != without(wanted, begin_anew))
+  const std::string &stored = checkpoint.rows, wanted = row_list(state.table);
+  if (without(stored, others.in_vain, wanted) != without(wanted, others.lacking, stored))
     throw UserError(ExitCode::io, "cannot use checkpoint " + checkpoint.file + ": it holds " +
                                       in_one_line(checkpoint.rows) + "; this run needs " +
                                       in_one_line(wanted) + "; restart with the physics of its run");
@@ -212,8 +217,7 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state,
     PetscLayout slabs = nullptr;
     const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);
     for (const auto& row : state.table.rows())
-      if (row->checkpointed && entities_name(*row) == set.name &&
-          std::ranges::find(begin_anew, row->name) == begin_anew.end())
+      if (row->checkpointed && entities_name(*row) == set.name && lists(stored, row->name))
         read_row(state, checkpoint.file, set, sf, slabs, *row);
     check(PetscLayoutDestroy(&slabs));
   }

@@ -105,6 +105,18 @@ private:
 
 } // namespace
 
+void follow_speed(Crack& crack, double t, double length) {
+  if (crack.since < 0) crack.since = t;
+  const double way = std::sqrt(distance2(crack.tip, crack.from)), time = t - crack.since;
+  if (way >= (1 - 1e-9) * length && time > 0) {
+    crack.speed = way / time;
+    crack.from = crack.tip;
+    crack.since = t;
+  } else if (crack.speed * time > length) {
+    crack.speed = length / time;
+  }
+}
+
 int follow_cracks(const Mesh& mesh, const std::vector<char>& cracked, const std::vector<double>& before,
                   std::vector<Crack>& known) {
   const bool none = std::ranges::all_of(cracked, [](char flag) { return flag == 0; });
@@ -113,7 +125,8 @@ int follow_cracks(const Mesh& mesh, const std::vector<char>& cracked, const std:
   const Search search(mesh, cracked);
   std::vector<int> sizes = search.sizes(); // 0 once a body is somebody's
   for (Crack& crack : known) {
-    if (!crack.there) {
+    const bool begins = !crack.there;
+    if (begins) {
       // The first of the largest ones has the smallest coordinates.
       const int most = *std::ranges::max_element(sizes);
       if (most == 0) continue;
@@ -128,6 +141,7 @@ int follow_cracks(const Mesh& mesh, const std::vector<char>& cracked, const std:
     crack.joined = size == 0;
     size = 0;
     if (!crack.joined) crack.tip = search.farthest(body, crack.origin);
+    if (begins) crack.from = crack.tip;
   }
   return search.count();
 }

@@ -37,7 +37,7 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
     const auto& [law, regions, id, points, erosion, fatigue, factors] = d.materials[m];
     if (law.parameters.damage == Damage::none) continue;
-    const int numbers = 4 * scenario_.crack_tips;
+    const int numbers = numbers_of_crack * scenario_.crack_tips;
     cracks_.push_back({m, {}, state.add({"crack_" + id, Support::global, numbers}, at(numbers))});
     for (const std::string& region : regions) {
       const std::vector<int> more = d.mesh.nodes(region);
@@ -81,7 +81,7 @@ HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts
   ledger_.append_contact_heat(row);
   append_rigid_bodies(row, snapshot);
   ledger_.append_materials(row);
-  append_cracks(row);
+  append_cracks(row, snapshot.time);
   append_probes(row, snapshot);
   append_measures(row, snapshot);
   append_releases(row, snapshot);

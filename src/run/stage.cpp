@@ -115,10 +115,10 @@ void RunStage::set_state(const Checkpoint* resume) {
   if (resume != nullptr) {
     const std::string type = time_scheme_of(*resume);
     other_scheme = scenario.has_motion() && type != scenario.time.type;
-    // What explicit steps alone keep.
-    const std::vector<std::string> begin_anew{"stable_step", "damage_wait"};
-    read_checkpoint(*resume, {d.mesh, d.groups, state},
-                    other_scheme ? begin_anew : std::vector<std::string>{});
+    OtherRows others; // what explicit steps alone keep, and statics do without
+    if (other_scheme)
+      others = {{"stable_step", "damage_wait", "eroded", "erosion_totals"}, {"stable_step", "damage_wait"}};
+    read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
     if (other_scheme) set_state_of_other_scheme(scenario, *setup, time, type == "static");
     check(TSSetTime(ts, time));

@@ -122,6 +122,11 @@ runs.require("two cracks, then one", list(run["crack_solid_count"]) == [2, 2, 2,
 for k, x in enumerate((0.3, 0.4, 0.5, 0.6)):
     runs.check(f"tip of the first, t = {k / 4}", run[TIP + "x"][k], x, 1e-12)
     runs.check("of the second", run[OTHER + "x"][k], 0.8 - 0.1 * k, 1e-11)
+# Gamma is 0.1: after 0.5 s it has gone 0.2.
+runs.check("speed of the first, on the first stretch", run["crack_solid_speed"][1], 0, 1e-12, relative=False)
+for k, speed in ((2, 0.4), (3, 0.4)):
+    runs.check(f"speed of the first, t = {k / 4}", run["crack_solid_speed"][k], speed, 1e-11)
+runs.check("speed of the second", run["crack_solid_2_speed"][2], 0.4, 1e-11)
 runs.require("each on its own height", abs(run[TIP + "y"][:4] - 0.25).max() < 1e-12 and abs(run[OTHER + "y"][:4] - 0.75).max() < 1e-12)
 runs.require("after they have met the older one has the tip", numpy.isnan(run[OTHER + "x"][4]) and run[TIP + "y"][4] > 0.7)
 for end in (0.5, 1):

@@ -48,6 +48,15 @@ for scheme, options in SCHEMES.items():
     check_between(f"{scheme}: share of motion after L/c", after["energy_kinetic"][at] / energy, 0.95, 1.0)
     check(f"{scheme}: first law", after["balance_first_law"][-1], 0, 1e-3, relative=False)
 
+# Statics know no erosion: a run that goes on with it starts with all cells there.
+eroding = go_on("eroding", loaded, {**BAR, **SCHEMES["central_difference"], "material_solid_erosion": "on"},
+                CHANGED + ",material_solid_erosion", 0.1)
+plain = let_go["central_difference"]
+check("with erosion: the same motion", eroding["energy_kinetic"][-1], numpy.interp(eroding["time"][-1], plain["time"], plain["energy_kinetic"]), 1e-6)
+lost = run("lost", {**BAR, "ts_type": "newmark", "ts_dt": 2e-3, "restart": last_checkpoint(eroding), "ts_max_time": 2,
+                    "restart_allow": "ts_type,material_solid_erosion"}, code=None)
+require("what has left is not forgotten: without erosion it is refused", lost.code == 4 and "eroded (cell_point, 1)" in lost.log)
+
 # From one scheme to the other and back: what vibrates goes on.
 ways = [("newmark", "central_difference"), ("central_difference", "newmark")]
 for first, second in ways:

@@ -81,11 +81,16 @@ Checkpoint open_checkpoint(MPI_Comm comm, const std::string& file);
 /// UserError(io).
 int retire_checkpoints(MPI_Comm comm, const std::string& dir, const std::string& resumed = {});
 
+/// Rows by which a run may differ from the one that wrote: those that a checkpoint may lack, which then stay
+/// as they are, and those that it may have in vain.
+struct OtherRows {
+  std::vector<std::string> lacking, in_vain;
+};
+
 /// Fills committed and trial halves of all rows with checkpointed == true. The table must have the rows of
-/// the run that wrote, but for those named in `begin_anew`, which stay as they are, and which either may
-/// lack. Collective. Throws UserError(io): another mesh, other rows, unreadable.
-void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state,
-                     const std::vector<std::string>& begin_anew = {});
+/// the run that wrote but for `others`. Collective. Throws UserError(io): another mesh, other rows,
+/// unreadable.
+void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state, const OtherRows& others = {});
 
 /// The file of the mesh as the run that wrote the checkpoint read it, of each rank a part; none where the
 /// checkpoint has none. Collective. Throws UserError(io).

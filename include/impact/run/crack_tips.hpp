@@ -11,7 +11,14 @@ struct Crack {
   std::array<double, 3> origin{}; ///< where, in the reference configuration
   bool joined = false;            ///< an older one has met it: it has no tip of its own any more
   std::array<double, 3> tip{};    ///< its node that is farthest from the origin
+  std::array<double, 3> from{};   ///< where the tip was at the time `since`, from which its speed is found
+  double since = -1, speed = 0;   ///< -1: not yet told
 };
+
+/// The speed of the tip at time t, over the last stretch of at least `length` that it went, because a tip
+/// goes from node to node; 0 on the first. While it is on the next stretch the speed is at most that of a tip
+/// that ends it now: of a crack that stands still it falls.
+void follow_speed(Crack& crack, double t, double length);
 
 /// Looks for cracks among the nodes `cracked` ([local node], alike on the ranks that share one). `known`:
 /// those of before by age, whose origins stay; places that are not taken are given to new cracks, the one

@@ -17,6 +17,8 @@ void add_axes(HistoryFile::Row& row, const std::string& name, const double* valu
 // Members beyond twelve: what each kind of column reads, and when rows are due.
 class HistoryObserver {
 public:
+  static constexpr int numbers_of_crack = 9;
+
   /// Throws UserError for fields that the run does not offer and probes outside of its bodies. Collective.
   HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger, StateTable& state,
                   const FieldSource& source);
@@ -36,7 +38,7 @@ public:
 private:
   void append_contacts(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_rigid_bodies(HistoryFile::Row& row, const Snapshot& snapshot) const;
-  void append_cracks(HistoryFile::Row& row);
+  void append_cracks(HistoryFile::Row& row, double time);
   void append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const;
@@ -65,7 +67,7 @@ private:
   struct CracksOf {
     std::size_t material;
     std::vector<int> nodes; ///< local
-    StateRow& kept;         ///< of each crack a flag and its origin
+    StateRow& kept;         ///< of each crack numbers_of_crack, see history_cracks.cpp
   };
   std::vector<CracksOf> cracks_; ///< of each material with damage
 };
