@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/element/cells.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/material/equation_of_state.hpp>
 #include <type_traits>
