@@ -32,7 +32,6 @@ def go_on(name, before, options, allow, end, **more):
 loaded = run("loaded", {**PULLED, **STATIC})
 energy = loaded["energy_elastic"][-1]
 check("elastic energy of the pulled bar", energy, 0.5 * E * STRAIN ** 2 * LENGTH * 0.5, 1e-3)
-# All of the energy is motion when the wave of the free end has come to the wall.
 let_go = {}
 for scheme, options in SCHEMES.items():
     afresh = run(f"afresh_{scheme}", {**BAR, **options, "ics": "stretch", "ic_stretch_on": "solid", "ic_stretch_ux": f"{STRAIN}*x",
@@ -44,6 +43,7 @@ for scheme, options in SCHEMES.items():
             continue
         worst = numpy.abs(after[column] - afresh[column][-rows:]).max() / energy
         check(f"{scheme} from statics: {column} as from the displacement", worst, 0, 1e-8, relative=False)
+    # All of the energy is motion when the wave of the free end has come to the wall.
     at = numpy.argmin(abs(after["time"] - 1 - LENGTH / SPEED))
     check_between(f"{scheme}: share of motion after L/c", after["energy_kinetic"][at] / energy, 0.95, 1.0)
     check(f"{scheme}: first law", after["balance_first_law"][-1], 0, 1e-3, relative=False)
