@@ -7,6 +7,36 @@
 /// since.
 namespace impact {
 
+namespace {
+
+template <std::size_t nodes>
+void add_opening(double factor, const MortarWeights& weights, std::size_t a, Opening<nodes>& opening) {
+  for (std::size_t b = 0; b < nodes; ++b) {
+    opening.D[b] += factor * weights.D[a][b];
+    opening.M[b] += factor * weights.M[a][b];
+  }
+}
+
+} // namespace
+
+template <std::size_t dim, std::size_t width>
+MortarForm::FacetSlips
+MortarForm::facet_slips(const FacetNodes<dim, width>& s, const FacetNodes<dim, width>& p,
+                        const TangentRows<dim, width>& tangents, const Anchor& anchor, bool with_gradient) {
+  FacetSlips slips;
+  const SlipDirections<dim, width> directions(s, tangents, with_gradient);
+  for (std::size_t a = 0; a < width; ++a) {
+    Opening<width> opening;
+    add_opening(1, anchor.weights, a, opening);
+    const FacetSlip<dim, width> slip = directions.slip(p, opening);
+    for (std::size_t i = 0; i < dim - 1; ++i) {
+      slips.value[a][i] = slip.value[i] - anchor.start[a][i];
+      std::copy(slip.gradient[i].begin(), slip.gradient[i].end(), slips.gradient[a][i].begin());
+    }
+  }
+  return slips;
+}
+
 void MortarForm::anchor(Vec u) {
   search_.set_start(u);
   const ContactValues& x = nodes().start;
@@ -30,21 +60,22 @@ void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& 
   const Facet& facet = facets_[at(f)];
   std::vector<Anchor>& anchors = anchors_[at(f)];
   // What lies opposite on a round body is the place of the facet itself: no matter where on the body that is.
-  if (rigid()) anchors.push_back({{}, {facet.onto, {}}});
+  if (rigid()) anchors.push_back({{}, facet.onto});
   for (int c : facing[at(f)]) {
     Anchor anchor;
     at_pair(f, c, x, [&](const auto& s, const auto& p) {
-      anchor.pair.weights = mortar_weights(s, p, facet.reference(s));
-      if (dim_ == 3) anchor.pair.start = facet_slips(s, p, facet.map, anchor.pair, false).value;
+      anchor.weights = mortar_weights(s, p, facet.reference(s));
+      // Of edges the opening is along the normal.
+      if (dim_ == 3) anchor.start = facet_slips(s, p, facet.tangents(s), anchor, false).value;
     });
-    if (!anchor.pair.weights.covered) continue;
+    if (!anchor.weights.covered) continue;
     anchor.opposite.node = primary_nodes(c);
     anchors.push_back(anchor);
   }
   for (Anchor& anchor : anchors)
     for (std::size_t a = 0; dim_ == 2 && a < 2; ++a)
       for (std::size_t b = 0; facet.owned[a] >= 0 && b < 2; ++b)
-        for (auto* weights : {&anchor.pair.weights.D, &anchor.pair.weights.M})
+        for (auto* weights : {&anchor.weights.D, &anchor.weights.M})
           (*weights)[a][b] /= owned_[at(facet.owned[a])].weight;
 }
 
@@ -82,7 +113,7 @@ MortarForm::SlipRows MortarForm::slips_at(const ContactValues& u, bool with_grad
       FacetSlips& slips = rows.facet[at(f)].emplace_back();
       if (found(anchor))
         slips = from_anchor(f, anchor, u, [&](const auto& s, const auto& p) {
-          return facet_slips(s, p, facets_[at(f)].map, anchor.pair, with_gradient);
+          return facet_slips(s, p, facets_[at(f)].tangents(s), anchor, with_gradient);
         });
     }
   return rows;
@@ -138,9 +169,14 @@ void MortarForm::visit_facet_slip_curvature(int f, const std::array<Tangential, 
   for (const Anchor& anchor : anchors_[at(f)]) {
     if (!found(anchor)) continue;
     std::array<double, 576> block{};
-    from_anchor(f, anchor, u, [&](const auto& s, const auto& p) {
-      add_slip_hessian(s, p, facets_[at(f)].map, anchor.pair, factor, block);
-    });
+    from_anchor(f, anchor, u,
+                [&]<std::size_t dim, std::size_t width>(const FacetNodes<dim, width>& s, const auto& p) {
+                  std::array<Opening<width>, dim - 1> sum;
+                  for (std::size_t i = 0; i < dim - 1; ++i)
+                    for (std::size_t a = 0; a < width; ++a)
+                      add_opening(factor[a][i], anchor.weights, a, sum[i]);
+                  add_slip_hessian(s, p, facets_[at(f)].tangents(s), sum, block);
+                });
     visit_slip_block(f, anchor.opposite, {block.data(), n * n}, visitor);
   }
 }

@@ -154,8 +154,8 @@ FormPoints<ShapeValues> FacePoints::make_points(ContactSurface& surface, const C
   return points;
 }
 
-void FacePoints::make_map(const ContactSurface& surface, int f, FaceMap& map) {
-  map = make_face_map(reference(surface, f));
+TangentRows<3, 4> FacePoints::tangents(const ContactSurface& surface, int f, const Point&) {
+  return make_face_map(reference(surface, f)).row;
 }
 
 double FacePoints::stretch(const FaceCorners&, const FaceCorners& from_corner, const ContactSurface& surface,
@@ -204,6 +204,15 @@ FormPoints<FacetPlace<Shape>> CurvedPoints<Shape>::make_points(ContactSurface& s
     }
   }
   return points;
+}
+
+template <class Shape>
+auto CurvedPoints<Shape>::tangents(const ContactSurface& surface, int f, const Point& point)
+    -> TangentRows<dim, nodes> {
+  TangentRows<dim, nodes> natural;
+  for (std::size_t i = 0; i < natural.size(); ++i)
+    for (std::size_t a = 0; a < nodes; ++a) natural[i][a] = point.dN[a][i];
+  return tangent_rows<dim, nodes>(impact::reference<Shape>(surface, f), natural);
 }
 
 template <class Shape>

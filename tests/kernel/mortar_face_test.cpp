@@ -286,3 +286,31 @@ TEST(MortarFace, PartsOfFacesThatTileTheSecondarySumToOne) {
   EXPECT_NEAR(gap, 2, 1e-14);
   EXPECT_FALSE(corner_gap(flat, 2, far, gap));
 }
+
+TEST(MortarFace, WeightsHaveEqualSumsAndOpenAlongTheNormalByTheWeightedGap) {
+  std::mt19937 random(1);
+  for (const auto& [corners, primary_corners] : kinds)
+    for (int trial = 0; trial < 30; ++trial) {
+      Pair pair = random_pair(random, corners, primary_corners, trial % 2 == 1);
+      if (trial % 3 == 0) // flat: one normal
+        for (Point3& x : pair.x) x[2] = 0;
+      const MortarPair gaps = mortar_pair(pair.x, pair.p, pair.face, false);
+      const MortarWeights w = mortar_weights(pair.x, pair.p, pair.face);
+      ASSERT_EQ(w.covered, gaps.covered);
+      for (std::size_t a = 0; a < 4; ++a) {
+        double D = 0, M = 0;
+        Point3 v{};
+        for (std::size_t b = 0; b < 4; ++b) {
+          D += w.D[a][b];
+          M += w.M[a][b];
+          for (std::size_t k = 0; k < 3; ++k) v[k] += w.D[a][b] * pair.x[b][k] - w.M[a][b] * pair.p[b][k];
+        }
+        EXPECT_NEAR(D, gaps.cover[a], 1e-14);
+        EXPECT_NEAR(M, gaps.cover[a], 1e-14);
+        if (trial % 3 != 0) continue;
+        EXPECT_NEAR(v[0], 0, 1e-13);
+        EXPECT_NEAR(v[1], 0, 1e-13);
+        EXPECT_NEAR(v[2], -gaps.gap[a], 1e-13);
+      }
+    }
+}

@@ -1,6 +1,6 @@
 #pragma once
 #include <functional>
-#include <impact/kernel/contact_slip.hpp>
+#include <impact/kernel/coulomb.hpp>
 #include <limits>
 #include <span>
 

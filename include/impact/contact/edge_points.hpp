@@ -17,7 +17,7 @@ struct EdgePoints : StraightPoints {
   /// the facet in the mesh, which is the same for every partition, so that what is kept per point can move to
   /// other ranks. Throws UserError(usage).
   static FormPoints<Point> make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
-  static void make_map(const ContactSurface&, int, FaceMap&) {} // one direction needs none
+  static TangentRows<2, 2> tangents(const ContactSurface&, int, const Point&) { return {{{-1, 1}}}; }
   static Point2<double> normal(const EdgeCorners& x) { return detail::right_normal(x[0], x[1]); }
   static double stretch(const EdgeCorners& x, const EdgeCorners& /*from_corner*/,
                         const ContactSurface& surface, int f, const Point&) {

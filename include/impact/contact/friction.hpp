@@ -2,7 +2,7 @@
 #include <impact/contact/constraints.hpp>
 
 /// Coulomb friction of one contact, |t| <= mu p, with the trial traction q = t_old + eps s of the step
-/// (82') (theory.md, contact; contact_slip.hpp). Its spring is that of the enforcement. Its rows of the state
+/// (82') (theory.md, contact; coulomb.hpp). Its spring is that of the enforcement. Its rows of the state
 /// table: the traction that a step starts from, and the slip since a constraint closed with its state.
 namespace impact {
 

@@ -1,8 +1,9 @@
 #pragma once
 #include <array>
 #include <impact/contact/form.hpp>
-#include <impact/kernel/face_slip.hpp>
+#include <impact/kernel/facet_slip.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/kernel/mortar_segment.hpp>
 #include <vector>
 
 /// Mortar contact, one constraint per secondary node, evaluated by the owner of the node from all the facets
@@ -52,6 +53,10 @@ private:
 
     const MortarEdge& reference(const EdgeCorners&) const { return edge; }
     const MortarFace& reference(const FaceCorners&) const { return face; }
+    static TangentRows<2, 2> tangents(const EdgeCorners&) {
+      return {{{-1, 1}}};
+    } // one direction needs no map
+    const TangentRows<3, 4>& tangents(const FaceCorners&) const { return map.row; }
   };
   struct Incident {
     int facet, corner;
@@ -65,7 +70,13 @@ private:
   // What lay opposite a facet at the start of the step. Weights of edges are over those of their nodes.
   struct Anchor {
     Opposite opposite; // none of a rigid body, which carries along the places of the secondary facet itself
-    FacetAnchor pair;
+    MortarWeights weights;
+    std::array<Tangential, 4> start{}; // components of the openings of Phi_a at the start
+  };
+  // Of each function Phi_a: components of the slip, and their derivatives by the dofs of MortarPair.
+  struct FacetSlips {
+    std::array<Tangential, 4> value{};
+    std::array<std::array<std::array<double, 24>, 2>, 4> gradient{};
   };
   // Slip of the facets, and of a constraint while a visit gathers its nodes.
   struct SlipRows {
@@ -133,6 +144,10 @@ private:
   // Of the constraint's slip: whether there is one, and where the slip is a function of more nodes than the
   // gap, these.
   bool slip_nodes(const Node& owner, NodePlaces& place_of) const;
+  template <std::size_t dim, std::size_t width>
+  static FacetSlips facet_slips(const FacetNodes<dim, width>& s, const FacetNodes<dim, width>& p,
+                                const TangentRows<dim, width>& tangents, const Anchor& anchor,
+                                bool with_gradient);
   SlipRows slips_at(const ContactValues& u, bool with_gradient) const;
   // What a facet's slip in direction e adds to the node's in direction a.
   double slip_part(const Incident& incident, const Node& owner, std::size_t a, std::size_t e) const {

@@ -3,7 +3,7 @@
 #include <impact/contact/pair_search.hpp>
 #include <impact/contact/settings.hpp>
 #include <impact/contact/surface.hpp>
-#include <impact/kernel/face_slip.hpp>
+#include <impact/kernel/facet_slip.hpp>
 #include <impact/kernel/rigid_obstacle.hpp>
 #include <span>
 #include <string>

@@ -4,7 +4,8 @@
 #include <concepts>
 #include <impact/contact/form.hpp>
 #include <impact/kernel/face_ray.hpp>
-#include <impact/kernel/face_slip.hpp>
+#include <impact/kernel/facet_slip.hpp>
+#include <impact/kernel/mortar_segment.hpp>
 #include <impact/math/index.hpp>
 #include <memory>
 
@@ -14,7 +15,7 @@
 ///   dim, nodes                of a facet
 ///   Point                     a place of a facet, whose `weights` are those of its nodes
 ///   Seen                      what a point faces: a candidate, -1 for none, and the foot on it
-///   curved, slides            whether normals differ along a facet; whether it knows slip
+///   curved                    whether normals differ along a facet
 /// and functions of points, of which Facet says where their secondary facet stands.
 ///
 /// `update` ties every point near the surface to what it faces, continued beyond its sides, until the next
@@ -49,7 +50,7 @@ template <class Point> struct FormPoints {
 
 /// What the geometries of straight facets have in common.
 struct StraightPoints {
-  static constexpr bool curved = false, slides = true;
+  static constexpr bool curved = false;
   using Point = ShapeValues;
   static const ShapeValues& weights(const ShapeValues& point) { return point; }
   /// None negative, for means at the nodes.
@@ -106,7 +107,8 @@ private:
   struct Anchor {
     bool valid = false;
     Opposite opposite;
-    FacetAnchor pair; // in its first function
+    Opening<width> opening;
+    Tangential start{}; // its components then
   };
   // Both facets of an anchor at a displacement, seen from the secondary's first corner.
   struct SlipPlaces {
@@ -183,14 +185,17 @@ private:
                        Matrix& hessian) const;
 
   void tie(const ContactValues& x, const Presses& presses);
-  void find_anchors(Vec u) requires Geometry::slides;
+  void find_anchors(Vec u);
   void locate_anchors();
   void locate_holds();
+  const TangentRows<dim, width>& tangents(int facet, std::size_t number) const {
+    return tangents_[Geometry::curved ? number : at(facet)];
+  }
   bool slip_places(int facet, std::size_t number, const ContactValues& u, SlipPlaces& places) const;
   void add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient, Workspace& w,
                 Constraint& c) const;
   void add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
-                      Constraint& c) const requires Geometry::slides; // no plane
+                      Constraint& c) const; // no plane
   void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
                         const ContactValues& u, Workspace& w, Constraint& c) const;
   // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something.
@@ -199,7 +204,7 @@ private:
   ContactSurface secondary_;
   Frame frame_;
   FormPoints<Point> points_;
-  std::vector<FaceMap> map_; // [secondary facet] of faces, for the slip
+  std::vector<TangentRows<dim, width>> tangents_; // [secondary facet], of curved ones [point]; with friction
   std::vector<double> nodal_area_;
   std::vector<Hold> holds_;     // [secondary facet][point]
   std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction

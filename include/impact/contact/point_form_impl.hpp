@@ -15,9 +15,9 @@ PointForm<G>::PointForm(const FormRequest& request)
   holds_.resize(points_.weight.size());
   if (frictional()) {
     anchors_.resize(points_.weight.size());
-    map_.resize(at(secondary_.count()));
-    if constexpr (G::slides)
-      for (int f = 0; f < secondary_.count(); ++f) G::make_map(secondary_, f, map_[at(f)]);
+    for (int f = 0; f < secondary_.count(); ++f)
+      for (int q = 0; q < (G::curved ? points_.per_facet : 1); ++q)
+        tangents_.push_back(G::tangents(secondary_, f, points_.shape[points_.index(f, q)]));
   }
   search_ = PairSearch(request.mesh, layout, secondary_.node, secondary_.X, request.primary,
                        {settings_.search_radius, settings_.local_search}, what_it_meets(settings_));
@@ -45,10 +45,10 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
   if (!frictional()) return; // all ranks agree on that, not on whether they have points
-  if constexpr (G::slides) find_anchors(u);
+  find_anchors(u);
 }
 
-template <class G> void PointForm<G>::find_anchors(Vec u) requires G::slides {
+template <class G> void PointForm<G>::find_anchors(Vec u) {
   const ContactValues& x = nodes().start;
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;
@@ -64,17 +64,20 @@ template <class G> void PointForm<G>::find_anchors(Vec u) requires G::slides {
       const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
       anchor.valid = rigid() || seen.candidate >= 0;
       if (!anchor.valid) continue;
-      MortarWeights& weights = anchor.pair.weights;
-      weights.D[0] = points_.shape[number];
-      weights.M[0] = rigid() ? points_.shape[number] : G::shares_of(seen);
+      const auto share = [](const auto& weights, std::array<double, width>& out) {
+        std::copy_n(weights.begin(), width, out.begin());
+      };
+      share(G::weights(points_.shape[number]), anchor.opening.D);
+      if (rigid())
+        anchor.opening.M = anchor.opening.D;
+      else
+        share(G::shares_of(seen), anchor.opening.M);
       if (rigid()) continue;
       anchor.opposite.node = primary_nodes(seen.candidate);
       const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
-      // Of faces the slip counts from the directions of the start; of edges from the gap along the normal.
-      const SlipPlaces places = dim == 3 ? SlipPlaces{facet.node, corners_at<Nodes>(other, x)}
-                                         : SlipPlaces{corners_from<Nodes>(mine[0], mine, moved),
-                                                      corners_from<Nodes>(mine[0], other, moved)};
-      anchor.pair.start = facet_slips(places.s, places.p, map_[at(f)], anchor.pair, false).value;
+      const Nodes s = corners_from<Nodes>(mine[0], mine, moved),
+                  p = corners_from<Nodes>(mine[0], other, moved);
+      anchor.start = SlipDirections<dim, width>(s, tangents(f, number), false).slip(p, anchor.opening).value;
     }
   }
   locate_anchors();
@@ -273,23 +276,23 @@ void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactVa
     obstacle_.add_slip(nodes(), facet, c.share, obstacle_.tangents()[e], u, c.slip[e], slip);
     obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
   }
-  if (on_plane()) return;
-  if constexpr (G::slides) add_facet_slip(facet, places, with_gradient, w, c);
+  if (!on_plane()) add_facet_slip(facet, places, with_gradient, w, c);
 }
 
 template <class G>
 void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
-                                  Constraint& c) const requires G::slides {
+                                  Constraint& c) const {
   const std::size_t n = dim * w.place.node.size(), half = dim * width;
   const Anchor& anchor = anchors_[at(c.index)];
-  const FacetSlips slips = facet_slips(places.s, places.p, map_[at(facet)], anchor.pair, with_gradient);
-  c.slip = slips.value[0];
+  const SlipDirections<dim, width> directions(places.s, tangents(facet, at(c.index)), with_gradient);
+  const FacetSlip<dim, width> slip = directions.slip(places.p, anchor.opening);
+  for (std::size_t e = 0; e < dim - 1; ++e) c.slip[e] = slip.value[e] - anchor.start[e];
   for (std::size_t e = 0; with_gradient && e < dim - 1; ++e) {
     const auto add = [&](int slot, const double* value) {
       const std::size_t place = n * e + dim * w.place(slot);
       for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[place + k] += value[k];
     };
-    const std::array<double, 24>& row = slips.gradient[0][e];
+    const Row& row = slip.gradient[e];
     for (std::size_t a = 0; a < width; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
     for (std::size_t b = 0; !rigid() && b < width; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
     std::array<double, dim*(dim + 1)> by_carrier;
@@ -330,11 +333,16 @@ void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactor
       visitor(node, hessian);
     }
     if (!slips || on_plane()) return;
-    if constexpr (G::slides) {
-      Matrix hessian{};
-      add_slip_hessian(places.s, places.p, map_[at(f)], anchors_[at(c.index)].pair, {of_slip}, hessian);
-      visit_slip_block(f, anchors_[at(c.index)].opposite, hessian, visitor);
-    }
+    const Anchor& anchor = anchors_[at(c.index)];
+    std::array<Opening<width>, dim - 1> opening;
+    for (std::size_t e = 0; e < dim - 1; ++e)
+      for (std::size_t b = 0; b < width; ++b) {
+        opening[e].D[b] = of_slip[e] * anchor.opening.D[b];
+        opening[e].M[b] = of_slip[e] * anchor.opening.M[b];
+      }
+    Matrix hessian{};
+    add_slip_hessian(places.s, places.p, tangents(f, at(c.index)), opening, hessian);
+    visit_slip_block(f, anchor.opposite, hessian, visitor);
   });
 }
 

@@ -16,7 +16,7 @@ struct FacePoints : StraightPoints {
 
   /// Turns the corners so that the one with the smallest coordinates comes first.
   static FormPoints<Point> make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
-  static void make_map(const ContactSurface& surface, int f, FaceMap& map);
+  static TangentRows<3, 4> tangents(const ContactSurface& surface, int f, const Point&);
   static Point3 normal(const FaceCorners& x) { return facet_normal(x); }
   static double stretch(const FaceCorners&, const FaceCorners& from_corner, const ContactSurface& surface,
                         int f, const Point&);
@@ -35,7 +35,7 @@ using FacePointForm = PointForm<FacePoints>;
 /// `Shape`: Line3, Tri6, Quad8 or Quad9 (element/facets.hpp).
 template <class Shape> struct CurvedPoints {
   static constexpr std::size_t dim = Shape::dim + 1, nodes = Shape::nodes;
-  static constexpr bool curved = true, slides = false;
+  static constexpr bool curved = true;
   static constexpr HoldRule hold = hold_on_triangle;
   using Point = FacetPlace<Shape>;
   using Place = std::array<double, dim>;
@@ -58,6 +58,7 @@ template <class Shape> struct CurvedPoints {
     return part;
   }
   static Point node(std::size_t a) { return Point::at(place_of_node<Shape>(a)); }
+  static TangentRows<dim, nodes> tangents(const ContactSurface& surface, int f, const Point& point);
   static Place normal(const Nodes& x, const Point& point) { return facet_normal<Shape>(x, point); }
   static double stretch(const Nodes&, const Nodes& from_first, const ContactSurface& surface, int f,
                         const Point& point);

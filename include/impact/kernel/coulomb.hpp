@@ -2,32 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <impact/kernel/contact_pair.hpp>
 
-/// Tangential motion of a contact in the plane (theory.md, contact). An anchor is what lay opposite each
-/// other at the start of the step: coefficients of two secondary and two primary nodes with equal sums. Its
-/// opening vector
-///   v = sum_a c_a x_a - sum_b m_b p_b
-/// had no tangential part then; the part that it has now is the slip, measured along the secondary edge,
-///   s = t.v,  t = (x_1 - x_0) / |x_1 - x_0|.
-/// It does not change under rigid motions of both sides, so that friction keeps angular momentum too.
+/// Coulomb's law for what is tangential in a contact (theory.md, contact, (82')).
 namespace impact {
-
-struct SlipAnchor {
-  std::array<double, 2> c{}, m{};
-};
-
-/// Slip of a pair with its derivatives by the dofs of (secondary 0, 1, primary 0, 1), x before y.
-struct Slip {
-  double value = 0;
-  std::array<double, 8> gradient{};
-};
-Slip slip_of(const std::array<Point2<double>, 2>& x, const std::array<Point2<double>, 2>& p,
-             const SlipAnchor& anchor);
-
-/// Second variation, 8 x 8 row by row; symmetric and exact.
-std::array<double, 64> slip_hessian(const std::array<Point2<double>, 2>& x,
-                                    const std::array<Point2<double>, 2>& p, const SlipAnchor& anchor);
 
 /// Components of what is tangential: one in the plane, the second one zero; two in space.
 using Tangential = std::array<double, 2>;
