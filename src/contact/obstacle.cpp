@@ -81,8 +81,11 @@ std::vector<Corner> widest(const std::vector<Corner>& nodes, std::size_t count) 
 
 } // namespace
 
+Obstacle::Obstacle(const Mesh& mesh) : dim_(index(mesh.dim())), per_facet_(index(stored_nodes(mesh))) {}
+
 Obstacle::Obstacle(const Mesh& mesh, const std::string& region, const RigidObstacle& at_rest)
-    : dim_(index(mesh.dim())), corners_(mesh.dim() == 2 ? 2 : 4), pose_{at_rest, {}} {
+    : Obstacle(mesh) {
+  pose_.obstacle = at_rest;
   const std::vector<Corner> corners = widest(nodes_of(mesh, region), dim_ + 1);
   if (corners.empty())
     throw UserError(ExitCode::data, "region " + region + ": spans no space; an obstacle cannot move with it");
@@ -172,7 +175,7 @@ void Obstacle::anchor(const ContactNodes& nodes, const ContactValues& x) {
 void Obstacle::add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
                         const std::array<double, 3>& tangent, const ContactValues& u, double& value,
                         PlaneSlip& slip) const {
-  const int* secondary = &nodes.secondary[corners_ * index(facet)];
+  const int* secondary = &nodes.secondary[per_facet_ * index(facet)];
   slip = {};
   if (!carried()) {
     for (std::size_t a = 0; a < weight.size(); ++a)
@@ -190,7 +193,7 @@ void Obstacle::add_slip(const ContactNodes& nodes, int facet, std::span<const do
     return (nodes.X[i] - nodes.X[o]) + (u[i] - u[o]);
   };
   for (std::size_t a = 0; a < weight.size(); ++a) {
-    const Weights& opposite = carried_[corners_ * index(facet) + a];
+    const Weights& opposite = carried_[per_facet_ * index(facet) + a];
     for (std::size_t b = 0; b <= dim_; ++b) slip.shares.place[b] += weight[a] * opposite[b];
     for (std::size_t k = 0; k < dim_; ++k) q[k] += weight[a] * seen(secondary[a], k);
   }
@@ -239,14 +242,14 @@ void Obstacle::add_hessian(const CarriedFunction& f, std::span<const double> sha
 
 void Obstacle::chain(int facet, const double* by_places, double* by_corners) const {
   std::fill(by_corners, by_corners + dim_ * slot_.size(), 0.0);
-  for (std::size_t l = 0; l < corners_; ++l)
+  for (std::size_t l = 0; l < per_facet_; ++l)
     for (std::size_t b = 0; b < slot_.size(); ++b)
       for (std::size_t k = 0; k < dim_; ++k)
-        by_corners[dim_ * b + k] += carried_[corners_ * index(facet) + l][b] * by_places[dim_ * l + k];
+        by_corners[dim_ * b + k] += carried_[per_facet_ * index(facet) + l][b] * by_places[dim_ * l + k];
 }
 
 void Obstacle::chain_block(int facet, std::span<const double> block, std::vector<double>& chained) const {
-  const std::size_t half = dim_ * corners_, m = 2 * half, n = half + dim_ * slot_.size();
+  const std::size_t half = dim_ * per_facet_, m = 2 * half, n = half + dim_ * slot_.size();
   std::vector<double> rows(m * n); // columns chained
   for (std::size_t i = 0; i < m; ++i) {
     std::copy_n(&block[m * i], half, &rows[n * i]);
@@ -254,12 +257,12 @@ void Obstacle::chain_block(int facet, std::span<const double> block, std::vector
   }
   chained.assign(n * n, 0.0);
   std::copy_n(rows.begin(), half * n, chained.begin());
-  for (std::size_t l = 0; l < corners_; ++l)
+  for (std::size_t l = 0; l < per_facet_; ++l)
     for (std::size_t b = 0; b < slot_.size(); ++b)
       for (std::size_t k = 0; k < dim_; ++k)
         for (std::size_t j = 0; j < n; ++j)
           chained[n * (half + dim_ * b + k) + j] +=
-              carried_[corners_ * index(facet) + l][b] * rows[n * (half + dim_ * l + k) + j];
+              carried_[per_facet_ * index(facet) + l][b] * rows[n * (half + dim_ * l + k) + j];
 }
 
 std::array<double, 3> pole_of(const ContactSettings& settings, const Mesh& mesh,

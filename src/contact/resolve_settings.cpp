@@ -57,11 +57,10 @@ void check_second_order(const ContactSettings& settings) {
     if (asked)
       throw usage(settings, key,
                   what + " is not there on cells of second order; allowed: -contact_" + settings.id +
-                      "_method gpts without friction, by penalty, auglag or semismooth, or "
+                      "_method gpts by penalty, auglag or semismooth, or "
                       "cells of first order (-order 1, gmsh -order 1)");
   };
   refuse(settings.method == ContactMethod::mortar, "method", "mortar");
-  refuse(settings.friction > 0, "friction", "friction");
   refuse(settings.enforce == Enforcement::impulse, "enforce", "impulse");
 }
 
@@ -97,9 +96,6 @@ void check_settings(ContactSettings& settings, const Mesh& mesh, bool adjoin) {
     settings.enforce = mortar && is_factorised(mesh) ? Enforcement::semismooth : Enforcement::auglag;
   if (!settings.rigid()) return;
   const bool plane = settings.primary == "plane";
-  if (settings.friction > 0 && !plane && !mortar && dim == 2)
-    throw usage(settings, "friction",
-                "on a round rigid body in the plane is for the method mortar; here it is gpts");
   double* n = plane ? settings.plane_normal : settings.axis;
   if (dim == 2) n[2] = plane ? 0 : 1;
   if (dim == 2 && !plane) n[0] = n[1] = 0;

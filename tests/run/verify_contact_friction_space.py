@@ -71,11 +71,14 @@ def stop(name, r, speed, mass, tolerance_of_ratio, first_law=1e-5):
 
 for enforce in ENFORCEMENTS:
     stop(f"rigid plane, {enforce}", run(f"plane_{enforce}", block(contact_face_enforce=enforce)), V, RHO, 1e-5)
+stop("rigid plane, hexahedra of second order", run("plane_second", block(order=2, mesh_set_n=1)), V, RHO, 1e-5)
 
 BALL = {"contact_face_primary": "rigid_sphere", "contact_face_radius": 1e3, "contact_face_centre": "0.5,-1e3,0.5"}
 if LONG:
     # The weighted gap begins with an overlap of 4e-5, which the first step pushes out: a gain of energy that is real.
     stop("rigid sphere that is almost a plane", run("ball", block(**BALL)), V, RHO, 2e-3, first_law=3e-4)
+    stop("the same, tetrahedra of second order", run("ball_second", block(**BALL, order=2, mesh_set_simplex=1)), V, RHO, 2e-3,
+         first_law=3e-4)
 
 # A block on a longer one that is held below; meshes that do not match. Its weight comes softly, so that it does not
 # bounce; a rigid block then goes on for v/2 until it weighs, from which on it is braked.
@@ -97,9 +100,15 @@ SLAB = {
     "contact_face_friction": MU, "ts_dt": 4e-3, "ts_max_time": 0.28, "ts_newmark_rho": 0.5,
     "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u", "measure_place_of": "mean",
 }
-for space, simplices in (("dual", 0), ("standard", 1)) if LONG else (("dual", 0),):
-    name = f"slab, {space}, {'tetrahedra' if simplices else 'hexahedra'}"
-    r = run(f"slab_{space}", {**SLAB, "contact_face_multipliers": space, "mesh_set_simplices_upper": simplices})
+SLABS = {"dual, hexahedra": {"contact_face_multipliers": "dual"},
+         "tetrahedra of second order": {"order": 2, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1}}
+if LONG:
+    SLABS |= {"standard, tetrahedra": {"contact_face_multipliers": "standard", "mesh_set_simplices_upper": 1},
+              "hexahedra of second order": {"order": 2, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1},
+              "serendipity": {"order": 2, "mesh_serendipity": 1}}
+for kind, extra in SLABS.items():
+    name = f"slab, {kind}"
+    r = run(f"slab_{kind}", {**SLAB, **extra})
     counts(name, r)
     force, normal, way = tangential(r), r["contact_face_force_y"], place(r)
     sliding = (r["time"] > 0.02) & (r["time"] < 0.2) & (normal > 0)

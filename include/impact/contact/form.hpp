@@ -72,8 +72,7 @@ struct Opposite {
 
 class ContactForm {
 public:
-  explicit ContactForm(const FormRequest& request)
-      : settings_(request.settings), obstacle_(request.mesh.dim()) {}
+  explicit ContactForm(const FormRequest& request) : settings_(request.settings), obstacle_(request.mesh) {}
   virtual ~ContactForm() = default;
   /// The rigid obstacle moves as a body of the mesh does. Before the first update.
   void carry(Obstacle obstacle) {

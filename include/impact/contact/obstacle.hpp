@@ -45,7 +45,7 @@ public:
   };
 
   /// It moves as told.
-  explicit Obstacle(int dim) : dim_(static_cast<std::size_t>(dim)), corners_(dim == 2 ? 2 : 4) {}
+  explicit Obstacle(const Mesh& mesh);
   /// `region`: of the mesh, all of it one rigid body; `at_rest`: the obstacle in the reference configuration.
   /// Throws UserError(data): the region has no extent. Collective.
   Obstacle(const Mesh& mesh, const std::string& region, const RigidObstacle& at_rest);
@@ -73,14 +73,14 @@ public:
   /// Directions of slip on a plane: one in the plane, two in space; of one with a carrier at rest.
   std::array<std::array<double, 3>, 2> tangents() const;
 
-  /// What lies opposite the secondary corners at coordinates x [node][dim] of the nodes is carried along from
-  /// now on.
+  /// What lies opposite the nodes of secondary facets at coordinates x [node][dim] of the nodes is carried
+  /// along from now on.
   void anchor(const ContactNodes& nodes, const ContactValues& x);
   /// Such a place at u, seen from a node.
   template <std::size_t d>
   std::array<double, d> place(const ContactNodes& nodes, int facet, std::size_t corner, int origin,
                               const ContactValues& u) const {
-    const std::size_t number = corners_ * static_cast<std::size_t>(facet) + corner;
+    const std::size_t number = per_facet_ * static_cast<std::size_t>(facet) + corner;
     std::array<double, d> x{};
     for (std::size_t b = 0; b < slot_.size(); ++b) {
       const std::array<double, d> y = nodes.place<d>(slot_[b], origin, u);
@@ -110,20 +110,20 @@ public:
   void add_hessian(const CarriedFunction& f, std::span<const double> shape, const Shares& shares,
                    double factor, double* block) const;
 
-  /// Derivatives by carried places of a facet [corner][dim] become those by the corners of the carrier; and a
-  /// matrix over (secondary corners, carried places) one over (secondary corners, corners of the carrier).
+  /// Derivatives by carried places of a facet [node][dim] become those by the corners of the carrier; and a
+  /// matrix over (secondary nodes, carried places) one over (secondary nodes, corners of the carrier).
   void chain(int facet, const double* by_places, double* by_corners) const;
   void chain_block(int facet, std::span<const double> block, std::vector<double>& chained) const;
 
 private:
-  std::size_t dim_, corners_;
-  ObstaclePose pose_; // of a carried one: in the reference configuration
+  std::size_t dim_, per_facet_; // nodes of a facet
+  ObstaclePose pose_;           // of a carried one: in the reference configuration
   std::vector<PetscInt> node_;
   std::vector<int> slot_;
   std::array<Weights, 3> axis_{}; // of the directions x, y, z
   Shares shares_;
-  std::vector<double> start_;    // [secondary facet][corner][dim] when it was anchored
-  std::vector<Weights> carried_; // [secondary facet][corner]
+  std::vector<double> start_;    // [secondary facet][node][dim] when it was anchored
+  std::vector<Weights> carried_; // [secondary facet][node]
 };
 
 } // namespace impact
