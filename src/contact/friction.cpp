@@ -70,11 +70,15 @@ void Friction::add_heat(const Constraint& c, double& heat) const {
     heat += c.weight * step_traction(c).loss;
     return;
   }
-  if (law_->is_given()) { // all that tractions of both ends do: impulses keep nothing
-    const double* before = &traction_->committed[tangents() * at(c.index)];
-    const Tangential now = c.active ? held(c) : Tangential{};
-    for (std::size_t a = 0; c.slides && a < tangents(); ++a)
-      heat += c.weight * (before[a] + now[a]) / 2 * c.slip[a];
+  if (!iterated_) {
+    Tangential before{};
+    std::copy_n(&traction_->committed[tangents() * at(c.index)], tangents(), before.begin());
+    const Tangential now = traction(c).value;
+    double lost = 0;
+    for (std::size_t a = 0; c.slides && a < tangents(); ++a) lost += (before[a] + now[a]) / 2 * c.slip[a];
+    if (!law_->is_given()) // impulses keep nothing
+      lost -= (inner(now, now) - inner(before, before)) / (2 * law_->eps());
+    heat += c.weight * lost;
     return;
   }
   const Traction t = traction(c);

@@ -15,7 +15,7 @@ ObstaclePose ContactInterface::pose() const {
 
 void ContactInterface::use_method() {
   constraints_->press_by(method());
-  friction_.press_by(method());
+  friction_.press_by(method(), settings_.iterated);
 }
 
 void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {

@@ -17,7 +17,11 @@ public:
       : coefficient_(coefficient), traction_(&traction), slip_(&slip) {}
 
   bool acts() const { return traction_ != nullptr; }
-  void press_by(const EnforcementMethod& enforcement) { law_ = &enforcement; }
+  /// `iterated`: steps solve for equilibrium; else the forces of both of their ends do work, by halves.
+  void press_by(const EnforcementMethod& enforcement, bool iterated) {
+    law_ = &enforcement;
+    iterated_ = iterated;
+  }
   /// Leaves it out for a while.
   void suspend(bool suspended) { suspended_ = suspended; }
   /// Whether it acts on this constraint now.
@@ -32,7 +36,7 @@ public:
   /// Change of the traction of a rubbing constraint by its slip, the change by the gap left out.
   std::array<Tangential, 2> slip_stiffness(const Constraint& c, const Traction& t) const;
   /// Adds the energy that a constraint turned into heat in the step: w t.s, without what a penalty keeps
-  /// elastically.
+  /// elastically, or lets go.
   void add_heat(const Constraint& c, double& heat) const;
   double coefficient() const { return coefficient_; }
   /// The traction at the end of a linear solve, where the pressure is lambda and the slip s.
@@ -71,7 +75,7 @@ private:
   const EnforcementMethod* law_ = nullptr;
   StateRow *traction_ = nullptr, *slip_ = nullptr;
   std::vector<double> none_;
-  bool suspended_ = false, reverses_ = false;
+  bool iterated_ = true, suspended_ = false, reverses_ = false;
   // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;
