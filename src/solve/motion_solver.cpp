@@ -241,8 +241,10 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     reason = newton(u, most);
     hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
   }
-  const bool lost =
-      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN;
+  // Full steps after sets of gaps that change may leave where cells are sound.
+  const bool lost = reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL ||
+                    reason == SNES_DIVERGED_LOCAL_MIN ||
+                    (cell_broke_ && motion_.contacts().demands().closes_gaps && iterations_ > 1);
   if (lost && other_way && second_way) {
     // With contact both ways together take no more than one may; what has nothing left for the second one
     // begins the next try of the step with it.
@@ -273,7 +275,7 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   ++counts_.second_ways;
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
   for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
-  check(VecCopy(start_, u));
+  restart(u);
   motion_.contacts().start_newton(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, SNESLINESEARCHBT));

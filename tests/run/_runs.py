@@ -83,9 +83,11 @@ def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False):
 
 
 def _count_refused(finished, most):
-    """A run that silently starts to need more tries has lost something, though its figures may hold."""
+    """A run that silently starts to need more tries has lost something, though its figures may hold. Steps in which damage grew by
+    more than -ts_adapt_dphi are cut by their option."""
     repeated = re.search(r"^ *motion solves repeated with backtracking +(\d+)", finished.log, re.M)
-    count = finished.log.count("time step cut\n") + (int(repeated.group(1)) if repeated else 0)
+    cut = [line for line in finished.log.splitlines() if line.endswith("time step cut") and "-ts_adapt_dphi" not in line]
+    count = len(cut) + (int(repeated.group(1)) if repeated else 0)
     _refused[finished.dir] = count
     if count > most:
         require(f"{finished.dir}: {count} refused tries and repeated solves, at most {most} expected", False)
