@@ -24,8 +24,9 @@ void MortarForm::set_functions(Facet& facet, const std::array<std::array<double,
   for (std::size_t a = 0; a < 2; ++a) std::copy_n(phi[a].begin(), 2, facet.edge.phi[a].begin());
 }
 
-void MortarForm::choose_functions(const Facing& facing, const ContactValues& x) {
-  if (settings_.multipliers != MultiplierSpace::dual) return;
+std::vector<int> MortarForm::choose_functions(const Facing& facing, const ContactValues& x) {
+  std::vector<int> changed;
+  if (settings_.multipliers != MultiplierSpace::dual) return changed;
   const std::array<std::array<double, 4>, 4> standard = {
       {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
@@ -37,7 +38,9 @@ void MortarForm::choose_functions(const Facing& facing, const ContactValues& x) 
     facet.whole = whole;
     facet.changes.note();
     set_functions(facet, whole ? facet.dual : standard);
+    changed.push_back(f);
   }
+  return changed;
 }
 
 double MortarForm::size_of(int facet, const ContactValues& x) const {
@@ -139,7 +142,10 @@ PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
       }
   }
   facing_ = std::move(next);
-  choose_functions(facing_, x);
+  // Other functions of nodes that press are other forces.
+  for (int f : choose_functions(facing_, x))
+    for (int owned : facets_[at(f)].owned)
+      switched_ = switched_ || (owned >= 0 && active(owned_[at(owned)], moved, presses, facing_));
   return outcome;
 }
 

@@ -31,6 +31,15 @@ STACK = {
     "contact_upper_primary": "top1", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "outputs": "hist",
     "output_hist_type": "csv",
 }
+SPHERE = {
+    "units": "mm_t_s_MPa", "mesh": mesh("ball_on_block.geo"), "materials": "ball,block", "material_ball_E": 200e3,
+    "material_ball_nu": 0.3, "material_block_like": "ball", "bcs": "ground,load,left,back", "bc_ground_on": "ground",
+    "bc_ground_type": "fix", "bc_load_on": "top", "bc_load_type": "traction", "bc_load_uy": "(-5*t)",
+    "bc_left_on": "left", "bc_left_type": "displacement", "bc_left_ux": 0, "bc_back_on": "back",
+    "bc_back_type": "displacement", "bc_back_uz": 0, "contacts": "touch", "contact_touch_secondary": "skin",
+    "contact_touch_primary": "block_top", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "outputs": "vis,hist",
+    "output_hist_type": "csv", "output_vis_times": 1, "mesh_set_near": 0.08,
+}
 
 
 def cylinder(name, method, enforce, friction=0, extra=None, ranks=1, code=0):

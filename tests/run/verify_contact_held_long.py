@@ -6,18 +6,9 @@ three blocks, at steps of 1/20 and 1/1 of the load, both methods, all enforcemen
 ranks. A penalty of 10 E/h lets the surfaces in by its pressure over it, which spreads the load: 4 % hold it too."""
 import math
 
-from _held import LOAD, METHODS, R, STAR, cylinder, hertz_error, stack
-from _runs import check, check_between, finish, mesh, run
+from _held import LOAD, METHODS, R, SPHERE, STAR, cylinder, hertz_error, stack
+from _runs import check, check_between, finish, run
 
-SPHERE = {
-    "units": "mm_t_s_MPa", "mesh": mesh("ball_on_block.geo"), "materials": "ball,block", "material_ball_E": 200e3,
-    "material_ball_nu": 0.3, "material_block_like": "ball", "bcs": "ground,load,left,back", "bc_ground_on": "ground",
-    "bc_ground_type": "fix", "bc_load_on": "top", "bc_load_type": "traction", "bc_load_uy": "(-5*t)",
-    "bc_left_on": "left", "bc_left_type": "displacement", "bc_left_ux": 0, "bc_back_on": "back",
-    "bc_back_type": "displacement", "bc_back_uz": 0, "contacts": "touch", "contact_touch_secondary": "skin",
-    "contact_touch_primary": "block_top", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "outputs": "vis,hist",
-    "output_hist_type": "csv", "output_vis_times": 1, "mesh_set_near": 0.08,
-}
 STEPS = (1, 0.05)
 
 

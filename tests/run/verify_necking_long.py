@@ -27,6 +27,7 @@ def neck(nr, nz, steps):
     run = runs.run(f"c3_{nr}x{nz}", {
         "physics": "motion", "mesh_set_nr": nr, "mesh_set_nz": nz, "ts_dt": 7 / steps, "ts_max_time": 7, "output_vis_times": 7, "output_vis_fields": "u",
         "probes": "centre,neck", "probe_centre_fields": "u",
+        "motion_reuse_tangent": 0,  # J7 is of full Newton: a tangent that serves on takes more iterations, cheaper ones
         "probe_neck_at": f"{0.982 * 6.413 - 1e-9},0", "probe_neck_fields": "u"}, files=[runs.option_file("necking.opts")])
     force = run["reaction_grip_y"] / 1e3
     radius = 0.982 + run["probe_neck_ux"][-1] / 6.413

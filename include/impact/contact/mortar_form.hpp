@@ -134,7 +134,8 @@ private:
   bool came_through(int facet, int candidate) const;
   Facing facing_at(const ContactValues& x) const;
   // Dual functions on the facets that are covered as a whole, standard ones on the others.
-  void choose_functions(const Facing& facing, const ContactValues& x);
+  // Returns the facets whose functions change.
+  std::vector<int> choose_functions(const Facing& facing, const ContactValues& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   // Whether the node is active with these pairs.
   bool active(const Node& node, const ContactValues& u, const Presses& presses, const Facing& facing) const;
