@@ -8,10 +8,24 @@
 
 namespace impact {
 
-Tangential Friction::held(const Constraint& c) const {
+Tangential Friction::kept(const Constraint& c) const {
   Tangential t{};
   std::copy_n(&traction_->trial[tangents() * at(c.index)], tangents(), t.begin());
   return t;
+}
+
+Tangential Friction::held(const Constraint& c) const { return forgets_ ? Tangential{} : kept(c); }
+
+Tangential Friction::shown(const Constraint& c) const { return forgets_ ? kept(c) : traction(c).value; }
+
+void Friction::forget_springs(std::size_t constraints) {
+  forgets_ = true;
+  for (StateRow* row : {traction_, slip_}) {
+    const std::size_t count = constraints * static_cast<std::size_t>(row->components);
+    row->committed.assign(count, 0.0);
+    row->trial.assign(count, 0.0);
+  }
+  forget();
 }
 
 StepTraction Friction::step_traction(const Constraint& c) const {
@@ -49,7 +63,7 @@ Traction Friction::linear_traction(const Constraint& c) const {
 }
 
 Tangential Friction::traction_to_keep(const Constraint& c) const {
-  if (!acts()) return {};
+  if (!acts() || forgets_) return {};
   return c.works_exactly() ? step_traction(c).end : traction(c).value;
 }
 
@@ -68,6 +82,10 @@ void Friction::add_heat(const Constraint& c, double& heat) const {
   if (!acts()) return;
   if (c.works_exactly()) {
     heat += c.weight * step_traction(c).loss;
+    return;
+  }
+  if (forgets_) {
+    heat += c.weight * inner(traction(c).value, c.slip);
     return;
   }
   if (!iterated_) {
@@ -143,10 +161,14 @@ bool Friction::follow(const Constraints& constraints, Vec u) {
 }
 
 void Friction::keep_tractions(std::vector<double>& tractions) {
-  if (acts() && !suspended_) traction_->trial = std::move(tractions);
+  if (acts() && !forgets_ && !suspended_) traction_->trial = std::move(tractions);
 }
 
 void Friction::advance(const Constraints& constraints, Vec u, std::vector<double> tractions) {
+  if (forgets_) { // for reports
+    slip_->committed = slip_->trial;
+    tractions.assign(traction_->trial.size(), 0.0);
+  }
   // What sticks from now on does so with the traction of this state.
   std::vector<double> slip(slip_->trial.size(), 0.0);
   const std::size_t n = tangents() + 1;
@@ -154,8 +176,11 @@ void Friction::advance(const Constraints& constraints, Vec u, std::vector<double
     if (!c.active) return;
     double* mine = &slip[n * at(c.index)];
     for (std::size_t a = 0; a < tangents(); ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
+    const Traction t = traction(c);
     // What has closed just now had no friction yet.
-    mine[n - 1] = !c.slides || traction(c).slides ? slides : sticks;
+    mine[n - 1] = !c.slides || t.slides ? slides : sticks;
+    for (std::size_t a = 0; forgets_ && a < tangents(); ++a)
+      tractions[tangents() * at(c.index) + a] = t.value[a];
   });
   constraints.share(slip, n);
   slip_->trial = std::move(slip);

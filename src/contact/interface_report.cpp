@@ -25,7 +25,7 @@ Rubbing rubbing_at(const Constraint& c, const Friction& friction, std::size_t d)
   if (!friction.rubs(c)) return rubbing;
   const double* kept = friction.slip(c);
   rubbing.slides = friction.state(c) == Friction::slides;
-  const Tangential traction = friction.traction(c).value;
+  const Tangential traction = friction.shown(c);
   const std::size_t n = d * c.node.size();
   for (std::size_t a = 0; a < d - 1; ++a) {
     // What a translation of the secondary side slips: the direction times the covered part.
@@ -186,7 +186,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
   const Totals total = totals(totals_->trial);
   ContactMeasures m;
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
-    m.force[k] = thick * sum.force[k];
+    m.force[k] = thick * (friction_.forgets() ? total.force[k] : sum.force[k]);
     m.impulse[k] = thick * total.impulse[k];
   }
   m.length = sum.length;

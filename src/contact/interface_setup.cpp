@@ -76,6 +76,9 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   use_method();
   constraints_->form().begin_attempt(pose(), nullptr);
   update_search(u);
+  if (!frictional()) return;
+  friction_.forget_springs(points);
+  constraints_->form().anchor(u);
 }
 
 void ContactInterface::declare_state(StateTable& state) {
@@ -90,8 +93,14 @@ void ContactInterface::declare_state(StateTable& state) {
   const int dim = mesh_->dim();
   rows_.multiplier = add("multiplier", 1);
   if (frictional()) {
-    StateRow* traction = add("traction", dim - 1);
-    friction_ = Friction(settings_.friction, *traction, *add("slip", dim));
+    const auto row = [&](std::size_t i, const std::string& what, int components) {
+      if (!settings_.changing) return add(what, components);
+      shown_[i] = std::make_unique<StateRow>(constraints_->form().constraint_row(what, components).first);
+      return shown_[i].get();
+    };
+    StateRow* traction = row(0, "traction", dim - 1);
+    friction_ = Friction(settings_.friction, *traction, *row(1, "slip", dim));
+    if (settings_.changing) friction_.forget_springs(constraints_->form().constraint_row("", 1).second);
   }
   StateRow* gap = nullptr;
   if (settings_.impact == ImpactUpdate::conserving && environment_.density > 0) {

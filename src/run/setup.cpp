@@ -160,6 +160,8 @@ ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable&
     for (std::size_t k = 0; k < 3; ++k)
       if (const auto& u = contact.rigid_u[k]; u && contact.carrier.empty())
         settings.rigid_motion[k] = over_time(*u, d.dim());
+    settings.changing = std::any_of(s.materials.begin(), s.materials.end(),
+                                    [](const MaterialScenario& m) { return m.erosion.on; });
     if (s.explicit_steps()) { // what the rows let through
       if (settings.enforce != Enforcement::impulse) settings.enforce = Enforcement::penalty;
       settings.impact = ImpactUpdate::none;

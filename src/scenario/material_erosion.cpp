@@ -17,7 +17,6 @@ bool damages_here(const Material& m, const Scenario& s) {
 std::string hindering_contact(const Scenario& s) {
   for (const ContactScenario& c : s.contacts) {
     const std::string of = "-contact_" + c.id;
-    if (c.friction > 0) return of + "_friction: what sticks is not known on faces that come free; take 0";
     const bool points = c.method == ContactMethod::gauss_points ||
                         (c.method == ContactMethod::automatic && s.explicit_steps());
     if (!points) return of + "_method: mean gaps (mortar) follow no surface that changes; take gpts";

@@ -242,9 +242,9 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
   }
   // Full steps after sets of gaps that change may leave where cells are sound.
-  const bool lost = reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL ||
-                    reason == SNES_DIVERGED_LOCAL_MIN ||
-                    (cell_broke_ && motion_.contacts().demands().closes_gaps && iterations_ > 1);
+  const bool lost =
+      reason == SNES_DIVERGED_MAX_IT || reason == SNES_DIVERGED_DTOL || reason == SNES_DIVERGED_LOCAL_MIN ||
+      (cell_broke_ && contact && line_search_of(snes_) == SNESLINESEARCHBASIC && iterations_ > 1);
   if (lost && other_way && second_way) {
     // With contact both ways together take no more than one may; what has nothing left for the second one
     // begins the next try of the step with it.

@@ -18,7 +18,8 @@ momentum = r["momentum_sphere_y"] + r["momentum_obstacle_foot_y"]
 check("change of the momentum", abs(momentum / momentum[0] - 1).max(), 0, 1e-10, relative=False)
 
 print("a ball leaves a dent and bounces (options/drop_ball.opts)")
-r = run("drop", {}, files=[option_file("drop_ball.opts")])
+# Two of the solves in which it leaves are left to augmentations.
+r = run("drop", {}, files=[option_file("drop_ball.opts")], refused=2)
 speed = r["rigid_obstacle_foot_vy"]
 MODULUS, YIELD, MASS = 70e3 / (1 - 0.33**2), 300.0, 4.08e-6
 estimate = 3.8 * (YIELD / MODULUS) ** 0.5 * (MASS * 5000**2 / 2 / (YIELD * 5**3)) ** -0.125

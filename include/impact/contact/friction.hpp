@@ -4,6 +4,8 @@
 /// Coulomb friction of one contact, |t| <= mu p, with the trial traction q = t_old + eps s of the step
 /// (82') (theory.md, contact; coulomb.hpp). Its spring is that of the enforcement. Its rows of the state
 /// table: the traction that a step starts from, and the slip since a constraint closed with its state.
+/// On surfaces that change it keeps no spring, t_old = 0, and its rows, outside of the table, only tell what
+/// the last step did.
 namespace impact {
 
 /// More functions than usual: force, tangent, the enforcement, heat and output each ask for their part of it.
@@ -24,6 +26,11 @@ public:
   }
   /// Leaves it out for a while.
   void suspend(bool suspended) { suspended_ = suspended; }
+  /// On a surface that changes, which has this many constraints from now on.
+  void forget_springs(std::size_t constraints);
+  bool forgets() const { return forgets_; }
+  /// The traction that a report shows: of the present state, or of the last step.
+  Tangential shown(const Constraint& c) const;
   /// Whether it acts on this constraint now.
   bool rubs(const Constraint& c) const { return acts() && !suspended_ && c.slides && c.active; }
   /// The traction that the trial value starts from.
@@ -69,13 +76,14 @@ public:
 
 private:
   StepTraction step_traction(const Constraint& c) const;
+  Tangential kept(const Constraint& c) const;
   std::size_t tangents() const { return static_cast<std::size_t>(traction_->components); }
 
   double coefficient_ = 0;
   const EnforcementMethod* law_ = nullptr;
   StateRow *traction_ = nullptr, *slip_ = nullptr;
   std::vector<double> none_;
-  bool iterated_ = true, suspended_ = false, reverses_ = false;
+  bool forgets_ = false, iterated_ = true, suspended_ = false, reverses_ = false;
   // [constraint] direction of sliding in the linear solve that led to the iterate, and in the one to come;
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;

@@ -266,6 +266,7 @@ private:
   Vector outward_{}; // of a round rigid body (pole_of)
   std::optional<Constraints> constraints_;
   Friction friction_;
+  std::array<std::unique_ptr<StateRow>, 2> shown_; // its rows where surfaces change
   std::unique_ptr<EnforcementMethod> method_, fallback_;
   RigidNodes rigid_nodes_;
   EnforcementRows rows_{};

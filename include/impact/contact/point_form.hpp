@@ -165,13 +165,14 @@ private:
   // How deep a point is seen that did not come through a surface within the step. Explicit steps move bodies
   // by far less than a facet: what is deeper lies behind another part of a body, which cells that broke have
   // laid open: from then on no more is seen than a penalty lets in, which is little beside what bodies move
-  // in a few steps, or else what it has not turned back would be pushed out at once.
+  // in a few steps, or else what it has not turned back would be pushed out at once. What lies opposite at
+  // the start of a step does not depend on the last one.
   double depth(int facet) const {
     const double seen = search_.depth(facet);
     const double length = secondary_.length[at(facet)];
     if (settings_.iterated) return seen;
     if (!settings_.exposed) return std::min(seen, length / 2);
-    return std::min({seen, length / 4, std::max(length / 16, 4 * search_.motion())});
+    return std::min({seen, length / 4, anchoring_ ? length : std::max(length / 16, 4 * search_.motion())});
   }
   // Whether one part of a surface may lie behind another one.
   bool folded() const { return search_.meets_itself() || settings_.exposed; }
@@ -209,6 +210,7 @@ private:
   std::vector<Hold> holds_;     // [secondary facet][point]
   std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction
   double hold_gap_;
+  bool anchoring_ = false;
 };
 
 } // namespace impact

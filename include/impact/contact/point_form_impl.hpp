@@ -53,6 +53,7 @@ template <class G> void PointForm<G>::find_anchors(Vec u) {
   if (rigid()) obstacle_.anchor(nodes(), x);
   if (on_plane()) return;
   const std::vector<double> moved = nodes().displacement(u);
+  anchoring_ = true;
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
     for (int q = 0; q < points_.per_facet; ++q) {
@@ -80,6 +81,7 @@ template <class G> void PointForm<G>::find_anchors(Vec u) {
       anchor.start = SlipDirections<dim, width>(s, tangents(f, number), false).slip(p, anchor.opening).value;
     }
   }
+  anchoring_ = false;
   locate_anchors();
 }
 
