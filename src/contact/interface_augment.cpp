@@ -56,10 +56,8 @@ void ContactInterface::start_augmentation() {
 
 AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
                                         std::vector<double>& traction) const {
-  // Facets that came free inside a body have no multipliers.
-  std::vector<double> without = settings_.exposed ? rows_.multiplier->trial : std::vector<double>();
-  if (settings_.exposed) without.resize(constraints_->count());
-  const std::vector<double>& multiplier = settings_.exposed ? without : rows_.multiplier->trial;
+  std::vector<double> multiplier = rows_.multiplier->trial;
+  multiplier.resize(constraints_->count()); // facets that came free inside a body have none
   const std::size_t m = constraints_->dim(), tangents = friction_.acts() ? constraints_->tangents() : 0;
   const double penalty = method().eps(), deepest = search().deepest();
   // A constraint that faces nothing carries nothing.

@@ -7,11 +7,7 @@
 /// What a solved step of damage dissipated, and the work of the microforces that prescribe phi.
 namespace impact {
 
-namespace {
-
 constexpr double no_rate = std::numeric_limits<double>::infinity(); // as dt
-
-} // namespace
 
 // Nodal forces of the weak form at phi, held nodes included: those of the energy, and with a finite dt those
 // of the rate too.

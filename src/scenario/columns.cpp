@@ -48,7 +48,7 @@ constexpr ColumnNote history[] = {
     {"dissipated_viscous", "J", "since t = 0, as all losses; by viscosity (62)"},
     {"dissipated_damage", "J", "by the rate of damage (63'); 0 with c = inf"},
     {"dissipated_plastic", "J", "chi of the plastic work, and what damage and flow exchange (section 11)"},
-    {"dissipated_friction", "J", "by sliding, not negative"},
+    {"dissipated_friction", "J", "by sliding; not negative but in single explicit steps"},
     {"dissipated_fatigue", "J", "by growth of the fatigue variable (25'), by the fall of the toughness (F3)"},
     {"dissipated_contact", "J", "by impacts, signed; negative: energy that contact gave"},
     {"dissipated_erosion", "J",

@@ -112,7 +112,8 @@ for dim, flown in FLIGHTS.items():
 
 print("what is not there says so")
 for name, extra, said in (("mortar", {"contact_face_method": "mortar"}, "-contact_face_method: mortar"),
-                          ("impulse", {"contact_face_enforce": "impulse"}, "-contact_face_enforce: impulse")):
+                          ("impulse", {"contact_face_enforce": "impulse", "ts_type": "central_difference", "material_lower_rho": 1000,
+                                       "ts_dt": "auto"}, "-contact_face_enforce: impulse")):
     for ranks in (1, 2):
         r = run(f"refused_{name}_{ranks}", {
             **CURVED, "mesh": mesh("two_blocks.geo"), "materials": "lower,upper", "material_lower_E": E,
