@@ -8,15 +8,19 @@
 
 namespace impact {
 
-Tangential Friction::kept(const Constraint& c) const {
+Tangential Friction::traction_in(const std::vector<double>& tractions, const Constraint& c) const {
   Tangential t{};
-  std::copy_n(&traction_->trial[tangents() * at(c.index)], tangents(), t.begin());
+  std::copy_n(&tractions[tangents() * at(c.index)], tangents(), t.begin());
   return t;
 }
 
-Tangential Friction::held(const Constraint& c) const { return forgets_ ? Tangential{} : kept(c); }
+Tangential Friction::held(const Constraint& c) const {
+  return forgets_ ? Tangential{} : traction_in(traction_->trial, c);
+}
 
-Tangential Friction::shown(const Constraint& c) const { return forgets_ ? kept(c) : traction(c).value; }
+Tangential Friction::shown(const Constraint& c) const {
+  return forgets_ ? traction_in(traction_->trial, c) : traction(c).value;
+}
 
 void Friction::forget_springs(std::size_t constraints) {
   forgets_ = true;
@@ -88,12 +92,10 @@ void Friction::add_heat(const Constraint& c, double& heat) const {
     heat += c.weight * inner(traction(c).value, c.slip);
     return;
   }
-  if (!iterated_) {
-    Tangential before{};
-    std::copy_n(&traction_->committed[tangents() * at(c.index)], tangents(), before.begin());
-    const Tangential now = traction(c).value;
+  if (!iterated_) { // (82''')
+    const Tangential before = traction_in(traction_->committed, c), now = traction(c).value;
     double lost = 0;
-    for (std::size_t a = 0; c.slides && a < tangents(); ++a) lost += (before[a] + now[a]) / 2 * c.slip[a];
+    for (std::size_t a = 0; a < tangents(); ++a) lost += (before[a] + now[a]) / 2 * c.slip[a];
     if (!law_->is_given()) // impulses keep nothing
       lost -= (inner(now, now) - inner(before, before)) / (2 * law_->eps());
     heat += c.weight * lost;

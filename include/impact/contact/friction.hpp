@@ -76,7 +76,7 @@ public:
 
 private:
   StepTraction step_traction(const Constraint& c) const;
-  Tangential kept(const Constraint& c) const;
+  Tangential traction_in(const std::vector<double>& tractions, const Constraint& c) const;
   std::size_t tangents() const { return static_cast<std::size_t>(traction_->components); }
 
   double coefficient_ = 0;

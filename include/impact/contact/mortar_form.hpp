@@ -53,9 +53,8 @@ private:
 
     const MortarEdge& reference(const EdgeCorners&) const { return edge; }
     const MortarFace& reference(const FaceCorners&) const { return face; }
-    static TangentRows<2, 2> tangents(const EdgeCorners&) {
-      return {{{-1, 1}}};
-    } // one direction needs no map
+    // The one direction of an edge needs no map.
+    static TangentRows<2, 2> tangents(const EdgeCorners&) { return {{{-1, 1}}}; }
     const TangentRows<3, 4>& tangents(const FaceCorners&) const { return map.row; }
   };
   struct Incident {
