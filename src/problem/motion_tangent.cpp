@@ -1,4 +1,5 @@
 #include "motion_batch.hpp"
+#include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
@@ -97,6 +98,24 @@ void MotionProblem::projection_tangent(Vec w, double shift) {
   const Timed timed(Event::motion_tangent);
   assembly_->zero();
   close_tangent(w, false, mass_.add_to(*assembly_, shift, true), shift);
+}
+
+Handle<IS> MotionProblem::stiffened_rows() const {
+  const Entries cells(cells_diagonal_), all(diagonal_);
+  const PetscInt dim = d_.dim(), count = Get(VecGetLocalSize)(diagonal_) / dim;
+  PetscInt first = 0;
+  check(VecGetOwnershipRange(diagonal_, &first, nullptr));
+  std::vector<PetscInt> nodes;
+  for (PetscInt n = 0; n < count; ++n)
+    for (PetscInt r = n * dim; r < (n + 1) * dim; ++r)
+      if (std::abs(all[r] - cells[r]) > 1e-3 * cells[r]) {
+        nodes.push_back(first / dim + n);
+        break;
+      }
+  Handle<IS> rows;
+  check(ISCreateBlock(d_.mesh.comm(), dim, static_cast<PetscInt>(nodes.size()), nodes.data(),
+                      PETSC_COPY_VALUES, rows.out()));
+  return rows;
 }
 
 // The cells' part, whose diagonal sums up to `diagonal` on this rank, is added.

@@ -1,6 +1,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/log.hpp>
+#include <impact/petsc/partial_factors.hpp>
 #include <impact/solve/stabilised_update.hpp>
 #include <impact/time/types.hpp>
 
@@ -16,7 +17,11 @@ struct Projection {
   Mailbox& letters;
 
   void residual(SNES, Vec w, Vec f) { motion.projection_residual(w, goal, shift, f); }
-  void tangent(SNES, Vec w, Mat, Mat) { motion.projection_tangent(w, shift); }
+  // The mass is well conditioned by its diagonal; what presses is large beside it, and in few rows.
+  void tangent(SNES snes, Vec w, Mat, Mat) {
+    motion.projection_tangent(w, shift);
+    factorise_rows(Get(KSPGetPC)(Get(SNESGetKSP)(snes)), motion.matrix(), motion.stiffened_rows());
+  }
   Mailbox& mailbox() { return letters; }
 };
 
@@ -143,7 +148,9 @@ SNESConvergedReason StabilisedUpdate::minimise(double dt, Vec goal, Vec w) {
   solver_.reuse().forget();
   motion_.balance().forget();
   check(SNESCreate(d.mesh.comm(), snes.out()));
-  check(SNESSetKSP(snes, projection_solver()));
+  const KSP ksp = Get(SNESGetKSP)(snes);
+  check(KSPSetType(ksp, KSPGMRES)); // a pressed point on a vertex makes the matrix indefinite
+  check(KSPSetTolerances(ksp, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
   check(SNESSetFunction(snes, f, Callback<&Projection::residual>::call, &problem));
   check(SNESSetJacobian(snes, motion_.jacobian(), motion_.matrix(), Callback<&Projection::tangent>::call,
                         &problem));
@@ -177,21 +184,6 @@ void StabilisedUpdate::warn(double t_n, SNESConvergedReason reason) {
                       "contact (%s); it is taken as it is, here and wherever that happens again\n",
                       t_n, SNESConvergedReasons[reason]));
   warned_ = true;
-}
-
-// The motion's own solver, unless that needs a definite matrix: a pressed point on a vertex makes it
-// indefinite.
-KSP StabilisedUpdate::projection_solver() {
-  const KSP ksp = Get(SNESGetKSP)(solver_.snes());
-  if (!has_type(ksp, KSPCG, KSPMINRES)) return ksp;
-  if (!projection_ksp_) {
-    check(KSPCreate(motion_.discretisation().mesh.comm(), projection_ksp_.out()));
-    check(KSPSetType(projection_ksp_, KSPGMRES));
-    check(KSPSetTolerances(projection_ksp_, 1e-10, PETSC_DEFAULT, PETSC_DEFAULT, 1000));
-    const PC pc = Get(KSPGetPC)(projection_ksp_);
-    check(PCSetType(pc, PCJACOBI)); // mass and a few penalties: well conditioned by its diagonal
-  }
-  return projection_ksp_;
 }
 
 } // namespace impact

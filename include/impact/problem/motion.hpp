@@ -138,6 +138,9 @@ public:
   /// tangent, which takes the place of the motion's in matrix(). Collective.
   void projection_residual(Vec w, Vec u_tilde, double shift, Vec f);
   void projection_tangent(Vec w, double shift);
+  /// The owned rows of nodes on whose diagonal the last tangent has more than the cells put there.
+  /// Collective.
+  Handle<IS> stiffened_rows() const;
 
   const Discretisation& discretisation() const { return d_; }
   const BoundaryData& boundary() const { return boundary_; }

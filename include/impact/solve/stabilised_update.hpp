@@ -43,14 +43,12 @@ private:
   bool project(const Attempt& attempt, Vec goal, Vec u_tilde, Vec v);
   SNESConvergedReason minimise(double dt, Vec goal, Vec w);
   void warn(double t_n, SNESConvergedReason reason);
-  KSP projection_solver();
 
   TS ts_;
   MotionProblem& motion_;
   MotionSolver& solver_;
   StateTable& state_;
   bool stabilise_, unilateral_;
-  Handle<KSP> projection_ksp_; // where the motion's own solver needs a definite matrix
   bool warned_ = false;
   Handle<Vec> shock_, acceleration_;
   ForceParts forces_;
