@@ -25,8 +25,9 @@ NodePairs MortarForm::couplings() const {
   for (const Node& node : owned_) {
     std::vector<PetscInt> together;
     for (const Incident& i : node.facets) {
-      const std::vector<PetscInt> primary = search_.primary_nodes(i.facet);
-      together.insert(together.end(), facets_[at(i.facet)].node.begin(), facets_[at(i.facet)].node.end());
+      const std::vector<PetscInt> primary = search_.primary_nodes(i.facet / parts_);
+      const GlobalFacet& mine = facets_[at(i.facet)].node;
+      together.insert(together.end(), mine.begin(), mine.end());
       together.insert(together.end(), primary.begin(), primary.end());
     }
     add_pairs_among(std::move(together), pairs);
@@ -47,7 +48,7 @@ Point3 MortarForm::place_of(const Facet& facet, const FacetPoint& point, const i
   for (std::size_t a = 0; a < at(facet.corners); ++a)
     for (std::size_t k = 0; k < at(dim_); ++k) {
       const std::size_t i = at(dim_ * slot[a]) + k;
-      x[k] += point.shape[a] * (nodes().X[i] + u[i]);
+      x[k] += point.shape[a] * (vertices().X[i] + u[i]);
     }
   return x;
 }
@@ -69,24 +70,25 @@ MortarPair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle, const
   return pair;
 }
 
-std::array<double, 4> MortarForm::areas_at(int facet, const ContactValues& u) const {
-  const int* slot = secondary_slots(facet);
-  if (dim_ == 3) return nodal_areas(corners_from<FaceCorners>(slot[0], slot, u));
+std::array<double, 4> MortarForm::areas_at(int f, const ContactValues& u) const {
+  const int* slot = secondary_slots(f);
+  const Facet& facet = facets_[at(f)];
+  if (dim_ == 3) return of_functions(facet, nodal_areas(corners_from<FaceCorners>(slot[0], slot, u)));
   const double length = longest_side(corners_from<EdgeCorners>(slot[0], slot, u)[0].data(), 2, 2);
   std::array<double, 2> ring = {1, 1};
   if (frame_ == Frame::axisymmetric)
     for (std::size_t a = 0; a < 2; ++a)
-      ring[a] = 2 * std::numbers::pi * (nodes().X[2 * at(slot[a])] + u[2 * at(slot[a])]);
-  return {length * (2 * ring[0] + ring[1]) / 6, length * (2 * ring[1] + ring[0]) / 6, 0, 0};
+      ring[a] = 2 * std::numbers::pi * (vertices().X[2 * at(slot[a])] + u[2 * at(slot[a])]);
+  return of_functions(facet, {length * (2 * ring[0] + ring[1]) / 6, length * (2 * ring[1] + ring[0]) / 6});
 }
 
 // Each pair once, for all corners of its secondary facet.
-std::vector<std::vector<MortarForm::Piece>> MortarForm::pieces_at(const ContactValues& u,
-                                                                  bool with_gradient) const {
-  std::vector<std::vector<Piece>> pieces(facets_.size());
+MortarForm::Pieces MortarForm::pieces_at(const ContactValues& u, bool with_gradient) const {
+  Pieces pieces(facets_.size());
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     std::vector<Piece>& mine = pieces[at(f)];
+    if (*std::max_element(facets_[at(f)].owned.begin(), facets_[at(f)].owned.end()) < 0) continue;
     if (rigid()) mine.push_back({-1, obstacle_gaps(f, obstacle, u)});
     mine.reserve(facing_[at(f)].size());
     for (int candidate : facing_[at(f)]) {
@@ -97,21 +99,27 @@ std::vector<std::vector<MortarForm::Piece>> MortarForm::pieces_at(const ContactV
   return pieces;
 }
 
-void MortarForm::visit(const ContactValues& u, Derivatives derivatives,
-                       const ConstraintVisitor& visitor) const {
+bool MortarForm::is_covered(const Node& owner, const Pieces& pieces) {
+  return std::any_of(owner.facets.begin(), owner.facets.end(), [&](const Incident& i) {
+    return std::any_of(pieces[at(i.facet)].begin(), pieces[at(i.facet)].end(),
+                       [](const Piece& piece) { return piece.pair.covered; });
+  });
+}
+
+void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
+                       const ConstraintVisitor& of_constraints) const {
+  ContactValues store;
+  const ContactValues& u = at_vertices(of_nodes, store);
+  const ConstraintVisitor visitor = over_nodes(vertices_, of_constraints);
   const bool with_gradient = derivatives != Derivatives::none;
   const auto d = at(dim_);
-  const std::vector<std::vector<Piece>> pieces = pieces_at(u, with_gradient);
-  std::vector<double> share, gradient;
+  const Pieces pieces = pieces_at(u, with_gradient);
   SlipRows slip_rows = slips_at(u, with_gradient);
   NodePlaces place_of;
   std::vector<int>& node = place_of.node;
+  std::vector<double> share, gradient;
   for (const Node& owner : owned_) {
-    if (std::none_of(owner.facets.begin(), owner.facets.end(), [&](const Incident& i) {
-          return std::any_of(pieces[at(i.facet)].begin(), pieces[at(i.facet)].end(),
-                             [](const Piece& piece) { return piece.pair.covered; });
-        }))
-      continue;
+    if (!is_covered(owner, pieces)) continue;
     node.clear();
     Constraint c;
     c.index = owner.local;
@@ -120,12 +128,13 @@ void MortarForm::visit(const ContactValues& u, Derivatives derivatives,
     // Secondary nodes first.
     for (const Incident& i : owner.facets)
       for (std::size_t a = 0; a < corners_; ++a) place_of(secondary_slots(i.facet)[a]);
+    const std::size_t own = place_of(owner.slot);
     share.assign(node.size(), 0.0);
+    share[own] = 1;
     gradient.assign(d * node.size(), 0.0);
     for (const Incident& i : owner.facets) {
       const std::size_t a = at(i.corner);
       const int* secondary = secondary_slots(i.facet);
-      share[place_of(secondary[a])] = 1;
       area += areas_at(i.facet, u)[a];
       for (const Piece& piece : pieces[at(i.facet)]) {
         c.gap += piece.pair.gap[a];
@@ -144,8 +153,8 @@ void MortarForm::visit(const ContactValues& u, Derivatives derivatives,
     }
     c.slides = slip_nodes(owner, place_of);
     gradient.resize(d * node.size(), 0.0);
-    c.gap /= owner.weight;
-    c.stretch = area / owner.weight;
+    c.gap /= c.weight;
+    c.stretch = area / c.weight;
     c.cover = std::max(std::abs(cover) / owner.weight, least_cover);
     c.node = node;
     c.share = share;
@@ -155,8 +164,11 @@ void MortarForm::visit(const ContactValues& u, Derivatives derivatives,
   }
 }
 
-void MortarForm::visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
-                                 const BlockVisitor& visitor) const {
+void MortarForm::visit_curvature(const ContactValues& of_nodes, const CurvatureFactors& factors,
+                                 const BlockVisitor& of_blocks) const {
+  ContactValues store;
+  const ContactValues& u = at_vertices(of_nodes, store);
+  const BlockVisitor visitor = over_nodes(vertices_, of_blocks);
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const Facet& facet = facets_[at(f)];
@@ -194,7 +206,10 @@ void MortarForm::visit_curvature(const ContactValues& u, const CurvatureFactors&
   visit_slip_curvature(u, factors, visitor);
 }
 
-void MortarForm::visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const {
+void MortarForm::visit_meetings(const ContactValues& of_nodes, const MeetingVisitor& of_meetings) const {
+  ContactValues store;
+  const ContactValues& u = at_vertices(of_nodes, store);
+  const MeetingVisitor visitor = over_nodes(vertices_, of_meetings);
   // [facet] candidates, -1 the rigid body: each pair once, for all corners of its secondary facet.
   std::vector<std::vector<std::pair<int, MortarWeights>>> parts(facets_.size());
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
@@ -230,9 +245,8 @@ void MortarForm::visit_meetings(const ContactValues& u, const MeetingVisitor& vi
     meeting.index = owner.local;
     if (!(area > least_common_part * owner.weight)) {
       if (owner.facets.empty()) continue;
-      const Incident& i = owner.facets.front();
       share = {1};
-      mine.node = {secondary_slots(i.facet)[i.corner]};
+      mine.node = {owner.slot};
       other.clear();
       opposite.node.clear();
       area = 1;

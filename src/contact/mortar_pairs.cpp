@@ -11,6 +11,8 @@ namespace {
 // Facets face each other when their normals oppose and the primary is not farther away than this part of the
 // secondary's longest side: a step behind the surface must not count as an open gap beside the closed one.
 constexpr double farthest = 0.5;
+// Of a facet that was cut, the parts of others count that lie within this part of its side.
+constexpr double half_of_facet = 0.5;
 // Two facets over the same place count as layers, one behind the other, from this common part on.
 constexpr double least_common_part = 1e-6;
 // Dual functions are negative somewhere: over a part of a facet they may turn a gap into an overlap. Covered
@@ -27,18 +29,23 @@ void MortarForm::set_functions(Facet& facet, const std::array<std::array<double,
 std::vector<int> MortarForm::choose_functions(const Facing& facing, const ContactValues& x) {
   std::vector<int> changed;
   if (settings_.multipliers != MultiplierSpace::dual) return changed;
-  const std::array<std::array<double, 4>, 4> standard = {
-      {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
-  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
-    double part = 0;
-    for (int candidate : facing[at(f)]) part += view(f, candidate, x).part;
-    Facet& facet = facets_[at(f)];
-    const bool whole = part > whole_facet;
-    if (whole == facet.whole || facet.changes.exhausted()) continue;
-    facet.whole = whole;
-    facet.changes.note();
-    set_functions(facet, whole ? facet.dual : standard);
-    changed.push_back(f);
+  const int together = cut_.parts_of_half();
+  for (int first = 0; first < static_cast<int>(facets_.size()); first += together) {
+    bool whole = true;
+    for (int f = first; whole && f < first + together; ++f) {
+      double part = 0;
+      for (int candidate : facing[at(f)]) part += view(f, candidate, x).part;
+      whole = part > whole_facet;
+    }
+    Facet& chosen = facets_[at(first)];
+    if (whole == chosen.whole || chosen.changes.exhausted()) continue;
+    chosen.whole = whole;
+    chosen.changes.note();
+    for (int f = first; f < first + together; ++f) {
+      Facet& facet = facets_[at(f)];
+      set_functions(facet, whole ? facet.dual : facet.standard);
+      changed.push_back(f);
+    }
   }
   return changed;
 }
@@ -60,10 +67,19 @@ FacetView MortarForm::view(int facet, int candidate, const ContactValues& x) con
   return at_pair(facet, candidate, x, [](const auto& s, const auto& p) { return view_facet(s, p); });
 }
 
-bool MortarForm::share_a_node(int candidate, int other) const {
-  const int *a = primary_slots(candidate), *b = primary_slots(other);
-  return std::any_of(a, a + corners_,
-                     [&](int slot) { return std::find(b, b + corners_, slot) != b + corners_; });
+// A part whose place in the other facet no iterate makes up for.
+bool MortarForm::is_beside(int facet, int candidate, const ContactValues& x) const {
+  if (dim_ == 2 || parts_ == 1) return false;
+  const FaceCorners s = corners_at<FaceCorners>(secondary_slots(facet), x),
+                    p = corners_at<FaceCorners>(primary_slots(candidate), x);
+  return clearance(s, p) > half_of_facet * std::sqrt(parts_) * longest_side(s[0].data(), 4, 3);
+}
+
+bool MortarForm::adjoin(int candidate, int other) const {
+  const auto slots = [&](int c) { return &nodes().primary[at(cut_.nodes * primary_facet(c))]; };
+  const int *a = slots(candidate), *b = slots(other);
+  return std::any_of(a, a + cut_.nodes,
+                     [&](int slot) { return std::find(b, b + cut_.nodes, slot) != b + cut_.nodes; });
 }
 
 bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,
@@ -72,15 +88,16 @@ bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accept
     using Corners = std::decay_t<decltype(s)>;
     return std::any_of(accepted.begin(), accepted.end(), [&](int other) {
       // Neighbours on the same surface do not hide each other.
-      return (dim_ == 2 || !share_a_node(candidate, other)) &&
+      return (dim_ == 2 || !adjoin(candidate, other)) &&
              common_part(s, p, corners_at<Corners>(primary_slots(other), x)) > least_common_part;
     });
   });
 }
 
 bool MortarForm::came_through(int facet, int candidate) const {
-  return !nodes().start.empty() && opposed(facet, candidate, nodes().start) &&
-         view(facet, candidate, nodes().start).largest > -search_.depth(facet);
+  const ContactValues& start = vertices().start;
+  return !start.empty() && opposed(facet, candidate, start) &&
+         view(facet, candidate, start).largest > -search_.depth(facet / parts_);
 }
 
 MortarForm::Facing MortarForm::facing_at(const ContactValues& x) const {
@@ -90,17 +107,19 @@ MortarForm::Facing MortarForm::facing_at(const ContactValues& x) const {
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const double size = size_of(f, x);
     pairs.clear();
-    for (int c : list.of(at(f))) {
-      if (!opposed(f, c, x)) continue;
-      const FacetView seen = view(f, c, x);
-      if (seen.smallest < farthest * size && (seen.largest > -search_.depth(f) || came_through(f, c)))
-        pairs.emplace_back(std::abs(seen.mean), c);
-    }
+    for (int pair : list.of(at(f / parts_)))
+      for (int c = parts_ * pair; c < parts_ * (pair + 1); ++c) {
+        if (is_beside(f, c, x) || !opposed(f, c, x)) continue;
+        const FacetView seen = view(f, c, x);
+        if (seen.smallest < farthest * size &&
+            (seen.largest > -search_.depth(f / parts_) || came_through(f, c)))
+          pairs.emplace_back(std::abs(seen.mean), c);
+      }
     // Of two layers over the same part the nearer one counts.
     std::sort(pairs.begin(), pairs.end());
     for (const auto& [distance, candidate] : pairs)
       if (!hidden(f, candidate, facing[at(f)], x)) facing[at(f)].push_back(candidate);
-    std::erase_if(facing[at(f)], [&](int candidate) { return !search_.counts(candidate); });
+    std::erase_if(facing[at(f)], [&](int candidate) { return !search_.counts(candidate / parts_); });
     std::sort(facing[at(f)].begin(), facing[at(f)].end());
   }
   return facing;
@@ -115,12 +134,14 @@ std::vector<int> MortarForm::covering(int facet, const ContactValues& x, const F
 
 PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
   const PairSearch::Outcome outcome = update_pairs(u);
+  if (outcome != PairSearch::Outcome::kept) find_vertices();
   if (rigid()) return outcome;
-  const std::vector<double> moved = nodes().displacement(u), x = nodes().current(moved);
+  ContactValues store;
+  const ContactValues of_nodes = nodes().displacement(u), &moved = at_vertices(of_nodes, store),
+                      x = vertices().current(moved);
   switched_ = false;
   Facing next = facing_at(x);
   if (outcome != PairSearch::Outcome::kept) {
-    locate_anchors();
     // Candidates have other numbers now: what faced is forgotten, and the caller solves again anyway.
     facing_ = std::move(next);
     choose_functions(facing_, x);
@@ -162,11 +183,14 @@ bool MortarForm::active(const Node& node, const ContactValues& u, const Presses&
   return covered && presses(node.local, gap / node.weight);
 }
 
-void MortarForm::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
+void MortarForm::visit_overlaps(const ContactValues& of_nodes, const OverlapVisitor& visitor) const {
+  ContactValues store;
+  const ContactValues& x = at_vertices(of_nodes, store);
   for (const Node& owner : owned_)
     for (const Incident& incident : owner.facets) {
-      const int f = incident.facet, corner = incident.corner;
-      const int slot = secondary_slots(f)[corner];
+      const int f = incident.facet, *mine = secondary_slots(f), slot = owner.slot;
+      const auto corner = static_cast<int>(std::find(mine, mine + corners_, slot) - mine);
+      if (corner == static_cast<int>(corners_)) continue; // another part has the node
       Point3 here{};
       std::copy_n(&x[at(dim_ * slot)], at(dim_), here.begin());
       const double size = size_of(f, x) + std::abs(here[0]) + std::abs(here[1]) + std::abs(here[2]);

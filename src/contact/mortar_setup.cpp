@@ -5,115 +5,163 @@
 #include <impact/petsc/error.hpp>
 #include <map>
 #include <numbers>
+#include <set>
 
 /// Construction of a MortarForm: its facets, their functions and tangents, points against a rigid body.
 namespace impact {
 
 namespace {
 
-FaceCorners face_of(const std::vector<double>& X, int facet) { // [facet][corner][3]
-  FaceCorners corner;
-  for (std::size_t a = 0; a < 4; ++a) std::copy_n(&X[3 * (at(4 * facet) + a)], 3, corner[a].begin());
-  return corner;
+// X: [corner][dim]
+FaceCorners face_of(const std::vector<double>& X, const std::array<int, 4>& corner) {
+  FaceCorners face;
+  for (std::size_t a = 0; a < 4; ++a) std::copy_n(&X[at(3 * corner[a])], 3, face[a].begin());
+  return face;
 }
+
+MortarEdge edge_of(const std::vector<double>& X, const std::array<int, 4>& corner, Frame frame) {
+  MortarEdge edge;
+  const double *x = &X[at(2 * corner[0])], *y = &X[at(2 * corner[1])];
+  double square = 0;
+  for (std::size_t k = 0; k < 2; ++k) square += (x[k] - y[k]) * (x[k] - y[k]);
+  edge.length = std::sqrt(square);
+  if (frame == Frame::axisymmetric) edge.ring = {2 * std::numbers::pi * x[0], 2 * std::numbers::pi * y[0]};
+  return edge;
+}
+
+std::array<int, 4> consecutive(int first) { return {first, first + 1, first + 2, first + 3}; }
 
 } // namespace
 
 MortarForm::MortarForm(const FormRequest& request)
-    : ContactForm(request), dim_(request.mesh.dim()), corners_(at(request.secondary.per_facet)),
-      frame_(request.frame), node_count_(at(request.mesh.node_count())) {
+    : ContactForm(request), dim_(request.mesh.dim()), cut_(cut_facet(request.secondary.per_facet)),
+      corners_(at(cut_.corners)), frame_(request.frame) {
   const Mesh& mesh = request.mesh;
   const FieldLayout& layout = request.layout;
-  const ContactSurface& secondary = request.secondary;
-  find_facets(mesh, secondary);
+  parts_ = static_cast<int>(cut_.parts.size());
+  find_facets(mesh, request.secondary);
   std::vector<PetscInt> nodes;
-  for (const Facet& facet : facets_)
-    nodes.insert(nodes.end(), facet.node.begin(), facet.node.begin() + secondary.per_facet);
+  for (std::size_t f = 0; f < facets_.size(); f += at(parts_))
+    nodes.insert(nodes.end(), facets_[f].node.begin(), facets_[f].node.begin() + cut_.nodes);
   std::vector<PetscInt> wanted = nodes;
   sort_unique(wanted);
   const Handle<Vec> coordinates = layout.make_global();
   layout.to_global(std::vector<double>(mesh.coordinates().begin(), mesh.coordinates().end()), coordinates);
   const std::vector<double> all =
       NodeExchange(mesh.comm(), mesh.owned_node_count(), dim_, wanted).gather(coordinates);
-  std::vector<double> X;
+  std::vector<double> X, of_corners; // of_corners: [facet][corner][dim]
   for (PetscInt node : nodes) {
     const auto place = dim_ * (std::lower_bound(wanted.begin(), wanted.end(), node) - wanted.begin());
     X.insert(X.end(), all.begin() + place, all.begin() + place + dim_);
   }
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const Facet& facet = facets_[at(f)];
-    const std::array<double, 4> area = measure(f, X);
+    const std::vector<double> vertex = vertices_of(&X[at(dim_ * cut_.nodes * (f / parts_))]);
+    const std::array<double, 4> area = measure(f, vertex);
     for (int a = 0; a < facet.corners; ++a)
       if (facet.owned[at(a)] >= 0) owned_[at(facet.owned[at(a)])].weight += area[at(a)];
+    for (std::size_t c = 0; c < corners_; ++c) {
+      const double* place = &vertex[at(dim_ * part_of(f).vertex[c])];
+      of_corners.insert(of_corners.end(), place, place + dim_);
+    }
   }
   std::vector<double> area = layout.make_local();
   for (const Node& node : owned_) area[at(dim_ * node.local)] = node.weight;
   const Handle<Vec> owned_area = layout.make_global();
   layout.to_global(area, owned_area);
   layout.to_local(owned_area, area);
-  for (std::size_t node = 0; node < node_count_; ++node) nodal_area_.push_back(area[at(dim_) * node]);
-  if (dim_ == 3 && frictional()) find_tangents(X);
+  for (std::size_t i = 0; i < area.size(); i += at(dim_)) nodal_area_.push_back(area[i]);
+  if (dim_ == 3 && frictional()) find_tangents(of_corners);
   search_ = PairSearch(mesh, layout, nodes, X, request.primary,
                        {settings_.search_radius, settings_.local_search}, what_it_meets(settings_));
   facing_.resize(facets_.size());
   switches_.resize(facets_.size());
 }
 
-// Reference sizes and functions of a facet whose corners are in X [facet][corner][dim]; its nodal areas.
+std::vector<double> MortarForm::vertices_of(const double* X) const {
+  std::vector<double> vertex;
+  for (const std::vector<double>& weight : cut_.vertex)
+    for (int k = 0; k < dim_; ++k) {
+      double& x = vertex.emplace_back();
+      for (std::size_t a = 0; a < weight.size(); ++a)
+        if (weight[a] != 0) x += weight[a] * X[at(dim_) * a + at(k)];
+    }
+  return vertex;
+}
+
+// Integrals of functions from those of the piecewise linear functions of the corners.
+std::array<double, 4> MortarForm::of_functions(const Facet& facet,
+                                               const std::array<double, 4>& of_corners) const {
+  std::array<double, 4> sum{};
+  for (std::size_t r = 0; r < at(facet.corners); ++r)
+    for (std::size_t c = 0; c < at(facet.corners); ++c) sum[r] += facet.standard[r][c] * of_corners[c];
+  return sum;
+}
+
+// Reference sizes and functions of a facet; their integrals, the same of both kinds.
 std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
   Facet& facet = facets_[at(f)];
-  std::array<double, 4> area{}; // both kinds of functions have the integrals of N
+  const std::array<int, 4>&corner = part_of(f).vertex,
+                        &half = cut_.half[at(f % parts_ / cut_.parts_of_half())];
+  std::array<std::array<double, 4>, 4> dual{};
+  facet.standard = part_of(f).function;
+  std::array<double, 4> area{};
   if (dim_ == 2) {
-    const double* x = &X[at(4 * f)];
-    MortarEdge& edge = facet.edge;
-    double square = 0;
-    for (std::size_t k = 0; k < 2; ++k) square += (x[k] - x[2 + k]) * (x[k] - x[2 + k]);
-    edge.length = std::sqrt(square);
-    if (frame_ == Frame::axisymmetric) edge.ring = {2 * std::numbers::pi * x[0], 2 * std::numbers::pi * x[2]};
-    const auto phi = dual_functions(edge);
-    for (std::size_t i = 0; i < 2; ++i) std::copy(phi[i].begin(), phi[i].end(), facet.dual[i].begin());
-    for (std::size_t i = 0; i < 2; ++i) area[i] = edge.length * (2 * edge.ring[i] + edge.ring[1 - i]) / 6;
+    facet.edge = edge_of(X, corner, frame_);
+    const auto phi = dual_functions(edge_of(X, half, frame_));
+    for (std::size_t i = 0; i < 2; ++i) std::copy(phi[i].begin(), phi[i].end(), dual[i].begin());
+    const std::array<double, 2>& ring = facet.edge.ring;
+    for (std::size_t i = 0; i < 2; ++i) area[i] = facet.edge.length * (2 * ring[i] + ring[1 - i]) / 6;
   } else {
-    const FaceCorners corner = face_of(X, f);
-    facet.face = make_mortar_face(corner, false);
-    facet.dual = make_mortar_face(corner, true).phi;
-    area = nodal_areas(corner);
+    facet.face = make_mortar_face(face_of(X, corner), false);
+    dual = make_mortar_face(face_of(X, half), true).phi;
+    area = nodal_areas(face_of(X, corner));
   }
-  if (rigid()) { // which covers everything
-    // To a round obstacle a node counts nearer than it is, by h^2/12R in each direction of the surface: the
-    // dual functions of a facet of the side h take the integral of x^2 for -h^2/6.
-    if (settings_.multipliers == MultiplierSpace::dual) set_functions(facet, facet.dual);
-    facet.points = points_of(facet);
-    for (const FacetPoint& point : facet.points)
-      for (std::size_t a = 0; a < 4; ++a)
-        for (std::size_t b = 0; b < 4; ++b) facet.onto.D[a][b] += point.weight[a] * point.shape[b];
-    facet.onto.M = facet.onto.D;
-  }
-  return area;
+  facet.dual = functions_of_part(cut_, f % parts_, dual);
+  set_functions(facet, facet.standard);
+  if (rigid()) set_obstacle_points(facet);
+  return of_functions(facet, area);
+}
+
+// A rigid body covers everything.
+void MortarForm::set_obstacle_points(Facet& facet) const {
+  // To a round obstacle a node counts nearer than it is, by h^2/12R in each direction of the surface: the
+  // dual functions of a facet of the side h take the integral of x^2 for -h^2/6.
+  if (settings_.multipliers == MultiplierSpace::dual) set_functions(facet, facet.dual);
+  facet.points = points_of(facet);
+  for (const FacetPoint& point : facet.points)
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = 0; b < 4; ++b) facet.onto.D[a][b] += point.weight[a] * point.shape[b];
+  facet.onto.M = facet.onto.D;
 }
 
 void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) {
   std::map<PetscInt, int> mine; // global node: local node, where owned
   for (int local = 0; local < mesh.node_count(); ++local)
     if (mesh.owned(local)) mine.emplace(mesh.global_node()[at(local)], local);
-  std::map<PetscInt, int> number; // global node: place in owned_
+  std::map<PetscInt, int> number;                  // global node: place in owned_
+  std::set<std::pair<PetscInt, std::size_t>> ends; // node, which end of an edge it is
   bool branches = false;
-  for (const std::array<PetscInt, 4>& nodes : facets_at_owned_nodes(mesh, secondary)) {
-    Facet facet;
-    facet.node = nodes;
-    facet.corners = secondary.per_facet == 2 ? 2 : nodes[3] == nodes[2] ? 3 : 4;
-    for (int a = 0; a < facet.corners; ++a) {
-      const auto found = mine.find(nodes[at(a)]);
-      if (found == mine.end()) continue;
-      const auto [place, is_new] = number.try_emplace(nodes[at(a)], static_cast<int>(owned_.size()));
-      if (is_new) owned_.push_back({found->second, {}, 0});
-      std::vector<Incident>& incident = owned_[at(place->second)].facets;
-      // Two edges that leave a node, or arrive there, are a branch.
-      for (const Incident& other : incident) branches = branches || (dim_ == 2 && other.corner == a);
-      incident.push_back({static_cast<int>(facets_.size()), a});
-      facet.owned[at(a)] = place->second;
+  for (const GlobalFacet& nodes : facets_at_owned_nodes(mesh, secondary)) {
+    // Two edges that leave a node, or arrive there, are a branch.
+    for (std::size_t a = 0; dim_ == 2 && a < 2; ++a)
+      if (mine.contains(nodes[a])) branches = !ends.emplace(nodes[a], a).second || branches;
+    for (const FacetParts::Part& part : cut_.parts) {
+      Facet facet;
+      facet.node = nodes;
+      const bool triangle = part.vertex[3] == part.vertex[2] || (cut_.nodes == 4 && nodes[3] == nodes[2]);
+      facet.corners = dim_ == 2 ? 2 : triangle ? 3 : 4;
+      for (int a = 0; a < facet.corners; ++a) {
+        if (part.node[at(a)] < 0) continue;
+        const auto found = mine.find(nodes[at(part.node[at(a)])]);
+        if (found == mine.end()) continue;
+        const auto [place, is_new] = number.try_emplace(found->first, static_cast<int>(owned_.size()));
+        if (is_new) owned_.push_back({found->second, found->first, 0, {}, 0});
+        owned_[at(place->second)].facets.push_back({static_cast<int>(facets_.size()), a});
+        facet.owned[at(a)] = place->second;
+      }
+      facets_.push_back(facet);
     }
-    facets_.push_back(facet);
   }
   if (!all_ranks_agree(mesh.comm(), !branches))
     throw UserError(ExitCode::data,
@@ -122,9 +170,38 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
                         "_method gpts");
 }
 
+// Nodes that are vertices keep their numbers.
+void MortarForm::find_vertices() {
+  for (Node& node : owned_) node.slot = nodes().slot(node.global);
+  for (std::vector<Anchor>& anchors : anchors_)
+    for (Anchor& anchor : anchors) anchor.opposite.locate(nodes());
+  if (parts_ == 1) return;
+  const ContactNodes& from = nodes();
+  const std::size_t width = at(from.per_facet);
+  vertices_ = Vertices(from.global.size(), cut_);
+  places_ = {};
+  places_.dim = dim_;
+  places_.per_facet = static_cast<int>(corners_);
+  for (std::size_t f = 0; f < from.secondary.size(); f += width)
+    vertices_.add(&from.secondary[f], places_.secondary);
+  for (std::size_t f = 0; f < from.primary.size(); f += width)
+    vertices_.add(&from.primary[f], places_.primary);
+  std::vector<int> corner;
+  for (std::vector<Anchor>& anchors : anchors_)
+    for (Anchor& anchor : anchors) {
+      if (rigid() || !anchor.opposite.found()) continue;
+      corner.clear();
+      vertices_.add(anchor.opposite.slot.data(), corner);
+      std::copy_n(&corner[corners_ * at(anchor.opposite.part)], corners_, anchor.opposite.slot.begin());
+    }
+  ContactValues store;
+  places_.X = at_vertices(from.X, store);
+  if (!from.start.empty()) places_.start = at_vertices(from.start, store);
+}
+
 void MortarForm::find_tangents(const std::vector<double>& X) {
   for (std::size_t f = 0; f < facets_.size(); ++f)
-    facets_[f].map = make_face_map(face_of(X, static_cast<int>(f)));
+    facets_[f].map = make_face_map(face_of(X, consecutive(static_cast<int>(4 * f))));
   for (Node& node : owned_) {
     Point3 n{};
     for (const Incident& incident : node.facets) {
@@ -144,7 +221,7 @@ void MortarForm::find_tangents(const std::vector<double>& X) {
 }
 
 std::pair<StateRow, std::size_t> MortarForm::constraint_row(const std::string& name, int components) const {
-  return {StateRow{name, Support::vertex, components}, at(components) * node_count_};
+  return {StateRow{name, Support::vertex, components}, at(components) * nodal_area_.size()};
 }
 
 std::vector<MortarForm::FacetPoint> MortarForm::points_of(const Facet& facet) const {

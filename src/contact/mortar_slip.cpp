@@ -39,9 +39,10 @@ MortarForm::facet_slips(const FacetNodes<dim, width>& s, const FacetNodes<dim, w
 
 void MortarForm::anchor(Vec u) {
   search_.set_start(u);
-  const ContactValues& x = nodes().start;
+  find_vertices();
+  const ContactValues& x = vertices().start;
   const bool restored = search_.restored() && !rigid();
-  if (rigid() && frictional()) obstacle_.anchor(nodes(), x);
+  if (rigid() && frictional()) obstacle_.anchor(vertices(), x);
   if (!restored && (!frictional() || on_plane())) return;
   Facing facing(facets_.size());
   if (!rigid()) {
@@ -53,7 +54,7 @@ void MortarForm::anchor(Vec u) {
   if (!frictional()) return;
   anchors_.assign(facets_.size(), {});
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) anchor_facet(f, facing, x);
-  locate_anchors();
+  find_vertices();
 }
 
 void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x) {
@@ -70,6 +71,7 @@ void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& 
     });
     if (!anchor.weights.covered) continue;
     anchor.opposite.node = primary_nodes(c);
+    anchor.opposite.part = c % parts_;
     anchors.push_back(anchor);
   }
   for (Anchor& anchor : anchors)
@@ -83,11 +85,6 @@ std::array<double, 4> MortarForm::weights_of(const Incident& incident, const Nod
   std::array<double, 4> weight = facets_[at(incident.facet)].onto.D[at(incident.corner)];
   for (double& part : weight) part /= owner.weight;
   return weight;
-}
-
-void MortarForm::locate_anchors() {
-  for (std::vector<Anchor>& anchors : anchors_)
-    for (Anchor& anchor : anchors) anchor.opposite.locate(nodes());
 }
 
 bool MortarForm::slip_nodes(const Node& owner, NodePlaces& place_of) const {
@@ -137,8 +134,8 @@ void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces&
     for (std::size_t a = 0; on_plane() && a < d - 1; ++a) {
       Obstacle::PlaneSlip slip;
       std::array<double, 24> row{};
-      obstacle_.add_slip(nodes(), i.facet, {weight.data(), corners_}, obstacle_.tangents()[a], u, c.slip[a],
-                         slip);
+      obstacle_.add_slip(vertices(), i.facet, {weight.data(), corners_}, obstacle_.tangents()[a], u,
+                         c.slip[a], slip);
       obstacle_.add_gradient(slip.function, {weight.data(), corners_}, slip.shares, 1, row.data());
       add(a, i, obstacle_.slots(), 1, row);
     }
@@ -228,7 +225,7 @@ void MortarForm::visit_plane_slip_curvature(const ContactValues& u, const Curvat
       block.fill(0);
       for (std::size_t a = 0; a < at(dim_) - 1; ++a) {
         double value = 0;
-        obstacle_.add_slip(nodes(), i.facet, {weight.data(), corners_}, t[a], u, value, slip);
+        obstacle_.add_slip(vertices(), i.facet, {weight.data(), corners_}, t[a], u, value, slip);
         obstacle_.add_hessian(slip.function, {weight.data(), corners_}, slip.shares, factor[a], block.data());
       }
       visitor(with_carrier(i.facet, corners_), {block.data(), n * n});

@@ -81,7 +81,7 @@ std::vector<Corner> widest(const std::vector<Corner>& nodes, std::size_t count) 
 
 } // namespace
 
-Obstacle::Obstacle(const Mesh& mesh) : dim_(index(mesh.dim())), per_facet_(index(stored_nodes(mesh))) {}
+Obstacle::Obstacle(const Mesh& mesh) : dim_(index(mesh.dim())) {}
 
 Obstacle::Obstacle(const Mesh& mesh, const std::string& region, const RigidObstacle& at_rest)
     : Obstacle(mesh) {
@@ -150,6 +150,7 @@ std::array<std::array<double, 3>, 2> Obstacle::tangents() const {
 
 void Obstacle::anchor(const ContactNodes& nodes, const ContactValues& x) {
   pose_.moved = {};
+  per_facet_ = index(nodes.per_facet);
   start_.resize(dim_ * nodes.secondary.size());
   for (std::size_t i = 0; i < start_.size(); ++i)
     start_[i] = x[dim_ * index(nodes.secondary[i / dim_]) + i % dim_];
@@ -175,7 +176,7 @@ void Obstacle::anchor(const ContactNodes& nodes, const ContactValues& x) {
 void Obstacle::add_slip(const ContactNodes& nodes, int facet, std::span<const double> weight,
                         const std::array<double, 3>& tangent, const ContactValues& u, double& value,
                         PlaneSlip& slip) const {
-  const int* secondary = &nodes.secondary[per_facet_ * index(facet)];
+  const int* secondary = &nodes.secondary[index(nodes.per_facet * facet)];
   slip = {};
   if (!carried()) {
     for (std::size_t a = 0; a < weight.size(); ++a)

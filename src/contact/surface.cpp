@@ -135,11 +135,11 @@ TriangleRule triangle_rule(int points) {
   return rule;
 }
 
-std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface) {
-  std::vector<std::array<PetscInt, 4>> mine; // [facet][corner] the facet, which travels to the corner's owner
+std::vector<GlobalFacet> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface) {
+  std::vector<GlobalFacet> mine; // [facet][node] the facet, which travels to the node's owner
   for (int f = 0; f < surface.count(); ++f) {
-    std::array<PetscInt, 4> nodes;
-    for (int a = 0; a < 4; ++a)
+    GlobalFacet nodes;
+    for (int a = 0; a < static_cast<int>(nodes.size()); ++a)
       nodes[at(a)] = surface.node[at(surface.per_facet * f + std::min(a, surface.per_facet - 1))];
     mine.insert(mine.end(), at(surface.per_facet), nodes);
   }
@@ -152,17 +152,16 @@ std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, con
   check(PetscSFSetGraphLayout(sf, layout, static_cast<PetscInt>(mine.size()), nullptr, PETSC_OWN_POINTER,
                               surface.node.data()));
   check(PetscLayoutDestroy(&layout));
-  const PetscInt* degree = nullptr; // [owned node] corners that meet there
+  const PetscInt* degree = nullptr; // [owned node] facets that meet there
   check(PetscSFComputeDegreeBegin(sf, &degree));
   check(PetscSFComputeDegreeEnd(sf, &degree));
-  std::vector<std::array<PetscInt, 4>> facets(
-      at(std::accumulate(degree, degree + mesh.owned_node_count(), 0)));
-  MPI_Datatype four = MPI_DATATYPE_NULL;
-  MPI_Type_contiguous(4, MPIU_INT, &four);
-  MPI_Type_commit(&four);
-  check(PetscSFGatherBegin(sf, four, mine.data(), facets.data()));
-  check(PetscSFGatherEnd(sf, four, mine.data(), facets.data()));
-  MPI_Type_free(&four);
+  std::vector<GlobalFacet> facets(at(std::accumulate(degree, degree + mesh.owned_node_count(), 0)));
+  MPI_Datatype whole = MPI_DATATYPE_NULL;
+  MPI_Type_contiguous(static_cast<int>(std::tuple_size_v<GlobalFacet>), MPIU_INT, &whole);
+  MPI_Type_commit(&whole);
+  check(PetscSFGatherBegin(sf, whole, mine.data(), facets.data()));
+  check(PetscSFGatherEnd(sf, whole, mine.data(), facets.data()));
+  MPI_Type_free(&whole);
   std::sort(facets.begin(), facets.end());
   facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
   return facets;

@@ -76,6 +76,7 @@ struct TrianglePair {
 };
 
 template <class Visitor> void visit_triangles(const FaceCorners& x, const FaceCorners& p, Visitor&& visitor) {
+  if (clearance(x, p) > 0) return;
   const int count = triangles_of(x), primary_count = triangles_of(p);
   for (int i = 0; i < count; ++i) {
     const TriangleWeights ws = triangle_weights(corners_of(x), i);
@@ -183,11 +184,6 @@ TriangleWeights triangle_weights(int corners, int triangle) {
   w[1][at((triangle + 1) % 4)] = 1;
   w[2] = {0.25, 0.25, 0.25, 0.25};
   return w;
-}
-
-Point3 facet_normal(const FaceCorners& x) {
-  // A triangle repeats its third corner: the diagonals of the quadrilateral are then two of its sides.
-  return unit(cross(minus(x[2], x[0]), minus(x[3], x[1])));
 }
 
 std::array<double, 4> nodal_areas(const FaceCorners& x) {

@@ -61,7 +61,12 @@ for (cells, extra), enforce in zip(SECOND.items(), ("auglag", "penalty", "semism
          "measure_place_ux")
 # Its ends are lower by 1e-4 than its middle.
 ROUND = {"contact_face_primary": "rigid_cylinder", "contact_face_radius": 1e3, "contact_face_centre": "0.5,-1e3,0"}
-for name, extra in (("Gauss points", {"contact_face_method": "gpts"}), ("second order", SECOND["boxes"])):
+MORTAR = {"contact_face_method": "mortar"}
+stop("rigid plane, triangles of second order, mortar", run("plane_second_mortar", block(**SECOND["triangles"], **MORTAR)),
+     "measure_place_ux")
+for name, extra in (("Gauss points", {"contact_face_method": "gpts"}),
+                    ("second order", {**SECOND["boxes"], "contact_face_method": "gpts"}),
+                    ("second order, mortar", {**SECOND["boxes"], **MORTAR})):
     stop(f"rigid cylinder that is almost a plane, {name}", run(f"round_{name}", block(**ROUND, **extra)), "measure_place_ux", 2e-3)
 
 # The work of friction by the trapezoidal rule, as central differences do it: what is left is of second order.
@@ -88,7 +93,8 @@ MASS = RHO * 0.8
 TRIANGLES = {"mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1}
 for method, extra in (("boxes of second order", {"order": 2, "contact_face_enforce": "semismooth"}),
                       ("triangles of second order", {"order": 2, **TRIANGLES, "contact_face_enforce": "semismooth"}),
-                      ("gpts", {"contact_face_method": "gpts"}), ("mortar", {"contact_face_method": "mortar"})):
+                      ("triangles of second order by mortar", {"order": 2, **TRIANGLES, **MORTAR}),
+                      ("gpts", {"contact_face_method": "gpts"}), ("mortar", MORTAR)):
     runs = [run(f"slab_{method}_{ranks}", {**SLAB, **extra}, ranks=ranks) for ranks in (1, 2)]
     r = runs[0]
     normal, tangential = r["contact_face_force_y"], r["contact_face_force_x"]

@@ -101,7 +101,9 @@ SLAB = {
     "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u", "measure_place_of": "mean",
 }
 SLABS = {"dual, hexahedra": {"contact_face_multipliers": "dual"},
-         "tetrahedra of second order": {"order": 2, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1}}
+         "tetrahedra of second order": {"order": 2, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1},
+         "hexahedra of second order, mortar": {"order": 2, "contact_face_method": "mortar", "mesh_set_n_lower": 2,
+                                               "mesh_set_n_upper": 1}}
 if LONG:
     SLABS |= {"standard, tetrahedra": {"contact_face_multipliers": "standard", "mesh_set_simplices_upper": 1},
               "hexahedra of second order": {"order": 2, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1},

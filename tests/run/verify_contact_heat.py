@@ -51,6 +51,7 @@ def steady(name, r, a, dim, h, tolerance, sign=1):
 
 for dim, lower, upper, turned, more in (
         (2, 5, 4, False, {}), (2, 3, 7, True, {"contact_face_multipliers": "dual"}), (3, 3, 2, False, {}),
+        (2, 4, 3, False, {"order": 2}), (3, 2, 1, False, {"order": 2}),
         (3, 2, 3, False, {"mesh_set_simplices_upper": 1, "contact_face_multipliers": "standard"})):
     a, pressure, base = bars(dim, lower, upper, turned)
     r = run(f"steady_{dim}_{lower}_{upper}", {**base, **more})

@@ -61,6 +61,7 @@ private:
 /// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
 struct Opposite {
   GlobalFacet node{};
+  int part = 0;                                           ///< of the facet
   std::array<int, std::tuple_size_v<GlobalFacet>> slot{}; ///< in the nodes of the contact, -1: not there
 
   void locate(const ContactNodes& nodes) {
@@ -105,6 +106,8 @@ public:
   PairSearch& search() { return search_; }
   const PairSearch& search() const { return search_; }
   const ContactNodes& nodes() const { return search_.nodes(); }
+  /// The corners of facets and where they stand: the nodes, or vertices in their place.
+  virtual const ContactNodes& vertices() const { return nodes(); }
   /// Pairs of global nodes whose dofs tangents may couple: sorted, each once.
   virtual NodePairs couplings() const = 0;
   /// Whether it has far more constraints than its surface has nodes.
@@ -138,18 +141,21 @@ protected:
     return outcome;
   }
 
-  /// Places in nodes() of the nodes of a secondary facet, and of the facet of a candidate pair.
+  /// Numbers in vertices() of the corners of a secondary facet, and of the facet of a candidate pair. Facets
+  /// and candidates are counted by their parts.
   const int* secondary_slots(int facet) const {
-    return &nodes().secondary[static_cast<std::size_t>(nodes().per_facet * facet)];
+    return &vertices().secondary[static_cast<std::size_t>(vertices().per_facet * facet)];
   }
   const int* primary_slots(int candidate) const {
-    const int facet = search_.candidates().facet[static_cast<std::size_t>(candidate)];
-    return &nodes().primary[static_cast<std::size_t>(nodes().per_facet * facet)];
+    const int part = parts_ * primary_facet(candidate) + candidate % parts_;
+    return &vertices().primary[static_cast<std::size_t>(vertices().per_facet * part)];
   }
-  /// Global nodes of the facet of a candidate pair.
+  /// The facet of a candidate pair, and its global nodes.
+  int primary_facet(int candidate) const {
+    return search_.candidates().facet[static_cast<std::size_t>(candidate / parts_)];
+  }
   const GlobalFacet& primary_nodes(int candidate) const {
-    const Candidates& list = search_.candidates();
-    return list.primary[static_cast<std::size_t>(list.facet[static_cast<std::size_t>(candidate)])].node;
+    return search_.candidates().primary[static_cast<std::size_t>(primary_facet(candidate))].node;
   }
   /// Different corners of that facet, one of first order.
   int primary_corners(int candidate) const {
@@ -167,7 +173,7 @@ protected:
   template <class Corners> Corners corners_from(int origin, const int* slot, const ContactValues& u) const {
     Corners corner;
     for (auto& place : corner)
-      place = nodes().place<std::tuple_size_v<typename Corners::value_type>>(*slot++, origin, u);
+      place = vertices().place<std::tuple_size_v<typename Corners::value_type>>(*slot++, origin, u);
     return corner;
   }
   /// Places of what lay opposite a facet at a displacement, seen from its first corner.
@@ -178,7 +184,7 @@ protected:
     Corners corner;
     for (std::size_t b = 0; b < corner.size(); ++b)
       corner[b] =
-          obstacle_.place<std::tuple_size_v<typename Corners::value_type>>(nodes(), facet, b, origin, u);
+          obstacle_.place<std::tuple_size_v<typename Corners::value_type>>(vertices(), facet, b, origin, u);
     return corner;
   }
   /// Corners of a secondary facet and of the carrier of the obstacle.
@@ -191,14 +197,14 @@ protected:
   /// derivatives by its carrier.
   void visit_slip_block(int facet, const Opposite& opposite, std::span<const double> block,
                         const BlockVisitor& visitor) const {
-    const auto corners = static_cast<std::size_t>(nodes().per_facet);
+    const auto corners = static_cast<std::size_t>(vertices().per_facet);
     std::vector<int> node = with_carrier(facet, corners);
     std::vector<double> chained;
     if (rigid()) {
       obstacle_.chain_block(facet, block, chained);
       block = chained;
     } else {
-      node.insert(node.end(), opposite.slot.begin(), opposite.slot.begin() + nodes().per_facet);
+      node.insert(node.end(), opposite.slot.begin(), opposite.slot.begin() + vertices().per_facet);
     }
     visitor(node, block);
   }
@@ -206,6 +212,7 @@ protected:
   ContactSettings settings_;
   PairSearch search_;
   Obstacle obstacle_;
+  int parts_ = 1; // of a facet
   bool switched_ = false;
 };
 

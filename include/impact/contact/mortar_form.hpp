@@ -1,6 +1,8 @@
 #pragma once
 #include <array>
+#include <impact/contact/facet_parts.hpp>
 #include <impact/contact/form.hpp>
+#include <impact/contact/vertices.hpp>
 #include <impact/kernel/facet_slip.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/kernel/mortar_segment.hpp>
@@ -10,8 +12,9 @@
 /// that meet there, whoever owns their cells: the mean gap g_A = (1/w_A) int Phi_A g dA_0 (80') over all
 /// pairs of facets (mortar_segment.hpp in the plane, mortar_face.hpp in space). What the primary does not
 /// cover counts zero. Against a rigid body the gap is its distance, integrated by points on the secondary
-/// facets: exact for a plane. Which primary facets a secondary facet faces, and which functions Phi are dual,
-/// is chosen by update and stays fixed in between.
+/// facets: exact for a plane. Facets of second order are cut into straight ones (facet_parts.hpp), with a
+/// constraint for each of their nodes: facets and candidates below are those parts. Which primary facets a
+/// secondary facet faces, and which functions Phi are dual, is chosen by update and stays fixed in between.
 namespace impact {
 
 class MortarForm : public ContactForm {
@@ -29,6 +32,7 @@ public:
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
   const std::vector<double>& nodal_area() const override { return nodal_area_; }
+  const ContactNodes& vertices() const override { return vertices_.empty() ? nodes() : places_; }
   void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const override;
 
 private:
@@ -39,17 +43,17 @@ private:
     std::array<double, 4> shape{}, weight{};
   };
   struct Facet {
-    std::array<PetscInt, 4> node{};              // global; an edge has two, a triangle repeats its third
-    int corners = 2;                             // different ones
-    std::array<int, 4> owned = {-1, -1, -1, -1}; // [corner] place in owned_, -1: another rank's
+    GlobalFacet node{};                          // global, of the facet that was cut
+    int corners = 2;                             // different ones, and functions
+    std::array<int, 4> owned = {-1, -1, -1, -1}; // [function] place in owned_, -1: another rank's, or none
     MortarEdge edge;                             // in the plane
     MortarFace face;                             // in space
     FaceMap map;                                 // in space, with friction
     std::vector<FacetPoint> points;              // against a rigid body
     MortarWeights onto; // likewise: D = M, of the facet on its own place at the start
-    std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole facet is covered,
-    bool whole = false;                          // as it is taken to be,
-    Switches changes;                            // from one kind to the other
+    std::array<std::array<double, 4>, 4> standard{}, dual{}; // Phi: dual where the whole half is covered,
+    bool whole = false;                                      // as it is taken to be,
+    Switches changes;                                        // from one kind to the other
 
     const MortarEdge& reference(const EdgeCorners&) const { return edge; }
     const MortarFace& reference(const FaceCorners&) const { return face; }
@@ -58,11 +62,13 @@ private:
     const TangentRows<3, 4>& tangents(const FaceCorners&) const { return map.row; }
   };
   struct Incident {
-    int facet, corner;
+    int facet, corner;                              // of first order; else number of the node's function
     std::array<std::array<double, 2>, 2> turn = {}; // with friction in space: the node's tangents in it
   };
   struct Node {
     int local = 0; // in the mesh
+    PetscInt global = 0;
+    int slot = 0; // in nodes()
     std::vector<Incident> facets;
     double weight = 0;
   };
@@ -87,7 +93,8 @@ private:
     int candidate; // -1: the rigid body
     MortarPair pair;
   };
-  using Facing = std::vector<std::vector<int>>; // [facet]: candidates that face it, ascending
+  using Pieces = std::vector<std::vector<Piece>>; // [facet]
+  using Facing = std::vector<std::vector<int>>;   // [facet]: candidates that face it, ascending
 
   // call(Corners) with a value of the type of the corners: of edges in the plane, of faces in space.
   template <class Call> auto by_dimension(Call&& call) const {
@@ -116,18 +123,29 @@ private:
     });
   }
 
-  std::array<double, 4> measure(int facet, const std::vector<double>& X);
+  std::array<double, 4> measure(int facet, const std::vector<double>& X); // [vertex][dim] of the cut facet
+  void set_obstacle_points(Facet& facet) const;
   void find_facets(const Mesh& mesh, const ContactSurface& secondary);
+  const FacetParts::Part& part_of(int facet) const {
+    return cut_.parts[static_cast<std::size_t>(facet % parts_)];
+  }
+  std::vector<double> vertices_of(const double* X) const; // [node][dim] of a facet to [vertex][dim]
+  // Values at the vertices, of which all that is private here is a function.
+  const ContactValues& at_vertices(const ContactValues& of_nodes, ContactValues& store) const {
+    return vertices_.from(of_nodes, static_cast<std::size_t>(dim_), store);
+  }
+  // To be called when nodes() or what lay opposite are other ones.
+  void find_vertices();
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
   bool found(const Anchor& anchor) const { return rigid() || anchor.opposite.found(); }
   void anchor_facet(int facet, const Facing& facing, const ContactValues& x);
-  void locate_anchors();
 
   FacetView view(int facet, int candidate, const ContactValues& x) const;
   bool opposed(int facet, int candidate, const ContactValues& x) const;
   // Whether an accepted candidate lies before this one.
   bool hidden(int facet, int candidate, const std::vector<int>& accepted, const ContactValues& x) const;
-  bool share_a_node(int candidate, int other) const;
+  bool is_beside(int facet, int candidate, const ContactValues& x) const;
+  bool adjoin(int candidate, int other) const;             // their facets share a node
   double size_of(int facet, const ContactValues& x) const; // longest side
   // Whether a pair that is deep now was not so at the start of the step.
   bool came_through(int facet, int candidate) const;
@@ -136,11 +154,13 @@ private:
   // Returns the facets whose functions change.
   std::vector<int> choose_functions(const Facing& facing, const ContactValues& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
+  std::array<double, 4> of_functions(const Facet& facet, const std::array<double, 4>& of_corners) const;
   // Whether the node is active with these pairs.
   bool active(const Node& node, const ContactValues& u, const Presses& presses, const Facing& facing) const;
   std::vector<int> covering(int facet, const ContactValues& x, const Facing& facing) const;
   MortarPair pair_at(int facet, int candidate, const ContactValues& u, bool with_gradient) const;
-  std::vector<std::vector<Piece>> pieces_at(const ContactValues& u, bool with_gradient) const;
+  Pieces pieces_at(const ContactValues& u, bool with_gradient) const;
+  static bool is_covered(const Node& owner, const Pieces& pieces);
   // Of the constraint's slip: whether there is one, and where the slip is a function of more nodes than the
   // gap, these.
   bool slip_nodes(const Node& owner, NodePlaces& place_of) const;
@@ -173,12 +193,14 @@ private:
   std::array<double, 4> areas_at(int facet, const ContactValues& u) const;
 
   int dim_;
-  std::size_t corners_; // stored per facet
+  FacetParts cut_;
+  std::size_t corners_; // stored per part
+  Vertices vertices_;
+  ContactNodes places_; // of the vertices, without their exchange; unused where all of them are nodes
   Frame frame_;
   std::vector<Facet> facets_; // of the nodes owned by this rank
   std::vector<Node> owned_;
-  std::size_t node_count_ = 0; // of the mesh on this rank
-  std::vector<double> nodal_area_;
+  std::vector<double> nodal_area_; // [node] of the mesh on this rank
   Facing facing_;
   std::vector<std::vector<Anchor>> anchors_; // [facet], empty without friction
   std::vector<Switches> switches_;           // [facet] of its pairs

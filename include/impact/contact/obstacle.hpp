@@ -116,8 +116,8 @@ public:
   void chain_block(int facet, std::span<const double> block, std::vector<double>& chained) const;
 
 private:
-  std::size_t dim_, per_facet_; // nodes of a facet
-  ObstaclePose pose_;           // of a carried one: in the reference configuration
+  std::size_t dim_, per_facet_ = 0; // nodes of a facet, as anchored
+  ObstaclePose pose_;               // of a carried one: in the reference configuration
   std::vector<PetscInt> node_;
   std::vector<int> slot_;
   std::array<Weights, 3> axis_{}; // of the directions x, y, z

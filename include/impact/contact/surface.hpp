@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <impact/contact/search.hpp>
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/mesh.hpp>
 #include <string>
@@ -44,8 +45,8 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
 ContactSurface surface_of(const Mesh& mesh, const std::string& group, const FacetTable& facets);
 
 /// Global nodes of the facets of the surface that meet a node owned by this rank, whoever owns their cells;
-/// sorted, an edge repeating its second node. Collective: one message per pair of ranks that share a facet.
-std::vector<std::array<PetscInt, 4>> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface);
+/// sorted. Collective: one message per pair of ranks that share a facet.
+std::vector<GlobalFacet> facets_at_owned_nodes(const Mesh& mesh, const ContactSurface& surface);
 
 /// Global numbers of the far nodes of the neighbouring edges, [facet][2] (before the first node, after the
 /// second), -1 at an end of the surface or where more than two edges meet; all -1 in space and of second

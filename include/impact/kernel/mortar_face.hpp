@@ -52,6 +52,9 @@ struct FacetView {
   double mean = 0;     ///< likewise
 };
 FacetView view_facet(const FaceCorners& x, const FaceCorners& p);
+/// How far apart balls about the two faces are, across the normal of the secondary one and less their
+/// distance along it. Where it is positive nothing is covered, unless a face is bent by more than 45 degrees.
+double clearance(const FaceCorners& x, const FaceCorners& p);
 /// Part of the secondary face, between 0 and 1, that both primary faces cover.
 double common_part(const FaceCorners& x, const FaceCorners& a, const FaceCorners& b);
 /// Gap at a corner of the secondary face; false where the primary face does not cover it.

@@ -1,0 +1,44 @@
+#pragma once
+#include <array>
+#include <vector>
+
+/// How a facet is cut into straight ones, edges, triangles or quadrilaterals, for what integrates over
+/// straight facets alone (theory.md, contact). One of first order is its only part. One of second order falls
+/// into halves, the facets of first order between its nodes, by a vertex for the middle m of each side with
+/// ends a, b, and of a quadrilateral for its own middle c, at
+///   (8 m - a - b) / 6,   (64 c - 8 sum m + sum a) / 36                                          (80''')
+/// Over a straight-sided facet the integral of a displacement is then that of its shape functions, over an
+/// edge that of a displacement times a linear function too: a uniform pressure is passed on exactly, and an
+/// arc has the area under it. In the plane the halves stand at the nodes and are cut once more by the same
+/// rule, which then holds for functions that are linear on the halves: pressures of neighbouring nodes
+/// scatter less (Hertz's by 0.2 % for 3 %). In space there would be 16 parts, and contact five times as dear.
+namespace impact {
+
+struct FacetParts {
+  /// Of a part: its corners, a triangle repeating its third one; and what a node's function of (80') is
+  /// there, the piecewise linear one over the halves about it, Phi_r = sum_c function[r][c] N_c.
+  struct Part {
+    std::array<int, 4> vertex{};
+    std::array<int, 4> node = {-1, -1, -1, -1}; ///< [r], -1: none
+    std::array<std::array<double, 4>, 4> function{};
+    std::array<std::array<double, 4>, 4> of_half{}; ///< its corners as sums over those of the half
+  };
+  int nodes = 0;   ///< stored per facet
+  int corners = 0; ///< stored per part: 2 or 4
+  /// Sums over the nodes: the first vertices are the nodes themselves. [vertex][node]
+  std::vector<std::vector<double>> vertex;
+  std::vector<Part> parts;              ///< half by half
+  std::vector<std::array<int, 4>> half; ///< vertices
+
+  int parts_of_half() const { return static_cast<int>(parts.size() / half.size()); }
+};
+
+/// `stored`: nodes that are stored per facet, in the plane or in space (surface.hpp).
+FacetParts cut_facet(int stored);
+
+/// Turns functions of the corners of a half, [r][corner], into those of its part `p` for the nodes of rows r:
+/// the middle of eight nodes has no function of its own, and gives it to the sides beside it.
+std::array<std::array<double, 4>, 4> functions_of_part(const FacetParts& cut, int p,
+                                                       const std::array<std::array<double, 4>, 4>& of_half);
+
+} // namespace impact
