@@ -54,15 +54,18 @@ GmshFile read_file(MPI_Comm comm, const MeshRequest& request) {
   return read_stored_mesh(comm, request.file);
 }
 
-// What wants int N_a dV_0 > 0.
+// What wants int N_a dV_0 > 0; and contact by Newton's method on faces that come free while they bend
+// sharply, whose pairs do not come to rest.
 void refuse_second_order(const Scenario& s, const Mesh& mesh) {
   if (mesh.order() == 1) return;
   const std::string remedy =
       ": cells of second order do not know it yet; allowed: cells of first order (-order 1, gmsh -order 1)";
   if (s.damage.explicit_substeps > 0) throw UserError(ExitCode::data, "-damage_substeps" + remedy);
-  if (!s.has_motion()) return;
+  if (!s.has_motion() || s.explicit_steps()) return;
   for (const MaterialScenario& m : s.materials)
-    if (m.erosion.on) throw UserError(ExitCode::data, "-material_" + m.id + "_erosion" + remedy);
+    if (m.erosion.on)
+      throw UserError(ExitCode::data,
+                      "-material_" + m.id + "_erosion" + remedy + ", or -ts_type central_difference");
 }
 
 // `obstacles`: becomes the bodies of rigid obstacles with mass.

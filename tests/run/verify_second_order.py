@@ -125,8 +125,8 @@ check_whole({2: 3, 3: 2}, (2,), kind="boxes_", order=2, mesh_set_simplex=0)
 BODY = {**BLOCK, **STATIC, "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_rho": 1e-9, "bcs": "hold",
         "bc_hold_on": "left", "bc_hold_type": "fix", "ts_dt": 1, "ts_max_time": 1}
 for name, more, words in (
-        ("erosion", {"ts_type": "central_difference", "material_solid_erosion": "on", "material_solid_damage": "at2",
-                     "material_solid_Gc": 1, "material_solid_gamma": 1}, ("-material_solid_erosion", "-order 1")),
+        ("erosion", {"ts_type": "newmark", "material_solid_erosion": "on", "material_solid_damage": "at2",
+                     "material_solid_Gc": 1, "material_solid_gamma": 1}, ("-material_solid_erosion", "central_difference")),
         ("refined", {"dm_refine": 1}, ("-dm_refine", "-order 1"))):
     for ranks in (1, 2):
         log = runs.run(f"refused_{name}_{ranks}", {**BODY, **more}, ranks=ranks, code=3).log
