@@ -67,7 +67,8 @@ FacetView MortarForm::view(int facet, int candidate, const ContactValues& x) con
   return at_pair(facet, candidate, x, [](const auto& s, const auto& p) { return view_facet(s, p); });
 }
 
-// A part whose place in the other facet no iterate makes up for.
+// Whether a part lies so far beside that the iterates of a solve do not bring it before the facet; one that
+// they do is found by the next update.
 bool MortarForm::is_beside(int facet, int candidate, const ContactValues& x) const {
   if (dim_ == 2 || parts_ == 1) return false;
   const FaceCorners s = corners_at<FaceCorners>(secondary_slots(facet), x),

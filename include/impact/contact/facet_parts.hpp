@@ -11,7 +11,8 @@
 /// edge that of a displacement times a linear function too: a uniform pressure is passed on exactly, and an
 /// arc has the area under it. In the plane the halves stand at the nodes and are cut once more by the same
 /// rule, which then holds for functions that are linear on the halves: pressures of neighbouring nodes
-/// scatter less (Hertz's by 0.2 % for 3 %). In space there would be 16 parts, and contact five times as dear.
+/// scatter less (Hertz's by 0.2 % for 3 %). In space there would be 16 parts, and contact three times as
+/// dear.
 namespace impact {
 
 struct FacetParts {
