@@ -11,6 +11,7 @@
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/columns.hpp>
 #include <numbers>
+#include <set>
 
 namespace impact {
 
@@ -137,15 +138,17 @@ std::array<double, 2> size_of_boundary(const Discretisation& d, const std::strin
   return sums;
 }
 
-// How evenly the ranks share what costs time: the fullest one's cells, and its facets of secondary surfaces,
-// over the mean. A facet that several contacts want is work for each.
+// How evenly the ranks share what costs time: the fullest one's cells, and its facets of deformable contact
+// surfaces, over the mean. A facet that several contacts want is work for each.
 void report_shares(const Scenario& s, const Discretisation& d) {
   const MPI_Comm comm = d.mesh.comm();
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
   if (ranks == 1) return;
   std::array<double, 2> most{static_cast<double>(d.mesh.cell_count()), 0};
-  for (const ContactSettings& contact : s.contacts) most[1] += d.mesh.facets(contact.secondary).count();
+  for (const ContactSettings& contact : s.contacts)
+    for (const std::string& side : std::set{contact.secondary, contact.primary})
+      if (!ContactSettings::rigid_name(side)) most[1] += d.mesh.facets(side).count();
   std::array<double, 2> mean = most;
   max_over_ranks(comm, most);
   sum_over_ranks(comm, mean);
