@@ -72,14 +72,13 @@ MortarPair MortarForm::obstacle_gaps(int f, const RigidObstacle& obstacle, const
 
 std::array<double, 4> MortarForm::areas_at(int f, const ContactValues& u) const {
   const int* slot = secondary_slots(f);
-  const Facet& facet = facets_[at(f)];
-  if (dim_ == 3) return of_functions(facet, nodal_areas(corners_from<FaceCorners>(slot[0], slot, u)));
+  if (dim_ == 3) return of_functions(f, nodal_areas(corners_from<FaceCorners>(slot[0], slot, u)));
   const double length = longest_side(corners_from<EdgeCorners>(slot[0], slot, u)[0].data(), 2, 2);
   std::array<double, 2> ring = {1, 1};
   if (frame_ == Frame::axisymmetric)
     for (std::size_t a = 0; a < 2; ++a)
       ring[a] = 2 * std::numbers::pi * (vertices().X[2 * at(slot[a])] + u[2 * at(slot[a])]);
-  return of_functions(facet, {length * (2 * ring[0] + ring[1]) / 6, length * (2 * ring[1] + ring[0]) / 6});
+  return of_functions(f, {length * (2 * ring[0] + ring[1]) / 6, length * (2 * ring[1] + ring[0]) / 6});
 }
 
 // Each pair once, for all corners of its secondary facet.

@@ -43,7 +43,7 @@ std::vector<int> MortarForm::choose_functions(const Facing& facing, const Contac
     chosen.changes.note();
     for (int f = first; f < first + together; ++f) {
       Facet& facet = facets_[at(f)];
-      set_functions(facet, whole ? facet.dual : facet.standard);
+      set_functions(facet, whole ? facet.dual : part_of(f).function);
       changed.push_back(f);
     }
   }

@@ -90,11 +90,11 @@ std::vector<double> MortarForm::vertices_of(const double* X) const {
 }
 
 // Integrals of functions from those of the piecewise linear functions of the corners.
-std::array<double, 4> MortarForm::of_functions(const Facet& facet,
-                                               const std::array<double, 4>& of_corners) const {
+std::array<double, 4> MortarForm::of_functions(int f, const std::array<double, 4>& of_corners) const {
+  const auto corners = at(facets_[at(f)].corners);
   std::array<double, 4> sum{};
-  for (std::size_t r = 0; r < at(facet.corners); ++r)
-    for (std::size_t c = 0; c < at(facet.corners); ++c) sum[r] += facet.standard[r][c] * of_corners[c];
+  for (std::size_t r = 0; r < corners; ++r)
+    for (std::size_t c = 0; c < corners; ++c) sum[r] += part_of(f).function[r][c] * of_corners[c];
   return sum;
 }
 
@@ -104,7 +104,6 @@ std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
   const std::array<int, 4>&corner = part_of(f).vertex,
                         &half = cut_.half[at(f % parts_ / cut_.parts_of_half())];
   std::array<std::array<double, 4>, 4> dual{};
-  facet.standard = part_of(f).function;
   std::array<double, 4> area{};
   if (dim_ == 2) {
     facet.edge = edge_of(X, corner, frame_);
@@ -118,9 +117,9 @@ std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
     area = nodal_areas(face_of(X, corner));
   }
   facet.dual = functions_of_part(cut_, f % parts_, dual);
-  set_functions(facet, facet.standard);
+  set_functions(facet, part_of(f).function);
   if (rigid()) set_obstacle_points(facet);
-  return of_functions(facet, area);
+  return of_functions(f, area);
 }
 
 // A rigid body covers everything.

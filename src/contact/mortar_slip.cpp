@@ -39,6 +39,7 @@ MortarForm::facet_slips(const FacetNodes<dim, width>& s, const FacetNodes<dim, w
 
 void MortarForm::anchor(Vec u) {
   search_.set_start(u);
+  anchors_.clear();
   find_vertices();
   const ContactValues& x = vertices().start;
   const bool restored = search_.restored() && !rigid();

@@ -25,7 +25,6 @@ public:
     if (secondary >= vertex.size()) secondary_ = place_of_.node.size();
   }
   std::span<const int> node() const { return place_of_.node; }
-  std::size_t secondary() const { return secondary_; }
 
   // [row][vertex][component] to [row][node][component].
   std::span<const double> rows(std::span<const double> of_vertices, std::size_t components,

@@ -61,8 +61,9 @@ private:
 /// Nodes of the primary facet that a place of the secondary surface lay opposite of at the start of a step.
 struct Opposite {
   GlobalFacet node{};
-  int part = 0;                                           ///< of the facet
-  std::array<int, std::tuple_size_v<GlobalFacet>> slot{}; ///< in the nodes of the contact, -1: not there
+  int part = 0; ///< of the facet
+  /// In the nodes of the contact, -1: not there; of a facet that was cut then the corners of the part.
+  std::array<int, std::tuple_size_v<GlobalFacet>> slot{};
 
   void locate(const ContactNodes& nodes) {
     for (std::size_t b = 0; b < node.size(); ++b)

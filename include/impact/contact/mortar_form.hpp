@@ -51,9 +51,9 @@ private:
     FaceMap map;                                 // in space, with friction
     std::vector<FacetPoint> points;              // against a rigid body
     MortarWeights onto; // likewise: D = M, of the facet on its own place at the start
-    std::array<std::array<double, 4>, 4> standard{}, dual{}; // Phi: dual where the whole half is covered,
-    bool whole = false;                                      // as it is taken to be,
-    Switches changes;                                        // from one kind to the other
+    std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole half is covered,
+    bool whole = false;                          // as it is taken to be,
+    Switches changes;                            // from one kind to the other
 
     const MortarEdge& reference(const EdgeCorners&) const { return edge; }
     const MortarFace& reference(const FaceCorners&) const { return face; }
@@ -154,7 +154,7 @@ private:
   // Returns the facets whose functions change.
   std::vector<int> choose_functions(const Facing& facing, const ContactValues& x);
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
-  std::array<double, 4> of_functions(const Facet& facet, const std::array<double, 4>& of_corners) const;
+  std::array<double, 4> of_functions(int facet, const std::array<double, 4>& of_corners) const;
   // Whether the node is active with these pairs.
   bool active(const Node& node, const ContactValues& u, const Presses& presses, const Facing& facing) const;
   std::vector<int> covering(int facet, const ContactValues& x, const Facing& facing) const;
