@@ -23,6 +23,7 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   fallen_back_ = false;
   use_method();
   at_rest_ = !(mass_shift > 0);
+  method().begin_attempt(*constraints_, friction_);
   const StateRow* row = state_->find("u");
   Handle<Vec> u_n;
   if (row != nullptr) {

@@ -172,6 +172,7 @@ ResolvedSettings resolve_settings(const Mesh& mesh, const ContactSettings& given
   ContactSettings& settings = resolved.settings;
   if (const std::string text = adjoining(mesh, settings); !text.empty()) resolved.warnings.push_back(text);
   check_settings(settings, mesh, !resolved.warnings.empty());
+  settings.inertia = environment.density > 0;
   const bool of_inertia = automatic(settings.penalty);
   resolved.mean_length =
       set_automatic_values(settings, environment, mesh.comm(), secondary, primary, resolved.warnings);

@@ -94,7 +94,7 @@ void add_penalties(ContactRows& rows) {
   Rows row(rows);
   row.number("penalty", &Contact::penalty, "N/m^3 epsilon_N (75)", or_auto(positive),
              "starting penalty; auto: 10 E/h, E of the softest body, h the mean secondary facet, with auglag "
-             "more in steps far below h/c_p and less for a deep first touch without friction; with central "
+             "more in steps far below h/c_p and less for a first touch; with central "
              "differences what the part of the stable step that "
              "-ts_dt_cfl leaves has room for");
   row.number("penalty_increment", &Contact::penalty_increment, "N/m^3", or_auto(not_negative),

@@ -80,8 +80,6 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
   if (number == 1)
     first_touch_ = (demands.closes_gaps || demands.augments) && !loose.empty() && !loose.rest(u);
   meet(u);
-  if (number == 1 && !first_touch_)
-    for (ContactInterface& contact : motion_.contacts()) contact.start_step(u);
   // Before the last augmentation a residual that falls to a tenth is exact enough, once all points have found
   // out whether they touch: multipliers that are no use lead Newton's method astray.
   Aim aim = aim_;

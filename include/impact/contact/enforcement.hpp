@@ -89,8 +89,8 @@ public:
   /// What takes its place where it does not come to rest, or may not be used; null: itself.
   virtual std::unique_ptr<EnforcementMethod> fallback() const { return nullptr; }
 
-  /// Before the first solve of a step, from u. Collective, as what follows.
-  virtual void start_step(const Constraints& /*constraints*/, const Friction& /*friction*/, Vec /*u*/) {}
+  /// Before a step is tried. Collective, as what follows.
+  virtual void begin_attempt(const Constraints& /*constraints*/, const Friction& /*friction*/) {}
   /// Before Newton's method starts from u.
   virtual void start_newton(const Constraints& /*constraints*/, Vec /*u*/) {}
   /// After its step du from u, which ended at `next`. True on all ranks where other constraints are active

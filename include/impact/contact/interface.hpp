@@ -188,8 +188,6 @@ public:
     return method().gaps_left(*constraints_, friction_, u, force);
   }
 
-  /// Before the first solve of a step, from u. Collective.
-  void start_step(Vec u) { method().start_step(*constraints_, friction_, u); }
   /// Forgets the gap that the penalty rule compares with: first call of each Uzawa loop.
   void start_augmentation();
   /// What augment would do, without doing it.

@@ -61,6 +61,7 @@ struct ContactSettings {
       automatic;             ///< automatic: pairs by the facets' own sizes, 0.8 of the smallest facet deep
   bool local_search = false; ///< the radius was automatic
   bool automatic_penalty = false; ///< the penalty was
+  bool inertia = false;           ///< bodies have some
   bool exposed = false;           ///< cells have left, and facets inside the bodies take part
   bool iterated = true;           ///< what points face is held while Newton's method works
   bool changing = false;          ///< cells may leave: friction keeps no spring from step to step
