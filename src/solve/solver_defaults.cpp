@@ -28,10 +28,15 @@ int ranks_of(KSP ksp) {
 void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
   const bool half = defaults.matrix == MatrixFormat::sbaij;
   const PC pc = Get(KSPGetPC)(ksp);
-  const auto take = [&](KSPType krylov, PCType preconditioner, PetscInt most) {
+  const auto take = [&](KSPType krylov, PCType preconditioner, PetscInt most, double rtol = 1e-8) {
     check(KSPSetType(ksp, krylov));
     check(PCSetType(pc, preconditioner));
-    check(KSPSetTolerances(ksp, 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, most));
+    check(KSPSetTolerances(ksp, rtol, PETSC_DEFAULT, PETSC_DEFAULT, most));
+  };
+  // What slides asks full steps of Newton's method: solves to 1e-6 need no more of them than exact ones,
+  // solves to 1e-4 three times as many where points open.
+  const auto iterate = [&](PCType preconditioner) {
+    take(defaults.slides ? KSPGMRES : KSPCG, preconditioner, 10000, defaults.slides ? 1e-6 : 1e-8);
   };
   // One application of the factors in each iteration; GMRES has another one in each solve.
   switch (defaults.method) {
@@ -45,9 +50,9 @@ void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
     // The blocks of bjacobi are factorised like the matrix of one rank: a symmetric format by ICC.
     return take(KSPGMRES, !half ? PCGAMG : ranks_of(ksp) == 1 ? PCICC : PCBJACOBI, half ? 10000 : 1000);
   case LinearMethod::two_level:
-    return take(KSPCG, two_level_type, 10000);
+    return iterate(two_level_type);
   case LinearMethod::diagonal:
-    return take(KSPCG, PCJACOBI, 10000);
+    return iterate(PCJACOBI);
   }
 }
 
@@ -95,15 +100,16 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     half_suffices = half_suffices && p.locking != Locking::fbar;
   }
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
-  const bool plane = d.dim() == 2, small = is_factorised(d.mesh),
-             may_be_symmetric = !d.has_viscosity() && !demands.frictional && !demands.rigid &&
-                                !(demands.closes_gaps && small);
+  const bool plane = d.dim() == 2, small = is_factorised(d.mesh), slides = demands.frictional,
+             may_iterate = !d.has_viscosity() && !demands.rigid && !(slides && plane) &&
+                           !(demands.closes_gaps && (small || slides));
+  choice.slides = slides;
   choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
-  if (choice.resolves_waves() && may_be_symmetric) {
+  if (choice.resolves_waves() && may_iterate) {
     choice.method = LinearMethod::diagonal;
     choice.reason = text_of("dt is %.3g times h/c_p", choice.cfl);
-  } else if (!plane && may_be_symmetric && !demands.unsymmetric && dofs > (keeps_volume ? 20000 : 5000) &&
-             tangent != TangentChoice::consistent)
+  } else if (!plane && may_iterate && (slides || !demands.unsymmetric) &&
+             dofs > (keeps_volume ? 20000 : 5000) && tangent != TangentChoice::consistent)
     choice.method = LinearMethod::two_level;
   else if (!small)
     choice.method = LinearMethod::multigrid;
@@ -122,7 +128,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   const auto iterates = [&] {
     return choice.method == LinearMethod::two_level || choice.method == LinearMethod::diagonal;
   };
-  choice.symmetric = iterates();
+  choice.symmetric = iterates() && !slides;
   if (!ksp.empty()) choice.symmetric = ksp == KSPCG || ksp == KSPMINRES;
   if (!ksp.empty() || !pc.empty()) choice.reason = "chosen by options";
   if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;

@@ -22,6 +22,8 @@ r = run("touch", {"mesh_set_h": 2.2, "mesh_set_coarse": 3, "contact_ground_frict
         files=[option_file("bracket.opts")])
 require("22,878 unknowns touch under friction in one try", r["tries"].max() == 1)
 check_between("iterations of Newton's method", r["newton"].max(), 10, 30)
+require("conjugate gradients' preconditioner serves GMRES", "motion solver: gmres + two_level" in r.log)
+check_between("linear iterations in each", r["linear"].max() / r["newton"].max(), 40, 120)
 check("nothing flows", r["alpha_max"][-1], 0, 1e-12, relative=False)
 slide = numpy.hypot(r["contact_ground_force_x"], r["contact_ground_force_y"])[-1]
 check_between("friction over normal force", slide / r["contact_ground_force_z"][-1], 0.03, 0.3)

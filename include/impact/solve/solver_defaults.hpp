@@ -9,8 +9,8 @@
 /// Which solver the motion has where the options say nothing: preonly + MUMPS up to 2e4 dofs, in the
 /// plane fgmres + MUMPS up to 1.5e6, by Cholesky factors unless friction, rigid bodies, follower pressure or
 /// F-bar spoil the symmetry, beyond them gmres + gamg; where the tangent is symmetric, in space cg +
-/// two_level from 5e3 dofs on, cg + jacobi where steps resolve waves. The scalar fields have theirs in
-/// petsc/field_solver.hpp. `tools/bench_solvers` is the evidence.
+/// two_level from 5e3 dofs on, cg + jacobi where steps resolve waves, with gmres for cg under friction in
+/// space. The scalar fields have theirs in petsc/field_solver.hpp. `tools/bench_solvers` is the evidence.
 namespace impact {
 
 enum class LinearMethod {
@@ -27,6 +27,7 @@ enum class LinearMethod {
 struct SolverDefaults {
   LinearMethod method = LinearMethod::factors;
   bool symmetric = false;
+  bool slides = false;                     ///< friction spoils the symmetry of the matrix: gmres for cg
   MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
   double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
