@@ -109,4 +109,10 @@ void Constraints::share(std::vector<double>& values, std::size_t components) con
     values[i] = vectors[dim_ * (i / components) + i % components];
 }
 
+std::vector<double> Constraints::owned() const {
+  std::vector<double> own(count_, 1.0);
+  for (std::size_t i = 0; nodal_ && i < count_; ++i) own[i] = mesh_->owned(static_cast<int>(i)) ? 1 : 0;
+  return own;
+}
+
 } // namespace impact

@@ -28,13 +28,18 @@ struct Largest {
   void see(const Constraint& c, double eps, double deepest) {
     penetration = std::max(penetration, -c.gap);
     weight = std::max(weight, c.weight);
+    multiplier = std::max(multiplier, c.cover * c.pressure);
     if (!c.active) return;
     // An opening point fades out with its pressure: its gap would count or not by the last digit of p.
     gap = std::max(gap, std::min(std::abs(c.gap), c.pressure / eps));
     if (c.gap < deepest) unsettled = 1;
   }
-  void note(const std::vector<double>& now, const std::vector<double>& before) {
-    for (std::size_t i = 0; i < now.size(); ++i) change = std::max(change, std::abs(now[i] - before[i]));
+  // What presses on a constraint acts on the part of its weight that faces something, `cover`; values of
+  // constraints [constraint][component].
+  void note(const std::vector<double>& now, const std::vector<double>& before,
+            const std::vector<double>& cover) {
+    for (std::size_t i = 0; i < now.size(); ++i)
+      change = std::max(change, cover[i * cover.size() / now.size()] * std::abs(now[i] - before[i]));
   }
   AugmentReport over_ranks(int active, MPI_Comm comm) {
     MPI_Allreduce(MPI_IN_PLACE, this, sizeof *this / sizeof(double), MPI_DOUBLE, MPI_MAX, comm);
@@ -65,7 +70,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   traction.assign(tangents * lambda.size(), 0.0);
   const std::vector<double> values = nodes().displacement(u);
   // What the pressures do to the bodies, and what their change does.
-  std::vector<double> force(values.size(), 0.0), change(force);
+  std::vector<double> force(values.size(), 0.0), change(force), cover = constraints_->owned();
   Largest largest;
   int active = 0;
   const bool by_force = at_rest_ && method().augments();
@@ -74,6 +79,7 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
     largest.see(c, penalty, deepest);
     const double p = std::max(0.0, c.pressure), before = multiplier[at(c.index)];
     lambda[at(c.index)] = p;
+    cover[at(c.index)] = c.cover;
     const std::size_t n = c.gradient.size();
     const auto act = [&](double now, double then, std::span<const double> gradient) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -95,9 +101,8 @@ AugmentReport ContactInterface::propose(Vec u, std::vector<double>& lambda,
   constraints_->share(lambda, 1);
   if (friction_.acts()) constraints_->share(traction, tangents);
   if (constraints_->form().switched()) largest.unsettled = 1;
-  for (double p : lambda) largest.multiplier = std::max(largest.multiplier, p);
-  largest.note(lambda, multiplier);
-  if (friction_.acts()) largest.note(traction, friction_.tractions());
+  largest.note(lambda, multiplier, cover);
+  if (friction_.acts()) largest.note(traction, friction_.tractions(), cover);
   AugmentReport report = largest.over_ranks(active, mesh_->comm());
   // Multipliers of rounding size (touch exactly at a step) never settle relative to each other.
   const double negligible = 1e-9 * penalty * settings_.search_radius;

@@ -92,10 +92,12 @@ same("each body on its own rank", flight(0, even),
 # The rebound is elastic but for what the waves carry away; a body that is lost goes on with its momentum.
 SPACE = {"mesh_set_dim": 3, "mesh_set_simplices_upper": 1}
 MORTAR = {"contact_face_method": "mortar", "contact_face_enforce": "semismooth"}
+SECOND = {"order": 2, "contact_face_method": "mortar"}
 for facets, extra in ((1.2, {}), (2, {}), (3.2, SWAPPED), (5, {}),
                       (5, {"mesh_set_gap": 3.1, "contact_face_enforce": "penalty"}), (5, SWAPPED), (5, MORTAR),
                       (5, {**SPACE, **MORTAR}), (3.2, {**SPACE, **MORTAR, **SWAPPED}),
-                      (5, {**SPACE, "contact_face_method": "gpts", "contact_face_enforce": "penalty"})):
+                      (5, {**SPACE, "contact_face_method": "gpts", "contact_face_enforce": "penalty"}),
+                      (5, SECOND), (3.2, {**SECOND, **SWAPPED}), (5, {**SECOND, **MORTAR, **SWAPPED})):
     step = facets * 0.25 / SPEED
     r = flight(0, {"ts_dt": step, "ts_max_time": 6 * step, "contact_face_impact": "stabilised",
                    "contact_face_enforce": "auglag", **extra}, refused=3)

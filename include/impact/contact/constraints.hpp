@@ -83,6 +83,8 @@ public:
   /// Values [constraint][component] reach all ranks that hold the node of a constraint. Collective.
   void share(std::vector<double>& values, std::size_t components) const;
   std::size_t count() const { return count_; }
+  /// 1 for each constraint that is this rank's own, else 0.
+  std::vector<double> owned() const;
 
 private:
   struct Step {
