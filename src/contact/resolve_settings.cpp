@@ -56,7 +56,7 @@ void check_settings(ContactSettings& settings, const Mesh& mesh, bool adjoin) {
   // At the root of a notch a node of the mortar method sees a part of its facets alone, which comes and goes:
   // Newton's method cycles.
   if (settings.method == ContactMethod::automatic)
-    settings.method = adjoin || mesh.order() == 2 ? ContactMethod::gauss_points : ContactMethod::mortar;
+    settings.method = adjoin ? ContactMethod::gauss_points : ContactMethod::mortar;
   // At the corners of a face of second order int N_a dA_0 is zero or less.
   if (mesh.order() == 2 && settings.enforce == Enforcement::impulse)
     throw usage(

@@ -41,7 +41,7 @@ void add_methods(ContactRows& rows) {
   Rows row(rows);
   row.choice("method", &Contact::method,
              "constraints at Gauss points, or for mean gaps about the nodes (mortar); auto: mortar, gpts "
-             "where both sides share nodes, on cells of second order and with central differences",
+             "where both sides share nodes and with central differences",
              "auto", ContactMethod::automatic, "gpts", ContactMethod::gauss_points, "mortar",
              ContactMethod::mortar);
   row.choice("multipliers", &Contact::multipliers,

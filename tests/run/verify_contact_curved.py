@@ -45,7 +45,8 @@ def patch(name, dim, cells, angle=0, extra=None):
         "material_lower_nu": NU, "material_upper_like": "lower", "contacts": "face",
         "contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom", "bcs": "plate,press",
         "bc_plate_on": "lower_bottom", "bc_press_on": "upper_top", **end("plate", 0.0), **end("press", 2 * PRESS),
-        "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "motion_snes_rtol": 1e-12, **(extra or {})})
+        "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "motion_snes_rtol": 1e-12, "contact_face_method": "gpts",
+        **(extra or {})})
     check_between("tries of the step", r["tries"].max(), 1, 1)
     stress = [-(s * s * r[f"probe_p{i}_stress_xx"][-1] + c * c * r[f"probe_p{i}_stress_yy"][-1]
                 - 2 * s * c * r[f"probe_p{i}_stress_xy"][-1]) / pressure for i in range(len(places))]

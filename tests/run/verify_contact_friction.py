@@ -54,18 +54,17 @@ for enforce in ("penalty", "auglag", "semismooth"):
     r = run(f"plane_{enforce}", block(contact_face_enforce=enforce))
     stop(f"rigid plane, {enforce}", r, "measure_place_ux")
 stop("rigid plane, mortar", run("plane_mortar", block(contact_face_method="mortar")), "measure_place_ux")
+POINTS, MORTAR = {"contact_face_method": "gpts"}, {"contact_face_method": "mortar"}
 SECOND = {"boxes": {"order": 2}, "serendipity": {"order": 2, "mesh_serendipity": 1},
           "triangles": {"order": 2, "mesh_set_simplex": 1}}
 for (cells, extra), enforce in zip(SECOND.items(), ("auglag", "penalty", "semismooth")):
-    stop(f"rigid plane, {cells} of second order, {enforce}", run(f"plane_{cells}", block(contact_face_enforce=enforce, **extra)),
+    stop(f"rigid plane, {cells} of second order, {enforce}", run(f"plane_{cells}", block(contact_face_enforce=enforce, **POINTS, **extra)),
          "measure_place_ux")
 # Its ends are lower by 1e-4 than its middle.
 ROUND = {"contact_face_primary": "rigid_cylinder", "contact_face_radius": 1e3, "contact_face_centre": "0.5,-1e3,0"}
-MORTAR = {"contact_face_method": "mortar"}
 stop("rigid plane, triangles of second order, mortar", run("plane_second_mortar", block(**SECOND["triangles"], **MORTAR)),
      "measure_place_ux")
-for name, extra in (("Gauss points", {"contact_face_method": "gpts"}),
-                    ("second order", {**SECOND["boxes"], "contact_face_method": "gpts"}),
+for name, extra in (("Gauss points", POINTS), ("second order", {**SECOND["boxes"], **POINTS}),
                     ("second order, mortar", {**SECOND["boxes"], **MORTAR})):
     stop(f"rigid cylinder that is almost a plane, {name}", run(f"round_{name}", block(**ROUND, **extra)), "measure_place_ux", 2e-3)
 
@@ -91,10 +90,9 @@ SLAB = {
 }
 MASS = RHO * 0.8
 TRIANGLES = {"mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1}
-for method, extra in (("boxes of second order", {"order": 2, "contact_face_enforce": "semismooth"}),
-                      ("triangles of second order", {"order": 2, **TRIANGLES, "contact_face_enforce": "semismooth"}),
-                      ("triangles of second order by mortar", {"order": 2, **TRIANGLES, **MORTAR}),
-                      ("gpts", {"contact_face_method": "gpts"}), ("mortar", MORTAR)):
+for method, extra in (("boxes of second order", {"order": 2, **POINTS, "contact_face_enforce": "semismooth"}),
+                      ("triangles of second order", {"order": 2, **TRIANGLES, **POINTS, "contact_face_enforce": "semismooth"}),
+                      ("triangles of second order by mortar", {"order": 2, **TRIANGLES}), ("gpts", POINTS), ("mortar", MORTAR)):
     runs = [run(f"slab_{method}_{ranks}", {**SLAB, **extra}, ranks=ranks) for ranks in (1, 2)]
     r = runs[0]
     normal, tangential = r["contact_face_force_y"], r["contact_face_force_x"]
