@@ -29,23 +29,25 @@ public:
     return !in_part && report.settled && report.penetration < settings_->gap_tol &&
            std::min(report.change, report.force_change) < settings_->pressure_tol;
   }
-  // With friction and inertia the pressures of the first solve say what sticks.
   void begin_attempt(const Constraints& constraints, const Friction& friction) override {
-    if (settings_->inertia && friction.acts()) return;
     if (!settings_->automatic_penalty || settings_->growth == PenaltyGrowth::every_augmentation) return;
     const std::vector<double>& lambda = rows_.multiplier->trial;
     const int presses = std::any_of(lambda.begin(), lambda.end(), [](double p) { return p > 0; });
     if (max_over_ranks(constraints.comm(), presses) != 0) return;
-    rows_.penalty->trial[EnforcementRows::value] = first_part * settings_->penalty;
+    double& penalty = rows_.penalty->trial[EnforcementRows::value];
+    // With friction and inertia the pressures of the first solve say what sticks, also where a run without
+    // inertia left a part of the penalty.
+    const bool whole = settings_->inertia && friction.acts();
+    penalty = whole ? std::max(penalty, settings_->penalty) : first_part * settings_->penalty;
   }
   void augment(const AugmentReport& report, std::vector<double>& lambda) override {
     rows_.multiplier->trial = std::move(lambda);
     std::vector<double>& row = rows_.penalty->trial;
     double &penalty = row[EnforcementRows::value], &before = row[EnforcementRows::last_gap];
     const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
-    if (penalty < settings_->penalty)
-      penalty = before > 0 ? std::min(part_growth * penalty, settings_->penalty) : penalty;
-    else if (settings_->growth == PenaltyGrowth::every_augmentation || slow)
+    if (penalty < settings_->penalty) {
+      if (before > 0) penalty = std::min(part_growth * penalty, settings_->penalty);
+    } else if (settings_->growth == PenaltyGrowth::every_augmentation || slow)
       penalty = std::max(penalty, std::min(penalty + settings_->penalty_increment, settings_->penalty_max));
     before = report.largest_gap;
   }
