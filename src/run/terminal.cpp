@@ -23,6 +23,8 @@ const char* name_of(Split split) {
     return ", spectral split";
   case Split::no_tension:
     return ", no-tension split";
+  case Split::drucker_prager:
+    return ", Drucker-Prager split";
   case Split::star_convex:
     return ", star-convex split";
   case Split::volumetric:

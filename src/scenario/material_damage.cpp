@@ -142,25 +142,31 @@ template <class When> auto principal(When when) {
 void add_split(MaterialRows& rows) {
   const auto star_convex = [](const Law& law) { return law.split == Split::star_convex; };
   Rows(rows)
-      .choice("split", &Material::split,
-              "which energy drives damage, and is lost with it: spectral, that of principal stretches above "
-              "1 and of dilation; no_tension, all that cracks can let go, so that they bear pressure alone; "
-              "volumetric, all but volumetric compression; star_convex, the same less gamma* times that "
-              "compression; none, all (the paper's run). The last three let shear drive it in compression "
-              "too. auto: spectral in elastic bodies with 0 <= nu < 0.45 without heat, plane stress or a "
-              "cure of locking, else volumetric",
-              "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
-              Split::spectral, "star_convex", Split::star_convex, "no_tension", Split::no_tension)
+      .choice(
+          "split", &Material::split,
+          "which energy drives damage, and is lost with it: spectral, that of principal stretches above "
+          "1 and of dilation; no_tension, all that cracks can let go, so that they bear pressure alone; "
+          "drucker_prager, what a cone of stresses without cohesion does not bear, so that strength grows "
+          "with pressure; volumetric, all but volumetric compression; star_convex, the same less gamma* "
+          "times that "
+          "compression; none, all (the paper's run). The last three let shear drive it in compression "
+          "too. auto: spectral in elastic bodies with 0 <= nu < 0.45 without heat, plane stress or a "
+          "cure of locking, else volumetric",
+          "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
+          Split::spectral, "star_convex", Split::star_convex, "no_tension", Split::no_tension,
+          "drucker_prager", Split::drucker_prager)
       .notation("g_e2 (49)")
       .refused(principal([](const Law& law) { return law.equation_of_state != EquationOfState::none; }),
                "not available with <>eos, whose energy is no sum over principal stretches; allowed: <>eos "
                "none; choose volumetric or star_convex")
       .refused(
-          principal([](const Law& law) { return law.split == Split::no_tension && law.model == Model::j2; }),
+          principal([](const Law& law) { return law.split != Split::spectral && law.model == Model::j2; }),
           "not available with <>model j2: cracks that open as they like and flow are two inelastic strains, "
           "and nothing says how they share a deformation; allowed: <>model elastic; choose spectral, "
           "volumetric or star_convex")
-      .refused(principal([](const Law& law) { return 3 * law.K < 2 * law.G; }),
+      .refused(principal([](const Law& law) {
+                 return law.split != Split::drucker_prager && 3 * law.K < 2 * law.G;
+               }),
                "with nu < 0 its tensile part can be negative; allowed: nu >= 0; choose volumetric")
       .denied(unbounded_but_for_vi(star_convex),
               "-damage_bounds: only the bounds of vi keep <>split star_convex from damage below 0, because "
@@ -177,8 +183,27 @@ void add_split(MaterialRows& rows) {
                "has no effect with <>split {split}; remove it, or add <>split star_convex");
 }
 
+/// Of <>split drucker_prager.
+void add_strength_ratio(Rows<Material>& row) {
+  const auto cone = [](const Law& law) { return law.split == Split::drucker_prager; };
+  row.number("strength_ratio", &Material::strength_ratio, "1 r (50'''')", {1, 1e6, true, false},
+             "of split drucker_prager: strength in uniaxial compression over that in tension")
+      .otherwise("required with split drucker_prager")
+      .needed([=](const Material& m, const Scenario& s) { return needs_damage_data(m, s) && cone(m.law); },
+              "<>split drucker_prager needs it")
+      .refused(damaging([=](const Law& law) { return !cone(law); }),
+               "has no effect with <>split {split}; remove it, or add <>split drucker_prager")
+      .refused([=](const Material& m) { return cone(m.law) && !(m.law.cone > 0); },
+               [](const Material& m) {
+                 return "is not above that of a body whose volume alone is kept under pressure, " +
+                        number_text(least_strength_ratio(m.law)) +
+                        " with its nu; allowed: more than that; remedy: <>split volumetric";
+               });
+}
+
 void add_strength(MaterialRows& rows) {
   Rows row(rows);
+  add_strength_ratio(row);
   row.number("strength", &Material::strength, "Pa f_t (56'')", {0, 1e12, true, false},
              "stress in uniaxial tension at which damage begins")
       .otherwise("required with ge linear, exponential, cornelissen or lorentz")
@@ -254,6 +279,7 @@ void resolve_fatigue(MaterialScenario& m) {
 }
 
 void resolve_strength(MaterialScenario& m) {
+  if (m.law.split == Split::drucker_prager) m.law.cone = cone_of(m.law, m.strength_ratio);
   if (!is_cohesive(m.law.ge)) return;
   m.law.cohesive = cohesive_shape(m.law, m.lorentz_p);
   m.law.cohesive.a1 = cohesive_slope(m.law, m.strength);

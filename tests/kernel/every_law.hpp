@@ -12,8 +12,8 @@ template <class F> void for_every_law(F&& f) {
   int number = 0, states = 0;
   for (const Model model : {Model::elastic, Model::j2})
     for (const Damage damage : {Damage::none, Damage::at2, Damage::at1, Damage::wu})
-      for (const Split split :
-           {Split::volumetric, Split::none, Split::star_convex, Split::spectral, Split::no_tension})
+      for (const Split split : {Split::volumetric, Split::none, Split::star_convex, Split::spectral,
+                                Split::no_tension, Split::drucker_prager})
         for (const Degradation ge :
              {Degradation::quadratic, Degradation::cubic, Degradation::ductile, Degradation::exponential,
               Degradation::cornelissen, Degradation::lorentz})
@@ -22,7 +22,7 @@ template <class F> void for_every_law(F&& f) {
               for (const Locking locking : {Locking::none, Locking::mean, Locking::fbar})
                 for (const int viscous : {0, 1, 2}) {
                   // refused by the options
-                  if (split == Split::no_tension && model == Model::j2) continue;
+                  if (by_principal(split) && split != Split::spectral && model == Model::j2) continue;
                   if (ge == Degradation::ductile && model != Model::j2) continue;
                   const bool of_wu = is_cohesive(ge) && ge != Degradation::lorentz;
                   if (of_wu != (damage == Damage::wu)) continue;
@@ -36,6 +36,7 @@ template <class F> void for_every_law(F&& f) {
                   m.model = model, m.damage = damage, m.split = split, m.ge = ge, m.gp = gp;
                   m.damage_gradient = gradient, m.locking = locking;
                   m.star_gamma = split == Split::star_convex ? 1.5 : 0;
+                  m.cone = split == Split::drucker_prager ? 0.3 : 0;
                   if (is_cohesive(ge)) reference::set_strength(m, 300e6);
                   m.b_d = viscous ? 1e5 : 0;
                   m.visc_degrade = viscous == 2;

@@ -21,6 +21,7 @@ MaterialParameters with_split(Split split) {
   m.model = Model::elastic;
   m.split = split;
   m.star_gamma = 2;
+  m.cone = 0.3;
   return m;
 }
 MaterialParameters spectral() { return with_split(Split::spectral); }
@@ -76,7 +77,7 @@ std::vector<std::array<double, 3>> states() {
 
 TEST(EnergySplit, PartsAddUpToTheEnergyAndAreNeverNegative) {
   Sampler random(71);
-  for (const Split kind : {Split::spectral, Split::no_tension})
+  for (const Split kind : {Split::spectral, Split::no_tension, Split::drucker_prager})
     for (int k = 0; k < 500; ++k) {
       const double size = k % 3 == 0 ? 0.3 : k % 3 == 1 ? 1e-3 : 1e-9;
       const PointInput<double, 3> in{random.gradient<3>(size), virgin_history<double, 3>(), 0.3,
@@ -168,6 +169,7 @@ void expect_exact_modulus(Split kind) {
 TEST(EnergySplit, ModulusIsSymmetricAndTheDerivativeOfTheStressEverywhere) {
   expect_exact_modulus(Split::spectral);
   expect_exact_modulus(Split::no_tension);
+  expect_exact_modulus(Split::drucker_prager);
 }
 
 TEST(EnergySplit, IsObjectiveAndTheSameInEveryLayout) {
@@ -255,6 +257,12 @@ TEST(EnergySplit, WhatEachSplitDoesUnderTensionCompressionShearAndPressure) {
   const double U = (1 - 2 * nu) / 3, lateral = 2 * nu * nu / (1 + nu);
   const double plane = 1 / (2 * (1 - nu)), sheet = 2 * (1 - 2 * nu) / (3 * (1 - nu)); // pressed in a plane
   const double L = lame / K_over_G, S = 2 / (9 * K_over_G); // of lambda and of one principal strain in K
+  // Of tr eps = v and sqrt(J_2(eps)) = j, with twice the whole energy.
+  const double B = with_split(Split::drucker_prager).cone, D = 2 + 18 * B * B * K_over_G, E = 2 * (1 + nu);
+  const auto cone = [&](double v, double j, double twice) {
+    const double c = 2 * j + 3 * B * K_over_G * v;
+    return Response{2 * c * c / D / twice, 2 / D, 3 * B * K_over_G * (6 * B * j - v) / (D * j)};
+  };
   const std::vector<Row> table = {{Split::none, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}, {1, 0, 0}},
                                   {Split::volumetric, {1, 0, 0}, {1 - U, 1, 0}, {1, 1, 0}, {0, 1, 0}},
                                   {Split::star_convex,
@@ -271,6 +279,11 @@ TEST(EnergySplit, WhatEachSplitDoesUnderTensionCompressionShearAndPressure) {
                                    {1 - 2 * nu * nu / (1 - nu), sheet, nu / (1 - nu)},
                                    {0, 1, 1},
                                    {1 - plane, sheet, plane},
+                                   {0, 1, 1}},
+                                  {Split::drucker_prager,
+                                   cone(1 - 2 * nu, (1 + nu) / std::sqrt(3.0), E),
+                                   cone(2 * nu - 1, (1 + nu) / std::sqrt(3.0), E),
+                                   cone(0, 1, 4),
                                    {0, 1, 1}}};
   for (const Row& row : table) {
     MaterialParameters m = with_split(row.split);
@@ -286,6 +299,53 @@ TEST(EnergySplit, WhatEachSplitDoesUnderTensionCompressionShearAndPressure) {
     expect("shear", shear, row.shear);
     expect("pressure", pressure, row.pressure);
   }
+}
+
+// The strength of sound material: sqrt(J_2) + B I_1 of its stress alone, as far as its debris bears anything.
+// What a broken point keeps lies on the cone of that B.
+TEST(EnergySplit, DamageOnACone) {
+  const MaterialParameters m = with_split(Split::drucker_prager);
+  const double B = m.cone, most = 2 * m.G + 18 * B * B * m.K;
+  Sampler random(78);
+  std::array<int, 3> seen{};
+  const auto invariants = [](const Symmetric<double, 3>& tau) {
+    const Symmetric<double, 3> s = dev(tau);
+    return std::array<double, 2>{trace(tau), std::sqrt(0.5 * dot(s, s))};
+  };
+  for (int k = 0; k < 500; ++k) {
+    const auto H = random.gradient<3>(k % 2 ? 1e-6 : 1e-3);
+    const auto at = [&](double phi) {
+      return evaluate(PointLaw{m}, PointInput<double, 3>{H, virgin_history<double, 3>(), phi, m.theta0});
+    };
+    const auto [I_1, root] = invariants(at(0).tau);
+    const auto energy = at(0).energy;
+    const double all = energy.plus + energy.minus, c = root + B * I_1;
+    const double opening = I_1 / (3 * m.K) - 3 * B * root / m.G;
+    ++seen[c <= 0 ? 0 : opening >= 0 ? 2 : 1];
+    const double expected = c <= 0 ? 0 : opening >= 0 ? all : c * c / most;
+    EXPECT_NEAR(energy.plus, expected, (k % 2 ? 1e-5 : 1e-2) * all);
+    MaterialParameters empty = m;
+    empty.residual_stiffness = 0;
+    const auto broken =
+        evaluate(PointLaw{empty}, PointInput<double, 3>{H, virgin_history<double, 3>(), 1.0, m.theta0});
+    const auto [p, q] = invariants(broken.tau);
+    EXPECT_NEAR(c > 0 ? q + B * p : 0, 0, 1e-2 * (q - p) + 1e-12 * std::sqrt(all * m.K));
+  }
+  for (const int count : seen) EXPECT_GT(count, 20);
+}
+
+// B of a ratio of strengths gives that ratio, on both sides of the state that tension opens as a whole.
+TEST(EnergySplit, ConeOfARatioOfStrengths) {
+  MaterialParameters m = with_split(Split::drucker_prager);
+  for (const double nu : {-0.3, 0.0, 0.2, 0.4})
+    for (const double ratio : {1.05, 1.2, 1.6, 2.0, 10.0, 100.0}) {
+      m.K = 2 * m.G * (1 + nu) / (3 * (1 - 2 * nu));
+      m.cone = cone_of(m, ratio);
+      EXPECT_EQ(m.cone > 0, ratio > least_strength_ratio(m)) << nu << ' ' << ratio;
+      if (m.cone > 0) {
+        EXPECT_NEAR(cone_energy(m, 1) / cone_energy(m, -ratio), 1, 1e-12) << nu << ' ' << ratio;
+      }
+    }
 }
 
 // min over y <= x of W + U by a search that knows nothing of the cases.
@@ -402,7 +462,7 @@ TEST(EnergySplit, FlowClosesTheFirstLaw) {
 // s = -d psi/d theta at fixed strain, and the capacity theta ds/dtheta.
 TEST(EnergySplit, EntropyIsTheDerivativeOfTheFreeEnergy) {
   Sampler random(77);
-  for (const Split kind : {Split::spectral, Split::no_tension})
+  for (const Split kind : {Split::spectral, Split::no_tension, Split::drucker_prager})
     for (int k = 0; k < 50; ++k) {
       MaterialParameters m = with_split(kind);
       m.alpha_t = 2e-5;

@@ -141,7 +141,7 @@ const std::vector<Row>& rows() {
       {{{"-material_beam_split", "masonry"}},
        ExitCode::usage,
        "-material_beam_split \"masonry\": not available; allowed: auto, volumetric, none, spectral, "
-       "star_convex, no_tension"},
+       "star_convex, no_tension, drucker_prager"},
       {{{"-material_beam_damage", "at3"}},
        ExitCode::usage,
        "-material_beam_damage \"at3\": not available; allowed: none, at2, at1, wu; did you mean at2?"},
@@ -152,6 +152,12 @@ const std::vector<Row>& rows() {
        "-material_beam_split \"no_tension\": not available with -material_beam_model j2: cracks that open as "
        "they like and flow are two inelastic strains, and nothing says how they share a deformation; "
        "allowed: -material_beam_model elastic; choose spectral, volumetric or star_convex"},
+      {damaged({{"-material_beam_split", "drucker_prager"}}), ExitCode::usage,
+       "-material_beam_strength_ratio: missing; -material_beam_split drucker_prager needs it"},
+      {damaged({{"-material_beam_split", "drucker_prager"}, {"-material_beam_strength_ratio", "1.01"}}),
+       ExitCode::usage,
+       "-material_beam_strength_ratio 1.01: is not above that of a body whose volume alone is kept under "
+       "pressure, 1.0742 with its nu; allowed: more than that; remedy: -material_beam_split volumetric"},
       {damaged({{"-material_beam_split", "star_convex"}}), ExitCode::usage,
        "-material_beam_star_gamma: missing; -material_beam_split star_convex needs it"},
       {damaged({{"-material_beam_star_gamma", "2"}, {"-material_beam_split", "none"}}), ExitCode::usage,

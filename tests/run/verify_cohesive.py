@@ -32,7 +32,25 @@ for ge in LAWS:
             runs.check(f"{ge}, gamma {gamma}, {name}: strength of a bar", force.max(), STRENGTH, 1e-3)
             runs.require(f"{ge}, gamma {gamma}, {name}: softens behind it", force[-1] < 0.9995 * force.max())
 
-# That split leaves the lateral contraction whole: with a large nu and a small gamma a bar hardens before it softens.
+# Drucker and Prager's split: the strengths in tension and in compression, under pressure that of the cone, and none of what is
+# broken.
+RATIO, SMALL = 10, 0.3
+CONE = {**SPACE, "material_solid_split": "drucker_prager", "material_solid_strength_ratio": RATIO, "material_solid_strength": SMALL}
+B = (RATIO - 1) / (RATIO + 1) / math.sqrt(3)
+PRESS = {"bcs": "x,y,z,pull,side,face", "bc_side_on": "top", "bc_side_type": "pressure", "bc_side_value": 2 * SMALL, "bc_face_on": "front",
+         "bc_face_type": "pressure", "bc_face_value": 2 * SMALL}
+# Pressed from the side with p the axial strength is that of sqrt(J_2) + B I_1 = its value in tension.
+pressed = -(SMALL * (1 / math.sqrt(3) + B) + 2 * SMALL * (2 * B + 1 / math.sqrt(3))) / (1 / math.sqrt(3) - B)
+for name, strength, more in (("tension", SMALL, {}), ("compression", -RATIO * SMALL, {}), ("compression and pressure from the sides", pressed, PRESS)):
+    # The sides' pressure shortens or lengthens the bar by nu; 4 % around the strength.
+    lateral = 2 * 0.2 * 2 * SMALL / E if more else 0
+    run = runs.run(f"cone_{name.replace(' ', '_')}", {**CELL, **law("linear", 1000), **CONE, **more, "coupling_snes_atol": 1e-9,
+                                                      "bc_pull_ux": f"{strength / E}*(0.98 + 0.04*t) + {lateral}"})
+    force, sound = run["reaction_pull_x"][1:] / strength, run["phi_max"][1:] < 1e-9
+    runs.require(f"drucker_prager, {name}: sound at first, damaged at last", sound[0] and not sound[-1])
+    runs.check(f"drucker_prager: strength in {name}", force[sound].max(), 1, 1e-3)
+
+# The spectral split leaves the lateral contraction whole: with a large nu and a small gamma a bar hardens before it softens.
 NU, SHORT = 0.3, 2.5
 lame, shear = E * NU / ((1 + NU) * (1 - 2 * NU)), E / 2 / (1 + NU)
 limit = STRENGTH**2 / (2 * E) * (1 + NU * (1 - 2 * NU)) / (1 + NU)

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/material/crack.hpp>
+#include <impact/material/drucker_prager.hpp>
 #include <impact/math/dual.hpp>
 
 /// Degradations of bodies whose strength f_t is given beside G_c and gamma (src/theory.md, (56'')):
@@ -52,6 +53,7 @@ inline double uniaxial_energy(const MaterialParameters& m, double f) {
   const double E = 9 * m.K * m.G / (3 * m.K + m.G), strain = f / E, volume = f / (3 * m.K);
   const double nu = 0.5 * E / m.G - 1;
   if (m.split == Split::no_tension) return 0.5 * f * strain * (1 - 2 * nu * nu / (1 - nu));
+  if (m.split == Split::drucker_prager) return cone_energy(m, f);
   if (m.split != Split::spectral) return 0.5 * f * strain;
   return 0.5 * (m.K - 2 * m.G / 3) * volume * volume + m.G * strain * strain;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/material/drucker_prager.hpp>
 #include <impact/material/modulus.hpp>
 #include <impact/material/no_tension.hpp>
 #include <impact/material/point_law.hpp>
@@ -30,6 +31,7 @@ template <class T, int d> struct SplitResponse {
 
 template <class T, int d>
 SplitEnergies<T, d> split_energies(const MaterialParameters& m, const Symmetric<T, d>& e, const T& dJ) {
+  if (m.split == Split::drucker_prager) return drucker_prager_energies(m, e, dJ);
   return m.split == Split::no_tension ? no_tension_energies(m, e, dJ) : spectral_energies(m, e, dJ);
 }
 

@@ -9,7 +9,7 @@ namespace impact {
 enum class Model { elastic, j2, rigid };
 enum class Damage { none, at2, at1, wu }; ///< local part of the crack energy (56), see crack.hpp
 /// What of the elastic energy is E+ (49); automatic: of options, no law has it.
-enum class Split { volumetric, none, star_convex, spectral, no_tension, automatic };
+enum class Split { volumetric, none, star_convex, spectral, no_tension, drucker_prager, automatic };
 /// g_e1(phi), ductile: g_e1(phi, alpha); from linear to lorentz: those of a strength (cohesive.hpp)
 enum class Degradation { quadratic, cubic, ductile, linear, exponential, cornelissen, lorentz, own };
 enum class PlasticDegradation { one, ge };       ///< g_p = 1 (the paper's run) or g_p = g_e1
@@ -94,6 +94,7 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
   bool visc_degrade = false; ///< b_d g_e1(phi) instead of b_d
   Split split = Split::volumetric;
   double star_gamma = 0; ///< gamma* of the star-convex split
+  double cone = 0;       ///< B of Drucker and Prager's split
   bool sheet = false;    ///< plane stress: the spectral split takes no stretch across for that of a crack
   PlasticDegradation gp = PlasticDegradation::one;
   bool jc_failure = false; ///< whether the failure measure is followed (failure.hpp)
@@ -104,7 +105,9 @@ struct MaterialParameters : ElasticParameters, FlowParameters, DegradationParame
 static_assert(std::is_trivially_copyable_v<MaterialParameters>);
 
 /// Whether a split asks for the principal stretches, not only for volume and shape.
-inline bool by_principal(Split split) { return split == Split::spectral || split == Split::no_tension; }
+inline bool by_principal(Split split) {
+  return split == Split::spectral || split == Split::no_tension || split == Split::drucker_prager;
+}
 inline bool has_state(const MaterialParameters& m) { return m.equation_of_state != EquationOfState::none; }
 
 } // namespace impact

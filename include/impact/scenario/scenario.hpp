@@ -68,7 +68,7 @@ struct MaterialScenario {
   std::string hardening_table;                  ///< resolved path of `points`
   std::shared_ptr<const HardeningTable> points; ///< what law.table points to
   double sigma_y = 0, linear_h = absent, jc_a = absent, rate_0 = absent, theta_ref = absent;
-  double strength = absent, lorentz_p = 1;
+  double strength = absent, strength_ratio = absent, lorentz_p = 1;
   Split split = Split::automatic;
   std::optional<Softening> softening; ///< empty: automatic, and so below
   ErosionRule erosion;
