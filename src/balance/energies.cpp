@@ -43,7 +43,8 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
 
 BodyRows::BodyRows(StateTable& state)
     : history(state.row("history")), drive(state.row("drive")), phi(state.find("phi")),
-      theta(state.find("theta")), fatigue(state.find("fatigue")), failure(state.find("jc_failure")) {}
+      theta(state.find("theta")), fatigue(state.find("fatigue")), toughness(state.find("toughness")),
+      failure(state.find("jc_failure")) {}
 
 namespace {
 
@@ -108,7 +109,7 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     if (d.mass_factor != nullptr) in.mass_factor = batch.load<1>(*d.mass_factor).value[0];
     EnergySums sums;
     batch.kernels.stored_energy(batch.law, in, sums);
-    sums.fatigue += batch.toughness_energy(half_of(rows.fatigue, trial), sums.fracture);
+    batch.add_toughness(half_of(rows.fatigue, trial), half_of(rows.toughness, trial), sums);
     add(sums, batch, mine);
     if (!rows.theta) return;
     HeatSums heat;

@@ -63,6 +63,7 @@ DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& s
   const std::size_t points = d_.point_values(1);
   dissipated_.resize(points);
   if (d_.has_fatigue()) worn_ = &state.row("fatigue");
+  if (d_.has_toughness()) toughness_ = &state.row("toughness");
   if (settings_.bounds == DamageBounds::history)
     history_ = &state.add({"damage_history", Support::cell_point, 1}, points);
   microforce_ = &state.add({"force_damage", Support::vertex, 1}, d_.node_values(1));
@@ -135,14 +136,19 @@ std::vector<SNES> DamageProblem::solvers() const {
   return all;
 }
 
+// f of the cells at t_n.
+Batch DamageProblem::toughness(const CellBatch& batch) const {
+  return batch.toughness(worn_ ? &worn_->committed : nullptr, toughness_ ? &toughness_->committed : nullptr);
+}
+
 bool DamageProblem::assemble_forces(const Equation& equation, Vec x, Vec f) {
   const Timed timed(Event::damage_residual);
   std::fill(r_.begin(), r_.end(), 0.0);
   const bool sound = visit_batches(equation, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_residual(batch.law, in, r.data());
-    if (batch.tiring().works())
-      for (Batch& force : r.all()) force *= batch.toughness(worn_->committed);
+    if (batch.changes_toughness())
+      for (Batch& force : r.all()) force *= toughness(batch);
     batch.scatter(r, r_);
     return bad;
   });
@@ -164,7 +170,7 @@ void DamageProblem::tangent(SNES, Vec x, Mat, Mat) {
   visit_batches(equation_, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_tangent(batch.law, in, r.data(), K.zeroed(batch.nodes()));
-    if (batch.tiring().works()) K.scale(batch.toughness(worn_->committed));
+    if (batch.changes_toughness()) K.scale(toughness(batch));
     field_.add(batch, K);
     return bad;
   });

@@ -44,9 +44,9 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
       put_history(batch.load<1>(history_->committed), before);
     }
     // Of a cell of the toughness f G_c the equation is f times that of one of the toughness G_c that 1/f of
-    // the energies drives (F2).
-    if (batch.tiring().works()) {
-      const Batch left = batch.toughness(worn_->committed);
+    // the energies drives (F2), (T1).
+    if (batch.changes_toughness()) {
+      const Batch left = toughness(batch);
       for (auto* energies : {&now, &before})
         for (Batch& energy : energies->all()) energy = energy / left;
     }

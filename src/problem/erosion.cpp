@@ -90,7 +90,8 @@ double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vecto
   }
   EnergySums sums;
   batch.kernels.stored_energy(batch.law, in, sums);
-  Batch energy = sums.fracture + sums.fatigue + batch.toughness_energy(half("fatigue"), sums.fracture);
+  batch.add_toughness(half("fatigue"), half("toughness"), sums);
+  Batch energy = sums.fracture + sums.fatigue;
   if (!gone) energy += sums.elastic + sums.plastic;
   if (in.theta) {
     HeatSums heat;

@@ -40,8 +40,9 @@ void lower_toughness(const CellBatch& batch, StateTable& state, const FatigueSte
   if (batch.broken(bits(~is_finite(grown))) != 0) growth.sound = false;
   for (Batch& value : values.all()) value += grown;
   batch.store(values, fatigue.trial);
-  const Batch lost = (batch.toughness(fatigue.committed) - batch.toughness(fatigue.trial)) *
-                     crack_energy_of(batch, *step.u, *step.phi, state.row("history"));
+  const Batch lost =
+      (batch.toughness(&fatigue.committed, nullptr) - batch.toughness(&fatigue.trial, nullptr)) *
+      crack_energy_of(batch, *step.u, *step.phi, state.row("history"));
   growth.dissipated[batch.material()] += batch.sum(lost);
   if (step.dissipation == nullptr) return;
   auto ones = batch.points<1>(), heating = batch.load<1>(*step.dissipation);

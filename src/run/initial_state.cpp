@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/problem/toughness.hpp>
 #include <impact/run/setup.hpp>
 
 namespace impact {
@@ -61,6 +62,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   });
   setup.rigid.set_initial(s.time.scale(), u, v);
   set_rates(setup, std::move(rate));
+  if (d.has_toughness()) follow_toughness(d, state, {});
   state.commit();
 }
 

@@ -34,8 +34,11 @@ std::string restart_options(MPI_Comm comm, const Scenario& scenario) {
   for (const FunctionScenario& function : scenario.functions)
     lines += content_line(comm, "function_" + function.id + "_content", function.file);
   for (const MaterialScenario& material : scenario.materials)
-    if (const std::string& table = material.hardening_table; !table.empty())
-      lines += content_line(comm, "material_" + material.id + "_hardening_content", table);
+    for (const auto& [name, table] :
+         {std::pair("hardening", material.hardening_table), std::pair("Gc_rate", material.rate_table),
+          std::pair("Gc_temperature", material.temperature_table)})
+      if (!table.empty())
+        lines += content_line(comm, "material_" + material.id + "_" + name + "_content", table);
   return lines;
 }
 

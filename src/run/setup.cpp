@@ -132,7 +132,8 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
     }
     const bool tires = s.has_motion() && p.damage != Damage::none;
     materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{},
-                         tires ? m.fatigue : ToughnessFatigue{}, factors_of(m)});
+                         tires ? m.fatigue : ToughnessFatigue{}, tires ? m.toughness : ToughnessByState{},
+                         factors_of(m)});
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;

@@ -83,6 +83,83 @@ void add_crack(MaterialRows& rows) {
   row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too");
 }
 
+/// Why the toughness of a material cannot change, where `when` says that it does, and what to do instead.
+template <class When>
+void refuse_where_toughness_is_one(OptionRow<Material>& row, When when, const std::string& remedy) {
+  const auto law_of = [=](auto what) {
+    return [=](const Material& m, const Scenario& s) {
+      return s.has_motion() && s.solves("damage") && m.law.damage != Damage::none && when(m) && what(m.law);
+    };
+  };
+  row.refused(law_of([](const Law& law) { return law.fatigue_a > 0; }),
+              "goes without <>fatigue_a; remove one of them")
+      .refused(
+          law_of([](const Law& law) { return law.damage_gradient != DamageGradient::material; }),
+          "the stress of the crack energy knows no toughness that changes; allowed with <>damage_gradient "
+          "material" +
+              remedy)
+      .refused(law_of([](const Law& law) { return std::isfinite(law.c); }),
+               "not available with a damage rate; allowed: <>c inf" + remedy)
+      .refused(
+          [=](const Material& m, const Scenario& s) {
+            return law_of([](const Law&) { return true; })(m, s) && s.has_heat() &&
+                   s.heat.form == HeatForm::energy;
+          },
+          "not available with -heat_form energy; allowed: entropy" + remedy);
+}
+
+/// A file with two columns, of the rate of strain or the temperature and of a factor on Gc.
+void read_factors(const GivenOption& option, const OptionContext& context, std::string& path,
+                  std::function<double(double)>& factor, const std::string& first) {
+  path = find_input_file(context.comm, option);
+  const std::string text = read_input_file(context.comm, option, path);
+  try {
+    const LinearTable table = parse_table(text);
+    for (std::size_t i = 0; i < table.value.size(); ++i)
+      if (!(table.value[i] > 0) || table.t[i] < 0)
+        throw std::invalid_argument("row " + std::to_string(i + 1) + ": a factor must be positive, and a " +
+                                    first + " is not negative");
+    factor = table;
+  } catch (const std::invalid_argument& reason) {
+    refuse_option(option, std::string(reason.what()) + "; allowed: a file with two columns of numbers, " +
+                              first + " and factor > 0");
+  }
+}
+
+void add_toughness_by_state(MaterialRows& rows) {
+  Rows row(rows);
+  const auto with = [&](OptionRow<Material>& of, std::string Material::*path) {
+    const auto given = [=](const Material& m) { return !(m.*path).empty(); };
+    of.otherwise("none").notation("(T1)");
+    of.refused(
+        [=](const Material& m, const Scenario& s) { return s.has_motion() && given(m) && m.fatigue.works(); },
+        "goes without <>fatigue {fatigue}, which lowers the toughness too; remove one of them");
+    refuse_where_toughness_is_one(of, given, ", or without this table");
+  };
+  auto& by_rate =
+      row.file("Gc_rate", &Material::rate_table,
+               "file with two columns rate, factor on Gc: the rate (in run units) at which the largest "
+               "principal stretch of a cell grows or falls, over itself; straight between the rows, constant "
+               "beyond them");
+  by_rate.read = [](Material& m, const GivenOption& option, const OptionContext& context) {
+    read_factors(option, context, m.rate_table, m.toughness.rate, "rate");
+  };
+  with(by_rate, &Material::rate_table);
+  auto& by_temperature =
+      row.file("Gc_temperature", &Material::temperature_table,
+               "file with two columns temperature (K), factor on Gc; straight between the rows, "
+               "constant beyond them");
+  by_temperature.read = [](Material& m, const GivenOption& option, const OptionContext& context) {
+    read_factors(option, context, m.temperature_table, m.toughness.temperature, "temperature");
+  };
+  with(by_temperature, &Material::temperature_table);
+  by_temperature.refused(
+      [](const Material& m, const Scenario& s) {
+        return !m.temperature_table.empty() && s.has_motion() && !s.has_heat();
+      },
+      "needs a temperature: a heat capacity (<>c_v); add it, or remove this table");
+}
+
 void add_toughness(MaterialRows& rows) {
   Rows row(rows, RestartKey::guarded, &Material::fatigue);
   const auto tiring = [](auto when) {
@@ -91,33 +168,23 @@ void add_toughness(MaterialRows& rows) {
              when(m, s);
     };
   };
-  const auto law_of = [=](auto when) {
-    return tiring([=](const Material& m, const Scenario&) { return when(m.law); });
-  };
   const std::string power = ", or <>fatigue power";
-  row.choice("fatigue", &ToughnessFatigue::law,
+  auto& fatigue =
+      row.choice(
+             "fatigue", &ToughnessFatigue::law,
              "what fatigue lowers: power, the drive of damage, by the variable of fatigue_a (F1); asymptotic "
              "or logarithmic, the toughness, by that function of the degraded energy in tension, summed up "
              "while it grows",
              "power", FatigueLaw::power, "asymptotic", FatigueLaw::asymptotic, "logarithmic",
              FatigueLaw::logarithmic)
-      .notation("f (F2)")
-      .refused(law_of([](const Law& law) { return law.fatigue_a > 0; }),
-               "goes without <>fatigue_a; remove one of them")
-      .refused(law_of([](const Law& law) { return law.damage_gradient != DamageGradient::material; }),
-               "the stress of the crack energy knows no toughness that falls; allowed with <>damage_gradient "
-               "material" +
-                   power)
-      .refused(law_of([](const Law& law) { return law.ge == Degradation::ductile; }),
-               "sums up elastic energy, and with <>ge ductile plastic strain damages; allowed with another "
-               "<>ge" +
-                   power)
-      .refused(law_of([](const Law& law) { return std::isfinite(law.c); }),
-               "not available with a damage rate; allowed: <>c inf" + power)
-      .refused(tiring([](const Material&, const Scenario& s) {
-                 return s.has_heat() && s.heat.form == HeatForm::energy;
-               }),
-               "not available with -heat_form energy; allowed: entropy" + power);
+          .notation("f (F2)")
+          .refused(
+              tiring([](const Material& m, const Scenario&) { return m.law.ge == Degradation::ductile; }),
+              "sums up elastic energy, and with <>ge ductile plastic strain damages; allowed with another "
+              "<>ge" +
+                  power);
+  refuse_where_toughness_is_one(
+      fatigue, [](const Material& m) { return m.fatigue.works(); }, power);
   row.number("fatigue_threshold", &ToughnessFatigue::threshold, "J/m^3 alpha_T (F2)",
              or_word(positive, "auto", 0),
              "of fatigue asymptotic and logarithmic: summed energy up to which the toughness stays; auto: "
@@ -288,6 +355,7 @@ void resolve_strength(MaterialScenario& m) {
 void add_damage(std::vector<OptionRow<MaterialScenario>>& rows) {
   add_crack(rows);
   add_toughness(rows);
+  add_toughness_by_state(rows);
   add_split(rows);
   add_degradation(rows);
 }

@@ -235,6 +235,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
     explicit_->follow_damage(u, fields_.state.row("phi").trial);
   if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);
   if (fields_.heat && result.inner >= 0) heat_pass(u, result);
+  if (fields_.state.find("toughness") && result.inner >= 0) toughness_pass();
   if (explicit_ && fields_.erosion != nullptr && result.inner >= 0) fields_.erosion->find_failed(u);
   return result;
 }
@@ -338,6 +339,13 @@ void Coupling::fatigue_pass(PassResult& result) {
   if (!pass_.dissipation.empty()) fatigue.dissipation = &pass_.dissipation;
   fatigue_ = grow_fatigue(fields_.motion.discretisation(), fields_.state, fatigue);
   if (!fatigue_.sound) refuse(result, SNES_DIVERGED_FUNCTION_DOMAIN, "fatigue: its growth is not finite");
+}
+
+void Coupling::toughness_pass() {
+  const MotionStep& step = fields_.motion.step();
+  const StateRow& phi = fields_.state.row("phi");
+  follow_toughness(fields_.motion.discretisation(), fields_.state,
+                   {step.dt, &pass_.u, step.u_n, &phi.trial, &phi.committed});
 }
 
 void Coupling::heat_pass(Vec u, PassResult& result) {

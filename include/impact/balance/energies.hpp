@@ -13,7 +13,7 @@ namespace impact {
 /// The rows that these integrals read; null where the run has no such physics.
 struct BodyRows {
   StateRow &history, &drive;
-  const StateRow *phi, *theta, *fatigue, *failure;
+  const StateRow *phi, *theta, *fatigue, *toughness, *failure;
   explicit BodyRows(StateTable& state);
 };
 

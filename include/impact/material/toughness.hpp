@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <impact/math/batch.hpp>
 #include <impact/math/dual.hpp>
 
@@ -38,6 +39,16 @@ struct ToughnessFatigue {
   template <class T> T growth(const T& W_n, const T& W) const {
     const T change = mean_load > 0 ? (0.5 / mean_load) * ((W - W_n) * (W + W_n)) : W - W_n;
     return width * select(change > T(0.0), change, T(0.0));
+  }
+};
+
+/// Factors on G_c by the rate of strain and by the temperature (src/theory.md, (T1)); empty: none.
+struct ToughnessByState {
+  std::function<double(double)> rate, temperature;
+
+  bool works() const { return rate || temperature; }
+  double factor(double strain_rate, double theta) const {
+    return (rate ? rate(strain_rate) : 1) * (temperature ? temperature(theta) : 1);
   }
 };
 

@@ -123,14 +123,23 @@ struct CellBatch {
   }
 
   const ToughnessFatigue& tiring() const { return d.materials[material()].fatigue; }
-  /// f of the cells (F2) from the row "fatigue"; 1 where the toughness stays.
-  Batch toughness(const std::vector<double>& fatigue) const {
-    return tiring().works() ? tiring().left(load<1>(fatigue).value[0]) : Batch(1.0);
+  const ToughnessByState& toughness_by_state() const { return d.materials[material()].toughness; }
+  /// Whether their toughness changes.
+  bool changes_toughness() const { return tiring().works() || toughness_by_state().works(); }
+  /// f of the cells, what of the toughness there is: (F2) from the row "fatigue", (T1) from the row
+  /// "toughness"; 1 where it stays.
+  Batch toughness(const std::vector<double>* fatigue, const std::vector<double>* toughness) const {
+    if (toughness != nullptr && toughness_by_state().works()) return load<2>(*toughness).value[0];
+    return fatigue != nullptr && tiring().works() ? tiring().left(load<1>(*fatigue).value[0]) : Batch(1.0);
   }
-  /// Their psi_F, -(1 - f) psi_phi, from the integral of psi_phi.
-  Batch toughness_energy(const std::vector<double>* fatigue, const Batch& fracture) const {
-    return fatigue == nullptr || !tiring().works() ? Batch(0.0)
-                                                   : (toughness(*fatigue) - Batch(1.0)) * fracture;
+  /// Adds to the integrals of the cells: what their cracks have cost beyond psi_phi (T2), or psi_F =
+  /// -(1 - f) psi_phi.
+  void add_toughness(const std::vector<double>* fatigue, const std::vector<double>* toughness,
+                     EnergySums& sums) const {
+    if (toughness != nullptr && toughness_by_state().works())
+      sums.fracture += load<2>(*toughness).value[1];
+    else if (fatigue != nullptr && tiring().works())
+      sums.fatigue += (this->toughness(fatigue, nullptr) - Batch(1.0)) * sums.fracture;
   }
 
   NodalValues gather(std::span<const double> field, int components) const {

@@ -77,6 +77,7 @@ private:
                    const std::vector<double>& to) const;
   void book_rate(const std::vector<double>& from, const std::vector<double>& to, double dt);
   void book_energy(const std::vector<double>& from, const std::vector<double>& to);
+  Batch toughness(const CellBatch& batch) const;
   std::vector<SNES> solvers() const;
   void raise_history();
   static void take_full_steps(SNES snes);
@@ -109,6 +110,7 @@ private:
   Mailbox mailbox_;
   StateRow &phi_, &drive_, &flow_;
   StateRow* worn_ = nullptr;       ///< row "fatigue"
+  StateRow* toughness_ = nullptr;  ///< row of that name
   StateRow* history_ = nullptr;    ///< with DamageBounds::history
   StateRow* microforce_ = nullptr; ///< on nodes with prescribed phi, of the energy alone
   std::vector<double> x_, r_;

@@ -26,6 +26,7 @@ struct MaterialAssignment {
   std::shared_ptr<const HardeningTable> points{}; ///< what the law points to
   ErosionRule erosion{};
   ToughnessFatigue fatigue{};
+  ToughnessByState toughness{};
   /// Factors of a cell with its centre there [3]; empty: the law is the same everywhere.
   std::function<PlaceFactors(const double* centre)> factors{};
 };
@@ -72,6 +73,10 @@ struct Discretisation {
   bool has_fatigue() const {
     return std::any_of(materials.begin(), materials.end(),
                        [](const auto& m) { return m.law.fatigues() || m.fatigue.works(); });
+  }
+  /// Whether a toughness follows rate or temperature.
+  bool has_toughness() const {
+    return std::any_of(materials.begin(), materials.end(), [](const auto& m) { return m.toughness.works(); });
   }
   bool has_failure() const {
     return any_law([](const PointLaw& law) { return law.fails(); });

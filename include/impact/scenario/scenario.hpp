@@ -73,6 +73,8 @@ struct MaterialScenario {
   std::optional<Softening> softening; ///< empty: automatic, and so below
   ErosionRule erosion;
   ToughnessFatigue fatigue;
+  ToughnessByState toughness;
+  std::string rate_table, temperature_table; ///< resolved paths of `toughness`
   PlaceScenario place;
   std::optional<Locking> locking; ///< automatic: mean for j2 on quads and hexes, else none
   struct Option {

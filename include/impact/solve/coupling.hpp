@@ -2,6 +2,7 @@
 #include <impact/problem/damage.hpp>
 #include <impact/problem/failure.hpp>
 #include <impact/problem/fatigue.hpp>
+#include <impact/problem/toughness.hpp>
 #include <impact/problem/heat.hpp>
 #include <impact/solve/augmentation.hpp>
 #include <impact/solve/explicit_step.hpp>
@@ -87,6 +88,7 @@ private:
   bool damage_pass(PassResult& result); ///< whether damage was solved and may stay
   void failure_pass(PassResult& result);
   void fatigue_pass(PassResult& result);
+  void toughness_pass();
   void heat_pass(Vec u, PassResult& result);
   void compare_temperatures(const StateRow& theta, PassResult& result);
   void let_lost_cells_go(const Attempt& attempt);
