@@ -47,10 +47,11 @@ Batch driving_energy(const MaterialParameters& m, const Drive& drive) {
 
 DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, const DamageScenario& settings)
-    : d_(discretisation), boundary_(boundary), settings_(settings), field_(d_, held_nodes(d_, boundary_)),
-      phi_(state.row("phi")), drive_(state.row("drive")), flow_(state.row("history")), x_(d_.node_values(1)),
-      r_(d_.node_values(1)), substep_start_(d_.scalar.make_local()), substep_end_(substep_start_),
-      lower_(d_.scalar.make_global()), upper_(d_.scalar.make_global()) {
+    : d_(discretisation), boundary_(boundary), settings_(settings),
+      field_(d_, held_nodes(d_, boundary_), settings_.order == 1), phi_(state.row("phi")),
+      drive_(state.row("drive")), flow_(state.row("history")), x_(d_.node_values(1)), r_(d_.node_values(1)),
+      substep_start_(d_.scalar.make_local()), substep_end_(substep_start_), lower_(d_.scalar.make_global()),
+      upper_(d_.scalar.make_global()) {
   double toughness = 0;
   const bool vi = settings_.bounds == DamageBounds::vi;
   for (const PointLaw& law : d_.laws)
@@ -215,6 +216,7 @@ ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
   rest();
   raise_history();
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_damage(step.t, phi); });
+  field_.fill_middles(phi);
   bool heals = false; // where a prescribed value lies below phi_n
   for (std::size_t i = 0; i < phi.size(); ++i)
     heals = heals || (field_.held()[i] && phi[i] < (*step.phi_n)[i] - 1e-12);
@@ -230,7 +232,7 @@ ScalarOutcome DamageProblem::solve(const DamageStep& step, std::vector<double>& 
   const ScalarOutcome outcome = solve_field(snes_, field_.solution(), mailbox_);
   if (outcome.reason < 0) return outcome;
   if (settings_.bounds == DamageBounds::vi || settings_.bounds == DamageBounds::clip) clip();
-  d_.scalar.to_local(field_.solution(), phi);
+  field_.to_local(field_.solution(), phi);
   book_rate(*step.phi_n, phi, step.dt);
   book_energy(*step.phi_n, phi);
   return outcome;

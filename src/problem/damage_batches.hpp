@@ -31,7 +31,7 @@ inline Batch crack_energy_of(const CellBatch& batch, const std::vector<double>& 
 
 // body(batch, input of the kernels at x) answers with the lanes that lost their meaning; false where any did.
 template <class Body> bool DamageProblem::visit_batches(const Equation& equation, Vec x, Body&& body) {
-  d_.scalar.to_local(x, x_);
+  field_.to_local(x, x_);
   bool sound = true;
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;

@@ -47,7 +47,7 @@ void DamageProblem::set_implicit(TS ts) {
 // lambda and the lower bound belong to the damage at the start of the sub-step.
 void DamageProblem::start_substep(TS ts) {
   const Vec x = Get(TSGetSolution)(ts);
-  d_.scalar.to_local(x, substep_start_);
+  field_.to_local(x, substep_start_);
   equation_.phi_n = &substep_start_;
   if (rate_) return weigh_nodes(Get(TSGetTimeStep)(ts));
   if (settings_.bounds != DamageBounds::vi) return;
@@ -61,7 +61,7 @@ void DamageProblem::finish_substep(TS ts) {
   const PetscReal start = Get(TSGetPrevTime)(ts);
   const PetscReal end = Get(TSGetTime)(ts);
   if (rate_) check(VecPointwiseMin(x, x, upper_));
-  d_.scalar.to_local(x, substep_end_);
+  field_.to_local(x, substep_end_);
   if (rate_) {
     book_substep(end - start);
     const PetscInt left = settings_.explicit_substeps - Get(TSGetStepNumber)(ts);
@@ -110,7 +110,7 @@ ScalarOutcome DamageProblem::solve_substeps(const DamageStep& step, std::vector<
   check(TSGetSNESIterations(substeps_, &outcome.newton));
   check(TSGetKSPIterations(substeps_, &outcome.linear));
   outcome.reason = SNES_CONVERGED_ITS;
-  d_.scalar.to_local(field_.solution(), phi);
+  field_.to_local(field_.solution(), phi);
   if (settings_.bounds == DamageBounds::clip || settings_.bounds == DamageBounds::vi)
     for (std::size_t i = 0; i < phi.size(); ++i) phi[i] = std::min(1.0, std::max(phi[i], (*step.phi_n)[i]));
   book_energy(*step.phi_n, phi);

@@ -13,9 +13,9 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
                          const BoundaryData& boundary, const HeatScenario& settings, bool moves,
                          const ContactSet* contacts)
     : d_(discretisation), boundary_(boundary), settings_(settings), loads_(d_, boundary_),
-      field_(d_, held_nodes(boundary_)), theta_(state.row("theta")), history_(state.row("history")),
-      drive_(state.row("drive")), x_(d_.node_values(1)), r_(d_.node_values(1)), constant_(d_.node_values(1)),
-      flows_(moves && d_.has_plasticity()) {
+      field_(d_, held_nodes(boundary_), settings.order == 1), theta_(state.row("theta")),
+      history_(state.row("history")), drive_(state.row("drive")), x_(d_.node_values(1)),
+      r_(d_.node_values(1)), constant_(d_.node_values(1)), flows_(moves && d_.has_plasticity()) {
   const std::size_t points = d_.point_values(1);
   points_.resize(points * heat_point_size);
   const int stresses = gradient_size(d_.frame);
@@ -32,6 +32,9 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
       if (contact.passes_heat()) contacts_.emplace_back(d_.mesh, contact);
   supplied_ = {std::vector<double>(boundary_.conditions().size(), 0.0),
                std::vector<ContactHeat::Heat>(contacts_.size())};
+  if (settings.order == 1 && d_.mesh.order() == 2 && !contacts_.empty())
+    throw UserError(ExitCode::usage, "-heat_order 1: not where heat passes a contact; allowed: 2, or that of "
+                                     "the cells; remove it");
   if (settings_.substep > 0 && !contacts_.empty())
     throw UserError(ExitCode::usage, "-heat_ts_dt: no sub-steps where heat passes a contact; remove it, or "
                                      "choose a smaller -ts_dt");
@@ -225,7 +228,7 @@ bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec soluti
 }
 
 void HeatProblem::residual(SNES, Vec x, Vec f) {
-  d_.scalar.to_local(x, x_);
+  field_.to_local(x, x_);
   const bool sound = assemble_residual(x_, x, f);
   field_.zero_held(f);
   if (!sound) check(SNESSetFunctionDomainError(snes_));
@@ -233,7 +236,7 @@ void HeatProblem::residual(SNES, Vec x, Vec f) {
 
 void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
   const Timed timed(Event::heat_tangent);
-  d_.scalar.to_local(x, x_);
+  field_.to_local(x, x_);
   CellMatrix K;
   field_.zero_matrix();
   visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
@@ -252,7 +255,7 @@ void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
       d_.scalar.to_global(std::vector<double>(field_.held().begin(), field_.held().end()), held_nodes_);
     }
     for (const ContactHeat& contact : contacts_) contact.add_tangent(held_nodes_, matrix);
-    loads_.add_tangent(settings_.theta * (t_ - t_n_), field_.held(), matrix);
+    loads_.add_tangent(settings_.theta * (t_ - t_n_), field_.held(), field_.middles(), matrix);
     check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
   }
@@ -263,15 +266,17 @@ void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
 // What flows in where the temperature is prescribed is the residual that is left there.
 void HeatProblem::book() {
   const Vec solution = field_.solution(), residual = field_.residual();
-  d_.scalar.to_local(solution, x_);
+  field_.to_local(solution, x_);
   assemble_residual(x_, solution, residual);
   d_.scalar.to_local(residual, r_);
   for (int node : field_.owned_held())
-    supplied_.by_condition[at(boundary_.temperature_condition()[at(node)])] += r_[at(node)];
+    if (const int condition = boundary_.temperature_condition()[at(node)]; condition >= 0)
+      supplied_.by_condition[at(condition)] += r_[at(node)];
   // Loads of this rank's cells and facets, and what flows in at held nodes: each node's heat at its
   // temperature.
   std::vector<double> heat = load_, counted = supplied_.by_condition;
   loads_.add_end(settings_.theta * (t_ - t_n_), x_, heat, counted);
+  field_.fold_middles(heat);
   for (int node : field_.owned_held()) heat[at(node)] += r_[at(node)];
   if (!contacts_.empty()) {
     // What rigid bodies conducted, at the owners of the nodes.
@@ -339,6 +344,7 @@ void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
 
 ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_temperature(t_, theta); });
+  field_.fill_middles(theta);
   x_ = theta;
   ScalarOutcome outcome;
   if (!make_constant_part()) {

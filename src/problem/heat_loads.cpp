@@ -110,9 +110,10 @@ void HeatLoads::add_end(double weight, const std::vector<double>& temperature, s
         add_surface_heat(surface.load->facets, d_.frame, X_, surface.heat[1], temperature, weight, load);
 }
 
-void HeatLoads::add_tangent(double weight, const std::vector<char>& held, Mat matrix) const {
+void HeatLoads::add_tangent(double weight, const std::vector<char>& held, const MiddleValues* middles,
+                            Mat matrix) const {
   for (const Surface& surface : surfaces_)
-    add_surface_heat_tangent(surface.load->facets, d_.frame, X_, surface.heat[1], weight, held,
+    add_surface_heat_tangent(surface.load->facets, d_.frame, X_, surface.heat[1], weight, held, middles,
                              d_.mesh.global_node(), matrix);
 }
 

@@ -11,11 +11,32 @@ void set_default(const std::string& option, const char* value) {
   if (!set) check(PetscOptionsSetValue(nullptr, ("-" + option).c_str(), value));
 }
 
+CellGroup by_corners(const CellGroup& group) {
+  CellGroup linear = group;
+  linear.shape = impact::linear(group.shape);
+  linear.node.clear();
+  for (int b = 0; b < group.batch_count; ++b) {
+    const int* nodes = batch_nodes(group, b);
+    linear.node.insert(linear.node.end(), nodes, nodes + linear.shape->nodes * lanes);
+  }
+  return linear;
+}
+
 } // namespace
 
-ScalarField::ScalarField(const Discretisation& d, std::vector<char> held)
+ScalarField::ScalarField(const Discretisation& d, std::vector<char> held, bool linear)
     : d_(d), held_(std::move(held)), solution_(d.scalar.make_global()), residual_(d.scalar.make_global()),
       diagonal_(d.scalar.make_global()) {
+  if (linear && d.mesh.order() == 2) {
+    middles_.emplace(d.mesh);
+    for (const CellGroup& group : d.groups) {
+      corner_groups_.push_back(by_corners(group));
+      auto& around = around_.emplace_back();
+      for (int a = 0; a < group.shape->nodes; ++a) around.push_back(corners_around(group.shape, a));
+    }
+    for (int node = 0; node < static_cast<int>(held_.size()); ++node)
+      if (middles_->is_middle(node)) held_[at(node)] = 1;
+  }
   for (int node = 0; node < static_cast<int>(held_.size()); ++node) {
     free_.push_back(held_[at(node)] ? 0 : 1);
     if (held_[at(node)] && d_.mesh.owned(node)) owned_held_.push_back(node);
@@ -23,7 +44,25 @@ ScalarField::ScalarField(const Discretisation& d, std::vector<char> held)
 }
 
 void ScalarField::build_matrix(const std::vector<std::pair<PetscInt, PetscInt>>& extra) {
-  assembly_ = make_assembly(d_.scalar, d_.mesh, d_.groups, extra);
+  assembly_ = make_assembly(d_.scalar, d_.mesh, middles_ ? corner_groups_ : d_.groups, extra);
+}
+
+void ScalarField::add(const CellBatch& batch, CellMatrix& K) {
+  CellMatrix* sum = &K;
+  if (middles_) {
+    const auto& around = around_[at(batch.number_of_group)];
+    of_corners_.zeroed(batch.group.shape->corners());
+    for (int a = 0; a < batch.nodes(); ++a)
+      for (int b = 0; b < batch.nodes(); ++b) {
+        const auto &rows = around[at(a)], &columns = around[at(b)];
+        const Batch share = (1.0 / static_cast<double>(rows.size() * columns.size())) * K(a, b);
+        for (const int i : rows)
+          for (const int j : columns) of_corners_(i, j) += share;
+      }
+    sum = &of_corners_;
+  }
+  sum->mask(batch.scalars(free_)); // the corners of a cell are its first nodes
+  assembly_->add(batch.number_of_group, batch.number, sum->data());
 }
 
 void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations,
@@ -53,7 +92,13 @@ void ScalarField::prepare(SNES snes, SNESType type, double atol, double rtol, in
   set_default(prefix + "sub_pc_type", "icc");
 }
 
-void ScalarField::assemble(const std::vector<double>& r, Vec f) const {
+void ScalarField::to_local(Vec x, std::vector<double>& values) const {
+  d_.scalar.to_local(x, values);
+  fill_middles(values);
+}
+
+void ScalarField::assemble(std::vector<double>& r, Vec f) const {
+  fold_middles(r);
   check(VecSet(f, 0));
   d_.scalar.add_to_global(r, f);
 }

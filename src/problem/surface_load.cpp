@@ -78,6 +78,24 @@ void add_block(const FacetNodes& n, int components, const std::vector<char>& hel
   K.fill(0);
 }
 
+// matrix += K of a scalar field that is of first order, over the corners without the held ones; K then is
+// zero.
+template <std::size_t size>
+void add_corner_block(const FacetNodes& n, const std::vector<char>& held, const MiddleValues& middles,
+                      std::span<const PetscInt> global_node, std::array<double, size>& K, Mat matrix) {
+  for (int a = 0; a < n.count; ++a)
+    for (int b = 0; b < n.count; ++b) {
+      const std::span<const int> rows = middles.corners(n.node[at(a)]),
+                                 columns = middles.corners(n.node[at(b)]);
+      const double share = K[at(a * n.count + b)] / static_cast<double>(rows.size() * columns.size());
+      for (const int i : rows)
+        for (const int j : columns)
+          if (!held[at(i)] && !held[at(j)])
+            check(MatSetValue(matrix, global_node[at(i)], global_node[at(j)], share, ADD_VALUES));
+    }
+  K.fill(0);
+}
+
 } // namespace
 
 void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -179,7 +197,8 @@ double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector
 
 void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                               const SurfaceHeat& heat, double weight, const std::vector<char>& held,
-                              std::span<const PetscInt> global_node, Mat matrix) {
+                              const MiddleValues* middles, std::span<const PetscInt> global_node,
+                              Mat matrix) {
   std::array<double, max_facet_nodes * max_facet_nodes> K{};
   visit_facets(
       facets, dimension(frame), X, nullptr,
@@ -188,7 +207,12 @@ void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::
         for (int a = 0; a < n.count; ++a)
           for (int b = 0; b < n.count; ++b) K[at(a * n.count + b)] += h * p.N[a] * p.N[b];
       },
-      [&](const FacetNodes& n) { add_block(n, 1, held, global_node, K, matrix); });
+      [&](const FacetNodes& n) {
+        if (middles == nullptr)
+          add_block(n, 1, held, global_node, K, matrix);
+        else
+          add_corner_block(n, held, *middles, global_node, K, matrix);
+      });
 }
 
 } // namespace impact

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/mesh/middle_values.hpp>
 #include <impact/problem/toughness.hpp>
 #include <impact/run/setup.hpp>
 
@@ -62,6 +63,11 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   });
   setup.rigid.set_initial(s.time.scale(), u, v);
   set_rates(setup, std::move(rate));
+  if (d.mesh.order() == 2 && (s.damage.order == 1 || s.heat.order == 1)) {
+    const MiddleValues middles(d.mesh);
+    if (s.damage.order == 1 && state.find("phi")) middles.fill(state.row("phi").trial);
+    if (s.heat.order == 1 && state.find("theta")) middles.fill(state.row("theta").trial);
+  }
   if (d.has_toughness()) follow_toughness(d, state, {});
   state.commit();
 }

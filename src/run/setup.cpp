@@ -228,6 +228,11 @@ void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
 
 std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<ObstacleBody>& obstacles) {
   std::vector<MaterialAssignment> materials = assign_materials(s, obstacles, mesh.order());
+  const bool linear_cells = mesh.order() == 1;
+  if (linear_cells && (s.damage.order == 2 || s.heat.order == 2))
+    throw UserError(ExitCode::data,
+                    std::string(s.damage.order == 2 ? "-damage_order" : "-heat_order") +
+                        " 2: the cells of the mesh are of first order; allowed: 1, or -order 2");
   Discretisation d = discretise(std::move(mesh), std::move(materials), frame_of(s.plane), s.thickness);
   std::vector<BoundaryCondition> conditions = conditions_at_work(s, d.dim());
   RigidBodies rigid(d, conditions, s.time.max_time);

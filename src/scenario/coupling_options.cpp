@@ -64,12 +64,25 @@ void add_passes(std::vector<OptionRow<Scenario>>& rows) {
       "aitken", PassRelaxation::aitken, "none", PassRelaxation::none);
 }
 
+/// Order of a scalar field, which cannot exceed that of the cells.
+OptionRow<Scenario>& order_of_field(OptionRow<Scenario>& row, int (*order)(const Scenario&)) {
+  row.otherwise("that of the cells");
+  return row.refused([=](const Scenario& s) { return order(s) == 2 && s.mesh.order == 1; },
+                     "is more than that of the cells; allowed: 1, or -order 2");
+}
+
 void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Scenario::damage);
   row.choice("damage_form", &DamageScenario::form,
              "damage equation as it stands, or divided by its rate coefficient (the paper's)", "multiplied",
              DamageForm::multiplied, "divided", DamageForm::divided)
       .notation("(111)");
+  order_of_field(
+      row.count("damage_order", &DamageScenario::order, 1,
+                "order of phi: 1 on cells of second order takes the mean of the corners in the middles", 2),
+      [](const Scenario& s) { return s.damage.order; })
+      .refused([](const Scenario& s) { return s.damage.order == 1 && s.damage.explicit_substeps > 0; },
+               "goes without -damage_substeps, which lump the equation at the nodes; remove one of them");
   row.number("damage_theta", &DamageScenario::theta, "1 theta", {0, 1, true, false},
              "time weight of the damage equation: 1 backward Euler, 0.5 trapezoid");
   limit_substeps(row.number("damage_ts_dt", &DamageScenario::substep, "s", positive,
@@ -191,6 +204,9 @@ OptionGroup heat_options() {
              "closes the first law to rounding; they differ by the error of the time step",
              "entropy", HeatForm::entropy, "energy", HeatForm::energy)
       .notation("(45')");
+  order_of_field(row.count("heat_order", &HeatScenario::order, 1,
+                           "order of the temperature, as -damage_order; not where heat passes a contact", 2),
+                 [](const Scenario& s) { return s.heat.order; });
   row.number("heat_theta", &HeatScenario::theta, "1 theta", {0.5, 1, false, false},
              "time weight of the heat balance: 1 backward Euler, 0.5 trapezoid");
   limit_substeps(row.number("heat_ts_dt", &HeatScenario::substep, "s", positive,

@@ -75,7 +75,8 @@ OptionGroup mesh_options() {
     }
   };
   row.count("order", &MeshScenario::order, 1,
-            "order of the cells. 2: displacement, damage and temperature are quadratic; a .geo gives curved "
+            "order of the cells. 2: displacement is quadratic, and damage and temperature are but for "
+            "-damage_order and -heat_order; a .geo gives curved "
             "edges, a .msh of first order straight ones",
             2)
       .otherwise("that of the file, 1 for a .geo");

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/mesh/middle_values.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/surface_load.hpp>
@@ -24,7 +25,8 @@ public:
                std::vector<double>& supplied) const;
   /// Its derivative into the matrix of a residual that takes loads with a minus, without held nodes; the
   /// caller assembles.
-  void add_tangent(double weight, const std::vector<char>& held, Mat matrix) const;
+  void add_tangent(double weight, const std::vector<char>& held, const MiddleValues* middles,
+                   Mat matrix) const;
 
 private:
   struct Source {

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/mesh/middle_values.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/problem/cell_loop.hpp>
@@ -11,8 +12,11 @@ namespace impact {
 
 class ScalarField {
 public:
-  /// Nodes with `held` [local node] have no equation. Collective.
-  ScalarField(const Discretisation& discretisation, std::vector<char> held);
+  /// Nodes with `held` [local node] have no equation, nor have middles where the field is of first order on
+  /// cells of second order (`linear`). Collective.
+  ScalarField(const Discretisation& discretisation, std::vector<char> held, bool linear);
+  ScalarField(const ScalarField&) = delete;
+  ScalarField& operator=(const ScalarField&) = delete;
 
   Mat matrix() const { return assembly_->matrix(); }
   const std::vector<char>& held() const { return held_; }
@@ -28,17 +32,24 @@ public:
   void prepare(SNES snes, SNESType type, double atol, double rtol, int most_iterations,
                double width = 0) const;
 
-  /// f = sum over the ranks of the local r. Collective.
-  void assemble(const std::vector<double>& r, Vec f) const;
+  /// Null but for a field of first order on cells of second order.
+  const MiddleValues* middles() const { return middles_ ? &*middles_ : nullptr; }
+  void fill_middles(std::vector<double>& values) const {
+    if (middles_) middles_->fill(values);
+  }
+  void fold_middles(std::vector<double>& forces) const {
+    if (middles_) middles_->fold(forces);
+  }
+  /// A global vector as local array, ghosts included, with its middles. Collective.
+  void to_local(Vec x, std::vector<double>& values) const;
+  /// f = sum over the ranks of the local r, whose middles are folded. Collective.
+  void assemble(std::vector<double>& r, Vec f) const;
   /// f = 0 at held nodes.
   void zero_held(Vec f) const;
 
   void zero_matrix() { assembly_->zero(); }
   /// Adds a cell matrix without the rows and columns of held nodes, which it loses.
-  void add(const CellBatch& batch, CellMatrix& K) {
-    K.mask(batch.scalars(free_));
-    assembly_->add(batch.number_of_group, batch.number, K.data());
-  }
+  void add(const CellBatch& batch, CellMatrix& K);
   void finish_matrix() { assembly_->finish(); }
   /// Held rows get the mean of the diagonal; residuals of the solvers cannot fall below what the last digit
   /// of `sizes` makes of the others' rows, or of the diagonal itself without. Collective.
@@ -51,6 +62,11 @@ private:
   std::vector<char> held_;
   std::vector<double> free_; // 1 where not held
   std::vector<int> owned_held_;
+  std::optional<MiddleValues> middles_;
+  // Where there are middles: the cells by their corners, and amid which of these each node stands.
+  std::vector<CellGroup> corner_groups_;
+  std::vector<std::vector<std::vector<int>>> around_; // [group][node]
+  CellMatrix of_corners_;
   std::unique_ptr<SparseAssembly> assembly_;
   Handle<Vec> solution_, residual_, diagonal_;
 };

@@ -16,12 +16,14 @@ struct DamageScenario {
   DamageBounds bounds = DamageBounds::vi;
   double substep = 0;        ///< -damage_ts_dt; 0: none
   int explicit_substeps = 0; ///< at most so many of them, of the rate law explicitly; 0: none
+  int order = 0;             ///< of phi; 0: that of the cells
 };
 
 struct HeatScenario {
   HeatForm form = HeatForm::entropy;
   double theta = 1;   ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
   double substep = 0; ///< -heat_ts_dt; 0: none
+  int order = 0;      ///< of theta; 0: that of the cells
 };
 
 /// Coefficients of the bulk viscosity of explicit steps (kernel/bulk_viscosity.hpp).

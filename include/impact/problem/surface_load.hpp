@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <impact/kernel/boundary_load.hpp>
+#include <impact/mesh/middle_values.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <petscmat.h>
@@ -50,7 +51,7 @@ double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector
 /// out. The caller assembles.
 void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                               const SurfaceHeat& heat, double weight, const std::vector<char>& held,
-                              std::span<const PetscInt> global_node, Mat matrix);
+                              const MiddleValues* middles, std::span<const PetscInt> global_node, Mat matrix);
 
 /// body(facet, point, position [dim]) at all points of the facets, in the order of SurfaceHeat.
 void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vector<double>& X,
