@@ -14,7 +14,10 @@ void check_group(const std::string& option, const std::string& name, int dim,
   const auto found = std::ranges::find_if(groups, [&](const Group& g) { return g.name == name; });
   const std::string has = "; mesh has: " + groups_text(groups);
   if (found == groups.end())
-    throw UserError(ExitCode::data, option + " \"" + name + "\": no such physical group" + has);
+    throw UserError(ExitCode::data, option + " \"" + name + "\": no such physical group" + has +
+                                        (option.ends_with("_primary")
+                                             ? "; rigid bodies are plane, rigid_sphere and rigid_cylinder"
+                                             : ""));
   if (dim != 0 && found->dim != dim)
     throw UserError(ExitCode::data, option + " \"" + name + "\": is a group of dimension " +
                                         std::to_string(found->dim) + "; allowed: dimension " +
