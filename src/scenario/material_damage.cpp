@@ -253,8 +253,10 @@ void add_split(MaterialRows& rows) {
 /// Of <>split drucker_prager.
 void add_strength_ratio(Rows<Material>& row) {
   const auto cone = [](const Law& law) { return law.split == Split::drucker_prager; };
-  row.number("strength_ratio", &Material::strength_ratio, "1 r (50'''')", {1, 1e6, true, false},
-             "of split drucker_prager: strength in uniaxial compression over that in tension")
+  row.number("strength_ratio", &Material::strength_ratio, "1 r (50'''')", {1, 3, true, false},
+             "of split drucker_prager: strength in uniaxial compression over that in tension; with more than "
+             "3 an open "
+             "crack would still bear")
       .otherwise("required with split drucker_prager")
       .needed([=](const Material& m, const Scenario& s) { return needs_damage_data(m, s) && cone(m.law); },
               "<>split drucker_prager needs it")

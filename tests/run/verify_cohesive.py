@@ -34,7 +34,7 @@ for ge in LAWS:
 
 # Drucker and Prager's split: the strengths in tension and in compression, under pressure that of the cone, and none of what is
 # broken.
-RATIO, SMALL = 10, 0.3
+RATIO, SMALL = 2.5, 0.3
 CONE = {**SPACE, "material_solid_split": "drucker_prager", "material_solid_strength_ratio": RATIO, "material_solid_strength": SMALL}
 B = (RATIO - 1) / (RATIO + 1) / math.sqrt(3)
 PRESS = {"bcs": "x,y,z,pull,side,face", "bc_side_on": "top", "bc_side_type": "pressure", "bc_side_value": 2 * SMALL, "bc_face_on": "front",

@@ -12,7 +12,8 @@ BLOCK = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.ge
          "material_solid_E": E, "material_solid_nu": NU, "material_solid_damage": "at2", "material_solid_Gc": 2.7,
          "material_solid_gamma": 0.3}
 GAMMA = 2.0
-SPLITS = {"none": {}, "volumetric": {}, "star_convex": {"material_solid_star_gamma": GAMMA}, "spectral": {}, "no_tension": {}}
+SPLITS = {"none": {}, "volumetric": {}, "star_convex": {"material_solid_star_gamma": GAMMA}, "spectral": {}, "no_tension": {},
+          "drucker_prager": {"material_solid_strength_ratio": 2.5}}
 
 # One cell, broken from the start, in uniaxial strain: the faces of a crack across the load that opens and closes again.
 STRAIN = 0.03
@@ -23,7 +24,7 @@ def stresses(s, split):
     volume = K / 2 * (s * s - 1)
     shape = G * s ** (-2 / 3) * (s * s - 1) * 2 / 3
     pressed = {"none": 0, "volumetric": volume, "star_convex": (1 + GAMMA) * volume, "spectral": volume + shape,
-               "no_tension": volume + shape}
+               "no_tension": volume + shape, "drucker_prager": volume + shape}
     return 0 if s > 1 else pressed[split] / s
 
 
@@ -59,6 +60,8 @@ KINDS = {
     "no tension": OPEN,
     "no tension, mean volume": {**OPEN, "material_solid_nu": 0.49, "material_solid_locking": "mean"},
     "no tension, sheet with heat": {**OPEN, **HEAT, "plane": "stress"},
+    "cone": {"material_solid_split": "drucker_prager", "material_solid_strength_ratio": 2.5},
+    "cone, sheet with heat": {"material_solid_split": "drucker_prager", "material_solid_strength_ratio": 2.5, **HEAT, "plane": "stress"},
     "star-convex, flow with heat": {"material_solid_split": "star_convex", "material_solid_star_gamma": GAMMA, **FLOW, **HEAT},
 }
 

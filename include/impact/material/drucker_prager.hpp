@@ -11,7 +11,9 @@
 ///   E+ = U + W and E- = 0          where v >= 6 B j: the debris hangs together nowhere
 ///   E+ = 0 and E- = U + W          where c <= 0
 ///   E+ = c^2/D, E- = K G/D (v - 6 B j)^2   between them,                                       (50'''')
-/// with continuous stresses. Sound material damages at a given c: that is Drucker and Prager's cone.
+/// with continuous stresses. Sound material damages at a given c: that is Drucker and Prager's cone. A crack
+/// opens by a strain in one direction, v = sqrt(3) j, and bears nothing as long as 6 B <= sqrt(3): strengths
+/// that differ by 3 at most.
 namespace impact {
 
 /// v and dv/dln J_e of x = J_e - 1: v = x s with s^2 = 2 U/(K x^2).
