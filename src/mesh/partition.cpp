@@ -269,6 +269,37 @@ void renumber_shared_points(DM before, IS new_number, DM after) {
   check(PetscSFSetGraph(sf, roots, leaves, local.data(), PETSC_COPY_VALUES, node.data(), PETSC_COPY_VALUES));
 }
 
+// DMPlexPermute of PETSc 3.18 takes the number of coordinates of a point from another one: nodes amid
+// quadrilaterals that stand beside triangles, or amid hexahedra beside tetrahedra, lose their places.
+void place_points(DM before, IS new_number, DM after) {
+  PetscSection from = nullptr, to = nullptr;
+  PetscInt first = 0, end = 0;
+  const PetscInt* number = nullptr;
+  Vec old_places = nullptr, places = nullptr;
+  const PetscScalar* x = nullptr;
+  PetscScalar* y = nullptr;
+  check(DMGetCoordinateSection(before, &from));
+  check(DMGetCoordinateSection(after, &to));
+  check(DMGetCoordinatesLocal(before, &old_places));
+  check(DMGetCoordinatesLocal(after, &places));
+  check(VecGetArrayRead(old_places, &x));
+  check(VecGetArray(places, &y));
+  check(ISGetIndices(new_number, &number));
+  check(PetscSectionGetChart(from, &first, &end));
+  for (PetscInt point = first; point < end; ++point) {
+    PetscInt count = 0, old_offset = 0, offset = 0;
+    check(PetscSectionGetDof(from, point, &count));
+    if (count == 0) continue;
+    check(PetscSectionGetOffset(from, point, &old_offset));
+    check(PetscSectionGetOffset(to, number[point], &offset));
+    std::copy_n(x + old_offset, count, y + offset);
+  }
+  check(ISRestoreIndices(new_number, &number));
+  check(VecRestoreArray(places, &y));
+  check(VecRestoreArrayRead(old_places, &x));
+  check(DMSetCoordinatesLocal(after, places)); // the global ones are made afresh from these
+}
+
 } // namespace
 
 Handle<PetscSF> distribute(Handle<DM>& dm, const PartitionWeights& weights, std::vector<PetscInt>& patches) {
@@ -313,6 +344,7 @@ void order_for_locality(Handle<DM>& dm, std::vector<PetscInt>& patches) {
   check(DMPlexGetOrdering(dm, MATORDERINGRCM, nullptr, order.out()));
   check(DMPlexPermute(dm, order, ordered.out()));
   renumber_shared_points(dm, order, ordered);
+  place_points(dm, order, ordered);
   if (!patches.empty()) {
     const PetscInt* number = nullptr;
     PetscInt first = 0;

@@ -40,6 +40,21 @@ for name, serendipity, most in (("Hex27", 0, 0.015), ("Hex20", 1, 0.021)):
 runs.check_between("cantilever of Tet4, over Timoshenko's", runs.run("beam_tet4", {**BEAM, "order": 1})["probe_p_uy"][-1]
                    / timoshenko, 0.3, 0.5)
 
+# Triangles that gmsh leaves beside quadrilaterals: a body whose outside moves evenly is strained evenly.
+with open("mixed.geo", "w") as file:
+    file.write("""Point(1) = {0, 0, 0, 0.2}; Point(2) = {1, 0, 0, 0.2}; Point(3) = {1.3, 1, 0, 0.2}; Point(4) = {0, 1.2, 0, 0.1};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1 : 4}; Plane Surface(1) = {1};
+Recombine Surface{1}; Mesh.RecombinationAlgorithm = 0; Physical Surface("solid") = {1}; Physical Curve("outside") = {1 : 4};
+""")
+even = runs.run("mixed", {**STATIC, "mesh": "mixed.geo", "order": 2, "materials": "solid", "material_solid_E": 1000, "material_solid_nu": 0.3, "ts_dt": 1,
+                          "ts_max_time": 1, "bcs": "even", "bc_even_on": "outside", "bc_even_ux": "0.02*x+0.01*y", "bc_even_uy": "-0.03*x+0.01*y",
+                          "probes": "a,b,c,d", "probe_a_at": "0.3,0.3", "probe_b_at": "0.8,0.4", "probe_c_at": "0.4,0.9", "probe_d_at": "1.1,0.9",
+                          **{f"probe_{k}_fields": "u,stress" for k in "abcd"}})
+stress = [even[f"probe_{k}_stress_{ij}"][-1] for ij in ("xx", "yy", "xy") for k in "abcd"]
+for j in range(3):
+    runs.check("mixed cells: the same stress everywhere", max(stress[4 * j:4 * j + 4]) - min(stress[4 * j:4 * j + 4]), 0, 1e-9, relative=False)
+runs.check("mixed cells: displacement inside", even["probe_d_ux"][-1], 0.02 * 1.1 + 0.01 * 0.9, 1e-10)
+
 # A tube of radii 1 and 2 under inner pressure (Lame), a quarter of it: curved edges and the pressure on them. Plane strain,
 # strains of 1e-7. gmsh bends sides on the boundary alone: the cubic term of a quadrilateral's map there is of the size of
 # h^2, which costs half an order; the map of a triangle has none.
