@@ -101,6 +101,7 @@ public:
     const int corners = stored_corners(stored);
     const bool once = corners > 2;
     cut_.nodes = stored;
+    cut_.sides = corners;
     cut_.corners = corners == 2 ? 2 : 4;
     for (int a = 0; a < stored; ++a) {
       cut_.vertex.emplace_back(at(stored), 0.0);
@@ -171,7 +172,7 @@ private:
 std::array<std::array<double, 4>, 4> functions_of_part(const FacetParts& cut, int p,
                                                        const Functions& of_half) {
   const FacetParts::Part& part = cut.parts[at(p)];
-  const auto rows = at(stored_corners(cut.nodes));
+  const auto rows = at(cut.sides);
   Functions f{};
   for (std::size_t r = 0; r < rows; ++r)
     for (std::size_t c = 0; c < at(cut.corners); ++c)
@@ -185,10 +186,41 @@ std::array<std::array<double, 4>, 4> functions_of_part(const FacetParts& cut, in
   return f;
 }
 
+namespace {
+
+FacetParts wide_triangle(int stored) {
+  FacetParts cut = cut_facet(6);
+  const auto place = [&](int vertex) {
+    return vertex < 6 ? slot_of_triangle[at(vertex)] : vertex - 6 + stored;
+  };
+  std::vector<Numbers> vertex;
+  for (int a = 0; a < stored; ++a) vertex.emplace_back(at(stored), 0.0)[at(a)] = 1;
+  for (std::size_t v = 6; v < cut.vertex.size(); ++v) {
+    Numbers& wide = vertex.emplace_back(at(stored), 0.0);
+    for (std::size_t a = 0; a < 6; ++a) wide[at(slot_of_triangle[a])] = cut.vertex[v][a];
+  }
+  cut.nodes = stored;
+  cut.vertex = vertex;
+  for (FacetParts::Part& part : cut.parts) {
+    for (int& v : part.vertex) v = place(v);
+    for (int& node : part.node)
+      if (node >= 0) node = place(node);
+  }
+  for (std::array<int, 4>& half : cut.half)
+    for (int& v : half) v = place(v);
+  return cut;
+}
+
+} // namespace
+
+FacetCuts::FacetCuts(int stored) : cuts_{cut_facet(stored), {}} {
+  if (stored > 6) cuts_[1] = wide_triangle(stored);
+}
+
 FacetParts cut_facet(int stored) {
   if (stored_corners(stored) < stored) return Cutter(stored).take();
   FacetParts cut;
-  cut.nodes = cut.corners = stored;
+  cut.nodes = cut.corners = cut.sides = stored;
   FacetParts::Part part;
   for (int a = 0; a < stored; ++a) {
     cut.vertex.emplace_back(at(stored), 0.0);

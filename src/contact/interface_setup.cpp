@@ -6,6 +6,7 @@
 #include <impact/contact/ray_points.hpp>
 #include <impact/contact/resolve_settings.hpp>
 #include <impact/math/index.hpp>
+#include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 
@@ -14,8 +15,28 @@ namespace impact {
 
 namespace {
 
+// Gauss points of second order have one kind of facet.
+void refuse_mixed_surfaces(const FormRequest& request) {
+  const auto has_triangles = [](const ContactSurface& surface) {
+    const std::size_t width = at(surface.per_facet);
+    bool any = false;
+    for (std::size_t first = 0; width > 6 && first < surface.node.size(); first += width)
+      any = any || surface.node[first + 3] == surface.node[first + 2];
+    return any;
+  };
+  const ContactSettings& settings = request.settings;
+  throw_first(request.mesh.comm(), ExitCode::data,
+              has_triangles(request.secondary) || has_triangles(request.primary)
+                  ? "contact " + settings.id +
+                        ": Gauss points on triangles of second order in a mesh that has "
+                        "hexahedra too are not available; allowed: -contact_" +
+                        settings.id + "_method mortar, or cells of first order (-order 1, gmsh -order 1)"
+                  : "");
+}
+
 std::unique_ptr<ContactForm> make_form(const FormRequest& request) {
   if (request.settings.method == ContactMethod::mortar) return std::make_unique<MortarForm>(request);
+  refuse_mixed_surfaces(request);
   return stored_nodes(request.mesh) == 2 ? make_edge_point_form(request) : make_ray_point_form(request);
 }
 

@@ -29,7 +29,7 @@ void MortarForm::set_functions(Facet& facet, const std::array<std::array<double,
 std::vector<int> MortarForm::choose_functions(const Facing& facing, const ContactValues& x) {
   std::vector<int> changed;
   if (settings_.multipliers != MultiplierSpace::dual) return changed;
-  const int together = cut_.parts_of_half();
+  const int together = cuts_.parts_of_half();
   for (int first = 0; first < static_cast<int>(facets_.size()); first += together) {
     bool whole = true;
     for (int f = first; whole && f < first + together; ++f) {
@@ -77,10 +77,10 @@ bool MortarForm::is_beside(int facet, int candidate, const ContactValues& x) con
 }
 
 bool MortarForm::adjoin(int candidate, int other) const {
-  const auto slots = [&](int c) { return &nodes().primary[at(cut_.nodes * primary_facet(c))]; };
+  const auto slots = [&](int c) { return &nodes().primary[at(cuts_.width() * primary_facet(c))]; };
   const int *a = slots(candidate), *b = slots(other);
-  return std::any_of(a, a + cut_.nodes,
-                     [&](int slot) { return std::find(b, b + cut_.nodes, slot) != b + cut_.nodes; });
+  return std::any_of(a, a + cuts_.width(),
+                     [&](int slot) { return std::find(b, b + cuts_.width(), slot) != b + cuts_.width(); });
 }
 
 bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accepted,

@@ -34,15 +34,15 @@ std::array<int, 4> consecutive(int first) { return {first, first + 1, first + 2,
 } // namespace
 
 MortarForm::MortarForm(const FormRequest& request)
-    : ContactForm(request), dim_(request.mesh.dim()), cut_(cut_facet(request.secondary.per_facet)),
-      corners_(at(cut_.corners)), frame_(request.frame) {
+    : ContactForm(request), dim_(request.mesh.dim()), cuts_(request.secondary.per_facet),
+      corners_(at(cuts_.corners())), frame_(request.frame) {
   const Mesh& mesh = request.mesh;
   const FieldLayout& layout = request.layout;
-  parts_ = static_cast<int>(cut_.parts.size());
+  parts_ = cuts_.parts();
   find_facets(mesh, request.secondary);
   std::vector<PetscInt> nodes;
   for (std::size_t f = 0; f < facets_.size(); f += at(parts_))
-    nodes.insert(nodes.end(), facets_[f].node.begin(), facets_[f].node.begin() + cut_.nodes);
+    nodes.insert(nodes.end(), facets_[f].node.begin(), facets_[f].node.begin() + cuts_.width());
   std::vector<PetscInt> wanted = nodes;
   sort_unique(wanted);
   const Handle<Vec> coordinates = layout.make_global();
@@ -56,7 +56,7 @@ MortarForm::MortarForm(const FormRequest& request)
   }
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
     const Facet& facet = facets_[at(f)];
-    const std::vector<double> vertex = vertices_of(&X[at(dim_ * cut_.nodes * (f / parts_))]);
+    const std::vector<double> vertex = vertices_of(f, &X[at(dim_ * cuts_.width() * (f / parts_))]);
     const std::array<double, 4> area = measure(f, vertex);
     for (int a = 0; a < facet.corners; ++a)
       if (facet.owned[at(a)] >= 0) owned_[at(facet.owned[at(a)])].weight += area[at(a)];
@@ -78,9 +78,9 @@ MortarForm::MortarForm(const FormRequest& request)
   switches_.resize(facets_.size());
 }
 
-std::vector<double> MortarForm::vertices_of(const double* X) const {
+std::vector<double> MortarForm::vertices_of(int f, const double* X) const {
   std::vector<double> vertex;
-  for (const std::vector<double>& weight : cut_.vertex)
+  for (const std::vector<double>& weight : cut_of(f).vertex)
     for (int k = 0; k < dim_; ++k) {
       double& x = vertex.emplace_back();
       for (std::size_t a = 0; a < weight.size(); ++a)
@@ -102,7 +102,7 @@ std::array<double, 4> MortarForm::of_functions(int f, const std::array<double, 4
 std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
   Facet& facet = facets_[at(f)];
   const std::array<int, 4>&corner = part_of(f).vertex,
-                        &half = cut_.half[at(f % parts_ / cut_.parts_of_half())];
+                        &half = cut_of(f).half[at(f % parts_ / cuts_.parts_of_half())];
   std::array<std::array<double, 4>, 4> dual{};
   std::array<double, 4> area{};
   if (dim_ == 2) {
@@ -116,7 +116,7 @@ std::array<double, 4> MortarForm::measure(int f, const std::vector<double>& X) {
     dual = make_mortar_face(face_of(X, half), true).phi;
     area = nodal_areas(face_of(X, corner));
   }
-  facet.dual = functions_of_part(cut_, f % parts_, dual);
+  facet.dual = functions_of_part(cut_of(f), f % parts_, dual);
   set_functions(facet, part_of(f).function);
   if (rigid()) set_obstacle_points(facet);
   return of_functions(f, area);
@@ -145,10 +145,10 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
     // Two edges that leave a node, or arrive there, are a branch.
     for (std::size_t a = 0; dim_ == 2 && a < 2; ++a)
       if (mine.contains(nodes[a])) branches = !ends.emplace(nodes[a], a).second || branches;
-    for (const FacetParts::Part& part : cut_.parts) {
+    for (const FacetParts::Part& part : cuts_.of(nodes.data()).parts) {
       Facet facet;
       facet.node = nodes;
-      const bool triangle = part.vertex[3] == part.vertex[2] || (cut_.nodes == 4 && nodes[3] == nodes[2]);
+      const bool triangle = part.vertex[3] == part.vertex[2] || (cuts_.width() == 4 && nodes[3] == nodes[2]);
       facet.corners = dim_ == 2 ? 2 : triangle ? 3 : 4;
       for (int a = 0; a < facet.corners; ++a) {
         if (part.node[at(a)] < 0) continue;
@@ -177,7 +177,7 @@ void MortarForm::find_vertices() {
   if (parts_ == 1) return;
   const ContactNodes& from = nodes();
   const std::size_t width = at(from.per_facet);
-  vertices_ = Vertices(from.global.size(), cut_);
+  vertices_ = Vertices(from.global.size(), cuts_);
   places_ = {};
   places_.dim = dim_;
   places_.per_facet = static_cast<int>(corners_);

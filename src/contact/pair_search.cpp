@@ -201,7 +201,8 @@ std::array<double, 12> PairSearch::in_space(const int* slot, const ContactValues
 double PairSearch::bulge(const int* slot, const ContactValues& x) const {
   const int corners = stored_corners(per_facet_);
   double square = 0;
-  for (int e = 0; e < per_facet_ - corners; ++e) {
+  const bool triangle = corners == 4 && slot[3] == slot[2]; // has no middle of its own
+  for (int e = 0; e < std::min(per_facet_, triangle ? 2 * corners : per_facet_) - corners; ++e) {
     double offset = 0;
     for (int k = 0; k < dim_; ++k) {
       const auto of = [&](int a) { return x[at(dim_ * slot[a] + k)]; };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/contact/facet_parts.hpp>
 #include <impact/contact/surface.hpp>
 #include <impact/math/index.hpp>
 #include <impact/mesh/agreed_error.hpp>
@@ -45,16 +46,6 @@ ContactSurface make_surface(const Mesh& mesh, const std::string& contact, const 
                                         "` in the mesh; boundaries are: " + boundary_names(mesh));
   mesh.require_outside("contact " + contact + ": boundary", group);
   ContactSurface surface = surface_of(mesh, group, mesh.facets(group));
-  const std::size_t width = at(surface.per_facet);
-  bool mixed = false;
-  for (std::size_t first = 0; width > 4 && first < surface.node.size(); first += width)
-    mixed = mixed || surface.node[first + width - 1] == surface.node[first + width - 2];
-  throw_first(
-      mesh.comm(), ExitCode::data,
-      mixed ? "contact " + contact + ": boundary `" + group +
-                  "` has triangles of second order in a mesh that has hexahedra too; allowed: tetrahedra "
-                  "or hexahedra alone on both sides, or cells of first order (-order 1, gmsh -order 1)"
-            : "");
   if (sum_over_ranks(mesh.comm(), surface.count()) == 0)
     throw UserError(ExitCode::data, "contact " + contact + ": boundary `" + group + "` has no facets");
   return surface;
@@ -68,8 +59,10 @@ ContactSurface surface_of(const Mesh& mesh, const std::string& group, const Face
   for (int f = 0; f < facets.count(); ++f) {
     const int* nodes = &facets.connectivity[at(facets.nodes_per_facet * f)];
     const std::size_t first = surface.X.size();
+    const int last = facets.nodes_per_facet - 1;
+    const bool wide = surface.per_facet > 6 && (last == 5 || nodes[last] == nodes[last - 1]);
     for (int a = 0; a < surface.per_facet; ++a) {
-      const int node = nodes[std::min(a, facets.nodes_per_facet - 1)];
+      const int node = nodes[wide ? triangle_in_slot[at(a)] : std::min(a, last)];
       surface.local.push_back(node);
       surface.node.push_back(mesh.global_node()[at(node)]);
       const auto place = mesh.coordinates().begin() + dim * node;

@@ -64,11 +64,12 @@ std::size_t components_of(std::size_t numbers, std::size_t vertices) {
 } // namespace
 
 void Vertices::add(const int* node, std::vector<int>& corners) {
-  const std::size_t first = facet_node_.size(), count = sums_.size(), own = at(cut_->nodes);
+  const FacetParts& cut = cuts_->of(node);
+  const std::size_t first = facet_node_.size(), count = sums_.size(), own = at(cut.nodes);
   facet_node_.insert(facet_node_.end(), node, node + own);
-  for (std::size_t v = own; v < cut_->vertex.size(); ++v) sums_.push_back({v, first});
-  for (const FacetParts::Part& part : cut_->parts)
-    for (std::size_t c = 0; c < at(cut_->corners); ++c) {
+  for (std::size_t v = own; v < cut.vertex.size(); ++v) sums_.push_back({&cut.vertex[v], first});
+  for (const FacetParts::Part& part : cut.parts)
+    for (std::size_t c = 0; c < at(cut.corners); ++c) {
       const std::size_t v = at(part.vertex[c]);
       corners.push_back(v < own ? node[v] : static_cast<int>(nodes_ + count + v - own));
     }

@@ -77,10 +77,12 @@ for kind, dim, cells, most, shape in (("simplices", 2, (5, 4), 0.05, {}), ("simp
 print("others, by mortar")
 SERENDIPITY = {**BOXES, "mesh_serendipity": 1}
 for kind, dim, cells, shape in (("simplices", 2, (5, 4), {}), ("boxes", 2, (5, 4), BOXES), ("simplices", 3, (3, 2), {}),
-                                ("boxes", 3, (3, 2), BOXES), ("serendipity", 3, (3, 2), SERENDIPITY)):
+                                ("boxes", 3, (3, 2), BOXES), ("serendipity", 3, (3, 2), SERENDIPITY),
+                                ("tetrahedra on boxes", 3, (3, 2), {"mesh_set_simplices_lower": 0}),
+                                ("boxes on tetrahedra, serendipity", 3, (3, 2), {"mesh_set_simplices_upper": 0, "mesh_serendipity": 1})):
     for angle, functions, enforce in ((0, "standard", "semismooth"),
                                       (33, "dual", "auglag" if kind == "simplices" else "semismooth")):
-        (low, high), stress = patch(f"mortar_{kind}_{dim}_{functions}_{enforce}", dim, cells, angle, {
+        (low, high), stress = patch(f"mortar_{kind}_{dim}_{functions}_{enforce}".replace(", ", "_").replace(" ", "_"), dim, cells, angle, {
             "contact_face_method": "mortar", "contact_face_multipliers": functions, "contact_face_enforce": enforce,
             "contact_face_gap_tol": 1e-9, "contact_face_pressure_tol": 1e-9, **shape})
         name = f"{dim}D, {kind}, mortar, {functions}, {enforce}"
@@ -125,7 +127,26 @@ for dim, flown in FLIGHTS.items():
     energy = hit["energy_kinetic"] + hit["energy_elastic"] + hit["energy_contact"]
     check_between(f"{dim}D, explicit: largest energy over that of the start", energy.max() / energy[0], 1, 1 + 5e-3)
 
+# Tetrahedra fly into hexahedra.
+mixed = {**FLIGHTS[3], "mesh": os.path.abspath("mixed.msh")}
+subprocess.run(["gmsh", "-v", "1", "-3", "-order", "2", "-format", "msh22", mesh("two_blocks.geo"), "-o", mixed["mesh"],
+                *[word for key, value in {"dim": 3, "n_lower": 2, "n_upper": 2, "gap": 0.0213, "inset": 0.07,
+                                          "simplices_lower": 0, "simplices_upper": 1}.items()
+                  for word in ("-setnumber", key, str(value))]], check=True)
+for enforce in ("auglag", "semismooth"):
+    name = f"3D, tetrahedra on hexahedra, mortar, {enforce}"
+    straight = flight((3, "mortar", enforce), "mixed", extra=mixed)
+    touches_and_keeps_momentum(name, straight)
+    turned = flight((3, "mortar", enforce), "mixed_turned", angle=37, tilt=-24, ranks=2,
+                    extra={**mixed, "mesh": turned_mesh(mixed["mesh"], angle=37, tilt=-24), "petscpartitioner_type": "simple"})
+    same(f"{name}, turned, each body on its own rank", straight, turned, 1e-10)
+
 print("what is not there says so")
+r = run("refused_mixed", {"mesh": mixed["mesh"], "materials": "lower,upper", "material_lower_E": E, "material_lower_nu": NU,
+                          "material_upper_like": "lower", "contacts": "face", "contact_face_secondary": "lower_top",
+                          "contact_face_primary": "upper_bottom", "contact_face_method": "gpts", "ts_type": "static", "ts_dt": 1,
+                          "ts_max_time": 1, "bcs": "plate", "bc_plate_on": "lower_bottom", "bc_plate_type": "fix"}, code=3)
+require("Gauss points on triangles beside hexahedra: the message names mortar", "_method mortar" in r.log)
 for ranks in (1, 2):
     r = run(f"refused_{ranks}", {
         **CURVED, "mesh": mesh("two_blocks.geo"), "materials": "lower,upper", "material_lower_E": E,

@@ -26,6 +26,7 @@ struct FacetParts {
   };
   int nodes = 0;   ///< stored per facet
   int corners = 0; ///< stored per part: 2 or 4
+  int sides = 0;   ///< corners of the facet, which of first order may repeat the third
   /// Sums over the nodes: the first vertices are the nodes themselves. [vertex][node]
   std::vector<std::vector<double>> vertex;
   std::vector<Part> parts;              ///< half by half
@@ -36,6 +37,30 @@ struct FacetParts {
 
 /// `stored`: nodes that are stored per facet, in the plane or in space (surface.hpp).
 FacetParts cut_facet(int stored);
+
+/// The cuts of the facets of a surface: where quadrilaterals of second order may be, that of triangles too,
+/// which are stored like quadrilaterals whose third corner comes twice.
+class FacetCuts {
+public:
+  explicit FacetCuts(int stored);
+
+  int width() const { return cuts_[0].nodes; }     ///< nodes that are stored per facet
+  int corners() const { return cuts_[0].corners; } ///< stored per part
+  int parts() const { return static_cast<int>(cuts_[0].parts.size()); }
+  int parts_of_half() const { return cuts_[0].parts_of_half(); }
+  /// Of a facet with these nodes, under any numbers.
+  template <class Number> const FacetParts& of(const Number* node) const {
+    return cuts_[width() > 6 && node[3] == node[2] ? 1 : 0];
+  }
+
+private:
+  std::array<FacetParts, 2> cuts_;
+};
+
+/// In the place of a triangle of second order, stored as wide as a quadrilateral: where its nodes stand.
+inline constexpr std::array<int, 6> slot_of_triangle = {0, 1, 2, 4, 5, 7};
+/// And which node stands in each place.
+inline constexpr std::array<int, 9> triangle_in_slot = {0, 1, 2, 2, 3, 4, 2, 5, 2};
 
 /// Turns functions of the corners of a half, [r][corner], into those of its part `p` for the nodes of rows r:
 /// the middle of eight nodes has no function of its own, and gives it to the sides beside it.

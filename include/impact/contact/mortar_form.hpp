@@ -126,10 +126,14 @@ private:
   std::array<double, 4> measure(int facet, const std::vector<double>& X); // [vertex][dim] of the cut facet
   void set_obstacle_points(Facet& facet) const;
   void find_facets(const Mesh& mesh, const ContactSurface& secondary);
-  const FacetParts::Part& part_of(int facet) const {
-    return cut_.parts[static_cast<std::size_t>(facet % parts_)];
+  const FacetParts& cut_of(int facet) const {
+    return cuts_.of(facets_[static_cast<std::size_t>(facet)].node.data());
   }
-  std::vector<double> vertices_of(const double* X) const; // [node][dim] of a facet to [vertex][dim]
+  const FacetParts::Part& part_of(int facet) const {
+    return cut_of(facet).parts[static_cast<std::size_t>(facet % parts_)];
+  }
+  // [node][dim] of the facet that is cut to [vertex][dim]
+  std::vector<double> vertices_of(int facet, const double* X) const;
   // Values at the vertices, of which all that is private here is a function.
   const ContactValues& at_vertices(const ContactValues& of_nodes, ContactValues& store) const {
     return vertices_.from(of_nodes, static_cast<std::size_t>(dim_), store);
@@ -193,7 +197,7 @@ private:
   std::array<double, 4> areas_at(int facet, const ContactValues& u) const;
 
   int dim_;
-  FacetParts cut_;
+  FacetCuts cuts_;
   std::size_t corners_; // stored per part
   Vertices vertices_;
   ContactNodes places_; // of the vertices, without their exchange; unused where all of them are nodes

@@ -10,8 +10,8 @@ namespace impact {
 class Vertices {
 public:
   Vertices() = default;
-  /// So many nodes; the cut must outlive the object.
-  Vertices(std::size_t nodes, const FacetParts& cut) : nodes_(nodes), cut_(&cut) {}
+  /// So many nodes; the cuts must outlive the object.
+  Vertices(std::size_t nodes, const FacetCuts& cuts) : nodes_(nodes), cuts_(&cuts) {}
 
   /// All are nodes.
   bool empty() const { return sums_.empty(); }
@@ -26,17 +26,18 @@ public:
     const auto number = static_cast<std::size_t>(vertex);
     if (number < nodes_ || empty()) return call(vertex, 1.0);
     const Sum& sum = sums_[number - nodes_];
-    const std::vector<double>& weight = cut_->vertex[sum.vertex];
+    const std::vector<double>& weight = *sum.weight;
     for (std::size_t a = 0; a < weight.size(); ++a)
       if (weight[a] != 0) call(facet_node_[sum.first + a], weight[a]);
   }
 
 private:
   struct Sum {
-    std::size_t vertex, first; // of the cut; of the facet in facet_node_
+    const std::vector<double>* weight; // of the cut
+    std::size_t first;                 // of the facet in facet_node_
   };
   std::size_t nodes_ = 0;
-  const FacetParts* cut_ = nullptr;
+  const FacetCuts* cuts_ = nullptr;
   std::vector<int> facet_node_; // [facet][node] of facets that were cut
   std::vector<Sum> sums_;
 };
