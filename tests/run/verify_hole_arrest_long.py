@@ -11,7 +11,7 @@ GAMMA = 0.15
 r = run("hole_arrest", {}, files=[option_file("hole_arrest.opts")])
 t, x = r["time"] * 1e6, numpy.nan_to_num(r["crack_pmma_tip_x"])
 # AT2, AT1, cohesive; AT2 goes on from the hole.
-check_between("the crack has run 0.1 mm, us; 100.3, 101.0, 99.9 published", t[numpy.argmax(x > 75.1)], 0.95 * 100.5, 1.05 * 101.5)
+check_between("the crack has run 0.1 mm, us; 100.3, 101.0, 99.9 published", t[numpy.argmax(x > 75.1)], 0.975 * 100.5, 1.025 * 101.5)
 way = (x > 76) & (x < 88)
 speed = numpy.polyfit(t[way], x[way], 1)[0] * 1e3
 check_between("speed from x = 76 to 88 mm, m/s; 361, 371, 369 published", speed, 0.95 * 364, 1.05 * 370)
@@ -21,5 +21,5 @@ check_between("where it stops, mm; 91.37, 91.49 published", x[-1], 91.37 - GAMMA
 check("it has stood since 165 us", x[numpy.argmax(t > 165)], x[-1], GAMMA, relative=False)
 for time, published in ((120, 2.633), (130, 3.896), (140, 4.771), (180, 5.668)):
     check(f"surface energy at {time} us, mJ/mm, beside AT1", float(numpy.interp(time, t, r["energy_fracture"])), published, 0.05)
-check("first law", r["balance_first_law"][-1], 0, 2e-3, relative=False)
+check("first law", r["balance_first_law"][-1], 0, 5e-4, relative=False)
 finish()
