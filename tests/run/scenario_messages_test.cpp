@@ -98,7 +98,8 @@ const std::vector<Row>& rows() {
         {"-material_beam_gamma", "1"},
         {"-material_beam_fatigue", "asymptotic"}},
        ExitCode::usage,
-       "-material_beam_fatigue \"asymptotic\": the stress of the crack energy knows no toughness that changes; "
+       "-material_beam_fatigue \"asymptotic\": the stress of the crack energy knows no toughness that "
+       "changes; "
        "allowed with -material_beam_damage_gradient material, or -material_beam_fatigue power"},
       {{{"-material_beam_damage", "at2"},
         {"-material_beam_Gc", "1"},

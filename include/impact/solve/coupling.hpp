@@ -2,8 +2,8 @@
 #include <impact/problem/damage.hpp>
 #include <impact/problem/failure.hpp>
 #include <impact/problem/fatigue.hpp>
-#include <impact/problem/toughness.hpp>
 #include <impact/problem/heat.hpp>
+#include <impact/problem/toughness.hpp>
 #include <impact/solve/augmentation.hpp>
 #include <impact/solve/explicit_step.hpp>
 #include <impact/solve/path_control.hpp>
