@@ -258,14 +258,15 @@ void add_strength_ratio(Rows<Material>& row) {
              "3 an open "
              "crack would still bear")
       .otherwise("required with split drucker_prager")
-      .needed([=](const Material& m, const Scenario& s) { return needs_damage_data(m, s) && cone(m.law); },
+      .needed([](const Material& m,
+                 const Scenario& s) { return needs_damage_data(m, s) && m.split == Split::drucker_prager; },
               "<>split drucker_prager needs it")
       .refused(damaging([=](const Law& law) { return !cone(law); }),
                "has no effect with <>split {split}; remove it, or add <>split drucker_prager")
       .refused([=](const Material& m) { return cone(m.law) && !(m.law.cone > 0); },
                [](const Material& m) {
                  return "is not above that of a body whose volume alone is kept under pressure, " +
-                        number_text(least_strength_ratio(m.law)) +
+                        number_text(std::ceil(1e4 * least_strength_ratio(m.law)) / 1e4) +
                         " with its nu; allowed: more than that; remedy: <>split volumetric";
                });
 }

@@ -61,7 +61,7 @@ const std::vector<Row>& rows() {
        "mat_type, reuse_preconditioner, reuse_tangent, tangent, and PETSc's options of solvers)"},
       {{{"-heat_foo", "1"}},
        ExitCode::usage,
-       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, theta, ts_dt, and "
+       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, order, theta, ts_dt, and "
        "PETSc's options of solvers)"},
       {{{"-heat_ts_dt", "abc"}},
        ExitCode::usage,
@@ -70,6 +70,7 @@ const std::vector<Row>& rows() {
       {{{"-damage_bound", "vi"}},
        ExitCode::usage,
        "unknown option -damage_bound; did you mean -damage_bounds?   (after -damage_: bounds, every, form, "
+       "order, "
        "substeps, theta, ts_dt, and PETSc's options of solvers)"},
       {{{"-stops", "broken"}, {"-stop_end_when", "-"}},
        ExitCode::usage,
@@ -157,8 +158,8 @@ const std::vector<Row>& rows() {
        "-material_beam_strength_ratio: missing; -material_beam_split drucker_prager needs it"},
       {damaged({{"-material_beam_split", "drucker_prager"}, {"-material_beam_strength_ratio", "1.01"}}),
        ExitCode::usage,
-       "-material_beam_strength_ratio 1.01: is not above that of a body whose volume alone is kept under "
-       "pressure, 1.0742 with its nu; allowed: more than that; remedy: -material_beam_split volumetric"},
+       "-material_beam_strength_ratio \"1.01\": is not above that of a body whose volume alone is kept under "
+       "pressure, 1.062 with its nu; allowed: more than that; remedy: -material_beam_split volumetric"},
       {damaged({{"-material_beam_split", "star_convex"}}), ExitCode::usage,
        "-material_beam_star_gamma: missing; -material_beam_split star_convex needs it"},
       {damaged({{"-material_beam_star_gamma", "2"}, {"-material_beam_split", "none"}}), ExitCode::usage,
