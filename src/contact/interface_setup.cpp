@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/contact/edge_points.hpp>
+#include <impact/contact/facet_parts.hpp>
 #include <impact/contact/interface.hpp>
 #include <impact/contact/mortar_form.hpp>
 #include <impact/contact/ray_points.hpp>
@@ -20,8 +21,8 @@ void refuse_mixed_surfaces(const FormRequest& request) {
   const auto has_triangles = [](const ContactSurface& surface) {
     const std::size_t width = at(surface.per_facet);
     bool any = false;
-    for (std::size_t first = 0; width > 6 && first < surface.node.size(); first += width)
-      any = any || surface.node[first + 3] == surface.node[first + 2];
+    for (std::size_t first = 0; first < surface.node.size(); first += width)
+      any = any || is_wide_triangle(surface.per_facet, &surface.node[first]);
     return any;
   };
   const ContactSettings& settings = request.settings;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/contact/facet_parts.hpp>
 #include <impact/contact/pair_search.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
@@ -201,8 +202,8 @@ std::array<double, 12> PairSearch::in_space(const int* slot, const ContactValues
 double PairSearch::bulge(const int* slot, const ContactValues& x) const {
   const int corners = stored_corners(per_facet_);
   double square = 0;
-  const bool triangle = corners == 4 && slot[3] == slot[2]; // has no middle of its own
-  for (int e = 0; e < std::min(per_facet_, triangle ? 2 * corners : per_facet_) - corners; ++e) {
+  const int middles = is_wide_triangle(per_facet_, slot) ? corners : per_facet_ - corners; // none of its own
+  for (int e = 0; e < middles; ++e) {
     double offset = 0;
     for (int k = 0; k < dim_; ++k) {
       const auto of = [&](int a) { return x[at(dim_ * slot[a] + k)]; };

@@ -148,8 +148,10 @@ bool DamageProblem::assemble_forces(const Equation& equation, Vec x, Vec f) {
   const bool sound = visit_batches(equation, x, [&](const CellBatch& batch, const DamageInput& in) {
     auto r = batch.zero(1);
     const int bad = batch.kernels.damage_residual(batch.law, in, r.data());
-    if (batch.changes_toughness())
-      for (Batch& force : r.all()) force *= toughness(batch);
+    if (batch.changes_toughness()) {
+      const Batch left = toughness(batch);
+      for (Batch& force : r.all()) force *= left;
+    }
     batch.scatter(r, r_);
     return bad;
   });

@@ -33,33 +33,46 @@ Batch mean_temperature(const CellBatch& batch, const StateRow* theta) {
   return batch.mean(X, at_points);
 }
 
-} // namespace
-
-void follow_toughness(const Discretisation& d, StateTable& state, const ToughnessStep& step) {
-  StateRow &row = state.row("toughness"), &history = state.row("history");
+// What the next step works with: body(batch, committed values) answers with the rate of strain and the energy
+// beyond psi_phi.
+struct Followed {
+  Batch rate = 0, surplus = 0;
+};
+template <class Body> void write_toughness(const Discretisation& d, StateTable& state, Body&& body) {
+  StateRow& row = state.row("toughness");
   const StateRow* theta = state.find("theta");
   for_each_batch(d, damages, [&](const CellBatch& batch) {
     const ToughnessByState& law = batch.toughness_by_state();
     if (!law.works()) return;
     auto values = batch.load<2>(row.committed);
-    Batch rate = 0, surplus = 0;
-    if (step.u != nullptr) {
-      const Batch now = largest_stretch(batch, *step.u, history.trial),
-                  before = largest_stretch(batch, *step.u_n, history.committed);
-      rate = (1 / step.dt) * abs(log(now / before));
-      const auto cracks = [&](const std::vector<double>& phi) {
-        return crack_energy_of(batch, *step.u, phi, history);
-      };
-      surplus = values.value[1] + (values.value[0] - Batch(1.0)) * (cracks(*step.phi) - cracks(*step.phi_n));
-    }
+    const Followed now = body(batch, values);
     const Batch temperature = mean_temperature(batch, theta);
     Batch factor = 1;
-    for (int l = 0; l < lanes; ++l) factor.set(l, law.factor(rate[l], temperature[l]));
+    for (int l = 0; l < lanes; ++l) factor.set(l, law.factor(now.rate[l], temperature[l]));
     for (int q = 0; q < values.size / 2; ++q) {
       values.value[2 * q] = factor;
-      values.value[2 * q + 1] = surplus;
+      values.value[2 * q + 1] = now.surplus;
     }
     batch.store(values, row.trial);
+  });
+}
+
+} // namespace
+
+void start_toughness(const Discretisation& d, StateTable& state) {
+  write_toughness(d, state, [](const CellBatch&, const PointValues<2>&) { return Followed(); });
+}
+
+void follow_toughness(const Discretisation& d, StateTable& state, double dt, const std::vector<double>& u,
+                      const std::vector<double>& u_n) {
+  const StateRow &history = state.row("history"), &phi = state.row("phi");
+  write_toughness(d, state, [&](const CellBatch& batch, const PointValues<2>& before) {
+    const Batch stretch = largest_stretch(batch, u, history.trial),
+                stretch_n = largest_stretch(batch, u_n, history.committed);
+    const Batch grown =
+        crack_energy_of(batch, u, phi.trial, history) - crack_energy_of(batch, u, phi.committed, history);
+    return Followed{(1 / dt) * abs(log(stretch / stretch_n)),
+                    before.value[1] + (before.value[0] - Batch(1.0)) * grown};
   });
 }
 

@@ -68,7 +68,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
     if (s.damage.order == 1 && state.find("phi")) middles.fill(state.row("phi").trial);
     if (s.heat.order == 1 && state.find("theta")) middles.fill(state.row("theta").trial);
   }
-  if (d.has_toughness()) follow_toughness(d, state, {});
+  if (d.has_toughness()) start_toughness(d, state);
   state.commit();
 }
 

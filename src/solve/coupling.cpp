@@ -343,9 +343,7 @@ void Coupling::fatigue_pass(PassResult& result) {
 
 void Coupling::toughness_pass() {
   const MotionStep& step = fields_.motion.step();
-  const StateRow& phi = fields_.state.row("phi");
-  follow_toughness(fields_.motion.discretisation(), fields_.state,
-                   {step.dt, &pass_.u, step.u_n, &phi.trial, &phi.committed});
+  follow_toughness(fields_.motion.discretisation(), fields_.state, step.dt, pass_.u, *step.u_n);
 }
 
 void Coupling::heat_pass(Vec u, PassResult& result) {

@@ -38,6 +38,12 @@ struct FacetParts {
 /// `stored`: nodes that are stored per facet, in the plane or in space (surface.hpp).
 FacetParts cut_facet(int stored);
 
+/// Whether a facet of `stored` nodes, under any numbers, is a triangle of second order that is stored as wide
+/// as a quadrilateral: its third corner comes twice.
+template <class Number> bool is_wide_triangle(int stored, const Number* node) {
+  return stored > 6 && node[3] == node[2];
+}
+
 /// The cuts of the facets of a surface: where quadrilaterals of second order may be, that of triangles too,
 /// which are stored like quadrilaterals whose third corner comes twice.
 class FacetCuts {
@@ -50,7 +56,7 @@ public:
   int parts_of_half() const { return cuts_[0].parts_of_half(); }
   /// Of a facet with these nodes, under any numbers.
   template <class Number> const FacetParts& of(const Number* node) const {
-    return cuts_[width() > 6 && node[3] == node[2] ? 1 : 0];
+    return cuts_[is_wide_triangle(width(), node) ? 1 : 0];
   }
 
 private:

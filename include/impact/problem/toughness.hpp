@@ -7,17 +7,11 @@
 /// cracks have cost beyond psi_phi.
 namespace impact {
 
-/// Local arrays; the rows "toughness", "history" and, with heat, "theta" come from the table. Without u:
-/// bodies at rest, whose cracks cost G_c.
-struct ToughnessStep {
-  double dt = 0;
-  const std::vector<double>* u = nullptr; ///< accepted displacement at t_{n+1} [node][dim]
-  const std::vector<double>* u_n = nullptr;
-  const std::vector<double>* phi = nullptr; ///< at t_{n+1} [node]
-  const std::vector<double>* phi_n = nullptr;
-};
-
-/// Writes the trial half of "toughness" from the committed one.
-void follow_toughness(const Discretisation& d, StateTable& state, const ToughnessStep& step);
+/// Writes the trial half of "toughness" from the committed one over a step dt between local displacements
+/// [node][dim]; phi, history and temperature are those of the table.
+void follow_toughness(const Discretisation& d, StateTable& state, double dt, const std::vector<double>& u,
+                      const std::vector<double>& u_n);
+/// The same of bodies at rest, whose cracks have cost G_c.
+void start_toughness(const Discretisation& d, StateTable& state);
 
 } // namespace impact
