@@ -81,7 +81,8 @@ template <class Cell, Frame frame> void every_law(unsigned seed) {
   int number = 0;
   reference::for_every_law([&](const MaterialParameters& m, const std::string& name) {
     if (frame == Frame::plane_stress && (m.locking != Locking::none || has_state(m))) return;
-    one_pass_is_both<Cell, frame>(m, name, random, ++number % 2 == 0);
+    if (++number % reference::law_stride<Cell>() == 0)
+      one_pass_is_both<Cell, frame>(m, name, random, number % 2 == 0);
   });
   EXPECT_GT(number, 100);
 }

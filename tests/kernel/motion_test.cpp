@@ -66,13 +66,17 @@ TYPED_TEST(Motion, TangentIsTheComplexStepOfTheForce) {
     kernels<Cell, frame>().motion_residual(law, batch.input(cases[0].dt), only);
     for (int l = 0; l < lanes; ++l) {
       std::vector<double> exact(unsigned(dofs * dofs));
-      for (int j = 0; j < dofs; ++j) {
+      // A third of the columns of a larger cell: the cells of a batch take all.
+      constexpr int columns = dofs > 12 ? 3 : 1;
+      for (int j = l % columns; j < dofs; j += columns) {
         const auto f = reference::force(law.parameters, cases[unsigned(l)], complex_u(cases[unsigned(l)], j));
         for (int i = 0; i < dofs; ++i)
           exact[unsigned(i * dofs + j)] = f[unsigned(i)].imag() / reference::step;
       }
       double worst = 0;
-      for (int i = 0; i < dofs * dofs; ++i) worst = std::fmax(worst, std::fabs(K[i][l] - exact[unsigned(i)]));
+      for (int i = 0; i < dofs; ++i)
+        for (int j = l % columns; j < dofs; j += columns)
+          worst = std::fmax(worst, std::fabs(K[i * dofs + j][l] - exact[unsigned(i * dofs + j)]));
       EXPECT_LT(worst, 1e-10 * largest(exact)) << "option " << k;
       for (int i = 0; i < dofs; ++i) EXPECT_NEAR(r[i][l], only[i][l], 1e-12 * largest(exact) * 1e-3);
     }
