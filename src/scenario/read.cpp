@@ -4,6 +4,7 @@
 #include <cstring>
 #include <impact/mesh/two_level.hpp>
 #include <impact/petsc/bounded_newton.hpp>
+#include <impact/petsc/slope_search.hpp>
 #include <impact/scenario/petsc_options.hpp>
 #include <impact/time/types.hpp>
 #include <sstream>
@@ -184,6 +185,7 @@ Scenario read_scenario(MPI_Comm comm) {
   register_time_types();
   register_bounded_newton();
   register_two_level();
+  register_slope_search();
   for (const std::string& note : check_option_names()) check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
   Scenario scenario;
   scenario.coupling.max_it = 0; // not given

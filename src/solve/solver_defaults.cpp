@@ -3,7 +3,9 @@
 #include <impact/mesh/two_level.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
+#include <impact/petsc/slope_search.hpp>
 #include <impact/solve/solver_defaults.hpp>
+#include <string_view>
 
 namespace impact {
 
@@ -138,8 +140,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   return choice;
 }
 
-void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell) {
-  SNESLineSearch search = nullptr;
+void set_motion_solver(SNES snes, const SolverDefaults& defaults, SNESLineSearchType search, bool shell) {
   const KSP ksp = Get(SNESGetKSP)(snes);
   const PC pc = Get(KSPGetPC)(ksp);
   set_linear_solver(ksp, defaults);
@@ -151,12 +152,10 @@ void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_step
     check(KSPSetType(ksp, KSPGMRES));
     check(PCSetUseAmat(pc, PETSC_FALSE));
   }
-  // Secant search for the smallest residual norm along the step. Backtracking stalls where the volume is
-  // stiff (Cook's membrane, nu 0.4999: no convergence in 25 iterations, against 4), the search for a zero of
-  // the energy's slope where a crack opens.
-  check(SNESGetLineSearch(snes, &search));
-  check(SNESLineSearchSetType(search, full_steps ? SNESLINESEARCHBASIC : SNESLINESEARCHL2));
-  if (defaults.method != LinearMethod::factors && defaults.method != LinearMethod::diagonal && !full_steps)
+  register_slope_search();
+  check(SNESLineSearchSetType(Get(SNESGetLineSearch)(snes), search));
+  if (defaults.method != LinearMethod::factors && defaults.method != LinearMethod::diagonal &&
+      search != std::string_view(SNESLINESEARCHBASIC))
     set_forcing(snes,
                 defaults.method == LinearMethod::two_level || defaults.method == LinearMethod::half_factors
                     ? 1e-3

@@ -29,6 +29,7 @@ HEAT = {**{key: value for key, value in BLOCK.items() if not key.startswith("bc_
         "bc_warm_value": "300+400*t", "ts_dt": 0.25}
 CONTEXTS = {
     "lu": BLOCK,
+    "l2": {**BLOCK, "motion_snes_linesearch_type": "l2"},
     "bt": {**BLOCK, "motion_snes_linesearch_type": "bt"},
     "ilu": {**KRYLOV, "motion_pc_type": "ilu"},
     "gamg": {**KRYLOV, "motion_pc_type": "gamg"},
@@ -72,11 +73,11 @@ lu refused norm.of.each               -motion_snes_function_type PRECONDITIONED
 lu refused preconditioner             -motion_snes_npc_side left
 lu refused ts_max_reject              -motion_snes_error_if_not_converged
 lu refused ts_max_reject              -motion_ksp_error_if_not_converged
-lu counts    -motion_snes_linesearch_damping 0.5
+l2 counts    -motion_snes_linesearch_damping 0.5
 lu counts    -motion_snes_linesearch_type cp
-lu counts    -motion_snes_linesearch_max_it 2
-lu digits    -motion_snes_linesearch_maxstep 0.5
-lu digits    -motion_snes_linesearch_keeplambda
+l2 counts    -motion_snes_linesearch_max_it 2
+l2 digits    -motion_snes_linesearch_maxstep 0.5
+l2 digits    -motion_snes_linesearch_keeplambda
 lu refused norm.of.each               -motion_snes_linesearch_norms 0
 lu refused Picard                     -motion_snes_linesearch_precheck_picard
 lu refused take.bt                    -motion_snes_linesearch_type ncglinear

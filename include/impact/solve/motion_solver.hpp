@@ -63,6 +63,7 @@ public:
 private:
   void residual(SNES, Vec u, Vec f);
   void tangent(SNES, Vec u, Mat, Mat);
+  SNESLineSearchType line_search() const;
   void choose_reuse(const CouplingScenario& settings);
   bool first_iteration(Vec u, Vec ahead, double part);
   void add_jump(Vec u, Vec ahead, double part, Vec r);

@@ -45,9 +45,9 @@ SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice
                              double dt, SolverDemands demands = {},
                              std::optional<MatrixFormat> matrix = std::nullopt);
 
-/// Gives the motion's solver its defaults and reads its options. `full_steps`: no line search; `shell`: its
-/// matrix is one, whose preconditioner sees the bulk alone. Throws UserError(usage) for choices that cannot
-/// work. Collective.
-void set_motion_solver(SNES snes, const SolverDefaults& defaults, bool full_steps, bool shell);
+/// Gives the motion's solver its defaults and reads its options. `search`: basic for full steps;
+/// `shell`: its matrix is one, whose preconditioner sees the bulk alone. Throws UserError(usage) for choices
+/// that cannot work. Collective.
+void set_motion_solver(SNES snes, const SolverDefaults& defaults, SNESLineSearchType search, bool shell);
 
 } // namespace impact
