@@ -45,10 +45,10 @@ for case, (options, files) in CASES.items():
     whole = run(f"{case}_msh", options, files=files, refused=None)
     again = run(f"{case}_h5", stored, files=files, refused=None)
     require(f"{case}: the same bits on one rank", len(rows(f"{case}_msh")) > 3 and rows(f"{case}_msh") == rows(f"{case}_h5"))
-    for ranks in (2, 3):
-        other = run(f"{case}_h5_{ranks}", stored, files=files, ranks=ranks, refused=None)
-        worst, where = difference(whole.history, other.history)
-        check(f"{case} on {ranks} ranks: largest difference, in {where}", worst, 0, 1e-8, relative=False)
+    ranks = 3 if case == "space" else 2
+    other = run(f"{case}_h5_{ranks}", stored, files=files, ranks=ranks, refused=None)
+    worst, where = difference(whole.history, other.history)
+    check(f"{case} on {ranks} ranks: largest difference, in {where}", worst, 0, 1e-8, relative=False)
 convert(CASES["refined"][0], "three.h5", ranks=3)
 require("three ranks write the same file as one", bits("three.h5") == bits("refined.h5"))
 convert({"mesh": "refined.h5"}, "copy.h5", ranks=2)  # neither materials nor an end: there is no run yet
