@@ -70,6 +70,7 @@ std::string hindrance_of_path(const Scenario& s) {
       return "finds the load by elastic energy, which plastic flow is not (" + of + "_model j2)" + or_this;
     if (m.law.b_d > 0 || std::isfinite(m.law.c))
       return "has no time for rates to be of (" + of + (m.law.b_d > 0 ? "_b_d" : "_c") + ")" + or_this;
+    if (!m.rate_table.empty()) return "has no time for rates to be of (" + of + "_Gc_rate)" + or_this;
     if (m.law.fatigue_a > 0 || m.fatigue.works())
       return "has no cycles (" + of + (m.law.fatigue_a > 0 ? "_fatigue_a)" : "_fatigue)") + or_this;
     if (m.erosion.on) return "keeps all cells (" + of + "_erosion on)" + or_this;

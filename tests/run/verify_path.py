@@ -87,11 +87,15 @@ runs.check("energy release rate: small and wide ring", slot["release_small"][-1]
 # What has no load to find, or a time that means something, is refused.
 BOX = {"mesh": runs.mesh("block.geo"), "materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "bcs": "pull",
        "bc_pull_on": "right", "bc_pull_ux": "t", "ts_type": "static", "ts_path_dissipation": 1, "ts_dt": 0.1, "ts_max_time": 1}
+with open("rates.csv", "w") as file:
+    file.write("at,factor\n0,1\n1,2\n")
 CRACKS = {"material_solid_damage": "at2", "material_solid_Gc": 1, "material_solid_gamma": 0.5}
 for name, more, word in (("elastic", {}, "is for motion and damage with -ts_type static"),
                          ("inertia", {**CRACKS, "ts_type": "newmark", "material_solid_rho": 1}, "is for motion and damage"),
                          ("heat", {**CRACKS, "material_solid_c_v": 1}, "knows no heat"),
                          ("rate", {**CRACKS, "material_solid_c": 1}, "has no time for rates to be of (-material_solid_c)"),
+                         ("toughness", {**CRACKS, "material_solid_Gc_rate": "rates.csv", "material_solid_damage_gradient": "material"},
+                          "(-material_solid_Gc_rate)"),
                          ("viscous", {**CRACKS, "material_solid_b_d": 1}, "(-material_solid_b_d)"),
                          ("flow", {**CRACKS, "material_solid_model": "j2", "material_solid_sigma_y": 1}, "-material_solid_model j2"),
                          ("single", {**CRACKS, "coupling_snes_max_it": 1}, "wants passes"),
