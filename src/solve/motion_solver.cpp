@@ -132,6 +132,7 @@ bool MotionSolver::refresh_contact(Vec u) {
 void MotionSolver::begin_attempt(PetscInt number) {
   counts_ = {.longest = number > 1 ? counts_.longest : 0, .second_ways = counts_.second_ways};
   if (number <= 1) second_way_first_ = false;
+  number_ = number;
   reuse_.forget();
   cell_broke_ = false;
   loose_.start_attempt();
@@ -238,6 +239,8 @@ bool MotionSolver::linear_step(Vec u, Vec r, Vec step) {
 
 SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool second_way) {
   const PetscInt most_by_options = most_iterations();
+  // Down an energy it arrives, if late: where cuts do not help, a step has more iterations in each try.
+  if (line_search_of(snes_) == slope_search_type) most *= number_;
   set_tolerances(snes_, aim == Aim::tenth ? std::max<PetscReal>(rtol_, 0.1) : rtol_, most);
   hooks_.conduct.aim = aim;
   check(VecCopy(u, start_));
@@ -273,7 +276,7 @@ void MotionSolver::restart(Vec u) {
 
 bool MotionSolver::has_second_way() const {
   const std::string search = line_search_of(snes_);
-  return !search.empty() && search != SNESLINESEARCHBT;
+  return !search.empty() && search != SNESLINESEARCHBT && search != slope_search_type;
 }
 
 // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two

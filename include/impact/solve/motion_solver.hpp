@@ -83,6 +83,7 @@ private:
   PetscReal rtol_ = 0; // as the options say
   Counts counts_;
   PetscInt tangents_ = 0, iterations_ = 0; // of one solve, both its ways
+  PetscInt number_ = 1;                    // of the try
   bool second_way_first_ = false;          // in the next try of a step
   bool cell_broke_ = false;
 };
