@@ -22,10 +22,9 @@ public:
     first_ = Get(VecDot)(f_, y_);
   }
   double lambda() const { return lambda_; }
-  double slope() const {
-    return slope_;
-  } ///< of the energy against lambda, the sign changed; 0 where it has none
-  double first() const { return first_; } ///< the same at the start
+  /// By how much the energy descends with lambda, there and at the start; 0 where it has no value.
+  double slope() const { return slope_; }
+  double first() const { return first_; }
   void look_at(double lambda) {
     lambda_ = lambda;
     check(VecWAXPY(w_, -lambda, y_, x_));

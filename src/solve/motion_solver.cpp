@@ -6,6 +6,7 @@
 #include <impact/petsc/slope_search.hpp>
 #include <impact/solve/motion_solver.hpp>
 #include <impact/time/types.hpp>
+#include <string_view>
 
 namespace impact {
 
@@ -37,8 +38,10 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   check(SNESSetOptionsPrefix(snes_, "motion_"));
   check(SNESSetFunction(snes_, residual_, Callback<&MotionSolver::residual>::call, this));
   refresh_matrix();
-  check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, 25, PETSC_DEFAULT));
-  set_motion_solver(snes_, defaults, line_search(), motion_.jacobian() != motion_.matrix());
+  const SNESLineSearchType search = line_search();
+  const PetscInt most = search == std::string_view(slope_search_type) ? 50 : 25;
+  check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, most, PETSC_DEFAULT));
+  set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.install(snes_);
   choose_reuse(settings);
