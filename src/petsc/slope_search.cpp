@@ -17,8 +17,7 @@ class Line {
 public:
   explicit Line(SNESLineSearch search) : snes_(search->snes), least_(least_norm(search)) {
     check(SNESLineSearchGetVecs(search, &x_, &f_, &y_, &w_, &g_));
-    const PetscReal norm = Get(VecNorm)(f_, NORM_2);
-    least_ = snes_->iter == 0 ? norm : std::min(least_, norm);
+    least_ = snes_->iter == 0 ? search->fnorm : std::min(least_, search->fnorm);
     first_ = Get(VecDot)(f_, y_);
   }
   double lambda() const { return lambda_; }
