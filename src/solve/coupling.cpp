@@ -255,9 +255,10 @@ bool Coupling::motion_pass(Vec u, PassResult& result) {
     }
     solver_.enter_step(u, goal);
   }
-  // As long as the next pass moves the crack on, a residual that falls by ten is exact enough.
-  const bool rough = phi_passes_.far_from_rest() && fields_.motion.contacts().empty();
-  const SNESConvergedReason reason = augmentation_.solve(u, rough ? Aim::tenth : Aim::balance);
+  // Augmentations have aims of their own.
+  const Aim aim = fields_.motion.contacts().empty() ? phi_passes_.aim() : Aim::balance;
+  result.rough = aim != Aim::balance;
+  const SNESConvergedReason reason = augmentation_.solve(u, aim);
   if (reason < 0) refuse(result, reason, augmentation_.failure());
   return reason >= 0;
 }

@@ -244,7 +244,8 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
   const PetscInt most_by_options = most_iterations();
   // Down an energy it arrives, if late: where cuts do not help, a step has more iterations in each try.
   if (line_search_of(snes_) == slope_search_type) most *= number_;
-  set_tolerances(snes_, aim == Aim::tenth ? std::max<PetscReal>(rtol_, 0.1) : rtol_, most);
+  const PetscReal rough = aim == Aim::tenth ? 0.1 : aim == Aim::thousandth ? 1e-3 : 0;
+  set_tolerances(snes_, std::max(rtol_, rough), most);
   hooks_.conduct.aim = aim;
   check(VecCopy(u, start_));
   iterations_ = hooks_.conduct.goes_on ? 1 : 0;

@@ -5,6 +5,7 @@
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
 #include <impact/solve/phi_passes.hpp>
+#include <utility>
 
 namespace impact {
 
@@ -16,6 +17,7 @@ constexpr double first_reach = 0.1; // of phi, by the first leap
 } // namespace
 
 void PhiPasses::begin(const StateRow& phi) {
+  largest_ = next_ = 0;
   record_ = owned_sum(phi.committed);
   gains_ = 0;
   runs_ = false;
@@ -33,7 +35,8 @@ PhiPasses::Change PhiPasses::note(const std::vector<double>& start, const StateR
     change_and_growth[1] = std::max(change_and_growth[1], phi.trial[i] - phi.committed[i]);
   }
   max_over_ranks(mesh_.comm(), change_and_growth);
-  largest_ = change_and_growth[0];
+  const PetscReal before = std::exchange(largest_, change_and_growth[0]);
+  next_ = before > 0 ? largest_ * std::min<PetscReal>(1, largest_ / before) : 0;
   // Each gain is one of a tolerance at least, and phi at most 1: their number has a limit.
   const double sum = owned_sum(phi.trial);
   const bool gained = sum > record_ + settings_.atol;
@@ -92,11 +95,16 @@ void PhiPasses::relax(PetscInt pass, const StateRow& phi, std::vector<double>& s
     return;
   }
   factor_ = next_factor();
-  for (std::size_t i = 0; i < start.size(); ++i)
-    start[i] = std::clamp(start[i] + factor_ * change_[i], phi.committed[i], 1.0);
+  for (std::size_t i = 0; i < start.size(); ++i) // without bounds the trial itself may lie beyond them
+    start[i] = std::clamp(start[i] + factor_ * change_[i], std::min(phi.committed[i], phi.trial[i]),
+                          std::max(1.0, phi.trial[i]));
 }
 
-bool PhiPasses::far_from_rest() const { return runs_ && largest_ > 10 * settings_.atol; }
+// A thousandth leaves what linear solvers and ranks do differently far below the tolerance of phi at the end.
+Aim PhiPasses::aim() const {
+  if (next_ < settings_.atol) return Aim::balance;
+  return runs_ && largest_ > 10 * settings_.atol ? Aim::tenth : Aim::thousandth;
+}
 
 // Diagonal of the box around the nodes that count as cracked: the length of a straight crack.
 double PhiPasses::extent(const std::vector<double>& phi) const {

@@ -11,13 +11,14 @@ SNESConvergedReason run_passes(SNES snes, const PassShell& shell, Vec x) {
   check(SNESSetIterationNumber(snes, 0));
   PetscInt counted = 0;
   PassResult result;
-  for (PetscInt pass = 1; counted < max_it; ++pass) {
+  const auto ends_roughly = [&] { return result.rough && result.change < atol; };
+  for (PetscInt pass = 1; counted < max_it || ends_roughly(); ++pass) {
     result = shell.pass(pass, x);
     check(SNESSetIterationNumber(snes, pass));
     if (result.inner < 0) return SNES_DIVERGED_INNER;
     check(SNESSetFunctionNorm(snes, result.change));
     check(SNESMonitor(snes, pass, result.change));
-    if (result.change < atol) return SNES_CONVERGED_FNORM_ABS;
+    if (result.change < atol && !result.rough) return SNES_CONVERGED_FNORM_ABS;
     counted = result.counts ? counted + 1 : 0;
   }
   if (max_it == 1 && shell.single_pass) return SNES_CONVERGED_ITS;

@@ -126,6 +126,19 @@ TEST(Coupling, DomainErrorOnOneRankCutsTheStepAndLeavesNoTrace) {
   EXPECT_GT(cut.softening_n, 0.2);
 }
 
+TEST(Coupling, ARoughPassIsNotTheLastOne) {
+  const Options options({{"-coupling_snes_max_it", "3"}, {"-coupling_snes_atol", "0.1"}});
+  Staggered staggered;
+  std::vector<PetscInt> numbers;
+  staggered.coupling.pass = [&](PetscInt number, Vec) {
+    numbers.push_back(number);
+    return PassResult{.change = number == 1 ? 1. : 0.01, .rough = number == 2 || number == 3};
+  };
+  time_test::run(staggered.simulation, 0.1, 0.1);
+  EXPECT_EQ(staggered.reasons, std::vector{SNES_CONVERGED_FNORM_ABS});
+  EXPECT_EQ(numbers, (std::vector<PetscInt>{1, 2, 3, 4})); // the fourth beyond the limit
+}
+
 TEST(Coupling, RatesBelongToTheSolutionNotToTheLastEvaluation) {
   const Options options(iterated);
   Staggered plain, stray;

@@ -13,8 +13,9 @@
 namespace impact {
 
 /// How far a solve goes: until the forces balance; until an iteration leaves a hundredth of the residual, so
-/// that hardly a point is about to close or open any more; until a tenth is left of what it began with.
-enum class Aim { balance, settled, tenth };
+/// that hardly a point is about to close or open any more; until a thousandth, or a tenth, is left of what it
+/// began with.
+enum class Aim { balance, settled, thousandth, tenth };
 
 // Members beyond twelve: lengths of the problem, and for each part its sum, its rounding error, its history.
 class ForceBalance {

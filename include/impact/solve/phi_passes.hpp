@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/mesh/mesh.hpp>
 #include <impact/mesh/state_table.hpp>
+#include <impact/problem/force_balance.hpp>
 #include <impact/problem/settings.hpp>
 #include <string>
 #include <vector>
@@ -28,8 +29,9 @@ public:
   /// Turns `start` into the phi that the next pass, number `pass`, starts from. Collective.
   void relax(PetscInt pass, const StateRow& phi, std::vector<double>& start);
 
-  /// A crack runs and the last pass moved it on so far that the next motion solve may be rough.
-  bool far_from_rest() const;
+  /// How far the next motion solve goes: all the way, unless it will change phi so much that another
+  /// pass follows.
+  Aim aim() const;
   /// Says at times how far a crack ran that is followed: a step of many passes must not look like one that
   /// hangs. Collective.
   void report(PetscInt pass, const StateRow& phi);
@@ -47,7 +49,7 @@ private:
   const Mesh& mesh_;
   const CouplingScenario& settings_;
   std::vector<double> change_, change_before_; // of the last two passes, by the damage solve
-  PetscReal largest_ = 0;                      // of the last one
+  PetscReal largest_ = 0, next_ = 0;           // of the last one, and what two of them let expect
   double factor_ = 1;                          // of the last extrapolation
   double record_ = 0;                          // largest sum of phi so far
   int gains_ = 0;                              // passes in a row with a new one

@@ -11,11 +11,12 @@ namespace impact {
 struct PassResult {
   SNESConvergedReason inner = SNES_CONVERGED_ITS;
   PetscReal change = 0;
+  bool rough = false; ///< by inner solves that want another pass however small the change
   bool counts = true; ///< against -<prefix>snes_max_it; a pass that does not begins the count anew
 };
 
-/// Runs pass 1, 2, .. on x until the change is below -<prefix>snes_atol. A failed pass ends with
-/// SNES_DIVERGED_INNER;
+/// Runs pass 1, 2, .. on x until the change of one that is not rough is below -<prefix>snes_atol. A failed
+/// pass ends with SNES_DIVERGED_INNER;
 /// -<prefix>snes_max_it passes that count, in a row and without convergence, with SNES_DIVERGED_MAX_IT,
 /// except that a single pass (max_it 1) counts as converged where it is a method of its own. The same on all
 /// ranks as far as `pass` answers the same.
