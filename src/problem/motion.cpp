@@ -265,11 +265,18 @@ std::string MotionProblem::broken_text() const {
   const MaterialAssignment& material = d_.materials[static_cast<std::size_t>(data[4])];
   const MaterialParameters& m = material.law.parameters;
   const bool beyond = has_state(m) && !within_state(m, data[0] - 1);
-  return text_of("%s (J=%.3g) at x=%s in material %s",
-                 data[0] <= 0 ? "cell inverted"
-                 : beyond     ? "cell compressed beyond the end of its equation of state"
-                              : "law failed in a cell",
-                 data[0], place_text(data + 1, d_.dim(), "%.6g", ",").c_str(), material.id.c_str());
+  const std::string text =
+      text_of("%s (J=%.3g) at x=%s in material %s",
+              data[0] <= 0 ? "cell inverted"
+              : beyond     ? "cell compressed beyond the end of its equation of state"
+                           : "law failed in a cell",
+              data[0], place_text(data + 1, d_.dim(), "%.6g", ",").c_str(), material.id.c_str());
+  // Compression in the plane goes into the thickness, which nothing holds there.
+  const bool gives_way =
+      d_.frame == Frame::plane_stress && m.damage != Damage::none && m.split == Split::volumetric;
+  return gives_way ? text + "; broken sheets bear no pressure in their plane, but with -material_" +
+                         material.id + "_split spectral"
+                   : text;
 }
 
 } // namespace impact
