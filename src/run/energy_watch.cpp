@@ -99,9 +99,10 @@ std::string EnergyWatch::remedy() const {
   text += ": take a shorter -ts_dt";
   if (few) text += ", -coupling_snes_max_it 50";
   // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, N3).
+  const bool damps = integrator_of(stage_.ts).alpha_m > 1;
   if (inertia && gained)
-    text += integrator_of(stage_.ts).alpha_m > 1 && !stage_.setup->contacts.empty() ? ", -ts_newmark_rho 1"
-                                                                                    : ", -ts_newmark_rho 0.5";
+    text += damps && !stage_.setup->contacts.empty() ? ", -ts_newmark_rho 1" : ", -ts_newmark_rho 0.5";
+  if (gained && damps && stage_.coupling.stabilised()) text += " or -contact_<id>_impact none";
   return text;
 }
 

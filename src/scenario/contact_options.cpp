@@ -140,8 +140,9 @@ void add_detection(ContactRows& rows) {
              "deepest overlap that is moved apart; auto: 1e-3 of the secondary facet");
   row.choice(
          "impact", &Contact::impact,
-         "treatment of the shock at touch; auto: stabilised, but none where another contact is conserving or "
-         "nothing has a stiffness; conserving: a penalty whose work is exact, in the trapezoidal rule",
+         "treatment of the shock at touch; auto: stabilised, but none where another contact is conserving, "
+         "nothing has a stiffness, or damped steps (-ts_newmark_rho below 1) are longer than 1000 h/c_p; "
+         "conserving: a penalty whose work is exact, in the trapezoidal rule",
          "auto", ImpactUpdate::automatic, "stabilised", ImpactUpdate::stabilised, "conserving",
          ImpactUpdate::conserving, "none", ImpactUpdate::none)
       .refused(
