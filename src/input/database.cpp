@@ -116,6 +116,9 @@ std::string explain_unread_files(int argc, const char* const* argv, const std::s
   if (petsc_message.find("max number of options") != std::string::npos)
     return "PETSc keeps no more than 512 options, and there are more here; say once what is the same "
            "(-material_<id>_like, comma lists of groups in -bc_<id>_on), leave out what has its default";
+  if (petsc_message.find("two options per line") != std::string::npos)
+    return "the options cannot be read: " + petsc_message +
+           "; a value that begins with a minus needs brackets: (-t)";
   for (int i = 1; i + 1 < argc; ++i) {
     std::ifstream lines(argv[i + 1]);
     std::string line;

@@ -207,6 +207,13 @@ std::string first_error(const std::string& said) {
   return "";
 }
 
+std::string last_words(const std::string& said) {
+  const std::size_t end = said.find_last_not_of("\n ");
+  if (end == std::string::npos) return "";
+  const std::size_t start = said.rfind('\n', end);
+  return ", after \"" + said.substr(start + 1, end - start) + '"'; // from 0 where there is one line
+}
+
 } // namespace
 
 std::string run_gmsh(const MeshRequest& request) {
@@ -231,6 +238,10 @@ std::string run_gmsh(const MeshRequest& request) {
   if (end.said.find("bad_alloc") != std::string::npos)
     throw UserError(ExitCode::data, geo + ": gmsh wants more memory than there is; ask for fewer cells");
   if (!error.empty()) throw UserError(ExitCode::io, geo + ": gmsh says: " + error);
+  if (WIFSIGNALED(end.status))
+    throw UserError(ExitCode::io, geo + ": gmsh itself failed (" + strsignal(WTERMSIG(end.status)) + ")" +
+                                      last_words(end.said) +
+                                      "; another Mesh.Algorithm or another size of cells may get through");
   if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || !fs::exists(out))
     throw UserError(ExitCode::io, geo + ": gmsh wrote no mesh to " + out + "; is the folder writable?");
   return out;

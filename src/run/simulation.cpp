@@ -68,6 +68,7 @@ private:
   void save_end(const StepControlState& control);
   TSConvergedReason solve();
   ExitCode report_end(TSConvergedReason reason);
+  void tell_of_limits() const;
 
   RunStage& stage_;
   const Scenario& s_;
@@ -290,6 +291,20 @@ ExitCode Simulation::run() {
   return report_end(reason);
 }
 
+// Newton's method on ever shorter steps of a static run: hardly for want of iterations.
+void Simulation::tell_of_limits() const {
+  double longest = s_.time.dt;
+  for (const double dt : s_.time.table_dts) longest = std::max(longest, dt);
+  if (stage_.inertia || !last_cause_.starts_with("motion: ") ||
+      step_control_state(stage_.ts).dt > 1e-3 * longest)
+    return;
+  check(PetscPrintf(comm_,
+                    "impact: no shorter step found an equilibrium; where a load reaches its limit, or a "
+                    "state snaps into another one, there is none: prescribe displacements in the place "
+                    "of the load, follow a crack by -ts_path_dissipation, or take inertia (-ts_type "
+                    "newmark)\n"));
+}
+
 ExitCode Simulation::report_end(TSConvergedReason reason) {
   if (!watches_) stage_.ledger.resume(stage_.u, stage_.v);
   check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
@@ -315,6 +330,7 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
   if (reason > 0) return ExitCode::ok;
   check(PetscPrintf(comm_, "impact: the step could not be solved (%s): %s\n", TSConvergedReasons[reason],
                     last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
+  tell_of_limits();
   return ExitCode::solver;
 }
 

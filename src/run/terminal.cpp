@@ -328,7 +328,7 @@ void report_solvers(RunStage& stage) {
                       std::isnan(at_start.gap_min)
                           ? "contact %s: no point faces the other side at the start\n"
                           : "contact %s: smallest gap at the start %.4g, %d points press\n",
-                      contact.id().c_str(), at_start.gap_min, at_start.active));
+                      contact.id().c_str(), at_start.gap_min + 0.0, at_start.active)); // no -0
   }
   const bool motion = stage.scenario.has_motion();
   const SolverDefaults& solver = stage.solver;

@@ -101,7 +101,7 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
           [=](const Scenario& s) {
             return !by_itself(s) && (s.time.table_times.empty() || s.time.table_dts.empty());
           },
-          "allowed: a time step > 0; or give -ts_times and -ts_dts");
+          "allowed: a time step > 0 (auto is for central differences); or give -ts_times and -ts_dts");
   row.number("ts_dt_cfl", &TimeScenario::cfl, "1", {0, 1, true, false},
              "steps are at most this part of the stable step, which is looked for again as cells deform")
       .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);

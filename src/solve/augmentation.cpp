@@ -109,6 +109,9 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
 void Augmentation::explain(SNESConvergedReason reason) {
   failure_ = std::string("motion: ") + SNESConvergedReasons[reason];
   if (reason == SNES_DIVERGED_LOCAL_MIN) failure_ += " (Newton's method does not come to rest)";
+  if (reason != SNES_DIVERGED_LINEAR_SOLVE && reason != SNES_DIVERGED_FUNCTION_DOMAIN)
+    if (const std::string place = place_of_largest(motion_.discretisation(), solver_.left()); !place.empty())
+      failure_ += ", the largest force left at " + place;
   if (const std::string adrift = solver_.loose().adrift(); !adrift.empty()) failure_ += " (" + adrift + ")";
   if (reason != SNES_DIVERGED_LINEAR_SOLVE) return;
   // Factors of a singular matrix must not serve the next try.

@@ -303,7 +303,8 @@ const std::vector<Row>& rows() {
        "kind"},
       {{{"-ts_dt", "-"}},
        ExitCode::usage,
-       "-ts_dt: missing; allowed: a time step > 0; or give -ts_times and -ts_dts"},
+       "-ts_dt: missing; allowed: a time step > 0 (auto is for central differences); or give -ts_times and "
+       "-ts_dts"},
       {{{"-ts_times", "0,1,2"}, {"-ts_dts", "0.1"}},
        ExitCode::usage,
        "-ts_dts \"0.1\": 1 steps for 3 times; allowed: one step less than times"},

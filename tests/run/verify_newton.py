@@ -63,6 +63,11 @@ PRESS = {**TWO, "ts_type": "static", "bcs": "hold,push", "bc_push_on": "upper_to
          "mesh_set_inset": 0.1, "ts_dt": 0.5, "ts_max_time": 1}
 open_contact = refused("one_augmentation", {**PRESS, "contact_face_enforce": "auglag", "uzawa_snes_max_it": 1,
                                             "ts_max_reject": 2}, 5, "uzawa: DIVERGED_MAX_IT")
+# Perfectly plastic, pulled by twice what it bears.
+limit = refused("limit", {**BLOCK, "ts_type": "static", "material_solid_model": "j2", "material_solid_sigma_y": 1e3, "bc_push_type": "traction",
+                          "bc_push_ux": 0, "bc_push_uy": "4e3*t"}, 5, "could not be solved", "the largest force left at (")
+require("a load beyond its limit: what to do", "impact: no shorter step found an equilibrium; where a load reaches its limit" in limit.log)
+check_between("a load beyond its limit: time reached", limit["time"][-1], 0.25, 0.35)
 
 print("forces left on a soft body")
 # Two bodies that know nothing of each other; the stiffer one may carry a load of its size.

@@ -168,6 +168,7 @@ ROWS = [
         ("materials: solid\nts:\n  dt: [1, 2\n", "line 3: a bracket is missing"), ("title: x\n\tts_dt: 2\n", "line 2: a tab in front"),
         ("title: x\nts_dt 0.1\n", "line 2: no \"name: value\""), ("ts:\n  dt: 1\ntitle: x\nts_dt: 2\n", "-ts_dt: given twice in"),))],
     ("more options than PETSc keeps", ["-options_file", write("many.opts", "".join(f"-param_a{k} 1\n" for k in range(600)))], 2, ["no more than 512 options"]),
+    ("a minus in a file", [*start_words(PULL), "-options_file", write("minus.opts", '-bc_push_ux "-t*10"\n')], 2, ["a value that begins with a minus needs brackets: (-t)"]),
     ("an option of nobody", more(PULL, foo="1"), 2, ["unknown option -foo   (`impact -reference`"]),
     ("a misspelt solver before a dry run", more(PULL, motion_ksp_typ="cg", dry_run="on"), 2, ["unknown option -motion_ksp_typ"]),
     *[(f"without effect: {name}", more(PULL, **{name: value}), 2, [f"-{name}", words]) for name, value, words in (
@@ -235,6 +236,12 @@ for claim, options, words in [
 ring = subprocess.run([PROGRAM, *start_words(PULL)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                       env={**ENVIRONMENT, "PETSC_OPTIONS": "-options_file loop.opts"})
 require("a ring of options files in PETSC_OPTIONS", ring.returncode == 2 and "leads back to itself" in ring.stdout)
+os.makedirs("broken")
+write("broken/gmsh", "#!/bin/sh\necho 'Info    : Meshing 2D...'\nkill -SEGV $$\n")
+os.chmod("broken/gmsh", 0o755)
+crash = subprocess.run([PROGRAM, *start_words(more(PULL, mesh=GEO)), "-output_dir", "out"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                       env={**ENVIRONMENT, "PATH": "broken:" + os.environ["PATH"]})
+require("a gmsh that fails itself", crash.returncode == 4 and "gmsh itself failed (Segmentation fault), after \"Info    : Meshing 2D...\"" in crash.stdout)
 write("plain_file", "")
 folder = subprocess.run([PROGRAM, *start_words(PULL), "-output_dir", "plain_file/x"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                         env=ENVIRONMENT)

@@ -125,6 +125,9 @@ void add_up(const FieldLayout& layout, std::vector<double>& local);
 [[gnu::format(printf, 1, 2)]] std::string text_of(const char* format, ...);
 /// "(0.25, 1)": a place for messages; `format` of a number.
 std::string place_text(const double* x, int dim, const char* format = "%.4g", const char* between = ", ");
+/// Where the largest entry of a vector of the displacements stands, as place_text; empty if all are 0.
+/// Collective.
+std::string place_of_largest(const Discretisation& discretisation, Vec f);
 
 /// Doubles that one group needs for `components` per quadrature point: [batch][point][component][lane].
 std::size_t point_values(const CellGroup& group, int components);
