@@ -14,8 +14,7 @@ namespace impact {
 double Discretisation::softest_modulus() const {
   double softest = HUGE_VAL;
   for (const PointLaw& law : laws)
-    if (const MaterialParameters& p = law.parameters; !law.rigid())
-      softest = std::min(softest, 9 * p.K * p.G / (3 * p.K + p.G));
+    if (!law.rigid()) softest = std::min(softest, young_modulus(law.parameters));
   return softest;
 }
 

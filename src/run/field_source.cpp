@@ -26,7 +26,7 @@ bool is_point_row(std::string_view name) {
 
 // Fields that are a number of the law.
 std::optional<double> number_of(std::string_view name, const MaterialParameters& m) {
-  if (name == "E") return m.G == 0 ? 0 : 9 * m.K * m.G / (3 * m.K + m.G);
+  if (name == "E") return m.G == 0 ? 0 : young_modulus(m);
   if (name == "Gc") return m.Gc;
   if (name == "strength") return is_cohesive(m.ge) ? std::sqrt(cohesive_slope(m, 1) / m.cohesive.a1) : 0;
   return {};

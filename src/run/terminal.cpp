@@ -249,7 +249,7 @@ void report_material(const Scenario& s, const Discretisation& d, const MaterialA
                       m.id.c_str(), p.gamma, p.gamma / extent.length, extent.length));
   }
   if (s.has_inertia() && !m.law.rigid() && p.rho > 0) {
-    const double speed = std::sqrt((p.K + 4 * p.G / 3) / p.rho);
+    const double speed = longitudinal_speed(p);
     check(PetscPrintf(comm, "material %s: h/c_p from %.3g, c_p %.6g\n", m.id.c_str(),
                       extent.narrowest / speed, speed));
   }

@@ -11,8 +11,6 @@ namespace impact {
 
 namespace {
 
-double longitudinal_speed(const MaterialParameters& p) { return std::sqrt((p.K + 4 * p.G / 3) / p.rho); }
-
 std::string option_text(const char* name) {
   char text[128] = "";
   PetscBool set = PETSC_FALSE;

@@ -50,7 +50,7 @@ inline BulkRate bulk_rate(const PointLaw& law, const MotionInput& in, const Cell
     l = l / (2 * std::numbers::pi * R);
   }
   l = d == 2 ? sqrt(l) : Batch(1.0) / inverse_cbrt(l);
-  const double c = std::sqrt((m.K + 4 * m.G / 3) / m.rho);
+  const double c = longitudinal_speed(m);
   const double a2 = in.bulk_quadratic * in.bulk_quadratic;
   const Batch linear = (m.rho * in.bulk_linear * c) * l, quadratic = (-m.rho * a2) * (l * l * rate);
   const auto shrinking = rate < Batch(0.0);

@@ -50,7 +50,7 @@ inline CohesiveShape cohesive_shape(const DegradationParameters& m, double loren
 /// E+ at the uniaxial stress f, small strains. The spectral split leaves the lateral contraction out, that
 /// without tension what presses in the plane across once the crack is open.
 inline double uniaxial_energy(const MaterialParameters& m, double f) {
-  const double E = 9 * m.K * m.G / (3 * m.K + m.G), strain = f / E, volume = f / (3 * m.K);
+  const double E = young_modulus(m), strain = f / E, volume = f / (3 * m.K);
   const double nu = 0.5 * E / m.G - 1;
   if (m.split == Split::no_tension) return 0.5 * f * strain * (1 - 2 * nu * nu / (1 - nu));
   if (m.split == Split::drucker_prager) return cone_energy(m, f);

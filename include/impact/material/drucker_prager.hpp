@@ -65,7 +65,7 @@ SplitEnergies<T, d> drucker_prager_energies(const MaterialParameters& m, const S
 /// B of the ratio r of the uniaxial strengths in compression and in tension: (r - 1)/(r + 1)/sqrt(3), the
 /// cone's, or with less than what uniaxial tension opens, v < 6 B j, of (1/sqrt(3) - B)^2 r^2 = D/(2 E).
 inline double cone_of(const MaterialParameters& m, double ratio) {
-  const double E = 9 * m.K * m.G / (3 * m.K + m.G), root3 = std::sqrt(3.0);
+  const double E = young_modulus(m), root3 = std::sqrt(3.0);
   const double B = (ratio - 1) / (ratio + 1) / root3;
   if (6 * B * E / (2 * root3 * m.G) >= E / (3 * m.K)) return B;
   const double r2 = ratio * ratio, a = r2 - 9 * m.K / E, b = 2 * r2 / root3, c0 = r2 / 3 - m.G / E;
@@ -79,7 +79,7 @@ inline double least_strength_ratio(const MaterialParameters& m) {
 
 /// E+ at the uniaxial stress f of either sign, small strains.
 inline double cone_energy(const MaterialParameters& m, double f) {
-  const double E = 9 * m.K * m.G / (3 * m.K + m.G), v = f / (3 * m.K), root3 = std::sqrt(3.0);
+  const double E = young_modulus(m), v = f / (3 * m.K), root3 = std::sqrt(3.0);
   const double j = std::fabs(f) / (2 * root3 * m.G), B = m.cone;
   if (v >= 6 * B * j) return 0.5 * f * f / E;
   const double excess = std::max(0.0, std::fabs(f) / root3 + B * f);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <limits>
 #include <type_traits>
 
@@ -109,5 +110,11 @@ inline bool by_principal(Split split) {
   return split == Split::spectral || split == Split::no_tension || split == Split::drucker_prager;
 }
 inline bool has_state(const MaterialParameters& m) { return m.equation_of_state != EquationOfState::none; }
+
+inline double young_modulus(const MaterialParameters& m) { return 9 * m.K * m.G / (3 * m.K + m.G); }
+/// c_p of waves of small amplitude.
+inline double longitudinal_speed(const MaterialParameters& m) {
+  return std::sqrt((m.K + 4 * m.G / 3) / m.rho);
+}
 
 } // namespace impact
