@@ -24,7 +24,9 @@ template <class Cell, Frame frame>
 void one_step_of(const MaterialParameters& m, const std::string& name, Sampler& random) {
   constexpr int dofs = Cell::nodes * Cell::dim, n = Cell::nodes, points = Cell::points,
                 size = history_size(frame);
-  const PointLaw law{m};
+  MaterialParameters in_frame = m;
+  in_frame.sheet = frame == Frame::plane_stress;
+  const PointLaw law{in_frame};
   const auto cases = reference::cases<Cell, frame>(random, 0.02);
   reference::CellBatch<Cell, frame> batch(cases);
   MotionInput in = batch.input(1e-3);

@@ -99,4 +99,15 @@ SplitEnergies<T, d> spectral_energies(const MaterialParameters& m, const Symmetr
   return s;
 }
 
+/// g_1 tau_33+ + g_2 tau_33- of a sheet, against e_33 and J_e - 1: the stretches in its plane stay. `flat`:
+/// of e without e_33.
+template <class T, class V, int d>
+T sheet_stress(const MaterialParameters& m, const PrincipalParts<V, d>& flat, const T& e_33, const T& dJ,
+               const V& g_1, const V& g_2) {
+  const LameVolume<T> volume = lame_volume(m, dJ);
+  const T Gw = m.G * volume.w, across = e_33 - (1.0 / 3) * (T(flat.second) + log1p_excess(e_33));
+  return T(select(value(dJ) >= V(0.0), g_1, g_2)) * volume.slope +
+         Gw * (T(g_2) * across - T((1.0 / 3) * (g_1 * flat.first)));
+}
+
 } // namespace impact
