@@ -217,8 +217,8 @@ void add_split(MaterialRows& rows) {
           "with pressure; volumetric, all but volumetric compression; star_convex, the same less gamma* "
           "times that "
           "compression; none, all (the paper's run). The last three let shear drive it in compression "
-          "too. auto: spectral in elastic bodies with 0 <= nu < 0.45 without heat, plane stress or a "
-          "cure of locking, else volumetric",
+          "too. auto: spectral in elastic bodies with 0 <= nu < 0.45 without heat or a cure of "
+          "locking, else volumetric",
           "auto", Split::automatic, "volumetric", Split::volumetric, "none", Split::none, "spectral",
           Split::spectral, "star_convex", Split::star_convex, "no_tension", Split::no_tension,
           "drucker_prager", Split::drucker_prager)

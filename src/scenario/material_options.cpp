@@ -213,7 +213,6 @@ Split automatic_split(const Material& m, const Scenario& scenario) {
   const Law& law = m.law;
   const bool cured = m.locking ? m.locking != Locking::none : keeps_volume(law);
   const bool possible = law.damage != Damage::none && law.model == Model::elastic && !cured && !of_state(m) &&
-                        scenario.plane != PlaneMode::stress &&
                         !(scenario.solves("heat") && m.has_capacity()) && 3 * law.K >= 2 * law.G;
   return possible ? Split::spectral : Split::volumetric;
 }
