@@ -103,6 +103,8 @@ std::string EnergyWatch::remedy() const {
   if (inertia && gained)
     text += damps && !stage_.setup->contacts.empty() ? ", -ts_newmark_rho 1" : ", -ts_newmark_rho 0.5";
   if (gained && damps && stage_.coupling.stabilised()) text += " or -contact_<id>_impact none";
+  // The form of the entropy misses the square of the change of temperature in a step.
+  if (stage_.d.has_heat() && stage_.scenario.heat.form == HeatForm::entropy) text += ", -heat_form energy";
   return text;
 }
 

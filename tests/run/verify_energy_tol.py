@@ -108,6 +108,16 @@ runs.check("a block pressed slowly: the force of a static run", damped["contact_
 asked = runs.run("slow_asked", {**SLOW, "ts_newmark_rho": 0.8, "contact_plate_impact": "stabilised"}, code=5)
 runs.require("the update that was asked for gains energy: the remedy is named", "-contact_<id>_impact none" in asked.log)
 
+# A block whose side jumps by 100 K: the form of the entropy loses energy, which the warning tells the remedy for.
+WARM = {"mesh": runs.mesh("block.geo"), "mesh_set_n": 8, "materials": "solid", "material_solid_E": 1e9, "material_solid_nu": 0.3,
+        "material_solid_c_v": 1e6, "material_solid_conductivity": 1e4, "material_solid_theta0": 300, "bcs": "hold,hot", "bc_hold_on": "bottom",
+        "bc_hold_type": "fix", "bc_hot_on": "top", "bc_hot_type": "temperature", "bc_hot_value": "t > 0 ? 400 : 300", "ts_type": "static",
+        "ts_dt": 1, "ts_max_time": 20}
+lossy = runs.run("warm", WARM)
+runs.require("heat that jumps: the warning names the form that misses nothing", re.search(r"WARNING: .*energy lost.* -heat_form energy", lossy.log))
+runs.check("with that form: what the first law misses", abs(runs.run("warm_energy", {**WARM, "heat_form": "energy"})["balance_first_law"]).max(), 0, 1e-8,
+           relative=False)
+
 # A run that ends before the fifth step beyond the bound says so at its end.
 short = runs.run("short", {**BAR, "ts_max_time": float(off["time"][residual > TOL][0])})
 runs.require("beyond the bound at the end of a run, once: one warning", len(told(short)) == 1 and "WARNING" in short.log)
