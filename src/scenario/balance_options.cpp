@@ -49,7 +49,8 @@ void add_restart(std::vector<OptionRow<Scenario>>& rows) {
   row.text("restart", &Checkpoint::restart, "auto, none, path of a checkpoint",
            "go on from the newest checkpoint if there is one, from the start, or from a file");
   row.list("restart_allow", &Checkpoint::restart_allow,
-           "options, or their beginnings such as bc_push, that may differ from the checkpoint's");
+           "options, or their beginnings such as bc_push, that may differ from the checkpoint's; ts_type "
+           "with all that belongs to a scheme, such as ts_newmark_rho");
 }
 
 } // namespace

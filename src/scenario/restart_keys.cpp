@@ -108,7 +108,8 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
                                            "; mesh, dimension and units cannot change on restart; "
                                            "give the old value, or start anew without -restart");
     if (std::ranges::any_of(allow, [&, name = key](const std::string& entry) {
-          return covers(bare(entry), lower_case(name));
+          return covers(bare(entry), lower_case(name)) ||
+                 (bare(entry) == "ts_type" && name.starts_with("ts_"));
         })) {
       notes.push_back("restart with a changed option: -" + key + " " + said);
     } else {
