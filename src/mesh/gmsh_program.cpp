@@ -242,7 +242,7 @@ std::string run_gmsh(const MeshRequest& request) {
     throw UserError(ExitCode::io, geo + ": gmsh itself failed (" + strsignal(WTERMSIG(end.status)) + ")" +
                                       last_words(end.said) +
                                       "; another Mesh.Algorithm or another size of cells may get through");
-  if (!WIFEXITED(end.status) || WEXITSTATUS(end.status) != 0 || !fs::exists(out))
+  if (WEXITSTATUS(end.status) != 0 || !fs::exists(out))
     throw UserError(ExitCode::io, geo + ": gmsh wrote no mesh to " + out + "; is the folder writable?");
   return out;
 }
