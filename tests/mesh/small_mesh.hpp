@@ -47,6 +47,7 @@ private:
 inline std::string fresh_dir(const std::string& name) {
   static const RunFolder folder;
   const auto dir = folder.path() / name;
+  MPI_Barrier(PETSC_COMM_WORLD); // another rank may still read what the last test left there
   on_rank_zero(PETSC_COMM_WORLD, [&] {
     std::filesystem::remove_all(dir);
     std::filesystem::create_directories(dir);
