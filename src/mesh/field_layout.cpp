@@ -56,10 +56,20 @@ void FieldLayout::owned_to_local(Vec global, std::vector<double>& local) const {
   check(VecRestoreArrayRead(global, &values));
 }
 
-void FieldLayout::to_global(const std::vector<double>& local, Vec global, InsertMode mode) const {
+void FieldLayout::add_to_global(const std::vector<double>& local, Vec global) const {
   check(VecPlaceArray(work_, local.data()));
-  check(DMLocalToGlobal(dm_, work_, mode, global));
+  check(DMLocalToGlobal(dm_, work_, ADD_VALUES, global));
   check(VecResetArray(work_));
+}
+
+// DMLocalToGlobal with INSERT_VALUES walks all points of the mesh.
+void FieldLayout::to_global(const std::vector<double>& local, Vec global) const {
+  double* values = nullptr;
+  check(VecGetArray(global, &values));
+  for (const auto& [node, place] : owned_)
+    std::copy_n(&local[static_cast<std::size_t>(node * components_)], components_,
+                values + place * components_);
+  check(VecRestoreArray(global, &values));
 }
 
 Handle<MatNullSpace> near_null_space(const FieldLayout& layout, const Mesh& mesh) {

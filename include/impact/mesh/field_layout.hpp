@@ -24,11 +24,9 @@ public:
   void owned_to_local(Vec global, std::vector<double>& local) const;
   /// Adds a local array (contributions on ghosts included) into a global vector: one reverse message per
   /// neighbour. Collective.
-  void add_to_global(const std::vector<double>& local, Vec global) const {
-    to_global(local, global, ADD_VALUES);
-  }
-  /// Sets owned entries of a global vector from a local array; ghosts are ignored. Collective.
-  void to_global(const std::vector<double>& local, Vec global, InsertMode mode = INSERT_VALUES) const;
+  void add_to_global(const std::vector<double>& local, Vec global) const;
+  /// Sets owned entries of a global vector from a local array; ghosts are ignored.
+  void to_global(const std::vector<double>& local, Vec global) const;
 
 private:
   std::string name_;
