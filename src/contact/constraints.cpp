@@ -37,8 +37,8 @@ void Constraints::fetch_fixed() {
                });
 }
 
-void Constraints::visit(const ContactValues& u, Derivatives derivatives,
-                        const ConstraintVisitor& visitor) const {
+void Constraints::visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
+                        const Presses& wanted) const {
   const Timed timed(Event::contact_forces);
   std::vector<double> held;
   const bool holds = supported_ && frictional_;
@@ -53,7 +53,7 @@ void Constraints::visit(const ContactValues& u, Derivatives derivatives,
   else if (conserving())
     visit_followed(u, derivatives, pressed);
   else
-    form_->visit(u, derivatives, pressed);
+    form_->visit(u, derivatives, pressed, wanted);
 }
 
 // On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike, nothing

@@ -147,14 +147,15 @@ bool Friction::follow(const Constraints& constraints, Vec u) {
   slides_.assign(slid_.size(), Tangential{});
   enum Kind : char { faces_none, holds, moves, turns }; // the last one holds and would slide the other way
   std::vector<char> kind(slid_.size(), faces_none);
-  constraints.visit(u, Derivatives::none, [&](const Constraint& c) {
+  const auto visitor = [&](const Constraint& c) {
     if (!c.active) return;
     kind[at(c.index)] = holds;
     if (!rubs(c)) return;
     const Traction t = linear_traction(c);
     slides_[at(c.index)] = t.direction;
     kind[at(c.index)] = t.slides ? moves : traction(c).slides ? turns : holds;
-  });
+  };
+  constraints.visit(u, Derivatives::none, visitor, constraints.pressing());
   std::array<int, 2> any = {kind != kind_ ? 1 : 0, std::count(kind.begin(), kind.end(), turns) > 0 ? 1 : 0};
   max_over_ranks(constraints.comm(), any);
   kind_ = std::move(kind);
@@ -166,27 +167,39 @@ void Friction::keep_tractions(std::vector<double>& tractions) {
   if (acts() && !forgets_ && !suspended_) traction_->trial = std::move(tractions);
 }
 
-void Friction::advance(const Constraints& constraints, Vec u, std::vector<double> tractions) {
-  if (forgets_) { // for reports
-    slip_->committed = slip_->trial;
-    tractions.assign(traction_->trial.size(), 0.0);
-  }
+Presses Friction::acting(const Constraints& constraints) const {
+  return [&constraints, this](int index, double gap) {
+    if (constraints.law().presses(index, gap)) return true;
+    if (!acts()) return false;
+    for (std::size_t a = 0, first = tangents() * at(index); a < tangents(); ++a)
+      if (traction_->committed[first + a] != 0 || traction_->trial[first + a] != 0) return true;
+    return false;
+  };
+}
+
+double Friction::advance(const Constraints& constraints, Vec u) {
+  if (forgets_) slip_->committed = slip_->trial; // for reports
   // What sticks from now on does so with the traction of this state.
-  std::vector<double> slip(slip_->trial.size(), 0.0);
-  const std::size_t n = tangents() + 1;
-  constraints.visit(u, Derivatives::none, [&](const Constraint& c) {
+  std::vector<double> slip(slip_->trial.size(), 0.0), tractions(traction_->trial.size(), 0.0);
+  double heat = 0;
+  const std::size_t m = tangents(), n = m + 1;
+  const auto visitor = [&](const Constraint& c) {
+    add_heat(c, heat);
+    const Traction t = traction(c);
+    const Tangential kept = forgets_ ? t.value : traction_to_keep(c);
+    std::copy_n(kept.begin(), m, &tractions[m * at(c.index)]);
     if (!c.active) return;
     double* mine = &slip[n * at(c.index)];
-    for (std::size_t a = 0; a < tangents(); ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
-    const Traction t = traction(c);
+    for (std::size_t a = 0; a < m; ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
     // What has closed just now had no friction yet.
-    mine[n - 1] = !c.slides || t.slides ? slides : sticks;
-    for (std::size_t a = 0; forgets_ && a < tangents(); ++a)
-      tractions[tangents() * at(c.index) + a] = t.value[a];
-  });
+    mine[m] = !c.slides || t.slides ? slides : sticks;
+  };
+  constraints.visit(u, Derivatives::none, visitor, acting(constraints));
+  constraints.share(tractions, m);
   constraints.share(slip, n);
-  slip_->trial = std::move(slip);
   traction_->trial = std::move(tractions);
+  slip_->trial = std::move(slip);
+  return sum_over_ranks(constraints.comm(), heat);
 }
 
 } // namespace impact

@@ -96,7 +96,7 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
   const double factor = exact ? 2 * scale : scale;
   Vector force{};
   std::vector<double> stiff(stiffness ? values.size() : 0, 0.0);
-  constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
+  const auto visitor = [&](const Constraint& c) {
     if (!c.active) return;
     add_force(c, force);
     if (stiffness) add_stiffness_bound(c, stiff, of_bodies);
@@ -107,7 +107,8 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
     const Tangential t = friction_.traction(c).value;
     for (std::size_t i = 0; i < constraints_->tangents() * n; ++i)
       f[constraints_->dof(c.node[i % n / m], i % m)] += factor * c.weight * t[i / n] * c.slip_gradient[i];
-  });
+  };
+  constraints_->visit(values, Derivatives::first, visitor, constraints_->pressing());
   nodes().exchange.add(f, r);
   if (stiffness) nodes().exchange.add(stiff, stiffness);
   if (exact) check(VecAXPY(r, -scale, last_force_));
@@ -232,7 +233,7 @@ void ContactInterface::visit_tangent(Vec u, double scale, const BlockVisitor& vi
   std::vector<double> block;
   std::vector<double> of_gap(constraints_->count(), 0.0);
   std::vector<Tangential> of_slip(frictional() ? of_gap.size() : 0, Tangential{});
-  constraints_->visit(values, Derivatives::tangent, [&](const Constraint& c) {
+  const auto visit = [&](const Constraint& c) {
     if (!c.active) return;
     tangent_block(c, scale, block);
     visitor(c.node, block);
@@ -240,7 +241,8 @@ void ContactInterface::visit_tangent(Vec u, double scale, const BlockVisitor& vi
     if (!friction_.rubs(c)) return;
     const Tangential t = friction_.linear_traction(c).value;
     of_slip[at(c.index)] = {scale * c.weight * t[0], scale * c.weight * t[1]};
-  });
+  };
+  constraints_->visit(values, Derivatives::tangent, visit, constraints_->pressing());
   constraints_->visit_curvature(values, of_gap, of_slip, visitor);
 }
 

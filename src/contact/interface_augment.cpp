@@ -171,12 +171,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
     });
     *now.spring = sum_over_ranks(mesh_->comm(), *now.spring);
   }
-  if (friction_.acts()) {
-    *now.heat = *before.heat + step(u).friction_loss / thickness();
-    std::vector<double> lambda, traction;
-    propose(u, lambda, traction);
-    friction_.advance(*constraints_, u, std::move(traction));
-  }
+  if (friction_.acts()) *now.heat = *before.heat + friction_.advance(*constraints_, u);
   if (constraints_->conserving()) constraints_->keep_gaps(u);
   constraints_->set_rule(StepRule::none);
   if (friction_.acts()) constraints_->form().anchor(u);

@@ -59,7 +59,8 @@ void ContactInterface::add_force(const Constraint& c, Vector& force) const {
 
 ContactInterface::Vector ContactInterface::total_force(Vec u) const {
   Vector force{};
-  constraints_->visit(u, Derivatives::first, [&](const Constraint& c) { add_force(c, force); });
+  constraints_->visit(
+      u, Derivatives::first, [&](const Constraint& c) { add_force(c, force); }, constraints_->pressing());
   return summed(force);
 }
 
@@ -94,12 +95,15 @@ ContactStep ContactInterface::step(Vec u, bool force_at_end) const {
   struct {
     double energy = 0, heat = 0, held = 0;
   } sum;
-  constraints_->visit(u, Derivatives::first, [&](const Constraint& c) {
+  const auto add = [&](const Constraint& c) {
     add_energy(c, sum.energy);
     friction_.add_heat(c, sum.heat);
     if (c.works_exactly())
       sum.held += c.weight * spring_energy(c.start_gap, friction_.acts() ? friction_.held(c) : Tangential{});
-  });
+  };
+  // Multipliers count where nothing presses any more.
+  constraints_->visit(u, Derivatives::none, add,
+                      method().has_multipliers() ? Presses() : friction_.acting(*constraints_));
   MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof sum / sizeof(double), MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const double thick = thickness();
   const Totals before = totals(totals_->committed);

@@ -85,6 +85,34 @@ template <std::size_t dim> double density_of(const std::array<double, dim>& area
   return std::sqrt(square);
 }
 
+std::array<Point3, 3> triangle_of(const FaceCorners& x, std::size_t t) {
+  std::array<Point3, 3> corner = {x[t], x[(t + 1) % 4], {}};
+  for (const Point3& node : x)
+    for (std::size_t k = 0; k < 3; ++k) corner[2][k] += node[k] / 4;
+  return corner;
+}
+
+// Whether a line along the unit vector n passes by every place sum w_a p_a with sum w_a = 1 and
+// sum |w_a| <= weights, all within a sphere about the mean of the nodes, or meets it farther than `far`
+// ahead.
+template <std::size_t dim>
+bool passes_by(std::span<const std::array<double, dim>> p, double weights, const std::array<double, dim>& x,
+               const std::array<double, dim>& n, double far) {
+  std::array<double, dim> centre{};
+  for (const auto& node : p)
+    for (std::size_t k = 0; k < dim; ++k) centre[k] += node[k] / static_cast<double>(p.size());
+  double radius = 0; // squares of it and of the distance
+  for (const auto& node : p) {
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) square += (node[k] - centre[k]) * (node[k] - centre[k]);
+    radius = std::max(radius, square);
+  }
+  double along = 0, distance = 0;
+  for (std::size_t k = 0; k < dim; ++k) along += (centre[k] - x[k]) * n[k];
+  for (std::size_t k = 0; k < dim; ++k) distance += std::pow(centre[k] - x[k] - along * n[k], 2);
+  return distance > weights * weights * radius || along - weights * std::sqrt(radius) > far;
+}
+
 // What a point looks at, and the derivatives of its gap.
 FaceRay ray_between(const FaceCorners& x, const ShapeValues& point, const FaceCorners& p, int triangle) {
   return {x, point, p, triangle_weights(corners_of(p), triangle)};
@@ -258,8 +286,17 @@ auto PointForm<G>::nearest(const Facet& facet, const Point& point, const Contact
   bool best_inside = false;
   const double equal = 1e-9 * secondary_.length[at(facet.number)];
   const Candidates& list = search_.candidates();
-  for (int c : list.of(at(facet.number)))
-    for (int t = 0; t < (G::curved ? 1 : triangles_of(primary_corners(c))); ++t) {
+  const Place here = place_on(facet.node, point), normal = normal_at(facet, point);
+  const auto misses = [&](std::span<const Place> nodes) {
+    return passes_by<dim>(nodes, G::weight_sum, here, normal, search_.radius());
+  };
+  for (int c : list.of(at(facet.number))) {
+    const Nodes opposite = corners_at<Nodes>(primary_slots(c), x);
+    if (misses(opposite)) continue;
+    const int parts = G::curved ? 1 : triangles_of(primary_corners(c));
+    for (int t = 0; t < parts; ++t) {
+      if constexpr (!G::curved)
+        if (parts > 1 && misses(triangle_of(opposite, at(t)))) continue;
       const Seen seen = look(facet, point, c, t, x);
       const double least = least_part(seen.foot);
       if (!(least >= -beyond) || !may_touch(facet, point, seen)) continue;
@@ -277,6 +314,7 @@ auto PointForm<G>::nearest(const Facet& facet, const Point& point, const Contact
       best = seen;
       best_inside = is_inside;
     }
+  }
   if (best.candidate >= 0 && !search_.counts(best.candidate)) best.candidate = -1;
   return best;
 }

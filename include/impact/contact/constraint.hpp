@@ -72,7 +72,7 @@ struct CurvatureFactors {
 /// Nodes, and a block [node][dim][node][dim] over their dofs; a node may come twice. Both live as long as the
 /// call.
 using BlockVisitor = std::function<void(std::span<const int>, std::span<const double>)>;
-/// Whether a constraint presses at a gap.
+/// Whether a constraint presses at a gap, or is wanted for another reason; if so, then at all smaller ones.
 using Presses = std::function<bool(int index, double gap)>;
 
 } // namespace impact

@@ -72,10 +72,17 @@ public:
   /// Where the gradients of the step are taken.
   std::vector<double> place_of_gradients(const ContactValues& u) const;
 
-  /// All constraints that face something at the displacement u of nodes().
-  void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
-  void visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor) const {
-    visit(nodes().displacement(u), derivatives, visitor);
+  /// All constraints that face something at the displacement u of nodes(); those that are not `wanted` may be
+  /// left out.
+  void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
+             const Presses& wanted = {}) const;
+  void visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor,
+             const Presses& wanted = {}) const {
+    visit(nodes().displacement(u), derivatives, visitor, wanted);
+  }
+  /// Those that press, which is what forces need.
+  Presses pressing() const {
+    return [this](int index, double gap) { return law_->presses(index, gap); };
   }
   /// Second variations over the same constraints, as the step takes them; factors are used up.
   void visit_curvature(const ContactValues& u, std::vector<double>& of_gap, std::vector<Tangential>& of_slip,

@@ -74,7 +74,8 @@ struct Opposite {
 
 class ContactForm {
 public:
-  explicit ContactForm(const FormRequest& request) : settings_(request.settings), obstacle_(request.mesh) {}
+  explicit ContactForm(const FormRequest& request)
+      : settings_(request.settings), rigid_(settings_.rigid()), obstacle_(request.mesh) {}
   virtual ~ContactForm() = default;
   /// The rigid obstacle moves as a body of the mesh does. Before the first update.
   void carry(Obstacle obstacle) {
@@ -114,9 +115,9 @@ public:
   /// Whether it has far more constraints than its surface has nodes.
   virtual bool overdetermined() const { return false; }
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
-  /// repeats.
-  virtual void visit(const ContactValues& u, Derivatives derivatives,
-                     const ConstraintVisitor& visitor) const = 0;
+  /// repeats; those that are not `wanted` may be left out.
+  virtual void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
+                     const Presses& wanted = {}) const = 0;
   /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
   virtual void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                const BlockVisitor& visitor) const = 0;
@@ -132,7 +133,7 @@ public:
 protected:
   /// What was kept fixed during the solves of the last attempt is free again.
   virtual void release() = 0;
-  bool rigid() const { return settings_.rigid(); }
+  bool rigid() const { return rigid_; }
   bool frictional() const { return settings_.friction > 0; }
   /// A rigid plane has directions of its own.
   bool on_plane() const { return rigid() && obstacle_.plane(); }
@@ -211,6 +212,7 @@ protected:
   }
 
   ContactSettings settings_;
+  bool rigid_;
   PairSearch search_;
   Obstacle obstacle_;
   int parts_ = 1; // of a facet

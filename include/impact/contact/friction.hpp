@@ -66,8 +66,10 @@ public:
   const std::vector<double>& tractions() const { return traction_->trial; }
   std::vector<double>& given() { return acts() ? traction_->trial : none_; }
   void keep_tractions(std::vector<double>& tractions);
-  /// After an accepted step that ended at u with these tractions. Collective.
-  void advance(const Constraints& constraints, Vec u, std::vector<double> tractions);
+  /// After an accepted step that ended at u; the energy per thickness that it turned into heat. Collective.
+  double advance(const Constraints& constraints, Vec u);
+  /// The constraints that press, or keep a spring.
+  Presses acting(const Constraints& constraints) const;
   /// Slip since the constraint closed, [direction], and its state.
   const double* slip(const Constraint& c) const {
     return &slip_->trial[(tangents() + 1) * static_cast<std::size_t>(c.index)];

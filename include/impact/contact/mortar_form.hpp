@@ -26,8 +26,8 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const ContactValues& u, Derivatives derivatives,
-             const ConstraintVisitor& visitor) const override;
+  void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
+             const Presses& wanted) const override;
   void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;

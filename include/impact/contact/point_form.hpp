@@ -55,6 +55,8 @@ struct StraightPoints {
   static const ShapeValues& weights(const ShapeValues& point) { return point; }
   /// None negative, for means at the nodes.
   static const ShapeValues& spread(const ShapeValues& point) { return point; }
+  /// Most that the weights of a facet's nodes come to without their signs, a little beyond its sides.
+  static constexpr double weight_sum = 1.05;
   /// The place of a node.
   static ShapeValues node(std::size_t a) {
     ShapeValues shape{};
@@ -81,8 +83,8 @@ public:
   void anchor(Vec u) override;
   PairSearch::Outcome update(Vec u, const Presses& presses) override;
   NodePairs couplings() const override;
-  void visit(const ContactValues& u, Derivatives derivatives,
-             const ConstraintVisitor& visitor) const override;
+  void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
+             const Presses& wanted) const override;
   void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
@@ -186,7 +188,8 @@ private:
                        Matrix& hessian) const;
 
   void tie(const ContactValues& x, const Presses& presses);
-  void find_anchors(Vec u);
+  bool is_far_off(int facet, const Nodes& node, const RigidObstacle& obstacle, const Presses& wanted) const;
+  void find_anchors(const ContactValues& moved);
   void locate_anchors();
   void locate_holds();
   const TangentRows<dim, width>& tangents(int facet, std::size_t number) const {
@@ -199,16 +202,19 @@ private:
                       Constraint& c) const; // no plane
   void add_gap_gradient(int facet, const Seen& seen, const CarriedFunction& to_obstacle,
                         const ContactValues& u, Workspace& w, Constraint& c) const;
-  // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something.
-  template <class Visitor> void visit_points(const ContactValues& u, Visitor&& visitor) const;
+  // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something and are
+  // wanted.
+  template <class Visitor>
+  void visit_points(const ContactValues& u, Visitor&& visitor, const Presses& wanted = {}) const;
 
   ContactSurface secondary_;
   Frame frame_;
   FormPoints<Point> points_;
   std::vector<TangentRows<dim, width>> tangents_; // [secondary facet], of curved ones [point]; with friction
   std::vector<double> nodal_area_;
-  std::vector<Hold> holds_;     // [secondary facet][point]
-  std::vector<Anchor> anchors_; // [secondary facet][point], empty without friction
+  std::vector<Hold> holds_;         // [secondary facet][point]
+  std::vector<Anchor> anchors_;     // [secondary facet][point], empty without friction
+  std::vector<double> anchored_at_; // displacement of nodes()
   double hold_gap_;
   bool anchoring_ = false;
 };

@@ -1,6 +1,6 @@
 #pragma once
 #include <algorithm>
-#include <impact/contact/point_form.hpp>
+#include <impact/contact/point_form_slip.hpp>
 
 /// What PointForm does with the points of any geometry; included where a geometry stands.
 namespace impact {
@@ -42,53 +42,6 @@ std::pair<StateRow, std::size_t> PointForm<G>::constraint_row(const std::string&
   return {row, at(components) * points_.weight.size()};
 }
 
-template <class G> void PointForm<G>::anchor(Vec u) {
-  search_.set_start(u);
-  if (!frictional()) return; // all ranks agree on that, not on whether they have points
-  find_anchors(u);
-}
-
-template <class G> void PointForm<G>::find_anchors(Vec u) {
-  const ContactValues& x = nodes().start;
-  if (rigid()) obstacle_.anchor(nodes(), x);
-  if (on_plane()) return;
-  const std::vector<double> moved = nodes().displacement(u);
-  anchoring_ = true;
-  for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
-    for (int q = 0; q < points_.per_facet; ++q) {
-      const std::size_t number = points_.index(f, q);
-      Anchor& anchor = anchors_[number];
-      anchor = {};
-      if (points_.weight[number] == 0) continue;
-      // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
-      const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
-      anchor.valid = rigid() || seen.candidate >= 0;
-      if (!anchor.valid) continue;
-      const auto share = [](const auto& weights, std::array<double, width>& out) {
-        std::copy_n(weights.begin(), width, out.begin());
-      };
-      share(G::weights(points_.shape[number]), anchor.opening.D);
-      if (rigid())
-        anchor.opening.M = anchor.opening.D;
-      else
-        share(G::shares_of(seen), anchor.opening.M);
-      if (rigid()) continue;
-      anchor.opposite.node = primary_nodes(seen.candidate);
-      const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
-      const Nodes s = corners_from<Nodes>(mine[0], mine, moved),
-                  p = corners_from<Nodes>(mine[0], other, moved);
-      anchor.start = SlipDirections<dim, width>(s, tangents(f, number), false).slip(p, anchor.opening).value;
-    }
-  }
-  anchoring_ = false;
-  locate_anchors();
-}
-
-template <class G> void PointForm<G>::locate_anchors() {
-  for (Anchor& anchor : anchors_) anchor.opposite.locate(nodes());
-}
-
 template <class G> void PointForm<G>::locate_holds() {
   const Candidates& list = search_.candidates();
   for (int f = 0; f < secondary_.count(); ++f)
@@ -105,6 +58,7 @@ template <class G> PairSearch::Outcome PointForm<G>::update(Vec u, const Presses
   const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) {
     locate_anchors();
+    anchored_at_.clear();
     if (!rigid()) locate_holds();
   }
   if (!rigid() && settings_.iterated) tie(nodes().current(u), presses);
@@ -170,12 +124,33 @@ template <class G> void PointForm<G>::tie(const ContactValues& x, const Presses&
   }
 }
 
+// Whether none of its points is wanted, nor was at the least gap that one can have: that of a node less the
+// way to the others.
+template <class G>
+bool PointForm<G>::is_far_off(int facet, const Nodes& node, const RigidObstacle& obstacle,
+                              const Presses& wanted) const {
+  double farthest = 0;
+  for (const Place& other : node) {
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) square += (other[k] - node[0][k]) * (other[k] - node[0][k]);
+    farthest = std::max(farthest, square);
+  }
+  const double least = obstacle_.gap(obstacle, in_space(node[0])).value - G::weight_sum * std::sqrt(farthest);
+  for (int q = 0; q < points_.per_facet; ++q)
+    if (const std::size_t number = points_.index(facet, q);
+        points_.weight[number] != 0 && wanted(static_cast<int>(number), least))
+      return false;
+  return true;
+}
+
 template <class G>
 template <class Visitor>
-void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const {
+void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor, const Presses& wanted) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
+    if (rigid() && wanted && is_far_off(f, corners_at<Nodes>(secondary_slots(f), x), obstacle, wanted))
+      continue;
     const Facet facet = facet_at(f, x);
     double stretch = 0; // of facets that face something
     for (int q = 0; q < points_.per_facet; ++q) {
@@ -194,6 +169,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const
         if (seen.candidate < 0) continue;
         sharpen(f, number, u, seen);
       }
+      if (wanted && !wanted(static_cast<int>(number), seen.foot.gap)) continue;
       if (G::curved || stretch == 0)
         stretch = G::stretch(facet.node, corners_from<Nodes>(secondary_slots(f)[0], secondary_slots(f), u),
                              secondary_, f, point);
@@ -213,11 +189,11 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor) const
 }
 
 template <class G>
-void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives,
-                         const ConstraintVisitor& visitor) const {
+void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
+                         const Presses& wanted) const {
   const bool with_gradient = derivatives != Derivatives::none;
   Workspace w;
-  visit_points(u, [&](Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
+  const auto complete = [&](Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
     NodePlaces& place = w.place;
     place.node.clear();
     for (std::size_t a = 0; a < c.share.size(); ++a) place(secondary_slots(f)[a]);
@@ -231,7 +207,8 @@ void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives,
     if (c.slides) add_slip(f, places, u, with_gradient, w, c);
     c.node = place.node;
     visitor(c);
-  });
+  };
+  visit_points(u, complete, wanted);
 }
 
 template <class G>
@@ -251,65 +228,12 @@ void PointForm<G>::add_gap_gradient(int facet, const Seen& seen, const CarriedFu
   c.gradient = w.gradient;
 }
 
-// False without friction or where nothing lay opposite. A plane has directions of its own and needs no
-// places.
-template <class G>
-bool PointForm<G>::slip_places(int facet, std::size_t number, const ContactValues& u,
-                               SlipPlaces& places) const {
-  if (anchors_.empty() || nodes().start.empty()) return false;
-  if (on_plane()) return true;
-  const Anchor& anchor = anchors_[number];
-  if (!anchor.valid) return false;
-  if (!rigid() && !anchor.opposite.found()) return false;
-  const int* slot = secondary_slots(facet);
-  places.s = corners_from<Nodes>(slot[0], slot, u);
-  places.p = opposite<Nodes>(anchor.opposite, facet, u);
-  return true;
-}
-
-template <class G>
-void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient,
-                            Workspace& w, Constraint& c) const {
-  const std::size_t n = dim * w.place.node.size();
-  w.slip_gradient.assign((dim - 1) * n, 0.0);
-  c.slip_gradient = w.slip_gradient;
-  for (std::size_t e = 0; on_plane() && e < dim - 1; ++e) {
-    Obstacle::PlaneSlip slip;
-    obstacle_.add_slip(nodes(), facet, c.share, obstacle_.tangents()[e], u, c.slip[e], slip);
-    obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
-  }
-  if (!on_plane()) add_facet_slip(facet, places, with_gradient, w, c);
-}
-
-template <class G>
-void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
-                                  Constraint& c) const {
-  const std::size_t n = dim * w.place.node.size(), half = dim * width;
-  const Anchor& anchor = anchors_[at(c.index)];
-  const SlipDirections<dim, width> directions(places.s, tangents(facet, at(c.index)), with_gradient);
-  const FacetSlip<dim, width> slip = directions.slip(places.p, anchor.opening);
-  for (std::size_t e = 0; e < dim - 1; ++e) c.slip[e] = slip.value[e] - anchor.start[e];
-  for (std::size_t e = 0; with_gradient && e < dim - 1; ++e) {
-    const auto add = [&](int slot, const double* value) {
-      const std::size_t place = n * e + dim * w.place(slot);
-      for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[place + k] += value[k];
-    };
-    const Row& row = slip.gradient[e];
-    for (std::size_t a = 0; a < width; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
-    for (std::size_t b = 0; !rigid() && b < width; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
-    std::array<double, dim*(dim + 1)> by_carrier;
-    obstacle_.chain(facet, &row[half], by_carrier.data());
-    for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
-      add(obstacle_.slots()[b], &by_carrier[dim * b]);
-  }
-}
-
 template <class G>
 void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                    const BlockVisitor& visitor) const {
   std::vector<int> node;
   std::vector<double> block;
-  visit_points(u, [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
+  const auto add = [&](const Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
     const double of_gap = factors.of_gap(c.index);
     const Tangential of_slip = factors.of_slip(c.index);
     const int* secondary = secondary_slots(f);
@@ -345,6 +269,9 @@ void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactor
     Matrix hessian{};
     add_slip_hessian(places.s, places.p, tangents(f, at(c.index)), opening, hessian);
     visit_slip_block(f, anchor.opposite, hessian, visitor);
+  };
+  visit_points(u, add, [&](int index, double) {
+    return factors.of_gap(index) != 0 || factors.of_slip(index) != Tangential{};
   });
 }
 

@@ -37,6 +37,9 @@ template <class Shape> struct CurvedPoints {
   static constexpr std::size_t dim = Shape::dim + 1, nodes = Shape::nodes;
   static constexpr bool curved = true;
   static constexpr HoldRule hold = hold_on_triangle;
+  /// As of StraightPoints: 5/4 of edges, 5/3 of triangles, 25/16 and 3 of squares with and without a middle
+  /// node.
+  static constexpr double weight_sum = 1.05 * (dim == 2 ? 1.25 : nodes == 6 ? 1.67 : nodes == 9 ? 1.5625 : 3);
   using Point = FacetPlace<Shape>;
   using Place = std::array<double, dim>;
   using Nodes = typename CurvedRay<Shape>::Nodes;

@@ -1,0 +1,111 @@
+#pragma once
+#include <algorithm>
+#include <impact/contact/point_form.hpp>
+
+/// How the points of PointForm slip along what they lay opposite of at the start of the step; included by
+/// point_form_impl.hpp.
+namespace impact {
+
+template <class G> void PointForm<G>::anchor(Vec u) {
+  search_.set_start(u);
+  if (!frictional()) return; // all ranks agree on that, not on whether they have points
+  if (rigid()) obstacle_.anchor(nodes(), nodes().start);
+  if (on_plane()) return;
+  // The next step starts where the last one ended.
+  std::vector<double> moved = nodes().displacement(u);
+  if (search_.restored() || anchored_at_ != moved) find_anchors(moved);
+  anchored_at_ = std::move(moved);
+}
+
+template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
+  const ContactValues& x = nodes().start;
+  anchoring_ = true;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const std::size_t number = points_.index(f, q);
+      Anchor& anchor = anchors_[number];
+      anchor = {};
+      if (points_.weight[number] == 0) continue;
+      // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
+      const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
+      anchor.valid = rigid() || seen.candidate >= 0;
+      if (!anchor.valid) continue;
+      const auto share = [](const auto& weights, std::array<double, width>& out) {
+        std::copy_n(weights.begin(), width, out.begin());
+      };
+      share(G::weights(points_.shape[number]), anchor.opening.D);
+      if (rigid())
+        anchor.opening.M = anchor.opening.D;
+      else
+        share(G::shares_of(seen), anchor.opening.M);
+      if (rigid()) continue;
+      anchor.opposite.node = primary_nodes(seen.candidate);
+      const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
+      const Nodes s = corners_from<Nodes>(mine[0], mine, moved),
+                  p = corners_from<Nodes>(mine[0], other, moved);
+      anchor.start = SlipDirections<dim, width>(s, tangents(f, number), false).slip(p, anchor.opening).value;
+    }
+  }
+  anchoring_ = false;
+  locate_anchors();
+}
+
+template <class G> void PointForm<G>::locate_anchors() {
+  for (Anchor& anchor : anchors_) anchor.opposite.locate(nodes());
+}
+
+// False without friction or where nothing lay opposite. A plane has directions of its own and needs no
+// places.
+template <class G>
+bool PointForm<G>::slip_places(int facet, std::size_t number, const ContactValues& u,
+                               SlipPlaces& places) const {
+  if (anchors_.empty() || nodes().start.empty()) return false;
+  if (on_plane()) return true;
+  const Anchor& anchor = anchors_[number];
+  if (!anchor.valid) return false;
+  if (!rigid() && !anchor.opposite.found()) return false;
+  const int* slot = secondary_slots(facet);
+  places.s = corners_from<Nodes>(slot[0], slot, u);
+  places.p = opposite<Nodes>(anchor.opposite, facet, u);
+  return true;
+}
+
+template <class G>
+void PointForm<G>::add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient,
+                            Workspace& w, Constraint& c) const {
+  const std::size_t n = dim * w.place.node.size();
+  w.slip_gradient.assign((dim - 1) * n, 0.0);
+  c.slip_gradient = w.slip_gradient;
+  for (std::size_t e = 0; on_plane() && e < dim - 1; ++e) {
+    Obstacle::PlaneSlip slip;
+    obstacle_.add_slip(nodes(), facet, c.share, obstacle_.tangents()[e], u, c.slip[e], slip);
+    obstacle_.add_gradient(slip.function, c.share, slip.shares, 1, &w.slip_gradient[n * e]);
+  }
+  if (!on_plane()) add_facet_slip(facet, places, with_gradient, w, c);
+}
+
+template <class G>
+void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with_gradient, Workspace& w,
+                                  Constraint& c) const {
+  const std::size_t n = dim * w.place.node.size(), half = dim * width;
+  const Anchor& anchor = anchors_[at(c.index)];
+  const SlipDirections<dim, width> directions(places.s, tangents(facet, at(c.index)), with_gradient);
+  const FacetSlip<dim, width> slip = directions.slip(places.p, anchor.opening);
+  for (std::size_t e = 0; e < dim - 1; ++e) c.slip[e] = slip.value[e] - anchor.start[e];
+  for (std::size_t e = 0; with_gradient && e < dim - 1; ++e) {
+    const auto add = [&](int slot, const double* value) {
+      const std::size_t place = n * e + dim * w.place(slot);
+      for (std::size_t k = 0; k < dim; ++k) w.slip_gradient[place + k] += value[k];
+    };
+    const Row& row = slip.gradient[e];
+    for (std::size_t a = 0; a < width; ++a) add(secondary_slots(facet)[a], &row[dim * a]);
+    for (std::size_t b = 0; !rigid() && b < width; ++b) add(anchor.opposite.slot[b], &row[half + dim * b]);
+    std::array<double, dim*(dim + 1)> by_carrier;
+    obstacle_.chain(facet, &row[half], by_carrier.data());
+    for (std::size_t b = 0; b < obstacle_.slots().size(); ++b)
+      add(obstacle_.slots()[b], &by_carrier[dim * b]);
+  }
+}
+
+} // namespace impact
