@@ -41,6 +41,10 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a, double kept_by_bodies) {
   measure(u, v, false);
   for (const ContactStep& contact : motion_.contacts().step(u)) sum(contact_store) += contact.energy;
+  for (const ContactInterface& contact : motion_.contacts()) {
+    const bool overlaps = contact.reach(u).gap < 0;
+    springs_apart_ = springs_apart_ || (!inertia_ && overlaps);
+  }
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));
@@ -85,7 +89,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   // one.
   const double of_arms = inertia_ ? 0 : w * work.rigid + w * work.inertia;
   sum(external) += work_external;
-  book_contact(work, work_contact, step.stabilised, u, watched);
+  book_contact(work, work_contact, step, u, watched);
   const double loss = w * work.integrator.loss, keeps = w * work.integrator.kept;
   sum(numerical) += loss - (keeps - sum(kept));
   sum(kept) = keeps;
@@ -104,17 +108,19 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
 
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
 // update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does,
-// and so do the impulses of explicit steps.
-void Ledger::book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u, bool watched) {
+// and so do the impulses of explicit steps. In statics what overlaps at the start of the run springs apart in
+// the first step, by an energy of that start.
+void Ledger::book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u,
+                          bool watched) {
   sum(contact_work) += work_contact;
   const ContactSet& all = motion_.contacts();
   const bool idle = std::none_of(all.begin(), all.end(), [](const auto& contact) {
     return contact.frictional() || contact.settings().rigid();
   });
   const bool strikes =
-      stabilised || std::any_of(all.begin(), all.end(), [](const auto& c) { return c.by_impulse(); });
+      step.stabilised || std::any_of(all.begin(), all.end(), [](const auto& c) { return c.by_impulse(); });
   if (!watched && idle && !strikes) return;
-  const std::vector<ContactStep> contacts = all.step(u, stabilised);
+  const std::vector<ContactStep> contacts = all.step(u, step.stabilised);
   double store = 0;
   for (const ContactStep& contact : contacts) store += contact.energy;
   double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));
@@ -125,6 +131,7 @@ void Ledger::book_contact(const StepWork& work, double work_contact, bool stabil
     taken += contact.obstacle_work + contact.obstacle_shock - contact.friction_loss;
   }
   if (strikes) sum(contact_loss) += taken;
+  if (springs_apart_ && step.first) sum(start_energy) -= taken;
   sum(contact_store) = store;
 }
 

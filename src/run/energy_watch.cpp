@@ -6,7 +6,7 @@ namespace impact {
 
 namespace {
 
-// So many steps in a row beyond a bound are no start of a run.
+// So many steps beyond a bound are no start of a run.
 constexpr int many_steps = 5;
 
 } // namespace
@@ -16,11 +16,13 @@ EnergyWatch::EnergyWatch(RunStage& stage)
       least_(1e-2 * stage.motion.reference_force() * stage.d.mesh.smallest_edge() * stage.d.thickness *
              static_cast<double>(stage.d.mesh.global_cell_count())) {}
 
-// Consecutive steps: what the first steps of a run miss is soon small beside what is stored.
-bool EnergyWatch::beyond(std::size_t which, double bound) {
-  const bool is =
-      stage_.ledger.energy_scale() >= least_ && bound > 0 && std::abs(stage_.ledger.energy_error()) > bound;
-  steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + 1 : 0;
+// Steps without one within the bound between them. What the first steps of a load miss grows small beside
+// what comes later: without inertia a step in which the error shrinks does not count.
+bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
+  const double error = std::abs(stage_.ledger.energy_error());
+  const bool is = stage_.ledger.energy_scale() >= least_ && bound > 0 && error > bound;
+  const bool fades = !stage_.inertia && error < std::abs(before);
+  steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + (fades ? 0 : 1) : 0;
   return is;
 }
 
@@ -28,7 +30,7 @@ Verdict EnergyWatch::judge(double before, double t) {
   const Scenario& s = stage_.scenario;
   const MPI_Comm comm = stage_.d.mesh.comm();
   const double residual = stage_.ledger.energy_error();
-  const bool past_stop = beyond(1, s.energy_stop), past_tol = beyond(0, s.energy_tol);
+  const bool past_stop = beyond(1, s.energy_stop, before), past_tol = beyond(0, s.energy_tol, before);
   // A run without inertia may lose the energy of a crack that ran within a step: no store takes it up.
   const bool must_close = stage_.inertia || residual > 0;
   if (past_stop && steps_beyond_.trial[1] >= many_steps && must_close) {

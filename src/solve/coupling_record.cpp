@@ -26,6 +26,7 @@ StepRecord Coupling::record(Vec u) {
   MotionProblem& motion = fields_.motion;
   StepRecord record;
   record.dt = motion.step().dt;
+  record.first = Get(TSGetStepNumber)(ts_) == 0;
   record.integrator = integrator_of(ts_);
   if (record.integrator.inertia) record.start_velocity = start_velocity(ts_);
   record.counts = counts();

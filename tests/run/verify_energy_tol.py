@@ -118,6 +118,25 @@ runs.require("heat that jumps: the warning names the form that misses nothing", 
 runs.check("with that form: what the first law misses", abs(runs.run("warm_energy", {**WARM, "heat_form": "energy"})["balance_first_law"]).max(), 0, 1e-8,
            relative=False)
 
+# What is right ends at no bound. A block that flows as soon as it is pressed: half of the work of the first step is missed, a part
+# 1/(2 sqrt n - 1) of the work booked in n steps that go with the root of time. Two blocks that overlap at the start, a shrink fit: each
+# is pressed by half of the overlap d, with E d^2/8.
+DIE = {"ts_type": "static", "units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_n": 8, "materials": "solid",
+       "material_solid_E": "70 GPa", "material_solid_nu": 0.33, "material_solid_model": "j2", "material_solid_sigma_y": "5 MPa",
+       "bcs": "below,side,die", "bc_below_on": "bottom", "bc_below_uy": 0, "bc_side_on": "left", "bc_side_ux": 0,
+       "bc_die_on": "top", "bc_die_uy": "(-0.05*sqrt(t))", "ts_dt": 0.02, "ts_max_time": 1}
+pressed = runs.run("die", DIE)
+error = pressed["balance_first_law"][1:]
+for n in (5, 50):
+    runs.check(f"a block that flows at once: what {n} steps miss", error[n - 1], 1 / (2 * n**0.5 - 1), 0.05)
+FIT = {"ts_type": "static", "mesh": runs.mesh("two_blocks.geo"), "mesh_set_gap": -1e-5, "materials": "lower,upper", "material_lower_E": 1e9,
+       "material_lower_nu": 0, "material_upper_like": "lower", "bcs": "below,above", "bc_below_on": "lower_bottom", "bc_below_type": "fix",
+       "bc_above_on": "upper_top", "bc_above_type": "fix", "contacts": "fit", "contact_fit_secondary": "upper_bottom",
+       "contact_fit_primary": "lower_top", "contact_fit_initial": "allow", "ts_dt": 0.1, "ts_max_time": 1}
+fit = runs.run("fit", FIT)
+runs.check("an overlap at the start: its energy", fit["energy_elastic"][-1], 1e9 * 1e-10 / 4, 1e-3)
+runs.check("an overlap at the start: the first law", abs(fit["balance_first_law"]).max(), 0, 1e-4, relative=False)
+
 # A run that ends before the fifth step beyond the bound says so at its end.
 short = runs.run("short", {**BAR, "ts_max_time": float(off["time"][residual > TOL][0])})
 runs.require("beyond the bound at the end of a run, once: one warning", len(told(short)) == 1 and "WARNING" in short.log)

@@ -109,7 +109,7 @@ private:
     return losses_.trial[material * static_cast<std::size_t>(losses) + static_cast<std::size_t>(which)];
   }
   void measure(Vec u, Vec v, bool trial);
-  void book_contact(const StepWork& work, double work_contact, bool stabilised, Vec u, bool watched);
+  void book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u, bool watched);
   void book_points(const StepRecord& step, double work_unilateral);
   void book_damage(const StepRecord& step);
   void book_scale();
@@ -137,6 +137,7 @@ private:
   std::optional<HeatBook> heat_;
   Energies energies_, energies_before_;
   double coupling_error_ = 0;
+  bool springs_apart_ = false; // surfaces overlapped at the start of a run without inertia
 };
 
 } // namespace impact

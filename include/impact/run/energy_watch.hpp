@@ -7,7 +7,7 @@ namespace impact {
 
 class EnergyWatch {
 public:
-  /// Adds its row to the table: steps in a row beyond each of the two bounds. The stage must outlive it.
+  /// Adds its row to the table: steps beyond each of the two bounds. The stage must outlive it.
   explicit EnergyWatch(RunStage& stage);
 
   /// Judges the step to t that the ledger has booked; `before` is the error that it had until then. Throws
@@ -17,7 +17,7 @@ public:
   void report_end(double t) const;
 
 private:
-  bool beyond(std::size_t which, double bound);
+  bool beyond(std::size_t which, double bound, double before);
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
 

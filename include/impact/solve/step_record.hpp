@@ -23,6 +23,7 @@ struct StepCounts {
 /// of all ranks, of plane problems per unit thickness. Arrays at points are like the row "damage_history".
 struct StepRecord {
   double dt = 0;
+  bool first = false; ///< of the run
   Integrator integrator;
   Vec start_velocity = nullptr; ///< v_n, or what the projection made of it; with inertia
   StepCounts counts;
