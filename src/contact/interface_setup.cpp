@@ -156,22 +156,20 @@ InitialOverlapReport ContactInterface::initial_overlap() {
   std::vector<double> shift(d * nodes.global.size(), 0.0), count(shift.size(), 0.0);
   struct {
     double depth = 0;
-    int rank = 0;
-  } mine, deepest;
-  MPI_Comm_rank(mesh_->comm(), &mine.rank);
-  std::array<double, 3> where{};
+    std::array<double, 3> where{};
+  } deepest;
   constraints_->form().visit_overlaps(nodes.X,
                                       [&](int node, double depth, const std::array<double, 3>& direction) {
-                                        if (depth > mine.depth) {
-                                          mine.depth = depth;
-                                          std::copy_n(&nodes.X[d * at(node)], d, where.begin());
+                                        if (depth > deepest.depth) {
+                                          deepest.depth = depth;
+                                          std::copy_n(&nodes.X[d * at(node)], d, deepest.where.begin());
                                         }
                                         for (std::size_t k = 0; k < d; ++k)
                                           shift[d * at(node) + k] += depth * direction[k];
                                         count[d * at(node)] += 1;
                                       });
-  MPI_Allreduce(&mine, &deepest, 1, MPI_DOUBLE_INT, MPI_MAXLOC, mesh_->comm());
-  MPI_Bcast(where.data(), 3, MPI_DOUBLE, deepest.rank, mesh_->comm());
+  deepest = of_least(mesh_->comm(), -deepest.depth, deepest);
+  const std::array<double, 3>& where = deepest.where;
   report.deepest = deepest.depth;
   report.shift = layout_->make_local();
   const bool forbidden =

@@ -85,23 +85,16 @@ std::string place_of_largest(const Discretisation& d, Vec f) {
   std::vector<double> local = d.displacement.make_local();
   d.displacement.owned_to_local(f, local);
   struct {
-    double size = 0;
-    int rank = 0;
-  } mine, largest;
-  MPI_Comm_rank(d.mesh.comm(), &mine.rank);
-  std::size_t entry = 0;
-  for (std::size_t i = 0; i < local.size(); ++i)
-    if (std::abs(local[i]) > mine.size) {
-      mine.size = std::abs(local[i]);
-      entry = i;
-    }
-  MPI_Allreduce(&mine, &largest, 1, MPI_DOUBLE_INT, MPI_MAXLOC, d.mesh.comm());
-  if (!(largest.size > 0)) return "";
-  double x[3] = {0, 0, 0};
+    double size = 0, x[3] = {0, 0, 0};
+  } largest;
   const std::size_t dim = at(d.dim());
-  if (mine.rank == largest.rank) std::copy_n(&d.mesh.coordinates()[entry / dim * dim], dim, x);
-  MPI_Bcast(x, 3, MPI_DOUBLE, largest.rank, d.mesh.comm());
-  return place_text(x, d.dim());
+  for (std::size_t i = 0; i < local.size(); ++i)
+    if (std::abs(local[i]) > largest.size) {
+      largest.size = std::abs(local[i]);
+      std::copy_n(&d.mesh.coordinates()[i / dim * dim], dim, largest.x);
+    }
+  largest = of_least(d.mesh.comm(), -largest.size, largest);
+  return largest.size > 0 ? place_text(largest.x, d.dim()) : "";
 }
 
 std::size_t point_values(const CellGroup& group, int components) {

@@ -4,6 +4,7 @@
 #include <impact/material/equation_of_state.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/erosion.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/problem/surface_load.hpp>
@@ -250,27 +251,18 @@ double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double facto
 }
 
 std::string MotionProblem::broken_text() const {
-  // The worst cell of all ranks speaks.
-  struct {
-    double J;
-    int rank;
-  } mine, worst;
-  MPI_Comm_rank(d_.mesh.comm(), &mine.rank);
-  mine.J = broken_.material < 0 ? HUGE_VAL : std::isfinite(broken_.min_J) ? broken_.min_J : -HUGE_VAL;
-  MPI_Allreduce(&mine, &worst, 1, MPI_DOUBLE_INT, MPI_MINLOC, d_.mesh.comm());
-  if (worst.J == HUGE_VAL) return "";
-  double data[5] = {broken_.min_J, broken_.x[0], broken_.x[1], broken_.x[2],
-                    static_cast<double>(broken_.material)};
-  MPI_Bcast(data, 5, MPI_DOUBLE, worst.rank, d_.mesh.comm());
-  const MaterialAssignment& material = d_.materials[static_cast<std::size_t>(data[4])];
+  const double J = broken_.material < 0 ? HUGE_VAL : std::isfinite(broken_.min_J) ? broken_.min_J : -HUGE_VAL;
+  const BrokenCell worst = of_least(d_.mesh.comm(), J, broken_);
+  if (worst.material < 0) return "";
+  const MaterialAssignment& material = d_.materials[at(worst.material)];
   const MaterialParameters& m = material.law.parameters;
-  const bool beyond = has_state(m) && !within_state(m, data[0] - 1);
+  const bool beyond = has_state(m) && !within_state(m, worst.min_J - 1);
   const std::string text =
       text_of("%s (J=%.3g) at x=%s in material %s",
-              data[0] <= 0 ? "cell inverted"
-              : beyond     ? "cell compressed beyond the end of its equation of state"
-                           : "law failed in a cell",
-              data[0], place_text(data + 1, d_.dim(), "%.6g", ",").c_str(), material.id.c_str());
+              worst.min_J <= 0 ? "cell inverted"
+              : beyond         ? "cell compressed beyond the end of its equation of state"
+                               : "law failed in a cell",
+              worst.min_J, place_text(worst.x, d_.dim(), "%.6g", ",").c_str(), material.id.c_str());
   // Compression in the plane goes into the thickness, which nothing holds there.
   const bool gives_way =
       d_.frame == Frame::plane_stress && m.damage != Damage::none && m.split == Split::volumetric;

@@ -39,6 +39,19 @@ template <class Values> auto min_over_ranks(MPI_Comm comm, Values&& values) {
   return detail::reduce(comm, values, MPI_MIN);
 }
 
+/// What the rank with the smallest key has, of several the first one: plain data. Collective.
+template <class Data> Data of_least(MPI_Comm comm, double key, Data data) {
+  static_assert(std::is_trivially_copyable_v<Data>);
+  struct {
+    double key;
+    int rank;
+  } least = {key, 0};
+  MPI_Comm_rank(comm, &least.rank);
+  MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE_INT, MPI_MINLOC, comm);
+  MPI_Bcast(&data, sizeof data, MPI_BYTE, least.rank, comm);
+  return data;
+}
+
 /// Of an array the sums over the ranks in its place, of its last entry the smallest value. Collective.
 void sum_and_min_over_ranks(MPI_Comm comm, std::span<double> values);
 
