@@ -101,21 +101,27 @@ int MotionProblem::note_inverted(const CellBatch& batch, const CellStatus& statu
   return bad;
 }
 
+MarkedCell MotionProblem::mark(const CellGroup& group, int batch, int lane, double value) const {
+  MarkedCell cell{value, {}, group.material};
+  const int nodes = node_count(group.shape), dim = d_.dim();
+  for (int k = 0; k < dim; ++k) {
+    for (int a = 0; a < nodes; ++a)
+      cell.x[k] += X_[at(group.node[at((batch * nodes + a) * lanes + lane)] * dim + k)];
+    cell.x[k] /= nodes;
+  }
+  return cell;
+}
+
+std::string MotionProblem::place_of(const MarkedCell& cell) const {
+  return text_of("x=%s in material %s", place_text(cell.x, d_.dim(), "%.6g", ",").c_str(),
+                 d_.materials[at(cell.material)].id.c_str());
+}
+
 // Notes the cell that lost its meaning most; false where one of the lanes `bad` did.
 bool MotionProblem::check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J) {
-  for (int l = 0; l < lanes; ++l) {
-    if (!(bad & (1 << l))) continue;
-    if (broken_.material >= 0 && !(min_J[l] < broken_.min_J)) continue;
-    broken_.min_J = min_J[l];
-    broken_.material = group.material;
-    const int nodes = node_count(group.shape), dim = d_.dim();
-    for (int k = 0; k < dim; ++k) {
-      double sum = 0;
-      for (int a = 0; a < nodes; ++a)
-        sum += X_[at(group.node[at((batch * nodes + a) * lanes + l)] * dim + k)];
-      broken_.x[k] = sum / nodes;
-    }
-  }
+  for (int l = 0; l < lanes; ++l)
+    if ((bad & (1 << l)) != 0 && (broken_.material < 0 || min_J[l] < broken_.value))
+      broken_ = mark(group, batch, l, min_J[l]);
   return bad == 0;
 }
 
@@ -251,18 +257,17 @@ double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double facto
 }
 
 std::string MotionProblem::broken_text() const {
-  const double J = broken_.material < 0 ? HUGE_VAL : std::isfinite(broken_.min_J) ? broken_.min_J : -HUGE_VAL;
-  const BrokenCell worst = of_least(d_.mesh.comm(), J, broken_);
+  const double J = broken_.material < 0 ? HUGE_VAL : std::isfinite(broken_.value) ? broken_.value : -HUGE_VAL;
+  const MarkedCell worst = of_least(d_.mesh.comm(), J, broken_);
   if (worst.material < 0) return "";
   const MaterialAssignment& material = d_.materials[at(worst.material)];
   const MaterialParameters& m = material.law.parameters;
-  const bool beyond = has_state(m) && !within_state(m, worst.min_J - 1);
-  const std::string text =
-      text_of("%s (J=%.3g) at x=%s in material %s",
-              worst.min_J <= 0 ? "cell inverted"
-              : beyond         ? "cell compressed beyond the end of its equation of state"
-                               : "law failed in a cell",
-              worst.min_J, place_text(worst.x, d_.dim(), "%.6g", ",").c_str(), material.id.c_str());
+  const bool beyond = has_state(m) && !within_state(m, worst.value - 1);
+  const std::string text = text_of("%s (J=%.3g) at %s",
+                                   worst.value <= 0 ? "cell inverted"
+                                   : beyond ? "cell compressed beyond the end of its equation of state"
+                                            : "law failed in a cell",
+                                   worst.value, place_of(worst).c_str());
   // Compression in the plane goes into the thickness, which nothing holds there.
   const bool gives_way =
       d_.frame == Frame::plane_stress && m.damage != Damage::none && m.split == Split::volumetric;

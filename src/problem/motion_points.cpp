@@ -146,7 +146,7 @@ double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double 
                                   const BulkViscosity& bulk) {
   const Timed timed(Event::motion_points);
   d_.displacement.to_local(u, u_);
-  double shortest = HUGE_VAL;
+  slowest_ = {HUGE_VAL, {}, -1};
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
     MotionFields fields = step_fields(u_, nullptr, batch.law);
     fields.u_n = &u_n;
@@ -156,9 +156,13 @@ double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double 
     if (d_.mass_factor != nullptr) cells.in.mass_factor = batch.load<1>(*d_.mass_factor).value[0];
     const Batch step = batch.kernels.stable_step(batch.law, cells.in);
     for (int l = 0; l < batch.used(); ++l)
-      if (batch.live(l)) shortest = std::min(shortest, step[l]);
+      if (batch.live(l) && step[l] < slowest_.value) slowest_ = mark(batch.group, batch.number, l, step[l]);
   });
-  return min_over_ranks(d_.mesh.comm(), shortest);
+  return min_over_ranks(d_.mesh.comm(), slowest_.value);
+}
+
+std::string MotionProblem::slowest_cell() const {
+  return place_of(of_least(d_.mesh.comm(), slowest_.value, slowest_));
 }
 
 } // namespace impact

@@ -220,8 +220,8 @@ void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
     check(PetscPrintf(
         comm,
         "impact: contact %s: more than %g pairs per facet make steps slow: the facets of one side are "
-        "far larger than those of the other, or -contact_%s_search_radius is\n",
-        id.c_str(), many, id.c_str()));
+        "far larger than those of the other, or -contact_%s_search_radius is (%.3g)\n",
+        id.c_str(), many, id.c_str(), contact.settings().search_radius));
 }
 
 } // namespace

@@ -77,13 +77,19 @@ void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
                "leaves nodes that no equation moves; take keep, or -ts_type central_difference")
       .barred([](const Material& m) { return idle(m) && !m.erosion.keeps_mass; }, useless);
   row.number("erosion_J", &Rule::J, "1 J", {0, 1, false, true},
-             "a cell leaves when its volume at any point is at most this part of the first one")
+             "a cell (with damage: a broken one, erosion_phi) leaves when its volume at any point is at most "
+             "this "
+             "part of the first one")
       .barred([](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);
-  row.number("erosion_stretch", &Rule::stretch, "1", or_word({1, 1e3, true, false}, "none", Rule::none),
-             "a cell leaves when the largest principal stretch at any of its points is this")
+  row.number(
+         "erosion_stretch", &Rule::stretch, "1", or_word({1, 1e3, true, false}, "none", Rule::none),
+         "a cell (with damage: a broken one) leaves when the largest principal stretch at any of its points "
+         "is this")
       .barred([](const Material& m) { return idle(m) && m.erosion.stretch < Rule::none; }, useless);
-  row.number("erosion_step", &Rule::step, "1", {0, 1, false, true},
-             "a cell leaves when its stable step is below this part of that of the undeformed cell")
+  row.number(
+         "erosion_step", &Rule::step, "1", {0, 1, false, true},
+         "a cell (with damage: a broken one) leaves when its stable step is below this part of that of the "
+         "undeformed cell")
       .barred([](const Material& m) { return idle(m) && m.erosion.step > 0; }, useless);
 }
 

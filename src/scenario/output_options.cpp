@@ -36,6 +36,7 @@ std::vector<std::string> usual_fields(const Scenario& s) {
   add(moves && flows, {"alpha"});
   add(s.any_fatigue(), {"fatigue"});
   add(moves && any(s.materials, [](const auto& m) { return PointLaw{m.law}.fails(); }), {"jc_failure"});
+  add(any(s.materials, [](const auto& m) { return m.erosion.on; }), {"eroded"});
   add(touch, {"contact_pressure", "contact_gap", "contact_status"});
   add(touch && rubs, {"contact_traction", "contact_slip"});
   return fields;

@@ -15,7 +15,8 @@ constexpr double longest_interval = 64; // steps
 // follow every swing of the cells gain energy: 2 % in 1e5 steps of a spinning plate whose step changed by 2 %
 // with its strain of 4 %; steps of one length gain none.
 constexpr double hold = 1.1;
-constexpr double rounding = 1e-3; // by which the bound of a stable step may miss it
+constexpr double rounding = 1e-3;  // by which the bound of a stable step may miss it
+constexpr double collapsed = 0.01; // part of the first stable step
 
 PetscInt first_of(Vec x) {
   PetscInt first = 0;
@@ -43,6 +44,7 @@ void ExplicitStep::start(Vec u, Vec v) {
   if (settings_.scaled_step > 0) scale_mass(u, before, dt);
   dt = motion_.stable_step(u, before, dt, settings_.bulk);
   row_.committed = row_.trial = {dt, 1, 1, 0};
+  first_step_ = dt;
   bodies_.start(u, v);
   bodies_.resume();
   contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl);
@@ -62,8 +64,23 @@ void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double d
 }
 
 void ExplicitStep::resume() {
+  first_step_ = row_.committed[of_cells];
   if (settings_.scaled_step > 0) motion_.use_mass(state_.row("mass_factor"));
   bodies_.resume();
+}
+
+void ExplicitStep::tell_of_collapse(double dt) {
+  if (dt >= collapsed * first_step_) return;
+  first_step_ = 0;
+  const std::string text = text_of("impact: the stable step has fallen to %.3g, less than a hundredth of the "
+                                   "first one, by the cell at %s: "
+                                   "let cells leave that deform so far (-material_<id>_erosion with "
+                                   "_erosion_strain, _J, _stretch or _step; "
+                                   "where damage acts only those leave by the last three that are broken by "
+                                   "_erosion_phi at _erosion_points "
+                                   "of their points)\n",
+                                   dt, motion_.slowest_cell().c_str());
+  check(PetscPrintf(motion_.discretisation().mesh.comm(), "%s", text.c_str()));
 }
 
 // Where nothing deforms the steps are those that were asked for, or what penalties allow.
@@ -106,7 +123,7 @@ void ExplicitStep::divide_by_mass(const Rates& now, Vec a) {
   check(VecAXPY(a, 1, forces_.contact));
   check(VecPointwiseDivide(a, a, motion_.lumped_mass()));
   if (boundary.fixed().empty()) return;
-  auto& [u, v, before, goal, speed] = held_; // of the nodes that are owned
+  auto& [u, v, before, goal, speed] = work_.held; // of the nodes that are owned
   for (std::vector<double>* values : {&u, &v, &before}) values->resize(d.node_values(dim));
   d.displacement.owned_to_local(now.u, u);
   d.displacement.owned_to_local(now.v, v);
@@ -194,6 +211,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   if (row_.trial[left] > 0) return true;
   const double before = row_.committed[of_cells];
   const double now = motion_.stable_step(u, *step.u_n, step.dt, settings_.bulk);
+  tell_of_collapse(now);
   const double often = row_.committed[interval];
   row_.trial[of_cells] = now < before || now > hold * before ? now : before;
   row_.trial[interval] = now < 0.98 * before    ? std::max(1.0, std::floor(often / 2))

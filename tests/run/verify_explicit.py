@@ -230,6 +230,13 @@ check("Taylor bar: largest plastic strain", taylor["alpha_max"][-1], 1.795, 1.5e
 check("Taylor bar: first law", largest(taylor["balance_first_law"]), 0, 1e-11, relative=False)
 check("Taylor bar: balance", largest(taylor["balance"]), 0, 1e-10, relative=False)
 
+# Pressed flat the cells lose their stable step, which the log tells of once.
+flat = run("flat", {"ts_type": "central_difference", "mesh": mesh("block.geo"), "mesh_set_n": 2, "materials": "solid", "material_solid_E": 1e6,
+                    "material_solid_nu": 0, "material_solid_rho": 1000, "bcs": "below,press", "bc_below_on": "bottom", "bc_below_type": "fix",
+                    "bc_press_on": "top", "bc_press_uy": "(-0.998*t)", "bc_press_ux": 0, "ts_max_time": 1, "outputs": "none"})
+require("a step that falls to a hundredth is told of once, with the cell and a remedy", len(re.findall(
+    r"the stable step has fallen to .* by the cell at x=\(0.[27]5,0.[27]5\) in material solid: .*-material_<id>_erosion", flat.log)) == 1)
+
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({**FLOOR, "contact_floor_enforce": "semismooth"}, ["-contact_floor_enforce", "penalty"]),

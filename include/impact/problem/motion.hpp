@@ -11,9 +11,9 @@
 /// A pure function of its arguments and of the step's frozen state: it stores nothing.
 namespace impact {
 
-/// The first broken cell of an evaluation, for the message that a rejected step prints.
-struct BrokenCell {
-  double min_J = 0;
+/// A cell for a message, with the number that makes it one; material -1: none.
+struct MarkedCell {
+  double value = 0;
   double x[3] = {0, 0, 0};
   int material = -1;
 };
@@ -126,6 +126,8 @@ public:
   /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
   /// from `u_n`; infinite without deformable bodies. Collective.
   double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);
+  /// Which cell that was of all ranks: "x=(0,1) in material a". Collective.
+  std::string slowest_cell() const;
   /// The row, a factor at each point, becomes what cells need for a stable step of at least `wanted`; mass
   /// and kinetic energy are with it from now on. Body forces act on the true mass. Collective.
   const MassScaling& scale_mass(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk,
@@ -169,6 +171,8 @@ private:
   void add_pressure_tangent(const std::vector<double>& u);
   void forget_broken();
   int note_inverted(const CellBatch& batch, const CellStatus& status);
+  MarkedCell mark(const CellGroup& group, int batch, int lane, double value) const;
+  std::string place_of(const MarkedCell& cell) const;
   bool check_cells(const CellGroup& group, int batch, int bad, const Batch& min_J);
   bool step_cells(const CellBatch& batch, const MotionInput& in, Batch* history, Batch* drive, StepSums& sums,
                   const HeatFeed& heat);
@@ -203,7 +207,8 @@ private:
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches
   const std::vector<CellGroup> no_groups_;
-  BrokenCell broken_;
+  MarkedCell broken_;  // the one with the smallest J of those that lost their meaning in an evaluation
+  MarkedCell slowest_; // that with the shortest stable step
   std::vector<std::size_t> inverted_;
   FacetTable live_load_;
   double reference_force_ = 0;

@@ -57,6 +57,7 @@ private:
   void divide_by_mass(const Rates& now, Vec a);
   double stable_without_contact() const;
   void scale_mass(Vec u, const std::vector<double>& before, double dt);
+  void tell_of_collapse(double dt);
 
   /// Components of the row "stable_step": that of the cells; steps between two looks at them, and until the
   /// next; bound of the square of the frequencies by penalties at work, on their own.
@@ -67,16 +68,17 @@ private:
   Erosion* erosion_;
   ExplicitScenario settings_;
   StateRow& row_;
+  double first_step_ = 0; ///< of the cells when the program started; 0: its fall has been told
   ForceParts forces_;
   ExplicitContact contacts_;
   ExplicitBodies bodies_;
   struct {
     Handle<Vec> inverse_mass; ///< 0 at prescribed dofs
     Handle<Vec> change;       ///< of the internal force by damage
-  } work_;                    ///< each once it is asked for
-  struct Held {
-    std::vector<double> u, v, before, goal, speed;
-  } held_; ///< work space for prescribed dofs, [node][dim]
+    struct {
+      std::vector<double> u, v, before, goal, speed;
+    } held; ///< of prescribed dofs, [node][dim]
+  } work_;  ///< each once it is asked for
 };
 
 } // namespace impact
