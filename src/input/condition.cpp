@@ -64,7 +64,8 @@ Condition::compile(const std::string& expression,
                    const std::vector<std::pair<std::string, double>>& parameters) {
   const auto parsed = std::make_shared<Parsed>();
   parsed->parser.SetVarFactory(Parsed::make, parsed.get());
-  parse(parsed->parser, {key_, text_}, expression, parameters, "columns of the history, t and peak()");
+  parse(parsed->parser, {key_, text_}, expression, parameters,
+        "columns of the history, t, peak() and numbers in the units of the run (a -param_<id> takes units)");
   for (const auto& [name, place] : parsed->variables)
     if (std::ranges::find(names_, name) == names_.end()) names_.push_back(name);
   return [parsed](const Value& value) {

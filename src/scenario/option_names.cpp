@@ -116,6 +116,10 @@ Legal legal_names() {
 }
 
 [[noreturn]] void unknown(const std::string& name, const std::string& suggestion, const std::string& known) {
+  if (name.find_first_of("*/+(^ ") != std::string::npos)
+    throw UserError(ExitCode::usage, "unknown option -" + name +
+                                         "; a value that begins with a minus needs brackets: (-" + name +
+                                         ")");
   throw UserError(ExitCode::usage, "unknown option -" + name +
                                        (suggestion.empty() ? "" : "; did you mean -" + suggestion + "?") +
                                        (known.empty() ? "" : "   (" + known + ")"));

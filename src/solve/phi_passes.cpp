@@ -142,8 +142,10 @@ void PhiPasses::report(PetscInt pass, const StateRow& phi) {
 std::string PhiPasses::text(PetscInt passes, const StateTable& state) const {
   if (!runs_) return "";
   const StateRow& phi = state.row("phi");
+  const double before = extent(phi.committed);
+  if (!(extent(phi.trial) > before)) return "";
   return "crack ran: " + crack_length(phi.trial) +
-         text_of(", %.4g before; %d passes", extent(phi.committed), static_cast<int>(passes));
+         text_of(", %.4g before; %d passes", before, static_cast<int>(passes));
 }
 
 } // namespace impact

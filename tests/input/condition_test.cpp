@@ -65,7 +65,8 @@ TEST(Condition, SaysWhatIsWrong) {
       {"peak(peak(a)) > 1", "a peak in a peak; allowed: peak(name)"},
       {"peak > 1", "peak takes an argument in brackets; allowed: peak(name)"},
       {"peak(a > 1", "peak takes an argument in brackets; allowed: peak(name)"},
-      {"a >", "allowed: an expression of columns of the history, t and peak()"},
+      {"a >",
+       "allowed: an expression of columns of the history, t, peak() and numbers in the units of the run"},
       {"a, 2", "one value expected, not a list"}};
   for (const auto& [text, message] : rows) {
     try {

@@ -87,6 +87,8 @@ plain = runs.run("sphere", LONG, files=sphere)
 energy = plain["energy_kinetic"] + plain["energy_elastic"]
 runs.check_between("a sphere in long steps, by default: largest energy over that of the start", energy.max() / energy[0], 0, 1 + 1e-12)
 runs.check_between("a sphere in long steps, by default: what is gained", plain["gain"].max() / energy[0], 0, 1e-12)
+runs.check_between("a sphere in long steps, by default: what its impact takes", plain["dissipated_contact"][-1] / energy[0], 0.021, 1)
+runs.require("of which the log tells", re.search(r"impacts took 0.* \(dissipated_contact\).* -contact_<id>_impact conserving", plain.log))
 damped = runs.run("sphere_damped", {**LONG, "ts_newmark_rho": 0.9}, files=sphere)
 energy = damped["energy_kinetic"] + damped["energy_elastic"]
 runs.check_between("with -ts_newmark_rho 0.9, which takes no update: largest energy over that of the start", energy.max() / energy[0], 1, 1.02)

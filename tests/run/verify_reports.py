@@ -42,6 +42,7 @@ ROWS = [
     ("no times", FILE + DRY + ["-output_more_times", "none"], 0, ["\n-output_more_every 1\n"], ["\n-output_more_times"]),
     ("a typing error beside a list that is shorter", FILE + DRY + ["-outputs", "vis", "-output_more_every", "3"], 2,
      ["unknown option -output_more_every   ('more' is not declared; outputs: vis)"], []),
+    ("a value that begins with a minus", FILE + DRY + ["-bc_push_ux", "-t*2"], 2, ["unknown option -t*2; a value that begins with a minus needs brackets: (-t*2)"], []),
     ("an id that no list ever had", FILE + DRY + ["-probe_b_at", "0,0"], 2, ["unknown option -probe_b_at; did you mean -probe_a_at?"], []),
 ]
 # Contact in static pressure of 1000 per length: what probes and measures say on its surface.

@@ -70,6 +70,8 @@ public:
   double energy_error() const;
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
+  /// What impacts took, relative to that.
+  double part_of_impacts() const { return sum(contact_loss) / energy_scale(); }
   const Energies& energies() const { return energies_; }
 
 private:

@@ -18,6 +18,7 @@ public:
 
 private:
   bool beyond(std::size_t which, double bound, double before);
+  void tell_of_impacts() const;
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
 
