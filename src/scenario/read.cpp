@@ -180,6 +180,19 @@ bool Scenario::any_fatigue() const {
          });
 }
 
+namespace {
+
+// The same file runs under any -ts_type.
+void tell_of_idle_velocities(MPI_Comm comm, const Scenario& s) {
+  for (const InitialCondition& ic : s.ics)
+    if (!s.has_inertia() && std::ranges::any_of(ic.v, [](const auto& v) { return v.has_value(); }))
+      check(PetscPrintf(comm,
+                        "impact: without effect, because this run has no inertia: velocities of -ic_%s\n",
+                        ic.id.c_str()));
+}
+
+} // namespace
+
 Scenario read_scenario(MPI_Comm comm) {
   print_help(comm);
   register_time_types();
@@ -196,6 +209,7 @@ Scenario read_scenario(MPI_Comm comm) {
   complete_and_check(scenario);
   hand_over_times(scenario);
   try_petsc_options(comm, scenario);
+  tell_of_idle_velocities(comm, scenario);
   return scenario;
 }
 

@@ -42,6 +42,8 @@ ROWS = [
     ("no times", FILE + DRY + ["-output_more_times", "none"], 0, ["\n-output_more_every 1\n"], ["\n-output_more_times"]),
     ("a typing error beside a list that is shorter", FILE + DRY + ["-outputs", "vis", "-output_more_every", "3"], 2,
      ["unknown option -output_more_every   ('more' is not declared; outputs: vis)"], []),
+    ("velocities of a static run", FILE + DRY + ["-ts_type", "static", "-ics", "fall", "-ic_fall_on", "upper", "-ic_fall_vy", "(-1)"], 0,
+     ["impact: without effect, because this run has no inertia: velocities of -ic_fall\n"], []),
     ("a value that begins with a minus", FILE + DRY + ["-bc_push_ux", "-t*2"], 2, ["unknown option -t*2; a value that begins with a minus needs brackets: (-t*2)"], []),
     ("an id that no list ever had", FILE + DRY + ["-probe_b_at", "0,0"], 2, ["unknown option -probe_b_at; did you mean -probe_a_at?"], []),
 ]
