@@ -100,7 +100,7 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
                           StepSums& sums, const HeatFeed& heat, Forces forces, Batch* r) {
   constexpr int d = Cell::dim;
   CellStatus status{0, Batch(1e300)};
-  CellState<Cell, frame> s;
+  CellStateOf<Cell, frame, principal> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
                        {in.patch, in.patch_pressure});
   status.bad |= share_unknowns<Cell, frame, principal>(law, in, s);

@@ -186,7 +186,7 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
   const bool extra = (law.crack_stress() && in.phi) || (law.viscous() && in.u_n);
   const bool mean = locking == Locking::mean && !(is_linear_simplex<Cell> && in.patch);
   CellStatus status{0, Batch(1e300)};
-  CellState<Cell, frame> s;
+  CellStateOf<Cell, frame, principal> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
                        {in.patch, in.patch_pressure});
   status.bad |= share_unknowns<Cell, frame, principal>(law, in, s);

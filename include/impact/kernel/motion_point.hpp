@@ -21,6 +21,7 @@ template <Frame frame, class F> decltype(auto) with_state(const PointLaw& law, F
 template <class Cell> inline constexpr bool is_linear_simplex = Cell::nodes == Cell::dim + 1;
 
 /// What all points of a cell share before the law is evaluated.
+template <int dim> struct SplitEvaluation;
 template <class Cell, Frame frame> struct CellState {
   PointMap<Cell, frame> map[Cell::points];
   Tensor<Batch, Cell::dim> H[Cell::points]; ///< Grad u
@@ -30,6 +31,8 @@ template <class Cell, Frame frame> struct CellState {
   Batch start_33[frame == Frame::plane_stress ? Cell::points : 1]; ///< F_33 - 1 at t_n in plane stress
   PointMap<Cell, frame> centre;                                    ///< of the centroid, set under `fbar`
   Tensor<Batch, Cell::dim> centre_H;
+  SplitEvaluation<Cell::dim>* split =
+      nullptr; ///< [point] what share_split_pressure evaluates, to serve again
 };
 
 /// alpha of the point that a ductile degradation looks at; history [point][history_size] or nullptr.
@@ -163,6 +166,14 @@ template <int dim> struct SplitEvaluation : PointEvaluation<dim> {
   SplitState<Batch, dim> state;
   SplitEnergies<Batch, dim> of;
 };
+/// A cell that keeps what share_split_pressure evaluates.
+template <class Cell, Frame frame> struct SplitCellState : CellState<Cell, frame> {
+  SplitEvaluation<Cell::dim> known[Cell::points];
+
+  SplitCellState() { this->split = known; }
+};
+template <class Cell, Frame frame, bool principal>
+using CellStateOf = std::conditional_t<principal, SplitCellState<Cell, frame>, CellState<Cell, frame>>;
 template <int dim, bool principal>
 using EvaluationOf = std::conditional_t<principal, SplitEvaluation<dim>, PointEvaluation<dim>>;
 
@@ -201,7 +212,7 @@ template <int d> Return<Batch, d> no_flow() {
 /// Not inlined: it is long, and a call costs nothing beside it.
 template <class Cell, Frame frame>
 [[gnu::noinline, gnu::flatten]] SplitEvaluation<Cell::dim>
-evaluate_split(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s, int q) {
+split_point(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s, int q) {
   const Locking locking = law.parameters.locking;
   SplitEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
@@ -224,6 +235,16 @@ evaluate_split(const PointLaw& law, const MotionInput& in, const CellState<Cell,
   e.tau = split_stress(e.state, e.of);
   e.p = (1.0 / 3) * (trace(e.tau) / (Batch(1.0) + J_minus_1));
   e.dp = Batch(0.0);
+  return e;
+}
+
+/// With the pressure that the cell shares.
+template <class Cell, Frame frame>
+inline SplitEvaluation<Cell::dim> evaluate_split(const PointLaw& law, const MotionInput& in,
+                                                 const CellState<Cell, frame>& s, int q) {
+  const Locking locking = law.parameters.locking;
+  SplitEvaluation<Cell::dim> e =
+      locking == Locking::mean && s.split != nullptr ? s.split[q] : split_point<Cell, frame>(law, in, s, q);
   if (locking == Locking::mean) {
     e.p = s.mean_p;
     e.tau = dev(e.tau);
@@ -238,10 +259,10 @@ template <class Cell, Frame frame>
 inline void share_split_pressure(const PointLaw& law, const MotionInput& in, CellState<Cell, frame>& s) {
   if (law.parameters.locking != Locking::mean) return;
   Batch sum = Batch(0.0);
-  s.mean_p = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
-    const auto e = evaluate_split<Cell, frame>(law, in, s, q);
+    const auto e = split_point<Cell, frame>(law, in, s, q);
     sum += s.map[q].weight * trace(split_stress(e.state, e.of));
+    if (s.split != nullptr) s.split[q] = e;
   }
   s.mean_p = (1.0 / 3) * (sum / (s.volume * (Batch(1.0) + s.volume_J)));
 }
