@@ -38,7 +38,7 @@ void Constraints::fetch_fixed() {
 }
 
 void Constraints::visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
-                        const Presses& wanted) const {
+                        const ConstraintFilter& wanted) const {
   const Timed timed(Event::contact_forces);
   std::vector<double> held;
   const bool holds = supported_ && frictional_;

@@ -167,7 +167,7 @@ void Friction::keep_tractions(std::vector<double>& tractions) {
   if (acts() && !forgets_ && !suspended_) traction_->trial = std::move(tractions);
 }
 
-Presses Friction::acting(const Constraints& constraints) const {
+ConstraintFilter Friction::acting(const Constraints& constraints) const {
   return [&constraints, this](int index, double gap) {
     if (constraints.law().presses(index, gap)) return true;
     if (!acts()) return false;

@@ -106,7 +106,7 @@ bool MortarForm::is_covered(const Node& owner, const Pieces& pieces) {
 }
 
 void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
-                       const ConstraintVisitor& of_constraints, const Presses& /*wanted*/) const {
+                       const ConstraintVisitor& of_constraints, const ConstraintFilter& /*wanted*/) const {
   ContactValues store;
   const ContactValues& u = at_vertices(of_nodes, store);
   const ConstraintVisitor visitor = over_nodes(vertices_, of_constraints);

@@ -133,7 +133,7 @@ std::vector<int> MortarForm::covering(int facet, const ContactValues& x, const F
   return list;
 }
 
-PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
+PairSearch::Outcome MortarForm::update(Vec u, const ConstraintFilter& presses) {
   const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) find_vertices();
   if (rigid()) return outcome;
@@ -171,7 +171,7 @@ PairSearch::Outcome MortarForm::update(Vec u, const Presses& presses) {
   return outcome;
 }
 
-bool MortarForm::active(const Node& node, const ContactValues& u, const Presses& presses,
+bool MortarForm::active(const Node& node, const ContactValues& u, const ConstraintFilter& presses,
                         const Facing& facing) const {
   double gap = 0;
   bool covered = false;

@@ -48,10 +48,10 @@ double Constraints::closed_within_step(Vec u, double least) const {
     return largest > least ? largest : 0;
   };
   form_->visit(nodes().displacement(u), Derivatives::none,
-               [&](const Constraint& c) { depth[at(c.index)] = -c.gap; });
+               [&](const Constraint& c) { depth[at(c.index)] = -c.gap; }, {});
   if (deepest() == 0) return 0;
   form_->visit(relative_start(), Derivatives::none,
-               [&](const Constraint& c) { depth[at(c.index)] += std::min(0.0, c.gap); });
+               [&](const Constraint& c) { depth[at(c.index)] += std::min(0.0, c.gap); }, {});
   return deepest();
 }
 
@@ -61,14 +61,15 @@ void Constraints::find_start_gaps() {
     step_.start_gap = gap_->committed;
   else
     step_.start_gap.assign(count_, unknown_gap);
-  form_->visit(step_.start, Derivatives::none, [&](const Constraint& c) {
+  const auto keep = [&](const Constraint& c) {
     // What was open stays free of force at the start; what was not followed yet starts from what it is.
     double& start = step_.start_gap[at(c.index)];
     if (start == unknown_gap)
       start = c.gap;
     else if (start >= 0)
       start = std::max(0.0, c.gap);
-  });
+  };
+  form_->visit(step_.start, Derivatives::none, keep, {});
 }
 
 // The gap that a stabilised step may leave. Where the present pairs see an overlap at the start of the step,
@@ -110,11 +111,12 @@ struct Gradient {
 // Between the steps of an energy-conserving run: the state at the end of the last one.
 void Constraints::visit_followed(const ContactValues& u, Derivatives derivatives,
                                  const ConstraintVisitor& visitor) const {
-  form_->visit(u, derivatives, [&](Constraint& c) {
+  const auto follow = [&](Constraint& c) {
     const double followed = gap_->trial[at(c.index)];
     if (followed != unknown_gap) c.gap = followed < 0 ? followed : std::max(0.0, c.gap);
     visitor(c);
-  });
+  };
+  form_->visit(u, derivatives, follow, {});
 }
 
 void Constraints::keep_gaps(Vec u) {
@@ -143,12 +145,12 @@ void Constraints::visit_step(const ContactValues& u, Derivatives derivatives,
   std::vector<double> gradient, slip_gradient;
   Gradient end_here;
   std::vector<Gradient> end(to_end ? end_gap.size() : 0);
-  if (of_end || strikes)
-    form_->visit(u, to_end ? Derivatives::first : Derivatives::none, [&](const Constraint& c) {
-      end_gap[at(c.index)] = c.gap;
-      if (to_end) end[at(c.index)] = {{c.node.begin(), c.node.end()}, {c.gradient.begin(), c.gradient.end()}};
-    });
-  form_->visit(place_of_gradients(u), Derivatives::first, [&](Constraint& c) {
+  const auto keep_end = [&](const Constraint& c) {
+    end_gap[at(c.index)] = c.gap;
+    if (to_end) end[at(c.index)] = {{c.node.begin(), c.node.end()}, {c.gradient.begin(), c.gradient.end()}};
+  };
+  if (of_end || strikes) form_->visit(u, to_end ? Derivatives::first : Derivatives::none, keep_end, {});
+  const auto complete = [&](Constraint& c) {
     const std::size_t n = c.gradient.size();
     const auto moved = [&](std::size_t i) {
       const std::size_t k = dof(c.node[i % n / dim_], i % dim_);
@@ -186,7 +188,8 @@ void Constraints::visit_step(const ContactValues& u, Derivatives derivatives,
       if (works_exactly()) c.start_gap = start;
     }
     visitor(c);
-  });
+  };
+  form_->visit(place_of_gradients(u), Derivatives::first, complete, {});
 }
 
 } // namespace impact

@@ -73,6 +73,7 @@ struct CurvatureFactors {
 /// call.
 using BlockVisitor = std::function<void(std::span<const int>, std::span<const double>)>;
 /// Whether a constraint presses at a gap, or is wanted for another reason; if so, then at all smaller ones.
-using Presses = std::function<bool(int index, double gap)>;
+/// Empty: always.
+using ConstraintFilter = std::function<bool(int index, double gap)>;
 
 } // namespace impact

@@ -75,13 +75,13 @@ public:
   /// All constraints that face something at the displacement u of nodes(); those that are not `wanted` may be
   /// left out.
   void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
-             const Presses& wanted = {}) const;
+             const ConstraintFilter& wanted = {}) const;
   void visit(Vec u, Derivatives derivatives, const ConstraintVisitor& visitor,
-             const Presses& wanted = {}) const {
+             const ConstraintFilter& wanted = {}) const {
     visit(nodes().displacement(u), derivatives, visitor, wanted);
   }
   /// Those that press, which is what forces need.
-  Presses pressing() const {
+  ConstraintFilter pressing() const {
     return [this](int index, double gap) { return law_->presses(index, gap); };
   }
   /// Second variations over the same constraints, as the step takes them; factors are used up.

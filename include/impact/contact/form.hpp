@@ -101,7 +101,7 @@ public:
   virtual void anchor(Vec u) = 0;
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
   /// Collective.
-  virtual PairSearch::Outcome update(Vec u, const Presses& presses) = 0;
+  virtual PairSearch::Outcome update(Vec u, const ConstraintFilter& presses) = 0;
   /// True when the last update changed what a constraint with pressure faces, on this rank.
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }
@@ -117,7 +117,7 @@ public:
   /// All constraints that face something at the displacement u of nodes(), in an order that every evaluation
   /// repeats; those that are not `wanted` may be left out.
   virtual void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
-                     const Presses& wanted = {}) const = 0;
+                     const ConstraintFilter& wanted) const = 0;
   /// sum_c (gap factor d2g_c + slip factors d2s_c) in blocks, over the same constraints as a visit.
   virtual void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                                const BlockVisitor& visitor) const = 0;

@@ -24,10 +24,10 @@ public:
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
-  PairSearch::Outcome update(Vec u, const Presses& presses) override;
+  PairSearch::Outcome update(Vec u, const ConstraintFilter& presses) override;
   NodePairs couplings() const override;
   void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
-             const Presses& wanted) const override;
+             const ConstraintFilter& wanted) const override;
   void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
@@ -160,7 +160,8 @@ private:
   static void set_functions(Facet& facet, const std::array<std::array<double, 4>, 4>& phi);
   std::array<double, 4> of_functions(int facet, const std::array<double, 4>& of_corners) const;
   // Whether the node is active with these pairs.
-  bool active(const Node& node, const ContactValues& u, const Presses& presses, const Facing& facing) const;
+  bool active(const Node& node, const ContactValues& u, const ConstraintFilter& presses,
+              const Facing& facing) const;
   std::vector<int> covering(int facet, const ContactValues& x, const Facing& facing) const;
   MortarPair pair_at(int facet, int candidate, const ContactValues& u, bool with_gradient) const;
   Pieces pieces_at(const ContactValues& u, bool with_gradient) const;

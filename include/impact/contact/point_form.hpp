@@ -81,10 +81,10 @@ public:
   bool overdetermined() const override { return dim == 3; }
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
-  PairSearch::Outcome update(Vec u, const Presses& presses) override;
+  PairSearch::Outcome update(Vec u, const ConstraintFilter& presses) override;
   NodePairs couplings() const override;
   void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
-             const Presses& wanted) const override;
+             const ConstraintFilter& wanted) const override;
   void visit_curvature(const ContactValues& u, const CurvatureFactors& factors,
                        const BlockVisitor& visitor) const override;
   void visit_meetings(const ContactValues& u, const MeetingVisitor& visitor) const override;
@@ -187,8 +187,9 @@ private:
   void add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen, double factor,
                        Matrix& hessian) const;
 
-  void tie(const ContactValues& x, const Presses& presses);
-  bool is_far_off(int facet, const Nodes& node, const RigidObstacle& obstacle, const Presses& wanted) const;
+  void tie(const ContactValues& x, const ConstraintFilter& presses);
+  bool is_far_off(int facet, const Nodes& node, const RigidObstacle& obstacle,
+                  const ConstraintFilter& wanted) const;
   void find_anchors(const ContactValues& moved);
   void locate_anchors();
   void locate_holds();
@@ -205,7 +206,7 @@ private:
   // visitor(constraint, facet, what is seen, gap to the obstacle) for the points that face something and are
   // wanted.
   template <class Visitor>
-  void visit_points(const ContactValues& u, Visitor&& visitor, const Presses& wanted = {}) const;
+  void visit_points(const ContactValues& u, Visitor&& visitor, const ConstraintFilter& wanted = {}) const;
 
   ContactSurface secondary_;
   Frame frame_;

@@ -54,7 +54,7 @@ template <class G> void PointForm<G>::locate_holds() {
     }
 }
 
-template <class G> PairSearch::Outcome PointForm<G>::update(Vec u, const Presses& presses) {
+template <class G> PairSearch::Outcome PointForm<G>::update(Vec u, const ConstraintFilter& presses) {
   const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) {
     locate_anchors();
@@ -79,7 +79,7 @@ template <class G> NodePairs PointForm<G>::couplings() const {
   return pairs;
 }
 
-template <class G> void PointForm<G>::tie(const ContactValues& x, const Presses& presses) {
+template <class G> void PointForm<G>::tie(const ContactValues& x, const ConstraintFilter& presses) {
   switched_ = false;
   for (int f = 0; f < secondary_.count(); ++f) {
     const Facet facet = facet_at(f, x);
@@ -128,7 +128,7 @@ template <class G> void PointForm<G>::tie(const ContactValues& x, const Presses&
 // way to the others.
 template <class G>
 bool PointForm<G>::is_far_off(int facet, const Nodes& node, const RigidObstacle& obstacle,
-                              const Presses& wanted) const {
+                              const ConstraintFilter& wanted) const {
   double farthest = 0;
   for (const Place& other : node) {
     double square = 0;
@@ -145,7 +145,8 @@ bool PointForm<G>::is_far_off(int facet, const Nodes& node, const RigidObstacle&
 
 template <class G>
 template <class Visitor>
-void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor, const Presses& wanted) const {
+void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
+                                const ConstraintFilter& wanted) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -190,7 +191,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor, const
 
 template <class G>
 void PointForm<G>::visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
-                         const Presses& wanted) const {
+                         const ConstraintFilter& wanted) const {
   const bool with_gradient = derivatives != Derivatives::none;
   Workspace w;
   const auto complete = [&](Constraint& c, int f, const Seen& seen, const CarriedFunction& to_obstacle) {
