@@ -41,10 +41,8 @@ void Ledger::measure(Vec u, Vec v, bool trial) {
 void Ledger::start(const Integrator& integrator, double dt, Vec u, Vec v, Vec a, double kept_by_bodies) {
   measure(u, v, false);
   for (const ContactStep& contact : motion_.contacts().step(u)) sum(contact_store) += contact.energy;
-  for (const ContactInterface& contact : motion_.contacts()) {
-    const bool overlaps = contact.reach(u).gap < 0;
-    springs_apart_ = springs_apart_ || (!inertia_ && overlaps);
-  }
+  for (const ContactInterface& contact : motion_.contacts())
+    if (!inertia_ && contact.reach(u).gap < 0) springs_apart_ = true;
   sum(start_energy) = stored();
   if (heat_) heat_->start(energies_.total.entropy);
   sum(scale) = std::abs(sum(start_energy));

@@ -167,9 +167,9 @@ void Friction::keep_tractions(std::vector<double>& tractions) {
   if (acts() && !forgets_ && !suspended_) traction_->trial = std::move(tractions);
 }
 
-ConstraintFilter Friction::acting(const Constraints& constraints) const {
-  return [&constraints, this](int index, double gap) {
-    if (constraints.law().presses(index, gap)) return true;
+ConstraintFilter Friction::acting() const {
+  return [this](int index, double gap) {
+    if (law_->presses(index, gap)) return true;
     if (!acts()) return false;
     for (std::size_t a = 0, first = tangents() * at(index); a < tangents(); ++a)
       if (traction_->committed[first + a] != 0 || traction_->trial[first + a] != 0) return true;
@@ -194,7 +194,7 @@ double Friction::advance(const Constraints& constraints, Vec u) {
     // What has closed just now had no friction yet.
     mine[m] = !c.slides || t.slides ? slides : sticks;
   };
-  constraints.visit(u, Derivatives::none, visitor, acting(constraints));
+  constraints.visit(u, Derivatives::none, visitor, acting());
   constraints.share(tractions, m);
   constraints.share(slip, n);
   traction_->trial = std::move(tractions);

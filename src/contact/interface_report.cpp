@@ -103,7 +103,7 @@ ContactStep ContactInterface::step(Vec u, bool force_at_end) const {
   };
   // Multipliers count where nothing presses any more.
   constraints_->visit(u, Derivatives::none, add,
-                      method().has_multipliers() ? ConstraintFilter() : friction_.acting(*constraints_));
+                      method().has_multipliers() ? ConstraintFilter() : friction_.acting());
   MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof sum / sizeof(double), MPI_DOUBLE, MPI_SUM, mesh_->comm());
   const double thick = thickness();
   const Totals before = totals(totals_->committed);

@@ -78,8 +78,7 @@ void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
       .barred([](const Material& m) { return idle(m) && !m.erosion.keeps_mass; }, useless);
   row.number("erosion_J", &Rule::J, "1 J", {0, 1, false, true},
              "a cell (with damage: a broken one, erosion_phi) leaves when its volume at any point is at most "
-             "this "
-             "part of the first one")
+             "this part of the first one")
       .barred([](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);
   row.number(
          "erosion_stretch", &Rule::stretch, "1", or_word({1, 1e3, true, false}, "none", Rule::none),

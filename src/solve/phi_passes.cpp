@@ -124,8 +124,8 @@ double PhiPasses::extent(const std::vector<double>& phi) const {
   return std::sqrt(square);
 }
 
-std::string PhiPasses::crack_length(const std::vector<double>& phi) const {
-  return text_of("phi > %.3g on %.4g %s", settings_.crack_level, extent(phi), settings_.length_unit.c_str());
+std::string PhiPasses::crack_length(double extent) const {
+  return text_of("phi > %.3g on %.4g %s", settings_.crack_level, extent, settings_.length_unit.c_str());
 }
 
 void PhiPasses::report(PetscInt pass, const StateRow& phi) {
@@ -136,15 +136,15 @@ void PhiPasses::report(PetscInt pass, const StateRow& phi) {
   if (!due) return;
   said_ = MPI_Wtime();
   check(PetscPrintf(mesh_.comm(), "impact: crack runs, pass %d, %s\n", static_cast<int>(pass),
-                    crack_length(phi.trial).c_str()));
+                    crack_length(extent(phi.trial)).c_str()));
 }
 
 std::string PhiPasses::text(PetscInt passes, const StateTable& state) const {
   if (!runs_) return "";
   const StateRow& phi = state.row("phi");
-  const double before = extent(phi.committed);
-  if (!(extent(phi.trial) > before)) return "";
-  return "crack ran: " + crack_length(phi.trial) +
+  const double before = extent(phi.committed), now = extent(phi.trial);
+  if (!(now > before)) return "";
+  return "crack ran: " + crack_length(now) +
          text_of(", %.4g before; %d passes", before, static_cast<int>(passes));
 }
 

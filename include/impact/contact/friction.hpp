@@ -69,7 +69,7 @@ public:
   /// After an accepted step that ended at u; the energy per thickness that it turned into heat. Collective.
   double advance(const Constraints& constraints, Vec u);
   /// The constraints that press, or keep a spring.
-  ConstraintFilter acting(const Constraints& constraints) const;
+  ConstraintFilter acting() const;
   /// Slip since the constraint closed, [direction], and its state.
   const double* slip(const Constraint& c) const {
     return &slip_->trial[(tangents() + 1) * static_cast<std::size_t>(c.index)];

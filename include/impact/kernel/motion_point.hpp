@@ -20,8 +20,9 @@ template <Frame frame, class F> decltype(auto) with_state(const PointLaw& law, F
 /// Cells in which J is constant, but for that of rings: they share their volume in patches.
 template <class Cell> inline constexpr bool is_linear_simplex = Cell::nodes == Cell::dim + 1;
 
-/// What all points of a cell share before the law is evaluated.
 template <int dim> struct SplitEvaluation;
+
+/// What all points of a cell share before the law is evaluated.
 template <class Cell, Frame frame> struct CellState {
   PointMap<Cell, frame> map[Cell::points];
   Tensor<Batch, Cell::dim> H[Cell::points]; ///< Grad u
@@ -31,8 +32,8 @@ template <class Cell, Frame frame> struct CellState {
   Batch start_33[frame == Frame::plane_stress ? Cell::points : 1]; ///< F_33 - 1 at t_n in plane stress
   PointMap<Cell, frame> centre;                                    ///< of the centroid, set under `fbar`
   Tensor<Batch, Cell::dim> centre_H;
-  SplitEvaluation<Cell::dim>* split =
-      nullptr; ///< [point] what share_split_pressure evaluates, to serve again
+  /// [point] what share_split_pressure evaluates, to serve again; null: it does not.
+  SplitEvaluation<Cell::dim>* split = nullptr;
 };
 
 /// alpha of the point that a ductile degradation looks at; history [point][history_size] or nullptr.
@@ -166,6 +167,7 @@ template <int dim> struct SplitEvaluation : PointEvaluation<dim> {
   SplitState<Batch, dim> state;
   SplitEnergies<Batch, dim> of;
 };
+
 /// A cell that keeps what share_split_pressure evaluates.
 template <class Cell, Frame frame> struct SplitCellState : CellState<Cell, frame> {
   SplitEvaluation<Cell::dim> known[Cell::points];
@@ -174,6 +176,7 @@ template <class Cell, Frame frame> struct SplitCellState : CellState<Cell, frame
 };
 template <class Cell, Frame frame, bool principal>
 using CellStateOf = std::conditional_t<principal, SplitCellState<Cell, frame>, CellState<Cell, frame>>;
+
 template <int dim, bool principal>
 using EvaluationOf = std::conditional_t<principal, SplitEvaluation<dim>, PointEvaluation<dim>>;
 

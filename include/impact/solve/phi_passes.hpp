@@ -44,7 +44,7 @@ private:
   double next_factor();
   double leap(double cosine);
   double extent(const std::vector<double>& phi) const;
-  std::string crack_length(const std::vector<double>& phi) const;
+  std::string crack_length(double extent) const;
 
   const Mesh& mesh_;
   const CouplingScenario& settings_;
