@@ -47,7 +47,6 @@ public:
   void declare(std::size_t count, bool nodal, StateRow* gap);
   /// Pressures are those of this enforcement from now on.
   void press_by(const EnforcementMethod& enforcement) { law_ = &enforcement; }
-  const EnforcementMethod& law() const { return *law_; }
   /// Nodes whose dofs are prescribed; see ContactInterface. Collective.
   void set_fixed_dofs(const std::vector<char>& fixed);
   /// Those flags, for constraints that take the place of these.
