@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/balance/energies.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/ranks.hpp>
@@ -19,8 +20,12 @@ void add(const EnergySums& sums, const CellBatch& batch, MaterialEnergies& to) {
   for (int k = 0; k < 3; ++k) to.momentum[k] += batch.massive_sum(sums.momentum[k]);
 }
 
+const std::vector<double>* half_of(const StateRow* row, bool trial) {
+  return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
+}
+
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {
-  double most[5] = {0, 0, 0, 0, 0};
+  double most[6] = {0, 0, 0, 0, 0, -HUGE_VAL};
   const auto largest = [&](const StateRow* row, double& peak) {
     if (row == nullptr) return;
     for (const double value : trial ? row->trial : row->committed) peak = std::max(peak, value);
@@ -29,6 +34,8 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   largest(rows.theta, most[2]);
   largest(rows.fatigue, most[3]);
   largest(rows.failure, most[4]);
+  if (const std::vector<double>* theta = half_of(rows.theta, trial))
+    for (const double value : *theta) most[5] = std::max(most[5], -value);
   const std::vector<double>& history = trial ? rows.history.trial : rows.history.committed;
   most[1] = largest_alpha(d.frame, history);
   max_over_ranks(d.mesh.comm(), most);
@@ -37,6 +44,7 @@ void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energ
   energies.theta_max = most[2];
   energies.fatigue_max = most[3];
   energies.failure_max = most[4];
+  energies.theta_min = -most[5];
 }
 
 } // namespace
@@ -47,10 +55,6 @@ BodyRows::BodyRows(StateTable& state)
       failure(state.find("jc_failure")) {}
 
 namespace {
-
-const std::vector<double>* half_of(const StateRow* row, bool trial) {
-  return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
-}
 
 /// What the measure kernels read of a batch, of the state at t_n or in the trial halves.
 // Members beyond twelve: the arrays that the input points at.
@@ -106,6 +110,7 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     EnergyInput& in = stored.in;
     in.v = v ? speed.data() : nullptr;
     in.lumped = d.lumped_mass && !batch.law.rigid();
+    in.lumped_capacity = d.lumped_capacity;
     if (d.mass_factor != nullptr) in.mass_factor = batch.load<1>(*d.mass_factor).value[0];
     EnergySums sums;
     batch.kernels.stored_energy(batch.law, in, sums);

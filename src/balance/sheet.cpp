@@ -43,6 +43,7 @@ void Ledger::append(HistoryFile::Row& row) const {
       {"phi_max", d.has_damage(), energies_.phi_max},
       {"alpha_max", d.has_plasticity(), energies_.alpha_max},
       {"theta_max", heat, energies_.theta_max},
+      {"theta_min", heat, energies_.theta_min},
       {"fatigue_max", d.has_fatigue(), energies_.fatigue_max},
       {"jc_failure_max", d.has_failure(), energies_.failure_max},
       {"eroded_cells", d.erodes(), eroded(ErosionTotals::cells)},

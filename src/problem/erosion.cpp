@@ -78,6 +78,7 @@ double Erosion::energy_of(const CellBatch& batch, int lanes_of, const std::vecto
   in.u = moved.data();
   in.patch = gone ? nullptr : batch.read_shared(patches.J_minus_1, patch);
   in.lumped = d_.lumped_mass;
+  in.lumped_capacity = d_.lumped_capacity;
   in.phi = batch.read(half("phi"), phi);
   in.theta = batch.read(half("theta"), theta);
   in.history = gone ? nullptr : batch.read(half("history"), points);

@@ -172,8 +172,7 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
         for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
     }
     in.dt = t_ - t_n_;
-    in.theta_h = settings_.theta;
-    in.form = settings_.form;
+    in.theta_h = settings_.theta, in.form = settings_.form, in.lumped = d_.lumped_capacity;
     sound = batch.broken(body(batch, in)) == 0 && sound;
   });
   return sound;
@@ -327,19 +326,26 @@ ScalarOutcome HeatProblem::solve_substeps(int count, std::vector<double>& theta)
   return sum;
 }
 
-// Where it is colder than nothing the points of a cell may still be warm.
-void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) const {
-  PetscInt row = 0, start = 0, end = 0;
-  const PetscReal coldest = Get(VecMin)(field_.solution(), &row);
-  if (coldest > 0) return;
-  outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
-  double x[3] = {0, 0, 0};
-  check(VecGetOwnershipRange(field_.solution(), &start, &end));
-  for (int i = 0; row >= start && row < end && i < d_.mesh.node_count(); ++i)
-    if (d_.mesh.global_node()[at(i)] == row)
-      std::copy_n(&d_.mesh.coordinates()[at(i * d_.dim())], d_.dim(), x);
-  sum_over_ranks(d_.mesh.comm(), x);
-  outcome.cause = text_of("%.6g K at x=", coldest) + place_text(x, d_.dim(), "%.6g", ",");
+// Where a node is colder than nothing the points of a cell may still be warm; where more heat leaves than
+// there is, the solve ends before.
+void HeatProblem::refuse_below_zero(ScalarOutcome& outcome) {
+  struct {
+    double theta = HUGE_VAL, before = 0;
+    double x[3] = {0, 0, 0};
+  } coldest;
+  field_.to_local(field_.solution(), x_);
+  for (int i = 0; i < d_.mesh.node_count(); ++i)
+    if (d_.mesh.owned(i) && x_[at(i)] < coldest.theta) {
+      coldest.theta = x_[at(i)];
+      coldest.before = theta_at_start()[at(i)];
+      std::copy_n(&d_.mesh.coordinates()[at(i * d_.dim())], d_.dim(), coldest.x);
+    }
+  coldest = of_least(d_.mesh.comm(), coldest.theta, coldest);
+  const bool failed = outcome.reason < 0;
+  if (coldest.theta > (failed ? coldest.before / 2 : 0)) return;
+  if (!failed) outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
+  outcome.cause = (failed ? SNESConvergedReasons[outcome.reason] + std::string(" at ") : "") +
+                  text_of("%.6g K at x=", coldest.theta) + place_text(coldest.x, d_.dim(), "%.6g", ",");
 }
 
 ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
@@ -355,7 +361,7 @@ ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   d_.scalar.to_global(theta, field_.solution());
   check(SNESSetTolerances(snes_, residual_tol_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   outcome = solve_field(snes_, field_.solution(), mailbox_);
-  if (outcome.reason >= 0) refuse_below_zero(outcome);
+  refuse_below_zero(outcome);
   if (outcome.reason < 0) return outcome;
   book();
   theta = x_;

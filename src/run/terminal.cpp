@@ -342,7 +342,8 @@ void report_solvers(RunStage& stage) {
   if (stage.damage)
     check(PetscPrintf(comm, "damage solver: %s\n", linear_solver_text(stage.damage->snes()).c_str()));
   if (stage.heat)
-    check(PetscPrintf(comm, "heat solver: %s\n", linear_solver_text(stage.heat->snes()).c_str()));
+    check(PetscPrintf(comm, "heat solver: %s; capacity %s\n", linear_solver_text(stage.heat->snes()).c_str(),
+                      stage.d.lumped_capacity ? "lumped" : "consistent"));
   PetscBool factors = PETSC_FALSE;
   KSP ksp = nullptr;
   PC pc = nullptr;

@@ -78,6 +78,7 @@ constexpr ColumnNote history[] = {
     {"phi_max", "", "largest phi at a node"},
     {"alpha_max", "", "largest plastic strain at a point of a cell"},
     {"theta_max", "K", "largest temperature at a node, absolute"},
+    {"theta_min", "K", "smallest temperature at a node, absolute"},
     {"fatigue_max", "N/m",
      "largest fatigue variable: of (F1) at a point, broken at Gc; of (F2) in a cell, gamma times the summed "
      "energy"},

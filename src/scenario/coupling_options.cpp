@@ -199,6 +199,15 @@ OptionGroup heat_options() {
   OptionGroup group{"Heat",
                     "Solved after motion and damage in each pass, where materials have a heat capacity."};
   Rows row(group.rows, RestartKey::guarded, &Scenario::heat);
+  row.choice("heat_capacity", &HeatScenario::lumped,
+             "capacity matrix: lumped at the nodes, where sudden heat or cold leaves no temperature beyond "
+             "those around it, or consistent (auto: lumped on cells of first order that conduct, where "
+             "conditions, contacts or -ics bring heat; of that of flow lumping takes the peaks off)",
+             "auto", std::nullopt, "lumped", true, "consistent", false)
+      .refused(
+          [](const Scenario& s) { return s.heat.lumped == true && s.heat.order == 1 && s.mesh.order == 2; },
+          "lumped: not with -heat_order 1; allowed: auto, consistent")
+      .notation("(45'')");
   row.choice("heat_form", &HeatScenario::form,
              "which balance is solved: that of entropy never loses any (second law), that of internal energy "
              "closes the first law to rounding; they differ by the error of the time step",

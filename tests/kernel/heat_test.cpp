@@ -73,20 +73,42 @@ std::vector<double> flux(const MaterialParameters& m, const P& q, int dim, const
   return f;
 }
 
-/// The entropy form written out point by point (section 6 of the model).
+/// Parts of the volume of a cell that stand at its nodes: int N_a dV, of second order int N_a^2 dV, scaled.
+template <class Cell, Frame frame>
+std::vector<double> nodal_volumes(const reference::CellCase<Cell, frame>& c) {
+  std::vector<double> plain(Cell::nodes, 0.0), squared(plain);
+  double all = 0, sum = 0;
+  for (const auto& q : reference::points<Cell, frame>(c.X)) {
+    all += q.weight;
+    for (unsigned a = 0; a < Cell::nodes; ++a) {
+      plain[a] += q.weight * q.N[a];
+      squared[a] += q.weight * q.N[a] * q.N[a];
+    }
+  }
+  if (!is_second_order<Cell>) return plain;
+  for (double part : squared) sum += part;
+  for (double& part : squared) part *= all / sum;
+  return squared;
+}
+
+/// The entropy form written out point by point (section 6 of the model), with c_V at the points or `lumped`.
 template <class Cell, Frame frame>
 std::vector<double> weak_form(const MaterialParameters& m, const reference::CellCase<Cell, frame>& c,
-                              const More& e, double theta_h) {
+                              const More& e, double theta_h, bool lumped) {
   std::vector<double> r(Cell::nodes, 0.0);
+  const auto volume = nodal_volumes(c);
+  for (unsigned a = 0; lumped && a < Cell::nodes; ++a)
+    r[a] = volume[a] * (theta_h * c.theta[a] + (1 - theta_h) * e.theta_n[a]) * m.c_v *
+           std::log(c.theta[a] / e.theta_n[a]);
   const auto J = volumes(m, c, c.u), J_n = volumes(m, c, c.u_n);
   std::size_t k = 0;
   for (const auto& q : reference::points<Cell, frame>(c.X)) {
     const double theta = q.at(c.theta), theta_n = q.at(e.theta_n.data());
     const double phi = q.at(c.phi), phi_n = q.at(e.phi_n.data());
     const double produced = e.dissipation[k];
-    const double local = (theta_h * theta + (1 - theta_h) * theta_n) *
-                             (entropy(m, J[k], phi, theta) - entropy(m, J_n[k], phi_n, theta_n)) -
-                         produced;
+    double change = entropy(m, J[k], phi, theta) - entropy(m, J_n[k], phi_n, theta_n);
+    if (lumped) change -= m.c_v * std::log(theta / theta_n);
+    const double local = (theta_h * theta + (1 - theta_h) * theta_n) * change - produced;
     const auto now = flux(m, q, Cell::dim, c.u, phi, c.theta),
                before = flux(m, q, Cell::dim, c.u_n, phi_n, e.theta_n.data());
     for (unsigned a = 0; a < Cell::nodes; ++a) {
@@ -169,9 +191,10 @@ TYPED_TEST(HeatCell, EntropyFormIsTheWeakFormWrittenOut) {
     const Case<Cell, frame> c(random);
     HeatInput in = c.input();
     in.theta_h = k % 2 ? 1 : 0.5;
+    in.lumped = k % 3 == 0;
     const std::vector<Batch> r = whole_residual<Cell, frame>(PointLaw{m}, in);
     for (int l = 0; l < lanes; ++l) {
-      const auto expected = weak_form(m, c.cells[unsigned(l)], c.more[unsigned(l)], in.theta_h);
+      const auto expected = weak_form(m, c.cells[unsigned(l)], c.more[unsigned(l)], in.theta_h, in.lumped);
       double size = 0;
       for (double x : expected) size = std::max(size, std::abs(x));
       for (unsigned a = 0; a < Cell::nodes; ++a) EXPECT_NEAR(r[a][l], expected[a], 1e-11 * size) << k;
@@ -189,6 +212,7 @@ TYPED_TEST(HeatCell, TangentIsTheDerivativeOfTheResidualAndSymmetric) {
     HeatInput in = c.input();
     in.form = k % 2 ? HeatForm::entropy : HeatForm::energy;
     in.theta_h = k % 3 ? 1 : 0.5;
+    in.lumped = k / 2 % 2 == 1;
     Batch points[Cell::points * heat_point_size], theta[Cell::nodes];
     std::vector<Batch> r(Cell::nodes, Batch(0.0)), K(Cell::nodes * Cell::nodes, Batch(0.0));
     kernels<Cell, frame>().heat_step(law, in, points, r.data());
@@ -215,6 +239,34 @@ TYPED_TEST(HeatCell, TangentIsTheDerivativeOfTheResidualAndSymmetric) {
         }
     }
   }
+}
+
+// Where a capacity at the nodes is all that stores heat, what a node gains over its temperature is the
+// entropy that the ledger sums.
+TYPED_TEST(HeatCell, LumpedEntropyIsThatOfTheNodes) {
+  using Cell = typename TypeParam::Cell;
+  constexpr Frame frame = TypeParam::frame;
+  Sampler random(56);
+  MaterialParameters m = hot_aluminium(2);
+  m.alpha_t = m.conductivity = 0;
+  m.damage = Damage::none;
+  const PointLaw law{m};
+  const Case<Cell, frame> c(random);
+  HeatInput in = c.input();
+  in.dissipation = nullptr;
+  in.lumped = true;
+  Batch gained = 0;
+  const std::vector<Batch> r = whole_residual<Cell, frame>(law, in);
+  for (int a = 0; a < Cell::nodes; ++a) gained += r[unsigned(a)] / in.theta[a];
+  HeatSums now, before;
+  EnergyInput at;
+  at.X = in.X, at.lumped_capacity = true;
+  at.u = in.u, at.theta = in.theta;
+  kernels<Cell, frame>().stored_heat(law, at, now);
+  at.u = in.u_n, at.theta = in.theta_n;
+  kernels<Cell, frame>().stored_heat(law, at, before);
+  for (int l = 0; l < lanes; ++l)
+    EXPECT_NEAR(gained[l], (now.entropy - before.entropy)[l], 1e-10 * std::abs(now.entropy[l]));
 }
 
 // Summed over its nodes, the energy form is the first law of the cell: what is stored now, less what was
@@ -250,6 +302,7 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
       at.X = c.batch.X, at.u = u[end], at.phi = phi[end], at.theta = theta[end];
       at.history = m.model == Model::j2 ? history[end] : nullptr;
       at.drive = drive[end];
+      at.lumped_capacity = k / 2 % 2 == 1;
       EnergySums energies;
       HeatSums heat;
       kernels<Cell, frame>().stored_energy(law, at, energies);
@@ -260,6 +313,7 @@ TYPED_TEST(HeatCell, EnergyFormIsTheFirstLawWithTheWorkOfTheForces) {
     HeatInput in = c.input();
     in.form = HeatForm::energy;
     in.theta_h = k % 2 ? 1 : 0.5;
+    in.lumped = k / 2 % 2 == 1;
     if (m.model == Model::j2) in.history = history[1], in.history_n = history[0];
     in.drive = drive[1], in.drive_n = drive[0];
     in.stress = stress[1], in.stress_n = stress[0];

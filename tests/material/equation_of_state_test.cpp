@@ -9,6 +9,11 @@ using reference::Sampler;
 
 namespace {
 
+/// Of the internal energy all that hangs on the temperature.
+double thermal_energy(const StateLaw& law, const ElasticVolume<double>& v, double g_v, double theta) {
+  return law.parameters.c_v * (theta - law.parameters.theta0) + thermoelastic_energy(law, v, g_v, theta);
+}
+
 constexpr double tiny = 1e-30;
 
 /// Copper: c_0 = 3940 m/s.

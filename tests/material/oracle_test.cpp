@@ -178,7 +178,8 @@ TEST(Oracle, HeatOfPlasticShear) {
   expect_row("heat.shear0.2.H0(alpha)", plastic_potential(m, old.alpha), 1e-8);
   const auto energy = [&](double theta) { // at J = 1
     const double Je_minus_1 = 1 / thermal_volume(m, theta) - 1;
-    return volumetric_energy(m, Je_minus_1) + thermal_energy(m, Je_minus_1, 1.0, theta);
+    return volumetric_energy(m, Je_minus_1) + m.c_v * (theta - m.theta0) +
+           thermoelastic_energy(m, Je_minus_1, 1.0, theta);
   };
   for (const auto& [chi, name] : {std::pair{1.0, "1.0"}, {0.9, "0.9"}}) {
     const std::string row = name;
@@ -235,8 +236,8 @@ TEST(Oracle, GeneralState) { // every stress part and energy; in-plane Grad phi
   EXPECT_EQ(S_phi[8], 0);
   expect_row("state.psi_phi", crack_energy(m, phi, dot(h, h)));
   m.c_v = 2.43e6; // psi_theta = e - theta eta
-  expect_row("state.psi_theta",
-             thermal_energy(m, 0.0, 1.0, theta) - theta * m.c_v * log_ratio(theta, m.theta0));
+  expect_row("state.psi_theta", m.c_v * (theta - m.theta0) + thermoelastic_energy(m, 0.0, 1.0, theta) -
+                                    theta * m.c_v * log_ratio(theta, m.theta0));
 }
 
 TEST(Oracle, PlasticTangent) {

@@ -61,7 +61,8 @@ const std::vector<Row>& rows() {
        "mat_type, reuse_preconditioner, reuse_tangent, tangent, and PETSc's options of solvers)"},
       {{{"-heat_foo", "1"}},
        ExitCode::usage,
-       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: form, order, theta, ts_dt, and "
+       "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: capacity, form, order, theta, "
+       "ts_dt, and "
        "PETSc's options of solvers)"},
       {{{"-heat_ts_dt", "abc"}},
        ExitCode::usage,

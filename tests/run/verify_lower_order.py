@@ -16,7 +16,7 @@ WARM = {**BODY, "physics": "heat", "material_solid_c_v": 1, "material_solid_cond
         "bc_wind_h": 2, "bc_wind_value": 280, "bc_sun_on": "bottom", "bc_sun_type": "heat_flux", "bc_sun_value": "5*x",
         "ics": "start", "ic_start_on": "solid", "ic_start_theta": "298+3*x*x", "ts_dt": 0.1, "ts_max_time": 0.5,
         "probes": "a,b", "probe_a_at": "0.5,0.5", "probe_b_at": "0.75,0.25", "probe_a_fields": "theta", "probe_b_fields": "theta",
-        "heat_form": "energy", "heat_snes_rtol": 1e-12}
+        "heat_form": "energy", "heat_capacity": "consistent", "heat_snes_rtol": 1e-12}
 for dim, more in ((2, {}), (3, {"mesh_set_dim": 3, "mesh_set_n": 4, "probe_a_at": "0.5,0.5,0.5", "probe_b_at": "0.75,0.25,0.5"})):
     for name, serendipity in (("with middles", 0), ("serendipity", 1)):
         one = runs.run(f"heat_{dim}_linear", {**WARM, **more, "order": 1})

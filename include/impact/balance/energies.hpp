@@ -26,7 +26,7 @@ struct MaterialEnergies {
 struct Energies {
   std::vector<MaterialEnergies> of; ///< [material]
   MaterialEnergies total;           ///< without momentum
-  double phi_max = 0, alpha_max = 0, theta_max = 0, fatigue_max = 0, failure_max = 0;
+  double phi_max = 0, alpha_max = 0, theta_max = 0, theta_min = 0, fatigue_max = 0, failure_max = 0;
 };
 
 /// Integrates over the state at t_n, or that at t_{n+1} in the trial halves. `v` null: nothing moves.

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/heat_input.hpp>
+#include <impact/kernel/lumped_mass.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/point_geometry.hpp>
 #include <impact/kernel/scalar_cell.hpp>
@@ -206,14 +207,63 @@ int heat_step(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r)
   return with_state<frame>(law, [&](const auto& l) { return heat_step_of<Cell, frame>(l, in, points, r); });
 }
 
+/// c_V (theta - theta_n), or [theta] c_V ln(theta/theta_n) of the entropy form, and its slope.
+struct CapacityTerm {
+  Batch value, slope;
+};
+inline CapacityTerm capacity_term(const HeatInput& in, const Batch& theta, const Batch& theta_n) {
+  if (in.form == HeatForm::energy) return {theta - theta_n, Batch(1.0)};
+  const Batch mean = in.theta_h * theta + (1 - in.theta_h) * theta_n, change = log_ratio(theta, theta_n);
+  return {mean * change, in.theta_h * change + mean / theta};
+}
+
+/// The capacity as it stands at the nodes. Returns the lanes in which one of them is not warmer than 0 K.
+template <class Cell, bool tangent>
+int add_lumped_capacity(const HeatInput& in, const LumpedMass<Cell>& capacity,
+                        ScalarCell<Cell, tangent>& cell) {
+  int bad = 0;
+  for (int a = 0; a < Cell::nodes; ++a) {
+    bad |= bits(~(in.theta[a] > Batch(0.0)));
+    const CapacityTerm term = capacity_term(in, in.theta[a], in.theta_n[a]);
+    cell.r[a] += capacity.at[a] * term.value;
+    if constexpr (tangent) cell.K[a * Cell::nodes + a] += capacity.at[a] * term.slope;
+  }
+  return bad;
+}
+
+/// The flux at a point at the end of the step.
+template <class Cell, Frame frame, bool tangent>
+void add_conduction(const MaterialParameters& m, const HeatInput& in, const PointGeometry<Cell, frame>& X,
+                    const Degradations<Batch>& g, int q, ScalarCell<Cell, tangent>& cell) {
+  constexpr int d = Cell::dim, n = Cell::nodes;
+  Tensor<Batch, d> inverse_F = unit_tensor<d>();
+  Batch J = Batch(1.0);
+  const bool moved = in.u && m.conduction == Conduction::spatial;
+  if (moved) {
+    const Tensor<Batch, d> H = moved_gradient<Cell, frame>(in, X, q);
+    J += detm1(H);
+    inverse_F = inverse(plus_identity(H), J);
+  }
+  const Batch w = (in.theta_h * in.dt) * X.weight;
+  const auto flux =
+      conducted<d>(m, g, moved ? &inverse_F : nullptr, J, gradient_of_scalar<Cell, frame>(X, in.theta));
+  for (int a = 0; a < n; ++a) cell.r[a] += w * dot(X.dN[a], flux);
+  if constexpr (tangent)
+    for (int b = 0; b < n; ++b) {
+      const auto column = conducted<d>(m, g, moved ? &inverse_F : nullptr, J, X.dN[b]);
+      for (int a = 0; a <= b; ++a) cell.K[a * n + b] += w * dot(X.dN[a], column);
+    }
+}
+
 template <class Cell, Frame frame, bool tangent, class Law>
 [[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in, const Batch* points, Batch* r_out,
                                   Batch* K_out) {
-  constexpr int d = Cell::dim, n = Cell::nodes;
+  constexpr int n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
   const auto& N = shape_table<Cell>.N;
   const bool energy = in.form == HeatForm::energy;
   ScalarCell<Cell, tangent> cell;
+  LumpedMass<Cell> capacity_at_nodes;
   int bad = 0;
   for (int q = 0; q < Cell::points; ++q) {
     const auto X = point_geometry<Cell, frame>(in.X, q);
@@ -225,15 +275,22 @@ template <class Cell, Frame frame, bool tangent, class Law>
         law.principal()
             ? thermal_part<frame>(law, moved_gradient<Cell, frame>(in, X, q), volume, g, theta, in.history, q)
             : thermal_part(law, volume, g, theta, energy);
-    Batch local, slope;
+    Batch local, slope; // without c_V
     if (energy) {
-      local = m.c_v * (theta - theta_n) + theta * s + stored;
-      slope = capacity;
+      local = theta * s + stored;
+      slope = capacity - Batch(m.c_v);
     } else {
       const Batch mean = in.theta_h * theta + (1 - in.theta_h) * theta_n;
-      const Batch change = m.c_v * log_ratio(theta, theta_n) + (s - heat_point_at(points, q).entropy_n);
+      const Batch change = s - heat_point_at(points, q).entropy_n;
       local = mean * change;
-      slope = in.theta_h * change + mean * (capacity / theta);
+      slope = in.theta_h * change + mean * ((capacity - Batch(m.c_v)) / theta);
+    }
+    if (in.lumped) {
+      capacity_at_nodes.add(q, m.c_v, X.weight);
+    } else {
+      const CapacityTerm term = capacity_term(in, theta, theta_n);
+      local += m.c_v * term.value;
+      slope += m.c_v * term.slope;
     }
     local *= X.weight;
     for (int a = 0; a < n; ++a) cell.r[a] += N[q][a] * local;
@@ -242,25 +299,11 @@ template <class Cell, Frame frame, bool tangent, class Law>
       for (int a = 0; a < n; ++a)
         for (int b = a; b < n; ++b) cell.K[a * n + b] += (N[q][a] * N[q][b]) * slope;
     }
-    if (m.conductivity == 0) continue;
-
-    Tensor<Batch, d> inverse_F = unit_tensor<d>();
-    Batch J = Batch(1.0);
-    const bool moved = in.u && m.conduction == Conduction::spatial;
-    if (moved) {
-      const Tensor<Batch, d> H = moved_gradient<Cell, frame>(in, X, q);
-      J += detm1(H);
-      inverse_F = inverse(plus_identity(H), J);
-    }
-    const Batch w = (in.theta_h * in.dt) * X.weight;
-    const auto flux =
-        conducted<d>(m, g, moved ? &inverse_F : nullptr, J, gradient_of_scalar<Cell, frame>(X, in.theta));
-    for (int a = 0; a < n; ++a) cell.r[a] += w * dot(X.dN[a], flux);
-    if constexpr (tangent)
-      for (int b = 0; b < n; ++b) {
-        const auto column = conducted<d>(m, g, moved ? &inverse_F : nullptr, J, X.dN[b]);
-        for (int a = 0; a <= b; ++a) cell.K[a * n + b] += w * dot(X.dN[a], column);
-      }
+    if (m.conductivity != 0) add_conduction<Cell, frame>(m, in, X, g, q, cell);
+  }
+  if (in.lumped) {
+    capacity_at_nodes.finish();
+    bad |= add_lumped_capacity<Cell, tangent>(in, capacity_at_nodes, cell);
   }
   return bad | cell.add_to(r_out, K_out);
 }

@@ -11,8 +11,8 @@ namespace impact {
 //   energy:  int w (e - e_n - W) + grad w . h (phi - phi_n) + dt [grad w . kappa grad theta]_h (5')
 //            e = internal energy, W = 1/2 (P + P_n) : (F - F_n), h = a G_c gamma C^-1 Grad phi
 // eta = c_V ln(theta/theta_0) + 3 alpha_t g_v K/2 (J_e^2 - 1) with the J_e of the chosen locking cure. Loads
-// are added by the caller. The summed energy form is the discrete first law with the work that the motion
-// solves did.
+// are added by the caller. A lumped c_V takes the temperatures of the nodes in its terms. The summed energy
+// form is the discrete first law with the work that the motion solves did.
 
 enum class HeatForm { entropy, energy };
 
@@ -36,6 +36,7 @@ struct HeatInput : CellFields {
   const Batch* stress_n = nullptr; ///< at t_n
   double theta_h = 1;
   HeatForm form = HeatForm::entropy;
+  bool lumped = false; ///< c_V stands at the nodes, by the weights of LumpedMass
 };
 
 } // namespace impact

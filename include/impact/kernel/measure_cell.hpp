@@ -92,23 +92,35 @@ void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
   CellState<Cell, frame> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, nullptr, 1, {in.patch, in.patch_pressure});
   read_thickness<Cell, frame>(in.history, s);
+  LumpedMass<Cell> capacity;
+  const auto add_heat = [&](const Batch& c, const Batch& theta) {
+    sums.energy += c * (theta - Batch(m.theta0));
+    sums.entropy += c * log_ratio(theta, Batch(m.theta0));
+  };
   for (int q = 0; q < Cell::points; ++q) {
+    const Batch w = s.map[q].weight, theta = interpolate<Cell>(in.theta, q);
     const Degradations<Batch> g = point_degradations<Cell, frame>(law, in.phi, q, in.history);
-    const Batch J_th = point_thermal_volume<Cell>(law, in.theta, q), theta = interpolate<Cell>(in.theta, q);
+    const Batch J_th = point_thermal_volume<Cell>(law, in.theta, q);
+    if (in.lumped_capacity)
+      capacity.add(q, m.c_v, w);
+    else
+      add_heat(m.c_v * w, theta);
     if (law.principal()) {
       const Batch s_q = split_heat(law, held_state<Cell, frame>(law, s, J_th, g, in.history, q)).entropy;
-      sums.energy += s.map[q].weight * (m.c_v * (theta - Batch(m.theta0)) + theta * s_q);
-      sums.entropy += s.map[q].weight * (m.c_v * log_ratio(theta, Batch(m.theta0)) + s_q);
+      sums.energy += w * (theta * s_q);
+      sums.entropy += w * s_q;
       continue;
     }
     const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
     const Batch Je = law.pressure(J_minus_1, J_th, g).Je_minus_1;
     const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g);
     const ElasticVolume<Batch> v{Je, J_th};
-    sums.energy += s.map[q].weight * thermal_energy(law, v, g_v, theta);
-    sums.entropy +=
-        s.map[q].weight * (m.c_v * log_ratio(theta, Batch(m.theta0)) + thermoelastic_entropy(law, v, g_v));
+    sums.energy += w * thermoelastic_energy(law, v, g_v, theta);
+    sums.entropy += w * thermoelastic_entropy(law, v, g_v);
   }
+  if (!in.lumped_capacity) return;
+  capacity.finish();
+  for (int a = 0; a < Cell::nodes; ++a) add_heat(capacity.at[a], in.theta[a]);
 }
 
 template <class Cell, Frame frame>

@@ -7,8 +7,9 @@ namespace impact {
 
 /// All of one time. The drive is read where the law softens.
 struct EnergyInput : CellFields {
-  const Batch* v = nullptr; ///< [node][dim] velocity, or nullptr (= 0)
-  bool lumped = false;      ///< the mass stands at the nodes
+  const Batch* v = nullptr;     ///< [node][dim] velocity, or nullptr (= 0)
+  bool lumped = false;          ///< the mass stands at the nodes
+  bool lumped_capacity = false; ///< c_V does
 };
 
 /// Sums over the points, per lane; stored_energy adds to them.

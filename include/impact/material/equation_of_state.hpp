@@ -164,10 +164,8 @@ T heat_capacity(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v, co
   return T(m.c_v) + (heat * heat) * (theta * (T(1.0) - g_v) / reference_curve(m, v.J_th - T(1.0)).ddU);
 }
 template <class T>
-T thermal_energy(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
-  const MaterialParameters& m = law.parameters;
-  return m.c_v * (theta - T(m.theta0)) + theta * thermoelastic_entropy(law, v, g_v) +
-         energy_of_free_volume(m, v.J_th);
+T thermoelastic_energy(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
+  return theta * thermoelastic_entropy(law, v, g_v) + energy_of_free_volume(law.parameters, v.J_th);
 }
 template <class T> T volume_energy(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v) {
   const MaterialParameters& m = law.parameters;

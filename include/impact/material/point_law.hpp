@@ -163,8 +163,8 @@ T heat_capacity(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, co
   return heat_capacity(law.parameters, v.Je_minus_1, g_v, theta);
 }
 template <class T>
-T thermal_energy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
-  return thermal_energy(law.parameters, v.Je_minus_1, g_v, theta);
+T thermoelastic_energy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
+  return thermoelastic_energy(law.parameters, v.Je_minus_1, g_v, theta);
 }
 template <class Law, class T>
 ElasticVolume<T> elastic_volume(const Law& law, const T& J_minus_1, const T& theta) {

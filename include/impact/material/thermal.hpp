@@ -33,10 +33,10 @@ template <class T> T log_ratio(const T& theta, const T& theta_n) {
   return x - log1p_excess(x);
 }
 
-/// Thermal part of the internal energy.
+/// Thermal part of the internal energy beside c_V (theta - theta_0).
 template <class T>
-T thermal_energy(const MaterialParameters& m, const T& Je_minus_1, const T& g_v, const T& theta) {
-  return m.c_v * (theta - T(m.theta0)) + theta * thermoelastic_entropy(m, Je_minus_1, g_v);
+T thermoelastic_energy(const MaterialParameters& m, const T& Je_minus_1, const T& g_v, const T& theta) {
+  return theta * thermoelastic_entropy(m, Je_minus_1, g_v);
 }
 
 /// g_theta of the heat flux, from g_e1.

@@ -57,7 +57,8 @@ struct Discretisation {
   VolumePatches patches{};
 
   const std::vector<double>* mass_factor =
-      nullptr; ///< of the row "mass_factor": mass in use over the true one
+      nullptr;                  ///< of the row "mass_factor": mass in use over the true one
+  bool lumped_capacity = false; ///< a cell's c_V stands at its nodes, as the mass does
 
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return laws[at(group.law)]; }
@@ -96,6 +97,9 @@ struct Discretisation {
   }
   bool has_heat() const { ///< every material has a heat capacity then
     return any_law([](const PointLaw& law) { return law.parameters.c_v > 0; });
+  }
+  bool conducts() const {
+    return any_law([](const PointLaw& law) { return law.parameters.conductivity > 0; });
   }
   bool temperature_moves() const { ///< motion sees it: expansion, softening
     return has_heat() &&

@@ -69,7 +69,7 @@ private:
   static std::vector<char> held_nodes(const BoundaryData& boundary);
   const std::vector<double>& theta_at_start() const; ///< of the window
   ScalarOutcome solve_window(std::vector<double>& theta);
-  void refuse_below_zero(ScalarOutcome& outcome) const;
+  void refuse_below_zero(ScalarOutcome& outcome);
   ScalarOutcome solve_substeps(int count, std::vector<double>& theta);
   void make_matrix();
   void begin_contacts();

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/mesh/sparse_assembly.hpp>
+#include <optional>
 #include <string>
 
 /// Choices of the solution method that the user makes by options.
@@ -24,6 +25,7 @@ struct HeatScenario {
   double theta = 1;   ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
   double substep = 0; ///< -heat_ts_dt; 0: none
   int order = 0;      ///< of theta; 0: that of the cells
+  std::optional<bool> lumped = std::nullopt; ///< whether c_V stands at the nodes; absent: see build_on
 };
 
 /// Coefficients of the bulk viscosity of explicit steps (kernel/bulk_viscosity.hpp).
