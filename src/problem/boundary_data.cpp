@@ -79,12 +79,12 @@ void BoundaryData::visit_groups(const Mesh& mesh, Wanted&& wanted, Body&& body) 
 }
 
 BoundaryData::BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
-                           std::span<const int> body_of_node)
+                           std::span<const int> body_of_node, PlaneBody plane)
     : dim_(mesh.dim()), node_count_(mesh.node_count()), smallest_edge_(mesh.smallest_edge()),
       x_(mesh.coordinates().begin(), mesh.coordinates().end()), conditions_(std::move(conditions)),
       fixed_mask_(at(node_count_ * dim_), 0), force_area_(conditions_.size(), 0.0) {
   resolve_fixed(mesh, body_of_node);
-  resolve_loads(mesh);
+  resolve_loads(mesh, plane);
   damage_condition_ = resolve_held(mesh, BcType::damage);
   temperature_condition_ = resolve_held(mesh, BcType::temperature);
   agree_on_errors(mesh.comm(), [&] {
@@ -161,7 +161,7 @@ void BoundaryData::resolve_fixed(const Mesh& mesh, std::span<const int> body_of_
   }
 }
 
-void BoundaryData::resolve_loads(const Mesh& mesh) {
+void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
   const auto loads = [](BcType type) {
     return type == BcType::body_force || type == BcType::traction || type == BcType::pressure ||
            type == BcType::force || type == BcType::heat_flux || type == BcType::convection;
@@ -191,14 +191,15 @@ void BoundaryData::resolve_loads(const Mesh& mesh) {
                                           "D; mesh has: " + groups_text(mesh.groups()));
     if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", group.name);
     LoadedFacets load{c, mesh.facets(group.name)};
-    // of a ring per radian and radius
-    force_area_[at(c)] += area_of(load.facets, dim_ == 3 ? Frame::solid : Frame::plane_strain, x_);
+    force_area_[at(c)] += area_of(load.facets, dim_ == 3 ? Frame::solid : plane.frame, x_);
     (is_thermal(bc.type)           ? heat_fluxes_
      : bc.type == BcType::pressure ? pressures_
                                    : tractions_)
         .push_back(std::move(load));
   });
   if (!force_area_.empty()) sum_over_ranks(mesh.comm(), force_area_);
+  if (dim_ == 2 && is_flat(plane.frame))
+    for (double& area : force_area_) area *= plane.thickness;
 }
 
 double BoundaryData::prescribed(const FixedDof& fixed, double t0, double t1, double u_n, double v_n) const {

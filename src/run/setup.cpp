@@ -244,7 +244,8 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
   Discretisation d = discretise(std::move(mesh), std::move(materials), frame_of(s.plane), s.thickness);
   std::vector<BoundaryCondition> conditions = conditions_at_work(s, d.dim());
   RigidBodies rigid(d, conditions, s.time.max_time);
-  BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node());
+  BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node(),
+                        {frame_of(s.plane), s.thickness});
   auto setup =
       std::make_unique<Setup>(Setup{std::move(d), {}, std::move(rigid), std::move(boundary), {}, {}});
   declare_state(setup->discretisation, setup->state);

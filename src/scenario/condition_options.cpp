@@ -89,7 +89,8 @@ OptionClass<BoundaryCondition> boundary_class() {
              });
   row.choice("type", &Bc::type,
              "what is prescribed: traction is dead, per reference area; pressure follows, per current area, "
-             "positive inwards; force is a total, spread over the reference area, the length of lines or "
+             "positive inwards; force is a total, of a plane problem on its -thickness, of a ring on all of "
+             "it, spread over the reference area, the length of lines or "
              "evenly over points; body_force is per mass; heat_flux is inwards, per reference area, "
              "heat_source per reference volume; convection is a flux h (value - theta)",
              types);

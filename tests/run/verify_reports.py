@@ -69,10 +69,15 @@ with open("edge.geo", "w") as file:
                'Physical Volume("solid") = {1}; Physical Surface("bottom") = {5}; Physical Curve("on") = {7};\n')
 FORCE = {"materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "bcs": "hold,load", "bc_hold_on": "bottom", "bc_hold_type": "fix",
          "bc_load_on": "on", "bc_load_type": "force", "bc_load_uy": "-1000*t", "bc_load_ux": "300*t", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
-for name, ranks in (("points", 1), ("points", 2), ("edge", 1), ("edge", 2)):
-    r = run(f"{name}_{ranks}", {**FORCE, "mesh": f"{name}.geo"}, ranks=ranks)
-    check(f"force on {name}, {ranks} ranks: reaction along y", r["reaction_hold_y"][-1], 1000, 1e-8)
-    check(f"force on {name}, {ranks} ranks: reaction along x", r["reaction_hold_x"][-1], -300, 1e-8)
+for name, ranks, more in (("points", 1, {}), ("points", 2, {}), ("points", 1, {"thickness": 50}), ("edge", 1, {}), ("edge", 2, {})):
+    r = run(f"{name}_{ranks}", {**FORCE, "mesh": f"{name}.geo", **more}, ranks=ranks)
+    check(f"force on {name} {more}, {ranks} ranks: reaction along y", r["reaction_hold_y"][-1], 1000, 1e-8)
+    check(f"force on {name} {more}, {ranks} ranks: reaction along x", r["reaction_hold_x"][-1], -300, 1e-8)
+# On a boundary it is the total too, of all of the thickness and of the whole ring.
+for name, more in (("a sheet", {"plane": "stress", "thickness": 0.1}), ("a thick plate", {"thickness": 50}), ("a ring", {"plane": "axisymmetric"}),
+                   ("a ring of second order", {"plane": "axisymmetric", "order": 2})):
+    r = run("total", {**FORCE, "mesh": mesh("block.geo"), "bc_load_on": "top", "bc_load_ux": 0, **more})
+    check(f"force on {name}: reaction", r["reaction_hold_y"][-1], 1000, 1e-8)
 
 # A hardening modulus of 0 that is given is perfect plasticity.
 PERFECT = {**{key: value for key, value in FORCE.items() if not key.startswith(("bc_load", "bcs"))}, "mesh": "points.geo", "bcs": "hold",

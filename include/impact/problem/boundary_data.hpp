@@ -32,15 +32,21 @@ double integral(const Expression& rate, const double* x, int dim, double t0, dou
 /// Which coordinate is constant over nodes of any ranks, -1: none. Collective.
 int plane_axis(const Mesh& mesh, const std::vector<int>& nodes);
 
+/// What a plane mesh stands for; in space nothing is asked of it.
+struct PlaneBody {
+  Frame frame = Frame::plane_strain;
+  double thickness = 1; ///< of the flat frames
+};
+
 // Members and functions beyond the usual: one list and one question for each kind of condition.
 class BoundaryData {
 public:
   /// Finds groups, checks components and conflicts (two conditions with different values on one dof at t = 0
   /// or t_end; require_agreement looks between, a plane group for `symmetry`). Nodes of rigid bodies, [local
-  /// node] >= 0, have no prescribed dofs here: what holds them is the business of RigidBodies. Throws
-  /// UserError(data). Collective.
+  /// node] >= 0, have no prescribed dofs here: what holds them is the business of RigidBodies. A `force` is
+  /// that on all of the thickness, or on the full ring. Throws UserError(data). Collective.
   BoundaryData(const Mesh& mesh, std::vector<BoundaryCondition> conditions, double t_end,
-               std::span<const int> body_of_node = {});
+               std::span<const int> body_of_node = {}, PlaneBody plane = {});
 
   const std::vector<BoundaryCondition>& conditions() const { return conditions_; }
   /// Whether a condition has data that are to be evaluated in each step; alike on all ranks.
@@ -93,7 +99,7 @@ public:
 
 private:
   void resolve_fixed(const Mesh& mesh, std::span<const int> body_of_node);
-  void resolve_loads(const Mesh& mesh);
+  void resolve_loads(const Mesh& mesh, PlaneBody plane);
   std::vector<int> resolve_held(const Mesh& mesh, BcType type);
   void set_held(const std::vector<int>& holder, double t, std::vector<double>& field) const;
   template <class Wanted, class Body> void visit_groups(const Mesh& mesh, Wanted&& wanted, Body&& body) const;
@@ -118,7 +124,8 @@ private:
     double share;
   };
   std::vector<NodalForce> nodal_forces_;
-  std::vector<double> force_area_; ///< per condition: reference area of a `force` group, length or count
+  std::vector<double> force_area_; ///< per condition: reference area of a `force` group, length or count,
+                                   ///< times the thickness
 };
 
 } // namespace impact
