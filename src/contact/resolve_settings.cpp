@@ -139,7 +139,9 @@ double set_automatic_values(ContactSettings& settings, const ContactEnvironment&
   const double size = environment.length > 0 ? environment.length : h;
   const double penalty = 10 * environment.modulus / size;
   if (automatic(settings.penalty) && !(penalty > 0))
-    throw usage(settings, "penalty", "auto needs Young's modulus of a side; give a number");
+    throw usage(settings, "penalty",
+                "auto needs Young's modulus of a side; give a number: the largest pressure "
+                "over the depth that you allow");
   settings.automatic_penalty = automatic(settings.penalty);
   fill(settings.penalty, penalty);
   // A start below the automatic one is made up for at once: four times that leaves a fifth of the gap where

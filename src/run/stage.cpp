@@ -3,6 +3,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/run/stage.hpp>
 #include <impact/run/terminal.hpp>
+#include <impact/scenario/petsc_options.hpp>
 #include <impact/time/step_control.hpp>
 #include <sstream>
 
@@ -15,21 +16,13 @@ bool conserves(const Scenario& s) {
       s.contacts, [](const ContactSettings& contact) { return contact.impact == ImpactUpdate::conserving; });
 }
 
-// Whether the integrator damps; asked before the TS reads its options.
-bool damps() {
-  PetscReal rho = 1, gamma = 0.5;
-  check(PetscOptionsGetReal(nullptr, nullptr, "-ts_newmark_rho", &rho, nullptr));
-  check(PetscOptionsGetReal(nullptr, nullptr, "-ts_newmark_gamma", &gamma, nullptr));
-  return rho < 1 || gamma > 0.5;
-}
-
 // The contact-stabilised update is for all that has inertia and stiffness, at any length of the steps, but
 // for damped ones of 2e4 h/c_p and more: without the contact's share accelerations do not balance there, and
 // what damping makes of them gains energy. So long ones resolve no impact.
 bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
   if (s.contacts.empty() || !s.has_inertia() || s.explicit_steps()) return false;
   constexpr double long_step = 1000;
-  const bool conserve = conserves(s), slow = solver.cfl > long_step && damps(),
+  const bool conserve = conserves(s), slow = solver.cfl > long_step && asks_for_damped_steps(),
              automatic = solver.cfl > 0 && !conserve && !slow;
   const bool stabilise = std::ranges::any_of(s.contacts, [&](const ContactSettings& c) {
     return c.impact == ImpactUpdate::stabilised || (c.impact == ImpactUpdate::automatic && automatic);

@@ -1,4 +1,5 @@
 #include "classes.hpp"
+#include <impact/scenario/petsc_options.hpp>
 
 /// The options of contacts, -contact_<id>_...
 namespace impact {
@@ -124,6 +125,19 @@ const Contact* conserving(const Scenario& scenario) {
   return nullptr;
 }
 
+/// No update keeps the energy of multipliers where no body can take it up.
+bool nothing_deforms(const Scenario& s) {
+  return s.has_inertia() && !s.explicit_steps() &&
+         std::all_of(s.materials.begin(), s.materials.end(),
+                     [](const MaterialScenario& m) { return m.law.model == Model::rigid; });
+}
+void resolve_between_rigid(Contact& contact) {
+  if (asks_for_damped_steps())
+    contact.enforce = Enforcement::penalty;
+  else
+    contact.impact = ImpactUpdate::conserving;
+}
+
 void add_detection(ContactRows& rows) {
   Rows row(rows);
   row.count("points", &Contact::points, 1, "Gauss points per secondary facet and direction", 5)
@@ -140,8 +154,9 @@ void add_detection(ContactRows& rows) {
              "deepest overlap that is moved apart; auto: 1e-3 of the secondary facet");
   row.choice(
          "impact", &Contact::impact,
-         "treatment of the shock at touch; auto: stabilised, but none where another contact is conserving, "
-         "nothing has a stiffness, or damped steps (-ts_newmark_rho below 1) are longer than 1000 h/c_p; "
+         "treatment of the shock at touch; auto: stabilised, but none where another contact is conserving "
+         "or damped steps (-ts_newmark_rho below 1) are longer than 1000 h/c_p; where no body deforms "
+         "conserving, in damped steps a penalty without an update; "
          "conserving: a penalty whose work is exact, in the trapezoidal rule",
          "auto", ImpactUpdate::automatic, "stabilised", ImpactUpdate::stabilised, "conserving",
          ImpactUpdate::conserving, "none", ImpactUpdate::none)
@@ -168,8 +183,11 @@ OptionClass<ContactScenario> contact_class() {
   add_heat(table.rows);
   add_penalties(table.rows);
   add_detection(table.rows);
-  table.complete = [](Contact& contact, const Scenario&) {
+  table.complete = [](Contact& contact, const Scenario& s) {
     if (contact.rigid_mass > 0 && contact.rigid()) contact.carrier = "obstacle_" + contact.id;
+    if (nothing_deforms(s) && contact.impact == ImpactUpdate::automatic &&
+        contact.enforce == Enforcement::automatic)
+      resolve_between_rigid(contact);
   };
   return table;
 }

@@ -158,6 +158,13 @@ std::string field_of(const std::string& option) {
 
 } // namespace
 
+bool asks_for_damped_steps() {
+  PetscReal rho = 1, gamma = 0.5;
+  check(PetscOptionsGetReal(nullptr, nullptr, "-ts_newmark_rho", &rho, nullptr));
+  check(PetscOptionsGetReal(nullptr, nullptr, "-ts_newmark_gamma", &gamma, nullptr));
+  return rho < 1 || gamma > 0.5;
+}
+
 void try_petsc_options(MPI_Comm comm, const Scenario& s) {
   for (const GivenOption& option : unread_options()) check_value(option);
   for (const auto& [prefix, types] : solver_types)

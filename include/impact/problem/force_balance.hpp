@@ -7,8 +7,8 @@
 ///   atol;
 ///   rtol times the largest norm that it had in the solve, or the whole residual at its start if less;
 ///   once an iteration leaves more than half of it, its rounding error: 1e-15 of (u + largest cell) times the
-///   cells' part of the tangent's diagonal, and of (u + coordinate) times the rest of it, contact's and rigid
-///   bodies'.
+///   cells' part of the tangent's diagonal, and 4e-15 of (u + coordinate) times the rest of it, contact's and
+///   rigid bodies'.
 /// So neither the stiffness nor the load nor the rounding of one part excuses forces left on another.
 namespace impact {
 

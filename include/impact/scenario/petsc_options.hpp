@@ -10,6 +10,9 @@ namespace impact {
 /// Collective.
 void try_petsc_options(MPI_Comm comm, const Scenario& scenario);
 
+/// Whether Newmark's steps are to damp; the TS has not read its options yet. Not collective.
+bool asks_for_damped_steps();
+
 /// Tells which options the solvers of the fields read and have no use for, as a direct solver has for
 /// `-motion_ksp_rtol`; throws UserError(usage) with -options_strict. Collective.
 void tell_idle_options(const Scenario& scenario, const std::vector<SNES>& solvers);
