@@ -18,6 +18,7 @@ void add(const EnergySums& sums, const CellBatch& batch, MaterialEnergies& to) {
   to.fracture += lane_sum(sums.fracture, used);
   to.fatigue += lane_sum(sums.fatigue, used);
   for (int k = 0; k < 3; ++k) to.momentum[k] += batch.massive_sum(sums.momentum[k]);
+  for (int k = 0; k < 3; ++k) to.spin[k] += batch.massive_sum(sums.spin[k]);
 }
 
 const std::vector<double>* half_of(const StateRow* row, bool trial) {
@@ -122,12 +123,12 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     mine.thermal += batch.sum(heat.energy);
     mine.entropy += batch.sum(heat.entropy);
   });
-  constexpr std::size_t numbers = sizeof(MaterialEnergies) / sizeof(double), without_momentum = numbers - 3;
+  constexpr std::size_t numbers = sizeof(MaterialEnergies) / sizeof(double), without_momenta = numbers - 6;
   const std::span<double> all(&energies.of.data()->kinetic, numbers * energies.of.size());
   sum_over_ranks(d.mesh.comm(), all);
   for (std::size_t i = 0; i < all.size(); ++i) {
     all[i] *= d.thickness;
-    if (i % numbers < without_momentum) (&energies.total.kinetic)[i % numbers] += all[i];
+    if (i % numbers < without_momenta) (&energies.total.kinetic)[i % numbers] += all[i];
   }
   find_peaks(d, rows, trial, energies);
   return energies;
@@ -155,6 +156,19 @@ double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const 
     released += batch.live_sum(sums[0].elastic - sums[1].elastic);
   });
   return sum_over_ranks(d.mesh.comm(), released) / (2 * part);
+}
+
+double find_inertial_release(const Discretisation& d, Vec u, const std::vector<double>& a,
+                             const std::vector<double>& moved) {
+  const std::vector<double> u_local = d.local_of(u);
+  double released = 0;
+  for_each_batch(d, deformable, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d.mesh.coordinates()), at_nodes = batch.vectors(u_local),
+               rate = batch.vectors(a), along = batch.vectors(moved);
+    released += batch.live_sum(
+        batch.kernels.inertial_release(batch.law, X.data(), at_nodes.data(), rate.data(), along.data()));
+  });
+  return sum_over_ranks(d.mesh.comm(), released);
 }
 
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {

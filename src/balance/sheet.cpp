@@ -70,6 +70,8 @@ void Ledger::append_materials(HistoryFile::Row& row) const {
     if (d.has_heat()) row.emplace_back("energy_thermal_" + id, part.thermal);
     if (!moves_) continue;
     for (int k = 0; k < d.dim(); ++k) row.emplace_back("momentum_" + id + "_" + axis[k], part.momentum[k]);
+    for (int k = d.dim() == 3 ? 0 : 2; inertia_ && d.frame != Frame::axisymmetric && k < 3; ++k)
+      row.emplace_back("spin_" + id + "_" + axis[k], part.spin[k]);
     row.emplace_back("energy_kinetic_" + id, part.kinetic);
     row.emplace_back("energy_elastic_" + id, part.elastic);
     if (d.has_plasticity()) row.emplace_back("energy_plastic_" + id, part.plastic);

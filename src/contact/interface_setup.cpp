@@ -16,18 +16,19 @@ namespace impact {
 
 namespace {
 
+bool has_wide_triangles(const ContactSurface& surface) {
+  const std::size_t width = at(surface.per_facet);
+  bool any = false;
+  for (std::size_t first = 0; first < surface.node.size(); first += width)
+    any = any || is_wide_triangle(surface.per_facet, &surface.node[first]);
+  return any;
+}
+
 // Gauss points of second order have one kind of facet.
 void refuse_mixed_surfaces(const FormRequest& request) {
-  const auto has_triangles = [](const ContactSurface& surface) {
-    const std::size_t width = at(surface.per_facet);
-    bool any = false;
-    for (std::size_t first = 0; first < surface.node.size(); first += width)
-      any = any || is_wide_triangle(surface.per_facet, &surface.node[first]);
-    return any;
-  };
   const ContactSettings& settings = request.settings;
   throw_first(request.mesh.comm(), ExitCode::data,
-              has_triangles(request.secondary) || has_triangles(request.primary)
+              has_wide_triangles(request.secondary) || has_wide_triangles(request.primary)
                   ? "contact " + settings.id +
                         ": Gauss points on triangles of second order in a mesh that has "
                         "hexahedra too are not available; allowed: -contact_" +
@@ -147,10 +148,31 @@ ContactInterface::Totals ContactInterface::totals(std::vector<double>& half) con
   return {row, row + d, row + d + 1, row + 2 * d + 1, row + 2 * d + 4, &half.back()};
 }
 
+// Where bodies of second order overlap their curved facets tell, as Gauss points see them: the straight parts
+// in which mortar integrates leave these by h^2/24R. Null where they are of both kinds.
+std::unique_ptr<ContactForm> ContactInterface::curved_form(Vec at_rest) const {
+  if (mesh_->order() != 2 || settings_.method != ContactMethod::mortar) return nullptr;
+  ContactSurface secondary = surface_of(*mesh_, settings_.secondary, facets(settings_.secondary)), primary;
+  if (!settings_.rigid()) primary = surface_of(*mesh_, settings_.primary, facets(settings_.primary));
+  if (!all_ranks_agree(mesh_->comm(), !has_wide_triangles(secondary) && !has_wide_triangles(primary)))
+    return nullptr;
+  ContactSettings settings = settings_;
+  settings.method = ContactMethod::gauss_points;
+  settings.friction = 0;
+  std::unique_ptr<ContactForm> form =
+      make_form({*mesh_, *layout_, settings, environment_.frame, std::move(secondary), primary, 0});
+  if (!settings.carrier.empty()) form->carry(Obstacle(*mesh_, settings.carrier, pose().obstacle));
+  form->begin_attempt(pose(), nullptr);
+  form->update(at_rest, [](int, double) { return false; });
+  return form;
+}
+
 InitialOverlapReport ContactInterface::initial_overlap() {
   const Handle<Vec> at_rest = layout_->make_global();
   update_search(at_rest);
-  const ContactNodes& nodes = this->nodes();
+  const std::unique_ptr<ContactForm> curved = curved_form(at_rest);
+  const ContactForm& form = curved ? *curved : constraints_->form();
+  const ContactNodes& nodes = form.nodes();
   InitialOverlapReport report;
   const auto d = at(mesh_->dim());
   std::vector<double> shift(d * nodes.global.size(), 0.0), count(shift.size(), 0.0);
@@ -158,16 +180,14 @@ InitialOverlapReport ContactInterface::initial_overlap() {
     double depth = 0;
     std::array<double, 3> where{};
   } deepest;
-  constraints_->form().visit_overlaps(nodes.X,
-                                      [&](int node, double depth, const std::array<double, 3>& direction) {
-                                        if (depth > deepest.depth) {
-                                          deepest.depth = depth;
-                                          std::copy_n(&nodes.X[d * at(node)], d, deepest.where.begin());
-                                        }
-                                        for (std::size_t k = 0; k < d; ++k)
-                                          shift[d * at(node) + k] += depth * direction[k];
-                                        count[d * at(node)] += 1;
-                                      });
+  form.visit_overlaps(nodes.X, [&](int node, double depth, const std::array<double, 3>& direction) {
+    if (depth > deepest.depth) {
+      deepest.depth = depth;
+      std::copy_n(&nodes.X[d * at(node)], d, deepest.where.begin());
+    }
+    for (std::size_t k = 0; k < d; ++k) shift[d * at(node) + k] += depth * direction[k];
+    count[d * at(node)] += 1;
+  });
   deepest = of_least(mesh_->comm(), -deepest.depth, deepest);
   const std::array<double, 3>& where = deepest.where;
   report.deepest = deepest.depth;

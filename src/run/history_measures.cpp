@@ -56,7 +56,9 @@ void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& sna
     const double sign = ring.along == Along::minus_x || ring.along == Along::minus_y ? -1 : 1;
     std::vector<double> moved(X.size(), 0.0);
     for (std::size_t i = 0; i < X.size(); i += 2) moved[i + axis] = sign * advance(ring, &X[i]);
-    row.emplace_back("release_" + ring.id, find_release(d, bodies_, snapshot.u, moved));
+    double released = find_release(d, bodies_, snapshot.u, moved);
+    if (scenario_.has_inertia()) released += find_inertial_release(d, snapshot.u, a_.committed, moved);
+    row.emplace_back("release_" + ring.id, released);
   }
 }
 

@@ -22,7 +22,7 @@ std::string history_file_name(const Scenario& scenario) {
 HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger,
                                  StateTable& state, const FieldSource& source)
     : scenario_(scenario), motion_(motion), ledger_(ledger), bodies_(state), v_(state.row("v")),
-      phi_(state.find("phi")), load_(state.find("load_parameter")), source_(source) {
+      a_(state.row("a")), phi_(state.find("phi")), load_(state.find("load_parameter")), source_(source) {
   if (scenario_.explicit_steps()) {
     every_ = 0;
     dt_ = 1e-3 * scenario_.time.max_time;

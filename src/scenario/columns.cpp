@@ -115,6 +115,8 @@ constexpr ColumnNote history[] = {
     {"rigid_<body>_w<axis>", "rad/s", "angular velocity about fixed axes"},
     {"rigid_<body>_l<axis>", "kg.m^2/s", "angular momentum about the centre of mass"},
     {"momentum_<material>_<axis>", "N.s", "of the bodies of a material"},
+    {"spin_<material>_<axis>", "N.m.s",
+     "their angular momentum about the origin, in the plane about z; not of rings"},
     {"crack_<material>_count", "",
      "cracks there are: sets of nodes with phi above -crack_level that cells join"},
     {"crack_<material>_<n>_origin_<axis>", "m",
@@ -132,7 +134,9 @@ constexpr ColumnNote history[] = {
     {"crack_<material>_measure", "extent",
      "energy_fracture of the material over Gc: length of a plane problem (thickness apart), else area"},
     {"probe_<probe>_<field>", "", "field at a material point, unit and components as below"},
-    {"release_<release>", "N/m", "energy release rate of the crack in the ring, elastic energy by area (J1)"},
+    {"release_<release>", "N/m",
+     "energy release rate of the crack in the ring, elastic energy by area, with inertia what waves carry "
+     "(J1)"},
     {"measure_<measure>_<field>", "", "mean, least, largest or sum of a field over the nodes of a group"},
 };
 

@@ -107,6 +107,7 @@ plain = (spin["energy_kinetic"] + spin["energy_elastic"]) / stored(spin)[0]
 check("kinetic and elastic energy: drift of their means", plain[-300:].mean() - plain[100:400].mean(), 0, 1e-4, relative=False)
 check("linear momentum", largest(numpy.hypot(spin["momentum_solid_x"] - spin["momentum_solid_x"][0], spin["momentum_solid_y"] -
                                  spin["momentum_solid_y"][0])) / RHO, 0, 1e-9, relative=False)
+check("angular momentum over that of the start", largest(spin["spin_solid_z"] / spin["spin_solid_z"][0] - 1), 0, 1e-11, relative=False)
 
 BOUNCE = {**BODY, "mesh_set_n": 2, "bcs": "g", "bc_g_on": "solid", "bc_g_type": "body_force", "bc_g_uy": -9.81,
           "ics": "drop", "ic_drop_on": "solid", "ic_drop_vy": -1,

@@ -153,6 +153,10 @@ r = run("symmetric", {**DRIVEN, "mesh_set_dim": 3, "mesh_set_ly": 2, "bc_drive_t
                       "ic_flight_on": "solid", "ic_flight_vx": 3, "ic_flight_vy": "1-2*(z-0.5)", "ic_flight_vz": "2*(y-1)"})
 check("beside a plane of symmetry: way along it", r["rigid_block_uy"][-1], 1, 1e-11)
 check("spin about its normal", r["rigid_block_wx"][-1], 2, 1e-11)
+arm = [c + r["rigid_block_u" + k] for k, c in (("x", 0.5), ("y", 1), ("z", 0.5))]
+p = [r["momentum_block_" + k] for k in "xyz"]
+check("angular momentum about the origin", abs(r["spin_block_x"] - r["rigid_block_lx"] - arm[1] * p[2] + arm[2] * p[1]).max(), 0,
+      1e-9 * abs(r["spin_block_x"]).max(), relative=False)
 check("motion across it", abs(r["rigid_block_ux"]).max() + abs(r["rigid_block_ry"]).max(), 0, 1e-12, relative=False)
 r = run("clash", {**DRIVEN, "bcs": "drive,other", "bc_drive_ux": "t", "bc_other_on": "right", "bc_other_ux": "2*t"}, code=3)
 require("two conditions that contradict each other are named", "-bc_drive and -bc_other prescribe different ux" in r.log)

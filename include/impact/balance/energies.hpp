@@ -20,12 +20,12 @@ struct BodyRows {
 /// The energies of one material, times the thickness. Ranks add them up in the order of the members.
 struct MaterialEnergies {
   double kinetic = 0, elastic = 0, plastic = 0, fracture = 0, fatigue = 0, thermal = 0, entropy = 0;
-  double momentum[3] = {0, 0, 0};
+  double momentum[3] = {0, 0, 0}, spin[3] = {0, 0, 0};
 };
 
 struct Energies {
   std::vector<MaterialEnergies> of; ///< [material]
-  MaterialEnergies total;           ///< without momentum
+  MaterialEnergies total;           ///< without the momenta
   double phi_max = 0, alpha_max = 0, theta_max = 0, theta_min = 0, fatigue_max = 0, failure_max = 0;
 };
 
@@ -37,6 +37,9 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
 /// fixed nodal displacements: with a `moved` that is 1 at the tip of a crack and 0 far away, its energy
 /// release rate (J1); committed state, per unit thickness. Collective.
 double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const std::vector<double>& moved);
+/// What inertia adds to it: int rho a . (Grad u moved), with the acceleration a of the row `a`. Collective.
+double find_inertial_release(const Discretisation& d, Vec u, const std::vector<double>& a,
+                             const std::vector<double>& moved);
 
 /// Lost in a step by the rate of damage and by the exchange of damage and flow.
 struct DamageLosses {

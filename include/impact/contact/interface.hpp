@@ -253,6 +253,7 @@ private:
   Vector summed(Vector force) const; // of all ranks' parts, likewise
   double spring_energy(double gap, const Tangential& traction) const;
   void add_energy(const Constraint& c, double& energy) const;
+  std::unique_ptr<ContactForm> curved_form(Vec at_rest) const;
   double thickness() const; // what is reported is multiplied by it
 
   const Mesh* mesh_;

@@ -75,6 +75,9 @@ struct CellKernels {
   /// Integral over the reference volume of each cell of what is given at its points. X [node][dim], values
   /// [point].
   Batch (*cell_integral)(const Batch* X, const Batch* values);
+  /// int rho a . (Grad u moved) dV, per lane (J1); u, a and moved [node][dim].
+  Batch (*inertial_release)(const PointLaw&, const Batch* X, const Batch* u, const Batch* a,
+                            const Batch* moved);
   /// What damage and flow of a step exchange with the plastic heat, per volume at each point
   /// (PointLaw::plastic_exchange). For laws that exchange anything.
   void (*plastic_exchange)(const PointLaw&, const CellFields&, Batch* points);

@@ -4,26 +4,76 @@
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/point_geometry.hpp>
 #include <impact/material/crack.hpp>
+#include <impact/math/index.hpp>
 
 /// The integrals of cell_kernels.hpp over one batch of cells.
 namespace impact {
 
-/// Kinetic energy and momentum of a mass that stands at the nodes of a second-order cell.
-template <class Cell>
+/// x cross v, of plane vectors its third component alone.
+template <int d> void add_cross(const Batch& mass, const Batch* x, const Batch* v, Batch* sum) {
+  if constexpr (d == 3)
+    for (int i = 0; i < 2; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      sum[i] += mass * (x[j] * v[k] - x[k] * v[j]);
+    }
+  sum[2] += mass * (x[0] * v[1] - x[1] * v[0]);
+}
+
+/// The place of a node.
+template <int d> std::array<Batch, d> node_place(const EnergyInput& in, int a) {
+  std::array<Batch, d> x;
+  for (int i = 0; i < d; ++i) x[at(i)] = in.u ? in.X[a * d + i] + in.u[a * d + i] : in.X[a * d + i];
+  return x;
+}
+
+/// Kinetic energy and momenta of a mass that stands at the nodes of a second-order cell.
+template <class Cell, Frame frame>
 inline void add_nodal_motion(const LumpedMass<Cell>& mass, const EnergyInput& in, EnergySums& sums) {
   constexpr int d = Cell::dim;
-  for (int a = 0; a < Cell::nodes; ++a)
+  for (int a = 0; a < Cell::nodes; ++a) {
+    const Batch m = in.mass_factor * mass.at[a];
     for (int i = 0; i < d; ++i) {
-      const Batch p = in.mass_factor * mass.at[a] * in.v[a * d + i];
+      const Batch p = m * in.v[a * d + i];
       sums.kinetic += 0.5 * (p * in.v[a * d + i]);
       sums.momentum[i] += p;
     }
+    if constexpr (frame != Frame::axisymmetric)
+      add_cross<d>(m, node_place<d>(in, a).data(), &in.v[a * d], sums.spin);
+  }
+}
+
+/// Of a point with the mass m, or of its parts at the nodes of a cell of first order.
+template <class Cell> inline void add_spin(const EnergyInput& in, int q, const Batch& m, EnergySums& sums) {
+  constexpr int d = Cell::dim;
+  const auto& N = shape_table<Cell>.N[q];
+  std::array<Batch, d> x{}, v{};
+  for (int i = 0; i < d; ++i) x[at(i)] = v[at(i)] = Batch(0.0);
+  for (int a = 0; a < Cell::nodes; ++a) {
+    const std::array<Batch, d> place = node_place<d>(in, a);
+    if (in.lumped) add_cross<d>(N[a] * m, place.data(), &in.v[a * d], sums.spin);
+    for (int i = 0; i < d; ++i) {
+      x[at(i)] += N[a] * place[at(i)];
+      v[at(i)] += N[a] * in.v[a * d + i];
+    }
+  }
+  if (!in.lumped) add_cross<d>(m, x.data(), v.data(), sums.spin);
 }
 
 /// N_a v_ai v_ai: v_i^2 of a mass that stands at the nodes.
 template <class Cell> inline Batch nodal_square(const Batch* v, int q, int i) {
   return sum<Cell::nodes>(
       [&](int a) { return shape_table<Cell>.N[q][a] * (v[a * Cell::dim + i] * v[a * Cell::dim + i]); });
+}
+
+template <class Cell, Frame frame>
+inline void add_motion(double rho, const EnergyInput& in, int q, const Batch& w, EnergySums& sums) {
+  constexpr int d = Cell::dim;
+  for (int i = 0; i < d; ++i) {
+    const Batch v = interpolate<Cell, d>(in.v, q, i);
+    sums.kinetic += (0.5 * rho) * in.mass_factor * (w * (in.lumped ? nodal_square<Cell>(in.v, q, i) : v * v));
+    sums.momentum[i] += rho * in.mass_factor * (w * v);
+  }
+  if constexpr (frame != Frame::axisymmetric) add_spin<Cell>(in, q, rho * in.mass_factor * w, sums);
 }
 
 template <class Cell, Frame frame, bool principal, class Law>
@@ -66,16 +116,11 @@ template <class Cell, Frame frame, bool principal, class Law>
     if (at_nodes)
       mass.add(q, m.rho, w);
     else if (in.v)
-      for (int i = 0; i < d; ++i) {
-        const Batch v = interpolate<Cell, d>(in.v, q, i);
-        sums.kinetic +=
-            (0.5 * m.rho) * in.mass_factor * (w * (in.lumped ? nodal_square<Cell>(in.v, q, i) : v * v));
-        sums.momentum[i] += m.rho * in.mass_factor * (w * v);
-      }
+      add_motion<Cell, frame>(m.rho, in, q, w, sums);
   }
   if (!at_nodes) return;
   mass.finish();
-  add_nodal_motion(mass, in, sums);
+  add_nodal_motion<Cell, frame>(mass, in, sums);
 }
 
 template <class Cell, Frame frame>
@@ -133,6 +178,23 @@ template <class Cell, Frame frame> Batch cell_integral(const Batch* X, const Bat
   for (int q = 0; q < Cell::points; ++q) {
     const auto g = point_geometry<Cell, frame>(X, q);
     sum += g.weight * values[q];
+  }
+  return sum;
+}
+
+template <class Cell, Frame frame>
+Batch inertial_release(const PointLaw& law, const Batch* X, const Batch* u, const Batch* a,
+                       const Batch* moved) {
+  constexpr int d = Cell::dim;
+  Batch sum = Batch(0.0);
+  for (int q = 0; q < Cell::points; ++q) {
+    const auto g = point_geometry<Cell, frame>(X, q);
+    const Tensor<Batch, d> H = gradient_of_vector<Cell, frame>(g, u);
+    for (int i = 0; i < d; ++i) {
+      Batch along = Batch(0.0);
+      for (int j = 0; j < d; ++j) along += H[d * i + j] * interpolate<Cell, d>(moved, q, j);
+      sum += (law.parameters.rho * g.weight) * (interpolate<Cell, d>(a, q, i) * along);
+    }
   }
   return sum;
 }

@@ -21,6 +21,7 @@ struct EnergySums {
   Batch kinetic = 0;             ///< int rho/2 v.v, or the sum over the nodes where the mass is lumped
   Batch mass = 0;                ///< int rho
   Batch momentum[3] = {0, 0, 0}; ///< int rho v
+  Batch spin[3] = {0, 0, 0};     ///< int rho x cross v about the origin; none of rings
 };
 
 /// Sums over the points, per lane; stored_heat adds to them.

@@ -36,6 +36,7 @@ inline constexpr CellKernels cell_kernels = {
     .stored_energy = stored_energy<Cell, frame>,
     .stored_heat = stored_heat<Cell, frame>,
     .cell_integral = cell_integral<Cell, frame>,
+    .inertial_release = inertial_release<Cell, frame>,
     .plastic_exchange = plastic_exchange<Cell, frame>,
     .unilateral_energy = unilateral_energy<Cell, frame>,
     .cell_output = cell_output<Cell, frame>,

@@ -55,7 +55,7 @@ private:
   MotionProblem& motion_;
   const Ledger& ledger_;
   const BodyRows bodies_;
-  const StateRow& v_;
+  const StateRow &v_, &a_;
   const StateRow *phi_, *load_;
   const FieldSource& source_;
   std::optional<HistoryFile> file_;

@@ -1,0 +1,46 @@
+# labels: run
+# timeout: 120
+"""Energy release rates of cracks at rest, in rings of two sizes: a slit in a long strip between grips against the energy that the strip
+has by length (Rice, J. Appl. Mech. 35, 1968), and a crack that a wave of tension meets against Freund's
+K = 2 s/(1 - nu) sqrt((1 - 2 nu) c_d t/pi) (Dynamic Fracture Mechanics, 1990), in explicit and in Newmark's steps."""
+import math
+
+import numpy
+from _runs import check, finish, mesh, run
+
+E, NU, RHO = 210e9, 0.3, 8000
+PLATE = {"mesh": mesh("edge_crack.geo"), "materials": "plate", "material_plate_E": E, "material_plate_nu": NU, "bcs": "up,down",
+         "bc_up_on": "top", "bc_down_on": "bottom", "bc_down_uy": 0, "releases": "near,wide", "release_near_inner": 0.05, "release_near_outer": 0.2,
+         "release_wide_inner": 0.2, "release_wide_outer": 0.6}
+
+
+def intensity(r, ring):
+    """sqrt(G E/(1 - nu^2)) of each row."""
+    return numpy.sqrt(numpy.abs(r["release_" + ring]) * E / (1 - NU**2))
+
+
+modulus = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
+GRIPS = {**PLATE, "mesh_set_width": 10, "mesh_set_height": 2, "mesh_set_n": 200, "bc_up_ux": 0, "bc_up_uy": 1e-5, "bc_down_ux": 0,
+         "release_near_at": "5,1", "release_wide_at": "5,1", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+# The cells at the tip miss a part of it that goes with their size.
+for n, order, part in ((100, 1, 8e-3), (200, 1, 4e-3), (200, 2, 4e-3)):
+    r = run("grips", {**GRIPS, "mesh_set_n": n, "order": order})
+    for ring in ("near", "wide") if n > 100 else ("wide",):
+        check(f"a strip between grips, {n} cells of order {order}, {ring} ring: G over the energy by length",
+              r["release_" + ring][-1] / (modulus * 1e-5**2 / (2 * 2)), 1, part)
+
+# A long slit in a strip whose upper side is pulled at once: until the wave has come back to the tip the plane is without an end.
+S = 50e6
+speed = math.sqrt(modulus / RHO)
+arrival = 2 / speed
+WAVE = {**PLATE, "mesh_set_width": 10, "mesh_set_height": 4, "mesh_set_n": 200, "material_plate_rho": RHO, "bc_up_type": "traction", "bc_up_uy": S,
+        "release_near_at": "5,2", "release_wide_at": "5,2", "ts_max_time": 2.6 * arrival}
+for name, more in (("explicit", {"ts_type": "central_difference", "ts_dt": "auto"}), ("implicit", {"ts_dt": 4e-6, "ts_newmark_rho": 0.8})):
+    r = run(name, {**WAVE, **more})
+    for since in (1.5, 2, 2.5):
+        row = abs(r["time"] - since * arrival).argmin()
+        after = r["time"][row] - arrival
+        exact = 2 * S / (1 - NU) * math.sqrt((1 - 2 * NU) * speed * after / math.pi)
+        for ring in ("near", "wide"):
+            check(f"{name}, {since} times the arrival, {ring} ring: K over Freund's", intensity(r, ring)[max(row - 4, 0):row + 5].mean() / exact, 1, 0.01)
+finish()
