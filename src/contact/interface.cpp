@@ -87,19 +87,22 @@ NodePairs ContactInterface::couplings() const {
   return rigid_nodes_.reduced(constraints_->form().couplings(), nodes());
 }
 
-std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r, Vec stiffness,
-                                                     std::vector<double>* of_bodies) const {
+std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
+                                                     StiffnessBound* bound) const {
   const std::vector<double> values = nodes().displacement(u);
   std::vector<double> f(values.size(), 0.0);
   const std::size_t m = constraints_->dim();
   const bool exact = constraints_->works_exactly();
   const double factor = exact ? 2 * scale : scale;
   Vector force{};
-  std::vector<double> stiff(stiffness ? values.size() : 0, 0.0);
+  std::vector<double> stiff(bound ? values.size() : 0, 0.0);
   const auto visitor = [&](const Constraint& c) {
     if (!c.active) return;
     add_force(c, force);
-    if (stiffness) add_stiffness_bound(c, stiff, of_bodies);
+    if (bound) {
+      add_stiffness_bound(c, stiff, bound->of_bodies);
+      bound->deepest = std::max(bound->deepest, -c.gap);
+    }
     const std::size_t n = c.gradient.size();
     for (std::size_t i = 0; i < n; ++i)
       f[constraints_->dof(c.node[i / m], i % m)] -= factor * c.weight * c.pressure * c.gradient[i];
@@ -110,16 +113,16 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
   };
   constraints_->visit(values, Derivatives::first, visitor, constraints_->pressing());
   nodes().exchange.add(f, r);
-  if (stiffness) nodes().exchange.add(stiff, stiffness);
+  if (bound) nodes().exchange.add(stiff, bound->of_nodes);
   if (exact) check(VecAXPY(r, -scale, last_force_));
   return force;
 }
 
 void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
-                                           std::vector<double>* of_bodies) const {
+                                           std::vector<double>& of_bodies) const {
   const std::size_t m = constraints_->dim(), nodes = c.gradient.size() / m;
   const auto body_at = [&](std::size_t i) {
-    return of_bodies == nullptr || rigid_nodes_.empty() ? -1 : rigid_nodes_.body(c.node[i]);
+    return rigid_nodes_.empty() ? -1 : rigid_nodes_.body(c.node[i]);
   };
   const auto size = [&](std::size_t node) {
     double square = 0;
@@ -142,7 +145,7 @@ void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<doub
     if (const int body = body_at(i); body < 0)
       for (std::size_t k = 0; k < m; ++k) stiff[constraints_->dof(c.node[i], k)] += stiffness * size(i);
     else if (is_first_of_body(i))
-      (*of_bodies)[at(body)] += stiffness * push_on_body(c, body);
+      of_bodies[at(body)] += stiffness * push_on_body(c, body);
   }
 }
 

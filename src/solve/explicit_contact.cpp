@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/field_solver.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/solve/explicit_contact.hpp>
 
 namespace impact {
@@ -24,6 +26,7 @@ void ExplicitContact::expose(Vec u) {
 void ExplicitContact::find_forces(Vec u, Vec force) {
   check(VecSet(force, 0));
   if (stiffness_) check(VecSet(stiffness_, 0));
+  deepest_ = 0;
   std::fill(on_bodies_.begin(), on_bodies_.end(), 0.0);
   add_forces(u, false, force);
 }
@@ -33,8 +36,10 @@ void ExplicitContact::add_forces(Vec u, bool by_impulse, Vec force) {
   for (const ContactInterface& contact : motion_.contacts()) {
     if (contact.by_impulse() == by_impulse) {
       check(VecSet(known->residual, 0));
-      known->part = by_impulse ? contact.add_residual(u, 1, known->residual)
-                               : contact.add_residual(u, 1, known->residual, stiffness_, &on_bodies_);
+      StiffnessBound bound{stiffness_, on_bodies_};
+      known->part = contact.add_residual(u, 1, known->residual, by_impulse ? nullptr : &bound);
+      if (!contact.settings().rigid() && !contact.settings().exposed)
+        deepest_ = std::max(deepest_, bound.deepest / contact.search().range());
       check(VecAXPY(force, -1, known->residual));
     }
     ++known;
@@ -42,11 +47,24 @@ void ExplicitContact::add_forces(Vec u, bool by_impulse, Vec force) {
 }
 
 double ExplicitContact::frequency_at_work() {
-  double largest = 0;
-  if (forces_.empty()) return largest;
+  if (forces_.empty()) return 0;
   check(VecPointwiseDivide(stiffness_, stiffness_, motion_.lumped_mass()));
-  check(VecMax(stiffness_, nullptr, &largest));
-  return largest;
+  std::array<double, 2> most = {0, deepest_};
+  const Entries squares(stiffness_);
+  const PetscInt count = Get(VecGetLocalSize)(stiffness_);
+  for (PetscInt i = 0; i < count; ++i) most[0] = std::max(most[0], squares[i]);
+  const MPI_Comm comm = motion_.discretisation().mesh.comm();
+  max_over_ranks(comm, most);
+  constexpr double unseen = 0.6; // part of `range` from which on facets are lost: half of one
+  if (most[1] > 0.9 * unseen && !told_) {
+    told_ = true;
+    check(PetscPrintf(
+        comm,
+        "impact: WARNING: a contact is as deep as surfaces are seen in each other, half of a facet; what "
+        "goes deeper passes through: take a larger -contact_<id>_penalty, shorter steps (-ts_dt_cfl) "
+        "or -contact_<id>_enforce impulse\n"));
+  }
+  return most[0];
 }
 
 void ExplicitContact::add_impulses(const Motion& now, Vec inverse_mass, Vec force, Vec a) {

@@ -102,7 +102,10 @@ void ExplicitContact::add_load_on_obstacle(const ContactInterface& contact, cons
 
 // With dt = s dt_e, dt_e the stable step of the cells, dt^2 (4/dt_e^2 + w^2) <= 4 leaves w^2 = 4 (1 -
 // s^2)/dt^2 to the contacts. Shorter steps than 0.8 dt_e resolve that one better, and do not make it stiffer.
-void ExplicitContact::set_penalties(double longest_of_cells, double cfl) {
+// Where what meets compresses by much, at velocities V not far below that of sound, a penalty as stiff as the
+// cells would give way by more than is seen: by V dt_e s^2/2(1 - s^2) (1 + V dt_e/h) under the pressure of a
+// shock that grows with 1.5 V/2. A fifth of the depth that is seen is what it may.
+void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v) {
   ContactSet& contacts = motion_.contacts();
   const MPI_Comm comm = motion_.discretisation().mesh.comm();
   std::vector<Loads> each;
@@ -120,10 +123,48 @@ void ExplicitContact::set_penalties(double longest_of_cells, double cfl) {
     for (std::size_t b = 0; b < total.bodies.size(); ++b)
       if (each[c].bodies[b] > 0) largest = std::max(largest, total.bodies[b]);
     largest = max_over_ranks(comm, largest);
-    if (contact.settings().automatic_penalty && !contact.by_impulse() && largest > 0)
-      contact.set_penalty(budget / largest);
+    if (contact.settings().automatic_penalty && !contact.by_impulse() && largest > 0) {
+      const double way = closing(contact, v) * longest_of_cells; // in depths
+      const double give = way * s * s / (2 * (1 - s * s)) * (1 + way);
+      contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth));
+    }
     ++c;
   }
+}
+
+// By the range of the velocities along each axis over both sides: what flies with both does not count.
+double ExplicitContact::closing(const ContactInterface& contact, const std::vector<double>& v) const {
+  const Mesh& mesh = motion_.discretisation().mesh;
+  if (contact.settings().rigid()) return 0; // seen at any depth
+  const auto dim = at(mesh.dim());
+  std::array<double, 6> most;
+  most.fill(-HUGE_VAL);
+  for (const std::string& side : {contact.settings().secondary, contact.settings().primary})
+    for (int node : mesh.nodes(side))
+      for (std::size_t k = 0; k < dim; ++k) {
+        const double speed = v[dim * at(node) + k];
+        most[2 * k] = std::max(most[2 * k], speed);
+        most[2 * k + 1] = std::max(most[2 * k + 1], -speed);
+      }
+  max_over_ranks(mesh.comm(), most);
+  double square = 0;
+  for (std::size_t k = 0; k < dim; ++k)
+    square += (most[2 * k] + most[2 * k + 1]) * (most[2 * k] + most[2 * k + 1]);
+  return std::sqrt(square) / contact.search().range();
+}
+
+double ExplicitContact::closing(const std::vector<double>& v) const {
+  double most = 0;
+  for (const ContactInterface& contact : motion_.contacts()) most = std::max(most, closing(contact, v));
+  return most;
+}
+
+double ExplicitContact::closing_in(double dt) const {
+  double most = 0;
+  for (const ContactInterface& contact : motion_.contacts())
+    if (!contact.settings().rigid())
+      most = std::max(most, contact.search().motion() / contact.search().range());
+  return most / dt;
 }
 
 double ExplicitContact::frequency() {

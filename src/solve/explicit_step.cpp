@@ -43,11 +43,12 @@ void ExplicitStep::start(Vec u, Vec v) {
   for (std::size_t i = 0; i < before.size(); ++i) before[i] -= dt * speed[i];
   if (settings_.scaled_step > 0) scale_mass(u, before, dt);
   dt = motion_.stable_step(u, before, dt, settings_.bulk);
-  row_.committed = row_.trial = {dt, 1, 1, 0};
+  row_.committed = row_.trial = {dt, 1, 1, 0, contacts_.closing(speed)};
   first_step_ = dt;
   bodies_.start(u, v);
   bodies_.resume();
-  contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl);
+  contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl,
+                          speed);
 }
 
 void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double dt) {
@@ -92,7 +93,9 @@ double ExplicitStep::longest() {
   const double dt = row_.committed[of_cells],
                cells = settings_.cfl * dt * (settings_.cfl == 1 ? 1 + rounding : 1);
   const double square = std::max(contacts_.frequency(), row_.committed[of_penalties]);
-  const double steps = std::min(cells, bodies_.longest());
+  const double closing = row_.committed[of_closing],
+               approach = closing > 0 ? ExplicitContact::part_of_depth / closing : HUGE_VAL;
+  const double steps = std::min({cells, bodies_.longest(), approach});
   if (square == 0) return steps;
   const double with_contacts = 2 / std::sqrt(4 / (dt * dt) + square);
   return std::min(steps, std::isfinite(dt) ? with_contacts : settings_.cfl * with_contacts);
@@ -190,6 +193,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   const MotionStep& step = motion_.step();
   bodies_.move(step.dt, u);
   motion_.update_contact(u);
+  row_.trial[of_closing] = contacts_.closing_in(step.dt);
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;
   if (erosion_ != nullptr && erosion_->remove(motion_.inverted()) &&
       !motion_.advance(u, sums, heat, forces_.internal))

@@ -110,4 +110,24 @@ runs.check("hot shock: balance of the first law", abs(run["balance_first_law"]).
 log = runs.run("beyond", {**PRESS, "bc_push_ux": "-0.75*t", "ts_dt": 1}, code=None).log
 runs.require("a cell beyond the end of the law is named", "cell compressed beyond the end of its equation of state (J=" in log)
 runs.require("there is no nan in the log", " nan" not in log)
+# Two plates of copper meet by explicit steps: up to 6 km/s by the defaults of contact and steps, with half of the velocity behind the
+# shock and the pressure of the Hugoniot, U = c_0 + s u. Steps and penalties that know nothing of the velocity ended the run, or let the
+# plates pass through each other.
+FLYER = {"units": "mm_t_s_MPa", "mesh": runs.mesh("bar.geo"), "mesh_set_length": 2, "mesh_set_second_length": 4, "mesh_set_n": 100, "mesh_set_n_second": 200,
+         "mesh_set_width": 0.02, "mesh_set_gap": 1e-6, "materials": "flyer,target", "material_flyer_region": "bar", "material_flyer_model": "j2",
+         "material_flyer_sigma_y": 100, "material_flyer_G": 47700, "material_flyer_rho": 8.93e-9, "material_flyer_eos": "mie_grueneisen",
+         "material_flyer_eos_c0": 3.94e6, "material_flyer_eos_s": 1.489, "material_target_like": "flyer", "material_target_region": "second_bar",
+         "bcs": "sides", "bc_sides_on": "bar_sides,second_sides", "bc_sides_uy": 0, "ics": "flight", "ic_flight_on": "bar", "contacts": "face",
+         "contact_face_secondary": "bar_right", "contact_face_primary": "second_left", "ts_type": "central_difference", "ts_bulk_viscosity_linear": 0.06,
+         "ts_bulk_viscosity_quadratic": 1.2, "ts_max_time": 1.8e-7, "outputs": "hist", "output_hist_type": "csv", "output_hist_every": 1, "probes": "p",
+         "probe_p_at": "2.6,0.01", "probe_p_on": "second_bar", "probe_p_fields": "v,stress"}
+for speed in (2, 4, 6):
+    for enforce in ("penalty", "impulse"):
+        r = runs.run("flyer", {**FLYER, "ic_flight_vx": f"{speed} km/s", "contact_face_enforce": enforce})
+        runs.check(f"flyer at {speed} km/s, {enforce}: velocity behind the shock", r["probe_p_vx"][-1] / (speed * 1e6), 0.5, 0.01)
+        pressure = 8.93e-9 * (3.94e6 + 1.489 * speed / 2 * 1e6) * speed / 2 * 1e6  # and 2/3 of the yield stress beside 49 to 226 GPa
+        runs.check(f"flyer at {speed} km/s, {enforce}: stress", -r["probe_p_stress_xx"][-1] / pressure, 1, 0.015)
+        runs.require("and nothing is said of depths", "as deep as" not in r.log)
+deep = runs.run("deep", {**FLYER, "ic_flight_vx": "6 km/s", "contact_face_penalty": 1e7})
+runs.require("a penalty that lets one body pass through the other says so", "WARNING: a contact is as deep as surfaces are seen" in deep.log)
 runs.finish()

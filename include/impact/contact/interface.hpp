@@ -87,6 +87,13 @@ struct ContactReach {
   bool presses = false;
 };
 
+/// How stiff the penalties at work are, and how deep this rank's active constraints lie; see add_residual.
+struct StiffnessBound {
+  Vec of_nodes;
+  std::vector<double>& of_bodies; ///< [rigid body]
+  double deepest = 0;
+};
+
 /// More functions and members than usual: the face of one contact towards the solution of a step, the heat
 /// that passes it, the ledger and the output, in front of the parts that do the work. What concerns one part
 /// alone is asked of that part. Functions that take a Vec, and those that say so, are collective.
@@ -152,13 +159,12 @@ public:
   long searches() const { return searches_; }
 
   /// r += scale f, f = -int p dg dA_0 (a residual: minus the force on the bodies). Returns the force on the
-  /// secondary side by this rank's constraints. With `stiffness` also, at the dofs of each node i, the sum
+  /// secondary side by this rank's constraints. With a `bound` also, at the dofs of each node i, the sum
   /// over the active constraints of w eps |dg_i| sum_j |dg_j|: no eigenvalue of the penalties' stiffness,
   /// over the masses of the nodes, is larger than the largest of these over them. Nodes of a rigid body count
-  /// as one, whose sum goes into `of_bodies`, [body]; |dg_i| is there that by translation and rotation, in
-  /// the norm of inertia over mass.
-  std::array<double, 3> add_residual(Vec u, double scale, Vec r, Vec stiffness = nullptr,
-                                     std::vector<double>* of_bodies = nullptr) const;
+  /// as one, whose sum goes into `of_bodies`; |dg_i| is there that by translation and rotation, in the norm
+  /// of inertia over mass.
+  std::array<double, 3> add_residual(Vec u, double scale, Vec r, StiffnessBound* bound = nullptr) const;
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
   /// whose forces stand along the gradients at its middle.
   void add_tangent(Vec u, double scale, Mat K) const;
@@ -247,7 +253,7 @@ private:
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
   void add_force(const Constraint& c, Vector& force) const;
   void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
-                           std::vector<double>* of_bodies) const;
+                           std::vector<double>& of_bodies) const;
   double push_on_body(const Constraint& c, int body) const;
   Vector total_force(Vec u) const;   // on the secondary side, not times the thickness. Collective
   Vector summed(Vector force) const; // of all ranks' parts, likewise

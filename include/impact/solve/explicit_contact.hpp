@@ -10,10 +10,20 @@ namespace impact {
 
 class ExplicitContact {
 public:
+  /// Of the depth at which facets are seen, by which the sides of a contact may approach each other in a step
+  /// and a penalty may give way.
+  static constexpr double part_of_depth = 0.2;
+
   explicit ExplicitContact(MotionProblem& motion);
 
-  /// Automatic penalties where cells allow steps of this length, of which `cfl` is used. Collective.
-  void set_penalties(double longest_of_cells, double cfl);
+  /// Automatic penalties where cells allow steps of this length, of which `cfl` is used, and the nodes have
+  /// the velocities v. Collective.
+  void set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v);
+  /// Largest quotient of the velocity at which the sides of a contact approach each other and the depth at
+  /// which its facets are seen: at the start, by the velocities v of the nodes; and over the step dt that the
+  /// contacts have been updated for, by the ways of both sides. Collective; without a reduction.
+  double closing(const std::vector<double>& v) const;
+  double closing_in(double dt) const;
   /// Square of the frequency of a whole surface on its penalties that meets one like it, 0 without any.
   /// Collective when called first, and after an exposure.
   double frequency();
@@ -45,6 +55,7 @@ private:
     void add(const Loads& other, double factor);
     double largest() const;
   };
+  double closing(const ContactInterface& contact, const std::vector<double>& v) const;
   Loads no_loads() const;
   Loads loads(const ContactInterface& contact);
   void add_load_on_obstacle(const ContactInterface& contact, const std::vector<double>& area,
@@ -64,6 +75,8 @@ private:
   double frequency_ = -1;            // negative: not known yet
   Handle<Vec> stiffness_;            // of penalties at work
   std::vector<double> on_bodies_;
+  double deepest_ = 0; // of the last forces, in depths at which facets are seen
+  bool told_ = false;
 };
 
 } // namespace impact

@@ -60,8 +60,9 @@ private:
   void tell_of_collapse(double dt);
 
   /// Components of the row "stable_step": that of the cells; steps between two looks at them, and until the
-  /// next; bound of the square of the frequencies by penalties at work, on their own.
-  enum { of_cells, interval, left, of_penalties, components };
+  /// next; bound of the square of the frequencies by penalties at work, on their own;
+  /// ExplicitContact::closing.
+  enum { of_cells, interval, left, of_penalties, of_closing, components };
   TS ts_;
   MotionProblem& motion_;
   StateTable& state_;
