@@ -209,9 +209,10 @@ Frame frame_of(PlaneMode plane) {
                                           : Frame::plane_strain;
 }
 
-// Every pair is looked at in each residual and couples its nodes in the matrix.
-void report_pairs(const ContactInterface& contact, MPI_Comm comm) {
-  constexpr double many = 30;
+// Every pair is looked at in each residual and couples its nodes in the matrix. In space some forty are in
+// reach of facets of one size.
+void report_pairs(const ContactInterface& contact, int dim, MPI_Comm comm) {
+  const double many = dim == 2 ? 30 : 100;
   const double pairs = contact.search().pairs_per_facet();
   if (contact.settings().rigid() || pairs == 0) return;
   const std::string& id = contact.id();
@@ -274,7 +275,8 @@ std::unique_ptr<Setup> build_setup(MPI_Comm comm, const Scenario& s, std::option
       check(PetscPrintf(comm, "impact: %s\n", warning.c_str()));
   adjust_initial_overlaps(s, obstacles, setup);
   if (s.has_motion()) refuse_deep_overlaps(setup->discretisation, setup->contacts);
-  for (const ContactInterface& contact : setup->contacts) report_pairs(contact, comm);
+  for (const ContactInterface& contact : setup->contacts)
+    report_pairs(contact, setup->discretisation.dim(), comm);
   if (s.has_motion() && !s.has_inertia())
     for (const std::string& warning :
          require_held_bodies(setup->discretisation, setup->boundary, setup->contacts, setup->rigid))

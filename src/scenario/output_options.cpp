@@ -94,6 +94,8 @@ OptionClass<OutputScenario> output_class() {
   row.numbers("times", &Output::times, "s", not_negative, "times that are hit exactly and written");
   row.text("file", &Output::file, "file name", "name below -output_dir")
       .otherwise("<id>.xdmf, history.csv")
+      .refused([](const Output& output) { return output.file.front() == '/'; },
+               "is an absolute path; allowed: a name below -output_dir")
       .refused([](const Output& output, const Scenario& s) { return rival(output, s) != nullptr; },
                [](const Output& output, const Scenario& s) {
                  return "is written by output " + rival(output, s)->id + " already; choose another name";

@@ -30,8 +30,8 @@ bool exchanges(const Discretisation& d) {
 
 Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings,
                    const SolverDefaults& defaults, bool stabilise_contact)
-    : ts_(ts), fields_(fields), settings_(settings), solver_(ts, fields.motion, defaults, settings),
-      augmentation_(ts, fields.motion, solver_),
+    : ts_(ts), fields_(fields), settings_(settings),
+      solver_(ts, fields.motion, defaults, settings, fields.state), augmentation_(ts, fields.motion, solver_),
       update_(ts, fields.motion, solver_, fields.state,
               stabilise_contact && !fields.motion.contacts().empty(),
               integrator_of(ts).inertia && !integrator_of(ts).is_explicit() && has_unilateral_stress(fields)),

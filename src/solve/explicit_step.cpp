@@ -73,14 +73,18 @@ void ExplicitStep::resume() {
 void ExplicitStep::tell_of_collapse(double dt) {
   if (dt >= collapsed * first_step_) return;
   first_step_ = 0;
+  const bool spreads = settings_.bulk.linear > 0 || settings_.bulk.quadratic > 0;
   check(PetscPrintf(
       motion_.discretisation().mesh.comm(),
       "impact: the stable step has fallen to %.3g, less than a hundredth of the first one, by the cell at "
-      "%s: "
+      "%s: %s"
       "let cells leave that deform so far (-material_<id>_erosion with _erosion_strain, _J, _stretch or "
       "_step; where damage acts only those leave by the last three that are broken by _erosion_phi at "
       "_erosion_points of their points)\n",
-      dt, motion_.slowest_cell().c_str()));
+      dt, motion_.slowest_cell().c_str(),
+      spreads ? ""
+              : "shocks want a bulk viscosity (-ts_bulk_viscosity_linear 0.06 -ts_bulk_viscosity_quadratic "
+                "1.2); "));
 }
 
 // Where nothing deforms the steps are those that were asked for, or what penalties allow.

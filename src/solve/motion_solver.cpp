@@ -30,8 +30,10 @@ LooseBodies loose_bodies(TS ts, MotionProblem& motion) {
 } // namespace
 
 MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults,
-                           const CouplingScenario& settings)
+                           const CouplingScenario& settings, StateTable& state)
     : ts_(ts), motion_(motion), loose_(loose_bodies(ts, motion)), hooks_(ts, motion, loose_, reuse_),
+      defaults_(defaults), settings_(settings),
+      factors_(state.add({"motion_factors", Support::global, 1}, 1)),
       residual_(motion.discretisation().displacement.make_global()),
       start_(motion.discretisation().displacement.make_global()) {
   check(SNESCreate(motion_.discretisation().mesh.comm(), snes_.out()));
@@ -44,7 +46,7 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.install(snes_);
-  choose_reuse(settings);
+  choose_reuse();
 }
 
 // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish. Stiff
@@ -63,14 +65,14 @@ SNESLineSearchType MotionSolver::line_search() const {
 // Within a Krylov method the tangent is that of the iterate, and what factorises or coarsens serves on. It
 // costs about 15 of its applications (MUMPS in the plane, 2.5e5 dofs: 1.8 s and 0.12 s; GAMG in space, 3e4
 // dofs: 0.22 s and 0.017 s), 8 where it factorises the upper half (0.44 s and 0.07 s).
-void MotionSolver::choose_reuse(const CouplingScenario& settings) {
+void MotionSolver::choose_reuse() {
   const KSP ksp = Get(SNESGetKSP)(snes_);
   const PC pc = Get(KSPGetPC)(ksp);
   const bool krylov = !has_type(ksp, KSPPREONLY),
              steady = !motion_.contacts().demands().closes_gaps && loose_.empty();
   const bool factors = has_type(pc, PCLU, PCCHOLESKY),
              costly = factors || has_type(pc, two_level_type, PCGAMG, PCML, PCHYPRE, PCMG);
-  const double tangent = settings.reuse_tangent, preconditioner = settings.reuse_preconditioner;
+  const double tangent = settings_.reuse_tangent, preconditioner = settings_.reuse_preconditioner;
   reuse_ = TangentReuse(tangent >= 0 ? tangent : !krylov && factors && steady ? 0.1 : 0);
   hooks_.preconditioner = PreconditionerReuse(!krylov                    ? 0
                                               : preconditioner >= 0      ? preconditioner
@@ -138,7 +140,35 @@ void MotionSolver::begin_attempt(PetscInt number) {
   number_ = number;
   reuse_.forget();
   cell_broke_ = false;
+  use_factors(factors_.committed[0] > 0);
   loose_.start_attempt();
+}
+
+void MotionSolver::use_factors(bool use) {
+  if (use == by_factors_) return;
+  by_factors_ = use;
+  SolverDefaults now = defaults_;
+  if (use) now.method = LinearMethod::factors;
+  check(SNESKSPSetUseEW(snes_, PETSC_FALSE));
+  set_motion_solver(snes_, now, line_search(), false);
+  hooks_.install(snes_);
+  choose_reuse();
+  forget_factors();
+}
+
+bool MotionSolver::fall_back_on_factors(Vec u) {
+  const bool shell = motion_.jacobian() != motion_.matrix();
+  if (by_factors_ || shell || cell_broke_ || !may_factorise(motion_.discretisation(), defaults_))
+    return false;
+  check(PetscPrintf(
+      motion_.discretisation().mesh.comm(),
+      "impact: %s does not solve the motion: factors take its place from here on, in restarts too\n",
+      linear_solver_text(snes_).c_str()));
+  factors_.trial[0] = 1;
+  use_factors(true);
+  restart(u);
+  motion_.contacts().start_newton(u);
+  return true;
 }
 
 Handle<Vec> MotionSolver::imposed(Vec u) {
@@ -255,6 +285,7 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     hooks_.conduct.watched = contact && other_way;
     hooks_.conduct.follows_sliding = true;
     reason = newton(u, most);
+    if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors(u)) reason = newton(u, most);
     hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
   }
   // Full steps after sets of gaps that change may leave where cells are sound.

@@ -130,12 +130,21 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   };
   choice.symmetric = iterates() && !slides;
   if (!ksp.empty()) choice.symmetric = ksp == KSPCG || ksp == KSPMINRES;
-  if (!ksp.empty() || !pc.empty()) choice.reason = "chosen by options";
+  choice.chosen = !ksp.empty() || !pc.empty();
+  if (choice.chosen) choice.reason = "chosen by options";
   if (tangent != TangentChoice::automatic) choice.symmetric = tangent == TangentChoice::symmetric;
   // Products and assembly of the half take less than half the time of a run with conjugate gradients.
   const bool half = iterates() && ksp.empty() && pc.empty() && choice.symmetric && !demands.unsymmetric;
   choice.matrix = matrix.value_or(half ? MatrixFormat::sbaij : MatrixFormat::aij);
   return choice;
+}
+
+bool may_factorise(const Discretisation& d, const SolverDefaults& defaults) {
+  const bool iterates = defaults.method == LinearMethod::multigrid ||
+                        defaults.method == LinearMethod::two_level ||
+                        defaults.method == LinearMethod::diagonal;
+  return iterates && !defaults.chosen &&
+         d.mesh.global_node_count() * d.dim() <= (d.dim() == 2 ? 1500000 : 300000);
 }
 
 void set_motion_solver(SNES snes, const SolverDefaults& defaults, SNESLineSearchType search, bool shell) {

@@ -8,8 +8,9 @@
 
 /// Newton's method for the motion at a given phi and theta: SNES `motion_` on
 ///   R(u, a(u)) = 0,   K du = -R,   K = dR/du + mass_shift M        (105), (106)
-/// with a(u) from the integrator of the TS. It takes the first iteration of a step at its guess, keeps a
-/// factorised tangent while that serves, and tries once more with backtracking where iterates go in circles
+/// with a(u) from the integrator of the TS. Where an iterative linear solver of ours fails, factors take its
+/// place from that step on (row `motion_factors`). It takes the first iteration of a step at its guess, keeps
+/// a factorised tangent while that serves, and tries once more with backtracking where iterates go in circles
 /// (theory.md, 7).
 namespace impact {
 
@@ -23,8 +24,8 @@ public:
     long second_ways = 0;            ///< solves of this run that were tried once more
   };
   /// The references must outlive the solver, but for `settings`. Throws UserError(usage). Collective.
-  MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults,
-               const CouplingScenario& settings);
+  MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& defaults, const CouplingScenario& settings,
+               StateTable& state);
 
   /// Forgets what another attempt left, matrix factors among it: a resumed run has none from there.
   void begin_attempt(PetscInt number);
@@ -64,7 +65,9 @@ private:
   void residual(SNES, Vec u, Vec f);
   void tangent(SNES, Vec u, Mat, Mat);
   SNESLineSearchType line_search() const;
-  void choose_reuse(const CouplingScenario& settings);
+  void choose_reuse();
+  void use_factors(bool use);
+  bool fall_back_on_factors(Vec u);
   bool first_iteration(Vec u, Vec ahead, double part);
   void add_jump(Vec u, Vec ahead, double part, Vec r);
   bool linear_step(Vec u, Vec r, Vec step);
@@ -79,6 +82,10 @@ private:
   TangentReuse reuse_{0};
   NewtonHooks hooks_;
   Handle<SNES> snes_;
+  SolverDefaults defaults_;
+  CouplingScenario settings_;
+  StateRow& factors_; // 1: in the place of the iterative solver
+  bool by_factors_ = false;
   Handle<Vec> residual_, start_;
   PetscReal rtol_ = 0; // as the options say
   Counts counts_;

@@ -32,6 +32,7 @@ struct SolverDefaults {
   double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
   std::string reason;
+  bool chosen = false; ///< by options
 };
 /// What forces other than those of the cells ask of the linear solver.
 struct SolverDemands {
@@ -44,6 +45,10 @@ struct SolverDemands {
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
                              double dt, SolverDemands demands = {},
                              std::optional<MatrixFormat> matrix = std::nullopt);
+
+/// Whether an iterative solver that nobody asked for may give way to factors where it fails: up to 3e5 dofs
+/// in space, where they take 6 GB, and 1.5e6 in the plane.
+bool may_factorise(const Discretisation& discretisation, const SolverDefaults& defaults);
 
 /// Gives the motion's solver its defaults and reads its options. `search`: basic for full steps;
 /// `shell`: its matrix is one, whose preconditioner sees the bulk alone. Throws UserError(usage) for choices
