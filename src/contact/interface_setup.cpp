@@ -192,9 +192,11 @@ InitialOverlapReport ContactInterface::initial_overlap() {
   const std::array<double, 3>& where = deepest.where;
   report.deepest = deepest.depth;
   report.shift = layout_->make_local();
-  const bool forbidden =
-      settings_.initial == InitialOverlap::error ||
-      (settings_.initial == InitialOverlap::adjust && report.deepest > settings_.initial_tol);
+  // Facets of second order follow a round surface to some 1e-5 of their length: less than the tolerance is
+  // theirs.
+  const bool refuses = settings_.initial == InitialOverlap::error,
+             forbidden = settings_.initial != InitialOverlap::allow &&
+                         (report.deepest > settings_.initial_tol || (refuses && mesh_->order() == 1));
   if (report.deepest > 0 && forbidden)
     throw UserError(ExitCode::data, "contact " + settings_.id + ": `" + settings_.secondary + "` overlaps `" +
                                         settings_.primary + "` by " + contact_number(report.deepest) +

@@ -151,7 +151,8 @@ void add_detection(ContactRows& rows) {
              "adjust", InitialOverlap::adjust, "error", InitialOverlap::error, "allow",
              InitialOverlap::allow);
   row.number("initial_tol", &Contact::initial_tol, "m", or_auto(not_negative),
-             "deepest overlap that is moved apart; auto: 1e-3 of the secondary facet");
+             "deepest overlap that is moved apart, or of curved facets counts as none; auto: 1e-3 of the "
+             "secondary facet");
   row.choice(
          "impact", &Contact::impact,
          "treatment of the shock at touch; auto: stabilised, but none where another contact is conserving "

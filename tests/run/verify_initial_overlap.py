@@ -93,4 +93,28 @@ skin = {k: v for k, v in PILE.items() if k != "contact_second_initial"}
 one = run("one", {**skin, "mesh_set_skin": 1, "contacts": "floor,first", "contact_floor_secondary": "skin",
                   "contact_first_secondary": "skin", "contact_first_primary": "skin"}, files=["pile_one.opts"])
 require("a pile under one name: both contacts move nodes", [c for c, _, _ in moved(one)] == ["floor", "first"])
+
+# Faces of second order touch by their curves: a pin that touches its hole overlaps nothing, one that stands 0.01 in it does by that.
+with open("pin.geo", "w") as file:
+    file.write("""SetFactory("OpenCASCADE"); DefineConstant[h = 2.5, deep = 0]; R = 10.1; e = 1e-3;
+Box(1) = {-15, -15, 0, 30, 30, 3}; Cylinder(2) = {0, 0, -1, 0, 0, 5, R}; BooleanDifference(3) = {Volume{1}; Delete;}{Volume{2}; Delete;};
+Cylinder(4) = {-0.1 - deep, 0, -1, 0, 0, 5, 10};
+hole[] = Surface In BoundingBox{-R - e, -R - e, -e, R + e, R + e, 3 + e};
+pin[] = Boundary{ Volume{4}; }; ends[] = Surface In BoundingBox{-12, -12, -1 - e, 12, 12, -1 + e}; ends[] += Surface In BoundingBox{-12, -12, 4 - e, 12, 12, 4 + e};
+For i In {0:#pin[]-1}
+  pin[i] = Abs(pin[i]);
+EndFor
+pin[] -= ends[];
+Physical Volume("plate") = {3}; Physical Volume("pin") = {4}; Physical Surface("hole") = {hole[]}; Physical Surface("shank") = {pin[]};
+Mesh.MeshSizeMin = h; Mesh.MeshSizeMax = h;
+""")
+PIN = {"mesh": "pin.geo", "order": 2, "materials": "plate,pin", "material_plate_E": 7e4, "material_plate_nu": 0.3, "material_pin_like": "plate", "bcs": "hold",
+       "bc_hold_on": "plate,pin", "bc_hold_type": "fix", "contacts": "face", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1,
+       "dry_run": "on"}
+for secondary, primary in (("hole", "shank"), ("shank", "hole")):
+    pin = {**PIN, "contact_face_secondary": secondary, "contact_face_primary": primary}
+    run("touches", pin)
+    deep = run("deep", {**pin, "mesh_set_deep": 0.01}, code=3)
+    depth = float(re.search(r"overlaps `\w+` by (\S+)", deep.log).group(1))
+    check(f"a pin 0.01 in its hole, {secondary} secondary: depth", depth, 0.01, 0.1)
 finish()
