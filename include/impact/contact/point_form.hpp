@@ -93,11 +93,17 @@ public:
 
 private:
   void release() override { std::fill(holds_.begin(), holds_.end(), Hold()); }
-  // A secondary facet at coordinates.
+  struct Ball {
+    Place centre{};
+    double radius = 0;
+  };
+  // A secondary facet at coordinates. Those of its points that look around share what they find about its
+  // candidates in `balls`, where there is room for it: empty until the first one has.
   struct Facet {
     int number = 0;
     Nodes node{};
     Place normal{}; // of a straight one
+    std::vector<Ball>* balls = nullptr;
   };
   // What a point is tied to: a candidate by its place in the list, -1: not there, and by its nodes.
   struct Hold {
@@ -121,9 +127,11 @@ private:
     std::vector<double> gradient, slip_gradient; // [node][dim], [direction][node][dim]
   };
 
-  Facet facet_at(int number, const ContactValues& x) const {
+  Facet facet_at(int number, const ContactValues& x, std::vector<Ball>* balls = nullptr) const {
     Facet facet;
     facet.number = number;
+    facet.balls = balls;
+    if (balls != nullptr) balls->clear();
     facet.node = corners_at<Nodes>(secondary_slots(number), x);
     if constexpr (!Geometry::curved) facet.normal = Geometry::normal(facet.node);
     return facet;

@@ -149,10 +149,11 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
                                 const ConstraintFilter& wanted) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
+  std::vector<Ball> balls;
   for (int f = 0; f < secondary_.count(); ++f) {
     if (rigid() && wanted && is_far_off(f, corners_at<Nodes>(secondary_slots(f), x), obstacle, wanted))
       continue;
-    const Facet facet = facet_at(f, x);
+    const Facet facet = facet_at(f, x, &balls);
     double stretch = 0; // of facets that face something
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);

@@ -20,8 +20,9 @@ template <class G> void PointForm<G>::anchor(Vec u) {
 template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
   const ContactValues& x = nodes().start;
   anchoring_ = true;
+  std::vector<Ball> balls;
   for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
+    const Facet facet = facet_at(f, x, &balls);
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
       Anchor& anchor = anchors_[number];
