@@ -225,12 +225,13 @@ void report_pairs(const ContactInterface& contact, int dim, MPI_Comm comm) {
         id.c_str(), many, id.c_str(), contact.settings().search_radius));
 }
 
-// Whether bodies are heated or cooled by more than what they do themselves: suddenly, as a rule. Of the heat
-// of flow lumping takes the peaks off (3 % in the cells of a Taylor bar; src/theory.md, heat).
+// Whether bodies are heated or cooled by more than what they do to themselves and to each other: suddenly, as
+// a rule. Of the heat of flow and cracks lumping takes the peaks off (src/theory.md, heat).
 bool heat_enters(const Scenario& s) {
   return std::any_of(s.bcs.begin(), s.bcs.end(), [](const auto& bc) { return is_thermal(bc.type); }) ||
          std::any_of(s.ics.begin(), s.ics.end(), [](const auto& ic) { return ic.theta.has_value(); }) ||
-         std::any_of(s.contacts.begin(), s.contacts.end(), [](const auto& c) { return c.conductance > 0; });
+         std::any_of(s.contacts.begin(), s.contacts.end(),
+                     [](const auto& c) { return c.temperature.has_value(); });
 }
 
 } // namespace
