@@ -242,7 +242,20 @@ std::optional<Literal> split_literal(std::string_view text) {
   return Literal{text.substr(0, length), trim(text.substr(length))};
 }
 
+namespace {
+
+// "(-1)" as "-1": what begins with a minus needs brackets, or PETSc takes it for an option.
+std::string_view without_brackets(std::string_view text) {
+  text = trim(text);
+  const bool enclosed = text.size() > 2 && text.front() == '(' &&
+                        text.find_first_of("()", 1) + 1 == text.size() && text.back() == ')';
+  return enclosed ? text.substr(1, text.size() - 2) : text;
+}
+
+} // namespace
+
 double parse_quantity(std::string_view text, const Dimension& dimension, const UnitSystem& system) {
+  text = without_brackets(text);
   const std::string own = unit_symbol(dimension, system);
   const std::string allowed = own == "1" ? std::string("a number without a unit")
                                          : "a number in " + own + ", or one with a unit of that kind";
@@ -262,6 +275,7 @@ double parse_quantity(std::string_view text, const Dimension& dimension, const U
 }
 
 double parse_any_quantity(std::string_view text, const UnitSystem& system) {
+  text = without_brackets(text);
   const auto literal = split_literal(text);
   if (!literal) throw std::invalid_argument("not a number; allowed: a number, alone or with a unit");
   const Unit unit = literal->unit.empty() ? Unit{} : parse_unit(literal->unit);

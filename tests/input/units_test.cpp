@@ -80,6 +80,9 @@ TEST(Units, DifferentSpellingsOfAUnitAgree) {
     EXPECT_EQ(parse_unit(other).dimension, parse_unit("N.s/m^2").dimension) << other;
   EXPECT_EQ(parse_quantity("1 m^-1", parse_unit("1/m").dimension, {}), 1);
   EXPECT_EQ(parse_quantity("72GPa", parse_unit("Pa").dimension, {}), 72e9);
+  EXPECT_EQ(parse_quantity("(-1)", parse_unit("1").dimension, {}), -1);
+  EXPECT_EQ(parse_quantity(" (-2 mm) ", parse_unit("m").dimension, {}), -2e-3);
+  EXPECT_THROW(parse_quantity("((1)", parse_unit("1").dimension, {}), std::invalid_argument);
   EXPECT_NEAR(parse_quantity("90 deg", {}, {}), std::acos(0.), 1e-15);
 }
 
