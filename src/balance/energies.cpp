@@ -28,8 +28,8 @@ const std::vector<double>* half_of(const StateRow* row, bool trial) {
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {
   double most[6] = {0, 0, 0, 0, 0, -HUGE_VAL};
   const auto largest = [&](const StateRow* row, double& peak) {
-    if (row == nullptr) return;
-    for (const double value : trial ? row->trial : row->committed) peak = std::max(peak, value);
+    if (const std::vector<double>* values = half_of(row, trial))
+      for (const double value : *values) peak = std::max(peak, value);
   };
   largest(rows.phi, most[0]);
   largest(rows.theta, most[2]);

@@ -207,7 +207,7 @@ OptionGroup heat_options() {
              "auto", std::nullopt, "lumped", true, "consistent", false)
       .refused(
           [](const Scenario& s) { return s.heat.lumped == true && s.heat.order == 1 && s.mesh.order == 2; },
-          "lumped: not with -heat_order 1; allowed: auto, consistent")
+          "goes without -heat_order 1; allowed: auto, consistent")
       .notation("(45'')");
   row.choice("heat_form", &HeatScenario::form,
              "which balance is solved: that of entropy never loses any (second law), that of internal energy "

@@ -103,8 +103,8 @@ void ExplicitContact::add_load_on_obstacle(const ContactInterface& contact, cons
 // With dt = s dt_e, dt_e the stable step of the cells, dt^2 (4/dt_e^2 + w^2) <= 4 leaves w^2 = 4 (1 -
 // s^2)/dt^2 to the contacts. Shorter steps than 0.8 dt_e resolve that one better, and do not make it stiffer.
 // Where what meets compresses by much, at velocities V not far below that of sound, a penalty as stiff as the
-// cells would give way by more than is seen: by V dt_e s^2/2(1 - s^2) (1 + V dt_e/h) under the pressure of a
-// shock that grows with 1.5 V/2. A fifth of the depth that is seen is what it may.
+// cells would give way by more than the depth d that is seen: by V dt_e s^2/2(1 - s^2) (1 + V dt_e/d) under
+// the pressure of a shock whose speed grows by 1.5 V/2. `part_of_depth` is what it may.
 void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v) {
   ContactSet& contacts = motion_.contacts();
   const MPI_Comm comm = motion_.discretisation().mesh.comm();

@@ -144,7 +144,7 @@ bool may_factorise(const Discretisation& d, const SolverDefaults& defaults) {
                         defaults.method == LinearMethod::two_level ||
                         defaults.method == LinearMethod::diagonal;
   return iterates && !defaults.chosen &&
-         d.mesh.global_node_count() * d.dim() <= (d.dim() == 2 ? 1500000 : 300000);
+         (is_factorised(d.mesh) || d.mesh.global_node_count() * d.dim() <= 300000);
 }
 
 void set_motion_solver(SNES snes, const SolverDefaults& defaults, SNESLineSearchType search, bool shell) {

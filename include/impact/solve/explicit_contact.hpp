@@ -20,9 +20,10 @@ public:
   /// the velocities v. Collective.
   void set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v);
   /// Largest quotient of the velocity at which the sides of a contact approach each other and the depth at
-  /// which its facets are seen: at the start, by the velocities v of the nodes; and over the step dt that the
-  /// contacts have been updated for, by the ways of both sides. Collective; without a reduction.
+  /// which its facets are seen: at the start, by the velocities v of the nodes. Collective.
   double closing(const std::vector<double>& v) const;
+  /// The same over the step dt that the contacts have been updated for, by the ways of both sides. Not
+  /// collective.
   double closing_in(double dt) const;
   /// Square of the frequency of a whole surface on its penalties that meets one like it, 0 without any.
   /// Collective when called first, and after an exposure.
