@@ -35,20 +35,23 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
   bool sound = true;
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
-    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.displaced(*step_.u),
-               u_n = batch.displaced(*step_.u_n);
+    const bool both_ends = equation.theta < 1; // count, in the equation
+    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.displaced(*step_.u);
     const auto phi = batch.scalars(x_), phi_n = batch.scalars(*equation.phi_n);
-    auto now = batch.load<drive_size>(drive_.trial), before = batch.load<drive_size>(drive_.committed);
-    if (history_) {
-      put_history(batch.load<1>(history_->trial), now);
-      put_history(batch.load<1>(history_->committed), before);
+    auto u_n = batch.nodal(d_.dim());
+    auto now = batch.load<drive_size>(drive_.trial), before = batch.points<drive_size>();
+    if (history_) put_history(batch.load<1>(history_->trial), now);
+    if (both_ends) {
+      u_n = batch.displaced(*step_.u_n);
+      batch.load(drive_.committed, before);
+      if (history_) put_history(batch.load<1>(history_->committed), before);
     }
     // Of a cell of the toughness f G_c the equation is f times that of one of the toughness G_c that 1/f of
     // the energies drives (F2), (T1).
     if (batch.changes_toughness()) {
       const Batch left = toughness(batch);
-      for (auto* energies : {&now, &before})
-        for (Batch& energy : energies->all()) energy = energy / left;
+      for (Batch& energy : now.all()) energy = energy / left;
+      for (Batch& energy : before.all().first(both_ends ? at(before.size) : 0)) energy = energy / left;
     }
     if (step_.drive_factor != 1)
       for (Batch& energy : now.all()) energy *= step_.drive_factor;
@@ -59,11 +62,11 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
     in.history = batch.read(is_ductile(law.parameters) ? &flow_.committed : nullptr, flowed);
     in.X = X.data();
     in.u = u.data();
-    in.u_n = u_n.data();
+    in.u_n = both_ends ? u_n.data() : nullptr;
     in.phi = phi.data();
     in.phi_n = phi_n.data();
     in.drive = now.data();
-    in.drive_n = before.data();
+    in.drive_n = both_ends ? before.data() : nullptr;
     in.dt = equation.dt;
     in.form = equation.form;
     in.theta_d = equation.theta;

@@ -42,6 +42,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   check(SNESSetOptionsPrefix(snes_, "heat_"));
   check(SNESSetFunction(snes_, field_.residual(), Callback<&HeatProblem::residual>::call, this));
   make_matrix();
+  holds_ = !all_ranks_agree(d_.mesh.comm(), field_.owned_held().empty());
   const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
   field_.prepare(snes_, SNESNEWTONLS, rounding, 1e-10, 50);
   check(SNESSetFromOptions(snes_));
@@ -118,15 +119,16 @@ template <class Values> void cut_to(double begin, double end, Values& now, Value
 
 // body(batch, input of the kernels at theta) answers with the lanes that lost their meaning; false where any
 // did.
-template <class Body> bool HeatProblem::visit_batches(const std::vector<double>& theta, Body&& body) {
-  const bool energy = settings_.form == HeatForm::energy;
+template <class Body>
+bool HeatProblem::visit_batches(const std::vector<double>& theta, Reads reads, Body&& body) {
+  const bool energy = settings_.form == HeatForm::energy, all = reads == Reads::window,
+             both_ends = all || !window_.whole();
   bool sound = true;
   for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
     const PointLaw& law = batch.law;
     const auto X = batch.vectors(d_.mesh.coordinates());
     const auto now = batch.scalars(theta), before = batch.scalars(theta_at_start());
-    auto u = batch.nodal(d_.dim()), u_n = batch.nodal(d_.dim());
-    auto phi = batch.nodal(1), phi_n = batch.nodal(1);
+    NodalValues u(X.size), u_n(X.size), phi(now.size), phi_n(now.size);
     auto A = batch.histories(), A_n = batch.histories();
     auto E = batch.points<drive_size>(), E_n = batch.points<drive_size>();
     auto P = batch.stresses(), P_n = batch.stresses();
@@ -137,42 +139,42 @@ template <class Body> bool HeatProblem::visit_batches(const std::vector<double>&
                          const std::vector<double>* start, auto& values_n, const Batch*& in_start,
                          bool cuts = true) {
       in_end = batch.read(end, values);
-      in_start = batch.read(start, values_n);
+      in_start = batch.read(both_ends ? start : nullptr, values_n);
       if (cuts && end && !window_.whole()) cut_to(window_.begin, window_.end, values, values_n);
     };
     const auto put_row = [&](const StateRow& row, auto& values, const Batch*& in_end, auto& values_n,
                              const Batch*& in_start, bool cuts = true) {
       put(&row.trial, values, in_end, &row.committed, values_n, in_start, cuts);
     };
-    in.X = X.data();
-    in.theta = now.data();
-    in.theta_n = before.data();
-    put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
+    in.X = X.data(), in.theta = now.data(), in.theta_n = before.data();
+    if (all || law.parameters.conductivity != 0 || law.principal())
+      put(step_.u, u, in.u, step_.u_n, u_n, in.u_n);
     if (in.u) batch.forget_eroded(u);
     if (in.u_n) batch.forget_eroded(u_n);
     BatchArray<1> patch(1), patch_n(1);
-    in.patch = batch.read_shared(patches_.J_minus_1, patch);
-    in.patch_n = batch.read_shared(patches_n_.J_minus_1, patch_n);
     put(step_.phi, phi, in.phi, step_.phi_n, phi_n, in.phi_n);
-    if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
-    const bool exchanges = !energy && step_.u && step_.phi && law.exchanges();
     // A ductile degradation asks for alpha, a split by principal stretches for what is elastic of them,
     // sheets for their stretch across.
-    const bool looked_at =
-        is_ductile(law.parameters) || (law.principal() && law.flows()) || d_.frame == Frame::plane_stress;
-    if ((energy && flows_) || exchanges || (step_.u && looked_at))
+    const bool looked_at = is_ductile(law.parameters) || (law.principal() && law.flows()) ||
+                           d_.frame == Frame::plane_stress,
+               exchanges = all && !energy && step_.u && step_.phi && law.exchanges();
+    if ((all && energy && flows_) || exchanges || (step_.u && looked_at))
       put_row(history_, A, in.history, A_n, in.history_n);
-    // The exchange of the entropy form takes the energies of the end, like damage.
-    if ((energy && law.softens()) || exchanges) put_row(drive_, E, in.drive, E_n, in.drive_n, energy);
-    // Linear in time like F: the works of the sub-steps add up to that of the step.
-    if (stress_) put(&step_stress_, P, in.stress, &stress_->committed, P_n, in.stress_n);
-    if (!energy && step_.dissipation) {
-      in.dissipation = batch.read(step_.dissipation, dissipation);
-      if (!window_.whole())
-        for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
+    if (all) {
+      in.patch = batch.read_shared(patches_.J_minus_1, patch);
+      in.patch_n = batch.read_shared(patches_n_.J_minus_1, patch_n);
+      if (worn_ && law.fatigues()) put_row(*worn_, worn, in.fatigue, worn_n, in.fatigue_n);
+      // Linear in time like F: the works of the sub-steps add up to that of the step.
+      if (stress_) put(&step_stress_, P, in.stress, &stress_->committed, P_n, in.stress_n);
     }
-    in.dt = t_ - t_n_;
-    in.theta_h = settings_.theta, in.form = settings_.form, in.lumped = d_.lumped_capacity;
+    // The exchange of the entropy form takes the energies of the end, like damage.
+    if ((all && energy && law.softens()) || exchanges) put_row(drive_, E, in.drive, E_n, in.drive_n, energy);
+    if (all && !energy && step_.dissipation) {
+      in.dissipation = batch.read(step_.dissipation, dissipation);
+      for (Batch& lost : dissipation.all()) lost *= window_.end - window_.begin;
+    }
+    in.dt = t_ - t_n_, in.theta_h = settings_.theta, in.form = settings_.form;
+    in.lumped = d_.lumped_capacity;
     sound = batch.broken(body(batch, in)) == 0 && sound;
   });
   return sound;
@@ -192,7 +194,7 @@ bool HeatProblem::make_constant_part() {
   std::fill(constant_.begin(), constant_.end(), 0.0);
   share_volume(window_.end, patches_);
   share_volume(window_.begin, patches_n_);
-  const bool sound = visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
+  const bool sound = visit_batches(x_, Reads::window, [&](const CellBatch& batch, const HeatInput& in) {
     auto points = batch.points<heat_point_size>();
     auto r = batch.zero(1);
     const int bad = batch.kernels.heat_step(batch.law, in, points.data(), r.data());
@@ -210,10 +212,10 @@ bool HeatProblem::make_constant_part() {
 bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec solution, Vec f) {
   const Timed timed(Event::heat_residual);
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -constant_[i];
-  supplied_.by_condition = load_supplied_;
-  loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, supplied_.by_condition);
+  std::vector<double> counted(load_supplied_.size());
+  loads_.add_end(settings_.theta * (t_ - t_n_), theta, r_, counted);
   for (double& value : r_) value = -value;
-  const bool sound = visit_batches(theta, [&](const CellBatch& batch, const HeatInput& in) {
+  const bool sound = visit_batches(theta, Reads::end, [&](const CellBatch& batch, const HeatInput& in) {
     auto points = batch.load<heat_point_size>(points_);
     auto part = batch.zero(1);
     const int bad = batch.kernels.heat_residual(batch.law, in, points.data(), part.data());
@@ -238,7 +240,7 @@ void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
   field_.to_local(x, x_);
   CellMatrix K;
   field_.zero_matrix();
-  visit_batches(x_, [&](const CellBatch& batch, const HeatInput& in) {
+  visit_batches(x_, Reads::end, [&](const CellBatch& batch, const HeatInput& in) {
     auto points = batch.load<heat_point_size>(points_);
     auto r = batch.zero(1);
     const int bad =
@@ -266,17 +268,21 @@ void HeatProblem::tangent(SNES, Vec x, Mat, Mat) {
 void HeatProblem::book() {
   const Vec solution = field_.solution(), residual = field_.residual();
   field_.to_local(solution, x_);
-  assemble_residual(x_, solution, residual);
-  d_.scalar.to_local(residual, r_);
-  for (int node : field_.owned_held())
-    if (const int condition = boundary_.temperature_condition()[at(node)]; condition >= 0)
-      supplied_.by_condition[at(condition)] += r_[at(node)];
   // Loads of this rank's cells and facets, and what flows in at held nodes: each node's heat at its
   // temperature.
-  std::vector<double> heat = load_, counted = supplied_.by_condition;
-  loads_.add_end(settings_.theta * (t_ - t_n_), x_, heat, counted);
+  std::vector<double> heat = load_;
+  supplied_.by_condition = load_supplied_;
+  loads_.add_end(settings_.theta * (t_ - t_n_), x_, heat, supplied_.by_condition);
   field_.fold_middles(heat);
-  for (int node : field_.owned_held()) heat[at(node)] += r_[at(node)];
+  if (holds_) {
+    assemble_residual(x_, solution, residual);
+    d_.scalar.to_local(residual, r_);
+    for (int node : field_.owned_held()) {
+      heat[at(node)] += r_[at(node)];
+      if (const int condition = boundary_.temperature_condition()[at(node)]; condition >= 0)
+        supplied_.by_condition[at(condition)] += r_[at(node)];
+    }
+  }
   if (!contacts_.empty()) {
     // What rigid bodies conducted, at the owners of the nodes.
     check(VecSet(residual, 0));

@@ -7,7 +7,6 @@
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>
-#include <set>
 
 namespace impact {
 
@@ -41,10 +40,9 @@ MeshRequest request_of(const Scenario& s) {
     // A patch knows the mean pressure of its cells, but not how their dev tau moves with the mean volume.
     if (s.has_motion() && m.law.locking == Locking::mean && !PointLaw{m.law}.principal())
       request.patched.push_back(m.regions);
-  // A contact facet costs about as much as a few cells: they are spread over the ranks from the start.
-  for (const ContactSettings& contact : s.contacts)
-    for (const std::string& side : std::set{contact.secondary, contact.primary})
-      if (!ContactSettings::rigid_name(side)) request.weights.boundary[side] += 4;
+  // A contact facet costs about as much as a few cells: they are spread over the ranks from the start. It is
+  // the rank of the secondary one that looks for pairs and finds their forces.
+  for (const ContactSettings& contact : s.contacts) request.weights.boundary[contact.secondary] += 4;
   return request;
 }
 

@@ -11,7 +11,6 @@
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/columns.hpp>
 #include <numbers>
-#include <set>
 
 namespace impact {
 
@@ -140,24 +139,22 @@ std::array<double, 2> size_of_boundary(const Discretisation& d, const std::strin
   return sums;
 }
 
-// How evenly the ranks share what costs time: the fullest one's cells, and its facets of deformable contact
-// surfaces, over the mean. A facet that several contacts want is work for each.
+// How evenly the ranks share what costs time: the fullest one's cells, and its facets of secondary surfaces,
+// over the mean. A facet that several contacts want is work for each.
 void report_shares(const Scenario& s, const Discretisation& d) {
   const MPI_Comm comm = d.mesh.comm();
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
   if (ranks == 1) return;
   std::array<double, 2> most{static_cast<double>(d.mesh.cell_count()), 0};
-  for (const ContactSettings& contact : s.contacts)
-    for (const std::string& side : std::set{contact.secondary, contact.primary})
-      if (!ContactSettings::rigid_name(side)) most[1] += d.mesh.facets(side).count();
+  for (const ContactSettings& contact : s.contacts) most[1] += d.mesh.facets(contact.secondary).count();
   std::array<double, 2> mean = most;
   max_over_ranks(comm, most);
   sum_over_ranks(comm, mean);
   for (double& value : mean) value /= ranks;
   char text[80] = "";
   if (mean[1] > 0)
-    std::snprintf(text, sizeof text, ", %.3f times the mean of %.4g contact facets", most[1] / mean[1],
+    std::snprintf(text, sizeof text, ", %.3f times the mean of %.4g secondary facets", most[1] / mean[1],
                   mean[1]);
   check(PetscPrintf(comm, "ranks: the fullest has %.3f times the mean of %.4g cells%s\n", most[0] / mean[0],
                     mean[0], text));

@@ -42,8 +42,9 @@ template <class Cell, Frame frame, bool tangent>
   for (int q = 0; q < Cell::points; ++q) {
     const auto X = point_geometry<Cell, frame>(in.X, q);
     const Batch phi = interpolate<Cell>(in.phi, q), phi_n = interpolate<Cell>(in.phi_n, q);
-    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi),
-                           grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
+    const Vector<Batch, d> grad = gradient_of_scalar<Cell, frame>(X, in.phi);
+    Vector<Batch, d> grad_n;
+    if (divided || theta < 1) grad_n = gradient_of_scalar<Cell, frame>(X, in.phi_n);
     const Batch fatigue = in.fatigue ? in.fatigue[q] : Batch(0.0);
     const Batch alpha = point_alpha<Cell, frame>(law, in.history, q);
     const Batch lambda = damage_viscosity(m, phi_n);
@@ -58,7 +59,8 @@ template <class Cell, Frame frame, bool tangent>
     const Tensor<Batch, d> inverse_F = inverse(plus_identity(H), J);
     const DamageSource now = damage_source(m, phi, alpha, drive_at(in.drive, q), fatigue, in.convex);
     Vector<Batch, d> flux = Batch(theta) * crack_direction(m, inverse_F, grad);
-    Vector<Batch, d> frozen = Batch(theta) * crack_direction(m, inverse_F, grad_n); // [C^-1]_theta Grad phi_n
+    Vector<Batch, d> frozen; // [C^-1]_theta Grad phi_n
+    if (divided) frozen = Batch(theta) * crack_direction(m, inverse_F, grad_n);
     Batch local = theta * now.Y;
     if (theta < 1) {
       const Tensor<Batch, d> H_n = gradient_of_vector<Cell, frame>(X, in.u_n);
@@ -66,7 +68,7 @@ template <class Cell, Frame frame, bool tangent>
       local += (1 - theta) * damage_source(m, phi_n, alpha, drive_at(in.drive_n, q), fatigue, false).Y;
       const Vector<Batch, d> flux_n = Batch(1 - theta) * crack_direction(m, inverse_F_n, grad_n);
       flux = flux + flux_n;
-      frozen = frozen + flux_n;
+      if (divided) frozen = frozen + flux_n;
     }
     local = inertia * (phi - phi_n) + scale * local;
     if (divided) // w . Grad(1/lambda_n) term (112)

@@ -74,7 +74,10 @@ private:
   void make_matrix();
   void begin_contacts();
   bool assemble_residual(const std::vector<double>& theta, Vec solution, Vec f);
-  template <class Body> bool visit_batches(const std::vector<double>& theta, Body&& body);
+  /// What kernels read: of both ends of the window and of the way between them, or what is left of that once
+  /// the constant part is made.
+  enum class Reads { window, end };
+  template <class Body> bool visit_batches(const std::vector<double>& theta, Reads reads, Body&& body);
   bool make_constant_part();
   void share_volume(double part, PatchState& patches) const;
   void residual(SNES, Vec x, Vec f);
@@ -100,7 +103,7 @@ private:
       load_supplied_;              ///< nodal heat by what the temperature does not change, and its sums
   PatchState patches_, patches_n_; ///< at the ends of the window
   double residual_tol_ = 0;        ///< absolute, as the options say
-  bool flows_;
+  bool flows_, holds_ = false;     // whether anything flows; holds temperatures
   std::vector<ContactHeat> contacts_;
   Handle<SNES> snes_;
   Handle<Vec> held_nodes_;
