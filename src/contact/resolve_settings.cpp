@@ -73,8 +73,13 @@ void check_settings(ContactSettings& settings, const Mesh& mesh, bool adjoin) {
                 "shape functions are for the method mortar, here it is gpts; take -contact_" + settings.id +
                     "_method mortar, or remove it");
   if (settings.points == 0) settings.points = 2;
+  // A node sticks or slips by its own force and slip, which the shape functions mix with its neighbours'. At
+  // rest, where slip turns round, Newton's method then jumps to and fro between sets of nodes that stick.
+  // Facets in part beside deformable ones, and motion, are the worse for dual functions.
   if (settings.multipliers == MultiplierSpace::automatic)
-    settings.multipliers = dim == 2 ? MultiplierSpace::standard : MultiplierSpace::dual;
+    settings.multipliers = dim == 3 || (settings.rigid() && settings.friction > 0 && !settings.inertia)
+                               ? MultiplierSpace::dual
+                               : MultiplierSpace::standard;
   if (settings.impact == ImpactUpdate::conserving) {
     if (settings.enforce != Enforcement::automatic && settings.enforce != Enforcement::penalty)
       throw usage(settings, "impact",
@@ -173,8 +178,8 @@ ResolvedSettings resolve_settings(const Mesh& mesh, const ContactSettings& given
   ResolvedSettings resolved{given, 0, 0, {}};
   ContactSettings& settings = resolved.settings;
   if (const std::string text = adjoining(mesh, settings); !text.empty()) resolved.warnings.push_back(text);
-  check_settings(settings, mesh, !resolved.warnings.empty());
   settings.inertia = environment.density > 0;
+  check_settings(settings, mesh, !resolved.warnings.empty());
   const bool of_inertia = automatic(settings.penalty);
   resolved.mean_length =
       set_automatic_values(settings, environment, mesh.comm(), secondary, primary, resolved.warnings);

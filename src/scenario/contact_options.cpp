@@ -47,7 +47,8 @@ void add_methods(ContactRows& rows) {
              ContactMethod::mortar);
   row.choice("multipliers", &Contact::multipliers,
              "of the mortar: the shape functions, or functions biorthogonal to them on facets that are "
-             "covered as a whole; auto: standard in the plane, dual in space",
+             "covered as a whole; auto: standard in the plane, dual in space and for friction with rigid "
+             "obstacles at rest (-ts_type static)",
              "auto", MultiplierSpace::automatic, "standard", MultiplierSpace::standard, "dual",
              MultiplierSpace::dual);
   row.choice("enforce", &Contact::enforce,

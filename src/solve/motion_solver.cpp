@@ -41,7 +41,10 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   check(SNESSetFunction(snes_, residual_, Callback<&MotionSolver::residual>::call, this));
   refresh_matrix();
   const SNESLineSearchType search = line_search();
-  const PetscInt most = search == std::string_view(slope_search_type) ? 50 : 25;
+  // A front of slip passes a node an iteration, however short the step: 125 in a strip of 200 facets.
+  const PetscInt most = motion_.contacts().demands().frictional         ? 150
+                        : search == std::string_view(slope_search_type) ? 50
+                                                                        : 25;
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, most, PETSC_DEFAULT));
   set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
