@@ -23,20 +23,20 @@ std::string digits17(double value) {
 } // namespace
 
 HistoryFile::HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after,
-                         std::function<std::string(const std::string&)> unit)
+                         std::function<std::string(const std::string&)> unit, const Row& expected)
     : comm_(comm), file_(std::move(file)), unit_(std::move(unit)) {
   on_rank_zero(comm_, [&] {
     make_directories(std::filesystem::path(file_).parent_path().string());
     const bool keep = resume_after && std::filesystem::exists(file_);
     out_.emplace(file_, keep ? DurableFile::Mode::update : DurableFile::Mode::create);
-    if (keep) resume(*resume_after);
+    if (keep) resume(*resume_after, expected);
   });
   MPI_Bcast(&last_step_, 1, MPI_LONG, 0, comm_);
 }
 
 // Keeps what comes before the first row of a later step. A row that is not whole ends the file there too: it
 // is what a kill left of a write.
-void HistoryFile::resume(long last_step) {
+void HistoryFile::resume(long last_step, const Row& expected) {
   const std::string text = read_file(file_);
   std::size_t keep = 0;
   for (std::size_t at = 0, end = 0; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
@@ -62,6 +62,7 @@ void HistoryFile::resume(long last_step) {
   }
   length_ = columns_.empty() ? 0 : keep;
   resumed_ = !columns_.empty();
+  if (resumed_) line(expected);
   out_->resize(length_);
 }
 
@@ -91,11 +92,11 @@ std::string HistoryFile::line(const Row& row) const {
   for (const auto& [name, value] : row) {
     const auto found = std::ranges::find(columns_, name);
     if (found == columns_.end() && resumed_)
-      throw UserError(
-          ExitCode::io,
-          "cannot continue " + file_ + ": it has no column " + name +
-              ": a probe, measure, condition or contact that the run did not have before; leave it out, or "
-              "begin another file with -output_<id>_type csv, -output_<id>_file");
+      throw UserError(ExitCode::io,
+                      "cannot continue " + file_ + ": it has no column " + name +
+                          ": a probe, measure, condition, contact or -ts_type that the run did not have "
+                          "before; leave it out, "
+                          "or begin another file with -output_<id>_type csv, -output_<id>_file");
     if (found == columns_.end())
       throw std::logic_error("history: column " + name + " was not in the first row");
     values[static_cast<std::size_t>(found - columns_.begin())] = value;

@@ -52,12 +52,13 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
   locate_probes();
 }
 
-void HistoryObserver::open(std::optional<long> resume_after) {
-  file_.emplace(motion_.discretisation().mesh.comm(),
-                scenario_.output_dir + "/" + history_file_name(scenario_), resume_after,
-                [units = scenario_.units, plane = motion_.discretisation().dim() == 2 &&
-                                                  motion_.discretisation().frame != Frame::axisymmetric](
-                    const std::string& column) { return column_unit(column, units, plane); });
+void HistoryObserver::open(std::optional<long> resume_after, const HistoryFile::Row& columns) {
+  const Discretisation& d = motion_.discretisation();
+  file_.emplace(
+      d.mesh.comm(), scenario_.output_dir + "/" + history_file_name(scenario_), resume_after,
+      [units = scenario_.units, plane = d.dim() == 2 && d.frame != Frame::axisymmetric](
+          const std::string& column) { return column_unit(column, units, plane); },
+      columns);
 }
 
 HistoryFile::Row HistoryObserver::row(const Snapshot& snapshot, const StepCounts& counts) {

@@ -54,7 +54,7 @@ public:
   ExitCode run();
 
 private:
-  void open(const std::optional<Checkpoint>& resume);
+  void open(const std::optional<Checkpoint>& resume, const HistoryFile::Row& columns);
   void set_times();
   StepHooks hooks();
   void before_attempt(const Attempt& attempt);
@@ -109,15 +109,16 @@ Simulation::Simulation(RunStage& stage, const std::optional<Checkpoint>& resume,
   if (stage.damage) solvers.push_back(stage.damage->snes());
   if (stage.heat) solvers.push_back(stage.heat->snes());
   tell_idle_options(s_, solvers);
-  stops_.check_names(history_.row(snapshot_, {}));
-  if (!s_.dry_run) open(resume);
+  const HistoryFile::Row columns = history_.row(snapshot_, {});
+  stops_.check_names(columns);
+  if (!s_.dry_run) open(resume, columns);
 }
 
 // Nothing is refused any more: what is in the folder may go.
-void Simulation::open(const std::optional<Checkpoint>& resume) {
+void Simulation::open(const std::optional<Checkpoint>& resume, const HistoryFile::Row& columns) {
   set_earlier_run_aside(comm_, s_, resume ? std::optional(resume->file) : std::nullopt);
   retire_older_runs(comm_, s_, resume);
-  history_.open(resume ? std::optional(resume->values.step) : std::nullopt);
+  history_.open(resume ? std::optional(resume->values.step) : std::nullopt, columns);
   if (resume && history_.every_step() && history_.last_step() < resume->values.step)
     check(PetscPrintf(
         comm_, "impact: %s has no rows up to the checkpoint's step %ld: the rows between are missing\n",

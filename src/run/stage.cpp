@@ -166,6 +166,9 @@ void RunStage::start() {
   check(TSGetTimeStep(ts, &dt));
   ExplicitStep* const step = coupling.explicit_step();
   ledger.start(integrator_of(ts), dt, u, v, a, step ? step->bodies().kept(dt) : 0);
+  if (!std::isfinite(ledger.energy_scale()))
+    throw UserError(ExitCode::data, "the state at t = 0 has no energy: what is prescribed there (-bcs, -ics) "
+                                    "turns cells inside out; let displacements begin with 0 at t = 0");
   state.commit();
 }
 

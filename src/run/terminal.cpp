@@ -262,11 +262,24 @@ void report_places(const Discretisation& d) {
           static_cast<int>(std::ranges::count(d.groups, static_cast<int>(m), &CellGroup::material))));
 }
 
+// Of the run, if none is cut.
+double steps_of(const TimeScenario& time) {
+  double steps = time.dt > 0 ? std::max(1.0, time.max_time / time.dt) : HUGE_VAL;
+  if (!time.table_times.empty()) {
+    steps = 0;
+    for (std::size_t i = 0; i < time.table_dts.size(); ++i) {
+      const double length = std::min(time.table_times[i + 1], time.max_time) - time.table_times[i];
+      steps += std::ceil(std::max(0.0, length) / time.table_dts[i] * (1 - 1e-9));
+    }
+    steps += std::max(0.0, time.max_time - time.table_times.back()) / time.table_dts.back();
+  }
+  return time.max_steps > 0 ? std::min<double>(steps, time.max_steps) : steps;
+}
+
 // An output or a checkpoint behind the end never comes.
 void report_late(MPI_Comm comm, const Scenario& s) {
   const double end = s.time.max_time, least = end * (1 + 1e-9);
-  double steps = s.time.max_steps > 0 ? s.time.max_steps : HUGE_VAL;
-  if (s.time.dt > 0) steps = std::min(steps, std::max(1.0, end / s.time.dt));
+  const double steps = steps_of(s.time);
   const auto tell = [&](const std::string& option, double value, double limit) {
     if (limit > 0 && value > limit)
       check(PetscPrintf(
@@ -351,7 +364,7 @@ void report_solvers(RunStage& stage) {
   check(PetscMemoryGetCurrentUsage(&bytes));
   bytes = max_over_ranks(comm, bytes);
   char text[100] = "";
-  if (motion && factors) {
+  if (motion && factors && !stage.scenario.explicit_steps()) {
     // MUMPS on quadrilaterals (5,200 and 46,000 dofs) and hexahedra (2,200 and 15,000): within a quarter.
     const double n = static_cast<double>(d.mesh.global_node_count()) * d.dim();
     const double entries = d.dim() == 2 ? 10 * n * std::log2(n) : 38 * std::pow(n, 4.0 / 3);

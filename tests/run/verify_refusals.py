@@ -194,6 +194,7 @@ ROWS = [
     ("an options file that leads back to itself", ["-options_file", "loop.opts"], 2,
      ["leads back to itself: loop.opts, other.opts, loop.opts"]),
     ("an options file with a byte-order mark", ["-options_file", "marked.opts"], 2, ["begins with a byte-order mark"]),
+    ("a displacement that turns cells inside out at t = 0", more(PULL, bc_push_uy="0.1*t-1.5"), 3, ["the state at t = 0 has no energy", "begin with 0"]),
 ]
 
 
@@ -230,7 +231,9 @@ for claim, options, words in [
         *[(f"behind the end: {key}", more(PULL, **{"outputs": "v", key: value, **extra}), f"-{key} {value} lies behind the end, -ts_max_time 1, about {steps} steps")
           for key, value, steps, extra in (("output_v_dt", 5, 10, {}), ("ts_dt", 3, 1, {}), ("ts_period", 8, 10, {}), ("checkpoint_every", 11, 10, {}),
                                            ("output_v_cycles", 3, 10, {"ts_period": 0.5}), ("output_v_every", 5, 4, {"ts_max_steps": 4}))],
-        ("more steps than there are", more(PULL, outputs="v", output_v_every=1000), "-output_v_every 1000 lies behind the end")]:
+        ("more steps than there are", more(PULL, outputs="v", output_v_every=1000), "-output_v_every 1000 lies behind the end"),
+        ("more steps than a table has", more(without(PULL, "ts_dt"), outputs="v", output_v_every=31, ts_times="0,0.5,1", ts_dts="0.1,0.02"),
+         "-output_v_every 31 lies behind the end, -ts_max_time 1, about 30 steps")]:
     code, lines = start(more(options, dry_run="on"), 1)
     require(claim, code == 0 and any("WARNING: " + words in line for line in lines))
 ring = subprocess.run([PROGRAM, *start_words(PULL)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,

@@ -21,6 +21,10 @@ with open("blocks.opts", "w") as file:
     file.writelines(f"-{key} {value}\n" for key, value in BLOCKS.items())
 FILE, DRY = ["-options_file", "blocks.opts"], ["-dry_run"]
 
+RUBBER = ["-mesh", mesh("block.geo"), "-mesh_set_dim", "3", "-mesh_set_n", "10", "-mesh_set_ny", "18", "-order", "2", "-materials", "solid", "-material_solid_K", "2000",
+          "-material_solid_G", "1", "-bcs", "hold,press", "-bc_hold_on", "bottom", "-bc_hold_type", "fix", "-bc_press_on", "top",
+          "-bc_press_type", "pressure", "-bc_press_value", "t", "-ts_type", "static", "-ts_dt", "1", "-ts_max_time", "1", "-dry_run"]
+
 # claim, words of the command, exit status, what is printed, what is not
 ROWS = [
     ("groups", FILE + DRY, 0, ["lower 4 (", "upper_bottom 2 ("], []),
@@ -33,6 +37,9 @@ ROWS = [
     ("the solvers", FILE + DRY, 0, ["motion solver: preonly + lu by ", "damage solver: cg + icc", "memory: ", "the factors of the motion take about"], []),
     ("the solvers that options chose", FILE + DRY + ["-motion_ksp_type", "gmres", "-motion_pc_type", "jacobi", "-damage_pc_type", "jacobi"], 0,
      ["motion solver: gmres + jacobi (chosen by options)", "damage solver: cg + jacobi"], ["as the options say", "factors"]),
+    ("rubber under pressure in space: factors", RUBBER, 0, ["motion solver: fgmres + lu by mumps (48951 dofs)"], []),
+    ("no factors in explicit steps", FILE + DRY + ["-ts_type", "central_difference", "-contact_face_enforce", "penalty", "-ts_dt", "auto"], 0,
+     ["central differences: ", "memory: "], ["factors"]),
     ("a dry run looks at probes too", FILE + DRY + ["-probe_a_at", "9,9"], 3, ["-probe_a_at: the point is in no cell"], []),
     ("and at criteria", FILE + DRY + ["-stops", "s", "-stop_s_when", "contact_face_forc_y > 3"], 2, ["has no column 'contact_face_forc_y'; did you mean contact_face_force_y?"], []),
     ("the same words before a run", FILE + ["-ts_max_steps", "1"], 0, ["motion solver: preonly + lu by ", "material lower: gamma is 2"], []),

@@ -3,10 +3,11 @@
 """A run that goes on from a checkpoint with another -ts_type: loaded statically, then let go; each way between the schemes.
 The motion is that of a run which starts from the same displacement, and the energies go on."""
 import glob
+import subprocess
 
 import numpy
 
-from _runs import check, check_between, finish, mesh, require, run
+from _runs import ENVIRONMENT, PROGRAM, check, check_between, finish, mesh, require, run
 
 # A bar of length 10 on rails, pulled to a strain of 1e-4: the static solution is u = strain x.
 STRAIN, LENGTH, E, RHO = 1e-4, 10.0, 1000.0, 1.0
@@ -56,6 +57,15 @@ check("with erosion: the same motion", eroding["energy_kinetic"][-1], numpy.inte
 lost = run("lost", {**BAR, "ts_type": "newmark", "ts_dt": 2e-3, "restart": last_checkpoint(eroding), "ts_max_time": 2,
                     "restart_allow": "ts_type,material_solid_erosion"}, code=None)
 require("what has left is not forgotten: without erosion it is refused", lost.code == 4 and "eroded (cell_point, 1)" in lost.log)
+
+# The history of another scheme has other columns: it is left as it is, before the first step.
+before, there = open("loaded/history.csv").read(), last_checkpoint(loaded)
+words = [f"-{key} {value}" for key, value in {**BAR, **SCHEMES["central_difference"], "restart": "auto", "restart_allow": CHANGED,
+                                              "ts_max_time": 1.1, "output_dir": "loaded"}.items()]
+other = subprocess.run([PROGRAM, *" ".join(words).split()], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
+require("the history of another scheme is not continued",
+        other.returncode == 4 and "it has no column energy_numerical" in other.stdout and "contact or -ts_type that" in other.stdout)
+require("nor changed, and no step made", open("loaded/history.csv").read() == before and last_checkpoint(loaded) == there)
 
 # From one scheme to the other and back: what vibrates goes on.
 ways = [("newmark", "central_difference"), ("central_difference", "newmark")]

@@ -16,9 +16,10 @@ public:
 
   /// Starts the file, or with `resume_after` continues it: rows of later steps and a half-written last one
   /// are dropped, units in its first line are passed over. `unit` gives what stands behind a name, " [s]" or
-  /// "". Missing directories are made. Collective. Throws UserError(io) on all ranks.
+  /// "". `expected`: columns that a file to be continued must have; without one of them it stays as it is.
+  /// Missing directories are made. Collective. Throws UserError(io) on all ranks.
   HistoryFile(MPI_Comm comm, std::string file, std::optional<long> resume_after = std::nullopt,
-              std::function<std::string(const std::string&)> unit = {});
+              std::function<std::string(const std::string&)> unit = {}, const Row& expected = {});
 
   /// Appends one row; rank 0's values are written. The first row of a file fixes the columns and must begin
   /// with `step`; later rows may come in any order and leave columns out (`nan`), a new column is a
@@ -33,7 +34,7 @@ public:
   long last_step() const { return last_step_; }
 
 private:
-  void resume(long last_step);
+  void resume(long last_step, const Row& expected);
   void append(const std::string& text);
   std::string header(const Row& row) const;
   std::string line(const Row& row) const;

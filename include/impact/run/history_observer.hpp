@@ -22,8 +22,8 @@ public:
   /// Throws UserError for fields that the run does not offer and probes outside of its bodies. Collective.
   HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger, StateTable& state,
                   const FieldSource& source);
-  /// Starts the file, or continues it after a step. Collective, once.
-  void open(std::optional<long> resume_after);
+  /// Starts the file, or continues it after a step; it must have these columns then. Collective, once.
+  void open(std::optional<long> resume_after, const HistoryFile::Row& columns);
   /// The row of a state, written or not. Collective.
   HistoryFile::Row row(const Snapshot& snapshot, const StepCounts& counts);
   /// Whether the step of length dt that ends at t has a row.
