@@ -262,24 +262,10 @@ void report_places(const Discretisation& d) {
           static_cast<int>(std::ranges::count(d.groups, static_cast<int>(m), &CellGroup::material))));
 }
 
-// Of the run, if none is cut.
-double steps_of(const TimeScenario& time) {
-  double steps = time.dt > 0 ? std::max(1.0, time.max_time / time.dt) : HUGE_VAL;
-  if (!time.table_times.empty()) {
-    steps = 0;
-    for (std::size_t i = 0; i < time.table_dts.size(); ++i) {
-      const double length = std::min(time.table_times[i + 1], time.max_time) - time.table_times[i];
-      steps += std::ceil(std::max(0.0, length) / time.table_dts[i] * (1 - 1e-9));
-    }
-    steps += std::max(0.0, time.max_time - time.table_times.back()) / time.table_dts.back();
-  }
-  return time.max_steps > 0 ? std::min<double>(steps, time.max_steps) : steps;
-}
-
 // An output or a checkpoint behind the end never comes.
 void report_late(MPI_Comm comm, const Scenario& s) {
   const double end = s.time.max_time, least = end * (1 + 1e-9);
-  const double steps = steps_of(s.time);
+  const double steps = s.time.steps();
   const auto tell = [&](const std::string& option, double value, double limit) {
     if (limit > 0 && value > limit)
       check(PetscPrintf(

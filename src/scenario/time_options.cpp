@@ -182,6 +182,18 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
 
 } // namespace
 
+double TimeScenario::steps() const {
+  double steps = dt > 0 ? std::max(1.0, max_time / dt) : HUGE_VAL;
+  if (!table_times.empty()) {
+    steps = std::max(0.0, max_time - table_times.back()) / table_dts.back();
+    for (std::size_t i = 0; i < table_dts.size(); ++i) {
+      const double length = std::min(table_times[i + 1], max_time) - table_times[i];
+      steps += std::ceil(std::max(0.0, length) / table_dts[i] * (1 - 1e-9));
+    }
+  }
+  return max_steps > 0 ? std::min<double>(steps, max_steps) : steps;
+}
+
 OptionGroup time_options() {
   OptionGroup group{"Time", "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly."};
   add_scheme_and_limits(group.rows);
