@@ -157,6 +157,13 @@ private:
   std::span<const double> share_of(std::size_t number, int facet) const {
     return {Geometry::weights(points_.shape[number]).data(), at(points_.nodes[at(facet)])};
   }
+  // What all points faced at the places `at`, for the visits that a step makes there: found once where no
+  // ties of iterates change it.
+  struct Views {
+    ContactValues at;
+    std::vector<Seen> seen; // [secondary facet][point]
+  };
+
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
   Seen nearest(const Facet& facet, const Point& point, const ContactValues& x) const;
   // What the point is tied to; false where an iterate went too far astray.
@@ -224,6 +231,7 @@ private:
   std::vector<Hold> holds_;         // [secondary facet][point]
   std::vector<Anchor> anchors_;     // [secondary facet][point], empty without friction
   std::vector<double> anchored_at_; // displacement of nodes()
+  mutable Views views_;
   double hold_gap_;
   bool anchoring_ = false;
 };

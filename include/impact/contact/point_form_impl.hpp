@@ -55,6 +55,7 @@ template <class G> void PointForm<G>::locate_holds() {
 }
 
 template <class G> PairSearch::Outcome PointForm<G>::update(Vec u, const ConstraintFilter& presses) {
+  views_.at.clear();
   const PairSearch::Outcome outcome = update_pairs(u);
   if (outcome != PairSearch::Outcome::kept) {
     locate_anchors();
@@ -150,6 +151,8 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
   std::vector<Ball> balls;
+  const bool keeps = !settings_.iterated && !rigid(), known = keeps && views_.at == x;
+  if (keeps && !known) views_ = {{}, std::vector<Seen>(points_.weight.size())};
   for (int f = 0; f < secondary_.count(); ++f) {
     if (rigid() && wanted && is_far_off(f, corners_at<Nodes>(secondary_slots(f), x), obstacle, wanted))
       continue;
@@ -167,9 +170,10 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
         if (!G::faces(to_obstacle, normal_at(facet, point))) continue;
         seen.foot.gap = to_obstacle.value;
       } else {
-        seen = face(facet, point, x, holds_[number]);
+        seen = known ? views_.seen[number] : face(facet, point, x, holds_[number]);
         if (seen.candidate < 0) continue;
-        sharpen(f, number, u, seen);
+        if (!known) sharpen(f, number, u, seen);
+        if (keeps) views_.seen[number] = seen;
       }
       if (wanted && !wanted(static_cast<int>(number), seen.foot.gap)) continue;
       if (G::curved || stretch == 0)
@@ -188,6 +192,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
       visitor(c, f, seen, to_obstacle);
     }
   }
+  if (keeps) views_.at = x;
 }
 
 template <class G>

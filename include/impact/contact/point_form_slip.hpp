@@ -8,6 +8,7 @@ namespace impact {
 
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
+  views_.at.clear();         // what a point came through is seen by the start of the step
   if (!frictional()) return; // all ranks agree on that, not on whether they have points
   if (rigid()) obstacle_.anchor(nodes(), nodes().start);
   if (on_plane()) return;
