@@ -41,7 +41,8 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   check(SNESSetFunction(snes_, residual_, Callback<&MotionSolver::residual>::call, this));
   refresh_matrix();
   const SNESLineSearchType search = line_search();
-  // A front of slip passes a node an iteration, however short the step: 125 in a strip of 200 facets.
+  // A front of slip passes a node or two an iteration, however short the step: 70 in a belt of 180 facets
+  // (dual multipliers), 125 in a strip of 100 (shape functions).
   const PetscInt most = motion_.contacts().demands().frictional         ? 150
                         : search == std::string_view(slope_search_type) ? 50
                                                                         : 25;
