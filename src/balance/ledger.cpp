@@ -73,7 +73,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   const Timed timed(Event::balances);
   const double w = motion_.discretisation().thickness;
   energies_before_ = energies_;
-  const StepWork work = step.integrator.is_explicit() ? forces_.book_explicit(step, u, a)
+  const StepWork work = step.integrator.is_explicit() ? forces_.book_explicit(step, a)
                                                       : forces_.book(step, u, v, a, sum(grown) / w);
   const double work_internal = w * work.internal;
   const double work_external = w * work.external + w * work.over_step + w * work.rigid + work.shock.supports;

@@ -35,7 +35,7 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       inertia_force_(add_force(state, motion.discretisation(), "force_inertia")),
       left_(add_force(state, motion.discretisation(), "force_left")),
       step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")),
-      du_(internal_.trial.size()), a_new_(du_) {}
+      a_new_(internal_.trial.size()) {}
 
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
   std::vector<double> mean(row.trial.size());
@@ -216,22 +216,22 @@ double ForceBook::kept(double dt, Vec a) {
 }
 
 // N1 and N2 with beta = 0: loss = -dt^2/8 (a.Ma - a_n.Ma_n), kept = -dt^2/8 a.Ma.
-StepWork ForceBook::book_explicit(const StepRecord& step, Vec u, Vec a) {
+StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   const Discretisation& d = motion_.discretisation();
   const FieldLayout& layout = d.displacement;
   layout.owned_to_local(step.forces->internal, internal_.trial);
   layout.owned_to_local(step.forces->external, external_.trial);
   layout.owned_to_local(step.forces->contact, contact_.trial);
-  layout.owned_to_local(u, du_);
   layout.owned_to_local(a, a_new_);
   if (mass_.empty()) mass_ = d.local_of(motion_.lumped_mass());
-  reactions_.resize(du_.size());
+  const std::vector<double>& u = motion_.last_displacement();
+  reactions_.resize(u.size());
   double sums[5] = {0, 0, 0, 0, 0};
   const std::vector<char>& fixed = motion_.boundary().fixed_mask();
   const auto dim = at(d.dim());
-  for (std::size_t i = 0; i < du_.size(); ++i) {
+  for (std::size_t i = 0; i < u.size(); ++i) {
     if (!d.mesh.owned(static_cast<int>(i / dim))) continue;
-    const double du = du_[i] - u_.committed[i], a_n = a_.committed[i];
+    const double du = u[i] - u_.committed[i], a_n = a_.committed[i];
     inertia_force_.trial[i] = mass_[i] * a_new_[i];
     reactions_[i] = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
     if (fixed[i]) external_.trial[i] += reactions_[i];

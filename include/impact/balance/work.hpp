@@ -40,11 +40,12 @@ public:
   void resume();
   /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
   StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
-  /// The same of a step by central differences: one loop over the nodes, one reduction.
+  /// The same of a step by central differences whose forces are those at MotionProblem::last_displacement:
+  /// one loop over the nodes, one reduction.
+  StepWork book_explicit(const StepRecord& step, Vec a);
   /// -dt^2/8 a.Ma, what a step of central differences holds, by the mass that is there now, which later
   /// bookings take too. Not times the thickness. Collective.
   double kept(double dt, Vec a);
-  StepWork book_explicit(const StepRecord& step, Vec u, Vec a);
 
   /// These forces close the balance of momentum on prescribed dofs, [node][dim].
   const std::vector<double>& reactions() const { return reactions_; }
@@ -65,7 +66,7 @@ private:
   StateRow &internal_, &external_, &contact_, &inertia_force_, &left_;
   StateRow& step_acceleration_; ///< IntegratorStep::f
   std::vector<double> reactions_;
-  std::vector<double> du_, a_new_, mass_; // of book_explicit
+  std::vector<double> a_new_, mass_; // of book_explicit
 };
 
 } // namespace impact
