@@ -95,8 +95,8 @@ std::string HistoryFile::line(const Row& row) const {
       throw UserError(ExitCode::io,
                       "cannot continue " + file_ + ": it has no column " + name +
                           ": a probe, measure, condition, contact or -ts_type that the run did not have "
-                          "before; leave it out, "
-                          "or begin another file with -output_<id>_type csv, -output_<id>_file");
+                          "before; leave it out, or begin another file with -output_<id>_type csv, "
+                          "-output_<id>_file");
     if (found == columns_.end())
       throw std::logic_error("history: column " + name + " was not in the first row");
     values[static_cast<std::size_t>(found - columns_.begin())] = value;

@@ -51,7 +51,8 @@ template <class Body> bool DamageProblem::visit_batches(const Equation& equation
     if (batch.changes_toughness()) {
       const Batch left = toughness(batch);
       for (Batch& energy : now.all()) energy = energy / left;
-      for (Batch& energy : before.all().first(both_ends ? at(before.size) : 0)) energy = energy / left;
+      if (both_ends)
+        for (Batch& energy : before.all()) energy = energy / left;
     }
     if (step_.drive_factor != 1)
       for (Batch& energy : now.all()) energy *= step_.drive_factor;

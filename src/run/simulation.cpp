@@ -114,11 +114,12 @@ Simulation::Simulation(RunStage& stage, const std::optional<Checkpoint>& resume,
   if (!s_.dry_run) open(resume, columns);
 }
 
-// Nothing is refused any more: what is in the folder may go.
+// What is in the folder may go: nothing is refused any more, once the history of a run that goes on is known
+// to have its columns.
 void Simulation::open(const std::optional<Checkpoint>& resume, const HistoryFile::Row& columns) {
   set_earlier_run_aside(comm_, s_, resume ? std::optional(resume->file) : std::nullopt);
-  retire_older_runs(comm_, s_, resume);
   history_.open(resume ? std::optional(resume->values.step) : std::nullopt, columns);
+  retire_older_runs(comm_, s_, resume);
   if (resume && history_.every_step() && history_.last_step() < resume->values.step)
     check(PetscPrintf(
         comm_, "impact: %s has no rows up to the checkpoint's step %ld: the rows between are missing\n",

@@ -19,8 +19,8 @@ std::string option_text(const char* name) {
 }
 
 // Unknowns in space whose factors are still cheaper than GMRES with GAMG, whose iterations grow with K / G.
-// K / G 2000 under pressure, tetrahedra of second order: 15 s for 78 (2.6e4 unknowns), 39 s and 2 GB for 75 s
-// and 0.6 GB (1.06e5).
+// K / G 2000 under pressure, tetrahedra of second order: 15 s for 78 (2.6e4 unknowns, 4 steps), 29 s and 2 GB
+// for 87 s and 0.6 GB (1.06e5, one step).
 constexpr long long most_factorised = 200000;
 
 int ranks_of(KSP ksp) {

@@ -152,7 +152,10 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
   const RigidObstacle obstacle = obstacle_.at(u);
   std::vector<Ball> balls;
   const bool keeps = !settings_.iterated && !rigid(), known = keeps && views_.at == x;
-  if (keeps && !known) views_ = {{}, std::vector<Seen>(points_.weight.size())};
+  if (keeps && !known) {
+    views_.at.clear();
+    views_.seen.assign(points_.weight.size(), Seen());
+  }
   for (int f = 0; f < secondary_.count(); ++f) {
     if (rigid() && wanted && is_far_off(f, corners_at<Nodes>(secondary_slots(f), x), obstacle, wanted))
       continue;
@@ -173,7 +176,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
         seen = known ? views_.seen[number] : face(facet, point, x, holds_[number]);
         if (seen.candidate < 0) continue;
         if (!known) sharpen(f, number, u, seen);
-        if (keeps) views_.seen[number] = seen;
+        if (keeps && !known) views_.seen[number] = seen;
       }
       if (wanted && !wanted(static_cast<int>(number), seen.foot.gap)) continue;
       if (G::curved || stretch == 0)
@@ -192,7 +195,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
       visitor(c, f, seen, to_obstacle);
     }
   }
-  if (keeps) views_.at = x;
+  if (keeps && !known) views_.at = x;
 }
 
 template <class G>
