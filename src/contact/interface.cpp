@@ -5,6 +5,7 @@
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/log.hpp>
+#include <impact/petsc/ranks.hpp>
 
 /// Forces and tangents of a ContactInterface, and which method gives its pressures.
 namespace impact {
@@ -20,7 +21,7 @@ void ContactInterface::use_method() {
 
 void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
   rows_.penalty->trial[EnforcementRows::least] = inertia_penalty_ * mass_shift;
-  fallen_back_ = false;
+  fallen_back_ = eased_ = false;
   use_method();
   at_rest_ = !(mass_shift > 0);
   method().begin_attempt(*constraints_, friction_);
@@ -303,6 +304,18 @@ ContactDemands ContactInterface::demands() const {
 void ContactInterface::meet(bool loose, bool first_touch) {
   by_penalty_ = first_touch;
   fallen_back_ = fallen_back_ || (loose && constraints_->form().overdetermined());
+  use_method();
+}
+
+void ContactInterface::ease(Vec goal) {
+  EnforcementMethod& gentle = fallback_ ? *fallback_ : *method_;
+  if (!at_rest_ || !gentle.augments()) return;
+  const std::vector<double>& lambda = rows_.multiplier->trial;
+  const int presses = std::any_of(lambda.begin(), lambda.end(), [](double p) { return p > 0; });
+  if (max_over_ranks(mesh_->comm(), presses) != 0) return;
+  double depth = 0;
+  constraints_->visit(goal, Derivatives::none, [&](const Constraint& c) { depth = std::max(depth, -c.gap); });
+  eased_ = gentle.ease(*constraints_, max_over_ranks(mesh_->comm(), depth));
   use_method();
 }
 

@@ -132,6 +132,10 @@ AugmentReport ContactInterface::augment(Vec u) {
   friction_.keep_tractions(traction);
   method().augment(report, lambda);
   if (method().augments()) last_change_ = report.change;
+  if (eased_ && method().eps() >= settings_.penalty) {
+    eased_ = false;
+    use_method();
+  }
   return report;
 }
 
@@ -142,6 +146,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt) {
 }
 
 void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Vector& part) {
+  if (eased_) rows_.penalty->trial[EnforcementRows::value] = settings_.penalty; // nothing was touched
   const Handle<Vec> f = layout_->make_global(), f_n = layout_->make_global(), du = layout_->make_global();
   check(VecCopy(residual, f));
   layout_->to_local(f, force_->trial);

@@ -253,6 +253,7 @@ bool Coupling::motion_pass(Vec u, PassResult& result) {
       refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
       return false;
     }
+    if (pass_.number == 1) fields_.motion.contacts().ease(goal);
     solver_.enter_step(u, goal);
   }
   // Augmentations have aims of their own.

@@ -61,6 +61,15 @@ for ranks in (1, 2):
     far = run(f"far_{ranks}", {**BLOCKS, "mesh_set_n_lower": 20, "mesh_set_n_upper": 20, "mesh_set_gap": -0.5}, ranks=ranks, code=3)
     require(f"an overlap of half a block is refused, {ranks} ranks", "inside the body of `lower_top`" in far.log)
 
+# Facets that lie along the normal of a plane do not face it, and are inside it all the same.
+ROD = {"mesh": mesh("block.geo"), "mesh_set_lx": 4, "mesh_set_n": 8, "mesh_set_ny": 2, "materials": "solid", "material_solid_E": 1, "material_solid_nu": 0,
+       "bcs": "hold", "bc_hold_on": "right", "bc_hold_type": "fix", "contacts": "wall", "contact_wall_secondary": "top", "contact_wall_primary": "plane",
+       "contact_wall_plane_point": "1.8,0", "contact_wall_plane_normal": "1,0", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+for order in (1, 2):
+    for method in ("mortar", "gpts"):
+        across = run(f"across_{order}_{method}", {**ROD, "order": order, "contact_wall_method": method}, code=3)
+        require(f"a plane across a rod of order {order} is refused, {method}", "`top` overlaps `plane` by 1.8 at (0, 1)" in across.log)
+
 DISCS = {"mesh_set_gap": -0.04, "contact_face_initial_tol": "0.05 mm", "mesh_set_offset": 3, "ts_max_time": "4 us", "output_vis_dt": 1, "contact_face_initial": "adjust",
          "checkpoint_every": 10, "motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
          "motion_pc_factor_mat_solver_type": "mumps"}

@@ -25,6 +25,9 @@ public:
   void meet(bool loose, bool first_touch) {
     for (ContactInterface& contact : *this) contact.meet(loose, first_touch);
   }
+  void ease(Vec goal) {
+    for (ContactInterface& contact : *this) contact.ease(goal);
+  }
   /// What an augmentation of all contacts would say: whether they converged and settled, the penetration.
   AugmentReport review(Vec u) const;
   /// [contact]

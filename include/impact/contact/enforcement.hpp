@@ -56,6 +56,7 @@ struct GapsLeft {
   double open = 0; ///< the largest, over the mean facet
 };
 
+/// More functions than usual: what a method may differ in from the plain penalty, one each.
 class EnforcementMethod {
 public:
   EnforcementMethod(const ContactSettings& settings, const EnforcementRows& rows)
@@ -91,6 +92,9 @@ public:
 
   /// Before a step is tried. Collective, as what follows.
   virtual void begin_attempt(const Constraints& /*constraints*/, const Friction& /*friction*/) {}
+  /// Before a step without inertia whose supports and obstacles have passed so deep into what nothing presses
+  /// on yet. True where the method begins softly, which ends once it holds all of its penalty.
+  virtual bool ease(const Constraints& /*constraints*/, double /*depth*/) { return false; }
   /// Before Newton's method starts from u.
   virtual void start_newton(const Constraints& /*constraints*/, Vec /*u*/) {}
   /// After its step du from u, which ended at `next`. True on all ranks where other constraints are active

@@ -176,6 +176,9 @@ public:
   /// nothing so far, and penalties take the place of a method that closes gaps. Where points are far more
   /// than the surfaces' nodes, which pressures are left is a choice among many; there augmentations do.
   void meet(bool loose, bool first_touch);
+  /// Where nothing presses yet and `goal`, the start of a step with its supports where they end, lies deep,
+  /// the step begins with soft springs.
+  void ease(Vec goal);
   /// For the rest of the attempt an augmented Lagrangian takes the place of a method that closes gaps, whose
   /// active set did not come to rest.
   void fall_back();
@@ -242,7 +245,7 @@ private:
   Totals totals(std::vector<double>& half) const;
   // The method at hand, which may be the fallback of the one that was asked for.
   EnforcementMethod& method() const { return fallback_ && falls_back() ? *fallback_ : *method_; }
-  bool falls_back() const { return fallen_back_ || by_penalty_; }
+  bool falls_back() const { return fallen_back_ || by_penalty_ || eased_; }
   void use_method();
   void declare_state(StateTable& state);
   void make_constraints(ContactSurface secondary, const ContactSurface& primary);
@@ -290,7 +293,7 @@ private:
   double time_ = 0;                                              // of the attempt's end
   double mean_length_ = 0;                                       // of the secondary facets
   long searches_ = 0;
-  bool at_rest_ = true, fallen_back_ = false, by_penalty_ = false;
+  bool at_rest_ = true, fallen_back_ = false, by_penalty_ = false, eased_ = false;
 };
 
 } // namespace impact

@@ -317,7 +317,6 @@ void PointForm<G>::visit_overlaps(const ContactValues& x, const OverlapVisitor& 
       CarriedFunction gap;
       if (rigid()) {
         gap = obstacle_.gap(obstacle_.reference(), in_space(place));
-        if (dim == 2 && !G::faces(gap, normal_at(facet, point))) continue;
       } else {
         const Seen seen = nearest(facet, point, x);
         if (seen.candidate < 0) continue;

@@ -16,6 +16,9 @@ constexpr double wanted_fall = 4;
 // neighbours off, cells with them; surfaces at rest that meet all over flow long before.
 constexpr double first_part = 0.1;
 constexpr double part_growth = 4; // up to all of it
+// What a support or an obstacle has passed through before Newton's method begins presses with that part of E
+// at its deepest point: less than most metals flow at.
+constexpr double gentle_strain = 2e-3, gentle_growth = 10;
 
 // Augmented Lagrangian: after every solve lambda <- <lambda - eps g> (75'), 0 where a constraint faces
 // nothing; then the penalty grows by its rule, which the settings name.
@@ -40,13 +43,23 @@ public:
     const bool whole = settings_->inertia && friction.acts();
     penalty = whole ? std::max(penalty, settings_->penalty) : first_part * settings_->penalty;
   }
+  bool ease(const Constraints& constraints, double depth) override {
+    if (!settings_->automatic_penalty || settings_->growth == PenaltyGrowth::every_augmentation) return false;
+    const double part = gentle_strain * constraints.mean_length() / (10 * depth);
+    if (!(part < first_part)) return false;
+    rows_.penalty->trial[EnforcementRows::value] = part * settings_->penalty;
+    return true;
+  }
   void augment(const AugmentReport& report, std::vector<double>& lambda) override {
     rows_.multiplier->trial = std::move(lambda);
     std::vector<double>& row = rows_.penalty->trial;
     double &penalty = row[EnforcementRows::value], &before = row[EnforcementRows::last_gap];
     const bool slow = before > 0 && report.largest_gap > before / wanted_fall;
+    const double first = first_part * settings_->penalty;
     if (penalty < settings_->penalty) {
-      if (before > 0) penalty = std::min(part_growth * penalty, settings_->penalty);
+      if (before > 0)
+        penalty = penalty < first ? std::min(gentle_growth * penalty, first)
+                                  : std::min(part_growth * penalty, settings_->penalty);
     } else if (settings_->growth == PenaltyGrowth::every_augmentation || slow)
       penalty = std::max(penalty, std::min(penalty + settings_->penalty_increment, settings_->penalty_max));
     before = report.largest_gap;
