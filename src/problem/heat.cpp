@@ -21,6 +21,9 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   const int stresses = gradient_size(d_.frame);
   if (moves && settings_.form == HeatForm::energy)
     stress_ = &state.add({"stress", Support::cell_point, stresses}, points * at(stresses));
+  if (moves && settings_.inertia &&
+      d_.any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0; }))
+    warming_ = &state.add({"warming", Support::cell_point, warming_size}, points * warming_size);
   if (d_.has_fatigue()) worn_ = &state.row("fatigue");
   double capacity = 0, temperature = 0;
   for (const MaterialAssignment& m : d_.materials) {
@@ -199,6 +202,14 @@ bool HeatProblem::make_constant_part() {
     auto r = batch.zero(1);
     const int bad = batch.kernels.heat_step(batch.law, in, points.data(), r.data());
     batch.store(points, points_);
+    if (warming_ && window_.end == 1) {
+      auto warming = batch.points<warming_size>();
+      for (int q = 0; q < points.size / heat_point_size; ++q) {
+        const HeatPoint& at_point = heat_point_at(points.data(), q);
+        reinterpret_cast<Warming*>(warming.data())[q] = {at_point.volume, at_point.warming};
+      }
+      batch.store(warming, warming_->trial);
+    }
     batch.scatter(r, constant_);
     return bad;
   });

@@ -133,6 +133,7 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           .accel = accel,
           .phi = step_.phi,
           .theta = law.parameters.alpha_t != 0 || law.softens() ? step_.theta : nullptr,
+          .warming = law.parameters.alpha_t != 0 ? step_.warming : nullptr,
           .history = keeps_history(law) ? &history_.committed : nullptr,
           .dt = step_.dt,
           .unilateral = step_.unilateral_scale,
@@ -142,7 +143,8 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
 
 void MotionProblem::share(const std::vector<double>& u, double unilateral, PatchState& patches,
                           bool pressures) const {
-  share_volumes(d_, {&u, step_.phi, step_.theta, &history_.committed, unilateral}, patches, pressures);
+  share_volumes(d_, {&u, step_.phi, step_.theta, &history_.committed, unilateral, step_.warming}, patches,
+                pressures);
 }
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,

@@ -9,7 +9,7 @@ namespace impact {
 /// Nodal fields as local arrays [node][components], the committed history as a row; a null pointer leaves the
 /// term, or the history of a law without flow, out.
 struct MotionFields {
-  const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *history;
+  const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *warming, *history;
   double dt;
   const std::vector<double>* drive = nullptr;   ///< the committed row, for laws that soften
   double unilateral = 1;                        ///< factor of the unilateral stress
@@ -25,6 +25,7 @@ struct MotionBatch {
   PointValues<max_history_size> history;
   PointValues<drive_size> drive;
   PointValues<1> failure;
+  PointValues<warming_size> warming;
   BatchArray<1> patch{1};
   BatchArray<2> patch_pressure{2};
   MotionInput in;
@@ -32,7 +33,7 @@ struct MotionBatch {
   MotionBatch(const CellBatch& batch, const MotionFields& fields)
       : X(batch.nodes() * batch.d.dim()), u(X.size), u_n(X.size), accel(X.size), phi(batch.nodes()),
         theta(batch.nodes()), history(batch.histories()), drive(batch.points<drive_size>()),
-        failure(batch.points<1>()) {
+        failure(batch.points<1>()), warming(batch.points<warming_size>()) {
     in.X = batch.read(fields.X, X);
     in.u = batch.read(fields.u, u);
     in.u_n = batch.read(fields.u_n, u_n);
@@ -41,6 +42,7 @@ struct MotionBatch {
     in.accel = batch.read(fields.accel, accel);
     in.phi = batch.read(fields.phi, phi);
     in.theta = batch.read(fields.theta, theta);
+    in.warming = batch.read(fields.warming, warming);
     in.history = batch.read(fields.history, history);
     in.drive = batch.read(fields.drive, drive);
     in.failure = batch.read(fields.failure, failure);

@@ -119,7 +119,8 @@ void MotionProblem::damage_force(Vec u, const std::vector<double>& phi, Vec chan
   std::fill(r_.begin(), r_.end(), 0.0);
   PatchState changed;
   share(u_, step_.unilateral_scale, patches_);
-  share_volumes(d_, {&u_, &phi, step_.theta, &history_.committed, step_.unilateral_scale}, changed);
+  share_volumes(d_, {&u_, &phi, step_.theta, &history_.committed, step_.unilateral_scale, step_.warming},
+                changed);
   for_each_batch(d_, damages, [&](const CellBatch& batch) {
     const NodalValues before = batch.scalars(*step_.phi), now = batch.scalars(phi);
     Batch most = Batch(0.0);

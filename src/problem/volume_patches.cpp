@@ -135,11 +135,13 @@ void find_pressures(const Discretisation& d, const PatchFields& fields, PatchSta
     NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
     auto history = batch.histories();
     BatchArray<1> J_minus_1(1);
+    auto warming = batch.points<warming_size>();
     MotionInput in;
     in.X = X.data();
     in.phi = batch.read(fields.phi, phi);
     in.theta = batch.read(fields.theta, theta);
     in.history = batch.read(fields.history, history);
+    in.warming = batch.read(fields.warming, warming);
     in.patch = batch.read_shared(state.J_minus_1, J_minus_1);
     in.unilateral = fields.unilateral;
     Batch p, dp;

@@ -43,11 +43,13 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
     explicit_.emplace(ts_, fields_.motion, fields_.state, fields_.erosion, settings_.by_central_differences);
   if (explicit_ && fields_.damage && settings_.damage_every > 1)
     damage_wait_ = &fields_.state.add({"damage_wait", Support::global, 2}, 2);
+  warming_ = fields_.state.find("warming");
   if (settings_.path_dissipation > 0) path_.emplace(fields_.state, settings_);
   const Discretisation& d = fields_.motion.discretisation();
   pass_.u = d.displacement.make_local();
   if (fields_.damage) pass_.phi = fields_.state.row("phi").committed;
   if (fields_.heat) pass_.theta = fields_.state.row("theta").committed;
+  if (warming_) pass_.warming = warming_->committed;
   if (fields_.heat || exchanges(d)) pass_.dissipation.resize(d.point_values(1));
   const SNES snes = Get(TSGetSNES)(ts_);
   check(SNESSetOptionsPrefix(snes, "coupling_"));
@@ -55,17 +57,12 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
   check(SNESSetTolerances(snes, settings_.atol, 0, 0, settings_.max_it, PETSC_DEFAULT));
 }
 
-void Coupling::give_up(PetscInt passes, PetscReal change) {
-  failure_ =
-      text_of("%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)", static_cast<int>(passes),
-              settings_.follow_cracks ? " in which phi does not grow" : "", pass_.changing, change);
-}
-
 // What an attempt holds fixed in all its passes; phi and theta are those of the pass.
 MotionStep Coupling::frozen_step() const {
   MotionStep step;
   if (fields_.damage) step.phi = &pass_.phi;
   if (fields_.heat) step.theta = &pass_.theta;
+  if (warming_) step.warming = &pass_.warming;
   step.contact_scale = update_.contact_scale();
   if (explicit_) step.bulk = settings_.by_central_differences.bulk;
   step.unilateral_scale = update_.unilateral_scale();
@@ -89,6 +86,7 @@ void Coupling::begin_between_steps(double t, Vec u, Vec v) {
   step.u_n = &u_before_;
   if (fields_.damage) step.phi = &fields_.state.row("phi").committed;
   if (fields_.heat) step.theta = &fields_.state.row("theta").committed;
+  if (warming_) step.warming = &warming_->committed;
   fields_.motion.begin(step);
 }
 
@@ -157,6 +155,7 @@ void Coupling::before_attempt(const Attempt& attempt) {
   if (fields_.heat) {
     fields_.heat->begin(attempt.t_n, attempt.t);
     pass_.theta = state.row("theta").committed;
+    if (warming_) pass_.warming = warming_->committed;
   }
   MotionStep step = frozen_step();
   const Attempt at = first_loads(attempt);
@@ -225,6 +224,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   pass_.number = number;
   if (number > 1 && fields_.damage) phi_passes_.relax(number, fields_.state.row("phi"), pass_.phi);
   if (number > 1 && fields_.heat) pass_.theta = fields_.state.row("theta").trial;
+  if (number > 1 && warming_) pass_.warming = warming_->trial;
   if (settings_.moves && !explicit_ && !motion_pass(u, result)) return result;
   if (!advance_points(u, result)) return result;
   const bool follows_failure = fields_.state.find("jc_failure") != nullptr;

@@ -10,6 +10,12 @@ std::string Coupling::failure_text() const {
   return cell.empty() ? failure_ : cell;
 }
 
+void Coupling::give_up(PetscInt passes, PetscReal change) {
+  failure_ =
+      text_of("%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)", static_cast<int>(passes),
+              settings_.follow_cracks ? " in which phi does not grow" : "", pass_.changing, change);
+}
+
 StepCounts Coupling::counts() const {
   StepCounts counts = counts_;
   const MotionSolver::Counts& motion = solver_.counts();
@@ -53,12 +59,14 @@ StepRecord Coupling::record(Vec u) {
     record.heat = &heat->supplied();
   }
   if (settings_.report_error) {
-    const std::vector<double> phi = pass_.phi, theta = pass_.theta;
+    const std::vector<double> phi = pass_.phi, theta = pass_.theta, warming = pass_.warming;
     if (fields_.damage) pass_.phi = fields_.state.row("phi").trial;
     if (fields_.heat) pass_.theta = fields_.state.row("theta").trial;
+    if (warming_) pass_.warming = warming_->trial;
     motion.parts(u, next_);
     pass_.phi = phi;
     pass_.theta = theta;
+    pass_.warming = warming;
     record.internal_of_next_pass = next_.internal;
   }
   if (!explicit_ && fields_.erosion != nullptr) fields_.erosion->find_failed(u); // after the last pass

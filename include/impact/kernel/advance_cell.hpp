@@ -102,7 +102,7 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
   CellStatus status{0, Batch(1e300)};
   CellStateOf<Cell, frame, principal> s;
   prepare<Cell, frame>(law, in.X, in.u, in.phi, in.theta, s, in.history, in.unilateral,
-                       {in.patch, in.patch_pressure});
+                       {in.patch, in.patch_pressure, in.warming});
   status.bad |= share_unknowns<Cell, frame, principal>(law, in, s);
   StepForces<Cell, frame> force;
   if (forces) force.start(law, in, s);

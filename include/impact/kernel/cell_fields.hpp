@@ -3,6 +3,16 @@
 
 namespace impact {
 
+/// What a nodal temperature belongs to, at a point: J - 1 of the locking cure, and dp/dJ beyond it of a body
+/// in which no heat flows, less that at the temperature (45a).
+struct Warming {
+  Batch volume, slope;
+};
+inline constexpr int warming_size = sizeof(Warming) / sizeof(Batch);
+inline const Warming& warming_at(const Batch* warming, int q) {
+  return reinterpret_cast<const Warming*>(warming)[q];
+}
+
 /// Fields of a batch at the end of a step and (_n) at its start: [node][component] of nodal ones,
 /// [point][component] of those of points. Null pointers stand for zero, theta_0 and a virgin history. A
 /// kernel reads what its equation asks for.

@@ -48,6 +48,25 @@ struct ThermalPart {
   Batch energy, entropy, capacity;
 };
 
+/// theta beta^2/c_eff, beta = ds/dJ at fixed shape.
+inline Batch warming_slope(const Batch& theta, const Batch& beta, const Batch& capacity) {
+  return theta * (beta * beta) / capacity;
+}
+/// Of a split by principal stretches, which sees J and theta in J/J_theta alone.
+inline Batch warming_slope(const PointLaw& law, const ThermalPart& at, const Batch& J, const Batch& theta) {
+  const MaterialParameters& m = law.parameters;
+  if (m.alpha_t == 0) return Batch(0.0);
+  const Batch beta = (Batch(m.c_v) - at.capacity) / ((3 * m.alpha_t) * (theta * J));
+  return warming_slope(theta, beta, at.capacity);
+}
+template <class Law>
+inline Batch warming_slope(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
+                           const Batch& theta) {
+  const ElasticVolume<Batch> v = elastic_volume(law, J_minus_1, theta);
+  const Batch g_v = volume_degradation(g, v.Je_minus_1);
+  return warming_slope(theta, entropy_slope(law, v, g_v), heat_capacity(law, v, g_v, theta));
+}
+
 /// The energy is found where it is wanted.
 template <class Law>
 inline ThermalPart thermal_part(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
@@ -167,7 +186,11 @@ template <class Cell, Frame frame, class Law>
     const ThermalPart thermal_n = law.principal()
                                       ? before.thermal(law, q, g_n, theta_n)
                                       : thermal_part(law, before.volume(law, q), g_n, theta_n, energy);
-    heat_point_at(points, q) = {now.volume(law, q), thermal_n.entropy};
+    const Batch theta = interpolate<Cell>(in.theta, q), volume = now.volume(law, q);
+    heat_point_at(points, q) = {
+        volume, thermal_n.entropy,
+        law.principal() ? warming_slope(law, now.thermal(law, q, g, theta), Batch(1.0) + volume, theta)
+                        : warming_slope(law, volume, g, theta)};
 
     Tensor<Batch, d> inverse_F = unit_tensor<d>(), inverse_F_n = inverse_F;
     Batch J = Batch(1.0), J_n = Batch(1.0);

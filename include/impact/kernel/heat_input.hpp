@@ -20,6 +20,7 @@ enum class HeatForm { entropy, energy };
 struct HeatPoint {
   Batch volume;    ///< J - 1 of the locking cure
   Batch entropy_n; ///< 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n
+  Batch warming;   ///< what p would change per J if no heat flowed (45a)
 };
 inline constexpr int heat_point_size = sizeof(HeatPoint) / sizeof(Batch);
 inline HeatPoint& heat_point_at(Batch* points, int q) { return reinterpret_cast<HeatPoint*>(points)[q]; }

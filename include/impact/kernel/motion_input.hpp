@@ -17,6 +17,7 @@ namespace impact {
 struct MotionInput : CellFields {
   const Batch* accel = nullptr;   ///< [node][dim] acceleration minus body force per mass; nullptr = none
   const Batch* failure = nullptr; ///< [point] failure measure at t_n, for laws that it weakens
+  const Batch* warming = nullptr; ///< [point] Warming; nullptr: the temperature is that of u
   bool held = false;              ///< the history is that of u: nothing flows
   double unilateral = 1;          ///< factor of the unilateral stress m tau-
   double mass_shift = 0;          ///< tangent += mass_shift rho N_a N_b delta_ik

@@ -81,10 +81,20 @@ inline PointEnergies<Batch> point_energies(const Law& law, const Batch& z, const
     return law.energies(z, Je_minus_1, alpha);
 }
 
-/// J - 1, and p and dp/dJ, that come from the patch of a cell; null: the cell finds its own.
+/// J - 1, and p and dp/dJ, that come from the patch of a cell; null: the cell finds its own. `warming` as in
+/// MotionInput.
 struct PatchVolume {
-  const Batch *J_minus_1 = nullptr, *pressure = nullptr;
+  const Batch *J_minus_1 = nullptr, *pressure = nullptr, *warming = nullptr;
 };
+
+/// p and dp/dJ of a body that warms as it is pressed since its temperature was found.
+inline Volumetric<Batch> warmed(Volumetric<Batch> v, const Batch* warming, const Batch& J_minus_1, int q) {
+  if (warming == nullptr) return v;
+  const Warming& since = warming_at(warming, q);
+  v.p += since.slope * (J_minus_1 - since.volume);
+  v.dp += since.slope;
+  return v;
+}
 
 /// Geometry, Grad u and the volume ratios; for `mean` also the uniform p = (1/V) int g_v U'(J_mean/J_th)/J_th
 /// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
@@ -116,8 +126,9 @@ inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch*
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {
       const Volumetric<Batch> v =
-          law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
-                       point_degradations<Cell, frame>(law, phi, q, history, unilateral));
+          warmed(law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
+                              point_degradations<Cell, frame>(law, phi, q, history, unilateral)),
+                 patch.warming, s.volume_J, q);
       s.mean_p += s.map[q].weight * v.p;
       s.mean_dp += s.map[q].weight * v.dp;
     }
@@ -166,6 +177,7 @@ template <int dim> struct PointEvaluation {
 template <int dim> struct SplitEvaluation : PointEvaluation<dim> {
   SplitState<Batch, dim> state;
   SplitEnergies<Batch, dim> of;
+  Batch warmth = 0; ///< what `warmed` adds to each normal tau, which no tangent knows
 };
 
 /// A cell that keeps what share_split_pressure evaluates.
@@ -236,6 +248,11 @@ split_point(const PointLaw& law, const MotionInput& in, const CellState<Cell, fr
   e.Je_minus_1 = elastic_volume(e.state);
   e.zeta = locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
   e.tau = split_stress(e.state, e.of);
+  if (in.warming != nullptr) {
+    e.warmth =
+        (Batch(1.0) + J_minus_1) * warmed({Batch(0.0), Batch(0.0), Batch(0.0)}, in.warming, J_minus_1, q).p;
+    for (int i = 0; i < 3; ++i) e.tau[i] += e.warmth;
+  }
   e.p = (1.0 / 3) * (trace(e.tau) / (Batch(1.0) + J_minus_1));
   e.dp = Batch(0.0);
   return e;
@@ -264,7 +281,7 @@ inline void share_split_pressure(const PointLaw& law, const MotionInput& in, Cel
   Batch sum = Batch(0.0);
   for (int q = 0; q < Cell::points; ++q) {
     const auto e = split_point<Cell, frame>(law, in, s, q);
-    sum += s.map[q].weight * trace(split_stress(e.state, e.of));
+    sum += s.map[q].weight * trace(e.tau);
     if (s.split != nullptr) s.split[q] = e;
   }
   s.mean_p = (1.0 / 3) * (sum / (s.volume * (Batch(1.0) + s.volume_J)));
@@ -280,7 +297,8 @@ inline PointEvaluation<Cell::dim> evaluate_unsplit(const Law& law, const MotionI
   e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g,
                          point_conditions<Cell>(law, in, q));
   const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
-  const Volumetric<Batch> v = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g);
+  const Volumetric<Batch> v = warmed(
+      law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g), in.warming, J_minus_1, q);
   const bool mean = m.locking == Locking::mean;
   e.p = mean ? s.mean_p : v.p;
   e.dp = mean ? s.mean_dp : v.dp;

@@ -51,7 +51,7 @@ template <Terms terms> inline auto restricted(const PointLaw& law) {
 }
 inline MotionInput restricted(MotionInput in, Terms terms) {
   if (terms == Terms::elastic || terms == Terms::undamaged || terms == Terms::plain) in.drive = nullptr;
-  if (terms == Terms::elastic || terms == Terms::undamaged) in.phi = in.theta = in.u_n = nullptr;
+  if (terms == Terms::elastic || terms == Terms::undamaged) in.phi = in.theta = in.u_n = in.warming = nullptr;
   return in;
 }
 

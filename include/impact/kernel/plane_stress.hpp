@@ -38,7 +38,7 @@ inline AcrossSheet across_sheet(const PointLaw& law, const SplitEvaluation<2>& e
   s.J_minus_1.d[0] = e.k.J;
   s.volume = s.J_minus_1;
   const Dual<Batch, 1> tau = split_stress(s, split_response(law, s).of)[2];
-  return {tau.v, tau.d[0]};
+  return {tau.v + e.warmth, tau.d[0]};
 }
 
 /// The same of a point under the spectral split that does not flow, whose stretches in the plane are found
@@ -112,7 +112,7 @@ inline int find_thickness(const PointLaw& law, const MotionInput& in, CellState<
     };
     for (int q = 0; q < Cell::points; ++q) {
       if constexpr (principal)
-        if (ElasticSheet<Cell, frame>::is(law)) {
+        if (ElasticSheet<Cell, frame>::is(law) && in.warming == nullptr) {
           const ElasticSheet<Cell, frame> sheet(law, in, s, q);
           solve(q, [&](const Batch& x) { return sheet.at(x); });
           continue;

@@ -47,7 +47,8 @@ inline Batch largest_modulus(const Law& law, const MotionInput& in, const Tensor
   const MaterialParameters& m = law.parameters;
   const Degraded<Batch> one{Batch(1.0), Batch(0.0), Batch(0.0)};
   const Volumetric<Batch> v =
-      law.pressure(J - Batch(1.0), point_thermal_volume<Cell>(law, in.theta, q), {one, one, one});
+      warmed(law.pressure(J - Batch(1.0), point_thermal_volume<Cell>(law, in.theta, q), {one, one, one}),
+             in.warming, J - Batch(1.0), q);
   Batch mean = Batch(1.0), most = Batch(1.0); // of what is elastic in b, of unit volume: tr b / 3, and the
                                               // largest eigenvalue
   if (!law.flows()) {

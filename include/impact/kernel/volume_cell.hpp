@@ -61,8 +61,9 @@ void cell_pressure(const PointLaw& law, const MotionInput& in, Batch& p, Batch& 
       reference_gradient<Cell, Cell::dim>(t.dN[q], in.X, jacobian);
       point_map<Cell, frame>(in.X, jacobian, t.N[q], t.weight[q], map);
       const Volumetric<Batch> v =
-          l.pressure(*in.patch, point_thermal_volume<Cell>(l, in.theta, q),
-                     point_degradations<Cell, frame>(law, in.phi, q, in.history, in.unilateral));
+          warmed(l.pressure(*in.patch, point_thermal_volume<Cell>(l, in.theta, q),
+                            point_degradations<Cell, frame>(law, in.phi, q, in.history, in.unilateral)),
+                 in.warming, *in.patch, q);
       p += map.weight * v.p;
       dp += map.weight * v.dp;
     }

@@ -157,6 +157,9 @@ template <class T> T thermoelastic_entropy(const StateLaw& law, const ElasticVol
   const MaterialParameters& m = law.parameters;
   return (m.eos_gamma * m.c_v) * (g_v * (v.J_th * v.Je_minus_1) + (v.J_th - T(1.0)));
 }
+template <class T> T entropy_slope(const StateLaw& law, const ElasticVolume<T>&, const T& g_v) {
+  return (law.parameters.eos_gamma * law.parameters.c_v) * g_v;
+}
 template <class T>
 T heat_capacity(const StateLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
   const MaterialParameters& m = law.parameters;

@@ -158,6 +158,9 @@ template <class T> T thermal_volume(const PointLaw& law, const T& theta) {
 template <class T> T thermoelastic_entropy(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
   return thermoelastic_entropy(law.parameters, v.Je_minus_1, g_v);
 }
+template <class T> T entropy_slope(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v) {
+  return entropy_slope(law.parameters, v.Je_minus_1, v.J_th, g_v);
+}
 template <class T>
 T heat_capacity(const PointLaw& law, const ElasticVolume<T>& v, const T& g_v, const T& theta) {
   return heat_capacity(law.parameters, v.Je_minus_1, g_v, theta);

@@ -20,6 +20,12 @@ template <class T> T thermoelastic_entropy(const MaterialParameters& m, const T&
   return (1.5 * m.alpha_t * m.K) * (g_v * (Je_minus_1 * (Je_minus_1 + T(2.0))));
 }
 
+/// ds/dJ = -dp/dtheta at fixed shape.
+template <class T>
+T entropy_slope(const MaterialParameters& m, const T& Je_minus_1, const T& J_th, const T& g_v) {
+  return (3 * m.alpha_t * m.K) * (g_v * (T(1.0) + Je_minus_1) / J_th);
+}
+
 /// c_eff, the capacity at fixed strain.
 template <class T>
 T heat_capacity(const MaterialParameters& m, const T& Je_minus_1, const T& g_v, const T& theta) {

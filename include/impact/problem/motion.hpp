@@ -25,11 +25,12 @@ struct CellBatch;
 struct MotionStep {
   double t_n = 0, t = 0, dt = 0;
   const std::vector<double>* u_n = nullptr;
-  const std::vector<double>* phi = nullptr;   ///< frozen damage of this pass, null without damage
-  const std::vector<double>* theta = nullptr; ///< frozen temperature of this pass, null without heat
-  double contact_scale = 1;                   ///< alpha_m/(2 beta) where contact is fully implicit, else 1
-  double unilateral_scale = 1;                ///< the same for the unilateral stress of broken points
-  bool stabilised = false;                    ///< the contact-stabilised update
+  const std::vector<double>* phi = nullptr;     ///< frozen damage of this pass, null without damage
+  const std::vector<double>* theta = nullptr;   ///< frozen temperature of this pass, null without heat
+  const std::vector<double>* warming = nullptr; ///< what that temperature belongs to (Warming), or null
+  double contact_scale = 1;                     ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+  double unilateral_scale = 1;                  ///< the same for the unilateral stress of broken points
+  bool stabilised = false;                      ///< the contact-stabilised update
   double mass_shift = 0; ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
   BulkViscosity bulk;    ///< counts where `advance` finds forces, too
 };

@@ -47,7 +47,8 @@ struct PatchState {
 /// may be null.
 struct PatchFields {
   const std::vector<double>*u, *phi = nullptr, *theta = nullptr, *history = nullptr;
-  double unilateral = 1; ///< factor of the unilateral stress
+  double unilateral = 1;                        ///< factor of the unilateral stress
+  const std::vector<double>* warming = nullptr; ///< with the temperature
 };
 
 /// The state of the patches: pressures where damage, temperature or place make them differ within one, and

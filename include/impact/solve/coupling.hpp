@@ -100,6 +100,7 @@ private:
   struct Pass {
     PetscInt number = 0;
     std::vector<double> phi, theta;  ///< that the motion sees
+    std::vector<double> warming;     ///< of that theta
     std::vector<double> u;           ///< that it found
     std::vector<double> dissipation; ///< of the motion and of damage, at the points
     MotionProblem::Increments increments;
@@ -114,7 +115,8 @@ private:
   Augmentation augmentation_;
   StabilisedUpdate update_;
   std::optional<ExplicitStep> explicit_;
-  StateRow* damage_wait_ = nullptr; // steps and time since damage was solved
+  const StateRow* warming_ = nullptr; // of points whose temperature follows their volume
+  StateRow* damage_wait_ = nullptr;   // steps and time since damage was solved
   PhiPasses phi_passes_;
   std::optional<PathControl> path_;
   StepLimits limits_;
