@@ -80,7 +80,9 @@ void add_curves(MaterialRows& rows) {
   of_law.number("voce_r", &Law::voce_r, "Pa r_p (55)", not_negative, "saturation of the hardening")
       .needed(with_part("voce"), "a positive value is needed by <>hardening voce");
   of_law.number("voce_s", &Law::voce_s, "1 s_p (55)", not_negative, "rate of the saturation")
-      .needed(with_part("voce"), "a positive value is needed by <>hardening voce");
+      .needed(with_part("voce"), "a positive value is needed by <>hardening voce")
+      .needed(flowing([](const Material& m) { return m.law.voce_r > 0; }),
+              "a positive value is needed by <>voce_r");
   row.number("linear_h", &Material::linear_h, "Pa H", not_negative, "linear hardening modulus")
       .otherwise("0")
       .needed(with_part("linear"), "a value is needed by <>hardening linear");
