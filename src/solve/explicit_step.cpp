@@ -162,9 +162,9 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
     check(VecCopy(contact, forces_.contact));
   else
     check(VecSet(forces_.contact, 0));
-  const double dt = Get(TSGetTimeStep)(ts_);
-  divide_by_mass({0, dt, u, v, nullptr}, a);
-  bodies_.start_forces(0, dt, {{{forces_.external, 1}}}, a);
+  const double t = motion_.step().t, dt = Get(TSGetTimeStep)(ts_); // t > 0 after steps of another scheme
+  divide_by_mass({t, dt, u, v, nullptr}, a);
+  bodies_.start_forces(t, dt, {{{forces_.external, 1}}}, a);
 }
 
 // 0 at prescribed dofs.
