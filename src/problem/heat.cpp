@@ -21,8 +21,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   const int stresses = gradient_size(d_.frame);
   if (moves && settings_.form == HeatForm::energy)
     stress_ = &state.add({"stress", Support::cell_point, stresses}, points * at(stresses));
-  if (moves && settings_.inertia &&
-      d_.any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0; }))
+  if (moves && d_.any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0; }))
     warming_ = &state.add({"warming", Support::cell_point, warming_size}, points * warming_size);
   if (d_.has_fatigue()) worn_ = &state.row("fatigue");
   double capacity = 0, temperature = 0;

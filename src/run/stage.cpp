@@ -68,12 +68,6 @@ std::string time_scheme_of(const Checkpoint& checkpoint) {
   return "newmark";
 }
 
-HeatScenario heat_scenario(const Scenario& s) {
-  HeatScenario heat = s.heat;
-  heat.inertia = s.has_inertia();
-  return heat;
-}
-
 template <class Problem, class... Given> std::optional<Problem> made_if(bool there, Given&&... given) {
   return there ? std::optional<Problem>(std::in_place, std::forward<Given>(given)...) : std::nullopt;
 }
@@ -92,7 +86,7 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
       motion(d, state, setup->boundary, setup->contacts, solver.symmetric, s.contact_operator, solver.matrix,
              &setup->rigid, s.has_motion() && !s.explicit_steps()),
       damage(made_if<DamageProblem>(d.has_damage(), d, state, setup->boundary, s.damage)),
-      heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, heat_scenario(s), s.has_motion(),
+      heat(made_if<HeatProblem>(d.has_heat(), d, state, setup->boundary, s.heat, s.has_motion(),
                                 &setup->contacts)),
       ts(make_integrator(comm, s)), coupling(ts,
                                              {motion, damage ? &*damage : nullptr, heat ? &*heat : nullptr,

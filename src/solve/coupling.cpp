@@ -43,7 +43,7 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
     explicit_.emplace(ts_, fields_.motion, fields_.state, fields_.erosion, settings_.by_central_differences);
   if (explicit_ && fields_.damage && settings_.damage_every > 1)
     damage_wait_ = &fields_.state.add({"damage_wait", Support::global, 2}, 2);
-  warming_ = fields_.state.find("warming");
+  if (integrator_of(ts_).inertia) warming_ = fields_.state.find("warming");
   if (settings_.path_dissipation > 0) path_.emplace(fields_.state, settings_);
   const Discretisation& d = fields_.motion.discretisation();
   pass_.u = d.displacement.make_local();

@@ -6,6 +6,7 @@ cantilever ended by -energy_stop, whatever the step (Armero and Simo, Int. J. Nu
 that cantilever."""
 # labels: run
 # timeout: 180
+import glob
 import math
 
 import numpy
@@ -30,7 +31,7 @@ BAR = {
 SPACE = {"mesh_set_dim": 3, "mesh_set_n": 20, "mesh_set_ny": 1, "mesh_set_nz": 1, "probe_end_at": f"{L},0,0",
          "bcs": "left,sides,faces", "bc_faces_on": "back,front", "bc_faces_uz": 0}
 BRITTLE = {"material_solid_damage": "at2", "material_solid_Gc": 1e3, "material_solid_gamma": 2}
-EXPLICIT = {"ts_type": "central_difference"}
+EXPLICIT = {"ts_type": "central_difference", "outputs": "hist", "output_hist_type": "csv", "output_hist_every": 1}
 CASES = {
     "points": ({"material_solid_locking": "none"}, STRAIN),
     "mean": ({"material_solid_locking": "mean"}, STRAIN),
@@ -98,5 +99,13 @@ for name, settings, tolerance in ("one_pass", {}, 0.12), ("passes", PASSES, 0.03
 run("part", {**BEAM, "ts_max_time": 0.002, "ts_max_steps": 40})
 rest = run("part", {**BEAM, "ts_max_time": 0.002, "restart": "auto"})
 whole = run("whole", {**BEAM, "ts_max_time": 0.002})
+pulled = {key: value for key, value in BAR.items() if key not in ("ics", "ic_v_on", "ic_v_vx")}
+pulled.update({"bcs": "left,sides,right", "bc_right_on": "right", "bc_right_ux": "1e-3*min(1,t)", "probe_end_at": f"{L / 2},0"})
+run("at_rest", {**pulled, "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1})
+at_rest = sorted(glob.glob("at_rest/checkpoints/*.h5"))[-1]
+for name, settings in {"rest_newmark": {"ts_type": "newmark", "ts_dt": 1e-7}, "rest_explicit": {**EXPLICIT, "ts_dt": "auto"}}.items():
+    r = run(name, {**pulled, **settings, "ts_max_time": 1 + 5e-6, "restart": at_rest, "restart_allow": "ts_type,ts_dt"})
+    check(f"{name}: what was pulled at rest stays so with inertia", abs(r["probe_end_ux"] - r["probe_end_ux"][0]).max() / 1e-3, 0, 1e-6,
+          relative=False)
 require("a restart goes on to the last digit", (rest["probe_tip_uy"] == whole["probe_tip_uy"]).all() and len(whole["time"]) == 81)
 finish()

@@ -94,7 +94,7 @@ private:
   double t_n_ = 0, t_ = 0; ///< of the window
   Mailbox mailbox_;
   StateRow &theta_, &history_, &drive_;
-  // rows "fatigue"; "stress", of the energy form with motion; "warming", of bodies with inertia
+  // rows "fatigue"; "stress", of the energy form with motion; "warming", of bodies that expand
   StateRow *worn_ = nullptr, *stress_ = nullptr, *warming_ = nullptr;
   std::vector<double> theta_before_, x_, r_, constant_;
   std::vector<double> points_;      ///< like rows of the table

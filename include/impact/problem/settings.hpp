@@ -22,10 +22,9 @@ struct DamageScenario {
 
 struct HeatScenario {
   HeatForm form = HeatForm::entropy;
-  double theta = 1;     ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
-  double substep = 0;   ///< -heat_ts_dt; 0: none
-  int order = 0;        ///< of theta; 0: that of the cells
-  bool inertia = false; ///< of the bodies
+  double theta = 1;   ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
+  double substep = 0; ///< -heat_ts_dt; 0: none
+  int order = 0;      ///< of theta; 0: that of the cells
   std::optional<bool> lumped = std::nullopt; ///< whether c_V stands at the nodes; absent: see build_on
 };
 
