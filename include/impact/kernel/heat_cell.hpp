@@ -55,7 +55,6 @@ inline Batch warming_slope(const Batch& theta, const Batch& beta, const Batch& c
 /// Of a split by principal stretches, which sees J and theta in J/J_theta alone.
 inline Batch warming_slope(const PointLaw& law, const ThermalPart& at, const Batch& J, const Batch& theta) {
   const MaterialParameters& m = law.parameters;
-  if (m.alpha_t == 0) return Batch(0.0);
   const Batch beta = (Batch(m.c_v) - at.capacity) / ((3 * m.alpha_t) * (theta * J));
   return warming_slope(theta, beta, at.capacity);
 }
@@ -187,10 +186,11 @@ template <class Cell, Frame frame, class Law>
                                       ? before.thermal(law, q, g_n, theta_n)
                                       : thermal_part(law, before.volume(law, q), g_n, theta_n, energy);
     const Batch theta = interpolate<Cell>(in.theta, q), volume = now.volume(law, q);
-    heat_point_at(points, q) = {
-        volume, thermal_n.entropy,
-        law.principal() ? warming_slope(law, now.thermal(law, q, g, theta), Batch(1.0) + volume, theta)
-                        : warming_slope(law, volume, g, theta)};
+    heat_point_at(points, q) = {volume, thermal_n.entropy, Batch(0.0)};
+    if (m.alpha_t != 0)
+      heat_point_at(points, q).warming =
+          law.principal() ? warming_slope(law, now.thermal(law, q, g, theta), Batch(1.0) + volume, theta)
+                          : warming_slope(law, volume, g, theta);
 
     Tensor<Batch, d> inverse_F = unit_tensor<d>(), inverse_F_n = inverse_F;
     Batch J = Batch(1.0), J_n = Batch(1.0);
