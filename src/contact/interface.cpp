@@ -309,10 +309,7 @@ void ContactInterface::meet(bool loose, bool first_touch) {
 
 void ContactInterface::ease(Vec goal) {
   EnforcementMethod& gentle = fallback_ ? *fallback_ : *method_;
-  if (!at_rest_ || !gentle.augments()) return;
-  const std::vector<double>& lambda = rows_.multiplier->trial;
-  const int presses = std::any_of(lambda.begin(), lambda.end(), [](double p) { return p > 0; });
-  if (max_over_ranks(mesh_->comm(), presses) != 0) return;
+  if (!at_rest_ || !gentle.augments() || rows_.press_anywhere(mesh_->comm())) return;
   double depth = 0;
   constraints_->visit(goal, Derivatives::none, [&](const Constraint& c) { depth = std::max(depth, -c.gap); });
   eased_ = gentle.ease(*constraints_, max_over_ranks(mesh_->comm(), depth));

@@ -26,6 +26,8 @@ struct EnforcementRows {
   /// Components of the row "penalty".
   enum { value, last_gap, least, components };
   double eps() const { return std::max(penalty->trial[value], penalty->trial[least]); }
+  /// Whether any multiplier does. Collective.
+  bool press_anywhere(MPI_Comm comm) const;
   /// Facets that came free inside a body have none (ContactInterface::expose).
   double lambda(int index) const {
     const auto place = static_cast<std::size_t>(index);

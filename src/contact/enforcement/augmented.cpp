@@ -2,7 +2,6 @@
 #include <impact/contact/constraints.hpp>
 #include <impact/contact/enforcement.hpp>
 #include <impact/contact/friction.hpp>
-#include <impact/petsc/ranks.hpp>
 
 namespace impact {
 
@@ -34,9 +33,7 @@ public:
   }
   void begin_attempt(const Constraints& constraints, const Friction& friction) override {
     if (!settings_->automatic_penalty || settings_->growth == PenaltyGrowth::every_augmentation) return;
-    const std::vector<double>& lambda = rows_.multiplier->trial;
-    const int presses = std::any_of(lambda.begin(), lambda.end(), [](double p) { return p > 0; });
-    if (max_over_ranks(constraints.comm(), presses) != 0) return;
+    if (rows_.press_anywhere(constraints.comm())) return;
     double& penalty = rows_.penalty->trial[EnforcementRows::value];
     // With friction and inertia the pressures of the first solve say what sticks, also where a run without
     // inertia left a part of the penalty.

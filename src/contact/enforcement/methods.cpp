@@ -1,8 +1,16 @@
+#include <algorithm>
 #include <cmath>
 #include <impact/contact/enforcement.hpp>
 #include <impact/kernel/contact_pair.hpp>
+#include <impact/petsc/ranks.hpp>
 
 namespace impact {
+
+bool EnforcementRows::press_anywhere(MPI_Comm comm) const {
+  const std::vector<double>& lambda = multiplier->trial;
+  const int presses = std::any_of(lambda.begin(), lambda.end(), [](double p) { return p > 0; });
+  return max_over_ranks(comm, presses) != 0;
+}
 
 void EnforcementMethod::press(Constraint& c) const {
   c.lambda = rows_.lambda(c.index);
