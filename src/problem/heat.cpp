@@ -205,7 +205,7 @@ bool HeatProblem::make_constant_part() {
       auto warming = batch.points<warming_size>();
       for (int q = 0; q < points.size / heat_point_size; ++q) {
         const HeatPoint& at_point = heat_point_at(points.data(), q);
-        reinterpret_cast<Warming*>(warming.data())[q] = {at_point.volume, at_point.warming};
+        warming_at(warming.data(), q) = {at_point.volume, at_point.warming};
       }
       batch.store(warming, warming_->trial);
     }

@@ -6,8 +6,8 @@
 /// What the kernels of motion read of one batch of cells.
 namespace impact {
 
-/// Nodal fields as local arrays [node][components], the committed history as a row; a null pointer leaves the
-/// term, or the history of a law without flow, out.
+/// Nodal fields as local arrays [node][components], the committed history and what the temperature belongs to
+/// as rows; a null pointer leaves the term, or the history of a law without flow, out.
 struct MotionFields {
   const std::vector<double>*X, *u, *u_n, *accel, *phi, *theta, *warming, *history;
   double dt;

@@ -9,6 +9,7 @@ struct Warming {
   Batch volume, slope;
 };
 inline constexpr int warming_size = sizeof(Warming) / sizeof(Batch);
+inline Warming& warming_at(Batch* warming, int q) { return reinterpret_cast<Warming*>(warming)[q]; }
 inline const Warming& warming_at(const Batch* warming, int q) {
   return reinterpret_cast<const Warming*>(warming)[q];
 }
