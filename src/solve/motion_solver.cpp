@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <impact/mesh/two_level.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/petsc/slope_search.hpp>
@@ -63,28 +62,6 @@ SNESLineSearchType MotionSolver::line_search() const {
   return motion_.contacts().empty() && motion_.rigid().empty() ? slope_search_type : SNESLINESEARCHL2;
 }
 
-// An iteration with MUMPS costs a third of one that factorises before (2D, 5e3 dofs). Gaps that the linear
-// solves close need directions of the iterate, though: 4 iterations with full Newton, 15 without (patch
-// test); and what contact alone holds has another mass in each matrix (H2).
-// Within a Krylov method the tangent is that of the iterate, and what factorises or coarsens serves on. It
-// costs about 15 of its applications (MUMPS in the plane, 2.5e5 dofs: 1.8 s and 0.12 s; GAMG in space, 3e4
-// dofs: 0.22 s and 0.017 s), 8 where it factorises the upper half (0.44 s and 0.07 s).
-void MotionSolver::choose_reuse() {
-  const KSP ksp = Get(SNESGetKSP)(snes_);
-  const PC pc = Get(KSPGetPC)(ksp);
-  const bool krylov = !has_type(ksp, KSPPREONLY),
-             steady = !motion_.contacts().demands().closes_gaps && loose_.empty();
-  const bool factors = has_type(pc, PCLU, PCCHOLESKY),
-             costly = factors || has_type(pc, two_level_type, PCGAMG, PCML, PCHYPRE, PCMG);
-  const double tangent = settings_.reuse_tangent, preconditioner = settings_.reuse_preconditioner;
-  reuse_ = TangentReuse(tangent >= 0 ? tangent : !krylov && factors && steady ? 0.1 : 0);
-  hooks_.preconditioner = PreconditionerReuse(!krylov                    ? 0
-                                              : preconditioner >= 0      ? preconditioner
-                                              : !costly || !steady       ? 0
-                                              : has_type(pc, PCCHOLESKY) ? 8
-                                                                         : 15);
-}
-
 Mailbox& MotionSolver::mailbox() { return time_mailbox(ts_); }
 
 PetscInt MotionSolver::most_iterations() const { return most_of(snes_); }
@@ -124,12 +101,6 @@ void MotionSolver::refresh_matrix() {
                         this));
 }
 
-void MotionSolver::forget_factors() {
-  reuse_.forget();
-  hooks_.preconditioner.forget();
-  impact::forget_factors(snes_);
-}
-
 bool MotionSolver::refresh_contact(Vec u) {
   if (!motion_.update_contact(u)) return false;
   // Another pattern: a new matrix, and the solver's factors with it unless they serve on.
@@ -146,33 +117,6 @@ void MotionSolver::begin_attempt(PetscInt number) {
   cell_broke_ = false;
   use_factors(factors_.committed[0] > 0);
   loose_.start_attempt();
-}
-
-void MotionSolver::use_factors(bool use) {
-  if (use == by_factors_) return;
-  by_factors_ = use;
-  SolverDefaults now = defaults_;
-  if (use) now.method = LinearMethod::factors;
-  check(SNESKSPSetUseEW(snes_, PETSC_FALSE));
-  set_motion_solver(snes_, now, line_search(), false);
-  hooks_.install(snes_);
-  choose_reuse();
-  forget_factors();
-}
-
-bool MotionSolver::fall_back_on_factors(Vec u) {
-  const bool shell = motion_.jacobian() != motion_.matrix();
-  if (by_factors_ || shell || cell_broke_ || !may_factorise(motion_.discretisation(), defaults_))
-    return false;
-  check(PetscPrintf(
-      motion_.discretisation().mesh.comm(),
-      "impact: %s does not solve the motion: factors take its place from here on, in restarts too\n",
-      linear_solver_text(snes_).c_str()));
-  factors_.trial[0] = 1;
-  use_factors(true);
-  restart(u);
-  motion_.contacts().start_newton(u);
-  return true;
 }
 
 Handle<Vec> MotionSolver::imposed(Vec u) {
