@@ -1,5 +1,6 @@
 #include <impact/mesh/two_level.hpp>
 #include <impact/petsc/error.hpp>
+#include <impact/petsc/factor_cost.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/solve/motion_solver.hpp>
 
@@ -45,16 +46,34 @@ void MotionSolver::use_factors(bool use) {
   forget_factors();
 }
 
-bool MotionSolver::fall_back_on_factors(Vec u) {
+bool MotionSolver::may_take_factors() const {
   const bool shell = motion_.jacobian() != motion_.matrix();
-  if (by_factors_ || shell || cell_broke_ || !may_factorise(motion_.discretisation(), defaults_))
-    return false;
-  check(PetscPrintf(
-      motion_.discretisation().mesh.comm(),
-      "impact: %s does not solve the motion: factors take its place from here on, in restarts too\n",
-      linear_solver_text(snes_).c_str()));
+  return !by_factors_ && !shell && may_factorise(motion_.discretisation(), defaults_);
+}
+
+void MotionSolver::take_factors(const std::string& cause) {
+  check(PetscPrintf(motion_.discretisation().mesh.comm(),
+                    "impact: %s %s: factors take its place from here on, in restarts too\n",
+                    linear_solver_text(snes_).c_str(), cause.c_str()));
   factors_.trial[0] = 1;
   use_factors(true);
+}
+
+// Iterations grow with the slenderness of a body, while its factors have few entries.
+void MotionSolver::weigh_factors() {
+  constexpr PetscInt few = 200;
+  const PetscInt longest = hooks_.take_longest();
+  if (longest < few || !may_take_factors()) return;
+  const double products = defaults_.method == LinearMethod::multigrid ? 8 : 1; // in an iteration
+  if (products_for_factors_ == 0) products_for_factors_ = products_for_factors(motion_.matrix());
+  if (products * longest > products_for_factors_)
+    take_factors(text_of("takes %d iterations for a linear solve, the time of %.2g factorisations",
+                         static_cast<int>(longest), products * longest / products_for_factors_));
+}
+
+bool MotionSolver::fall_back_on_factors(Vec u) {
+  if (cell_broke_ || !may_take_factors()) return false;
+  take_factors("does not solve the motion");
   restart(u);
   motion_.contacts().start_newton(u);
   return true;

@@ -281,6 +281,7 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
 
 // One SNESSolve of at most so many iterations, a first one among them where the solve goes on from that.
 SNESConvergedReason MotionSolver::newton(Vec u, PetscInt most) {
+  weigh_factors();
   tangents_ = hooks_.conduct.goes_on ? 1 : 0;
   hooks_.conduct.iterate = u;
   set_tolerances(snes_, PETSC_DEFAULT, std::max<PetscInt>(most - tangents_, 0));

@@ -151,6 +151,8 @@ void NewtonHooks::before_linear_solve(KSP ksp, Vec rhs, Vec du) {
 }
 
 void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
+  const PetscInt iterations = Get(KSPGetIterationNumber)(ksp);
+  linear_.longest = std::max(linear_.longest, iterations);
   if (linear_.is_retried) return;
   const KSPConvergedReason reason = Get(KSPGetConvergedReason)(ksp);
   const bool indefinite = reason == KSP_DIVERGED_INDEFINITE_MAT || reason == KSP_DIVERGED_INDEFINITE_PC;

@@ -25,4 +25,18 @@ for column in ("energy_elastic", "reaction_push_x"):
     check(f"two ranks: {column}", two[column][-1], falls[column][-1], 1e-9)
 asked = run("asked", {**FAILS, "motion_ksp_type": "cg", "motion_pc_type": "jacobi"}, code=5)
 require("a solver that was asked for fails as it is", "DIVERGED_LINEAR_SOLVE" in asked.log and SAID not in asked.log)
+
+# A cantilever 100 times as long as thick: iterations by the thousand, factors with few entries. Its tip under a small shear force T:
+# T L^3 / (3 E I) + T L / (5/6 G A), from its 27-node hexahedra to a thousandth.
+LONG, THICK, T, E = 1.0, 0.01, 1e-3, 1e9
+SLENDER = {**BLOCK, "order": 2, "mesh_set_lx": LONG, "mesh_set_ly": THICK, "mesh_set_lz": THICK, "mesh_set_n": 60, "mesh_set_ny": 3, "mesh_set_nz": 3, "material_solid_nu": 0,
+           "bcs": "hold,push", "bc_hold_on": "left", "bc_push_on": "right", "bc_push_type": "force", "bc_push_uy": f"{T}*t", "ts_dt": 0.5, "ts_max_time": 1}
+del SLENDER["bc_push_ux"], SLENDER["bc_push_uz"]
+TOO_LONG = "factors take its place"
+slender = run("slender", SLENDER)
+require("what takes longer than factors gives way to them, once", slender.log.count(TOO_LONG) == 1 and "iterations for a linear solve" in slender.log)
+tip = T * LONG**3 / (3 * E * THICK**4 / 12) + T * LONG / (5 / 6 * E / 2 * THICK**2)
+check("tip of the cantilever: twice the work over the force", 2 * slender["energy_elastic"][-1] / T, tip, 2e-3)
+require("its second step takes no more iterations than Newton's method", slender["linear"][-1] <= slender["newton"][-1])
+require("a solver that was asked for goes on", TOO_LONG not in run("asked_cg", {**SLENDER, "motion_ksp_type": "cg", "motion_pc_type": "two_level"}).log)
 finish()

@@ -68,6 +68,9 @@ private:
   void choose_reuse();
   void use_factors(bool use);
   bool fall_back_on_factors(Vec u);
+  void weigh_factors();
+  bool may_take_factors() const;
+  void take_factors(const std::string& cause);
   bool first_iteration(Vec u, Vec ahead, double part);
   void add_jump(Vec u, Vec ahead, double part, Vec r);
   bool linear_step(Vec u, Vec r, Vec step);
@@ -86,6 +89,7 @@ private:
   CouplingScenario settings_;
   StateRow& factors_; // 1: in the place of the iterative solver
   bool by_factors_ = false;
+  double products_for_factors_ = 0; // 0: not known
   Handle<Vec> residual_, start_;
   PetscReal rtol_ = 0; // as the options say
   Counts counts_;

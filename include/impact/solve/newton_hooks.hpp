@@ -92,6 +92,9 @@ public:
   /// Linear iterations since the last call that PETSc does not count: of solves that were repeated.
   PetscInt take_repeated() { return std::exchange(linear_.in_vain, 0); }
 
+  /// Iterations of the longest linear solve since the last call.
+  PetscInt take_longest() { return std::exchange(linear_.longest, 0); }
+
 private:
   void after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool* changed_y, PetscBool* changed_w);
   void before_linear_solve(KSP, Vec rhs, Vec du);
@@ -112,6 +115,7 @@ private:
     PetscInt most = 0;       // as well
     bool is_retried = false; // with a new preconditioner
     PetscInt in_vain = 0;    // iterations that such solves took before
+    PetscInt longest = 0;    // iterations of one solve
   } linear_;
   Handle<Vec> bare_residual_; // the right-hand side before gaps were added
   NewtonWatch watch_;
