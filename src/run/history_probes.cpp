@@ -22,6 +22,26 @@ std::pair<std::size_t, std::size_t> find_lane(const std::vector<CellGroup>& grou
   return {};
 }
 
+// A point on a curved side lies outside of the cells by its last digit: where to go instead.
+std::string nearest_node(const Discretisation& d, const double* place) {
+  const std::size_t dim = at(d.dim());
+  const std::span<const double> X = d.mesh.coordinates();
+  double least = HUGE_VAL;
+  std::array<double, 3> nearest{};
+  for (std::size_t first = 0; first + dim <= X.size(); first += dim) {
+    double square = 0;
+    for (std::size_t k = 0; k < dim; ++k) square += (X[first + k] - place[k]) * (X[first + k] - place[k]);
+    if (square >= least) continue;
+    least = square;
+    std::copy_n(&X[first], dim, nearest.begin());
+  }
+  nearest = of_least(d.mesh.comm(), least, nearest);
+  least = min_over_ranks(d.mesh.comm(), least);
+  std::string text;
+  for (std::size_t k = 0; k < dim; ++k) text += text_of(k > 0 ? ",%.9g" : "%.9g", nearest[k]);
+  return "the nearest node is at " + text + text_of(", %.3g away", std::sqrt(least));
+}
+
 } // namespace
 
 void HistoryObserver::locate_probes() {
@@ -56,7 +76,8 @@ void HistoryObserver::locate_probes() {
     if (owner == size)
       throw UserError(ExitCode::data, "-probe_" + probe.id + "_at: the point is in no cell of the mesh" +
                                           (anywhere ? "" : " region '" + probe.region + "'") +
-                                          "; give reference coordinates inside a body");
+                                          "; give reference coordinates inside a body" +
+                                          (anywhere ? ", " + nearest_node(d, probe.at) : ""));
     if (owner != rank) found.count = 0;
     probes_.push_back(found);
   }

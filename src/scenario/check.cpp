@@ -1,15 +1,20 @@
 #include "classes.hpp"
+#include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
+#include <map>
 
 /// What the rows of the option tables demand of each other, asked of a whole Scenario.
 namespace impact {
 
 namespace {
 
+/// What is without effect, by the reason.
+using Idle = std::map<std::string, std::string>;
+
 /// Throws UserError(usage) by the first rule that speaks, of those about absence or of the others.
 template <class Struct>
 void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target, const std::string& prefix,
-               const Scenario& scenario, bool of_absence) {
+               const Scenario& scenario, bool of_absence, Idle& idle) {
   using Of = typename OptionRule<Struct>::Of;
   for (const OptionRow<Struct>& row : rows) {
     if (row.rules.empty() || row.given(target) == of_absence) continue;
@@ -22,6 +27,11 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
         words = replaced(words, "{" + other.name + "}", other.text(target));
       for (const OptionRow<Scenario>& other : global_rows())
         words = replaced(words, "{" + other.name + "}", other.text(scenario));
+      if (rule.of == Of::idle) {
+        // What was taken from another material with -material_<id>_like is not told.
+        if (option_text(prefix + row.name)) idle[words] += " -" + prefix + row.name;
+        continue;
+      }
       const std::string key = rule.of == Of::other ? "" : "-" + prefix + row.name;
       throw UserError(ExitCode::usage, key +
                                            (of_absence             ? ": missing; "
@@ -34,16 +44,19 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
 
 } // namespace
 
-void complete_and_check(Scenario& scenario) {
+std::vector<std::string> complete_and_check(Scenario& scenario) {
+  Idle idle;
   // A mesh may be converted before there is a run for it.
-  if (!scenario.mesh.convert.empty() && scenario.materials.empty())
-    return ask_rules(global_rows(), scenario, "", scenario, false);
+  if (!scenario.mesh.convert.empty() && scenario.materials.empty()) {
+    ask_rules(global_rows(), scenario, "", scenario, false, idle);
+    return {};
+  }
   if (scenario.materials.empty())
     throw UserError(ExitCode::usage,
                     "-materials: missing; allowed: a comma list of ids, one for each material");
   const auto ask = [&](bool of_absence) {
     for_each_target(scenario, [&](const auto& rows, const auto& target, const std::string& prefix) {
-      ask_rules(rows, target, prefix, scenario, of_absence);
+      ask_rules(rows, target, prefix, scenario, of_absence, idle);
     });
   };
   ask(true);
@@ -54,6 +67,14 @@ void complete_and_check(Scenario& scenario) {
   for (const OptionGroup& group : global_groups())
     if (group.complete) group.complete(scenario);
   ask(false);
+  std::vector<std::string> notes;
+  for (const auto& [reason, keys] : idle) {
+    if (scenario.strict)
+      throw UserError(ExitCode::usage,
+                      "without effect, because " + reason + ":" + keys + " (-options_strict)");
+    notes.push_back("without effect, because " + reason + ":" + keys);
+  }
+  return notes;
 }
 
 } // namespace impact

@@ -81,7 +81,7 @@ std::vector<std::string> check_option_names();
 
 /// Fills what the user left to us (laws, file names, fields, numbers that depend on others). Throws
 /// UserError(usage) for what no single option can tell: missing and contradicting options.
-void complete_and_check(Scenario& scenario);
+std::vector<std::string> complete_and_check(Scenario& scenario);
 
 /// The rows of the families of laws.
 void add_hardening(std::vector<OptionRow<MaterialScenario>>& rows);

@@ -70,7 +70,13 @@ void add_demands(std::vector<OptionRow<Bc>>& rows) {
       row.barred([](const Bc& bc,
                     const Scenario& s) { return s.physics.empty() && !s.has_heat() && is_thermal(bc.type); },
                  ": acts on the temperature, and no material has a heat capacity; give "
-                 "-material_{material}_c_v, or remove it");
+                 "-material_{material}_c_v, or remove it")
+          .barred(
+              [](const Bc& bc, const Scenario& s) {
+                return s.solves("damage") && !s.has_damage() && bc.type == BcType::damage;
+              },
+              ": acts on the damage, and no material has any; give -material_{material}_damage, or "
+              "remove it");
   }
 }
 
@@ -130,7 +136,10 @@ OptionClass<InitialCondition> initial_class() {
   row.groups("on", &Ic::on, "groups of the mesh", [](const Ic&, int) { return 0; });
   row.components("u", &Ic::u, "m", "initial displacement");
   row.components("v", &Ic::v, "m/s", "initial velocity");
-  row.expression("phi", &Ic::phi, "1 phi", fraction, "initial damage");
+  row.expression("phi", &Ic::phi, "1 phi", fraction, "initial damage")
+      .barred(
+          [](const Ic&, const Scenario& s) { return s.solves("damage") && !s.has_damage(); },
+          ": damages nothing, for no material has damage; give -material_{material}_damage, or remove it");
   row.expression("theta", &Ic::theta, "K theta", positive, "initial temperature")
       .otherwise("_theta0 of the material");
   return table;

@@ -47,8 +47,10 @@ OptionGroup general_options() {
              "of a plane problem; forces and energies are for it");
   row.restart = RestartKey::free;
   row.flag("dry_run", &Scenario::dry_run, "check everything, print the resolved input and the reports, stop");
-  row.flag("options_strict", &Scenario::strict,
-           "options of PETSc's that the solvers of this run do not read are refused, not only told");
+  row.flag(
+      "options_strict", &Scenario::strict,
+      "what is without effect is refused, not only told: options of PETSc's that the solvers of this run do "
+      "not read, data of laws that a material does not have");
   row.flag("test_restep", &Scenario::restep,
            "every step is solved, refused and solved again: a test of the program");
   return group;

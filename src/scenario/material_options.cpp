@@ -160,7 +160,12 @@ void read_capacity(Material& target, const GivenOption& option, const OptionCont
   target.c_v = read_number(option, "J/(m^3.K)", positive, {}, context.units);
 }
 
+bool feels_no_heat(const Material& m, const Scenario& s) {
+  return s.solves("heat") && !m.has_capacity() && !is_rigid(m);
+}
+
 void add_heat(MaterialRows& rows) {
+  const std::string cold = "<>c_v is not given, and no temperature is solved for";
   Rows row(rows, RestartKey::guarded, &Material::law);
   row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
              "part of the plastic work that is dissipated");
@@ -185,7 +190,8 @@ void add_heat(MaterialRows& rows) {
           "allowed: a heat capacity > 0; other materials have one, and heat is solved in all of them")
       .read = read_capacity;
   row.number("conductivity", &Law::conductivity, "W/(m.K) kappa (63)", not_negative,
-             "thermal conductivity; 0: no heat flows");
+             "thermal conductivity; 0: no heat flows")
+      .idle(feels_no_heat, cold);
   row.choice("conduction", &Law::conduction,
              "heat flux isotropic where the body is now, or in the reference body (the paper's)", "spatial",
              Conduction::spatial, "material", Conduction::material)
@@ -195,8 +201,22 @@ void add_heat(MaterialRows& rows) {
       .notation("g_theta (63)");
   Rows(rows)
       .number("alpha_t", &Material::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion")
-      .barred(of_state, ": follows from <>eos_gamma; remove it");
+      .barred(of_state, ": follows from <>eos_gamma; remove it")
+      .idle(feels_no_heat, cold);
   row.number("theta0", &Law::theta0, "K theta_0 (46)", positive, "reference temperature");
+}
+
+/// Data of laws that the material does not have.
+template <class When>
+void tell_where_idle(MaterialRows& rows, std::size_t first, When when, const std::string& reason) {
+  for (std::size_t i = first; i < rows.size(); ++i)
+    if (rows[i].name != "damage" && rows[i].name != "b_d") rows[i].idle(when, reason);
+}
+bool does_not_flow(const Material& m, const Scenario& s) {
+  return s.has_motion() && m.law.model == Model::elastic;
+}
+bool stays_whole(const Material& m, const Scenario& s) {
+  return s.solves("damage") && m.law.damage == Damage::none && !is_rigid(m);
 }
 
 /// What a rigid material would be told in vain.
@@ -254,9 +274,13 @@ OptionClass<MaterialScenario> material_class() {
       &Scenario::materials};
   add_elasticity(table.rows);
   add_state(table.rows);
+  const std::size_t flow = table.rows.size();
   add_hardening(table.rows);
+  tell_where_idle(table.rows, flow, does_not_flow, "<>model is elastic");
   add_heat(table.rows);
+  const std::size_t damage = table.rows.size();
   add_damage(table.rows);
+  tell_where_idle(table.rows, damage, stays_whole, "<>damage is none");
   add_erosion(table.rows);
   add_places(table.rows);
   bar_from_rigid(table.rows);

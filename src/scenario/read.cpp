@@ -206,7 +206,8 @@ Scenario read_scenario(MPI_Comm comm) {
   context.comm = comm;
   read_globals(scenario, context);
   for_each_class([&](const auto& table) { read_class(table, scenario, context); });
-  complete_and_check(scenario);
+  for (const std::string& note : complete_and_check(scenario))
+    check(PetscPrintf(comm, "impact: %s\n", note.c_str()));
   hand_over_times(scenario);
   try_petsc_options(comm, scenario);
   tell_of_idle_velocities(comm, scenario);

@@ -15,15 +15,17 @@ struct OptionNote {
   std::string fallback{}; ///< default as text, that of the struct unless it is said
 };
 
-/// One reason to refuse a run. `words` are empty while there is none. In them `<>` stands for the beginning
-/// that all options of this id have, as `-contact_tip_`, and `{name}` for the text of the row of that name;
+/// One reason to refuse a run, or to tell that an option is without effect in it. `words` are empty while
+/// there is none. In them `<>` stands for the beginning that all options of this id have, as `-contact_tip_`,
+/// and `{name}` for the text of the row of that name;
 /// `{material}` for the id of the first material.
 template <class Struct> struct OptionRule {
   enum class Of {
     absence, ///< the option is not given: `-key: missing; words`
     value,   ///< it is: `-key "text": words`
     key,     ///< it is: `-key` and the words at once
-    other    ///< it is, and contradicts another option: the words alone
+    other,   ///< it is, and contradicts another option: the words alone
+    idle     ///< it is, and changes nothing: told, with the words as the reason
   } of;
   std::function<std::string(const Struct&, const Scenario&)> words;
 };
@@ -72,6 +74,11 @@ template <class Struct> struct OptionRow {
   /// The option must not be given beside another one, which the words name.
   template <class When, class Words> OptionRow& denied(When when, Words words) {
     return add(Of::other, when, words);
+  }
+
+  /// The option changes nothing where `when` holds; the words go on after "because".
+  template <class When, class Words> OptionRow& idle(When when, Words words) {
+    return add(Of::idle, when, words);
   }
 
 private:

@@ -162,7 +162,8 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
   const std::string pair = "allowed: -ts_times and -ts_dts together, or neither";
   Rows row(rows, RestartKey::free, &Scenario::time);
   row.numbers("ts_times", &TimeScenario::table_times, "s", not_negative,
-              "times between which the steps of -ts_dts hold, one more than these")
+              "times between which the steps of -ts_dts hold, one more than these; the first is that of the "
+              "start")
       .needed([](const Scenario& s) { return !s.time.table_dts.empty(); }, pair)
       .refused(
           [](const Scenario& s) {
@@ -176,7 +177,8 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
                [](const Scenario& s) {
                  return std::to_string(s.time.table_dts.size()) + " steps for " +
                         std::to_string(s.time.table_times.size()) +
-                        " times; allowed: one step less than times";
+                        " times; allowed: one step less than times, of which the first is that of the start "
+                        "(-ts_times 0,1 -ts_dts 0.1)";
                });
 }
 

@@ -311,7 +311,9 @@ const std::vector<Row>& rows() {
        "-ts_dts"},
       {{{"-ts_times", "0,1,2"}, {"-ts_dts", "0.1"}},
        ExitCode::usage,
-       "-ts_dts \"0.1\": 1 steps for 3 times; allowed: one step less than times"},
+       "-ts_dts \"0.1\": 1 steps for 3 times; allowed: one step less than times, of which the first is that "
+       "of the start "
+       "(-ts_times 0,1 -ts_dts 0.1)"},
       {{{"-ts_times", "0,2,1"}, {"-ts_dts", "0.1,0.1"}},
        ExitCode::usage,
        "-ts_times \"0,2,1\": not increasing; allowed: increasing times"},
@@ -406,6 +408,10 @@ const std::vector<Row>& rows() {
        "-bc_push_type: acts on the temperature, and no material has a heat capacity; give "
        "-material_beam_c_v, or "
        "remove it"},
+      {{{"-bc_push_type", "damage"}, {"-bc_push_uy", "-"}, {"-bc_push_value", "1"}},
+       ExitCode::usage,
+       "-bc_push_type: acts on the damage, and no material has any; give -material_beam_damage, or remove "
+       "it"},
       {{{"-bc_push_type", "convection"}, {"-bc_push_uy", "-"}, {"-bc_push_value", "300"}},
        ExitCode::usage,
        "-bc_push_h: missing; allowed: an expression; type convection needs it"},
