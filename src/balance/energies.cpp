@@ -87,10 +87,12 @@ struct StoredInput {
   StoredInput& operator=(const StoredInput&) = delete;
 };
 
-bool moves_alike(const NodalValues& moved, int dim) {
-  for (int i = dim; i < moved.size; ++i)
+bool moves_alike(const NodalValues& moved, const Discretisation& d) {
+  const bool about_axis = d.frame == Frame::axisymmetric; // where that changes the length of rings
+  const int dim = d.dim();
+  for (int i = about_axis ? 0 : dim; i < moved.size; ++i)
     for (int l = 0; l < lanes; ++l)
-      if (moved.value[i][l] != moved.value[i % dim][l]) return false;
+      if (moved.value[i][l] != (about_axis ? 0 : moved.value[i % dim][l])) return false;
   return true;
 }
 
@@ -147,7 +149,7 @@ double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const 
   }
   double released = 0;
   for_each_batch(d, deformable, [&](const CellBatch& batch) {
-    if (moves_alike(batch.vectors(moved), d.dim())) return;
+    if (moves_alike(batch.vectors(moved), d)) return;
     EnergySums sums[2];
     for (const int side : {0, 1}) {
       const StoredInput stored(batch, rows, places[side], u_local, {}, false);

@@ -3,6 +3,7 @@
 #include <impact/petsc/ranks.hpp>
 #include <impact/run/history_observer.hpp>
 #include <impact/scenario/columns.hpp>
+#include <numbers>
 
 /// Columns of the history that stand for fields on parts of the surface.
 namespace impact {
@@ -10,9 +11,17 @@ namespace impact {
 namespace {
 
 // 1 inside of the ring, 0 outside, even between: what a node advances by.
-double advance(const ReleaseScenario& ring, const double* x) {
-  const double distance = std::hypot(x[0] - ring.at[0], x[1] - ring.at[1]);
-  return std::clamp((ring.outer - distance) / (ring.outer - ring.inner), 0.0, 1.0);
+double advance(const ReleaseScenario& ring, std::span<const double> x) {
+  double square = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) square += (x[k] - ring.at[k]) * (x[k] - ring.at[k]);
+  return std::clamp((ring.outer - std::sqrt(square)) / (ring.outer - ring.inner), 0.0, 1.0);
+}
+
+// The area that an advance by 1 adds to the crack: of a ball, the integral of `advance` along its diameter.
+double area(const ReleaseScenario& ring, Frame frame) {
+  if (frame == Frame::axisymmetric) return 2 * std::numbers::pi * ring.at[0];
+  if (frame != Frame::solid) return 1;
+  return ring.length > 0 ? ring.length : ring.inner + ring.outer;
 }
 
 } // namespace
@@ -50,15 +59,16 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
 void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const {
   const Discretisation& d = motion_.discretisation();
   const auto X = d.mesh.coordinates();
-  using Along = ReleaseScenario::Along;
+  const std::size_t dim = at(d.dim());
   for (const ReleaseScenario& ring : scenario_.releases) {
-    const std::size_t axis = ring.along == Along::y || ring.along == Along::minus_y ? 1 : 0;
-    const double sign = ring.along == Along::minus_x || ring.along == Along::minus_y ? -1 : 1;
     std::vector<double> moved(X.size(), 0.0);
-    for (std::size_t i = 0; i < X.size(); i += 2) moved[i + axis] = sign * advance(ring, &X[i]);
+    for (std::size_t i = 0; i < X.size(); i += dim) {
+      const double length = advance(ring, X.subspan(i, dim));
+      for (std::size_t k = 0; k < dim; ++k) moved[i + k] = length * ring.direction[k];
+    }
     double released = find_release(d, bodies_, snapshot.u, moved);
     if (scenario_.has_inertia()) released += find_inertial_release(d, snapshot.u, a_.committed, moved);
-    row.emplace_back("release_" + ring.id, released);
+    row.emplace_back("release_" + ring.id, released / area(ring, d.frame));
   }
 }
 

@@ -135,7 +135,8 @@ constexpr ColumnNote history[] = {
      "energy_fracture of the material over Gc: length of a plane problem (thickness apart), else area"},
     {"probe_<probe>_<field>", "", "field at a material point, unit and components as below"},
     {"release_<release>", "N/m",
-     "energy release rate of the crack in the ring, elastic energy by area, with inertia what waves carry "
+     "energy release rate of the crack in the ring or ball, elastic energy by area, with inertia what waves "
+     "carry "
      "(J1)"},
     {"measure_<measure>_<field>", "", "mean, least, largest or sum of a field over the nodes of a group"},
 };

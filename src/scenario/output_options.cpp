@@ -134,31 +134,70 @@ OptionClass<MeasureScenario> measure_class() {
   return table;
 }
 
+namespace {
+
+/// An axis, or a vector.
+void read_direction(ReleaseScenario& target, const GivenOption& option, const OptionContext&) {
+  target.along = option.text;
+  double* const e = target.direction;
+  std::fill_n(e, 3, 0.0);
+  const bool back = option.text.starts_with('-');
+  const std::string axis = option.text.substr(back ? 1 : 0);
+  if (axis == "x" || axis == "y" || axis == "z")
+    e[axis[0] - 'x'] = back ? -1 : 1;
+  else {
+    const std::vector<std::string> parts = split_list(option.text);
+    for (std::size_t k = 0; k < std::min<std::size_t>(parts.size(), 3); ++k)
+      e[k] = parse_number(parts[k]).value_or(NAN);
+    const double length = std::hypot(e[0], e[1], e[2]);
+    if (parts.size() < 2 || parts.size() > 3 || !(length > 0) || !std::isfinite(length))
+      refuse_option(option, "allowed: x, -x, y, -y, z, -z, or a vector, as 1,1,0");
+    for (int k = 0; k < 3; ++k) e[k] /= length;
+  }
+}
+
+} // namespace
+
 OptionClass<ReleaseScenario> release_class() {
   using Release = ReleaseScenario;
-  using Along = Release::Along;
+  const auto on_axis = [](const Release& r, const Scenario& s) {
+    return s.plane == PlaneMode::axisymmetric && r.outer >= r.at[0];
+  };
   OptionClass<Release> table{
       "release", "releases", "Energy release rates",
-      "Of a crack whose tip lies in a ring, in plane problems, as columns `release_<id>` of the history: the "
-      "elastic energy that an advance of what the ring encloses would set free, over that advance.",
+      "Of a crack whose tip lies in a ring, as columns `release_<id>` of the history: the elastic energy "
+      "that "
+      "an advance of what the ring encloses would set free, over the area of that advance. In space the ring "
+      "is a ball about a point of the front, which tells the mean along that part of it.",
       &Scenario::releases};
   Rows row(table.rows, RestartKey::free);
-  row.point("at", &Release::at, "m", "middle of the ring, reference coordinates").misfit =
-      [](const Release&, int dim) { return dim == 3 ? ": of plane problems alone; remove it" : ""; };
+  row.point("at", &Release::at, "m", "middle of the ring, reference coordinates");
   row.number("inner", &Release::inner, "m (J1)", positive, "inner radius, beyond the damage around the tip")
       .required()
       .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > 0");
-  row.number("outer", &Release::outer, "m (J1)", positive,
-             "outer radius: a circle that meets no other crack, no load and no held node")
+  row.number(
+         "outer", &Release::outer, "m (J1)", positive,
+         "outer radius: a circle or ball that meets no other crack, no load, and no side of the body or held "
+         "node that the advance would move out of its plane")
       .required()
       .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > <>inner")
       .refused([](const Release& r) { return r.outer <= r.inner; },
                "not larger than <>inner {inner}; allowed: > <>inner")
-      .refused([](const Release&,
-                  const Scenario& s) { return !s.has_motion() || s.plane == PlaneMode::axisymmetric; },
-               "is for motion with -plane strain or stress; remove -releases");
-  row.choice("along", &Release::along, "where the crack would advance to", "x", Along::x, "-x",
-             Along::minus_x, "y", Along::y, "-y", Along::minus_y);
+      .refused([](const Release&, const Scenario& s) { return !s.has_motion(); },
+               "is for bodies that move; remove -releases")
+      .refused(on_axis, "the ring meets the axis; allowed: less than the radius at which <>at is");
+  auto& along = row.text("along", &Release::along, "x, -x, y, -y, z, -z or a vector, as 1,1,0",
+                         "where the crack would advance to");
+  along.read = read_direction;
+  along.misfit = [](const Release& r, int dim) {
+    return dim == 2 && r.direction[2] != 0 ? ": leaves the plane; allowed: x, -x, y, -y or a vector of it"
+                                           : "";
+  };
+  row.number("length", &Release::length, "m (J1)", positive,
+             "length of the front in the ball, each part of it weighted by its advance; half of that where a "
+             "plane of symmetry halves the ball")
+      .otherwise("inner + outer, of a straight front")
+      .misfit = [](const Release&, int dim) { return dim == 2 ? ": of fronts in space; remove it" : ""; };
   return table;
 }
 

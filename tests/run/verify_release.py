@@ -2,7 +2,9 @@
 # timeout: 120
 """Energy release rates of cracks at rest, in rings of two sizes: a slit in a long strip between grips against the energy that the strip
 has by length (Rice, J. Appl. Mech. 35, 1968), and a crack that a wave of tension meets against Freund's
-K = 2 s/(1 - nu) sqrt((1 - 2 nu) c_d t/pi) (Dynamic Fracture Mechanics, 1990), in explicit and in Newmark's steps."""
+K = 2 s/(1 - nu) sqrt((1 - 2 nu) c_d t/pi) (Dynamic Fracture Mechanics, 1990), in explicit and in Newmark's steps. A penny-shaped crack in
+the section of a cylinder and in space, its front met by a ball within the body and by half of one, against K = 2 s sqrt(a/pi) (Sneddon, Proc.
+R. Soc. A 187, 1946)."""
 import math
 
 import numpy
@@ -43,4 +45,18 @@ for name, more in (("explicit", {"ts_type": "central_difference", "ts_dt": "auto
         exact = 2 * S / (1 - NU) * math.sqrt((1 - 2 * NU) * speed * after / math.pi)
         for ring in ("near", "wide"):
             check(f"{name}, {since} times the arrival, {ring} ring: K over Freund's", intensity(r, ring)[max(row - 4, 0):row + 5].mean() / exact, 1, 0.01)
+
+# Half of the body, so half of G. The cells at the front miss a part of it that goes with their size.
+PENNY = {"mesh": mesh("penny_crack.geo"), "order": 2, "materials": "body", "material_body_E": E, "material_body_nu": NU, "bc_ahead_on": "ahead", "bc_top_on": "top",
+         "bc_top_type": "traction", "release_near_inner": 0.1, "release_near_outer": 0.3, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+exact = 4 * 1e6**2 * (1 - NU**2) / (math.pi * E) / 2
+r = run("penny_section", {**PENNY, "plane": "axisymmetric", "bcs": "ahead,top,axis", "bc_ahead_uy": 0, "bc_top_uy": 1e6, "bc_axis_on": "axis", "bc_axis_ux": 0,
+                          "releases": "near,wide", "release_near_at": "1,0", "release_wide_at": "1,0", "release_wide_inner": 0.3, "release_wide_outer": 0.8})
+for ring in ("near", "wide"):
+    check(f"penny-shaped crack, its section, {ring} ring: G over Sneddon's", r["release_" + ring][-1] / exact, 1, 4e-3)
+r = run("penny_space", {**PENNY, "mesh_set_dim": 3, "mesh_set_h": 0.03, "bcs": "ahead,top,x,y", "bc_ahead_uz": 0, "bc_top_uz": 1e6, "bc_x_on": "x0", "bc_x_ux": 0, "bc_y_on": "y0",
+                        "bc_y_uy": 0, "releases": "near,half", "release_near_at": "0.70710678,0.70710678,0", "release_near_along": "1,1,0", "release_half_at": "1,0,0",
+                        "release_half_inner": 0.1, "release_half_outer": 0.3, "release_half_length": 0.2}, ranks=2)
+for ring in ("near", "half"):
+    check(f"penny-shaped crack in space, {ring} ball: G over Sneddon's", r["release_" + ring][-1] / exact, 1, 0.012)
 finish()

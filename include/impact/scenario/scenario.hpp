@@ -112,8 +112,10 @@ struct MeasureScenario {
 struct ReleaseScenario {
   std::string id;
   double at[3] = {0, 0, 0};
-  double inner = 0, outer = 0; ///< radii between which the virtual advance falls from 1 to 0
-  enum class Along { x, minus_x, y, minus_y } along = Along::x;
+  double inner = 0, outer = 0;     ///< radii between which the virtual advance falls from 1 to 0
+  std::string along = "x";         ///< as the option says it
+  double direction[3] = {1, 0, 0}; ///< that, of length 1
+  double length = 0;               ///< of a front in space, weighted by the advance; 0: inner + outer
 };
 
 /// Ends the run when it holds at the end of a step.
