@@ -136,6 +136,8 @@ OptionClass<MeasureScenario> measure_class() {
 
 namespace {
 
+const char* const directions = "x, -x, y, -y, z, -z or a vector, as 1,1,0";
+
 /// An axis, or a vector.
 void read_direction(ReleaseScenario& target, const GivenOption& option, const OptionContext&) {
   target.along = option.text;
@@ -151,7 +153,7 @@ void read_direction(ReleaseScenario& target, const GivenOption& option, const Op
       e[k] = parse_number(parts[k]).value_or(NAN);
     const double length = std::hypot(e[0], e[1], e[2]);
     if (parts.size() < 2 || parts.size() > 3 || !(length > 0) || !std::isfinite(length))
-      refuse_option(option, "allowed: x, -x, y, -y, z, -z, or a vector, as 1,1,0");
+      refuse_option(option, std::string("no direction; allowed: ") + directions);
     for (int k = 0; k < 3; ++k) e[k] /= length;
   }
 }
@@ -186,8 +188,7 @@ OptionClass<ReleaseScenario> release_class() {
       .refused([](const Release&, const Scenario& s) { return !s.has_motion(); },
                "is for bodies that move; remove -releases")
       .refused(on_axis, "the ring meets the axis; allowed: less than the radius at which <>at is");
-  auto& along = row.text("along", &Release::along, "x, -x, y, -y, z, -z or a vector, as 1,1,0",
-                         "where the crack would advance to");
+  auto& along = row.text("along", &Release::along, directions, "where the crack would advance to");
   along.read = read_direction;
   along.misfit = [](const Release& r, int dim) {
     return dim == 2 && r.direction[2] != 0 ? ": leaves the plane; allowed: x, -x, y, -y or a vector of it"

@@ -249,6 +249,46 @@ for scheme, steps in SCHEMES.items():
     late = r["measure_way_ux"][r["time"] > 1 / 3 + 0.03]
     check(f"{scheme}: and stays", numpy.ptp(late) * 6, 0, 1e-2, relative=False)
 
+print("a rod eats its way into a block, and shorter steps do not let it through")
+with open("rod.geo", "w") as file:
+    file.write("""// A rod above a block, half their section, x = R, y = Z.
+For k In {0 : 1}
+  w = k == 0 ? 3 : 20; z = k == 0 ? 0.01 : -20; h = 20;
+  Point(4 * k + 1) = {0, z, 0};
+  Point(4 * k + 2) = {w, z, 0};
+  Point(4 * k + 3) = {w, z + h, 0};
+  Point(4 * k + 4) = {0, z + h, 0};
+  For i In {1 : 4}
+    Line(4 * k + i) = {4 * k + i, 4 * k + 1 + (i % 4)};
+  EndFor
+  Curve Loop(k + 1) = {4 * k + 1 : 4 * k + 4};
+  Plane Surface(k + 1) = {k + 1};
+EndFor
+Transfinite Curve {1, 3} = 7;
+Transfinite Curve {2, 4} = 41;
+Transfinite Curve {5} = 36 Using Progression 1.025;
+Transfinite Curve {-7} = 36 Using Progression 1.025;
+Transfinite Curve {6, 8} = 31;
+Transfinite Surface "*";
+Recombine Surface "*";
+Physical Surface("rod") = {1};
+Physical Surface("block") = {2};
+Physical Curve("rod_skin") = {1, 2, 3};
+Physical Curve("block_skin") = {7};
+Physical Curve("axis") = {4, 8};
+Physical Curve("bottom") = {5};
+""")
+METAL = {"model": "j2", "nu": 0.3, "erosion": "on", "erosion_points": 0.25, "erosion_step": 0.1, "erosion_strain": 1.5}
+ROD = {"units": "mm_t_s_MPa", "plane": "axisymmetric", "mesh": "rod.geo", "materials": "rod,block",
+       **material("rod", **{**METAL, "E": 400e3, "rho": 17.6e-9, "sigma_y": 1200}), **material("block", **{**METAL, "E": 200e3, "rho": 7.85e-9, "sigma_y": 1000}),
+       "bcs": "axis,bottom", "bc_axis_on": "axis", "bc_axis_ux": 0, "bc_bottom_on": "bottom", "bc_bottom_type": "fix", "ics": "flight", "ic_flight_on": "rod",
+       "ic_flight_vy": -1.5e6, "contacts": "hit", "contact_hit_secondary": "rod_skin", "contact_hit_primary": "block_skin", **EXPLICIT, "ts_dt": "auto",
+       "ts_bulk_viscosity_linear": 0.06, "ts_bulk_viscosity_quadratic": 1.2, "ts_max_time": 10e-6}
+default = run("rod", ROD)
+for cfl in (0.3, 0.15):
+    r = run("rod_slow", {**ROD, "ts_dt_cfl": cfl})
+    check(f"impulse on the rod after 10 us, steps of {cfl} of the stable one, over that of 0.8", r["impulse_hit_y"][-1] / default["impulse_hit_y"][-1], 1, 0.1)
+
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_erosion", "newmark"]),
