@@ -61,9 +61,7 @@ ContactInterface::ContactInterface(const Mesh& mesh, const FieldLayout& displace
   fallback_ = method_->fallback();
   if (method_->has_multipliers()) inertia_penalty_ = resolved.inertia_penalty;
   use_method();
-  ContactForm& form = constraints_->form();
-  if (!settings_.carrier.empty()) form.carry(Obstacle(mesh, settings_.carrier, pose().obstacle));
-  form.begin_attempt(pose(), nullptr);
+  place_obstacle();
   const Handle<Vec> at_rest = displacement.make_global();
   update_search(at_rest);
 }
@@ -73,6 +71,12 @@ void ContactInterface::make_constraints(ContactSurface secondary, const ContactS
                        make_form({*mesh_, *layout_, settings_, environment_.frame, std::move(secondary),
                                   primary, std::min(settings_.gap_tol, 1e-3 * mean_length_)}),
                        mean_length_, frictional());
+}
+
+void ContactInterface::place_obstacle() {
+  ContactForm& form = constraints_->form();
+  if (!settings_.carrier.empty()) form.carry(Obstacle(*mesh_, settings_.carrier, pose().obstacle));
+  form.begin_attempt(pose(), nullptr);
 }
 
 FacetTable ContactInterface::facets(const std::string& side) const {
@@ -97,7 +101,7 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   constraints_->declare(points, false, nullptr);
   constraints_->take_fixed(std::move(fixed));
   use_method();
-  constraints_->form().begin_attempt(pose(), nullptr);
+  place_obstacle();
   update_search(u);
   if (!frictional()) return;
   friction_.forget_springs(points);

@@ -197,7 +197,7 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   const MotionStep& step = motion_.step();
   bodies_.move(step.dt, u);
   for (ContactInterface& contact : motion_.contacts())
-    contact.search().set_longest(std::max(1.0, 0.8 * row_.committed[of_cells] / step.dt));
+    contact.set_longest_step(std::max(1.0, 0.8 * row_.committed[of_cells] / step.dt));
   motion_.update_contact(u);
   row_.trial[of_closing] = contacts_.closing_in(step.dt);
   if (!motion_.advance(u, sums, heat, forces_.internal)) return false;

@@ -289,6 +289,17 @@ for cfl in (0.3, 0.15):
     r = run("rod_slow", {**ROD, "ts_dt_cfl": cfl})
     check(f"impulse on the rod after 10 us, steps of {cfl} of the stable one, over that of 0.8", r["impulse_hit_y"][-1] / default["impulse_hit_y"][-1], 1, 0.1)
 
+print("a rigid ball breaks its way through a plate: one so heavy that nothing stops it as one that is told its way")
+BALL = {"units": "mm_t_s_MPa", "plane": "axisymmetric", "mesh": mesh("block.geo"), "mesh_set_lx": 20, "mesh_set_ly": 2, "mesh_set_n": 40, "mesh_set_ny": 4,
+        "materials": "solid", **material("solid", **{**METAL, "E": 70e3, "rho": 2.7e-9, "sigma_y": 300, "erosion_strain": 0.8}), "bcs": "axis,rim", "bc_axis_on": "left",
+        "bc_axis_ux": 0, "bc_rim_on": "right", "bc_rim_type": "fix", "contacts": "hit", "contact_hit_secondary": "top", "contact_hit_primary": "rigid_sphere",
+        "contact_hit_radius": 5, "contact_hit_centre": "0,7", **EXPLICIT, "ts_dt": "auto", "ts_bulk_viscosity_linear": 0.06, "ts_bulk_viscosity_quadratic": 1.2,
+        "ts_max_time": 12e-6}
+told = run("told", {**BALL, "contact_hit_rigid_uy": "(-3e5*t)"})
+heavy = run("heavy", {**BALL, "contact_hit_rigid_mass": 1e3, "ics": "flight", "ic_flight_on": "obstacle_hit", "ic_flight_vy": -3e5})
+require(f"cells leave: {told['eroded_cells'][-1]:.0f}", told["eroded_cells"][-1] > 10)
+check("impulse on the plate, over that of the ball that is told its way", heavy["impulse_hit_y"][-1] / told["impulse_hit_y"][-1], 1, 1e-6)
+
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_erosion", "newmark"]),

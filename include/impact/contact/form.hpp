@@ -72,6 +72,8 @@ struct Opposite {
   bool found() const { return *std::min_element(slot.begin(), slot.end()) >= 0; }
 };
 
+/// More functions than usual: one form serves implicit and explicit steps, friction, rigid obstacles and
+/// erosion.
 class ContactForm {
 public:
   explicit ContactForm(const FormRequest& request)
@@ -106,6 +108,8 @@ public:
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }
   PairSearch& search() { return search_; }
+  /// The longest steps that penalties are made for, over the present one.
+  void set_longest_step(double steps) { longest_step_ = steps; }
   const PairSearch& search() const { return search_; }
   const ContactNodes& nodes() const { return search_.nodes(); }
   /// The corners of facets and where they stand: the nodes, or vertices in their place.
@@ -212,6 +216,7 @@ protected:
   }
 
   ContactSettings settings_;
+  double longest_step_ = 1;
   bool rigid_;
   PairSearch search_;
   Obstacle obstacle_;

@@ -117,6 +117,8 @@ public:
   const Constraints& constraints() const { return *constraints_; }
   const ContactNodes& nodes() const { return constraints_->nodes(); }
   PairSearch& search() { return constraints_->form().search(); }
+  /// Of explicit steps: the longest that penalties are made for, over the present one.
+  void set_longest_step(double steps) { constraints_->form().set_longest_step(steps); }
   const PairSearch& search() const { return constraints_->form().search(); }
   /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
   /// unknowns of their bodies. The reduction is kept, and asked for the state at hand by every add_tangent.
@@ -248,6 +250,7 @@ private:
   bool falls_back() const { return fallen_back_ || by_penalty_ || eased_; }
   void use_method();
   void declare_state(StateTable& state);
+  void place_obstacle();
   void make_constraints(ContactSurface secondary, const ContactSurface& primary);
   void use_new_nodes(); // of the form
   ObstaclePose pose() const;

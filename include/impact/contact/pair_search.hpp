@@ -131,9 +131,6 @@ public:
   double radius() const { return radius_; }
   /// Most that both sides together moved since the start of the step, at the last update.
   double motion() const { return motion_; }
-  /// That in the longest steps that penalties were made for, `steps` times the present one.
-  double swept() const { return steps_ * motion_; }
-  void set_longest(double steps) { steps_ = steps; }
   /// How deep any facet is seen that did not move within the step: the radius; by local sizes, that of the
   /// smallest facets on both sides.
   double range() const;
@@ -202,7 +199,7 @@ private:
   Primary kind_ = Primary::rigid;
   double radius_ = 0, smallest_ = 0; // smallest_: side of all facets, of both sides
   bool local_ = false;
-  double motion_ = 0, steps_ = 1;
+  double motion_ = 0;
   List list_;
   std::optional<List> found_;        // by the attempt, where it has searched since
   Handle<Vec> attempt_from_;         // where it started; absent: none yet
