@@ -1,3 +1,5 @@
+#include "stored_input.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <impact/balance/energies.hpp>
@@ -19,10 +21,6 @@ void add(const EnergySums& sums, const CellBatch& batch, MaterialEnergies& to) {
   to.fatigue += lane_sum(sums.fatigue, used);
   for (int k = 0; k < 3; ++k) to.momentum[k] += batch.massive_sum(sums.momentum[k]);
   for (int k = 0; k < 3; ++k) to.spin[k] += batch.massive_sum(sums.spin[k]);
-}
-
-const std::vector<double>* half_of(const StateRow* row, bool trial) {
-  return row == nullptr ? nullptr : trial ? &row->trial : &row->committed;
 }
 
 void find_peaks(const Discretisation& d, const BodyRows& rows, bool trial, Energies& energies) {
@@ -54,49 +52,6 @@ BodyRows::BodyRows(StateTable& state)
     : history(state.row("history")), drive(state.row("drive")), phi(state.find("phi")),
       theta(state.find("theta")), fatigue(state.find("fatigue")), toughness(state.find("toughness")),
       failure(state.find("jc_failure")) {}
-
-namespace {
-
-/// What the measure kernels read of a batch, of the state at t_n or in the trial halves.
-// Members beyond twelve: the arrays that the input points at.
-struct StoredInput {
-  NodalValues X, u, phi, theta;
-  PointValues<max_history_size> history;
-  PointValues<1> fatigue;
-  PointValues<drive_size> drive;
-  BatchArray<1> patch{1};
-  EnergyInput in;
-
-  /// `patches`: J - 1 that patches of cells share at this displacement.
-  StoredInput(const CellBatch& batch, const BodyRows& rows, std::span<const double> places,
-              std::span<const double> displacement, const std::vector<double>& patches, bool trial)
-      : X(batch.vectors(places)), u(batch.displaced(displacement)), phi(batch.nodal(1)),
-        theta(batch.nodal(1)), history(batch.histories()), fatigue(batch.points<1>()),
-        drive(batch.points<drive_size>()) {
-    const auto half = [trial](const StateRow* row) { return half_of(row, trial); };
-    in.patch = batch.read_shared(patches, patch);
-    in.X = X.data();
-    in.u = u.data();
-    in.phi = batch.read(half(rows.phi), phi);
-    in.theta = batch.read(half(rows.theta), theta);
-    in.history = batch.read(half(&rows.history), history);
-    in.fatigue = batch.read(batch.law.fatigues() ? half(rows.fatigue) : nullptr, fatigue);
-    in.drive = batch.read(batch.law.softens() ? half(&rows.drive) : nullptr, drive);
-  }
-  StoredInput(const StoredInput&) = delete;
-  StoredInput& operator=(const StoredInput&) = delete;
-};
-
-bool moves_alike(const NodalValues& moved, const Discretisation& d) {
-  const bool about_axis = d.frame == Frame::axisymmetric; // where that changes the length of rings
-  const int dim = d.dim();
-  for (int i = about_axis ? 0 : dim; i < moved.size; ++i)
-    for (int l = 0; l < lanes; ++l)
-      if (moved.value[i][l] != (about_axis ? 0 : moved.value[i % dim][l])) return false;
-  return true;
-}
-
-} // namespace
 
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial) {
   std::vector<double> u_local = d.displacement.make_local(), v_local = u_local;
@@ -134,43 +89,6 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
   }
   find_peaks(d, rows, trial, energies);
   return energies;
-}
-
-// By a difference of the energies of each cell over a small part of it. Cells in patches count with their own
-// volume ratio.
-double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const std::vector<double>& moved) {
-  const std::vector<double> u_local = d.local_of(u);
-  const double part = 1e-4 * d.mesh.smallest_edge();
-  std::vector<double> places[2];
-  for (const int side : {0, 1}) {
-    const auto X = d.mesh.coordinates();
-    places[side].assign(X.begin(), X.end());
-    for (std::size_t i = 0; i < X.size(); ++i) places[side][i] += (side == 0 ? -part : part) * moved[i];
-  }
-  double released = 0;
-  for_each_batch(d, deformable, [&](const CellBatch& batch) {
-    if (moves_alike(batch.vectors(moved), d)) return;
-    EnergySums sums[2];
-    for (const int side : {0, 1}) {
-      const StoredInput stored(batch, rows, places[side], u_local, {}, false);
-      batch.kernels.stored_energy(batch.law, stored.in, sums[side]);
-    }
-    released += batch.live_sum(sums[0].elastic - sums[1].elastic);
-  });
-  return sum_over_ranks(d.mesh.comm(), released) / (2 * part);
-}
-
-double find_inertial_release(const Discretisation& d, Vec u, const std::vector<double>& a,
-                             const std::vector<double>& moved) {
-  const std::vector<double> u_local = d.local_of(u);
-  double released = 0;
-  for_each_batch(d, deformable, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(d.mesh.coordinates()), at_nodes = batch.vectors(u_local),
-               rate = batch.vectors(a), along = batch.vectors(moved);
-    released += batch.live_sum(
-        batch.kernels.inertial_release(batch.law, X.data(), at_nodes.data(), rate.data(), along.data()));
-  });
-  return sum_over_ranks(d.mesh.comm(), released);
 }
 
 DamageLosses find_damage_losses(const Discretisation& d, const BodyRows& rows, const StepRecord& step) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/balance/release.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/run/history_observer.hpp>
 #include <impact/scenario/columns.hpp>

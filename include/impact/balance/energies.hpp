@@ -33,14 +33,6 @@ struct Energies {
 /// Collective.
 Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec v, bool trial);
 
-/// -dE/ds of the elastic energy E(X + s moved, u) by the reference places of the nodes, local [node][dim], at
-/// fixed nodal displacements: with a `moved` that is 1 at the tip of a crack and 0 far away, its energy
-/// release rate (J1); committed state, per unit thickness. Collective.
-double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const std::vector<double>& moved);
-/// What inertia adds to it: int rho a . (Grad u moved), with the acceleration a of the row `a`. Collective.
-double find_inertial_release(const Discretisation& d, Vec u, const std::vector<double>& a,
-                             const std::vector<double>& moved);
-
 /// Lost in a step by the rate of damage and by the exchange of damage and flow.
 struct DamageLosses {
   std::vector<double> by_damage, by_exchange; ///< [material]
