@@ -8,13 +8,65 @@ namespace impact {
 
 namespace {
 
-bool moves_alike(const NodalValues& moved, const Discretisation& d) {
-  const bool about_axis = d.frame == Frame::axisymmetric; // where that changes the length of rings
-  const int dim = d.dim();
-  for (int i = about_axis ? 0 : dim; i < moved.size; ++i)
+// `at_rest`: not at all.
+bool moves_alike(const NodalValues& moved, int dim, bool at_rest) {
+  for (int i = at_rest ? 0 : dim; i < moved.size; ++i)
     for (int l = 0; l < lanes; ++l)
-      if (moved.value[i][l] != (about_axis ? 0 : moved.value[i % dim][l])) return false;
+      if (moved.value[i][l] != (at_rest ? 0 : moved.value[i % dim][l])) return false;
   return true;
+}
+
+Vector<Batch, 3> mean_of(const NodalValues& values, int components) {
+  const int nodes = values.size / components;
+  Vector<Batch, 3> mean{Batch(0.0), Batch(0.0), Batch(0.0)};
+  for (int i = 0; i < values.size; ++i) mean[i % components] += values.value[i] * Batch(1.0 / nodes);
+  return mean;
+}
+
+// Of the linear function that fits nodal values over a cell best.
+Vector<Batch, 3> slope_of(const NodalValues& values, const NodalValues& X, int dim) {
+  const Vector<Batch, 3> centre = mean_of(X, dim), mean = mean_of(values, 1);
+  Symmetric<Batch, 3> M;
+  for (int i = 0; i < 6; ++i) M[i] = Batch(dim == 2 && i == 2 ? 1.0 : 0.0);
+  Vector<Batch, 3> r{Batch(0.0), Batch(0.0), Batch(0.0)};
+  for (int a = 0; a < values.size; ++a)
+    for (int i = 0; i < dim; ++i) {
+      const Batch x = X.value[a * dim + i] - centre[i];
+      r[i] += x * (values.value[a] - mean[0]);
+      for (int j = i; j < dim; ++j) M[symmetric_index(3, i, j)] += x * (X.value[a * dim + j] - centre[j]);
+    }
+  Tensor<Batch, 3> full;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) full[3 * i + j] = M[symmetric_index(3, i, j)];
+  const Tensor<Batch, 3> inverted = inverse(full, det(M));
+  Vector<Batch, 3> slope;
+  for (int i = 0; i < 3; ++i)
+    slope[i] = inverted[3 * i] * r[0] + inverted[3 * i + 1] * r[1] + inverted[3 * i + 2] * r[2];
+  return slope;
+}
+
+// The temperature stays in its place while nodes move.
+void leave_temperature(NodalValues& theta, const Vector<Batch, 3>& slope, const NodalValues& moved,
+                       double part) {
+  const int dim = moved.size / theta.size;
+  for (int i = 0; i < moved.size; ++i) theta.value[i / dim] += part * slope[i % dim] * moved.value[i];
+}
+
+// The stiffness does too: what it becomes in a cell, over what it is.
+Batch stiffness(const CellBatch& batch, const NodalValues& X, const NodalValues& moved, double part) {
+  const auto& E = batch.d.materials[batch.material()].E_of_place;
+  const int dim = batch.d.dim();
+  const Vector<Batch, 3> centre = mean_of(X, dim), way = mean_of(moved, dim);
+  Batch factor = Batch(1.0);
+  for (int l = 0; l < batch.used(); ++l) {
+    double here[3] = {0, 0, 0}, there[3] = {0, 0, 0};
+    for (int k = 0; k < dim; ++k) {
+      here[k] = centre[k][l];
+      there[k] = here[k] + part * way[k][l];
+    }
+    factor.set(l, E(there) / E(here));
+  }
+  return factor;
 }
 
 } // namespace
@@ -32,11 +84,18 @@ double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const 
   }
   double released = 0;
   for_each_batch(d, deformable, [&](const CellBatch& batch) {
-    if (moves_alike(batch.vectors(moved), d)) return;
+    const NodalValues along = batch.vectors(moved), X = batch.vectors(d.mesh.coordinates());
+    const bool expands = rows.theta && batch.law.parameters.alpha_t != 0,
+               graded = static_cast<bool>(d.materials[batch.material()].E_of_place);
+    // Rings about an axis change their length.
+    if (moves_alike(along, d.dim(), expands || graded || d.frame == Frame::axisymmetric)) return;
     EnergySums sums[2];
     for (const int side : {0, 1}) {
-      const StoredInput stored(batch, rows, places[side], u_local, {}, false);
+      const double way = side == 0 ? -part : part;
+      StoredInput stored(batch, rows, places[side], u_local, {}, false);
+      if (expands) leave_temperature(stored.theta, slope_of(stored.theta, X, d.dim()), along, way);
       batch.kernels.stored_energy(batch.law, stored.in, sums[side]);
+      if (graded) sums[side].elastic *= stiffness(batch, X, along, way);
     }
     released += batch.live_sum(sums[0].elastic - sums[1].elastic);
   });

@@ -61,6 +61,12 @@ void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& sna
   const Discretisation& d = motion_.discretisation();
   const auto X = d.mesh.coordinates();
   const std::size_t dim = at(d.dim());
+  std::vector<double> lag, body; // acceleration, less the force by mass
+  const bool falls = motion_.boundary().body_force(motion_.step().t, body),
+             accelerates = falls || scenario_.has_inertia();
+  if (accelerates) lag.assign(X.size(), 0.0);
+  if (scenario_.has_inertia()) std::copy(a_.committed.begin(), a_.committed.end(), lag.begin());
+  for (std::size_t i = 0; i < body.size(); ++i) lag[i] -= body[i];
   for (const ReleaseScenario& ring : scenario_.releases) {
     std::vector<double> moved(X.size(), 0.0);
     for (std::size_t i = 0; i < X.size(); i += dim) {
@@ -68,7 +74,7 @@ void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& sna
       for (std::size_t k = 0; k < dim; ++k) moved[i + k] = length * ring.direction[k];
     }
     double released = find_release(d, bodies_, snapshot.u, moved);
-    if (scenario_.has_inertia()) released += find_inertial_release(d, snapshot.u, a_.committed, moved);
+    if (accelerates) released += find_inertial_release(d, snapshot.u, lag, moved);
     row.emplace_back("release_" + ring.id, released / area(ring, d.frame));
   }
 }

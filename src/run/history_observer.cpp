@@ -35,11 +35,11 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     }
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
-    const auto& [law, regions, id, points, erosion, fatigue, toughness, factors] = d.materials[m];
-    if (law.parameters.damage == Damage::none) continue;
+    const MaterialAssignment& material = d.materials[m];
+    if (material.law.parameters.damage == Damage::none) continue;
     const int numbers = numbers_of_crack * scenario_.crack_tips;
-    cracks_.push_back({m, {}, state.add({"crack_" + id, Support::global, numbers}, at(numbers))});
-    for (const std::string& region : regions) {
+    cracks_.push_back({m, {}, state.add({"crack_" + material.id, Support::global, numbers}, at(numbers))});
+    for (const std::string& region : material.regions) {
       const std::vector<int> more = d.mesh.nodes(region);
       cracks_.back().nodes.insert(cracks_.back().nodes.end(), more.begin(), more.end());
     }

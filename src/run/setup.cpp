@@ -132,6 +132,10 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
     materials.push_back({PointLaw{p}, m.regions, m.id, m.points, s.has_motion() ? m.erosion : ErosionRule{},
                          tires ? m.fatigue : ToughnessFatigue{}, tires ? m.toughness : ToughnessByState{},
                          factors_of(m)});
+    if (m.place.E.expression)
+      materials.back().E_of_place = [E = m.place.E.expression](const double* place) {
+        return (*E)(place, 3, 0);
+      };
   }
   for (const ObstacleBody& body : obstacles) {
     MaterialParameters p;

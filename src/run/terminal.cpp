@@ -44,7 +44,8 @@ void report_locking(const Scenario& s, const Discretisation& d) {
         !d.patches.empty() && d.patches.in_group[g] != 0 ? in_patches : present;
   max_over_ranks(d.mesh.comm(), found);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const auto& [law, regions, id, points, erosion, fatigue, toughness, factors] = d.materials[i / shapes];
+    const auto& [law, regions, id, points, erosion, fatigue, toughness, factors, E_of_place] =
+        d.materials[i / shapes];
     const MaterialParameters& p = law.parameters;
     const Shape shape = known_shapes()[i % shapes];
     const bool simplex = shape->simplex() && shape->order() == 1; // J is constant in it

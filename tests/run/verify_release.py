@@ -46,6 +46,20 @@ for name, more in (("explicit", {"ts_type": "central_difference", "ts_dt": "auto
         for ring in ("near", "wide"):
             check(f"{name}, {since} times the arrival, {ring} ring: K over Freund's", intensity(r, ring)[max(row - 4, 0):row + 5].mean() / exact, 1, 0.01)
 
+# What the advance leaves in its place: a temperature in a strip four times as long as wide, whose ends stay level (Wilson and Yu, Int. J.
+# Fracture 15, 1979: K = 0.5 E alpha T sqrt(pi a)/(1 - nu)), a graded stiffness,
+# a weight.
+ALONG = {**PLATE, "mesh_set_width": 1, "mesh_set_height": 4, "mesh_set_n": 40, "bc_up_uy": 0, "bc_down_ux": 0, "release_near_at": "0.5,2", "release_wide_at": "0.5,2",
+         "release_near_outer": 0.15, "release_wide_outer": 0.45, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+warm = run("warm", {**ALONG, "order": 2, "material_plate_alpha_t": 1e-5, "material_plate_c_v": 3.6e6, "heat_form": "energy", "physics": "motion,heat", "bcs": "up,down,heat",
+                    "bc_heat_on": "plate", "bc_heat_type": "temperature", "bc_heat_value": "298.15+20*(x-0.5)"})
+for ring in ("near", "wide"):
+    check(f"a crack under a gradient of temperature, {ring} ring: K over that of Wilson and Yu", intensity(warm, ring)[-1] / (0.5 * E * 1e-5 * 10 / (1 - NU) * math.sqrt(math.pi / 2)), 1, 6e-3)
+for name, more in (("graded", {"bc_up_uy": 1e-3, "material_plate_E_factor": "exp(2*x-1)"}),
+                   ("weight", {"material_plate_rho": RHO, "bcs": "up,down,weight", "bc_up_uy": 1e-6, "bc_weight_on": "plate", "bc_weight_type": "body_force", "bc_weight_ux": 100})):
+    r = run(name, {**ALONG, **more})
+    check(f"{name}: wide over near ring", r["release_wide"][-1] / r["release_near"][-1], 1, 2e-3)
+
 # Half of the body, so half of G. The cells at the front miss a part of it that goes with their size.
 PENNY = {"mesh": mesh("penny_crack.geo"), "order": 2, "materials": "body", "material_body_E": E, "material_body_nu": NU, "bc_ahead_on": "ahead", "bc_top_on": "top",
          "bc_top_type": "traction", "release_near_inner": 0.1, "release_near_outer": 0.3, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}

@@ -29,6 +29,8 @@ struct MaterialAssignment {
   ToughnessByState toughness{};
   /// Factors of a cell with its centre there [3]; empty: the law is the same everywhere.
   std::function<PlaceFactors(const double* centre)> factors{};
+  /// The part of their E that an expression of the place tells; empty: the same everywhere.
+  std::function<double(const double* place)> E_of_place{};
 };
 
 /// Which cells have left their bodies (erosion.hpp); empty as long as none has.
