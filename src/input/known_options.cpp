@@ -165,10 +165,9 @@ private:
 bool names_value(const std::string& message, const std::string& value) {
   if (value.empty()) return false;
   const std::string in = lower_case(message), word = lower_case(value);
-  if (find_word(in, word) != std::string::npos) return true;
   char* rest = nullptr;
   const double number = std::strtod(word.c_str(), &rest);
-  if (*rest != '\0') return false;
+  if (*rest != '\0') return find_word(in, word) != std::string::npos;
   for (const char* c = in.c_str(); *c != '\0'; ++c) {
     if (!std::isdigit(static_cast<unsigned char>(*c)) && *c != '-') continue;
     const double said = std::strtod(c, &rest);

@@ -114,11 +114,10 @@ void Augmentation::explain(SNESConvergedReason reason) {
       failure_ += ", the largest force left at " + place;
   if (const std::string adrift = solver_.loose().adrift(); !adrift.empty()) failure_ += " (" + adrift + ")";
   if (reason != SNES_DIVERGED_LINEAR_SOLVE) return;
-  // Factors of a singular matrix must not serve the next try.
-  solver_.forget_factors();
   if (!inertia_ && !motion_.rigid().empty())
-    failure_ += " (a rigid body that contact alone holds must be pressed from the first iteration: "
-                "-contact_<id>_enforce semismooth, or prescribe its motion)";
+    failure_ +=
+        " (a rigid body that contact alone holds must be pressed from the first iteration: let it touch "
+        "at the start, without a gap, or prescribe its motion until it does)";
 }
 
 } // namespace impact

@@ -215,7 +215,9 @@ bool MotionSolver::linear_step(Vec u, Vec r, Vec step) {
   hooks_.conduct.alone = false;
   counts_.newton += 1;
   counts_.linear += Get(KSPGetIterationNumber)(ksp) + hooks_.take_repeated();
-  return Get(KSPGetConvergedReason)(ksp) >= 0 && !cell_broke_;
+  const bool solved = Get(KSPGetConvergedReason)(ksp) >= 0;
+  if (!solved) forget_factors();
+  return solved && !cell_broke_;
 }
 
 SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool second_way) {
@@ -289,6 +291,8 @@ SNESConvergedReason MotionSolver::newton(Vec u, PetscInt most) {
   check(SNESSolve(snes_, nullptr, u));
   hooks_.conduct.goes_on = false;
   SNESConvergedReason reason = Get(SNESGetConvergedReason)(snes_);
+  // Factors of a singular matrix must not serve the next solve; MUMPS ends the run where they do.
+  if (reason == SNES_DIVERGED_LINEAR_SOLVE) forget_factors();
   const PetscInt iterations = Get(SNESGetIterationNumber)(snes_);
   const PetscInt linear = Get(SNESGetLinearSolveIterations)(snes_);
   // No reason but a residual within its tolerance counts. A line search that found none smaller may have met

@@ -38,6 +38,8 @@ TEST(OptionDatabase, PetscIsNotSaidToRefuseWhatIsOurs) {
   EXPECT_NE(impact::refused_option("Maximum number of iterations -7 must be non-negative")
                 .find("-motion_ksp_max_it \"-7\": PETSc refuses it"),
             std::string::npos);
+  OptionsScope steps({std::pair<std::string, std::string>{"-ts_max_steps", "3"}});
+  EXPECT_EQ(impact::refused_option("Error reported by MUMPS in solve phase: INFOG(1)=-3"), "");
 }
 
 TEST(OptionDatabase, ALineOfAnOptionsFileReadsBackTheSame) {

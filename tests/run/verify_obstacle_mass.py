@@ -118,6 +118,7 @@ check("force of the contact over its weight", -r["contact_foot_force_y"][-1] / (
 require("what holds it is said", "the body of region obstacle_foot" in r.log and "by contact alone against translation in y" in r.log)
 r = run("hangs", {**REST, "contact_foot_centre": "0.75,0.7"}, code=3)
 require("above the slab it is refused by name", "the body of region obstacle_foot" in r.log and "is not held against" in r.log)
+require("and how far away that is", "it is rigid, and what shall hold it is 0.1 away: let them touch at the start" in r.log)
 
 # As it leaves: one step is cut, and seven solves go on by backtracking, where five steps had been cut and two solves repeated.
 print("a ball leaves a dent (options/drop_ball.opts, coarse)")

@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cmath>
 #include <impact/contact/contact_set.hpp>
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/discretisation.hpp>
@@ -18,6 +19,7 @@ struct FreeBody {
   std::array<double, 3> centre{};   ///< mean of its nodes
   std::vector<std::string> motions; ///< "translation in x", "rotation about (0, 0)"
   bool touched = false;             ///< a contact sees something near it in the undeformed state
+  double open = HUGE_VAL;           ///< least gap of a rigid one that touches nothing, infinite without
   int number = 0;                   ///< among find_bodies
   double size = 0;                  ///< largest distance of a node from the centre
 };
