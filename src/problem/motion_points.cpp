@@ -163,7 +163,8 @@ double MotionProblem::stable_step(Vec u, const std::vector<double>& u_n, double 
 }
 
 std::string MotionProblem::slowest_cell() const {
-  return place_of(of_least(d_.mesh.comm(), slowest_.value, slowest_));
+  const MarkedCell slowest = of_least(d_.mesh.comm(), slowest_.value, slowest_);
+  return slowest.material < 0 ? "" : place_of(slowest);
 }
 
 } // namespace impact

@@ -94,6 +94,15 @@ std::string EnergyWatch::text(double t, const char* option, double bound) const 
 }
 
 std::string EnergyWatch::remedy() const {
+  std::string text = step_remedy();
+  for (const InitialCondition& ic : stage_.scenario.ics)
+    if (ic.phi)
+      return text + "; if the first step alone made the error, the damage of -ic_" + ic.id +
+             "_phi is not that of a crack at rest, and relaxes: the run is sound without the bound";
+  return text;
+}
+
+std::string EnergyWatch::step_remedy() const {
   const bool inertia = stage_.inertia, damage = stage_.d.has_damage();
   const bool gained = stage_.ledger.energy_error() > 0;
   const bool by_itself = stage_.scenario.explicit_steps();

@@ -116,6 +116,8 @@ std::string ExplicitStep::text(double asked) {
                     scaling.cells, scaling.share);
   }
   if (asked > most) text += text_of("; -ts_dt %.4g is longer: steps are at most %.4g", asked, most);
+  if (const std::string cell = motion_.slowest_cell(); !cell.empty())
+    text += "; the shortest is that of the cell at " + cell;
   return text;
 }
 

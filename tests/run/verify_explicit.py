@@ -63,6 +63,7 @@ print("a step that is too long")
 auto, long = run("auto", SMOOTH), run("too_long", {**SMOOTH, "ts_dt": 1})
 said = re.search(r"the stable step of the cells is (\S+), with contacts \S+; -ts_dt 1 is longer: steps are at most (\S+)", long.log)
 require("the log says so", said is not None)
+require("and which cell that is", "; the shortest is that of the cell at x=(" in long.log)
 require("and nothing of the kind where the step is not given", "is longer" not in auto.log)
 if said:
     check("the steps are 0.8 of it", float(said.group(2)) / float(said.group(1)), 0.8, 1e-3)

@@ -127,7 +127,7 @@ public:
   /// The longest step of central differences at which every cell is stable at u, after a step of length `dt`
   /// from `u_n`; infinite without deformable bodies. Collective.
   double stable_step(Vec u, const std::vector<double>& u_n, double dt, const BulkViscosity& bulk);
-  /// Which cell that was of all ranks: "x=(0,1) in material a". Collective.
+  /// Which cell that was of all ranks: "x=(0,1) in material a"; empty before it was asked for. Collective.
   std::string slowest_cell() const;
   /// The row, a factor at each point, becomes what cells need for a stable step of at least `wanted`; mass
   /// and kinetic energy are with it from now on. Body forces act on the true mass. Collective.

@@ -21,6 +21,7 @@ private:
   void tell_of_impacts() const;
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
+  std::string step_remedy() const;
 
   RunStage& stage_;
   StateRow& steps_beyond_; ///< [bound]: -energy_tol, -energy_stop
