@@ -89,11 +89,13 @@ double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const 
                graded = static_cast<bool>(d.materials[batch.material()].E_of_place);
     // Rings about an axis change their length.
     if (moves_alike(along, d.dim(), expands || graded || d.frame == Frame::axisymmetric)) return;
+    const Vector<Batch, 3> slope =
+        expands ? slope_of(batch.gather(rows.theta->committed, 1), X, d.dim()) : Vector<Batch, 3>{};
     EnergySums sums[2];
     for (const int side : {0, 1}) {
       const double way = side == 0 ? -part : part;
       StoredInput stored(batch, rows, places[side], u_local, {}, false);
-      if (expands) leave_temperature(stored.theta, slope_of(stored.theta, X, d.dim()), along, way);
+      if (expands) leave_temperature(stored.theta, slope, along, way);
       batch.kernels.stored_energy(batch.law, stored.in, sums[side]);
       if (graded) sums[side].elastic *= stiffness(batch, X, along, way);
     }

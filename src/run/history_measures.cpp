@@ -58,6 +58,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
 }
 
 void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  if (scenario_.releases.empty()) return;
   const Discretisation& d = motion_.discretisation();
   const auto X = d.mesh.coordinates();
   const std::size_t dim = at(d.dim());

@@ -6,11 +6,11 @@ namespace impact {
 
 /// -dE/ds of the elastic energy E(X + s moved, u) by the reference places of the nodes, local [node][dim], at
 /// fixed nodal displacements: with a `moved` that is 1 at the tip of a crack and 0 far away, its energy
-/// release rate (J1), with the temperature and E of an expression as they are in their places; committed
+/// release rate (J1), with the temperature and E of an expression as they are in their places (J2); committed
 /// state, per unit thickness. Collective.
 double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const std::vector<double>& moved);
-/// What inertia and body forces add to it: int rho a . (Grad u moved), a the acceleration less the force per
-/// mass, local [node][dim]. Collective.
+/// What inertia and body forces add to it (J2): int rho a . (Grad u moved), a the acceleration less the force
+/// per mass, local [node][dim]. Collective.
 double find_inertial_release(const Discretisation& d, Vec u, const std::vector<double>& a,
                              const std::vector<double>& moved);
 

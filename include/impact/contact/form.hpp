@@ -108,9 +108,9 @@ public:
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }
   PairSearch& search() { return search_; }
+  const PairSearch& search() const { return search_; }
   /// The longest steps that penalties are made for, over the present one.
   void set_longest_step(double steps) { longest_step_ = steps; }
-  const PairSearch& search() const { return search_; }
   const ContactNodes& nodes() const { return search_.nodes(); }
   /// The corners of facets and where they stand: the nodes, or vertices in their place.
   virtual const ContactNodes& vertices() const { return nodes(); }

@@ -117,9 +117,9 @@ public:
   const Constraints& constraints() const { return *constraints_; }
   const ContactNodes& nodes() const { return constraints_->nodes(); }
   PairSearch& search() { return constraints_->form().search(); }
+  const PairSearch& search() const { return constraints_->form().search(); }
   /// Of explicit steps: the longest that penalties are made for, over the present one.
   void set_longest_step(double steps) { constraints_->form().set_longest_step(steps); }
-  const PairSearch& search() const { return constraints_->form().search(); }
   /// Nodes of rigid bodies, [local node] a body of `reduction` or -1: their part of the tangent goes to the
   /// unknowns of their bodies. The reduction is kept, and asked for the state at hand by every add_tangent.
   /// Collective.

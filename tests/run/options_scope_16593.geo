@@ -1,1 +1,0 @@
-not read by the options
