@@ -115,6 +115,9 @@ void MotionSolver::begin_attempt(PetscInt number) {
   number_ = number;
   reuse_.forget();
   cell_broke_ = false;
+  // What it is weighed by is of this try alone, so that restarts do as runs that go on.
+  hooks_.take_longest();
+  products_for_factors_ = 0;
   use_factors(factors_.committed[0] > 0);
   loose_.start_attempt();
 }

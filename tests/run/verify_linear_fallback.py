@@ -38,5 +38,8 @@ require("what takes longer than factors gives way to them, once", slender.log.co
 tip = T * LONG**3 / (3 * E * THICK**4 / 12) + T * LONG / (5 / 6 * E / 2 * THICK**2)
 check("tip of the cantilever: twice the work over the force", 2 * slender["energy_elastic"][-1] / T, tip, 2e-3)
 require("its second step takes no more iterations than Newton's method", slender["linear"][-1] <= slender["newton"][-1])
+again = run("slender", {**SLENDER, "restart": "slender/checkpoints/checkpoint_000001.h5"})
+for name, r in (("restart", again), ("steps tried twice", run("slender_tried", {**SLENDER, "test_restep": 1}, refused=None))):
+    require(f"{name}: the energy bit for bit", r["energy_elastic"][-1] == slender["energy_elastic"][-1])
 require("a solver that was asked for goes on", TOO_LONG not in run("asked_cg", {**SLENDER, "motion_ksp_type": "cg", "motion_pc_type": "two_level"}).log)
 finish()
