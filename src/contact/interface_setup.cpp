@@ -94,6 +94,7 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
     side.facets = mesh_->live_facets(name, eroded, side.body);
     sides[primary ? 1 : 0] = surface_of(*mesh_, name, side.facets);
   }
+  const double way = constraints_->form().way();
   settings_.exposed = true;
   Handle<Vec> fixed = constraints_->release_fixed();
   make_constraints(std::move(sides[0]), sides[1]);
@@ -102,6 +103,7 @@ void ContactInterface::expose(const std::vector<char>& eroded, Vec u) {
   constraints_->take_fixed(std::move(fixed));
   use_method();
   place_obstacle();
+  constraints_->form().keep_way(way);
   update_search(u);
   if (!frictional()) return;
   friction_.forget_springs(points);

@@ -285,8 +285,10 @@ ROD = {"units": "mm_t_s_MPa", "plane": "axisymmetric", "mesh": "rod.geo", "mater
        "ic_flight_vy": -1.5e6, "contacts": "hit", "contact_hit_secondary": "rod_skin", "contact_hit_primary": "block_skin", **EXPLICIT, "ts_dt": "auto",
        "ts_bulk_viscosity_linear": 0.06, "ts_bulk_viscosity_quadratic": 1.2, "ts_max_time": 10e-6}
 default = run("rod", ROD)
+check("first law, energies of springs that last booked as such", largest(default["balance_first_law"]), 0, 0.02, relative=False)
 for cfl in (0.3, 0.15):
     r = run("rod_slow", {**ROD, "ts_dt_cfl": cfl})
+    check(f"first law, steps of {cfl}", largest(r["balance_first_law"]), 0, 0.02, relative=False)
     check(f"impulse on the rod after 10 us, steps of {cfl} of the stable one, over that of 0.8", r["impulse_hit_y"][-1] / default["impulse_hit_y"][-1], 1, 0.1)
 
 print("a rigid ball breaks its way through a plate: one so heavy that nothing stops it as one that is told its way")

@@ -91,6 +91,7 @@ public:
   /// starts, or null. Slip counts from there. Collective.
   void begin_attempt(const ObstaclePose& pose, Vec u_n) {
     switched_ = false;
+    last_way_ = 0;
     release();
     if (u_n) {
       search_.begin_attempt(u_n);
@@ -111,6 +112,10 @@ public:
   const PairSearch& search() const { return search_; }
   /// The longest steps that penalties are made for, over the present one.
   void set_longest_step(double steps) { longest_step_ = steps; }
+  /// How far the sides move in such a step. Until the next attempt a form that takes the place of another one
+  /// sees as deep as that one did.
+  double way() const { return std::max(last_way_, longest_step_ * search_.motion()); }
+  void keep_way(double way) { last_way_ = way; }
   const ContactNodes& nodes() const { return search_.nodes(); }
   /// The corners of facets and where they stand: the nodes, or vertices in their place.
   virtual const ContactNodes& vertices() const { return nodes(); }
@@ -216,7 +221,7 @@ protected:
   }
 
   ContactSettings settings_;
-  double longest_step_ = 1;
+  double longest_step_ = 1, last_way_ = 0;
   bool rigid_;
   PairSearch search_;
   Obstacle obstacle_;

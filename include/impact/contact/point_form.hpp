@@ -189,8 +189,7 @@ private:
     const double length = secondary_.length[at(facet)];
     if (settings_.iterated) return seen;
     if (!settings_.exposed) return std::min(seen, length / 2);
-    return std::min({seen, length / 4,
-                     anchoring_ ? length : std::max(length / 16, 4 * longest_step_ * search_.motion())});
+    return std::min({seen, length / 4, anchoring_ ? length : std::max(length / 16, 4 * way())});
   }
   // Whether one part of a surface may lie behind another one.
   bool folded() const { return search_.meets_itself() || settings_.exposed; }
