@@ -60,22 +60,22 @@ void MotionSolver::take_factors(const std::string& cause) {
 }
 
 // Iterations grow with the slenderness of a body, while its factors have few entries.
-void MotionSolver::weigh_factors() {
+bool MotionSolver::take_longer_than_factors(PetscInt iterations) {
   constexpr PetscInt few = 200;
-  const PetscInt longest = hooks_.take_longest();
-  if (longest < few || !may_take_factors()) return;
+  if (iterations < few || !may_take_factors()) return false;
   const double products = defaults_.method == LinearMethod::multigrid ? 8 : 1; // in an iteration
   if (products_for_factors_ == 0) products_for_factors_ = products_for_factors(motion_.matrix());
-  if (products * longest > products_for_factors_)
-    take_factors(text_of("takes %d iterations for a linear solve, the time of %.2g factorisations",
-                         static_cast<int>(longest), products * longest / products_for_factors_));
+  return products * static_cast<double>(iterations) > products_for_factors_;
 }
 
-bool MotionSolver::fall_back_on_factors(Vec u) {
+// After a linear solve that failed.
+bool MotionSolver::fall_back_on_factors() {
+  const PetscInt stopped = hooks_.take_stopped();
   if (cell_broke_ || !may_take_factors()) return false;
-  take_factors("does not solve the motion");
-  restart(u);
-  motion_.contacts().start_newton(u);
+  take_factors(stopped > 0
+                   ? text_of("takes more than %d iterations for a linear solve, the time of a factorisation",
+                             static_cast<int>(stopped))
+                   : "does not solve the motion");
   return true;
 }
 

@@ -48,6 +48,7 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, most, PETSC_DEFAULT));
   set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
+  hooks_.conduct.too_many = [this](PetscInt iterations) { return take_longer_than_factors(iterations); };
   hooks_.install(snes_);
   choose_reuse();
 }
@@ -115,9 +116,7 @@ void MotionSolver::begin_attempt(PetscInt number) {
   number_ = number;
   reuse_.forget();
   cell_broke_ = false;
-  // What it is weighed by is of this try alone, so that restarts do as runs that go on.
-  hooks_.take_longest();
-  products_for_factors_ = 0;
+  products_for_factors_ = 0; // of this try alone, so that restarts do as runs that go on
   use_factors(factors_.committed[0] > 0);
   loose_.start_attempt();
 }
@@ -173,7 +172,8 @@ bool MotionSolver::first_iteration(Vec u, Vec ahead, double part) {
   const PetscReal norm = Get(VecNorm)(r, NORM_2);
   check(SNESSetSolution(snes_, u));   // monitors look at it
   check(SNESMonitor(snes_, 0, norm)); // that of the next iteration follows, under the number 0 too
-  if (!linear_step(u, r, step)) return cell_broke_ = false;
+  if (!linear_step(u, r, step) && !(fall_back_on_factors() && linear_step(u, r, step)))
+    return cell_broke_ = false;
   check(VecAXPY(u, -1, step));
   motion_.impose(u);
   if (motion_.contacts().demands().closes_gaps) {
@@ -238,7 +238,11 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     hooks_.conduct.watched = contact && other_way;
     hooks_.conduct.follows_sliding = true;
     reason = newton(u, most);
-    if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors(u)) reason = newton(u, most);
+    if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors()) {
+      restart(u);
+      motion_.contacts().start_newton(u);
+      reason = newton(u, most);
+    }
     hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
   }
   // Full steps after sets of gaps that change may leave where cells are sound.
@@ -286,7 +290,6 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
 
 // One SNESSolve of at most so many iterations, a first one among them where the solve goes on from that.
 SNESConvergedReason MotionSolver::newton(Vec u, PetscInt most) {
-  weigh_factors();
   tangents_ = hooks_.conduct.goes_on ? 1 : 0;
   hooks_.conduct.iterate = u;
   set_tolerances(snes_, PETSC_DEFAULT, std::max<PetscInt>(most - tangents_, 0));

@@ -90,6 +90,7 @@ void NewtonHooks::install(SNES snes) {
   check(KSPGetTolerances(ksp, &linear_.rtol, nullptr, nullptr, &linear_.most));
   check(KSPSetPreSolve(ksp, Callback<&NewtonHooks::before_linear_solve>::call, this));
   check(KSPSetPostSolve(ksp, Callback<&NewtonHooks::after_linear_solve>::call, this));
+  check(KSPMonitorSet(ksp, Callback<&NewtonHooks::count>::call, this, nullptr));
   check(SNESSetConvergenceTest(snes, Callback<&NewtonHooks::test>::call, this, nullptr));
 }
 
@@ -151,12 +152,11 @@ void NewtonHooks::before_linear_solve(KSP ksp, Vec rhs, Vec du) {
 }
 
 void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
-  const PetscInt iterations = Get(KSPGetIterationNumber)(ksp);
-  linear_.longest = std::max(linear_.longest, iterations);
   if (linear_.is_retried) return;
   const KSPConvergedReason reason = Get(KSPGetConvergedReason)(ksp);
   const bool indefinite = reason == KSP_DIVERGED_INDEFINITE_MAT || reason == KSP_DIVERGED_INDEFINITE_PC;
-  if (reason < 0 && (preconditioner.serves() || indefinite)) repeat(ksp, rhs, du, indefinite);
+  if (reason < 0 && linear_.stopped == 0 && (preconditioner.serves() || indefinite))
+    repeat(ksp, rhs, du, indefinite);
   if (Get(KSPGetConvergedReason)(ksp) < 0)
     preconditioner.forget();
   else
@@ -167,6 +167,12 @@ void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
   check(KSPSetTolerances(ksp, linear_.rtol, PETSC_DEFAULT, PETSC_DEFAULT, linear_.most));
   if (closes_gaps()) check(VecCopy(bare_residual_, rhs));
   motion_.rigid().expand(conduct.iterate, du);
+}
+
+void NewtonHooks::count(KSP ksp, PetscInt iterations, PetscReal) {
+  if (iterations == 0 || !conduct.too_many || !conduct.too_many(iterations)) return;
+  linear_.stopped = iterations;
+  check(KSPSetTolerances(ksp, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, iterations));
 }
 
 // With a new preconditioner; where a crack opens or a body buckles the tangent may be indefinite, for which

@@ -67,8 +67,8 @@ private:
   SNESLineSearchType line_search() const;
   void choose_reuse();
   void use_factors(bool use);
-  bool fall_back_on_factors(Vec u);
-  void weigh_factors();
+  bool fall_back_on_factors();
+  bool take_longer_than_factors(PetscInt iterations);
   bool may_take_factors() const;
   void take_factors(const std::string& cause);
   bool first_iteration(Vec u, Vec ahead, double part);

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/preconditioner_reuse.hpp>
 #include <impact/problem/motion.hpp>
@@ -80,6 +81,8 @@ public:
     Aim aim = Aim::balance;
     bool alone = false; ///< a linear solve outside of SNESSolve, without forcing term
     Handle<Vec> known;  ///< the answer of the linear solve that comes next, or empty
+    /// Asked in each iteration of a linear solve, which ends unsolved where so many are too many.
+    std::function<bool(PetscInt)> too_many;
   };
   Conduct conduct;
   PreconditionerReuse preconditioner{0};
@@ -92,13 +95,14 @@ public:
   /// Linear iterations since the last call that PETSc does not count: of solves that were repeated.
   PetscInt take_repeated() { return std::exchange(linear_.in_vain, 0); }
 
-  /// Iterations of the longest linear solve since the last call.
-  PetscInt take_longest() { return std::exchange(linear_.longest, 0); }
+  /// Iterations of a linear solve since the last call that were too many, or 0.
+  PetscInt take_stopped() { return std::exchange(linear_.stopped, 0); }
 
 private:
   void after_step(SNESLineSearch, Vec x, Vec y, Vec w, PetscBool* changed_y, PetscBool* changed_w);
   void before_linear_solve(KSP, Vec rhs, Vec du);
   void after_linear_solve(KSP, Vec rhs, Vec du);
+  void count(KSP, PetscInt iterations, PetscReal norm);
   void repeat(KSP, Vec rhs, Vec du, bool indefinite);
   void test(SNES snes, PetscInt it, PetscReal x, PetscReal step, PetscReal norm, SNESConvergedReason* reason);
   bool gaps_settle(Vec u);
@@ -115,7 +119,7 @@ private:
     PetscInt most = 0;       // as well
     bool is_retried = false; // with a new preconditioner
     PetscInt in_vain = 0;    // iterations that such solves took before
-    PetscInt longest = 0;    // iterations of one solve
+    PetscInt stopped = 0;    // iterations of one that were too many
   } linear_;
   Handle<Vec> bare_residual_; // the right-hand side before gaps were added
   NewtonWatch watch_;
