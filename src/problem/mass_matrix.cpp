@@ -63,7 +63,8 @@ void keep_eroded_mass(const CellBatch& batch, double factor, CellMatrix& K) {
 double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) const {
   double diagonal = 0;
   CellMatrix m, K;
-  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+  const auto has_a_part = [&](const PointLaw& law) { return !masked || !law.rigid(); };
+  for_each_batch(d_, has_a_part, [&](const CellBatch& batch) {
     cell_mass(batch, factor, m, K);
     if (masked && rows_.held_batches[at(batch.number_of_group)][at(batch.number)])
       K.mask(batch.vectors(rows_.free));

@@ -18,8 +18,12 @@ void MotionProblem::rebuild_matrix() {
   const auto own = rigid_->couplings();
   extra.insert(extra.end(), own.begin(), own.end());
   assembly_.reset();
-  if (!d_.patches.empty() && matrix_groups_.empty()) {
+  if ((!d_.patches.empty() || !rigid_->empty()) && matrix_groups_.empty()) {
     matrix_groups_ = d_.groups;
+    // The cells of rigid bodies, which have no node in common with others, couple nothing.
+    for (CellGroup& group : matrix_groups_)
+      if (d_.materials[at(group.material)].law.rigid())
+        group = {group.shape, group.material, group.law, 0, 0, {}, {}};
     matrix_groups_.insert(matrix_groups_.end(), d_.patches.stencils.begin(), d_.patches.stencils.end());
   }
   const std::vector<CellGroup>& groups = !solved_                 ? no_groups_

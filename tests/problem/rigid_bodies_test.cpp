@@ -129,6 +129,25 @@ TEST(RigidBodies, TheTangentIsTheDerivativeOfTheResidual) {
     }
 }
 
+// Nodes of a body that do not stand for its unknowns cost the factors of the tangent nothing.
+TEST(RigidBodies, CellsOfABodyCoupleNothingInTheTangent) {
+  RigidOnElastic run(0);
+  const std::vector<int>& idle = run.rigid.idle_dofs();
+  int nodes = 0;
+  for (std::size_t i = 0; i + 1 < idle.size(); ++i) {
+    if (idle[i] % 2 != 0 || idle[i + 1] != idle[i] + 1) continue;
+    const PetscInt row = 2 * run.d.mesh.global_node()[static_cast<std::size_t>(idle[i] / 2)];
+    PetscInt entries = 0;
+    check(MatGetRow(run.motion->matrix(), row, &entries, nullptr, nullptr));
+    EXPECT_EQ(entries, 2) << "row " << row;
+    check(MatRestoreRow(run.motion->matrix(), row, &entries, nullptr, nullptr));
+    ++nodes;
+  }
+  int all = nodes;
+  MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT, MPI_SUM, run.d.mesh.comm());
+  EXPECT_EQ(all, static_cast<int>(5 * 3 - 2)); // all nodes of the body but two
+}
+
 TEST(RigidBodies, MassAndInertiaAreThoseOfTheMesh) {
   RigidOnElastic run(0);
   ASSERT_EQ(run.rigid.bodies().size(), 1u);

@@ -206,7 +206,7 @@ private:
   std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
   bool has_body_force_ = false;
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
-  std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches
+  std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies
   const std::vector<CellGroup> no_groups_;
   MarkedCell broken_;  // the one with the smallest J of those that lost their meaning in an evaluation
   MarkedCell slowest_; // that with the shortest stable step
