@@ -63,6 +63,10 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
   const Discretisation& d = motion_.discretisation();
   ForceParts parts;
   motion_.parts(u, parts);
+  if (integrator.is_explicit()) { // bulk viscosity acts from the start on
+    MotionProblem::Increments unused;
+    motion_.advance(u, unused, {}, parts.internal);
+  }
   d.displacement.to_local(parts.internal, internal_.trial);
   d.displacement.to_local(parts.external, external_.trial);
   for (StateRow* row : {&inertia_force_, &left_, &step_acceleration_}) std::ranges::fill(row->trial, 0);

@@ -130,4 +130,14 @@ for speed in (2, 4, 6):
         runs.require("and nothing is said of depths", "as deep as" not in r.log)
 deep = runs.run("deep", {**FLYER, "ic_flight_vx": "6 km/s", "contact_face_penalty": 1e7})
 runs.require("a penalty that lets one body pass through the other says so", "WARNING: a contact is as deep as surfaces are seen" in deep.log)
+# A piston starts at once: viscous forces are there at t = 0 already, and count in the work of the first step.
+SPEED, WIDTH = 7e5, 0.02
+piston = runs.run("piston", {"units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_lx": 2, "mesh_set_ly": WIDTH, "mesh_set_n": 100, "mesh_set_ny": 1, "materials": "solid",
+                             **{key.replace("flyer", "solid"): FLYER[key] for key in ("material_flyer_rho", "material_flyer_eos", "material_flyer_eos_c0", "material_flyer_eos_s")},
+                             "material_solid_G": 1, "bcs": "sides,push", "bc_sides_on": "bottom,top", "bc_sides_uy": 0, "bc_push_on": "left", "bc_push_type": "velocity",
+                             "bc_push_ux": SPEED, "ts_type": "central_difference", "ts_bulk_viscosity_linear": 0.06, "ts_bulk_viscosity_quadratic": 1.2, "ts_max_time": 3e-7,
+                             "outputs": "hist", "output_hist_type": "csv", "output_hist_every": 1})
+runs.check("piston: balance", abs(piston["balance"]).max(), 0, 1e-12, relative=False)
+late = piston["time"] > 1.5e-7
+runs.check("piston: its pressure, that of the Hugoniot", piston["reaction_push_x"][late].mean() / WIDTH, 8.93e-9 * (3.94e6 + 1.489 * SPEED) * SPEED, 5e-3)
 runs.finish()
