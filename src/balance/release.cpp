@@ -2,6 +2,7 @@
 
 #include <impact/balance/release.hpp>
 #include <impact/kernel/cell_kernels.hpp>
+#include <impact/math/rotation.hpp>
 #include <impact/petsc/ranks.hpp>
 
 namespace impact {
@@ -69,7 +70,54 @@ Batch stiffness(const CellBatch& batch, const NodalValues& X, const NodalValues&
   return factor;
 }
 
+// Of a facet by its corners, of length one.
+Vector3 normal_of(const Mesh& mesh, const int* node) {
+  const auto X = mesh.coordinates();
+  const int dim = mesh.dim();
+  const auto edge = [&](int a) {
+    Vector3 way{};
+    for (int k = 0; k < dim; ++k) way[at(k)] = X[at(dim * node[a] + k)] - X[at(dim * node[0] + k)];
+    return way;
+  };
+  Vector3 normal = dim == 2 ? Vector3{edge(1)[1], -edge(1)[0], 0} : cross(edge(1), edge(2));
+  const double size = std::sqrt(dot(normal, normal));
+  for (double& component : normal) component /= size;
+  return normal;
+}
+
 } // namespace
+
+void keep_sides(const Discretisation& d, const std::vector<double>& part, std::vector<double>& moved) {
+  // At edges and where sides are curved several directions lie across: the sum of their squares tells all.
+  const auto dim = at(d.dim());
+  const FieldLayout layout(d.mesh, "sides", d.dim() * d.dim());
+  std::vector<double> across = layout.make_local();
+  const FacetTable facets = d.mesh.outer_facets();
+  const auto width = at(facets.nodes_per_facet);
+  for (std::size_t f = 0; f < facets.point.size(); ++f) {
+    const int* node = &facets.connectivity[width * f];
+    const Vector3 normal = normal_of(d.mesh, node);
+    for (std::size_t a = 0; a < width; ++a)
+      for (std::size_t i = 0; i < dim; ++i)
+        for (std::size_t j = 0; j < dim; ++j)
+          across[dim * (dim * at(node[a]) + i) + j] += normal[i] * normal[j];
+  }
+  add_up(layout, across);
+  constexpr double much = 1e9; // what is left across the sides is this part
+  for (std::size_t node = 0; node < part.size(); ++node) {
+    const double* sides = &across[dim * dim * node];
+    if (!(part[node] > 0 && part[node] < 1) || sides[0] + sides[dim + 1] + (dim == 3 ? sides[8] : 0) == 0)
+      continue;
+    Matrix3 weight = unit_matrix;
+    Vector3 way{};
+    for (std::size_t i = 0; i < dim; ++i) {
+      way[i] = moved[dim * node + i];
+      for (std::size_t j = 0; j < dim; ++j) weight[3 * i + j] += much * sides[dim * i + j];
+    }
+    const Vector3 along = inverse(weight) * way;
+    std::copy_n(along.begin(), dim, &moved[dim * node]);
+  }
+}
 
 // By a difference of the energies of each cell over a small part of it. Cells in patches count with their own
 // volume ratio.

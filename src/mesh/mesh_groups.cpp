@@ -131,15 +131,20 @@ FacetTable Mesh::live_facets(const std::string& name, const std::vector<char>& e
   return table;
 }
 
-FacetTable Mesh::facets(const std::string& name) const {
-  if (group(name).dim != dim_ - 1)
-    throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no boundary; its dimension must be " +
-                                        std::to_string(dim_ - 1));
+FacetTable Mesh::no_facets() const {
   FacetTable table;
   for (const Shape shape : known_shapes())
     for (std::size_t f = 0; has_shape(shape) && f < shape->facets.size(); ++f)
       table.nodes_per_facet =
           std::max(table.nodes_per_facet, static_cast<int>(facet_nodes(shape, shape->facets[f]).size()));
+  return table;
+}
+
+FacetTable Mesh::facets(const std::string& name) const {
+  if (group(name).dim != dim_ - 1)
+    throw UserError(ExitCode::data, "mesh: group \"" + name + "\" is no boundary; its dimension must be " +
+                                        std::to_string(dim_ - 1));
+  FacetTable table = no_facets();
   PetscInt start = 0, end = 0;
   check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
   for (const PetscInt point : owned_points(name)) {
@@ -151,7 +156,8 @@ FacetTable Mesh::facets(const std::string& name) const {
   return table;
 }
 
-void Mesh::require_outside(const std::string& option, const std::string& name) const {
+// [point] of facets; they may be on two ranks.
+std::vector<int> Mesh::cells_beside() const {
   PetscInt chart_end = 0, start = 0, end = 0;
   check(DMPlexGetChart(dm_, nullptr, &chart_end));
   check(DMPlexGetHeightStratum(dm_, 1, &start, &end));
@@ -161,10 +167,27 @@ void Mesh::require_outside(const std::string& option, const std::string& name) c
     check(DMPlexGetSupportSize(dm_, point, &size));
     cells[at(point)] = static_cast<int>(size);
   }
-  share_points(dm_, MPI_SUM, cells); // the cells of a facet may be on two ranks
+  share_points(dm_, MPI_SUM, cells);
+  return cells;
+}
+
+FacetTable Mesh::outer_facets() const {
+  const std::vector<int> cells = cells_beside();
+  FacetTable table = no_facets();
+  for (PetscInt point = 0; point < static_cast<PetscInt>(cells.size()); ++point) {
+    if (cells[at(point)] != 1) continue;
+    const PetscInt* support = nullptr;
+    check(DMPlexGetSupport(dm_, point, &support));
+    add_facet(point, support[0], table);
+  }
+  return table;
+}
+
+void Mesh::require_outside(const std::string& option, const std::string& name) const {
+  const std::vector<int> cells = cells_beside();
   std::string trouble;
   for (const PetscInt point : points(name)) {
-    if (point < start || point >= end || cells[at(point)] < 2) continue;
+    if (cells[at(point)] < 2) continue;
     trouble = option + " \"" + name + "\": has a facet inside a body, near " + place(closure(point)[0]) +
               ", with a cell on either side; allowed: facets on the outside of bodies; a traction or a force "
               "acts inside too, and a slit or a contact there wants its nodes twice";

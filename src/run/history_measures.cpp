@@ -57,23 +57,34 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
   }
 }
 
-void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const {
-  if (scenario_.releases.empty()) return;
+void HistoryObserver::find_ways() {
   const Discretisation& d = motion_.discretisation();
   const auto X = d.mesh.coordinates();
   const std::size_t dim = at(d.dim());
+  for (const ReleaseScenario& ring : scenario_.releases) {
+    std::vector<double> part, moved(X.size(), 0.0);
+    for (std::size_t i = 0; i < X.size(); i += dim) {
+      part.push_back(advance(ring, X.subspan(i, dim)));
+      for (std::size_t k = 0; k < dim; ++k) moved[i + k] = part.back() * ring.direction[k];
+    }
+    keep_sides(d, part, moved);
+    ways_.push_back(std::move(moved));
+  }
+}
+
+void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const {
+  if (scenario_.releases.empty()) return;
+  const Discretisation& d = motion_.discretisation();
+  const std::size_t size = d.mesh.coordinates().size();
   std::vector<double> lag, body; // acceleration, less the force by mass
   const bool falls = motion_.boundary().body_force(motion_.step().t, body),
              accelerates = falls || scenario_.has_inertia();
-  if (accelerates) lag.assign(X.size(), 0.0);
+  if (accelerates) lag.assign(size, 0.0);
   if (scenario_.has_inertia()) std::copy(a_.committed.begin(), a_.committed.end(), lag.begin());
   for (std::size_t i = 0; i < body.size(); ++i) lag[i] -= body[i];
+  auto way = ways_.begin();
   for (const ReleaseScenario& ring : scenario_.releases) {
-    std::vector<double> moved(X.size(), 0.0);
-    for (std::size_t i = 0; i < X.size(); i += dim) {
-      const double length = advance(ring, X.subspan(i, dim));
-      for (std::size_t k = 0; k < dim; ++k) moved[i + k] = length * ring.direction[k];
-    }
+    const std::vector<double>& moved = *way++;
     double released = find_release(d, bodies_, snapshot.u, moved);
     if (accelerates) released += find_inertial_release(d, snapshot.u, lag, moved);
     row.emplace_back("release_" + ring.id, released / area(ring, d.frame));

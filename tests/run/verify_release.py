@@ -60,6 +60,10 @@ for name, more in (("graded", {"bc_up_uy": 1e-3, "material_plate_E_factor": "exp
     r = run(name, {**ALONG, **more})
     check(f"{name}: wide over near ring", r["release_wide"][-1] / r["release_near"][-1], 1, 2e-3)
 
+# A ring that meets the sides of the strip, which stay where they are.
+r = run("beyond", {**ALONG, "bc_up_uy": 1e-3, "release_wide_inner": 0.3, "release_wide_outer": 0.8}, ranks=2)
+check("a ring across the sides: over one within", r["release_wide"][-1] / r["release_near"][-1], 1, 2e-3)
+
 # Half of the body, so half of G. The cells at the front miss a part of it that goes with their size.
 PENNY = {"mesh": mesh("penny_crack.geo"), "order": 2, "materials": "body", "material_body_E": E, "material_body_nu": NU, "bc_ahead_on": "ahead", "bc_top_on": "top",
          "bc_top_type": "traction", "release_near_inner": 0.1, "release_near_outer": 0.3, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}

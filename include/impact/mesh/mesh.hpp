@@ -95,6 +95,8 @@ public:
   std::vector<PetscInt> region_cells(const std::string& name) const;
   /// Facets of a boundary group on this rank. A facet inside a body takes one of its two cells.
   FacetTable facets(const std::string& name) const;
+  /// All facets on the outside of bodies, faces of slits among them. Collective.
+  FacetTable outer_facets() const;
   /// Those facets of a boundary whose cell is there, then the facets inside the bodies of the boundary where
   /// one of two cells is. `eroded`: [cell point minus cell_start] 1 for cells that are not; `body`: [local
   /// node] 1 for the nodes of those bodies. Collective.
@@ -117,6 +119,8 @@ public:
   std::string place(int node) const;
 
 private:
+  FacetTable no_facets() const;
+  std::vector<int> cells_beside() const;
   void read_coordinates();
   void number_nodes();
   void read_cells();

@@ -43,6 +43,7 @@ private:
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void locate_probes();
+  void find_ways();
 
   struct Located {
     int nodes[max_nodes];
@@ -63,7 +64,8 @@ private:
   int cycles_ = 0, every_ = 1; ///< of -ts_period between rows, 0: not by them; steps, 0: not by them
   double dt_ = 0;              ///< 0: not by time
   std::vector<Located> probes_;
-  std::vector<double> phi_before_; ///< [local node] of the row before
+  std::vector<std::vector<double>> ways_; ///< of each release, what nodes advance by, local [node][dim]
+  std::vector<double> phi_before_;        ///< [local node] of the row before
   struct CracksOf {
     std::size_t material;
     std::vector<int> nodes; ///< local
