@@ -63,6 +63,7 @@ void keep_eroded_mass(const CellBatch& batch, double factor, CellMatrix& K) {
 double MassMatrix::add_to(SparseAssembly& assembly, double factor, bool masked) const {
   double diagonal = 0;
   CellMatrix m, K;
+  // Masked, rigid bodies have none, and the tangent's pattern does not know their cells.
   const auto has_a_part = [&](const PointLaw& law) { return !masked || !law.rigid(); };
   for_each_batch(d_, has_a_part, [&](const CellBatch& batch) {
     cell_mass(batch, factor, m, K);

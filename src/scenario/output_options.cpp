@@ -178,8 +178,8 @@ OptionClass<ReleaseScenario> release_class() {
       .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > 0");
   row.number("outer", &Release::outer, "m (J1)", positive,
              "outer radius: a circle or ball that meets no other crack, no load and no held node that the "
-             "advance "
-             "would move out of its plane; sides of the body beyond the inner radius stay where they are")
+             "advance would move out of its plane; sides of the body beyond the inner radius stay where they "
+             "are")
       .required()
       .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > <>inner")
       .refused([](const Release& r) { return r.outer <= r.inner; },

@@ -136,6 +136,7 @@ bool NewtonHooks::closes_gaps() const {
 
 // SNES's forcing terms stand where these hooks do, which therefore call them.
 void NewtonHooks::before_linear_solve(KSP ksp, Vec rhs, Vec du) {
+  linear_.stopped = 0;
   const bool serves = preconditioner.serves();
   check(KSPSetReusePreconditioner(ksp, serves ? PETSC_TRUE : PETSC_FALSE));
   if (!linear_.is_retried && !conduct.alone) check(KSPPreSolve_SNESEW(ksp, rhs, du, linear_.snes));
