@@ -145,20 +145,36 @@ std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
 
 ContactReach ContactInterface::reach(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
-  const double touch = 1e-6 * constraints_->mean_length();
+  const double alike = 1e-6 * constraints_->mean_length();
   const std::vector<double> values = nodes().displacement(u);
+  const auto dim = at(mesh_->dim());
   std::array<double, 3> most = {-infinity, 0, -infinity}; // minus gap, whether it presses, minus distance
-  double stiffness = 0;
-  const double eps = method().eps();
-  constraints_->visit(values, Derivatives::none, [&](const Constraint& c) {
-    most[0] = std::max(most[0], -c.gap);
+  struct Place {
+    double gap, area;
+    Vector3 opens;
+  };
+  std::vector<Place> places;
+  constraints_->visit(values, Derivatives::first, [&](const Constraint& c) {
+    most[0] = std::max(most[0], -c.distance());
     if (c.active) most[1] = 1;
-    if (c.gap < touch) stiffness += c.weight * eps;
+    Place place{c.distance(), c.weight, {}};
+    for (std::size_t i = 0; i < dim * c.share.size(); ++i)
+      place.opens[i % dim] += c.weight * c.gap_gradient()[i];
+    places.push_back(place);
   });
   if (most[0] == -infinity) most[2] = -search().nearest_nodes(values);
   max_over_ranks(mesh_->comm(), most);
-  stiffness = sum_over_ranks(mesh_->comm(), stiffness);
-  return {-most[0], -most[2], most[1] > 0 ? 0 : stiffness, most[1] > 0};
+  std::array<double, 5> sum{}; // area that faces something, that touches first, way
+  for (const auto& [gap, area, opens] : places) {
+    sum[0] += area;
+    if (gap < std::max(0.0, -most[0]) + alike) sum[1] += area;
+    if (gap < alike - most[0])
+      for (std::size_t k = 0; k < 3; ++k) sum[2 + k] += opens[k];
+  }
+  sum_over_ranks(mesh_->comm(), sum);
+  constexpr double flat = 0.25;
+  const double touches = sum[1] > flat * sum[0] ? sum[1] : 0;
+  return {-most[0], -most[2], touches, touches * method().eps(), {sum[2], sum[3], sum[4]}, most[1] > 0};
 }
 
 ContactMeasures ContactInterface::measures(Vec u) const {

@@ -181,9 +181,32 @@ void RigidBodies::expand(Vec u, Vec du) {
   check(VecRestoreArray(du, &values));
 }
 
+// A mass on the translations of a body, and a matrix over its rotations.
+void RigidBodies::add_block(std::size_t body, double mass, const Matrix3& turn, Mat K) const {
+  const int width = dim_ + reduction_.rotations();
+  const RigidPlace& place = reduction_.bodies()[body];
+  PetscInt rows[6];
+  double block[36] = {};
+  reduction_.rows(place, rows);
+  for (int k = 0; k < dim_; ++k) block[k * width + k] = mass;
+  for (int i = dim_; i < width; ++i)
+    for (int j = dim_; j < width; ++j) {
+      const std::size_t p = component_of(i) - 3, q = component_of(j) - 3;
+      block[i * width + j] = turn[3 * p + q] / (place.length * place.length);
+    }
+  check(MatSetValues(K, width, rows, width, rows, block, ADD_VALUES));
+}
+
+void RigidBodies::add_mass(std::size_t body, double factor, Mat K) const {
+  if (slot_row_[body][0] < 0) return;
+  const RigidPlace& place = reduction_.bodies()[body];
+  Matrix3 turn = inertia_of(place.trial, bodies_[body].second, place.test);
+  for (double& entry : turn) entry *= factor;
+  add_block(body, factor * bodies_[body].mass, turn, K);
+}
+
 void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
   place(u);
-  const int width = dim_ + reduction_.rotations();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (slot_row_[b][0] < 0) continue;
     const RigidPlace& place = reduction_.bodies()[b];
@@ -200,16 +223,7 @@ void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
       const Matrix3 other = transposed(turn);
       for (std::size_t i = 0; i < 9; ++i) turn[i] = (turn[i] + other[i]) / 2;
     }
-    PetscInt rows[6];
-    double block[36] = {};
-    reduction_.rows(place, rows);
-    for (int k = 0; k < dim_; ++k) block[k * width + k] = mass_shift * bodies_[b].mass;
-    for (int i = dim_; i < width; ++i)
-      for (int j = dim_; j < width; ++j) {
-        const std::size_t p = component_of(i) - 3, q = component_of(j) - 3;
-        block[i * width + j] = turn[3 * p + q] / (place.length * place.length);
-      }
-    check(MatSetValues(K, width, rows, width, rows, block, ADD_VALUES));
+    add_block(b, mass_shift * bodies_[b].mass, turn, K);
   }
 }
 

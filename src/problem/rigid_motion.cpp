@@ -212,14 +212,9 @@ std::vector<std::string> name_regions(const Mesh& mesh, const Bodies& bodies) {
   return regions;
 }
 
-// [body] 1 where a side of a contact that sees its other side at u = 0 belongs to it; of rigid bodies, which
-// must be pressed from the first iteration: of one that is closed.
-// `open`: the least gap that it sees otherwise, infinite where it sees none.
-std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, const ContactSet& contacts,
-                                const RigidBodies& rigid, std::vector<double>& open) {
-  std::vector<int> touched(at(bodies.count), 0), is_rigid(touched);
-  open.assign(at(bodies.count), HUGE_VAL);
-  for (const RigidBody& body : rigid.bodies()) is_rigid[at(body.component)] = 1;
+// [body] 1 where a side of a contact that sees its other side at u = 0 belongs to it.
+std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, const ContactSet& contacts) {
+  std::vector<int> touched(at(bodies.count), 0);
   const Handle<Vec> undeformed = d.displacement.make_global();
   for (const ContactInterface& contact : contacts) {
     const ContactSettings& settings = contact.settings();
@@ -227,16 +222,9 @@ std::vector<int> touched_bodies(const Discretisation& d, const Bodies& bodies, c
     if (std::isinf(reach.gap) && std::isinf(reach.distance)) continue;
     for (const std::string& side : {settings.secondary, settings.primary, settings.carrier})
       if (!side.empty() && !ContactSettings::rigid_name(side))
-        for (int node : d.mesh.nodes(side)) {
-          const auto body = at(bodies.of_node[at(node)]);
-          if (!is_rigid[body] || reach.gap <= settings.gap_tol)
-            touched[body] = 1;
-          else
-            open[body] = std::min(open[body], reach.gap);
-        }
+        for (int node : d.mesh.nodes(side)) touched[at(bodies.of_node[at(node)])] = 1;
   }
   max_over_ranks(d.mesh.comm(), touched);
-  min_over_ranks(d.mesh.comm(), open);
   return touched;
 }
 
@@ -255,16 +243,14 @@ std::vector<FreeBody> find_free_bodies(const Discretisation& d, const BoundaryDa
         name_motions(d.frame, {start, start + entries}, geometry.centre[b], geometry.size[b]);
     if (motions.empty()) continue;
     free.push_back(
-        {"", geometry.centre[b], std::move(motions), false, HUGE_VAL, static_cast<int>(b), geometry.size[b]});
+        {"", geometry.centre[b], std::move(motions), false, static_cast<int>(b), geometry.size[b]});
   }
   if (free.empty()) return free;
   const std::vector<std::string> regions = name_regions(d.mesh, bodies);
-  std::vector<double> open;
-  const std::vector<int> touched = touched_bodies(d, bodies, contacts, rigid, open);
+  const std::vector<int> touched = touched_bodies(d, bodies, contacts);
   for (FreeBody& body : free) {
     body.regions = regions[at(body.number)];
     body.touched = touched[at(body.number)] != 0;
-    body.open = open[at(body.number)];
   }
   return free;
 }
@@ -279,17 +265,11 @@ std::vector<std::string> require_held_bodies(const Discretisation& d, const Boun
   for (const FreeBody& body : find_free_bodies(d, boundary, contacts, rigid)) {
     const std::string who = describe(body, d.dim()), motions = join(body.motions);
     if (!body.touched)
-      throw UserError(
-          ExitCode::data,
-          "-ts_type static: " + who + " is not held against " + motions +
-              (std::isfinite(body.open)
-                   ? text_of("; it is rigid, and what shall hold it is %.3g away: let them touch at the "
-                             "start, prescribe displacements on it (-bcs, -bc_<id>_on, -bc_<id>_type)",
-                             body.open)
-                   : std::string("; no contact sees anything near it: prescribe displacements on it (-bcs, "
-                                 "-bc_<id>_on, -bc_<id>_type), bring what shall hold it within "
-                                 "-contact_<id>_search_radius")) +
-              ", or keep the inertia (-ts_type newmark)");
+      throw UserError(ExitCode::data,
+                      "-ts_type static: " + who + " is not held against " + motions +
+                          "; no contact sees anything near it: prescribe displacements on it "
+                          "(-bcs, -bc_<id>_on, -bc_<id>_type), bring what shall hold it within "
+                          "-contact_<id>_search_radius, or keep the inertia (-ts_type newmark)");
     warnings.push_back(
         who + " is held by contact alone against " + motions +
         "; where that does not hold it, the first step fails: prescribe displacements on it then, or "

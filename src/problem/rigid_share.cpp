@@ -1,9 +1,26 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/field_solver.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_bodies.hpp>
+#include <span>
 
-/// What explicit steps ask of rigid bodies beside their data: nodes, and how readily a place gives way.
+/// Resultants on rigid bodies, and what explicit steps ask of them beside their data: nodes, and how readily
+/// a place gives way.
 namespace impact {
+
+std::vector<RigidVector> RigidBodies::resultants(Vec f) const {
+  std::vector<RigidVector> result(bodies_.size(), RigidVector{});
+  if (empty()) return result;
+  const Entries values(f);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    visit_unknowns(b, [&](int row, int, std::size_t c) {
+      result[b][c] = values[row] * (c < 3 ? 1 : reduction_.bodies()[b].length);
+    });
+  const std::span<double> all(result.front().data(), 6 * result.size());
+  sum_over_ranks(comm_, all);
+  return result;
+}
 
 std::vector<RigidBodies::OwnedNode> RigidBodies::owned_nodes() const {
   std::vector<OwnedNode> nodes;

@@ -14,6 +14,8 @@ namespace {
 
 // What a body may approach by beyond its gap, in units of the shortest facet of its contacts.
 constexpr double bite = 0.25;
+// How much deeper than force over E and width bodies with flat sides may be squeezed.
+constexpr double squeeze = 10;
 // A body counts as balanced when its resultant has fallen to this part of the largest one of the solve.
 constexpr double balanced = 0.05;
 // Least stiffness of the hold over E times the size of the body: motions that nothing feels get a pivot.
@@ -41,19 +43,21 @@ std::vector<double> nodal_volumes(const Discretisation& d) {
 
 LooseBodies::LooseBodies(const Discretisation& d, const BoundaryData& boundary, const ContactSet& contacts,
                          const RigidBodies& rigid)
-    : d_(&d), contacts_(&contacts), fixed_(boundary.fixed_mask()) {
+    : d_(&d), contacts_(&contacts), rigid_(&rigid), fixed_(boundary.fixed_mask()) {
   if (contacts.empty()) return;
   const Bodies bodies = find_bodies(d.mesh);
   std::vector<int> place(at(bodies.count), -1);
   for (const FreeBody& free : find_free_bodies(d, boundary, contacts, rigid)) {
-    if (std::any_of(rigid.bodies().begin(), rigid.bodies().end(),
-                    [&](const RigidBody& r) { return r.component == free.number; }))
-      continue; // its unknowns are few, and are pressed from the first iteration or not held
     place[at(free.number)] = static_cast<int>(bodies_.size());
     Body body;
     body.name = describe(free, d.dim());
     body.centre = free.centre;
     body.size = free.size;
+    for (std::size_t r = 0; r < rigid.bodies().size(); ++r)
+      if (rigid.bodies()[r].component == free.number) {
+        body.rigid = static_cast<int>(r);
+        body.centre = rigid.bodies()[r].centre;
+      }
     bodies_.push_back(std::move(body));
   }
   if (bodies_.empty()) return;
@@ -70,22 +74,33 @@ void LooseBodies::measure(const std::vector<int>& loose) {
   std::vector<double> facet(bodies_.size(), HUGE_VAL);
   for (std::size_t c = 0; c < contacts_->size(); ++c) {
     const ContactSettings& settings = (*contacts_)[c].settings();
-    std::vector<int> meets(bodies_.size(), 0);
+    std::vector<std::array<int, 2>> meets(bodies_.size(), {0, 0}); // by its secondary, its primary side
+    double shortest = HUGE_VAL;
     for (const std::string& side : {settings.secondary, settings.primary}) {
       if (ContactSettings::rigid_name(side)) continue;
       const ContactSurface facets = make_surface(mesh, settings.id, side);
       for (std::size_t i = 0; i < facets.local.size(); ++i) {
         const auto node = at(facets.local[i]);
         surface[node] = 1;
+        shortest = std::min(shortest, facets.length[i / at(facets.per_facet)]);
         if (loose[node] < 0) continue;
         const auto b = at(loose[node]);
-        meets[b] = 1;
+        meets[b][side == settings.secondary ? 0 : 1] = 1;
         facet[b] = std::min(facet[b], facets.length[i / at(facets.per_facet)]);
       }
     }
-    max_over_ranks(mesh.comm(), meets);
+    if (!settings.carrier.empty()) // the facets are those of the other side
+      for (int node : mesh.nodes(settings.carrier)) {
+        surface[at(node)] = 1;
+        if (loose[at(node)] < 0) continue;
+        meets[at(loose[at(node)])][1] = 1;
+        facet[at(loose[at(node)])] = std::min(facet[at(loose[at(node)])], shortest);
+      }
+    const std::span<int> all(meets.front().data(), 2 * meets.size());
+    max_over_ranks(mesh.comm(), all);
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-      if (meets[b]) bodies_[b].contacts.push_back(c);
+      if (const auto [secondary, primary] = meets[b]; secondary + primary > 0)
+        bodies_[b].sides.push_back({c, double(secondary - primary)});
   }
   min_over_ranks(mesh.comm(), facet);
   std::vector<double> sums(2 * bodies_.size(), 0.0);
@@ -108,7 +123,7 @@ void LooseBodies::measure(const std::vector<int>& loose) {
     body.facet = facet[b];
     body.volume = sums[2 * b];
     body.inertia = sums[2 * b + 1];
-    body.floor = least_stiffness * modulus / (body.size * body.size);
+    body.floor = std::isfinite(modulus) ? least_stiffness * modulus / (body.size * body.size) : 0;
   }
 }
 
@@ -123,26 +138,34 @@ void LooseBodies::start_attempt() {
   for (Body& body : bodies_) body.weight = body.largest = body.now = 0;
 }
 
-double LooseBodies::approach_of(Body& body, const std::vector<ContactReach>& reach) const {
-  // What presses already is not enough: the nearest of the other contacts is to come.
-  double nearest = HUGE_VAL, stiffness = 0;
-  bool presses = false;
-  for (std::size_t c : body.contacts) {
-    presses = presses || reach[c].presses;
-    if (reach[c].presses) continue;
-    // What does not face anything yet may go half the way to what the search sees.
-    nearest = std::min({nearest, std::max(0.0, reach[c].gap), reach[c].distance / 2});
+void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& reach) const {
+  // What presses already is not enough: the nearest of the other contacts that the body moves towards is to
+  // come.
+  double nearest = HUGE_VAL, stiffness = 0, area = 0;
+  body.pressed = false;
+  for (const auto& [c, sign] : body.sides) {
+    body.pressed = body.pressed || reach[c].presses;
+    if (!reach[c].presses) {
+      if (sign * dot(reach[c].opens, body.force) > 0) continue;
+      // What does not face anything yet may go half the way to what the search sees.
+      nearest = std::min({nearest, std::max(0.0, reach[c].gap), reach[c].distance / 2});
+    }
     stiffness += reach[c].stiffness;
+    area += reach[c].touches;
   }
-  body.pressed = presses;
-  if (nearest == HUGE_VAL && presses) nearest = 0;
+  if (nearest == HUGE_VAL && body.pressed) nearest = 0;
   const double least = bite * body.facet;
-  // Nothing lies opposite as far as the search sees: longer strides.
-  if (nearest == HUGE_VAL) return least * std::exp2(body.blind++);
+  if (nearest == HUGE_VAL) { // nothing lies opposite as far as the search sees: longer strides
+    body.approach = body.limit = least * std::exp2(body.blind++);
+    return;
+  }
   body.blind = 0;
-  // Surfaces that lie on each other without a pressure: as deep as the penalty would let them.
-  const double force = body.now * body.volume;
-  return nearest + (stiffness > 0 && force > 0 ? std::min(least, force / stiffness) : least);
+  body.approach = body.limit = nearest + least;
+  // Flat sides close at once: as deep as the force presses them.
+  const double force = body.now * body.volume, width = is_flat(d_->frame) ? 1 : std::sqrt(area);
+  if (stiffness > 0 && force > 0)
+    body.approach =
+        nearest + std::min(least, force / stiffness + squeeze * force / (d_->softest_modulus() * width));
 }
 
 void LooseBodies::weigh(Vec u, Vec r) {
@@ -168,16 +191,18 @@ void LooseBodies::weigh(Vec u, Vec r) {
     for (std::size_t k = 0; k < 3; ++k) of[3 + k] += moment[k];
   }
   sum_over_ranks(d_->mesh.comm(), sums);
+  const std::vector<RigidVector> of_rigid = rigid_->resultants(r);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
-    const double* of = &sums[6 * b];
+    const double* of = body.rigid < 0 ? &sums[6 * b] : of_rigid[at(body.rigid)].data();
     const double force = std::hypot(of[0], of[1], of[2]) / body.volume,
                  moment = d_->frame == Frame::axisymmetric
                               ? 0
                               : body.size * std::hypot(of[3], of[4], of[5]) / body.inertia;
     body.now = std::max(force, moment);
+    for (std::size_t k = 0; k < 3; ++k) body.force[k] = force < moment ? 0 : -of[k]; // R is inner less outer
     body.largest = std::max(body.largest, body.now);
-    body.approach = approach_of(body, reach);
+    find_approach(body, reach);
     body.weight = // (H2)
         body.largest > 0 ? std::max(body.floor, body.now / body.approach * (body.now / body.largest))
                          : body.floor;
@@ -186,12 +211,17 @@ void LooseBodies::weigh(Vec u, Vec r) {
 
 void LooseBodies::add_to(Mat K) const {
   const int dim = d_->dim();
-  for (const Node& node : nodes_)
+  for (const Node& node : nodes_) {
+    if (bodies_[at(node.body)].rigid >= 0) continue;
     for (int k = 0; k < dim; ++k) {
       if (fixed_[at(dim * node.local + k)]) continue;
       const PetscInt row = dim * d_->mesh.global_node()[at(node.local)] + k;
       check(MatSetValue(K, row, row, bodies_[at(node.body)].weight * node.volume, ADD_VALUES));
     }
+  }
+  for (const Body& body : bodies_)
+    if (body.rigid >= 0)
+      rigid_->add_mass(at(body.rigid), body.weight * body.volume / rigid_->bodies()[at(body.rigid)].mass, K);
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
 }
@@ -199,18 +229,19 @@ void LooseBodies::add_to(Mat K) const {
 bool LooseBodies::sees_only(Vec u) const {
   const std::vector<ContactReach> reach = contacts_->reach(u);
   return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-    return std::all_of(body.contacts.begin(), body.contacts.end(),
-                       [&](std::size_t c) { return std::isinf(reach[c].gap); }) &&
-           std::any_of(body.contacts.begin(), body.contacts.end(),
-                       [&](std::size_t c) { return std::isfinite(reach[c].distance); });
+    const auto& sides = body.sides;
+    return std::all_of(sides.begin(), sides.end(),
+                       [&](const auto& side) { return std::isinf(reach[side.contact].gap); }) &&
+           std::any_of(sides.begin(), sides.end(),
+                       [&](const auto& side) { return std::isfinite(reach[side.contact].distance); });
   });
 }
 
 bool LooseBodies::rest(Vec u) const {
   const std::vector<ContactReach> reach = contacts_->reach(u);
   return std::all_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
-    return std::any_of(body.contacts.begin(), body.contacts.end(),
-                       [&](std::size_t c) { return reach[c].presses; });
+    return std::any_of(body.sides.begin(), body.sides.end(),
+                       [&](const auto& side) { return reach[side.contact].presses; });
   });
 }
 
@@ -223,7 +254,7 @@ double LooseBodies::part_of(Vec du) { // (H3)
     if (!node.on_surface) continue;
     double square = 0;
     for (std::size_t k = 0; k < dim; ++k) square += std::pow(local[dim * at(node.local) + k], 2);
-    most = std::max(most, std::sqrt(square) / (2 * stride_ * body.approach));
+    most = std::max(most, std::sqrt(square) / (2 * stride_ * body.limit));
   }
   most = max_over_ranks(d_->mesh.comm(), most);
   limited_ = most > 1;

@@ -6,7 +6,7 @@ pressed by a dead traction in one step, against Hertz; a stack under gravity wit
 that nothing holds is named. The hold stands in the matrix alone: forces balance to rounding, no work is missing."""
 import math
 
-from _held import CYLINDER, METHODS, SPHERE, cylinder, hertz_error, stack
+from _held import CYLINDER, METHODS, SPHERE, STACK, cylinder, hertz_error, stack
 from _runs import check, check_between, finish, mesh, require, run
 
 for method, enforce in METHODS:
@@ -31,6 +31,23 @@ for friction in (0, 0.3):
     check_between(f"stack, friction {friction}: Newton iterations of the step", r["newton"][1], 1, 25)
 r = cylinder("gap", "auto", "auto", extra={"mesh_set_gap": 0.03})
 check("above a gap: force", r["contact_touch_force_y"][-1], 500, 1e-9)
+# Rigid blocks above gaps, on and below loose deformable ones: the hold stands in the rows of their unknowns.
+for rigid, solid in ((1,), (2,)), ((2,), (1,)), ((1, 2), ()):
+    own = {key: value for key, value in STACK.items() if not key.endswith("_like")}
+    for b in rigid:
+        own.update({f"material_b{b}_model": "rigid", f"material_b{b}_rho": "1000 kg/m^3"})
+    for b in solid:
+        own[f"material_b{b}_like"] = "b0"
+    for dim, friction, enforce, ranks in (2, 0, "auto", 1), (2, 0.3, "penalty", 2), (3, 0.3, "auto", 1):
+        contact = {f"contact_{c}_{key}": value for c in ("lower", "upper")
+                   for key, value in (("friction", friction), ("enforce", enforce))}
+        name = f"rigid_{''.join(map(str, rigid))}_{dim}_{friction}"
+        r = run(name, {**own, **contact, "mesh_set_gap": 0.05, "mesh_set_d3": dim - 2}, ranks=ranks)
+        what = f"above gaps with rigid blocks {rigid} in {dim} dimensions, friction {friction}, {enforce}, {ranks} ranks"
+        area = 10 if dim == 3 else 1
+        check(f"{what}: lower force over the weight", r["contact_lower_force_y"][-1] / 4.4145e-3 / area, 1, 1e-6)
+        check(f"{what}: upper force over the weight", r["contact_upper_force_y"][-1] / 1.962e-3 / area, 1, 1e-6)
+        check_between(f"{what}: Newton iterations of the step", r["newton"][1], 1, 25)
 r = run("lies", {
     **{key: value for key, value in CYLINDER.items() if not key.startswith("bc")}, "mesh": mesh("disc_on_plate.geo"),
     "material_block_region": "plate", "bcs": "ground,load", "bc_ground_on": "ground",

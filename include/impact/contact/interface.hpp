@@ -81,9 +81,12 @@ struct ContactDemands {
 
 /// How far the sides are from pressing each other.
 struct ContactReach {
-  double gap = 0;       ///< smallest one, infinite where nothing faces
-  double distance = 0;  ///< of the nearest nodes among the search's pairs, where nothing faces
-  double stiffness = 0; ///< as long as nothing presses: of the penalty, over the places that touch
+  double gap = 0;      ///< smallest one, infinite where nothing faces
+  double distance = 0; ///< of the nearest nodes among the search's pairs, where nothing faces
+  /// Of flat sides, of which a quarter or more presses or would touch at once: that area, else 0; and the
+  /// stiffness of the penalties there.
+  double touches = 0, stiffness = 0;
+  Vector3 opens{}; ///< the secondary side's way, at any length, that opens the places that touch first
   bool presses = false;
 };
 

@@ -103,6 +103,12 @@ public:
   /// Trial functions take the place of the test functions, so that contact tangents stay symmetric.
   void use_symmetric_tangent(bool symmetric) { symmetric_ = symmetric; }
 
+  /// [body] force and moment about the centre of mass of forces that `reduce` has reduced: zero where
+  /// prescribed. Collective.
+  std::vector<RigidVector> resultants(Vec f) const;
+  /// Adds to K the mass of a body at the last u, times `factor`; the caller assembles. Not collective.
+  void add_mass(std::size_t body, double factor, Mat K) const;
+
   /// a = (affine acceleration by the forces f, [node][dim]) on the nodes of bodies. Collective.
   void accelerate(Vec f, Vec a) const;
   /// gain = rate of the rigid motion per impulse, on the nodes of bodies, by impulses f [node][dim] whose
@@ -175,6 +181,7 @@ private:
         visit(row + r % dim_, r, component_of(r));
   }
   void place(Vec u);
+  void add_block(std::size_t body, double mass, const Matrix3& turn, Mat K) const;
   RigidPose admissible(std::size_t body, RigidPose pose) const;
   Hold hold_by(int condition, std::size_t component) const;
   Vector3 rotation_data(const RigidBody& body, double t) const;

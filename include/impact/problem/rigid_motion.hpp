@@ -19,7 +19,6 @@ struct FreeBody {
   std::array<double, 3> centre{};   ///< mean of its nodes
   std::vector<std::string> motions; ///< "translation in x", "rotation about (0, 0)"
   bool touched = false;             ///< a contact sees something near it in the undeformed state
-  double open = HUGE_VAL;           ///< least gap of a rigid one that touches nothing, infinite without
   int number = 0;                   ///< among find_bodies
   double size = 0;                  ///< largest distance of a node from the centre
 };

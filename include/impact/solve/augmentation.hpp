@@ -35,7 +35,6 @@ private:
 
   MotionProblem& motion_;
   MotionSolver& solver_;
-  bool inertia_;
   PassShell shell_;
   Handle<SNES> snes_;
   Handle<Vec> contact_force_, left_;

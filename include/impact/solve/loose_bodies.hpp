@@ -12,9 +12,10 @@
 /// singular, and a Newton step throws them through what they touch. The iteration is therefore one of a
 /// pseudo-time, in which a mass of unit density resists each step from the iterate at hand:
 ///   (K + c_b M) du = -R(u),   c_b = (f/m) (f/f_max)                                             (H1), (H2)
-/// f: resultant of R on the body over its volume; m: the way that it may approach by. The mass stands in the
-/// matrix alone: the residual knows no force of it, so that it does no work, and it goes with the square of
-/// the resultant, so that Newton's method ends as quickly as without.
+/// f: resultant of R on the body over its volume; m: the way that it may approach by; of rigid bodies M
+/// stands in the rows of their unknowns. The mass stands in the matrix alone: the residual knows no force of
+/// it, so that it does no work, and it goes with the square of the resultant, so that Newton's method ends as
+/// quickly as without.
 namespace impact {
 
 class LooseBodies {
@@ -50,18 +51,25 @@ private:
     std::string name;             // for messages
     std::array<double, 3> centre; // of the nodes
     double volume = 0, inertia = 0, size = 0, facet = 0;
-    double weight = 0, floor = 0; // c_b and the least of it
-    double approach = 0;          // m
-    double largest = 0, now = 0;  // f_max of the attempt, f
-    std::vector<std::size_t> contacts;
-    bool pressed = false; // by any contact
-    int blind = 0;        // weighings in a row that found no partner near
+    double weight = 0, floor = 0;   // c_b and the least of it
+    double approach = 0, limit = 0; // m, m_0
+    double largest = 0, now = 0;    // f_max of the attempt, f
+    struct Side {
+      std::size_t contact;
+      double sign; // 1: secondary, -1: primary, 0: both
+    };
+    std::vector<Side> sides;
+    std::array<double, 3> force{}; // on the body
+    bool pressed = false;          // by any contact
+    int blind = 0;                 // weighings in a row that found no partner near
+    int rigid = -1;                // its number among the rigid bodies
   };
   void measure(const std::vector<int>& body_of_node);
-  double approach_of(Body& body, const std::vector<ContactReach>& reach) const;
+  void find_approach(Body& body, const std::vector<ContactReach>& reach) const;
 
   const Discretisation* d_ = nullptr;
   const ContactSet* contacts_ = nullptr;
+  const RigidBodies* rigid_ = nullptr;
   std::vector<Body> bodies_;
   struct Node {
     int local, body;
