@@ -10,6 +10,8 @@ namespace {
 
 // Where less of a weight than this part is covered, sides do not meet.
 constexpr double least_common_part = 1e-6;
+// What rounding covers where edges lie on each other.
+constexpr double rounded_part = 1e-10;
 // Least covered part of a weight that the linear solves make up for.
 constexpr double least_cover = 1e-3;
 
@@ -150,6 +152,7 @@ void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
         }
       }
     }
+    if (std::abs(cover) <= rounded_part * owner.weight) continue;
     c.slides = slip_nodes(owner, place_of);
     gradient.resize(d * node.size(), 0.0);
     c.gap /= c.weight;

@@ -12,10 +12,10 @@ namespace impact {
 
 namespace {
 
-// What a body may approach by beyond its gap, in units of the shortest facet of its contacts.
+// What a body may approach by beyond its gap, in units of the shortest facet of its contacts' sides.
 constexpr double bite = 0.25;
 // How much deeper than force over E and width bodies with flat sides may be squeezed.
-constexpr double squeeze = 10;
+constexpr double squeeze = 3;
 // A body counts as balanced when its resultant has fallen to this part of the largest one of the solve.
 constexpr double balanced = 0.05;
 // Least stiffness of the hold over E times the size of the body: motions that nothing feels get a pivot.
@@ -71,7 +71,6 @@ void LooseBodies::measure(const std::vector<int>& loose) {
   const auto dim = at(d_->dim());
   const std::vector<double> volume = nodal_volumes(*d_);
   std::vector<char> surface(loose.size(), 0);
-  std::vector<double> facet(bodies_.size(), HUGE_VAL);
   for (std::size_t c = 0; c < contacts_->size(); ++c) {
     const ContactSettings& settings = (*contacts_)[c].settings();
     std::vector<std::array<int, 2>> meets(bodies_.size(), {0, 0}); // by its secondary, its primary side
@@ -86,23 +85,22 @@ void LooseBodies::measure(const std::vector<int>& loose) {
         if (loose[node] < 0) continue;
         const auto b = at(loose[node]);
         meets[b][side == settings.secondary ? 0 : 1] = 1;
-        facet[b] = std::min(facet[b], facets.length[i / at(facets.per_facet)]);
       }
     }
-    if (!settings.carrier.empty()) // the facets are those of the other side
+    if (!settings.carrier.empty())
       for (int node : mesh.nodes(settings.carrier)) {
         surface[at(node)] = 1;
-        if (loose[at(node)] < 0) continue;
-        meets[at(loose[at(node)])][1] = 1;
-        facet[at(loose[at(node)])] = std::min(facet[at(loose[at(node)])], shortest);
+        if (loose[at(node)] >= 0) meets[at(loose[at(node)])][1] = 1;
       }
+    shortest = min_over_ranks(mesh.comm(), shortest);
     const std::span<int> all(meets.front().data(), 2 * meets.size());
     max_over_ranks(mesh.comm(), all);
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-      if (const auto [secondary, primary] = meets[b]; secondary + primary > 0)
+      if (const auto [secondary, primary] = meets[b]; secondary + primary > 0) {
         bodies_[b].sides.push_back({c, double(secondary - primary)});
+        bodies_[b].facet = std::min(bodies_[b].facet, shortest);
+      }
   }
-  min_over_ranks(mesh.comm(), facet);
   std::vector<double> sums(2 * bodies_.size(), 0.0);
   for (std::size_t node = 0; node < loose.size(); ++node) {
     if (loose[node] < 0 || !mesh.owned(static_cast<int>(node))) continue;
@@ -120,7 +118,6 @@ void LooseBodies::measure(const std::vector<int>& loose) {
   const double modulus = d_->softest_modulus();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
-    body.facet = facet[b];
     body.volume = sums[2 * b];
     body.inertia = sums[2 * b + 1];
     body.floor = std::isfinite(modulus) ? least_stiffness * modulus / (body.size * body.size) : 0;

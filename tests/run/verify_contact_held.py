@@ -46,7 +46,8 @@ for rigid, solid in ((1,), (2,)), ((2,), (1,)), ((1, 2), ()):
         what = f"above gaps with rigid blocks {rigid} in {dim} dimensions, friction {friction}, {enforce}, {ranks} ranks"
         area = 10 if dim == 3 else 1
         check(f"{what}: lower force over the weight", r["contact_lower_force_y"][-1] / 4.4145e-3 / area, 1, 1e-6)
-        check(f"{what}: upper force over the weight", r["contact_upper_force_y"][-1] / 1.962e-3 / area, 1, 1e-6)
+        if dim == 2 or solid:  # else pressures between two rigid faces hold each other, as large as they like
+            check(f"{what}: upper force over the weight", r["contact_upper_force_y"][-1] / 1.962e-3 / area, 1, 1e-6)
         check_between(f"{what}: Newton iterations of the step", r["newton"][1], 1, 25)
 r = run("lies", {
     **{key: value for key, value in CYLINDER.items() if not key.startswith("bc")}, "mesh": mesh("disc_on_plate.geo"),

@@ -50,7 +50,7 @@ private:
   struct Body {
     std::string name;             // for messages
     std::array<double, 3> centre; // of the nodes
-    double volume = 0, inertia = 0, size = 0, facet = 0;
+    double volume = 0, inertia = 0, size = 0, facet = HUGE_VAL;
     double weight = 0, floor = 0;   // c_b and the least of it
     double approach = 0, limit = 0; // m, m_0
     double largest = 0, now = 0;    // f_max of the attempt, f
