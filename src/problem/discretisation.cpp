@@ -253,6 +253,7 @@ void declare_state(const Discretisation& d, StateTable& table) {
   if (d.has_failure()) table.add({"jc_failure", Support::cell_point, 1}, d.point_values(1));
   if (!d.erodes()) return;
   table.add({"eroded", Support::cell_point, 1}, d.point_values(1));
+  if (!d.patches.empty()) table.add({"patch_scale", Support::cell_point, 1}, d.point_values(1));
   table.add({"erosion_totals", Support::global, ErosionTotals::components}, ErosionTotals::components);
 }
 

@@ -7,6 +7,9 @@ namespace impact {
 
 namespace {
 
+// A patch that would differ more from the volumes of its cells takes these.
+constexpr double most_scale = 2;
+
 // Padding repeats the last cell of its own.
 int with_padding(int lanes_of, int used) {
   for (int l = used; l < lanes; ++l)
@@ -20,6 +23,7 @@ Erosion::Erosion(Discretisation& discretisation, StateTable& state) : d_(discret
   if (!d_.erodes()) return;
   eroded_ = &state.row("eroded");
   totals_ = &state.row("erosion_totals");
+  if (!d_.patches.empty()) scale_ = &state.row("patch_scale");
 }
 
 void Erosion::follow_rows() {
@@ -40,7 +44,36 @@ void Erosion::follow_rows() {
     });
   }
   d_.eroded = std::move(eroded);
+  d_.patch_scale.clear();
   news_ = true;
+  if (scale_ == nullptr || left_ == 0) return;
+  d_.patch_scale.assign(at(d_.patches.count()), 1.0);
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    if (!batch.patched()) return;
+    const Batch scale = batch.load<1>(scale_->trial).value[0];
+    for (int l = 0; l < batch.used(); ++l)
+      if (batch.live(l)) d_.patch_scale[at(batch.patch(l))] = 1 + scale[l];
+  });
+}
+
+// What is left of a patch goes on from the ratio that it had with the cells that leave.
+void Erosion::keep_ratios(const PatchState& before, const std::vector<double>& u) {
+  if (scale_ == nullptr) return;
+  PatchState now;
+  share_volumes(d_, {&u}, now);
+  for (std::size_t p = 0; p < now.volume.size(); ++p) {
+    if (now.volume[p] == before.volume[p] || now.volume[p] <= 0) continue;
+    const double scale = d_.patch_scale[p] * (1 + before.ratio[p]) / (1 + now.ratio[p]);
+    if (scale > 1 / most_scale && scale < most_scale) d_.patch_scale[p] = scale;
+  }
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    if (!batch.patched()) return;
+    auto row = batch.load<1>(scale_->trial);
+    for (Batch& value : row.all())
+      for (int l = 0; l < batch.used(); ++l)
+        if (batch.live(l)) value.set(l, d_.patch_scale[at(batch.patch(l))] - 1);
+    batch.store(row, scale_->trial);
+  });
 }
 
 void Erosion::shed_mass() {
@@ -148,6 +181,7 @@ bool Erosion::take_out(const std::vector<int>& lanes_of, const std::vector<doubl
   totals_->trial[ErosionTotals::mass] += d_.thickness * sums[ErosionTotals::mass];
   totals_->trial[ErosionTotals::energy] += d_.thickness * sums[ErosionTotals::energy];
   follow_rows();
+  keep_ratios(patches, u);
   share_volumes(d_, {&u}, patches);
   rest -= patched_energy(lanes_of, u, trial, patches);
   totals_->trial[ErosionTotals::energy] += d_.thickness * sum_over_ranks(d_.mesh.comm(), rest);

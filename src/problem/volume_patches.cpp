@@ -125,6 +125,8 @@ void find_volumes(const Discretisation& d, const std::vector<double>& u, PatchSt
     add_up(batch, {{volume, &state.volume}, {grown, &state.ratio}});
   });
   divide(state.ratio, state.volume);
+  for (std::size_t p = 0; p < d.patch_scale.size(); ++p)
+    state.ratio[p] = d.patch_scale[p] * (1 + state.ratio[p]) - 1;
   spread(d.patches, {&state.ratio}, state.J_minus_1);
 }
 
@@ -150,6 +152,10 @@ void find_pressures(const Discretisation& d, const PatchFields& fields, PatchSta
   });
   divide(state.p, state.volume);
   divide(state.slope, state.volume);
+  for (std::size_t p = 0; p < d.patch_scale.size(); ++p) { // per ratio of the volumes that are left
+    state.p[p] *= d.patch_scale[p];
+    state.slope[p] *= d.patch_scale[p] * d.patch_scale[p];
+  }
   spread(d.patches, {&state.p, &state.slope}, state.pressure);
 }
 
@@ -163,7 +169,7 @@ void share_volumes(const Discretisation& d, const PatchFields& fields, PatchStat
     const MaterialParameters& of = m.law.parameters;
     return (fields.phi && of.damage != Damage::none) || (fields.theta && of.alpha_t != 0) || m.factors;
   });
-  if (vary || pressures) find_pressures(d, fields, state);
+  if (vary || pressures || !d.patch_scale.empty()) find_pressures(d, fields, state);
 }
 
 double add_patch_tangents(const Discretisation& d, const std::vector<double>& u, const PatchState& state,

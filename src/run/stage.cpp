@@ -123,7 +123,8 @@ void RunStage::set_state(const Checkpoint* resume) {
     other_scheme = scenario.has_motion() && type != scenario.time.type;
     OtherRows others; // what explicit steps alone keep, and statics do without
     if (other_scheme)
-      others = {{"stable_step", "damage_wait", "eroded", "erosion_totals"}, {"stable_step", "damage_wait"}};
+      others = {{"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"},
+                {"stable_step", "damage_wait"}};
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
     if (other_scheme) set_state_of_other_scheme(scenario, *setup, time, type == "static");

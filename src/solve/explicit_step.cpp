@@ -221,7 +221,8 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
   row_.trial[left] = row_.committed[left] - 1;
   if (row_.trial[left] > 0) return true;
   const double before = row_.committed[of_cells];
-  const double now = motion_.stable_step(u, *step.u_n, step.dt, settings_.bulk);
+  const double of_those_left = motion_.stable_step(u, *step.u_n, step.dt, settings_.bulk),
+               now = std::isfinite(of_those_left) ? of_those_left : before; // where no cell is left
   tell_of_collapse(now);
   const double often = row_.committed[interval];
   row_.trial[of_cells] = now < before || now > hold * before ? now : before;

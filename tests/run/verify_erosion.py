@@ -302,6 +302,30 @@ heavy = run("heavy", {**BALL, "contact_hit_rigid_mass": 1e3, "ics": "flight", "i
 require(f"cells leave: {told['eroded_cells'][-1]:.0f}", told["eroded_cells"][-1] > 10)
 check("impulse on the plate, over that of the ball that is told its way", heavy["impulse_hit_y"][-1] / told["impulse_hit_y"][-1], 1, 1e-6)
 
+print("triangles and tetrahedra that share their volumes: what is left of a patch goes on from the ratio that it had")
+for dim, n in (2, 16), (3, 5):
+    name, ice = f"hail{dim}", material("solid", **{**METAL, "E": 9e3, "nu": 0.33, "rho": 9e-10, "sigma_y": 10, "erosion_strain": 0.3})
+    hail = {"units": "mm_t_s_MPa", "mesh": mesh("block.geo"), "mesh_set_dim": dim, "mesh_set_simplex": 1, "mesh_set_lx": n, "mesh_set_ly": n, "mesh_set_lz": n,
+            "mesh_set_n": n, "materials": "solid", **ice, "contacts": "hit", "contact_hit_secondary": "bottom", "contact_hit_primary": "plane", "ics": "flight",
+            "ic_flight_on": "solid", "ic_flight_vy": -6e4, **EXPLICIT, "ts_dt": "auto", "ts_max_time": 3e-5}
+    r = run(name, hail)
+    require(f"{name}: cells leave: {r['eroded_cells'][-1]:.0f}", r["eroded_cells"][-1] > 10)
+    check_between(f"{name}: energy that goes with cells, the least over that of the start", r["dissipated_erosion"].min() / r["energy_kinetic"][0], 0, 1)
+    check(f"{name}: first law", largest(r["balance_first_law"]), 0, 0.01, relative=False)
+    half_of = int(numpy.searchsorted(r["eroded_cells"], r["eroded_cells"][-1] / 2)) + 1
+    run(f"{name}_again", {**hail, "ts_max_steps": half_of})
+    run(f"{name}_again", {**hail, "restart": "auto"})
+    require(f"{name}: restart among them is bitwise", filecmp.cmp(f"{name}/history.csv", f"{name}_again/history.csv", shallow=False))
+    run(f"{name}_moved", {**hail, "ts_max_steps": half_of}, ranks=2)
+    moved = run(f"{name}_moved", {**hail, "restart": "auto"})
+    worst, where = difference(r.history, moved.history)
+    check(f"{name}: from two ranks to one, in {where}", worst, 0, 1e-7, relative=False)
+
+print("when no cell is left steps stay as long as they were")
+r = run("all", {**hail, "mesh_set_n": 2, "mesh_set_simplex": 0, "material_solid_erosion_strain": 1e-3, "ts_max_time": 2e-4})
+require(f"all cells leave: {r['eroded_cells'][-1]:.0f}", r["eroded_cells"][-1] == 8)
+check("the time at the end", r["time"][-1], 2e-4, 0.05)
+
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_erosion", "newmark"]),

@@ -57,6 +57,9 @@ struct Discretisation {
   bool lumped_mass = false; ///< a cell's mass stands at its nodes, by the integrals of the shape functions
 
   VolumePatches patches{};
+  /// [patch] J over the ratio of the volumes of the cells that are left, where some have left, so that their
+  /// leaving strains no other; empty: 1. Erosion keeps it.
+  std::vector<double> patch_scale{};
 
   const std::vector<double>* mass_factor =
       nullptr;                  ///< of the row "mass_factor": mass in use over the true one

@@ -52,9 +52,12 @@ private:
 
   Discretisation& d_;
   StateTable& state_;
+  void keep_ratios(const PatchState& before, const std::vector<double>& u);
+
   StateRow *eroded_ = nullptr, *totals_ = nullptr;
-  double left_ = 0; // cells of all ranks that `d_.eroded` was made for
-  double told_ = 0; // cells, likewise
+  StateRow* scale_ = nullptr; // Discretisation::patch_scale less 1, at all points of the cells that are left
+  double left_ = 0;           // cells of all ranks that `d_.eroded` was made for
+  double told_ = 0;           // cells, likewise
   bool news_ = false;
 };
 
