@@ -1,6 +1,6 @@
 // A penny-shaped crack of radius a = 1 in a large body, cut along its planes of symmetry: in the plane the section of a
 // cylinder above the crack (y >= 0), in space an eighth of a block (z >= 0).
-// Region "body"; sides: ahead (the plane of the crack outside of it), top, and axis, or x0 and y0 (planes of symmetry).
+// Region "body"; sides: face (of the crack), ahead (the plane of the crack outside of it), top, and axis, or x0 and y0 (planes of symmetry).
 DefineConstant[
   dim = 2,          // 2 or 3
   R = 6 * (4 - dim), // size of the body
@@ -18,6 +18,7 @@ If (dim == 2)
   Curve Loop(1) = {1 : 5};
   Plane Surface(1) = {1};
   Physical Surface("body") = {1};
+  Physical Curve("face") = {1};
   Physical Curve("ahead") = {2};
   Physical Curve("top") = {4};
   Physical Curve("axis") = {5};
@@ -57,6 +58,7 @@ Else
   Surface Loop(1) = {1 : 7};
   Volume(1) = {1};
   Physical Volume("body") = {1};
+  Physical Surface("face") = {1};
   Physical Surface("ahead") = {2};
   Physical Surface("top") = {3};
   Physical Surface("y0") = {4};

@@ -85,7 +85,8 @@ void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& sna
   auto way = ways_.begin();
   for (const ReleaseScenario& ring : scenario_.releases) {
     const std::vector<double>& moved = *way++;
-    double released = find_release(d, bodies_, snapshot.u, moved);
+    double released = find_release(d, bodies_, snapshot.u, moved) +
+                      find_load_release(d, motion_.boundary(), motion_.step().t, snapshot.u, moved);
     if (accelerates) released += find_inertial_release(d, snapshot.u, lag, moved);
     row.emplace_back("release_" + ring.id, released / area(ring, d.frame));
   }

@@ -177,7 +177,7 @@ OptionClass<ReleaseScenario> release_class() {
       .required()
       .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > 0");
   row.number("outer", &Release::outer, "m (J1)", positive,
-             "outer radius: a circle or ball that meets no other crack, no load and no held node that the "
+             "outer radius: a circle or ball that meets no other crack, no contact and no held node that the "
              "advance would move out of its plane; sides of the body beyond the inner radius stay where they "
              "are")
       .required()

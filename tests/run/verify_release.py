@@ -77,4 +77,15 @@ r = run("penny_space", {**PENNY, "mesh_set_dim": 3, "mesh_set_h": 0.03, "bcs": "
                         "release_half_inner": 0.1, "release_half_outer": 0.3, "release_half_length": 0.2}, ranks=2)
 for ring in ("near", "half"):
     check(f"penny-shaped crack in space, {ring} ball: G over Sneddon's", r["release_" + ring][-1] / exact, 1, 0.012)
+
+# What presses the faces of a crack apart sets free what the same pull from afar does.
+for load, more in (("pressure", {"bc_top_value": 1e6}), ("traction", {"bc_top_uy": 1e6})):
+    r = run(f"penny_{load}", {**PENNY, "plane": "axisymmetric", "bcs": "ahead,top,axis", "bc_ahead_uy": 0, "bc_top_on": "face", "bc_top_type": load, **more, "bc_axis_on": "axis",
+                              "bc_axis_ux": 0, "releases": "near,wide", "release_near_at": "1,0", "release_wide_at": "1,0", "release_wide_inner": 0.3, "release_wide_outer": 0.8})
+    for ring in ("near", "wide"):
+        check(f"penny-shaped crack under {load} on its faces, {ring} ring: G over Sneddon's", r["release_" + ring][-1] / exact, 1, 4e-3)
+pressed = run("penny_space_pressure", {**PENNY, "mesh_set_dim": 3, "mesh_set_h": 0.03, "bcs": "ahead,top,x,y", "bc_ahead_uz": 0, "bc_top_on": "face", "bc_top_type": "pressure",
+                                       "bc_top_value": 1e6, "bc_x_on": "x0", "bc_x_ux": 0, "bc_y_on": "y0", "bc_y_uy": 0, "releases": "near", "release_near_along": "1,1,0",
+                                       "release_near_at": "0.70710678,0.70710678,0"}, ranks=2)
+check("penny-shaped crack in space under pressure on its faces: G over Sneddon's", pressed["release_near"][-1] / exact, 1, 0.012)
 finish()

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/balance/energies.hpp>
+#include <impact/problem/boundary_data.hpp>
 
 /// What the advance of a crack sets free (theory.md, J1).
 namespace impact {
@@ -17,5 +18,9 @@ double find_release(const Discretisation& d, const BodyRows& rows, Vec u, const 
 /// per mass, local [node][dim]. Collective.
 double find_inertial_release(const Discretisation& d, Vec u, const std::vector<double>& a,
                              const std::vector<double>& moved);
+/// What dead tractions and follower pressures on sides that advance add to it (J3), at time t: the change of
+/// their work along u. Collective.
+double find_load_release(const Discretisation& d, const BoundaryData& boundary, double t, Vec u,
+                         const std::vector<double>& moved);
 
 } // namespace impact
