@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <impact/petsc/log.hpp>
+#include <impact/problem/inside_out.hpp>
 #include <impact/run/energy_watch.hpp>
 #include <impact/run/field_observer.hpp>
 #include <impact/run/history_observer.hpp>
@@ -318,6 +319,7 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
                     stage_.ledger.balance(), stage_.ledger.balance_first_law()));
   check(PetscPrintf(comm_, "%s", stage_.ledger.report().c_str()));
   energy_.report_end(snapshot_.time);
+  check(PetscPrintf(comm_, "%s", tell_of_inside_out(stage_.d, stage_.u).c_str()));
   if (const long ways = stage_.coupling.motion_solver().counts().second_ways; ways > 0)
     check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", ways));
   if (const double part = stage_.damage ? stage_.damage->held_back() : 0; part > 1e-3)
