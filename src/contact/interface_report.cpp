@@ -194,7 +194,7 @@ ContactMeasures ContactInterface::measures(Vec u) const {
     Vector force{};
     add_force(c, force);
     for (std::size_t k = 0; k < 3; ++k) sum.force[k] += force[k];
-    sum.length += c.weight * c.stretch;
+    sum.length += c.weight * c.cover * c.stretch;
     sum.active += 1;
     if (friction_.rubs(c) && friction_.state(c) == Friction::slides) sum.sliding += 1;
     largest.pressure = std::max(largest.pressure, c.pressure / c.stretch);

@@ -49,6 +49,8 @@ for rigid, solid in ((1,), (2,)), ((2,), (1,)), ((1, 2), ()):
         if dim == 2 or solid:  # else pressures between two rigid faces hold each other, as large as they like
             check(f"{what}: upper force over the weight", r["contact_upper_force_y"][-1] / 1.962e-3 / area, 1, 1e-6)
         check_between(f"{what}: Newton iterations of the step", r["newton"][1], 1, 25)
+r = run("under", {**STACK, "contact_lower_secondary": "top0", "contact_lower_primary": "bottom1"})
+check_between("a secondary side that is longer than what lies on it: closed length over that of the other, whose ends rise", r["contact_lower_length"][-1] / 25, 0.9, 1)
 r = run("lies", {
     **{key: value for key, value in CYLINDER.items() if not key.startswith("bc")}, "mesh": mesh("disc_on_plate.geo"),
     "material_block_region": "plate", "bcs": "ground,load", "bc_ground_on": "ground",
