@@ -41,7 +41,7 @@ OptionGroup general_options() {
       .otherwise("motion, and what has data of damage and heat")
       .barred([](const Scenario& s) { return s.solves("heat") && !s.physics.empty() && !s.has_heat(); },
               " \"heat\": no material has a heat capacity; give -material_{material}_c_v")
-      .barred([](const Scenario& s) { return !s.has_motion() && !s.has_heat() && !s.has_damage(); },
+      .barred([](const Scenario& s) { return s.solves("damage") && !s.physics.empty() && !s.has_damage(); },
               " \"damage\": no material has damage; give -material_{material}_damage");
   row.number("thickness", &Scenario::thickness, "m", positive,
              "of a plane problem; forces and energies are for it");

@@ -403,6 +403,9 @@ const std::vector<Row>& rows() {
       {{{"-physics", "motion,heat"}},
        ExitCode::usage,
        "-physics \"heat\": no material has a heat capacity; give -material_beam_c_v"},
+      {{{"-physics", "motion,damage"}},
+       ExitCode::usage,
+       "-physics \"damage\": no material has damage; give -material_beam_damage"},
       {{{"-bc_push_type", "temperature"}, {"-bc_push_uy", "-"}, {"-bc_push_value", "300"}},
        ExitCode::usage,
        "-bc_push_type: acts on the temperature, and no material has a heat capacity; give "
