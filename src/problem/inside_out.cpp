@@ -9,23 +9,23 @@ namespace {
 
 // Determinant of the map from the reference cell at one of its corners, by the bits of `corner`; x
 // [node][dim].
-double corner_volume(const CellShape& shape, const NodalValues& x, int lane, unsigned corner) {
+double corner_volume(const Shape& shape, const NodalValues& x, int lane, unsigned corner) {
   double xi[3], N[8], dN[24], map[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
   for (unsigned k = 0; k < 3; ++k) xi[k] = (corner >> k & 1U) != 0 ? 1 : -1;
-  shape.basis(xi, N, dN);
-  const int dim = shape.dim;
+  shape->basis(xi, N, dN);
+  const int dim = shape->dim;
   for (int i = 0; i < dim; ++i)
     for (int j = 0; j < dim; ++j) {
       double& entry = map[3 * i + j] = 0;
-      for (int a = 0; a < shape.nodes; ++a) entry += x.value[a * dim + i][lane] * dN[a * dim + j];
+      for (int a = 0; a < shape->nodes; ++a) entry += x.value[a * dim + i][lane] * dN[a * dim + j];
     }
   return map[0] * (map[4] * map[8] - map[5] * map[7]) - map[1] * (map[3] * map[8] - map[5] * map[6]) +
          map[2] * (map[3] * map[7] - map[4] * map[6]);
 }
 
 bool is_inside_out(const CellBatch& batch, const NodalValues& X, const NodalValues& x, int lane) {
-  const CellShape& shape = *batch.group.shape.operator->();
-  for (unsigned corner = 0; corner < 1U << shape.dim; ++corner)
+  const Shape& shape = batch.group.shape;
+  for (unsigned corner = 0; corner < 1U << shape->dim; ++corner)
     if (corner_volume(shape, x, lane, corner) * corner_volume(shape, X, lane, corner) < 0) return true;
   return false;
 }

@@ -49,6 +49,26 @@ for rigid, solid in ((1,), (2,)), ((2,), (1,)), ((1, 2), ()):
         if dim == 2 or solid:  # else pressures between two rigid faces hold each other, as large as they like
             check(f"{what}: upper force over the weight", r["contact_upper_force_y"][-1] / 1.962e-3 / area, 1, 1e-6)
         check_between(f"{what}: Newton iterations of the step", r["newton"][1], 1, 25)
+# A rigid block of four faces whose edges lie on lines of the mesh below: nodes there are covered by rounding alone, or not at all.
+with open("overhang.geo", "w") as out:
+    out.write("""SetFactory("OpenCASCADE"); n = 12; e = 1e-4; gap = 0.02;
+Box(1) = {0, 0, 0, 4, 4, 2}; Box(2) = {1, 1, 2 + gap, 2, 2, 1};
+Transfinite Curve {1:12} = n + 1; Transfinite Curve {1, 3, 5, 7} = n / 2 + 1; Transfinite Curve {13:24} = 3;
+Transfinite Surface {1:12}; Recombine Surface {1:12}; Transfinite Volume {1, 2};
+Physical Volume("block") = {1}; Physical Volume("die") = {2};
+s[] = Surface In BoundingBox {-e, -e, 2 - e, 4 + e, 4 + e, 2 + e}; Physical Surface("top") = {s[]};
+s[] = Surface In BoundingBox {-e, -e, -e, 4 + e, 4 + e, e}; Physical Surface("bottom") = {s[]};
+s[] = Surface In BoundingBox {1 - e, 1 - e, 2 + gap - e, 3 + e, 3 + e, 2 + gap + e}; Physical Surface("face") = {s[]};
+s[] = Surface In BoundingBox {1 - e, 1 - e, 3 + gap - e, 3 + e, 3 + e, 3 + gap + e}; Physical Surface("back") = {s[]};
+""")
+r = run("overhang", {
+    "units": "mm_t_s_MPa", "mesh": "overhang.geo", "materials": "block,die", "material_block_E": 1000, "material_block_nu": 0.3, "material_die_model": "rigid",
+    "bcs": "ground,load", "bc_ground_on": "bottom", "bc_ground_type": "fix", "bc_load_on": "back", "bc_load_type": "force", "bc_load_uz": "(-10*t)",
+    "contacts": "face", "contact_face_secondary": "top", "contact_face_primary": "face", "contact_face_friction": 0.3, "ts_type": "static", "ts_dt": 1,
+    "ts_max_time": 1, "outputs": "hist", "output_hist_type": "csv"})
+require("edges on lines of the other mesh: the gap at the start is that of the blocks", "contact face: smallest gap at the start 0.02, 0 points press" in r.log)
+check("force of the contact over the load", -r["contact_face_force_z"][-1] / 10, 1, 1e-6)
+check("closed area over that of the face", r["contact_face_length"][-1] / 4, 1, 5e-3)
 r = run("under", {**STACK, "contact_lower_secondary": "top0", "contact_lower_primary": "bottom1"})
 check_between("a secondary side that is longer than what lies on it: closed length over that of the other, whose ends rise", r["contact_lower_length"][-1] / 25, 0.9, 1)
 r = run("lies", {

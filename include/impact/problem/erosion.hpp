@@ -47,13 +47,12 @@ private:
   bool take_out(const std::vector<int>& lanes_of, const std::vector<double>& u, bool trial);
   double energy_of(const CellBatch& batch, int lanes_of, const std::vector<double>& u, bool trial, bool gone,
                    const PatchState& patches, double& mass) const;
+  void keep_ratios(const PatchState& before, const std::vector<double>& u);
   double patched_energy(const std::vector<int>& lanes_of, const std::vector<double>& u, bool trial,
                         const PatchState& patches) const;
 
   Discretisation& d_;
   StateTable& state_;
-  void keep_ratios(const PatchState& before, const std::vector<double>& u);
-
   StateRow *eroded_ = nullptr, *totals_ = nullptr;
   StateRow* scale_ = nullptr; // Discretisation::patch_scale less 1, at all points of the cells that are left
   double left_ = 0;           // cells of all ranks that `d_.eroded` was made for
