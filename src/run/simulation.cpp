@@ -10,6 +10,7 @@
 #include <impact/run/stop_requests.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/petsc_options.hpp>
+#include <impact/solve/stability.hpp>
 
 namespace impact {
 
@@ -70,6 +71,7 @@ private:
   TSConvergedReason solve();
   ExitCode report_end(TSConvergedReason reason);
   void tell_of_limits() const;
+  bool must_be_stable();
 
   RunStage& stage_;
   const Scenario& s_;
@@ -308,6 +310,14 @@ void Simulation::tell_of_limits() const {
                     "newmark)\n"));
 }
 
+// Cracks follow their branch by themselves, and what a load is told to do at an unstable state is not meant
+// to stand.
+bool Simulation::must_be_stable() {
+  return !stage_.inertia && s_.coupling.moves && !stage_.d.has_damage() &&
+         s_.coupling.path_dissipation == 0 && unsymmetric_force(s_).first.empty() &&
+         stage_.coupling.motion_solver().loose().empty();
+}
+
 ExitCode Simulation::report_end(TSConvergedReason reason) {
   if (!watches_) stage_.ledger.resume(stage_.u, stage_.v);
   check(PetscPrintf(comm_, "%s at t = %.10g after %ld steps in %s; energy balance %.2e, first law %.2e\n",
@@ -320,6 +330,8 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
   check(PetscPrintf(comm_, "%s", stage_.ledger.report().c_str()));
   energy_.report_end(snapshot_.time);
   check(PetscPrintf(comm_, "%s", tell_of_inside_out(stage_.d, stage_.u).c_str()));
+  if (stopped_by_.empty() && must_be_stable())
+    check(PetscPrintf(comm_, "%s", tell_of_instability(stage_.motion, stage_.u).c_str()));
   if (const long ways = stage_.coupling.motion_solver().counts().second_ways; ways > 0)
     check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", ways));
   if (const double part = stage_.damage ? stage_.damage->held_back() : 0; part > 1e-3)

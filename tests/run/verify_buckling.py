@@ -1,0 +1,39 @@
+# labels: run
+# processors: 2
+# timeout: 60
+"""A static run that ends on a branch which a real body leaves says so, with the number of modes in which it buckles: a clamped
+strut pressed straight past none to three of Euler's loads. One with an imperfection bears the first of them."""
+import math
+
+from _runs import check, finish, mesh, require, run
+
+LENGTH, E = 40, 1000
+EULER = 4 * math.pi**2 * E / 12 / LENGTH**2  # the lowest; the next are 2.0457, 4 and 6.05 times that
+ASIDE = 5e-4
+STRUT = {"mesh": mesh("block.geo"), "mesh_set_lx": LENGTH, "mesh_set_n": 40, "mesh_set_ny": 2, "order": 2, "units": "mm_t_s_MPa",
+         "materials": "strut", "material_strut_region": "solid", "material_strut_E": E, "material_strut_nu": 0, "bcs": "hold,press",
+         "bc_hold_on": "left", "bc_hold_type": "fix", "bc_press_on": "right", "bc_press_uy": 0, "ts_type": "static", "ts_dt": 0.1,
+         "ts_max_time": 1}
+
+
+def press(name, load, **more):
+    return run(name, {**STRUT, "bc_press_ux": f"-{load * EULER / E * LENGTH}*t", **more.pop("options", {})}, **more)
+
+
+def modes_told(r):
+    said = [line for line in r.log.splitlines() if "the equilibrium at the end is unstable" in line]
+    return int(said[0].split("has ")[1].split()[0]) if said else 0
+
+
+for name, load, modes, more in (("none", 0.7, 0, {}), ("one", 1.5, 1, {}), ("two", 3, 2, {}), ("three", 5, 3, {}),
+                                ("ranks", 5, 3, {"ranks": 2}), ("sbaij", 3, 2, {"options": {"motion_mat_type": "sbaij", "motion_pc_type": "cholesky"}})):
+    told = modes_told(press(name, load, **more))
+    require(f"{load} times Euler's load ({name}): {told} modes told, {modes} loads passed", told == modes)
+
+bent = press("bent", 3, options={"bcs": "hold,press,aside", "bc_aside_on": "bottom", "bc_aside_type": "traction", "bc_aside_uy": f"{ASIDE} MPa", "ts_dt": 0.02})
+require("bent aside: no word", modes_told(bent) == 0)
+# A cosine of amplitude A takes pi^2 A^2 / 4L of the length, and P = (1 - A0 / A) Euler with the deflection A0 without P.
+A = math.sqrt(4 * LENGTH / math.pi**2 * 2 * EULER / E * LENGTH)
+check("bent aside: force in Euler's loads", -bent["reaction_press_x"][-1] / EULER, 1 - ASIDE * LENGTH**4 / (32 * E) / A, 0.01)
+
+finish()
