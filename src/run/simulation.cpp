@@ -310,12 +310,14 @@ void Simulation::tell_of_limits() const {
                     "newmark)\n"));
 }
 
-// Cracks follow their branch by themselves, and what a load is told to do at an unstable state is not meant
-// to stand.
+// Where factors are cheap, or the last linear solve was of an indefinite matrix. Cracks follow their branch
+// by themselves.
 bool Simulation::must_be_stable() {
-  return !stage_.inertia && s_.coupling.moves && !stage_.d.has_damage() &&
-         s_.coupling.path_dissipation == 0 && unsymmetric_force(s_).first.empty() &&
-         stage_.coupling.motion_solver().loose().empty();
+  MotionSolver& solver = stage_.coupling.motion_solver();
+  const Mesh& mesh = stage_.d.mesh;
+  const bool cheap = is_factorised(mesh) || (solver.hooks().conduct.indefinite && can_be_factorised(mesh));
+  return cheap && !stage_.inertia && s_.coupling.moves && !stage_.d.has_damage() &&
+         s_.coupling.path_dissipation == 0 && unsymmetric_force(s_).first.empty() && solver.loose().empty();
 }
 
 ExitCode Simulation::report_end(TSConvergedReason reason) {

@@ -152,6 +152,13 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
               "factors or a hierarchy serve on, over iterations and steps, until they took this many linear "
               "iterations more than new ones; 0: new ones for each solve")
       .otherwise("15 where a Krylov method has factors or a hierarchy, else 0");
+  Rows(rows, RestartKey::free, &Scenario::coupling)
+      .choice("motion_leave_unstable", &CouplingScenario::leave_unstable,
+              "a static step that finds an unstable equilibrium, as past a load at which bodies buckle, goes "
+              "on along its modes to a stable one (auto: where the body lies to one side); not with damage, "
+              "flow, contact, rigid bodies, F-bar, follower pressure",
+              "auto", LeaveUnstable::imperfect, "on", LeaveUnstable::always, "off", LeaveUnstable::never)
+      .idle([](const Scenario& s) { return s.has_inertia(); }, "is for -ts_type static");
   row.choice("contact_operator", &Scenario::contact_operator,
              "contact terms in the matrix, or beside it as an operator", "assembled",
              ContactOperator::assembled, "shell", ContactOperator::shell);

@@ -206,6 +206,8 @@ std::vector<const char*> idle_names(SNES snes) {
     names.insert(names.end(), {"pc_factor_shift_type", "pc_factor_shift_amount", "pc_factor_zeropivot",
                                "pc_factor_column_pivot", "pc_factor_pivot_in_blocks", "pc_factor_fill",
                                "pc_factor_reuse_fill", "pc_factor_reuse_ordering"});
+  if (package != nullptr && std::string(package) == MATSOLVERMUMPS && has_type(pc, PCCHOLESKY))
+    names.emplace_back("pc_factor_mat_ordering_type"); // -..._mat_mumps_icntl_7
   if (has_type(snes, vi_newton_qp))
     names.insert(names.end(), {"snes_linesearch_type", "snes_linesearch_max_it"});
   if (!searches) names.emplace_back("snes_linesearch_order");

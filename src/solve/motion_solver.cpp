@@ -115,6 +115,8 @@ void MotionSolver::begin_attempt(PetscInt number) {
   if (number <= 1) second_way_first_ = false;
   number_ = number;
   reuse_.forget();
+  if (leaves_unstable() && has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)), PCCHOLESKY))
+    hooks_.preconditioner.forget(); // pivots of the step before tell nothing of this one
   cell_broke_ = false;
   products_for_factors_ = 0; // of this try alone, so that restarts do as runs that go on
   use_factors(factors_.committed[0] > 0);
@@ -255,6 +257,7 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     if (const PetscInt rest = contact ? most - iterations_ : most; rest > 0) reason = backtrack(u, rest);
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }
+  if (reason > 0 && hooks_.conduct.indefinite && leaves_unstable()) leave_unstable(u, most);
   counts_.longest = std::max(counts_.longest, iterations_);
   set_tolerances(snes_, rtol_, most_by_options);
   hooks_.conduct.aim = Aim::balance;

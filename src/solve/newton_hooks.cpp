@@ -5,6 +5,7 @@
 #include <impact/solve/newton_hooks.hpp>
 #include <impact/time/types.hpp>
 #include <petsc/private/snesimpl.h>
+#include <string_view>
 
 namespace impact {
 
@@ -20,6 +21,17 @@ double decades_of(KSP ksp) {
   PetscReal rtol = 0;
   check(KSPGetTolerances(ksp, &rtol, nullptr, nullptr, nullptr));
   return -std::log10(rtol);
+}
+
+// Of Cholesky factors, which MUMPS counts.
+bool has_negative_pivots(KSP ksp) {
+  const PC pc = Get(KSPGetPC)(ksp);
+  MatSolverType package = nullptr;
+  check(PCFactorGetMatSolverType(pc, &package));
+  PetscInt negative = 0;
+  if (has_type(pc, PCCHOLESKY) && package == std::string_view(MATSOLVERMUMPS))
+    check(MatMumpsGetInfog(Get(PCFactorGetMatrix)(pc), 12, &negative));
+  return negative > 0;
 }
 
 } // namespace
@@ -156,6 +168,7 @@ void NewtonHooks::after_linear_solve(KSP ksp, Vec rhs, Vec du) {
   if (linear_.is_retried) return;
   const KSPConvergedReason reason = Get(KSPGetConvergedReason)(ksp);
   const bool indefinite = reason == KSP_DIVERGED_INDEFINITE_MAT || reason == KSP_DIVERGED_INDEFINITE_PC;
+  conduct.indefinite = indefinite || has_negative_pivots(ksp);
   if (reason < 0 && linear_.stopped == 0 && (preconditioner.serves() || indefinite))
     repeat(ksp, rhs, du, indefinite);
   if (Get(KSPGetConvergedReason)(ksp) < 0)

@@ -49,7 +49,8 @@ void set_linear_solver(KSP ksp, const SolverDefaults& defaults) {
   case LinearMethod::kept_factors:
   case LinearMethod::half_factors:
     take(defaults.method == LinearMethod::factors ? KSPPREONLY : KSPFGMRES,
-         half || defaults.method == LinearMethod::half_factors ? PCCHOLESKY : PCLU, 1000);
+         half || defaults.has_energy || defaults.method == LinearMethod::half_factors ? PCCHOLESKY : PCLU,
+         1000);
     return check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   case LinearMethod::multigrid:
     // The blocks of bjacobi are factorised like the matrix of one rank: a symmetric format by ICC.
@@ -94,6 +95,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   SolverDefaults choice;
   const auto dofs = d.mesh.global_node_count() * d.dim();
   double speed = 0;
+  bool flows = false;
   bool keeps_volume = false; // so that iterations grow with K / G
   // Stresses of viscosity and the consistent tangent of flow differ from symmetry by far less than a digit.
   bool half_suffices = !demands.unsymmetric;
@@ -101,6 +103,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     const MaterialParameters& p = law.parameters;
     if (law.rigid()) continue;
     if (p.rho > 0) speed = std::max(speed, longitudinal_speed(p));
+    flows = flows || law.flows();
     keeps_volume = keeps_volume || p.K > 100 * p.G;
     half_suffices = half_suffices && p.locking != Locking::fbar;
   }
@@ -109,6 +112,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
              may_iterate = !d.has_viscosity() && !demands.rigid && !(slides && plane) &&
                            !(demands.closes_gaps && (small || slides));
   choice.slides = slides;
+  choice.has_energy = half_suffices && !flows && !inertia && !demands.closes_gaps && !d.has_damage();
   choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
   if (choice.resolves_waves() && may_iterate) {
     choice.method = LinearMethod::diagonal;
@@ -148,8 +152,7 @@ bool may_factorise(const Discretisation& d, const SolverDefaults& defaults) {
   const bool iterates = defaults.method == LinearMethod::multigrid ||
                         defaults.method == LinearMethod::two_level ||
                         defaults.method == LinearMethod::diagonal;
-  return iterates && !defaults.chosen &&
-         (is_factorised(d.mesh) || d.mesh.global_node_count() * d.dim() <= 300000);
+  return iterates && !defaults.chosen && can_be_factorised(d.mesh);
 }
 
 void set_motion_solver(SNES snes, const SolverDefaults& defaults, SNESLineSearchType search, bool shell) {

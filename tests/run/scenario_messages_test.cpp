@@ -58,7 +58,8 @@ const std::vector<Row>& rows() {
       {{{"-motion_kps_type", "cg"}},
        ExitCode::usage,
        "unknown option -motion_kps_type; did you mean -motion_ksp_type?   (after -motion_: "
-       "mat_type, reuse_preconditioner, reuse_tangent, tangent, and PETSc's options of solvers)"},
+       "leave_unstable, mat_type, reuse_preconditioner, reuse_tangent, tangent, and PETSc's options of "
+       "solvers)"},
       {{{"-heat_foo", "1"}},
        ExitCode::usage,
        "unknown option -heat_foo; did you mean -heat_form?   (after -heat_: capacity, form, order, theta, "

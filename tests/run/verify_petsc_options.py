@@ -119,7 +119,7 @@ lu idle      -motion_pc_factor_shift_type NONZERO
 lu idle      -motion_pc_factor_zeropivot 1e-3
 lu idle      -motion_pc_factor_reuse_ordering
 lu digits    -motion_pc_factor_mat_solver_type superlu_dist
-lu digits    -motion_pc_factor_mat_ordering_type rcm
+lu idle      -motion_pc_factor_mat_ordering_type rcm
 lu refused take.nd                    -motion_pc_factor_mat_ordering_type wbm
 lu refused pattern                    -motion_pc_factor_in_place
 lu refused diagonal                   -motion_pc_factor_nonzeros_along_diagonal

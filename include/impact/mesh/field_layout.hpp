@@ -43,6 +43,11 @@ inline bool is_factorised(const Mesh& mesh) {
   return mesh.global_node_count() * mesh.dim() <= (mesh.dim() == 2 ? 1500000 : 20000);
 }
 
+/// Whether they may be where need is: up to 3e5 unknowns in space, where factors take 6 GB.
+inline bool can_be_factorised(const Mesh& mesh) {
+  return is_factorised(mesh) || mesh.global_node_count() * mesh.dim() <= 300000;
+}
+
 /// Translations and infinitesimal rotations on the coordinates of the mesh, for algebraic multigrid
 /// (MatSetNearNullSpace). Needs components() == mesh.dim(). Collective.
 Handle<MatNullSpace> near_null_space(const FieldLayout& layout, const Mesh& mesh);

@@ -45,6 +45,9 @@ struct ExplicitScenario {
 /// passes.
 enum class PassRelaxation { none, aitken };
 
+/// Which static equilibria are left where they are unstable: those of bodies that lie to one side, all, none.
+enum class LeaveUnstable { imperfect, always, never };
+
 struct CouplingScenario {
   int max_it = 1;
   bool follow_cracks = false; ///< max_it counts no pass in which phi grows
@@ -53,10 +56,11 @@ struct CouplingScenario {
   PassRelaxation relaxation = PassRelaxation::aitken;
   double reuse_tangent = -1;        ///< see TangentReuse; negative: as suits the linear solver
   double reuse_preconditioner = -1; ///< see PreconditionerReuse; negative: as suits the linear solver
-  double max_dphi = 0;              ///< largest increment of phi in a step; 0: no limit
-  double max_dalpha = 0;            ///< largest increment of the plastic strain
-  double max_dtheta = 0;            ///< largest change of the temperature
-  double max_closing = 1;           ///< largest depth in facets at which a contact may close; 0: no limit
+  LeaveUnstable leave_unstable = LeaveUnstable::imperfect;
+  double max_dphi = 0;    ///< largest increment of phi in a step; 0: no limit
+  double max_dalpha = 0;  ///< largest increment of the plastic strain
+  double max_dtheta = 0;  ///< largest change of the temperature
+  double max_closing = 1; ///< largest depth in facets at which a contact may close; 0: no limit
   double path_dissipation =
       0; ///< that a step of the length dt asks of cracks; 0: loads are given, see PathControl
   bool report_error = false; ///< evaluate StepRecord::internal_of_next_pass

@@ -78,6 +78,9 @@ private:
   SNESConvergedReason backtrack(Vec u, PetscInt most);
   bool has_second_way() const;
   bool balanced(Vec u);
+  bool leaves_unstable() const;
+  void leave_unstable(Vec u, PetscInt most);
+  bool go_down(Vec u, Vec direction);
 
   TS ts_;
   MotionProblem& motion_;

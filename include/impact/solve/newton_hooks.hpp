@@ -79,8 +79,9 @@ public:
     bool follows_sliding = false; ///< what slides to and fro sticks
     bool watched = false;         ///< may be given up for another way
     Aim aim = Aim::balance;
-    bool alone = false; ///< a linear solve outside of SNESSolve, without forcing term
-    Handle<Vec> known;  ///< the answer of the linear solve that comes next, or empty
+    bool alone = false;      ///< a linear solve outside of SNESSolve, without forcing term
+    Handle<Vec> known;       ///< the answer of the linear solve that comes next, or empty
+    bool indefinite = false; ///< the last linear solve found its matrix so
     /// Asked in each iteration of a linear solve, which ends unsolved where so many are too many.
     std::function<bool(PetscInt)> too_many;
   };

@@ -27,7 +27,8 @@ enum class LinearMethod {
 struct SolverDefaults {
   LinearMethod method = LinearMethod::factors;
   bool symmetric = false;
-  bool slides = false;                     ///< friction spoils the symmetry of the matrix: gmres for cg
+  bool slides = false;     ///< friction spoils the symmetry of the matrix: gmres for cg
+  bool has_energy = false; ///< that a static step makes stationary: the tangent is its Hessian
   MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
   double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
@@ -46,8 +47,7 @@ SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice
                              double dt, SolverDemands demands = {},
                              std::optional<MatrixFormat> matrix = std::nullopt);
 
-/// Whether an iterative solver that nobody asked for may give way to factors where it fails: up to 3e5 dofs
-/// in space, where they take 6 GB, and 1.5e6 in the plane.
+/// Whether an iterative solver that nobody asked for may give way to factors where it fails.
 bool may_factorise(const Discretisation& discretisation, const SolverDefaults& defaults);
 
 /// Gives the motion's solver its defaults and reads its options. `search`: basic for full steps;

@@ -2,13 +2,24 @@
 #include <impact/problem/motion.hpp>
 #include <string>
 
+/// Whether a static equilibrium is one at which bodies stay: whether its tangent, the Hessian of the energy
+/// at committed points, has no negative eigenvalue. Newton's method stays on its branch past a bifurcation.
 namespace impact {
 
-/// A warning about a static equilibrium `u` that a real body leaves at the least disturbance: its tangent,
-/// the second variation of the energy at committed points, has negative eigenvalues, as many as the pivots of
-/// its Cholesky factors (Sylvester's law of inertia). Newton's method stays on such a branch past a
-/// bifurcation. Empty where there are none, and where factors would be dear or tell nothing: beyond
-/// `is_factorised`, of contact that closes gaps, of a shell. Needs a symmetric tangent. Collective.
+struct UnstableModes {
+  PetscInt number = 0;
+  double part = 0; ///< of the displacement of free dofs, that lies along the modes
+};
+
+/// The modes of the motion's matrix at `u` with negative eigenvalues, as many as its Cholesky factors have
+/// negative pivots (Sylvester's law of inertia); none where a cell has no energy. Where there are some
+/// `direction`, unless null, becomes one of negative curvature, its largest component 1: that to which an
+/// imperfect body buckles, which `scattered` makes of a perfect one. Needs a symmetric tangent. Collective.
+UnstableModes find_unstable_modes(MotionProblem& motion, Vec u, bool scattered, Vec direction);
+
+/// A warning about an unstable equilibrium `u`. Empty where it is none, and where factors tell nothing: of
+/// contact that closes gaps, of a shell. Needs a symmetric tangent.
+/// Collective.
 std::string tell_of_instability(MotionProblem& motion, Vec u);
 
 } // namespace impact
