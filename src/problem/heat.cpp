@@ -201,14 +201,6 @@ bool HeatProblem::make_constant_part() {
     auto r = batch.zero(1);
     const int bad = batch.kernels.heat_step(batch.law, in, points.data(), r.data());
     batch.store(points, points_);
-    if (warming_ && window_.end == 1) {
-      auto warming = batch.points<warming_size>();
-      for (int q = 0; q < points.size / heat_point_size; ++q) {
-        const HeatPoint& at_point = heat_point_at(points.data(), q);
-        warming_at(warming.data(), q) = {at_point.volume, at_point.warming};
-      }
-      batch.store(warming, warming_->trial);
-    }
     batch.scatter(r, constant_);
     return bad;
   });
@@ -229,6 +221,7 @@ bool HeatProblem::assemble_residual(const std::vector<double>& theta, Vec soluti
     auto points = batch.load<heat_point_size>(points_);
     auto part = batch.zero(1);
     const int bad = batch.kernels.heat_residual(batch.law, in, points.data(), part.data());
+    if (warming_) batch.store(points, points_);
     batch.scatter(part, r_);
     return bad;
   });
@@ -368,20 +361,38 @@ ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
   agree_on_errors(d_.mesh.comm(), [&] { boundary_.set_temperature(t_, theta); });
   field_.fill_middles(theta);
   x_ = theta;
-  ScalarOutcome outcome;
-  if (!make_constant_part()) {
-    outcome.reason = SNES_DIVERGED_FUNCTION_DOMAIN;
-    return outcome;
-  }
+  if (!make_constant_part()) return {.reason = SNES_DIVERGED_FUNCTION_DOMAIN};
   begin_contacts();
   d_.scalar.to_global(theta, field_.solution());
   check(SNESSetTolerances(snes_, residual_tol_, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-  outcome = solve_field(snes_, field_.solution(), mailbox_);
+  ScalarOutcome outcome = solve_field(snes_, field_.solution(), mailbox_);
   refuse_below_zero(outcome);
   if (outcome.reason < 0) return outcome;
+  if (warming_ && window_.end == 1) keep_warming();
   book();
   theta = x_;
   return outcome;
+}
+
+// After the last residual, which stands at the solution. Not for ever where nothing conducts: heat that
+// entered through the surface is no point's own. Sub-steps would tell of the last one alone.
+void HeatProblem::keep_warming() {
+  constexpr double pi = 3.14159265358979, forgotten = 1e-4;
+  const double h = d_.mesh.smallest_edge();
+  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+    const double rate = pi * pi * batch.law.parameters.conductivity / (batch.law.parameters.c_v * h * h);
+    const bool keeps = step_.points_keep_heat && window_.whole();
+    const double kept = keeps ? (1 - forgotten) * std::exp(-rate * (t_ - t_n_)) : 0;
+    const auto points = batch.load<heat_point_size>(points_);
+    const auto before = batch.load<warming_size>(warming_->committed);
+    auto warming = batch.points<warming_size>();
+    for (int q = 0; q < points.size / heat_point_size; ++q) {
+      const HeatPoint& point = heat_point_at(points.data(), q);
+      const Batch heat = kept * (warming_at(before.data(), q).heat - point.excess);
+      warming_at(warming.data(), q) = {point.volume, point.warming, -(point.per_heat * heat), heat};
+    }
+    batch.store(warming, warming_->trial);
+  });
 }
 
 } // namespace impact

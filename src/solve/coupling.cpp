@@ -362,6 +362,7 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
     step.phi_n = &fields_.state.row("phi").committed;
   }
   if (!pass_.dissipation.empty()) step.dissipation = &pass_.dissipation;
+  step.points_keep_heat = warming_ != nullptr;
   const ScalarOutcome outcome = fields_.heat->solve(step, theta.trial);
   counts_.heat += outcome.newton;
   counts_.heat_linear += outcome.linear;

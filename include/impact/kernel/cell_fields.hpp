@@ -4,9 +4,11 @@
 namespace impact {
 
 /// What a nodal temperature belongs to, at a point: J - 1 of the locking cure, and dp/dJ beyond it of a body
-/// in which no heat flows, less that at the temperature (45a).
+/// in which no heat flows, less that at the temperature (45a); and what of its heat it does not show.
 struct Warming {
   Batch volume, slope;
+  Batch pressure; ///< of that heat, -beta/c_eff times it
+  Batch heat;     ///< per volume
 };
 inline constexpr int warming_size = sizeof(Warming) / sizeof(Batch);
 inline Warming& warming_at(Batch* warming, int q) { return reinterpret_cast<Warming*>(warming)[q]; }

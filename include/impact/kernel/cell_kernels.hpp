@@ -61,9 +61,9 @@ struct CellKernels {
   /// called once per solve.
   int (*heat_step)(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
   /// r [node] += what depends on the iterate.
-  int (*heat_residual)(const PointLaw&, const HeatInput&, const Batch* points, Batch* r);
+  int (*heat_residual)(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
   /// r [node] += the same and K [node][node] += its derivative, symmetric.
-  int (*heat_tangent)(const PointLaw&, const HeatInput&, const Batch* points, Batch* r, Batch* K);
+  int (*heat_tangent)(const PointLaw&, const HeatInput&, Batch* points, Batch* r, Batch* K);
   /// r [node] += int N_a source dV_0 with source [point] per reference volume; sum (per lane) += int source
   /// dV_0.
   void (*heat_source)(const Batch* X, const Batch* source, Batch* r, Batch& sum);

@@ -48,22 +48,26 @@ struct ThermalPart {
   Batch energy, entropy, capacity;
 };
 
-/// theta beta^2/c_eff, beta = ds/dJ at fixed shape.
-inline Batch warming_slope(const Batch& theta, const Batch& beta, const Batch& capacity) {
-  return theta * (beta * beta) / capacity;
+/// theta beta^2/c_eff and beta/c_eff, beta = ds/dJ at fixed shape.
+struct WarmingSlopes {
+  Batch per_volume, per_heat;
+};
+inline WarmingSlopes warming_slopes(const Batch& theta, const Batch& beta, const Batch& capacity) {
+  return {theta * (beta * beta) / capacity, beta / capacity};
 }
 /// Of a split by principal stretches, which sees J and theta in J/J_theta alone.
-inline Batch warming_slope(const PointLaw& law, const ThermalPart& at, const Batch& J, const Batch& theta) {
+inline WarmingSlopes warming_slopes(const PointLaw& law, const ThermalPart& at, const Batch& J,
+                                    const Batch& theta) {
   const MaterialParameters& m = law.parameters;
   const Batch beta = (Batch(m.c_v) - at.capacity) / ((3 * m.alpha_t) * (theta * J));
-  return warming_slope(theta, beta, at.capacity);
+  return warming_slopes(theta, beta, at.capacity);
 }
 template <class Law>
-inline Batch warming_slope(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
-                           const Batch& theta) {
+inline WarmingSlopes warming_slopes(const Law& law, const Batch& J_minus_1, const Degradations<Batch>& g,
+                                    const Batch& theta) {
   const ElasticVolume<Batch> v = elastic_volume(law, J_minus_1, theta);
   const Batch g_v = volume_degradation(g, v.Je_minus_1);
-  return warming_slope(theta, entropy_slope(law, v, g_v), heat_capacity(law, v, g_v, theta));
+  return warming_slopes(theta, entropy_slope(law, v, g_v), heat_capacity(law, v, g_v, theta));
 }
 
 /// The energy is found where it is wanted.
@@ -186,11 +190,10 @@ template <class Cell, Frame frame, class Law>
                                       ? before.thermal(law, q, g_n, theta_n)
                                       : thermal_part(law, before.volume(law, q), g_n, theta_n, energy);
     const Batch theta = interpolate<Cell>(in.theta, q), volume = now.volume(law, q);
-    heat_point_at(points, q) = {volume, thermal_n.entropy, Batch(0.0)};
-    if (m.alpha_t != 0)
-      heat_point_at(points, q).warming =
-          law.principal() ? warming_slope(law, now.thermal(law, q, g, theta), Batch(1.0) + volume, theta)
-                          : warming_slope(law, volume, g, theta);
+    const WarmingSlopes warms =
+        m.alpha_t == 0    ? WarmingSlopes{Batch(0.0), Batch(0.0)}
+        : law.principal() ? warming_slopes(law, now.thermal(law, q, g, theta), Batch(1.0) + volume, theta)
+                          : warming_slopes(law, volume, g, theta);
 
     Tensor<Batch, d> inverse_F = unit_tensor<d>(), inverse_F_n = inverse_F;
     Batch J = Batch(1.0), J_n = Batch(1.0);
@@ -219,6 +222,8 @@ template <class Cell, Frame frame, class Law>
       for (int i = 0; i < d; ++i) flux[i] += ((1 - in.theta_h) * in.dt) * k[i];
     }
     sum += local + flux[0];
+    heat_point_at(points, q) = {volume, thermal_n.entropy, warms.per_volume, warms.per_heat,
+                                local,  Batch(0.0)};
     local *= X.weight;
     for (int a = 0; a < Cell::nodes; ++a) r[a] += N[q][a] * local + X.weight * dot(X.dN[a], flux);
   }
@@ -279,7 +284,7 @@ void add_conduction(const MaterialParameters& m, const HeatInput& in, const Poin
 }
 
 template <class Cell, Frame frame, bool tangent, class Law>
-[[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in, const Batch* points, Batch* r_out,
+[[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in, Batch* points, Batch* r_out,
                                   Batch* K_out) {
   constexpr int n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
@@ -308,10 +313,12 @@ template <class Cell, Frame frame, bool tangent, class Law>
       local = mean * change;
       slope = in.theta_h * change + mean * ((capacity - Batch(m.c_v)) / theta);
     }
+    const CapacityTerm term = capacity_term(in, theta, theta_n);
+    if constexpr (!tangent)
+      heat_point_at(points, q).excess = heat_point_at(points, q).source + local + m.c_v * term.value;
     if (in.lumped) {
       capacity_at_nodes.add(q, m.c_v, X.weight);
     } else {
-      const CapacityTerm term = capacity_term(in, theta, theta_n);
       local += m.c_v * term.value;
       slope += m.c_v * term.slope;
     }
@@ -332,13 +339,13 @@ template <class Cell, Frame frame, bool tangent, class Law>
 }
 
 template <class Cell, Frame frame>
-int heat_residual(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r) {
+int heat_residual(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r) {
   return with_state<frame>(
       law, [&](const auto& l) { return heat_balance<Cell, frame, false>(l, in, points, r, nullptr); });
 }
 
 template <class Cell, Frame frame>
-int heat_tangent(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r, Batch* K) {
+int heat_tangent(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r, Batch* K) {
   return with_state<frame>(
       law, [&](const auto& l) { return heat_balance<Cell, frame, true>(l, in, points, r, K); });
 }

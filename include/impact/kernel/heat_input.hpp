@@ -16,11 +16,15 @@ namespace impact {
 
 enum class HeatForm { entropy, energy };
 
-/// What heat_step leaves at each point for heat_residual and heat_tangent.
+/// What heat_step leaves at each point for heat_residual and heat_tangent, but for the excess, which the
+/// former finds.
 struct HeatPoint {
   Batch volume;    ///< J - 1 of the locking cure
   Batch entropy_n; ///< 3 alpha_t g_v K/2 (J_e^2 - 1) at t_n
   Batch warming;   ///< what p would change per J if no heat flowed (45a)
+  Batch per_heat;  ///< and per heat at fixed J, beta/c_eff
+  Batch source;    ///< what heat_step counts of the balance, per volume
+  Batch excess;    ///< what the balance without conduction leaves: heat that the temperature shows too much
 };
 inline constexpr int heat_point_size = sizeof(HeatPoint) / sizeof(Batch);
 inline HeatPoint& heat_point_at(Batch* points, int q) { return reinterpret_cast<HeatPoint*>(points)[q]; }

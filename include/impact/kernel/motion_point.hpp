@@ -91,7 +91,7 @@ struct PatchVolume {
 inline Volumetric<Batch> warmed(Volumetric<Batch> v, const Batch* warming, const Batch& J_minus_1, int q) {
   if (warming == nullptr) return v;
   const Warming& since = warming_at(warming, q);
-  v.p += since.slope * (J_minus_1 - since.volume);
+  v.p += since.pressure + since.slope * (J_minus_1 - since.volume);
   v.dp += since.slope;
   return v;
 }

@@ -20,7 +20,8 @@ struct HeatStep {
   const std::vector<double>* phi_n = nullptr;
   /// [point of row "drive"] of the step by plasticity, viscosity and the rate of damage, per volume; or null
   const std::vector<double>* dissipation = nullptr;
-  Vec displacement = nullptr; ///< u as the contacts read it; with motion
+  Vec displacement = nullptr;    ///< u as the contacts read it; with motion
+  bool points_keep_heat = false; ///< that the nodal temperature does not show (45b)
 };
 
 // Members beyond twelve: the frozen data of a window, and what is booked of it.
@@ -83,6 +84,7 @@ private:
   void residual(SNES, Vec x, Vec f);
   void tangent(SNES, Vec x, Mat, Mat);
   void book();
+  void keep_warming();
 
   const Discretisation& d_;
   const BoundaryData& boundary_;
