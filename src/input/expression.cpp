@@ -24,7 +24,7 @@ double cycle(double t, double period) {
 double look_up(void* table, double t) { return (*static_cast<const LinearTable*>(table))(t); }
 
 std::string known_names(const ExpressionContext& context) {
-  std::string names = "x y z t pi";
+  std::string names = "x y z t pi e";
   for (const auto& [name, value] : context.parameters) names += " " + name;
   for (const auto& [name, table] : context.tables) names += " " + name + "()";
   return names;

@@ -48,6 +48,19 @@ Handle<TS> make_integrator(MPI_Comm comm, const Scenario& s) {
   return ts;
 }
 
+// Steps that resolve no wave leave what is fast to the integrator, which does not damp it unless told to.
+void report_long_steps(const Discretisation& d, const SolverDefaults& solver) {
+  constexpr double many = 100;
+  const double across = std::pow(static_cast<double>(d.mesh.global_cell_count()), 1.0 / d.dim());
+  if (solver.cfl <= many * across || asks_for_damped_steps()) return;
+  check(
+      PetscPrintf(d.mesh.comm(),
+                  "a step is %.2g times as long as waves take through the bodies: what swings faster "
+                  "alternates from step to step unless -ts_newmark_rho 0.8 damps it; -ts_type static has no "
+                  "inertia\n",
+                  solver.cfl / across));
+}
+
 SolverDefaults choose(const Scenario& s, Setup& setup) {
   SolverDemands demands;
   demands.closes_gaps = setup.contacts.demands().closes_gaps;
@@ -57,6 +70,7 @@ SolverDefaults choose(const Scenario& s, Setup& setup) {
   SolverDefaults solver =
       choose_solver(setup.discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);
   report_setup(s, setup.discretisation);
+  if (!s.explicit_steps()) report_long_steps(setup.discretisation, solver);
   return solver;
 }
 

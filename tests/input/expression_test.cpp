@@ -85,7 +85,7 @@ TEST(Expressions, AnUnknownNameIsShownWithItsPlaceAndTheKnownOnes) {
     FAIL();
   } catch (const impact::UserError& error) {
     EXPECT_STREQ(error.what(), "-bc_push_uy \"0.1*sin(2*p*t)\": unknown name 'p' at character 10; "
-                               "known: x y z t pi v0 load()");
+                               "known: x y z t pi e v0 load()");
   }
 }
 
