@@ -6,6 +6,7 @@
 #include <impact/petsc/log.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/heat.hpp>
+#include <numbers>
 
 namespace impact {
 
@@ -377,9 +378,10 @@ ScalarOutcome HeatProblem::solve_window(std::vector<double>& theta) {
 // After the last residual, which stands at the solution. Not for ever where nothing conducts: heat that
 // entered through the surface is no point's own. Sub-steps would tell of the last one alone.
 void HeatProblem::keep_warming() {
-  constexpr double pi = 3.14159265358979, forgotten = 1e-4;
+  constexpr double pi = std::numbers::pi, forgotten = 1e-4;
   const double h = d_.mesh.smallest_edge();
-  for_each_batch(d_, all_laws, [&](const CellBatch& batch) {
+  const auto expands = [](const PointLaw& law) { return law.parameters.alpha_t != 0; };
+  for_each_batch(d_, expands, [&](const CellBatch& batch) {
     const double rate = pi * pi * batch.law.parameters.conductivity / (batch.law.parameters.c_v * h * h);
     const bool keeps = step_.points_keep_heat && window_.whole();
     const double kept = keeps ? (1 - forgotten) * std::exp(-rate * (t_ - t_n_)) : 0;

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/inside_out.hpp>

@@ -112,9 +112,8 @@ std::string EnergyWatch::step_remedy() const {
     return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
   if (!inertia && !gained)
-    return "likely bodies snapped or buckled within a step, whose energy nothing takes up without inertia, "
-           "or "
-           "steps are too long: take a shorter -ts_dt to tell";
+    return "likely a body snapped or buckled within a step, whose energy nothing takes up without inertia, "
+           "or steps are too long: take a shorter -ts_dt to tell";
   std::string text = gained ? "likely the steps are too long for what changes its stiffness in them"
                             : "likely the steps are too long";
   if (few)

@@ -12,7 +12,7 @@ bool MotionSolver::leaves_unstable() const {
 
 // The energy falls from a saddle along its modes, and the equilibrium found there has fewer of them. A solve
 // that fails leaves the one before. To which side a perfect body goes nothing tells, so that it stays unless
-// asked.
+// asked; one that has begun to leave goes on.
 void MotionSolver::leave_unstable(Vec u, PetscInt most) {
   constexpr int rounds = 10, patience = 4; // down an energy it arrives, if late
   constexpr double rounding = 1e-8;
@@ -21,7 +21,8 @@ void MotionSolver::leave_unstable(Vec u, PetscInt most) {
   const Handle<Vec> found = d.displacement.make_global(), direction = d.displacement.make_global();
   const UnstableModes first = find_unstable_modes(motion_, u, always, direction);
   UnstableModes modes = first;
-  for (int round = 0; modes.number > 0 && round < rounds && (always || modes.part > rounding); ++round) {
+  for (int round = 0; modes.number > 0 && round < rounds && (always || round > 0 || modes.part > rounding);
+       ++round) {
     check(VecCopy(u, found));
     reuse_.forget();
     if (!go_down(u, direction) || newton(u, patience * most) < 0) {
@@ -29,7 +30,7 @@ void MotionSolver::leave_unstable(Vec u, PetscInt most) {
       check(VecCopy(found, u));
       break;
     }
-    modes = find_unstable_modes(motion_, u, always, direction);
+    modes = find_unstable_modes(motion_, u, true, direction);
   }
   reuse_.forget();
   if (modes.number == 0 && first.number > 0)

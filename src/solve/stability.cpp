@@ -25,7 +25,7 @@ Handle<Mat> factorise(Mat A) {
 // than below it. With `scattered` also little numbers of any sign that follow the places, not the ranks.
 void start_direction(const MotionProblem& motion, Vec u, bool scattered, Vec x) {
   const Discretisation& d = motion.discretisation();
-  const double little = scattered ? 1e-6 * Get(VecNorm)(u, NORM_INFINITY) : 0;
+  const double size = Get(VecNorm)(u, NORM_INFINITY), little = !scattered ? 0 : size > 0 ? 1e-6 * size : 1;
   std::vector<double> local = d.local_of(u);
   const auto X = d.mesh.coordinates();
   const auto dim = static_cast<std::size_t>(d.dim());
@@ -62,6 +62,7 @@ double find_direction(Mat factors, Vec x) {
   double largest = 0;
   for (int k = 0; k < most; ++k) {
     const PetscReal norm = Get(VecNorm)(x, NORM_2);
+    if (norm == 0 && k == 0) return 0;
     if (k > 0 && norm <= 1e-10 * largest) break; // all of the space
     if (k > 0) beside.push_back(norm);
     largest = std::max(largest, norm);

@@ -14,7 +14,7 @@
 namespace impact {
 
 enum class LinearMethod {
-  factors,      ///< preonly + lu
+  factors,      ///< preonly + lu, or cholesky where a static step has an energy
   kept_factors, ///< fgmres + lu, whose factors serve on
   half_factors, ///< fgmres + cholesky of the upper half of a tangent that is symmetric or nearly so
   multigrid,    ///< gmres + gamg

@@ -18,8 +18,7 @@ struct UnstableModes {
 UnstableModes find_unstable_modes(MotionProblem& motion, Vec u, bool scattered, Vec direction);
 
 /// A warning about an unstable equilibrium `u`. Empty where it is none, and where factors tell nothing: of
-/// contact that closes gaps, of a shell. Needs a symmetric tangent.
-/// Collective.
+/// contact that closes gaps, of a shell. Needs a symmetric tangent. Collective.
 std::string tell_of_instability(MotionProblem& motion, Vec u);
 
 } // namespace impact
