@@ -111,7 +111,7 @@ std::string EnergyWatch::step_remedy() const {
   if (!inertia && !gained && damage)
     return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
-  if (!inertia && !gained)
+  if (!inertia && !gained && !stage_.d.has_heat())
     return "likely a body snapped or buckled within a step, whose energy nothing takes up without inertia, "
            "or steps are too long: take a shorter -ts_dt to tell";
   std::string text = gained ? "likely the steps are too long for what changes its stiffness in them"
