@@ -316,11 +316,8 @@ bool Simulation::must_be_stable() {
   MotionSolver& solver = stage_.coupling.motion_solver();
   const Mesh& mesh = stage_.d.mesh;
   const bool cheap = is_factorised(mesh) || (solver.hooks().conduct.indefinite && can_be_factorised(mesh));
-  const bool symmetric = unsymmetric_force(s_).first.empty() && !stage_.d.any_law([](const PointLaw& law) {
-    return law.parameters.locking == Locking::fbar;
-  });
-  return cheap && symmetric && !stage_.inertia && s_.coupling.moves && !stage_.d.has_damage() &&
-         s_.coupling.path_dissipation == 0 && solver.loose().empty();
+  return cheap && stage_.solver.half_suffices && !stage_.inertia && s_.coupling.moves &&
+         !stage_.d.has_damage() && s_.coupling.path_dissipation == 0 && solver.loose().empty();
 }
 
 ExitCode Simulation::report_end(TSConvergedReason reason) {

@@ -156,7 +156,7 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
       .choice("motion_leave_unstable", &CouplingScenario::leave_unstable,
               "a static step that finds an unstable equilibrium, as past a load at which bodies buckle, goes "
               "on along its modes to a stable one (auto: where the body lies to one side); not with damage, "
-              "flow, contact, rigid bodies, F-bar, follower pressure",
+              "flow, viscosity, contact, rigid bodies, F-bar, follower pressure",
               "auto", LeaveUnstable::imperfect, "on", LeaveUnstable::always, "off", LeaveUnstable::never)
       .idle([](const Scenario& s) { return s.has_inertia(); }, "is for -ts_type static");
   row.choice("contact_operator", &Scenario::contact_operator,

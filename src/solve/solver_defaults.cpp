@@ -98,21 +98,22 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   bool flows = false;
   bool keeps_volume = false; // so that iterations grow with K / G
   // Stresses of viscosity and the consistent tangent of flow differ from symmetry by far less than a digit.
-  bool half_suffices = !demands.unsymmetric;
+  choice.half_suffices = !demands.unsymmetric;
   for (const PointLaw& law : d.laws) {
     const MaterialParameters& p = law.parameters;
     if (law.rigid()) continue;
     if (p.rho > 0) speed = std::max(speed, longitudinal_speed(p));
     flows = flows || law.flows();
     keeps_volume = keeps_volume || p.K > 100 * p.G;
-    half_suffices = half_suffices && p.locking != Locking::fbar;
+    choice.half_suffices = choice.half_suffices && p.locking != Locking::fbar;
   }
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
   const bool plane = d.dim() == 2, small = is_factorised(d.mesh), slides = demands.frictional,
              may_iterate = !d.has_viscosity() && !demands.rigid && !(slides && plane) &&
                            !(demands.closes_gaps && (small || slides));
   choice.slides = slides;
-  choice.has_energy = half_suffices && !flows && !inertia && !demands.closes_gaps && !d.has_damage();
+  choice.has_energy = choice.half_suffices && !flows && !d.has_viscosity() && !inertia &&
+                      !demands.closes_gaps && !d.has_damage();
   choice.reason = text_of("%lld dofs", static_cast<long long>(dofs));
   if (choice.resolves_waves() && may_iterate) {
     choice.method = LinearMethod::diagonal;
@@ -122,7 +123,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
     choice.method = LinearMethod::two_level;
   else if (!small && !(keeps_volume && dofs <= most_factorised && !demands.closes_gaps))
     choice.method = LinearMethod::multigrid;
-  else if (plane && dofs > 20000 && half_suffices)
+  else if (plane && dofs > 20000 && choice.half_suffices)
     choice.method = LinearMethod::half_factors;
   else if (dofs > 20000 && !demands.closes_gaps)
     choice.method = LinearMethod::kept_factors;

@@ -60,10 +60,10 @@ struct CellKernels {
   /// What does not depend on the iterate: writes points [point][heat_point_size] and adds to r [node]. To be
   /// called once per solve.
   int (*heat_step)(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
-  /// r [node] += what depends on the iterate.
+  /// r [node] += what depends on the iterate; the excess at the points.
   int (*heat_residual)(const PointLaw&, const HeatInput&, Batch* points, Batch* r);
   /// r [node] += the same and K [node][node] += its derivative, symmetric.
-  int (*heat_tangent)(const PointLaw&, const HeatInput&, Batch* points, Batch* r, Batch* K);
+  int (*heat_tangent)(const PointLaw&, const HeatInput&, const Batch* points, Batch* r, Batch* K);
   /// r [node] += int N_a source dV_0 with source [point] per reference volume; sum (per lane) += int source
   /// dV_0.
   void (*heat_source)(const Batch* X, const Batch* source, Batch* r, Batch& sum);

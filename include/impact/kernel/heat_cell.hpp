@@ -6,6 +6,7 @@
 #include <impact/kernel/scalar_cell.hpp>
 #include <impact/material/crack.hpp>
 #include <impact/material/equation_of_state.hpp>
+#include <type_traits>
 
 /// The heat balance on one batch of cells.
 namespace impact {
@@ -284,7 +285,8 @@ void add_conduction(const MaterialParameters& m, const HeatInput& in, const Poin
 }
 
 template <class Cell, Frame frame, bool tangent, class Law>
-[[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in, Batch* points, Batch* r_out,
+[[gnu::flatten]] int heat_balance(const Law& law, const HeatInput& in,
+                                  std::conditional_t<tangent, const Batch, Batch>* points, Batch* r_out,
                                   Batch* K_out) {
   constexpr int n = Cell::nodes;
   const MaterialParameters& m = law.parameters;
@@ -345,7 +347,7 @@ int heat_residual(const PointLaw& law, const HeatInput& in, Batch* points, Batch
 }
 
 template <class Cell, Frame frame>
-int heat_tangent(const PointLaw& law, const HeatInput& in, Batch* points, Batch* r, Batch* K) {
+int heat_tangent(const PointLaw& law, const HeatInput& in, const Batch* points, Batch* r, Batch* K) {
   return with_state<frame>(
       law, [&](const auto& l) { return heat_balance<Cell, frame, true>(l, in, points, r, K); });
 }

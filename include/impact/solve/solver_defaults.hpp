@@ -27,8 +27,9 @@ enum class LinearMethod {
 struct SolverDefaults {
   LinearMethod method = LinearMethod::factors;
   bool symmetric = false;
-  bool slides = false;     ///< friction spoils the symmetry of the matrix: gmres for cg
-  bool has_energy = false; ///< that a static step makes stationary: the tangent is its Hessian
+  bool half_suffices = false; ///< the tangent is symmetric, or nearly so: of flow and viscosity
+  bool slides = false;        ///< friction spoils the symmetry of the matrix: gmres for cg
+  bool has_energy = false;    ///< that a static step makes stationary: the tangent is its Hessian
   MatrixFormat matrix = MatrixFormat::aij; ///< sbaij: Cholesky for LU, incomplete Cholesky for multigrid
   double cfl = 0;                          ///< dt c_p / shortest edge; 0 without inertia
   bool resolves_waves() const { return cfl > 0 && cfl <= 20; }
