@@ -103,7 +103,7 @@ def main():
     fields = [n for n in ("phi_max", "alpha_max") if n in data and moves(data[n])]
     figure, axes = plt.subplots(3 if fields else 2, 1, figsize=(7.2, 7.0 if fields else 4.9), sharex=True)
     forces, energies = force_columns(data, options.force), [n for n in ENERGIES if n in data]
-    what = readable(options.force) if (options.force or "").startswith(("measure_", "probe_")) else "force"
+    what = readable(options.force) if (options.force or "").startswith(("measure_", "probe_", "mean_", "load_")) else "force"
     draw_lines(axes[0], data, over, strongest(data, forces, 8), "(a) " + what, what.split()[-1] + unit_of(units, forces))
     draw_lines(axes[1], data, over, strongest(data, energies, 12), "(b) energy", "energy" + unit_of(units, energies))
     if fields:

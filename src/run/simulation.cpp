@@ -306,8 +306,8 @@ void Simulation::tell_of_limits() const {
   check(PetscPrintf(comm_,
                     "impact: no shorter step found an equilibrium; where a load reaches its limit, or a "
                     "state snaps into another one, there is none: prescribe displacements in the place "
-                    "of the load, follow a crack by -ts_path_dissipation, or take inertia (-ts_type "
-                    "newmark)\n"));
+                    "of the load, follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, "
+                    "or take inertia (-ts_type newmark)\n"));
 }
 
 // Where factors are cheap, or the last linear solve was of an indefinite matrix. Cracks follow their branch
@@ -317,7 +317,7 @@ bool Simulation::must_be_stable() {
   const Mesh& mesh = stage_.d.mesh;
   const bool cheap = is_factorised(mesh) || (solver.hooks().conduct.indefinite && can_be_factorised(mesh));
   return cheap && stage_.solver.half_suffices && !stage_.inertia && s_.coupling.moves &&
-         !stage_.d.has_damage() && s_.coupling.path_dissipation == 0 && solver.loose().empty();
+         !stage_.d.has_damage() && solver.arc_length() == nullptr && solver.loose().empty();
 }
 
 ExitCode Simulation::report_end(TSConvergedReason reason) {

@@ -66,6 +66,7 @@ SolverDefaults choose(const Scenario& s, Setup& setup) {
   demands.closes_gaps = setup.contacts.demands().closes_gaps;
   demands.frictional = setup.contacts.demands().frictional;
   demands.rigid = !setup.rigid.empty();
+  demands.path = s.coupling.path_length > 0;
   demands.unsymmetric = !unsymmetric_force(s).first.empty();
   SolverDefaults solver =
       choose_solver(setup.discretisation, s.tangent, s.has_inertia(), s.time.dt, demands, s.matrix);

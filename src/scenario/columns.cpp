@@ -21,9 +21,10 @@ constexpr const char* pairs[6] = {"xx", "yy", "zz", "xy", "yz", "xz"};
 // The first one that fits a name describes it.
 constexpr ColumnNote history[] = {
     {"step", "", "number of accepted steps since t = 0"},
-    {"time", "s", "t; load factor with -ts_type static; length of the path with -ts_path_dissipation"},
+    {"time", "s",
+     "t; load factor with -ts_type static; that of the path with -ts_path_dissipation and -ts_path_length"},
     {"dt", "s", "length of the step that ended here"},
-    {"load_parameter", "s", "the t of conditions with -ts_path_dissipation"},
+    {"load_parameter", "s", "the t of conditions with -ts_path_dissipation and -ts_path_length"},
     {"tries", "", "of the step: 1, and one for each time that it was cut"},
     {"newton", "", "Newton iterations of the motion in the step's last try, over all passes; so the next"},
     {"linear", "", "iterations of its linear solver; 1 for a direct solve"},

@@ -158,7 +158,11 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
               "on along its modes to a stable one (auto: where the body lies to one side); not with damage, "
               "flow, viscosity, contact, rigid bodies, F-bar, follower pressure",
               "auto", LeaveUnstable::imperfect, "on", LeaveUnstable::always, "off", LeaveUnstable::never)
-      .idle([](const Scenario& s) { return s.has_inertia(); }, "is for -ts_type static");
+      .idle([](const Scenario& s) { return s.has_inertia() || s.coupling.path_length > 0; },
+            [](const Scenario& s) {
+              return std::string(s.has_inertia() ? "the run has inertia"
+                                                 : "-ts_path_length follows the bodies");
+            });
   row.choice("contact_operator", &Scenario::contact_operator,
              "contact terms in the matrix, or beside it as an operator", "assembled",
              ContactOperator::assembled, "shell", ContactOperator::shell);

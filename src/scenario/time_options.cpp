@@ -78,6 +78,30 @@ std::string hindrance_of_path(const Scenario& s) {
   return "";
 }
 
+/// What a step that moves by a length cannot do, "" = nothing.
+std::string hindrance_of_length(const Scenario& s) {
+  if (!s.has_motion() || s.has_inertia())
+    return "is for motion with -ts_type static; take that, or remove it";
+  if (s.has_damage()) return "knows no damage; follow cracks by -ts_path_dissipation";
+  if (s.has_heat()) return "knows no heat, which flows over a time; remove that of materials, or this";
+  if (!s.contacts.empty())
+    return "knows no contact; prescribe the motion of nodes in the place of -contact_" +
+           s.contacts.front().id + ", or remove this";
+  if (s.time.period > 0) return "has no cycles; remove -ts_period, or this";
+  for (const MaterialScenario& m : s.materials) {
+    const std::string of = "-material_" + m.id, or_this = "; remove that, or this";
+    if (m.law.model == Model::rigid) return "knows no rigid bodies (" + of + "_model rigid)" + or_this;
+    if (m.law.b_d > 0 || std::isfinite(m.law.c) || m.law.rate_c > 0)
+      return "has no time for rates to be of (" + of +
+             (m.law.b_d > 0            ? "_b_d"
+              : std::isfinite(m.law.c) ? "_c"
+                                       : "_jc_c") +
+             ")" + or_this;
+    if (m.erosion.on) return "keeps all cells (" + of + "_erosion on)" + or_this;
+  }
+  return "";
+}
+
 const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
 
 void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
@@ -136,11 +160,19 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
 }
 
 void add_path(std::vector<OptionRow<Scenario>>& rows) {
-  Rows(rows, RestartKey::guarded, &Scenario::coupling)
-      .number("ts_path_dissipation", &CouplingScenario::path_dissipation, "J (P1)", positive,
-              "static steps follow a crack, through snap-back too: they find the load, the t of conditions "
-              "and column load_parameter, at which cracks take up this energy in a step of -ts_dt, less in a "
-              "shorter one; loads that ask less of them grow by the step; -ts_max_time is of the path")
+  Rows row(rows, RestartKey::guarded, &Scenario::coupling);
+  row.number(
+         "ts_path_length", &CouplingScenario::path_length, "m (P4)", positive,
+         "static steps follow bodies through limits of their load and snap-back: they find the load, the t "
+         "of conditions and column load_parameter, at which the node that moves most has moved by this "
+         "along the way of the step before, in a step of -ts_dt, by less in a shorter one; -ts_max_time is "
+         "of the path")
+      .otherwise("none: t is the load")
+      .refused([](const Scenario& s) { return !hindrance_of_length(s).empty(); }, hindrance_of_length);
+  row.number("ts_path_dissipation", &CouplingScenario::path_dissipation, "J (P1)", positive,
+             "static steps follow a crack, through snap-back too: they find the load, the t of conditions "
+             "and column load_parameter, at which cracks take up this energy in a step of -ts_dt, less in a "
+             "shorter one; loads that ask less of them grow by the step; -ts_max_time is of the path")
       .otherwise("none: t is the load")
       .refused([](const Scenario& s) { return !hindrance_of_path(s).empty(); }, hindrance_of_path);
 }

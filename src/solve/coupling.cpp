@@ -74,7 +74,7 @@ MotionStep Coupling::frozen_step() const {
 void Coupling::begin_between_steps(double t, Vec u, Vec v) {
   const Discretisation& d = fields_.motion.discretisation();
   const PetscReal dt = Get(TSGetTimeStep)(ts_);
-  if (path_) t = path_->start();
+  t = first_loads({.t_n = t}).t_n;
   const double h = 1e-6 * dt;
   u_before_ = d.local_of(u);
   const std::vector<double> rate = d.local_of(v);
@@ -124,15 +124,6 @@ void Coupling::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   motion.mass_solve(forces.external, a);
   motion.rigid().accelerate(forces.external, a);
   set_acceleration(ts_, a);
-}
-
-Attempt Coupling::first_loads(const Attempt& attempt) const {
-  return path_ ? Attempt{path_->start(), attempt.dt, path_->guess(attempt.dt), attempt.number} : attempt;
-}
-
-Attempt Coupling::loads(const Attempt& attempt) const {
-  const MotionStep& step = fields_.motion.step();
-  return path_ ? Attempt{step.t_n, attempt.dt, step.t, attempt.number} : attempt;
 }
 
 void Coupling::before_attempt(const Attempt& attempt) {
@@ -254,7 +245,10 @@ bool Coupling::motion_pass(Vec u, PassResult& result) {
       return false;
     }
     if (pass_.number == 1) fields_.motion.contacts().ease(goal);
-    solver_.enter_step(u, goal);
+    if (!solver_.enter_step(u, goal)) {
+      refuse(result, SNES_DIVERGED_LINEAR_SOLVE, "motion: no answer to the load that begins");
+      return false;
+    }
   }
   // Augmentations have aims of their own.
   const Aim aim = fields_.motion.contacts().empty() ? phi_passes_.aim() : Aim::balance;

@@ -5,6 +5,17 @@
 /// What is told of a solved step, or of one that could not be solved.
 namespace impact {
 
+Attempt Coupling::first_loads(const Attempt& attempt) const {
+  if (const ArcLength* const arc = solver_.arc_length())
+    return {arc->start(), attempt.dt, arc->start(), attempt.number};
+  return path_ ? Attempt{path_->start(), attempt.dt, path_->guess(attempt.dt), attempt.number} : attempt;
+}
+
+Attempt Coupling::loads(const Attempt& attempt) const {
+  const MotionStep& step = fields_.motion.step();
+  return path_ || solver_.arc_length() ? Attempt{step.t_n, attempt.dt, step.t, attempt.number} : attempt;
+}
+
 std::string Coupling::failure_text() const {
   const std::string cell = solver_.cell_broke() ? fields_.motion.broken_text() : "";
   return cell.empty() ? failure_ : cell;

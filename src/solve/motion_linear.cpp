@@ -8,7 +8,8 @@ namespace impact {
 
 // An iteration with MUMPS costs a third of one that factorises before (2D, 5e3 dofs). Gaps that the linear
 // solves close need directions of the iterate, though: 4 iterations with full Newton, 15 without (patch
-// test); and what contact alone holds has another mass in each matrix (H2).
+// test); and what contact alone holds has another mass in each matrix (H2). Near a limit of its load a body
+// has another tangent after each step.
 // Within a Krylov method the tangent is that of the iterate, and what factorises or coarsens serves on. It
 // costs about 15 of its applications (MUMPS in the plane, 2.5e5 dofs: 1.8 s and 0.12 s; GAMG in space, 3e4
 // dofs: 0.22 s and 0.017 s), 8 where it factorises the upper half (0.44 s and 0.07 s).
@@ -20,7 +21,7 @@ void MotionSolver::choose_reuse() {
   const bool factors = has_type(pc, PCLU, PCCHOLESKY),
              costly = factors || has_type(pc, two_level_type, PCGAMG, PCML, PCHYPRE, PCMG);
   const double tangent = settings_.reuse_tangent, preconditioner = settings_.reuse_preconditioner;
-  reuse_ = TangentReuse(tangent >= 0 ? tangent : !krylov && factors && steady ? 0.1 : 0);
+  reuse_ = TangentReuse(tangent >= 0 ? tangent : !krylov && factors && steady && !arc_ ? 0.1 : 0);
   hooks_.preconditioner = PreconditionerReuse(!krylov                    ? 0
                                               : preconditioner >= 0      ? preconditioner
                                               : !costly || !steady       ? 0
@@ -41,7 +42,7 @@ void MotionSolver::use_factors(bool use) {
   if (use) now.method = LinearMethod::factors;
   check(SNESKSPSetUseEW(snes_, PETSC_FALSE));
   set_motion_solver(snes_, now, line_search(), false);
-  hooks_.install(snes_);
+  install_hooks();
   choose_reuse();
   forget_factors();
 }

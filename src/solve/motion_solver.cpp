@@ -35,6 +35,7 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
       factors_(state.add({"motion_factors", Support::global, 1}, 1)),
       residual_(motion.discretisation().displacement.make_global()),
       start_(motion.discretisation().displacement.make_global()) {
+  if (settings_.path_length > 0) arc_.emplace(motion_, hooks_, state, settings_);
   check(SNESCreate(motion_.discretisation().mesh.comm(), snes_.out()));
   check(SNESSetOptionsPrefix(snes_, "motion_"));
   check(SNESSetFunction(snes_, residual_, Callback<&MotionSolver::residual>::call, this));
@@ -49,17 +50,22 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.conduct.too_many = [this](PetscInt iterations) { return take_longer_than_factors(iterations); };
-  hooks_.install(snes_);
+  install_hooks();
   choose_reuse();
+}
+
+void MotionSolver::install_hooks() {
+  hooks_.install(snes_);
+  if (arc_) arc_->install(snes_);
 }
 
 // With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish. Stiff
 // springs that open and close on the way leave no step along which the energy falls far; the norm falls at
-// its end. Rigid bodies turn without an energy. Elsewhere the norm has minima that are no solutions where a
-// crack runs.
+// its end. Rigid bodies turn without an energy, and a path has none past its limits. Elsewhere the norm has
+// minima that are no solutions where a crack runs.
 SNESLineSearchType MotionSolver::line_search() const {
   const ContactDemands demands = motion_.contacts().demands();
-  if (demands.closes_gaps || demands.frictional || !loose_.empty()) return SNESLINESEARCHBASIC;
+  if (demands.closes_gaps || demands.frictional || !loose_.empty() || arc_) return SNESLINESEARCHBASIC;
   return motion_.contacts().empty() && motion_.rigid().empty() ? slope_search_type : SNESLINESEARCHL2;
 }
 
@@ -135,7 +141,8 @@ Handle<Vec> MotionSolver::imposed(Vec u) {
 // search for the smallest residual shortens the steps of slender bodies, whose linear answer stretches them
 // before the next iteration turns it. So the first iteration stands at the guess, takes the prescribed nodes
 // along and goes all the way.
-void MotionSolver::enter_step(Vec u, Vec goal) {
+bool MotionSolver::enter_step(Vec u, Vec goal) {
+  if (arc_) return enter_path(u);
   const Discretisation& d = motion_.discretisation();
   const Handle<Vec> ahead = d.displacement.make_global();
   motion_.rigid().retract(u);
@@ -149,6 +156,15 @@ void MotionSolver::enter_step(Vec u, Vec goal) {
   hooks_.conduct.goes_on = loose_.empty() && (largest > small || searches) &&
                            first_iteration(u, largest > small ? ahead.get() : nullptr, small / largest);
   if (!hooks_.conduct.goes_on) check(VecCopy(goal, u));
+  return true;
+}
+
+bool MotionSolver::enter_path(Vec u) {
+  if (arc_->predict(u)) return true;
+  check(SNESComputeFunction(snes_, u, residual_));
+  check(SNESComputeJacobian(snes_, u, motion_.jacobian(), motion_.matrix()));
+  check(KSPSetOperators(Get(SNESGetKSP)(snes_), motion_.jacobian(), motion_.matrix()));
+  return arc_->set_out(snes_, u, residual_);
 }
 
 // K_ff du_f = -r - K_fc du_c at u, where `ahead` is du_c, or null. False where there is nothing to do, or the
@@ -258,6 +274,7 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }
   if (reason > 0 && hooks_.conduct.indefinite && leaves_unstable()) leave_unstable(u, most);
+  if (arc_) arc_->settle();
   counts_.longest = std::max(counts_.longest, iterations_);
   set_tolerances(snes_, rtol_, most_by_options);
   hooks_.conduct.aim = Aim::balance;
@@ -271,7 +288,7 @@ void MotionSolver::restart(Vec u) {
 
 bool MotionSolver::has_second_way() const {
   const std::string search = line_search_of(snes_);
-  return !search.empty() && search != SNESLINESEARCHBT && search != slope_search_type;
+  return !arc_ && !search.empty() && search != SNESLINESEARCHBT && search != slope_search_type;
 }
 
 // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two

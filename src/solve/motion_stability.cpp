@@ -6,7 +6,7 @@
 namespace impact {
 
 bool MotionSolver::leaves_unstable() const {
-  return defaults_.has_energy && motion_.contacts().empty() &&
+  return defaults_.has_energy && motion_.contacts().empty() && !arc_ &&
          settings_.leave_unstable != LeaveUnstable::never && can_be_factorised(motion_.discretisation().mesh);
 }
 

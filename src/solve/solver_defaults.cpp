@@ -109,7 +109,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   }
   choice.cfl = inertia ? dt * speed / d.mesh.smallest_edge() : 0;
   const bool plane = d.dim() == 2, small = is_factorised(d.mesh), slides = demands.frictional,
-             may_iterate = !d.has_viscosity() && !demands.rigid && !(slides && plane) &&
+             may_iterate = !d.has_viscosity() && !demands.rigid && !demands.path && !(slides && plane) &&
                            !(demands.closes_gaps && (small || slides));
   choice.slides = slides;
   choice.has_energy = choice.half_suffices && !flows && !d.has_viscosity() && !inertia &&
@@ -121,7 +121,7 @@ SolverDefaults choose_solver(const Discretisation& d, TangentChoice tangent, boo
   } else if (!plane && may_iterate && (slides || !demands.unsymmetric) &&
              dofs > (keeps_volume ? 20000 : 5000) && tangent != TangentChoice::consistent)
     choice.method = LinearMethod::two_level;
-  else if (!small && !(keeps_volume && dofs <= most_factorised && !demands.closes_gaps))
+  else if (!small && !((keeps_volume || demands.path) && dofs <= most_factorised && !demands.closes_gaps))
     choice.method = LinearMethod::multigrid;
   else if (plane && dofs > 20000 && choice.half_suffices)
     choice.method = LinearMethod::half_factors;

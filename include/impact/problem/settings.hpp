@@ -63,6 +63,7 @@ struct CouplingScenario {
   double max_closing = 1; ///< largest depth in facets at which a contact may close; 0: no limit
   double path_dissipation =
       0; ///< that a step of the length dt asks of cracks; 0: loads are given, see PathControl
+  double path_length = 0;    ///< that bodies move by in a step of the length dt; 0: not asked, see ArcLength
   bool report_error = false; ///< evaluate StepRecord::internal_of_next_pass
   double dt = 0;             ///< -ts_dt
   double crack_level = 0.9;  ///< phi from which a node counts as cracked

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/petsc/handle.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/solve/arc_length.hpp>
 #include <impact/solve/loose_bodies.hpp>
 #include <impact/solve/newton_hooks.hpp>
 #include <impact/solve/solver_defaults.hpp>
@@ -31,9 +32,9 @@ public:
   void begin_attempt(PetscInt number);
   /// u with the prescribed values, and the contact candidates near it. Collective.
   Handle<Vec> imposed(Vec u);
-  /// Takes u, the guess of a step, to `goal`, its prescribed values; where worth while by an iteration.
-  /// Collective.
-  void enter_step(Vec u, Vec goal);
+  /// Takes u, the guess of a step, to `goal`, its prescribed values; where worth while by an iteration. Along
+  /// a path that ArcLength finds instead, and false where none leads on. Collective.
+  bool enter_step(Vec u, Vec goal);
   /// Lets loose bodies that face nothing yet stride towards what the search sees. Collective.
   void approach(Vec u);
   /// Solves from u in at most so many iterations and, if a second way is worth it, with backtracking.
@@ -52,6 +53,7 @@ public:
   NewtonHooks& hooks() { return hooks_; }
   TangentReuse& reuse() { return reuse_; }
   LooseBodies& loose() { return loose_; } ///< empty with inertia
+  const ArcLength* arc_length() const { return arc_ ? &*arc_ : nullptr; }
   PetscInt most_iterations() const;
   const Counts& counts() const { return counts_; }
   /// A cell lost its meaning in the last solve.
@@ -65,6 +67,8 @@ private:
   void residual(SNES, Vec u, Vec f);
   void tangent(SNES, Vec u, Mat, Mat);
   SNESLineSearchType line_search() const;
+  void install_hooks();
+  bool enter_path(Vec u);
   void choose_reuse();
   void use_factors(bool use);
   bool fall_back_on_factors();
@@ -87,6 +91,7 @@ private:
   LooseBodies loose_;
   TangentReuse reuse_{0};
   NewtonHooks hooks_;
+  std::optional<ArcLength> arc_;
   Handle<SNES> snes_;
   SolverDefaults defaults_;
   CouplingScenario settings_;

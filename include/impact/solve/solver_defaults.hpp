@@ -42,6 +42,7 @@ struct SolverDemands {
   bool frictional = false;  ///< the tangent of sliding is not symmetric
   bool rigid = false;       ///< nor is that of rigid bodies that turn
   bool unsymmetric = false; ///< any of these, or a follower pressure
+  bool path = false;        ///< past the limits of loads tangents are indefinite
 };
 /// Reads -motion_ksp_type and -motion_pc_type to see whether the user chose. Not collective.
 SolverDefaults choose_solver(const Discretisation& discretisation, TangentChoice tangent, bool inertia,
