@@ -162,6 +162,8 @@ void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
     c.share = share;
     if (with_gradient) c.gradient = gradient;
     if (c.slides) add_slip(owner, u, place_of, slip_rows, c);
+    if (c.slides && owner.slip_cover > rounded_part)
+      c.slip_cover = std::max(0.0, cover / owner.weight) / owner.slip_cover;
     visitor(c);
   }
 }

@@ -55,7 +55,18 @@ void MortarForm::anchor(Vec u) {
   if (!frictional()) return;
   anchors_.assign(facets_.size(), {});
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) anchor_facet(f, facing, x);
+  measure_anchors();
   find_vertices();
+}
+
+void MortarForm::measure_anchors() {
+  for (Node& owner : owned_) {
+    owner.slip_cover = 0;
+    for (const Incident& i : owner.facets)
+      for (const Anchor& anchor : anchors_[at(i.facet)])
+        for (std::size_t b = 0; !rigid() && b < corners_; ++b)
+          owner.slip_cover += anchor.weights.D[at(i.corner)][b] / (dim_ == 2 ? 1 : owner.weight);
+  }
 }
 
 void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x) {

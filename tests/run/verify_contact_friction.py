@@ -135,4 +135,20 @@ for tangent, moves in ((0.99 * MU, False), (1.3 * MU, True)):
     else:
         free = numpy.cumsum(push).sum() * t[1] ** 2
         check_between("below the threshold: way over that without friction", way / free, -1e-3, 1e-3)
+print("edge: a block is drawn over the edge of another one; the part of its nodes that faces something falls in each step")
+for dim, enforce in (2, "semismooth"), (2, "auglag"), (3, "semismooth"):
+    r = run(f"edge_{dim}_{enforce}", {
+        "mesh": mesh("two_blocks.geo"), "mesh_set_dim": dim, "mesh_set_n_lower": 10 if dim == 2 else 3, "mesh_set_n_upper": 7 if dim == 2 else 2,
+        "mesh_set_inset": 0.03, "materials": "lower,upper", "material_lower_E": 1e9, "material_lower_nu": 0.3, "material_upper_like": "lower",
+        "bcs": "hold,draw", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix", "bc_draw_on": "upper_top",
+        "bc_draw_ux": "0.7*ramp(t,1,2)", "bc_draw_uy": "(-1e-4)*ramp(t,0,1)", **({"bc_draw_uz": 0} if dim == 3 else {}), "contacts": "face",
+        "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top", "contact_face_friction": MU,
+        "contact_face_enforce": enforce, "ts_type": "static", "ts_dt": 0.04, "ts_max_time": 2}, refused=None)
+    slides = r["time"] > 1.1
+    tangential, normal = abs(r["reaction_hold_x"])[slides], r["reaction_hold_y"][slides]
+    check(f"edge, {dim}D, {enforce}: tangential over normal reaction, largest", (tangential / normal).max(), MU, 1e-3)
+    check(f"edge, {dim}D, {enforce}: the same, smallest", (tangential / normal).min(), MU, 5e-3)
+    for axis in "xy":
+        apart = abs(abs(r[f"contact_face_force_{axis}"]) - abs(r[f"reaction_hold_{axis}"]))[slides] / normal
+        check(f"edge, {dim}D, {enforce}: force of the contact column and reaction along {axis}, over the normal one", apart.max(), 0, 1e-4, relative=False)
 finish()

@@ -71,6 +71,7 @@ private:
     int slot = 0; // in nodes()
     std::vector<Incident> facets;
     double weight = 0;
+    double slip_cover = 0; // part of the weight in which slip is measured, or 0
   };
   // What lay opposite a facet at the start of the step. Weights of edges are over those of their nodes.
   struct Anchor {
@@ -143,6 +144,7 @@ private:
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
   bool found(const Anchor& anchor) const { return rigid() || anchor.opposite.found(); }
   void anchor_facet(int facet, const Facing& facing, const ContactValues& x);
+  void measure_anchors();
 
   FacetView view(int facet, int candidate, const ContactValues& x) const;
   bool opposed(int facet, int candidate, const ContactValues& x) const;
