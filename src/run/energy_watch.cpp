@@ -8,6 +8,7 @@ namespace {
 
 // So many steps beyond a bound are no start of a run.
 constexpr int many_steps = 5;
+constexpr double grown = 0.01; // part of a bound by which an error grows in one of them
 
 } // namespace
 
@@ -17,11 +18,12 @@ EnergyWatch::EnergyWatch(RunStage& stage)
              static_cast<double>(stage.d.mesh.global_cell_count())) {}
 
 // Steps without one within the bound between them. What the first steps of a load miss grows small beside
-// what comes later: without inertia a step in which the error shrinks does not count.
+// what comes later, and what one step across a kink of the force misses, as where contact opens, stays:
+// without inertia a step in which the error does not grow does not count.
 bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
   const double error = std::abs(stage_.ledger.energy_error());
   const bool is = stage_.ledger.energy_scale() >= least_ && bound > 0 && error > bound;
-  const bool fades = !stage_.inertia && error < std::abs(before);
+  const bool fades = !stage_.inertia && error < std::abs(before) + grown * bound;
   steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + (fades ? 0 : 1) : 0;
   return is;
 }

@@ -326,6 +326,13 @@ r = run("all", {**hail, "mesh_set_n": 2, "mesh_set_simplex": 0, "material_solid_
 require(f"all cells leave: {r['eroded_cells'][-1]:.0f}", r["eroded_cells"][-1] == 8)
 check("the time at the end", r["time"][-1], 2e-4, 0.05)
 
+print("a plate that spins loses cells, whose mass stays at its nodes")
+spin = run("spin", {**material("solid", model="j2", sigma_y=1e3, erosion="on", erosion_strain=0.01, erosion_points=0.25), "materials": "solid",
+                    "mesh": mesh("block.geo"), "mesh_set_n": 8, "mesh_set_ly": 0.4, "mesh_set_ny": 3, "ics": "v", "ic_v_on": "solid",
+                    "ic_v_vx": "(-30*y)", "ic_v_vy": "30*x", **EXPLICIT, "ts_max_time": 0.05})
+require(f"{spin['eroded_cells'][-1]:.0f} cells leave", spin["eroded_cells"][-1] > 3)
+check("angular momentum", largest(spin["spin_solid_z"] / spin["spin_solid_z"][0] - 1), 0, 1e-9, relative=False)
+
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_erosion", "newmark"]),

@@ -21,8 +21,9 @@ template <int d> void add_cross(const Batch& mass, const Batch* x, const Batch* 
 
 /// The place of a node.
 template <int d> std::array<Batch, d> node_place(const EnergyInput& in, int a) {
+  const Batch* const moved = in.moved ? in.moved : in.u;
   std::array<Batch, d> x;
-  for (int i = 0; i < d; ++i) x[at(i)] = in.u ? in.X[a * d + i] + in.u[a * d + i] : in.X[a * d + i];
+  for (int i = 0; i < d; ++i) x[at(i)] = moved ? in.X[a * d + i] + moved[a * d + i] : in.X[a * d + i];
   return x;
 }
 

@@ -8,6 +8,7 @@ namespace impact {
 /// All of one time. The drive is read where the law softens.
 struct EnergyInput : CellFields {
   const Batch* v = nullptr;     ///< [node][dim] velocity, or nullptr (= 0)
+  const Batch* moved = nullptr; ///< [node][dim] where the mass is, in the place of u; nullptr: as u says
   bool lumped = false;          ///< the mass stands at the nodes
   bool lumped_capacity = false; ///< c_V does
 };
