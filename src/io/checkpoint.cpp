@@ -81,6 +81,15 @@ std::string without(const std::string& rows, const std::vector<std::string>& nam
   return left;
 }
 
+/// The rows of the one list that the other one has not so.
+std::string beyond(const std::string& rows, const std::string& other) {
+  std::istringstream lines(rows);
+  std::string left;
+  for (std::string line; std::getline(lines, line);)
+    if (("\n" + other).find("\n" + line + "\n") == std::string::npos) left += line + "\n";
+  return left.empty() ? "nothing more" : in_one_line(left);
+}
+
 /// "/state" of a row, "/keys" of a set of entities.
 std::string path_in(const std::string& group, std::string name) {
   std::ranges::replace(name, '/', '_');
@@ -209,10 +218,13 @@ void read_checkpoint(const Checkpoint& checkpoint, CheckpointState state, const 
   const Timed timed(Event::checkpoint_read);
   const MPI_Comm comm = state.mesh.comm();
   const std::string &stored = checkpoint.rows, wanted = row_list(state.table);
-  if (without(stored, others.in_vain, wanted) != without(wanted, others.lacking, stored))
-    throw UserError(ExitCode::io, "cannot use checkpoint " + checkpoint.file + ": it holds " +
-                                      in_one_line(checkpoint.rows) + "; this run needs " +
-                                      in_one_line(wanted) + "; restart with the physics of its run");
+  const std::string has = without(stored, others.in_vain, wanted),
+                    needs = without(wanted, others.lacking, stored);
+  if (has != needs)
+    throw UserError(ExitCode::io, "cannot use checkpoint " + checkpoint.file + ": where it holds " +
+                                      beyond(has, needs) + " this run needs " + beyond(needs, has) +
+                                      "; restart with the physics of its run, and its -contact_<id>_method, "
+                                      "_enforce and _impact where rows of contacts differ");
   for (const Entities& set : entities_of(state.mesh, state.table)) {
     PetscLayout slabs = nullptr;
     const Handle<PetscSF> sf = from_stored(comm, checkpoint.file, set, &slabs);

@@ -190,7 +190,9 @@ void RunStage::start() {
 
 void RunStage::resume() {
   if (other_scheme) {
-    coupling.start_acceleration(u, v, d.global_of(state.row("force_contact").committed), a);
+    // That of the stabilised update is without the contact.
+    const Handle<Vec> contact = d.global_of(state.row("force_contact").committed);
+    coupling.start_acceleration(u, v, coupling.stabilised() ? nullptr : contact.get(), a);
     if (inertia) d.displacement.to_local(a, rows.a.trial);
     PetscReal dt = 0;
     check(TSGetTimeStep(ts, &dt));

@@ -11,15 +11,16 @@ using Contact = ContactScenario;
 
 bool has_inertia(const Contact& contact) { return !std::isnan(contact.rigid_inertia); }
 
-/// Whether everything that a rigid obstacle with mass could do is prescribed.
-bool whole_motion_prescribed(const Contact& c, PlaneMode plane, int dim) {
+/// Whether everything that a rigid obstacle with mass could do is prescribed, and needs no mass for that, as
+/// rotations do.
+bool needs_no_mass(const Contact& c, PlaneMode plane, int dim) {
   const bool ring = plane == PlaneMode::axisymmetric,
              held = ring || (c.primary == "plane" && !has_inertia(c));
   bool moves = false;
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
     if (k < dim) moves = moves || !(c.rigid_u[i] || (ring && k == 0));
-    if (dim == 3 || k == 2) moves = moves || !(c.rigid_r[i] || held);
+    if (dim == 3 || k == 2) moves = moves || c.rigid_r[i] || !held;
   }
   return !moves;
 }
@@ -67,15 +68,18 @@ void add_obstacle(std::vector<OptionRow<ContactScenario>>& rows) {
         return c.carrier.empty() || !misfit ? std::string() : misfit(c, dim);
       };
     } else if (rows[i].name != "rigid_mass") {
-      rows[i].barred([](const Contact& c) { return c.rigid_mass == 0; },
-                     ": is for a rigid body with mass; give <>rigid_mass, or remove it");
+      rows[i].barred(
+          [](const Contact& c) { return c.rigid_mass == 0; },
+          std::string(": is for a rigid body with mass; give <>rigid_mass") +
+              (rows[i].name.starts_with("rigid_r") ? " (any, where all of its motion is told)" : "") +
+              ", or remove it");
     }
   }
 }
 
 void check_obstacle_motion(const Scenario& scenario, int dim) {
   for (const Contact& contact : scenario.contacts)
-    if (!contact.carrier.empty() && whole_motion_prescribed(contact, scenario.plane, dim))
+    if (!contact.carrier.empty() && needs_no_mass(contact, scenario.plane, dim))
       throw UserError(ExitCode::usage,
                       "-contact_" + contact.id + "_rigid_mass \"" + number_text(contact.rigid_mass) +
                           "\": the whole motion is prescribed, and nothing is left that a mass could change; "

@@ -341,7 +341,8 @@ const std::vector<Row>& rows() {
        "it"},
       {{{"-contact_tip_primary", "plane"}, {"-contact_tip_rigid_rz", "t"}},
        ExitCode::usage,
-       "-contact_tip_rigid_rz: is for a rigid body with mass; give -contact_tip_rigid_mass, or remove it"},
+       "-contact_tip_rigid_rz: is for a rigid body with mass; give -contact_tip_rigid_mass (any, where all "
+       "of its motion is told), or remove it"},
       {{{"-contact_tip_primary", "plane"},
         {"-contact_tip_rigid_mass", "1"},
         {"-contact_tip_rigid_length", "1"}},

@@ -120,6 +120,14 @@ r = run("hangs", {**REST, "contact_foot_centre": "0.75,0.7"})
 check("from above the slab it comes down: force over the weight", -r["contact_foot_force_y"][-1] / (MASS * WEIGHT), 1, 1e-8)
 check("by the gap and what it presses", r["rigid_obstacle_foot_uy"][-1], -0.1, 2e-2)
 
+print("a driven roller: pressed on the slab and turned on the spot, all of its motion told")
+ROLL = {**REST, "bcs": "hold", "contact_foot_friction": 0.3, "contact_foot_centre": "0.75,0.6", "contact_foot_rigid_uy": "(-0.005)*ramp(t,0,1)",
+        "contact_foot_rigid_rz": "0.2*ramp(t,1,2)", "ts_dt": 0.1, "ts_max_time": 2}
+r = run("roller", {key: value for key, value in ROLL.items() if not key.startswith("bc_weight")})
+# Facets slide in one direction each, so that the moment is that of mu N R but for the slope of the slab beneath it.
+check("it slides: moment over mu N R", abs(r["moment_obstacle_foot_z"][-1]) / (0.3 * RADIUS * abs(r["contact_foot_force_y"][-1])), 1, 3e-3)
+check("moment times the turn of a step over its heat", abs(r["moment_obstacle_foot_z"][-1]) * 0.02 / numpy.diff(r["dissipated_friction"])[-1], 1, 1e-3)
+
 # As it leaves: one step is cut, and seven solves go on by backtracking, where five steps had been cut and two solves repeated.
 print("a ball leaves a dent (options/drop_ball.opts, coarse)")
 r = run("drop", {"mesh_set_n": 6, "mesh_set_grow": 1.6, "ts_dt": 1e-6}, files=[option_file("drop_ball.opts")], refused=8)
@@ -127,11 +135,13 @@ check_between("speed that comes back", r["rigid_obstacle_foot_vy"][-1] / 5000, 0
 
 print("what makes no sense is refused in one line")
 for name, code, options, words in (
-        ("whole motion prescribed", 2, {"contact_foot_rigid_uy": "t"}, "-contact_foot_rigid_mass"),
+        ("whole motion prescribed of what cannot turn", 2, {"contact_foot_primary": "plane", "contact_foot_plane_point": "0,0.1",
+         "contact_foot_plane_normal": "0,-1", "contact_foot_rigid_uy": "t", "contact_foot_centre": None, "contact_foot_radius": None,
+         "contact_foot_rigid_rz": None}, "-contact_foot_rigid_mass"),
         ("prescribed twice", 3, {"bcs": "hold,weight,lift", "bc_lift_on": "obstacle_foot", "bc_lift_ux": 1}, "prescribe different ux"),
         ("rotation out of the plane", 3, {"contact_foot_rigid_rx": 0}, "-contact_foot_rigid_rx"),
         ("cylinder in space without a length", 2, {"mesh_set_dim": 3, "mesh_set_nz": 1}, "-contact_foot_rigid_length: missing")):
-    r = run("refused", {**REST, **options}, code=code)
+    r = run("refused", {key: value for key, value in {**REST, **options}.items() if value is not None}, code=code)
     lines = [line for line in r.log.splitlines() if line.startswith("impact: -") and words in line]
     require(f"{name}: exit {code}, {words}", len(lines) == 1)
 finish()

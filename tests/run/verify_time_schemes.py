@@ -107,6 +107,22 @@ for scheme in SCHEMES:
     check(f"pressed, then {scheme}: pressing force", held["contact_face_force_y"][-1],
           pressed["contact_face_force_y"][-1], 1e-6)
 
+# The default contact too, whose update keeps its force out of the acceleration.
+FRICTION = {key: value for key, value in PRESSED.items() if key not in ("contact_face_method", "contact_face_enforce", "contact_face_penalty")}
+FRICTION |= {"contact_face_friction": 0.3, "bc_press_ux": "1e-4*t"}
+pressed = run("rubbed", {**FRICTION, "bc_press_uy": "0-1e-3*t", **STATIC})
+still = {**FRICTION, "bc_press_ux": 1e-4, "bc_press_uy": -1e-3}
+held = go_on("held", pressed, {**still, "ts_type": "newmark", "ts_dt": 2e-4}, "ts_type,bc_press_ux,bc_press_uy,coupling_snes", 2e-3)
+for axis in "xy":
+    check(f"pressed by mortar, then newmark: force along {axis} in the first step", held[f"contact_face_force_{axis}"][0],
+          pressed[f"contact_face_force_{axis}"][-1], 1e-6)
+check("pressed by mortar, then newmark: energy of motion, relative", held["energy_kinetic"].max() / pressed["energy_elastic"][-1], 0, 1e-14,
+      relative=False)
+other = go_on("other", pressed, {**still, **SCHEMES["central_difference"]}, "ts_type,bc_press_ux,bc_press_uy,coupling_snes", 0.02, code=4)
+said = next((line for line in other.log.splitlines() if "cannot use checkpoint" in line), "")
+require(f"mortar's checkpoint does not fit explicit steps: names what differs, in {len(said)} letters", "contact_face_multiplier" in said
+        and "history" not in said and "_method" in said)
+
 refused = run("refused", {**BAR, **SCHEMES["newmark"], "restart": last_checkpoint(loaded), "ts_max_time": 2}, code=None)
 require("another scheme is refused where it is not allowed", refused.code == 2 and "-restart_allow" in refused.log)
 finish()
