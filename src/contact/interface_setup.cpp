@@ -204,13 +204,16 @@ InitialOverlapReport ContactInterface::initial_overlap() {
              forbidden = settings_.initial != InitialOverlap::allow &&
                          (report.deepest > settings_.initial_tol || (refuses && mesh_->order() == 1));
   if (report.deepest > 0 && forbidden)
-    throw UserError(ExitCode::data, "contact " + settings_.id + ": `" + settings_.secondary + "` overlaps `" +
-                                        settings_.primary + "` by " + contact_number(report.deepest) +
-                                        " at (" + contact_number(where[0]) + ", " + contact_number(where[1]) +
-                                        (mesh_->dim() == 3 ? ", " + contact_number(where[2]) : "") +
-                                        "); part the bodies, or use -contact_" + settings_.id +
-                                        "_initial adjust with a larger _initial_tol (now " +
-                                        contact_number(settings_.initial_tol) + "), or allow");
+    throw UserError(
+        ExitCode::data,
+        "contact " + settings_.id + ": `" + settings_.secondary + "` overlaps `" + settings_.primary +
+            "` by " + contact_number(report.deepest) + " at (" + contact_number(where[0]) + ", " +
+            contact_number(where[1]) + (mesh_->dim() == 3 ? ", " + contact_number(where[2]) : "") +
+            "); part the bodies, or use -contact_" + settings_.id + "_initial adjust" +
+            (report.deepest > settings_.initial_tol
+                 ? " with a larger _initial_tol (now " + contact_number(settings_.initial_tol) + ")"
+                 : "") +
+            ", or allow");
   if (settings_.initial != InitialOverlap::adjust) return report;
   // All facets at a node, on any ranks, have their say; the node takes the mean.
   const Handle<Vec> total = layout_->make_global(), facets = layout_->make_global();

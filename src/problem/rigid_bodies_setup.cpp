@@ -181,10 +181,8 @@ void RigidBodies::weigh(const Discretisation& d) {
     for (std::size_t i = 0; i < 3; ++i) // symmetric but for rounding
       for (std::size_t j = 0; j < i; ++j) E[3 * i + j] = E[3 * j + i] = (E[3 * i + j] + E[3 * j + i]) / 2;
     const double size = trace(E);
-    if (dim_ == 2) E[8] = 1;
-    const double relative =
-        dim_ == 2 ? determinant(E) / (size * size) : determinant(E) / (size * size * size);
-    if (!(relative > 1e-18))
+    if (dim_ == 2) E[8] = size; // any number as large as the others
+    if (!(determinant(E) / (size * size * size) > 1e-18))
       throw UserError(ExitCode::data, "-material_" + body.name + "_model rigid: the body around " +
                                           place_text(body.centre.data(), dim_) +
                                           " has no inertia against a rotation; mesh it with more cells");
@@ -219,7 +217,6 @@ void RigidBodies::choose_slots(const Discretisation& d) {
     Matrix3 J = bodies_[b].second;
     const double t = trace(J);
     for (std::size_t i = 0; i < 9; ++i) J[i] = ((i % 4 == 0 ? t : 0) - J[i]) / bodies_[b].mass;
-    if (dim_ == 2) J = {1, 0, 0, 0, 1, 0, 0, 0, (t - bodies_[b].second[8]) / bodies_[b].mass};
     place.readiness = inverse(J);
   }
 }

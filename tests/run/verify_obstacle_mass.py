@@ -89,6 +89,14 @@ check("it slides all the time: change of its moment of momentum over mu R times 
 check_between("speed along", abs(r["rigid_obstacle_foot_vx"][-1]), 0.3, 0.6)
 check("first law", abs(r["balance_first_law"]).max() / (MASS * RADIUS**2 / 4 * SPIN**2), 0, 1e-8, relative=False)
 
+S = 1e-5
+small = run("small_disc", {**DISC, "mesh_scale": S, "bc_weight_uy": -WEIGHT / S, "contact_foot_centre": f"{0.75 * S},{0.6 * S}",
+                           "contact_foot_radius": RADIUS * S, "contact_foot_rigid_mass": MASS * S**2, "ts_dt": 2e-3 * S, "ts_max_time": 0.04 * S,
+                           "ic_spin_vx": f"-{SPIN / S}*(y-{0.6 * S})", "ic_spin_vy": f"{SPIN / S}*(x-{0.75 * S})"})
+n = len(small["time"])
+for column, size in (("rigid_obstacle_foot_vx", 1), ("rigid_obstacle_foot_rz", 1), ("rigid_obstacle_foot_wz", S), ("impulse_foot_y", 1 / S**2)):
+    check(f"ten micrometres wide: {column}", abs(size * small[column] - r[column][:n]).max() / abs(r[column][:n]).max(), 0, 1e-8, relative=False)
+
 print("a spinning ball in space")
 # Dual functions see a node nearer to a round body than it is, by h^2/6R: facets of 0.25 would begin 12 mm in the ball, which is 5 mm
 # above them, and such a run's energy is not judged.
