@@ -269,8 +269,10 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
       (cell_broke_ && contact && line_search_of(snes_) == SNESLINESEARCHBASIC && iterations_ > 1);
   if (lost && other_way && second_way) {
     // With contact both ways together take no more than one may; what has nothing left for the second one
-    // begins the next try of the step with it.
-    if (const PetscInt rest = contact ? most - iterations_ : most; rest > 0) reason = backtrack(u, rest);
+    // begins the next try of the step with it. Where cuts do not help it has some in each.
+    const PetscInt least = motion_.step().dt < 0.2 * settings_.dt ? most / 3 : 0;
+    if (const PetscInt rest = contact ? std::max(most - iterations_, least) : most; rest > 0)
+      reason = backtrack(u, rest);
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }
   if (reason > 0 && hooks_.conduct.indefinite && leaves_unstable()) leave_unstable(u, most);

@@ -7,6 +7,7 @@ whole body do not, and end at the pressure of the closed form. More constraints 
 closes, which count as closed below 1e-6 of a facet."""
 import re
 
+import numpy
 from _press import press
 from _runs import check, check_between, finish, mesh, require, run
 
@@ -65,4 +66,38 @@ for method, r in runs.items():
     require(f"{method}: every solve ends in balance", all(end.startswith("CONV") for _, end in solves(r.log)))
 check_between("Gauss points leave gaps, over a facet of 0.1", -runs["gpts"]["contact_skin_gap_min"].min() / 0.1, 0, 1e-6)
 check("force against mortar", runs["gpts"]["reaction_right_x"][-1], runs["mortar"]["reaction_right_x"][-1], 1e-3)
+print("a slender beam bends over a cylinder: the set goes round in a circle longer than a solve, at any step")
+ROUND, LENGTH, HEIGHT, TIP = 1.0, 3.0, 0.02, 0.8
+STIFF, BEND = 1e6 * HEIGHT**3 / 12, ROUND + HEIGHT / 2
+
+
+def free_end(lies, points=400):
+    """Of an elastica that lies on the cylinder over that length, under the force at its tip: slope of its angle, and place, at the tip."""
+    y = numpy.array([BEND * numpy.sin(lies / BEND), BEND * (numpy.cos(lies / BEND) - 1), -lies / BEND, -1 / BEND])
+    h = (LENGTH - lies) / points
+
+    def rate(y):
+        return numpy.array([numpy.cos(y[2]), numpy.sin(y[2]), y[3], TIP * numpy.cos(y[2]) / STIFF])
+
+    for _ in range(points):
+        a = rate(y)
+        b = rate(y + h / 2 * a)
+        c = rate(y + h / 2 * b)
+        y = y + h / 6 * (a + 2 * b + 2 * c + rate(y + h * c))
+    return y[3], y[1]
+
+
+low, high = 0.0, 1.5
+for _ in range(50):
+    low, high = ((low + high) / 2, high) if free_end((low + high) / 2)[0] > 0 else (low, (low + high) / 2)
+down = free_end(low)[1]
+for dt in 0.1, 0.02:
+    r = run(f"wrapped_{dt}", {
+        "mesh": mesh("block.geo"), "mesh_set_lx": LENGTH, "mesh_set_ly": HEIGHT, "mesh_set_n": 300, "mesh_set_ny": 2, "materials": "beam",
+        "material_beam_region": "solid", "material_beam_E": 1e6, "material_beam_nu": 0, "material_beam_locking": "none", "bcs": "clamp,force",
+        "bc_clamp_on": "left", "bc_clamp_type": "fix", "bc_force_on": "right", "bc_force_type": "force", "bc_force_uy": f"(-{TIP}*t)",
+        "contacts": "face", "contact_face_secondary": "bottom", "contact_face_primary": "rigid_cylinder", "contact_face_centre": "0,-1",
+        "contact_face_radius": ROUND, "ts_type": "static", "ts_dt": dt, "ts_max_time": 1}, refused=None)
+    check(f"steps of {dt}: the tip goes down as that of the elastica ({-down:.4f}), linear cells", r["mean_force_uy"][-1], down, 0.01)
+    check_between(f"steps of {dt}: steps made", len(r["time"]) - 1, 10, 125)
 finish()
