@@ -34,7 +34,7 @@ void Friction::forget_springs(std::size_t constraints) {
 
 StepTraction Friction::step_traction(const Constraint& c) const {
   const Tangential before = held(c);
-  const double eps = law_->eps(), mu = coefficient(c);
+  const double eps = law_->eps(), mu = coefficient_;
   if (rubs(c))
     return impact::step_traction(before, c.slip, eps, mu * c.pressure, mu * contact_pressure(0, eps, c.gap));
   // Where nothing lies opposite any more the spring lets go.
@@ -47,7 +47,7 @@ Traction Friction::traction(const Constraint& c) const {
   if (!rubs(c)) return {};
   if (c.works_exactly()) return step_traction(c).over;
   const Tangential held = this->held(c);
-  const double limit = coefficient(c) * std::max(c.pressure, 0.0), eps = law_->slip_weight();
+  const double limit = coefficient_ * std::max(c.pressure, 0.0), eps = law_->slip_weight();
   if (law_->is_given()) {
     const double size = std::hypot(held[0], held[1]);
     if (!(size > 0) || size < (1 - 1e-6) * limit) return {held, false, {}, 0};
@@ -113,7 +113,7 @@ void Friction::add_heat(const Constraint& c, double& heat) const {
 Tangential Friction::after_linear_solve(const Constraint& c, double lambda, const Tangential& slip) const {
   const Traction t = traction(c);
   const std::array<Tangential, 2> K = slip_stiffness(c, t);
-  const double limit = coefficient(c) * std::max(0.0, lambda);
+  const double limit = coefficient_ * std::max(0.0, lambda);
   Tangential then{};
   for (std::size_t a = 0; a < tangents(); ++a)
     then[a] = (t.slides ? limit * t.direction[a] : t.value[a]) + inner(K[a], slip);
@@ -129,7 +129,7 @@ Tangential Friction::missing(const Constraint& c, double gap_force) const {
   const std::array<Tangential, 2> K = slip_stiffness(c, t);
   Tangential missing{};
   for (std::size_t a = 0; a < tangents(); ++a)
-    missing[a] = inner(K[a], c.slip) - coefficient(c) * t.direction[a] * gap_force;
+    missing[a] = inner(K[a], c.slip) - coefficient_ * t.direction[a] * gap_force;
   return missing;
 }
 
@@ -187,9 +187,7 @@ double Friction::advance(const Constraints& constraints, Vec u) {
     add_heat(c, heat);
     const Traction t = traction(c);
     const Tangential kept = forgets_ ? t.value : traction_to_keep(c);
-    // From now on the slip is measured in the part that faces something here: the force stays, or the energy.
-    const double part = c.works_exactly() ? 1 : c.slip_cover;
-    for (std::size_t a = 0; a < m && part > 0; ++a) tractions[m * at(c.index) + a] = kept[a] / part;
+    std::copy_n(kept.begin(), m, &tractions[m * at(c.index)]);
     if (!c.active) return;
     double* mine = &slip[n * at(c.index)];
     for (std::size_t a = 0; a < m; ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];

@@ -220,7 +220,7 @@ void ContactInterface::tangent_block(const Constraint& c, double scale, std::vec
   const std::array<Tangential, 2> K = friction_.slip_stiffness(c, t);
   std::vector<double> row(n); // derivatives of the traction
   for (std::size_t a = 0; a < tangents; ++a) {
-    const double slide = friction_.coefficient(c) * t.direction[a] * stiffness;
+    const double slide = friction_.coefficient() * t.direction[a] * stiffness;
     for (std::size_t j = 0; j < n; ++j) row[j] = -slide * gap_gradient[j];
     for (std::size_t b = 0; b < tangents; ++b)
       for (std::size_t j = 0; j < n; ++j) row[j] += K[a][b] * c.slip_gradient[n * b + j];

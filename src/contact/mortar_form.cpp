@@ -10,8 +10,6 @@ namespace {
 
 // Where less of a weight than this part is covered, sides do not meet.
 constexpr double least_common_part = 1e-6;
-// What rounding covers where edges lie on each other.
-constexpr double rounded_part = 1e-10;
 // Least covered part of a weight that the linear solves make up for.
 constexpr double least_cover = 1e-3;
 
@@ -161,9 +159,7 @@ void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
     c.node = node;
     c.share = share;
     if (with_gradient) c.gradient = gradient;
-    if (c.slides) add_slip(owner, u, place_of, slip_rows, c);
-    if (c.slides && owner.slip_cover > rounded_part)
-      c.slip_cover = std::max(0.0, cover / owner.weight) / owner.slip_cover;
+    if (c.slides) add_slip(owner, u, pieces, place_of, slip_rows, c);
     visitor(c);
   }
 }
@@ -207,7 +203,7 @@ void MortarForm::visit_curvature(const ContactValues& of_nodes, const CurvatureF
         visitor(node, {block.data(), n * n});
     }
   }
-  visit_slip_curvature(u, factors, visitor);
+  if (frictional()) visit_slip_curvature(u, factors, visitor);
 }
 
 void MortarForm::visit_meetings(const ContactValues& of_nodes, const MeetingVisitor& of_meetings) const {

@@ -55,22 +55,12 @@ void MortarForm::anchor(Vec u) {
   if (!frictional()) return;
   anchors_.assign(facets_.size(), {});
   for (int f = 0; f < static_cast<int>(facets_.size()); ++f) anchor_facet(f, facing, x);
-  measure_anchors();
   find_vertices();
 }
 
-void MortarForm::measure_anchors() {
-  for (Node& owner : owned_) {
-    owner.slip_cover = 0;
-    for (const Incident& i : owner.facets)
-      for (const Anchor& anchor : anchors_[at(i.facet)])
-        for (std::size_t b = 0; !rigid() && b < corners_; ++b)
-          owner.slip_cover += anchor.weights.D[at(i.corner)][b] / (dim_ == 2 ? 1 : owner.weight);
-  }
-}
-
 void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x) {
-  const Facet& facet = facets_[at(f)];
+  Facet& facet = facets_[at(f)];
+  facet.slid = {};
   std::vector<Anchor>& anchors = anchors_[at(f)];
   // What lies opposite on a round body is the place of the facet itself: no matter where on the body that is.
   if (rigid()) anchors.push_back({{}, facet.onto});
@@ -85,6 +75,8 @@ void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& 
     anchor.opposite.node = primary_nodes(c);
     anchor.opposite.part = c % parts_;
     anchors.push_back(anchor);
+    for (std::size_t a = 0; a < at(facet.corners); ++a)
+      for (std::size_t b = 0; b < corners_; ++b) facet.slid[a] += anchor.weights.D[a][b];
   }
   for (Anchor& anchor : anchors)
     for (std::size_t a = 0; dim_ == 2 && a < 2; ++a)
@@ -128,8 +120,18 @@ MortarForm::SlipRows MortarForm::slips_at(const ContactValues& u, bool with_grad
   return rows;
 }
 
-void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
-                          Constraint& c) const {
+double MortarForm::slip_growth(int f, std::size_t function, const Pieces& pieces) const {
+  const Facet& facet = facets_[at(f)];
+  const double before = facet.slid[function];
+  const int owner = facet.owned[function];
+  if (rigid() || owner < 0 || !(before > rounded_part * owned_[at(owner)].weight)) return 1;
+  double now = 0;
+  for (const Piece& piece : pieces[at(f)]) now += piece.pair.cover[function];
+  return std::max(0.0, now / before);
+}
+
+void MortarForm::add_slip(const Node& owner, const ContactValues& u, const Pieces& pieces,
+                          NodePlaces& place_of, SlipRows& rows, Constraint& c) const {
   const std::size_t d = at(dim_), n = d * place_of.node.size(), half = d * corners_;
   rows.gradient.assign((d - 1) * n, 0.0);
   // A row over the corners of a facet and over what lies opposite it.
@@ -143,6 +145,7 @@ void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces&
   };
   for (const Incident& i : owner.facets) {
     const std::array<double, 4> weight = weights_of(i, owner);
+    const double growth = slip_growth(i.facet, at(i.corner), pieces);
     for (std::size_t a = 0; on_plane() && a < d - 1; ++a) {
       Obstacle::PlaneSlip slip;
       std::array<double, 24> row{};
@@ -157,7 +160,7 @@ void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces&
       const FacetSlips& slips = rows.facet[at(i.facet)][k];
       for (std::size_t a = 0; a < d - 1; ++a)
         for (std::size_t e = 0; e < d - 1; ++e) {
-          const double factor = slip_part(i, owner, a, e);
+          const double factor = growth * slip_part(i, owner, a, e);
           c.slip[a] += factor * slips.value[at(i.corner)][e];
           std::array<double, 24> row = slips.gradient[at(i.corner)][e];
           if (!rigid()) {
@@ -194,11 +197,13 @@ void MortarForm::visit_slip_curvature(const ContactValues& u, const CurvatureFac
                                       const BlockVisitor& visitor) const {
   if (on_plane()) return visit_plane_slip_curvature(u, factors, visitor);
   if (anchors_.empty()) return;
+  const Pieces pieces = pieces_at(u, false);
   if (dim_ == 2) { // node by node
     for (const Node& owner : owned_)
       for (const Incident& i : owner.facets) {
         std::array<Tangential, 4> factor{};
         factor[at(i.corner)] = factors.of_slip(owner.local);
+        factor[at(i.corner)][0] *= slip_growth(i.facet, at(i.corner), pieces);
         if (factor[at(i.corner)][0] != 0) visit_facet_slip_curvature(i.facet, factor, u, visitor);
       }
     return;
@@ -215,8 +220,9 @@ void MortarForm::visit_slip_curvature(const ContactValues& u, const CurvatureFac
       any = true;
       const auto here = std::find_if(owner.facets.begin(), owner.facets.end(),
                                      [&](const Incident& i) { return i.facet == f && at(i.corner) == a; });
+      const double part = slip_growth(f, a, pieces) / owner.weight;
       for (std::size_t e = 0; e < 2; ++e)
-        factor[a][e] = (of_slip[0] * here->turn[0][e] + of_slip[1] * here->turn[1][e]) / owner.weight;
+        factor[a][e] = part * (of_slip[0] * here->turn[0][e] + of_slip[1] * here->turn[1][e]);
     }
     if (any) visit_facet_slip_curvature(f, factor, u, visitor);
   }

@@ -36,7 +36,6 @@ struct Constraint {
   bool slides = false;
   Tangential slip{};
   std::span<const double> slip_gradient; ///< [direction][node][dim]
-  double slip_cover = 1;                 ///< `cover` over the part in which the slip is measured
 
   bool works_exactly() const { return start_gap != unknown_gap; }
   std::span<const double> nodal_parts() const { return spread.empty() ? share : spread; }

@@ -45,9 +45,7 @@ public:
   /// Adds the energy that a constraint turned into heat in the step: w t.s, without what a penalty keeps
   /// elastically, or lets go.
   void add_heat(const Constraint& c, double& heat) const;
-  /// Of the constraint's traction over its pressure: forces are in Coulomb's proportion where the part that
-  /// faces something has changed since the start of the step (82').
-  double coefficient(const Constraint& c) const { return coefficient_ * c.slip_cover; }
+  double coefficient() const { return coefficient_; }
   /// The traction at the end of a linear solve, where the pressure is lambda and the slip s.
   Tangential after_linear_solve(const Constraint& c, double lambda, const Tangential& slip) const;
   /// What a linear solve lacks in the residual, per direction: of a method that closes gaps, what makes the

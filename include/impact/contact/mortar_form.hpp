@@ -52,6 +52,7 @@ private:
     std::vector<FacetPoint> points;              // against a rigid body
     MortarWeights onto; // likewise: D = M, of the facet on its own place at the start
     std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole half is covered,
+    std::array<double, 4> slid{};                // int Phi over what lay opposite at the start of the step
     bool whole = false;                          // as it is taken to be,
     Switches changes;                            // from one kind to the other
 
@@ -71,7 +72,6 @@ private:
     int slot = 0; // in nodes()
     std::vector<Incident> facets;
     double weight = 0;
-    double slip_cover = 0; // part of the weight in which slip is measured, or 0
   };
   // What lay opposite a facet at the start of the step. Weights of edges are over those of their nodes.
   struct Anchor {
@@ -144,7 +144,6 @@ private:
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
   bool found(const Anchor& anchor) const { return rigid() || anchor.opposite.found(); }
   void anchor_facet(int facet, const Facing& facing, const ContactValues& x);
-  void measure_anchors();
 
   FacetView view(int facet, int candidate, const ContactValues& x) const;
   bool opposed(int facet, int candidate, const ContactValues& x) const;
@@ -167,6 +166,8 @@ private:
   std::vector<int> covering(int facet, const ContactValues& x, const Facing& facing) const;
   MortarPair pair_at(int facet, int candidate, const ContactValues& u, bool with_gradient) const;
   Pieces pieces_at(const ContactValues& u, bool with_gradient) const;
+  // What rounding covers of a weight where edges lie on each other.
+  static constexpr double rounded_part = 1e-10;
   static bool is_covered(const Node& owner, const Pieces& pieces);
   // Of the constraint's slip: whether there is one, and where the slip is a function of more nodes than the
   // gap, these.
@@ -180,9 +181,11 @@ private:
   double slip_part(const Incident& incident, const Node& owner, std::size_t a, std::size_t e) const {
     return dim_ == 2 ? 1 : incident.turn[a][e] / owner.weight;
   }
+  // What a function of a facet sees opposite over what it saw at the start of the step.
+  double slip_growth(int facet, std::size_t function, const Pieces& pieces) const;
   // Slip and its gradient.
-  void add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
-                Constraint& c) const;
+  void add_slip(const Node& owner, const ContactValues& u, const Pieces& pieces, NodePlaces& place_of,
+                SlipRows& rows, Constraint& c) const;
   // Weights of the corners of a facet in the mean over a node's constraint.
   std::array<double, 4> weights_of(const Incident& incident, const Node& owner) const;
   void visit_facet_slip_curvature(int facet, const std::array<Tangential, 4>& factor, const ContactValues& u,
