@@ -4,6 +4,7 @@
 #include <impact/petsc/log.hpp>
 #include <impact/run/history_observer.hpp>
 #include <impact/scenario/columns.hpp>
+#include <impact/solve/path_control.hpp>
 
 namespace impact {
 
@@ -22,7 +23,7 @@ std::string history_file_name(const Scenario& scenario) {
 HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion, const Ledger& ledger,
                                  StateTable& state, const FieldSource& source)
     : scenario_(scenario), motion_(motion), ledger_(ledger), bodies_(state), v_(state.row("v")),
-      a_(state.row("a")), phi_(state.find("phi")), load_(state.find("load_parameter")), source_(source) {
+      a_(state.row("a")), phi_(state.find("phi")), load_(state.find(load_parameter_row)), source_(source) {
   if (scenario_.explicit_steps()) {
     every_ = 0;
     dt_ = 1e-3 * scenario_.time.max_time;

@@ -303,6 +303,10 @@ void Simulation::tell_of_limits() const {
   if (stage_.inertia || !last_cause_.starts_with("motion: ") ||
       step_control_state(stage_.ts).dt > 1e-3 * longest)
     return;
+  if (stage_.coupling.motion_solver().arc_length() != nullptr)
+    return check(PetscPrintf(comm_,
+                             "impact: no shorter step found where the path leads on: loads that bodies "
+                             "ask for must be ones that conditions have at some t, of either sign\n"));
   check(PetscPrintf(comm_,
                     "impact: no shorter step found an equilibrium; where a load reaches its limit, or a "
                     "state snaps into another one, there is none: prescribe displacements in the place "

@@ -131,17 +131,34 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
                                      "-ts_newmark_rho 1");
 }
 
+// A path that begins at the state of another run has its load, the time. One that is left ends at a load of
+// its own.
+void RunStage::enter_or_leave_path(const Checkpoint& from) {
+  const bool had = from.rows.find(std::string(load_parameter_row) + " (") != std::string::npos,
+             has = state.find(load_parameter_row) != nullptr;
+  if (has && !had)
+    state.row(load_parameter_row).committed = state.row(load_parameter_row).trial = {from.values.time, 1};
+  if (had && !has)
+    check(PetscPrintf(d.mesh.comm(),
+                      "impact: the run before followed a path: what its conditions were at its last "
+                      "load_parameter they are at t = %.10g from here on\n",
+                      from.values.time));
+}
+
 void RunStage::set_state(const Checkpoint* resume) {
   double time = 0;
   if (resume != nullptr) {
     const std::string type = time_scheme_of(*resume);
     other_scheme = scenario.has_motion() && type != scenario.time.type;
-    OtherRows others; // what explicit steps alone keep, and statics do without
-    if (other_scheme)
-      others = {{"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"},
-                {"stable_step", "damage_wait"}};
+    OtherRows others{{load_parameter_row}, {load_parameter_row}};
+    if (other_scheme) { // what explicit steps alone keep, and statics do without
+      others.lacking.insert(others.lacking.end(),
+                            {"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"});
+      others.in_vain.insert(others.in_vain.end(), {"stable_step", "damage_wait"});
+    }
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
+    enter_or_leave_path(*resume);
     if (other_scheme) set_state_of_other_scheme(scenario, *setup, time, type == "static");
     check(TSSetTime(ts, time));
     check(TSSetStepNumber(ts, static_cast<PetscInt>(resume->values.step)));

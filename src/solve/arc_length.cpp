@@ -9,7 +9,7 @@ namespace impact {
 ArcLength::ArcLength(MotionProblem& motion, NewtonHooks& hooks, StateTable& state,
                      const CouplingScenario& settings)
     : motion_(motion), hooks_(hooks), settings_(settings),
-      row_(state.add({"load_parameter", Support::global, 2}, 2)), rate_(state.row("mean_rate")),
+      row_(state.add({load_parameter_row, Support::global, 2}, 2)), rate_(state.row("mean_rate")),
       direction_(motion.discretisation().displacement.make_global()),
       start_(motion.discretisation().displacement.make_global()) {}
 
@@ -42,6 +42,7 @@ void ArcLength::go_ahead(Vec u, double growth) {
 
 // As the step before went, cut or grown with this one.
 bool ArcLength::predict(Vec u) {
+  idle_ = false;
   const FieldLayout& layout = motion_.discretisation().displacement;
   layout.to_global(*motion_.step().u_n, start_);
   layout.to_global(rate_.committed, direction_);
@@ -90,6 +91,7 @@ bool ArcLength::answer(SNES snes, Vec u, Vec residual, Vec p) {
   hooks_.conduct.alone = false;
   check(VecAXPBYPCZ(p, 1, -1, -1, there, u)); // whose rows of prescribed dofs are zero
   check(VecScale(p, 1 / part));
+  idle_ = !(Get(VecNorm)(p, NORM_INFINITY) > 0);
   return sound && Get(KSPGetConvergedReason)(ksp) >= 0;
 }
 
@@ -102,7 +104,7 @@ void ArcLength::border(SNESLineSearch search, Vec x, Vec y, PetscBool* changed) 
   check(SNESLineSearchGetSNES(search, &snes));
   check(SNESGetFunction(snes, &residual, nullptr, nullptr));
   const Handle<Vec> p = layout.make_global(), end = layout.make_global();
-  if (!answer(snes, x, residual, p)) return; // and the residual shows it
+  if (!answer(snes, x, residual, p) || idle_) return; // and `settle` sees it
   check(VecWAXPY(end, -1, y, x));
   const PetscReal gone = Get(VecDot)(direction_, end) - Get(VecDot)(direction_, start_),
                   rate = Get(VecDot)(direction_, p), more = (far_ - gone) / rate;
@@ -114,9 +116,15 @@ void ArcLength::border(SNESLineSearch search, Vec x, Vec y, PetscBool* changed) 
   *changed = PETSC_TRUE;
 }
 
-void ArcLength::settle() {
-  const double load = motion_.step().t;
+bool ArcLength::settle(Vec u) {
+  constexpr double exact = 1e-6;
+  const double load = motion_.step().t, gone = Get(VecDot)(direction_, u) - Get(VecDot)(direction_, start_);
   row_.trial = {load, (load - start()) / motion_.step().dt};
+  return std::abs(gone - far_) <= exact * far_;
+}
+
+std::string ArcLength::trouble() const {
+  return idle_ ? text_of("no condition changes with t at load_parameter %.6g", motion_.step().t) : "";
 }
 
 } // namespace impact

@@ -111,6 +111,9 @@ void Augmentation::explain(SNESConvergedReason reason) {
   if (reason != SNES_DIVERGED_LINEAR_SOLVE && reason != SNES_DIVERGED_FUNCTION_DOMAIN)
     if (const std::string place = place_of_largest(motion_.discretisation(), solver_.left()); !place.empty())
       failure_ += ", the largest force left at " + place;
+  const ArcLength* const arc = solver_.arc_length();
+  if (const std::string trouble = arc ? arc->trouble() : ""; !trouble.empty())
+    failure_ += " (" + trouble + ")";
   if (const std::string adrift = solver_.loose().adrift(); !adrift.empty()) failure_ += " (" + adrift + ")";
 }
 

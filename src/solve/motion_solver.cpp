@@ -276,7 +276,7 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }
   if (reason > 0 && hooks_.conduct.indefinite && leaves_unstable()) leave_unstable(u, most);
-  if (arc_) arc_->settle();
+  if (arc_ && reason > 0 && !arc_->settle(u)) reason = SNES_DIVERGED_LINE_SEARCH;
   counts_.longest = std::max(counts_.longest, iterations_);
   set_tolerances(snes_, rtol_, most_by_options);
   hooks_.conduct.aim = Aim::balance;

@@ -12,7 +12,7 @@ constexpr int most_solves = 40;
 } // namespace
 
 PathControl::PathControl(StateTable& state, const CouplingScenario& settings)
-    : settings_(settings), row_(state.add({"load_parameter", Support::global, 2}, 2)) {
+    : settings_(settings), row_(state.add({load_parameter_row, Support::global, 2}, 2)) {
   row_.committed = row_.trial = {0, 1};
 }
 

@@ -151,4 +151,67 @@ for dim, enforce in (2, "semismooth"), (2, "auglag"), (3, "semismooth"):
     for axis in "xy":
         apart = abs(abs(r[f"contact_face_force_{axis}"]) - abs(r[f"reaction_hold_{axis}"]))[slides] / normal
         check(f"edge, {dim}D, {enforce}: force of the contact column and reaction along {axis}, over the normal one", apart.max(), 0, 1e-4, relative=False)
+print("slot: a block is drawn over a slot, on to its far side")
+with open("slot.geo", "w") as file:
+    file.write("""x[] = {0, 1.2, 1.6, 2.8};
+y[] = {0, 0.4, 0.5};
+nx[] = {12, 4, 12};
+ny[] = {4, 1};
+For j In {0 : 2}
+  For i In {0 : 3}
+    Point(10 * j + i + 1) = {x[i], y[j], 0};
+  EndFor
+EndFor
+For j In {0 : 2}
+  For i In {0 : 3}
+    If (i < 3 && (i != 1 || j < 2))
+      Line(100 + 10 * j + i) = {10 * j + i + 1, 10 * j + i + 2};
+      Transfinite Curve {100 + 10 * j + i} = nx[i] + 1;
+    EndIf
+    If (j < 2)
+      Line(200 + 10 * j + i) = {10 * j + i + 1, 10 * j + i + 11};
+      Transfinite Curve {200 + 10 * j + i} = ny[j] + 1;
+    EndIf
+  EndFor
+EndFor
+For j In {0 : 1}
+  For i In {0 : 2}
+    If (i != 1 || j < 1)
+      Curve Loop(1 + 10 * j + i) = {100 + 10 * j + i, 200 + 10 * j + i + 1, -(110 + 10 * j + i), -(200 + 10 * j + i)};
+      Plane Surface(1 + 10 * j + i) = {1 + 10 * j + i};
+    EndIf
+  EndFor
+EndFor
+px[] = {0.1, 1.04, 1.04, 0.1};
+py[] = {0.5, 0.5, 1.1, 1.1};
+n[] = {10, 6, 10, 6};
+For i In {0 : 3}
+  Point(50 + i) = {px[i], py[i], 0};
+EndFor
+For i In {0 : 3}
+  Line(300 + i) = {50 + i, 50 + (i + 1) % 4};
+  Transfinite Curve {300 + i} = n[i] + 1;
+EndFor
+Curve Loop(50) = {300 : 303};
+Plane Surface(50) = {50};
+Transfinite Surface "*";
+Recombine Surface {1, 2, 3, 11, 13, 50};
+Physical Surface("lower") = {1, 2, 3, 11, 13};
+Physical Surface("upper") = {50};
+Physical Curve("floor") = {100, 101, 102};
+Physical Curve("top") = {120, 122, 211, 212, 111};
+Physical Curve("foot") = {300};
+Physical Curve("head") = {302};
+""")
+for dt in 0.02, 0.01:
+    r = run(f"slot_{dt}", {
+        "mesh": "slot.geo", "materials": "lower,upper", "material_lower_E": 1e9, "material_lower_nu": 0.3, "material_upper_like": "lower",
+        "bcs": "hold,draw", "bc_hold_on": "floor", "bc_hold_type": "fix", "bc_draw_on": "head", "bc_draw_ux": "1.6*ramp(t,1,2)",
+        "bc_draw_uy": "(-2e-4)*ramp(t,0,1)", "contacts": "face", "contact_face_secondary": "foot", "contact_face_primary": "top",
+        "contact_face_friction": MU, "ts_type": "static", "ts_dt": dt, "ts_max_time": 2}, refused=3)
+    slides = r["time"] > 1.1
+    ratio = (abs(r["reaction_hold_x"]) / r["reaction_hold_y"])[slides]
+    # A facet that comes to face something has no friction in that step.
+    check_between(f"slot, steps of {dt}: largest tangential over normal reaction", ratio.max(), 0.99 * MU, 1.002 * MU)
+    check(f"slot, steps of {dt}: the mean of it, of first order", ratio.mean(), MU, 1.5 * dt)
 finish()

@@ -48,6 +48,8 @@ struct RunStage {
   /// A resumed run builds its list of candidates afresh and factors anew: so does one that has written a
   /// checkpoint, or they would part by round-off.
   void forget_what_a_restart_lacks();
+  /// Between runs with and without a path. Collective.
+  void enter_or_leave_path(const Checkpoint& from);
 
   const Scenario& scenario;
   std::unique_ptr<Setup> setup;

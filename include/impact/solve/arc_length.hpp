@@ -1,6 +1,8 @@
 #pragma once
 #include <impact/mesh/state_table.hpp>
 #include <impact/solve/newton_hooks.hpp>
+#include <impact/solve/path_control.hpp>
+#include <string>
 
 /// Static steps that follow a structure (theory.md, 10, (P4), (P5)): the conditions are written over a load
 /// parameter s that Newton's method finds beside u, so that bodies move by a given length along the way of
@@ -9,7 +11,7 @@ namespace impact {
 
 class ArcLength {
 public:
-  /// Adds the row "load_parameter" as PathControl does. Of `settings`, which must outlive the object as the
+  /// Adds the row of the load parameter. Of `settings`, which must outlive the object as the
   /// others must, the length of a step of the length dt. Collective.
   ArcLength(MotionProblem& motion, NewtonHooks& hooks, StateTable& state, const CouplingScenario& settings);
 
@@ -24,8 +26,10 @@ public:
   /// there. False without an answer. Throws UserError(usage) where no condition moves or loads anything.
   /// Collective.
   bool set_out(SNES snes, Vec u, Vec residual);
-  /// Keeps the s that a solve found.
-  void settle();
+  /// Keeps the s that a solve which ended at u found; false where it is not as far along the path as asked.
+  bool settle(Vec u);
+  /// Why it is not, where the load has no say; else empty.
+  std::string trouble() const;
 
   Mailbox& mailbox() { return hooks_.mailbox(); }
 
@@ -43,6 +47,7 @@ private:
   const StateRow& rate_;
   Handle<Vec> direction_, start_; // of the step, the largest component 1; where it begins
   double far_ = 0;                // where it ends: direction . (u - start)
+  bool idle_ = false;             // conditions do not change with the load
 };
 
 } // namespace impact

@@ -8,9 +8,12 @@
 /// the path.
 namespace impact {
 
+/// The row of a run that follows a path: the load and its growth over that of the path.
+inline constexpr const char* load_parameter_row = "load_parameter";
+
 class PathControl {
 public:
-  /// Adds the row "load_parameter": s and its growth over that of the path. Of `settings`, which must outlive
+  /// Adds the row of the load parameter s. Of `settings`, which must outlive
   /// the object, the energy that cracks take up at most in a step of the length dt.
   PathControl(StateTable& state, const CouplingScenario& settings);
 
