@@ -97,6 +97,10 @@ std::string EnergyWatch::text(double t, const char* option, double bound) const 
 
 std::string EnergyWatch::remedy() const {
   std::string text = step_remedy();
+  for (const MaterialAssignment& material : stage_.d.materials)
+    if (material.law.parameters.locking == Locking::fbar)
+      return text + "; the forces of -material_" + material.id +
+             "_locking fbar have no energy, and under large strains no step closes their balance";
   for (const InitialCondition& ic : stage_.scenario.ics)
     if (ic.phi)
       return text + "; if the first step alone made the error, the damage of -ic_" + ic.id +

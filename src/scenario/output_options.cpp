@@ -110,7 +110,10 @@ OptionClass<ProbeScenario> probe_class() {
                            "Values at a material point, as columns `probe_<id>_<field>` of the history.",
                            &Scenario::probes};
   Rows row(table.rows, RestartKey::free);
-  row.point("at", &Probe::at, "m", "reference coordinates").required();
+  row.point("at", &Probe::at, "m", "reference coordinates").required().misfit = [](const Probe& probe,
+                                                                                   int dim) {
+    return dim == 2 && probe.at[2] != 0 ? "the mesh is in the plane and has no z; allowed: x,y" : "";
+  };
   row.text("on", &Probe::region, "name of a region", "region, where two bodies meet")
       .otherwise("any")
       .group_dimension = [](const Probe&, int dim) { return dim; };

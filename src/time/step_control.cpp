@@ -53,7 +53,8 @@ StepPlan plan_from(TSAdapt adapt, StepControl& control, PetscReal t, PetscReal m
   const PetscReal limit = std::min({limit_at(control, t), adapt->dt_max, control.longest});
   state.at_limit = state.at_limit || state.dt <= 0 || state.dt >= limit;
   if (state.at_limit) state.dt = limit;
-  const PetscReal target = next_time(control, t, max_time, same_time * state.dt);
+  const PetscReal target =
+      next_time(control, t, max_time, same_time * std::min(state.dt, std::max<PetscReal>(max_time - t, 0)));
   const PetscReal rest = target - t;
   if (rest <= (1 + same_time) * state.dt) return {rest, target};
   if (rest < (1 + sliver) * state.dt) return {rest / 2, t + rest / 2};

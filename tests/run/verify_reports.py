@@ -103,6 +103,20 @@ require("hardening linear with 0 given", run("perfect", {**PERFECT, "dry_run": "
 del PERFECT["material_solid_linear_h"]
 require("and without it is refused", "-material_solid_linear_h: missing" in run("missing", {**PERFECT, "dry_run": "on"}, code=2).log)
 
+# The one step of a run whose -ts_dt lies far behind its end ends there; a place in the plane has no z.
+LAST = {**{key: value for key, value in PERFECT.items() if not key.startswith("material_solid")}, "mesh": mesh("block.geo"), "material_solid_E": 1e6,
+        "material_solid_nu": 0.3, "bcs": "hold,pull", "bc_hold_on": "left", "bc_pull_on": "right", "bc_pull_ux": "0.01*t", "ts_type": "static", "ts_max_time": 1}
+check("a step of 1e19 of a run of 1", run("far", {**LAST, "ts_dt": 1e19})["time"][-1], 1, 1e-12)
+require("a probe in the plane with a z", "the mesh is in the plane and has no z; allowed: x,y" in run(
+    "z", {**LAST, "ts_dt": 1, "probes": "p", "probe_p_at": "0.5,0.5,0.3"}, code=3).log)
+# What F-bar's balance misses is said to be its own.
+PRESSED = {**LAST, "units": "mm_t_s_MPa", "material_solid_E": None, "material_solid_nu": None, "material_solid_K": 1000, "material_solid_G": 1, "material_solid_locking": "fbar",
+           "mesh_set_n": 8, "bcs": "left,bottom,pull", "bc_left_on": "left", "bc_left_ux": 0, "bc_bottom_on": "bottom", "bc_bottom_uy": 0,
+           "bc_pull_on": "top", "bc_pull_ux": 0, "bc_pull_uy": "(-0.4*t)", "ts_dt": 0.05}
+PRESSED = {key: value for key, value in PRESSED.items() if value is not None and not key.startswith("bc_hold")}
+said = run("fbar", PRESSED, refused=None)
+require(f"F-bar under large strains, first law {said['balance_first_law'][-1]:.2f}", "_locking fbar have no energy" in said.log)
+
 for claim, words, status, there, absent in ROWS:
     done = subprocess.run([PROGRAM] + words + ["-output_dir", "said"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                           env=ENVIRONMENT)
