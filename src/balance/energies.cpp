@@ -67,8 +67,8 @@ Energies find_energies(const Discretisation& d, const BodyRows& rows, Vec u, Vec
     const auto speed = batch.vectors(v_local);
     EnergyInput& in = stored.in;
     in.v = v ? speed.data() : nullptr;
-    const auto moved = batch.vectors(u_local); // by which mass moves that cells left at their nodes
-    in.moved = moved.data();
+    NodalValues moved = batch.nodal(d.dim()); // of mass that cells left at their nodes
+    if (batch.eroded != 0) in.moved = batch.read(&u_local, moved);
     in.lumped = d.lumped_mass && !batch.law.rigid();
     in.lumped_capacity = d.lumped_capacity;
     if (d.mass_factor != nullptr) in.mass_factor = batch.load<1>(*d.mass_factor).value[0];

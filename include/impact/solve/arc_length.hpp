@@ -11,8 +11,8 @@ namespace impact {
 
 class ArcLength {
 public:
-  /// Adds the row of the load parameter. Of `settings`, which must outlive the object as the
-  /// others must, the length of a step of the length dt. Collective.
+  /// Adds the row of the load parameter. Of `settings`, which must outlive the object as the others must, the
+  /// way of a step of the length dt. Collective.
   ArcLength(MotionProblem& motion, NewtonHooks& hooks, StateTable& state, const CouplingScenario& settings);
 
   /// Hooks itself into the line search of `snes`. Throws UserError(usage) for one that takes no full steps.

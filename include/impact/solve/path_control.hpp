@@ -13,8 +13,8 @@ inline constexpr const char* load_parameter_row = "load_parameter";
 
 class PathControl {
 public:
-  /// Adds the row of the load parameter s. Of `settings`, which must outlive
-  /// the object, the energy that cracks take up at most in a step of the length dt.
+  /// Adds the row of the load parameter s. Of `settings`, which must outlive the object, the energy that
+  /// cracks take up at most in a step of the length dt.
   PathControl(StateTable& state, const CouplingScenario& settings);
 
   /// s at the start of the step, and where the motion of a try of the length `dt` begins.
