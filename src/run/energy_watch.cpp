@@ -131,6 +131,7 @@ std::string EnergyWatch::step_remedy() const {
                              : ": take a smaller -ts_dt_cfl");
   }
   text += ": take a shorter -ts_dt";
+  if (!inertia && gained) text += ", or -energy_action cut for the steps that gain";
   if (few) text += ", -coupling_snes_max_it 50";
   // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, N3).
   const bool damps = integrator_of(stage_.ts).alpha_m > 1;
