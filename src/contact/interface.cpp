@@ -321,7 +321,13 @@ void ContactInterface::fall_back() {
   use_method();
 }
 
+void ContactInterface::follow_slip(Vec u) {
+  if (friction_.acts())
+    constraints_->form().follow_slip(constraints_->place_of_gradients(nodes().displacement(u)));
+}
+
 void ContactInterface::start_newton(Vec u) {
+  follow_slip(u);
   friction_.forget();
   friction_.follow(*constraints_, u);
   method().start_newton(*constraints_, u);
@@ -329,7 +335,9 @@ void ContactInterface::start_newton(Vec u) {
 
 bool ContactInterface::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
   const bool other = follow && friction_.follow(*constraints_, next);
-  return method().after_newton_step(*constraints_, friction_, u, du, next) || other;
+  const bool another = method().after_newton_step(*constraints_, friction_, u, du, next) || other;
+  follow_slip(next);
+  return another;
 }
 
 } // namespace impact

@@ -159,7 +159,7 @@ void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
     c.node = node;
     c.share = share;
     if (with_gradient) c.gradient = gradient;
-    if (c.slides) add_slip(owner, u, pieces, place_of, slip_rows, c);
+    if (c.slides) add_slip(owner, u, place_of, slip_rows, c);
     visitor(c);
   }
 }

@@ -61,6 +61,7 @@ void MortarForm::anchor(Vec u) {
 void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x) {
   Facet& facet = facets_[at(f)];
   facet.slid = {};
+  facet.growth = {1, 1, 1, 1};
   std::vector<Anchor>& anchors = anchors_[at(f)];
   // What lies opposite on a round body is the place of the facet itself: no matter where on the body that is.
   if (rigid()) anchors.push_back({{}, facet.onto});
@@ -120,18 +121,25 @@ MortarForm::SlipRows MortarForm::slips_at(const ContactValues& u, bool with_grad
   return rows;
 }
 
-double MortarForm::slip_growth(int f, std::size_t function, const Pieces& pieces) const {
-  const Facet& facet = facets_[at(f)];
-  const double before = facet.slid[function];
-  const int owner = facet.owned[function];
-  if (rigid() || owner < 0 || !(before > rounded_part * owned_[at(owner)].weight)) return 1;
-  double now = 0;
-  for (const Piece& piece : pieces[at(f)]) now += piece.pair.cover[function];
-  return std::max(0.0, now / before);
+// Within a linear solve and its line search what a facet sees is fixed: the tangent stays exact.
+void MortarForm::follow_slip(const ContactValues& of_nodes) {
+  if (anchors_.empty() || rigid()) return;
+  ContactValues store;
+  const Pieces pieces = pieces_at(at_vertices(of_nodes, store), false);
+  for (std::size_t f = 0; f < facets_.size(); ++f) {
+    Facet& facet = facets_[f];
+    for (std::size_t a = 0; a < at(facet.corners); ++a) {
+      facet.growth[a] = 1;
+      if (facet.owned[a] < 0 || !(facet.slid[a] > rounded_part * owned_[at(facet.owned[a])].weight)) continue;
+      double now = 0;
+      for (const Piece& piece : pieces[f]) now += piece.pair.cover[a];
+      facet.growth[a] = std::max(0.0, now / facet.slid[a]);
+    }
+  }
 }
 
-void MortarForm::add_slip(const Node& owner, const ContactValues& u, const Pieces& pieces,
-                          NodePlaces& place_of, SlipRows& rows, Constraint& c) const {
+void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
+                          Constraint& c) const {
   const std::size_t d = at(dim_), n = d * place_of.node.size(), half = d * corners_;
   rows.gradient.assign((d - 1) * n, 0.0);
   // A row over the corners of a facet and over what lies opposite it.
@@ -145,7 +153,7 @@ void MortarForm::add_slip(const Node& owner, const ContactValues& u, const Piece
   };
   for (const Incident& i : owner.facets) {
     const std::array<double, 4> weight = weights_of(i, owner);
-    const double growth = slip_growth(i.facet, at(i.corner), pieces);
+    const double growth = facets_[at(i.facet)].growth[at(i.corner)];
     for (std::size_t a = 0; on_plane() && a < d - 1; ++a) {
       Obstacle::PlaneSlip slip;
       std::array<double, 24> row{};
@@ -197,13 +205,12 @@ void MortarForm::visit_slip_curvature(const ContactValues& u, const CurvatureFac
                                       const BlockVisitor& visitor) const {
   if (on_plane()) return visit_plane_slip_curvature(u, factors, visitor);
   if (anchors_.empty()) return;
-  const Pieces pieces = pieces_at(u, false);
   if (dim_ == 2) { // node by node
     for (const Node& owner : owned_)
       for (const Incident& i : owner.facets) {
         std::array<Tangential, 4> factor{};
         factor[at(i.corner)] = factors.of_slip(owner.local);
-        factor[at(i.corner)][0] *= slip_growth(i.facet, at(i.corner), pieces);
+        factor[at(i.corner)][0] *= facets_[at(i.facet)].growth[at(i.corner)];
         if (factor[at(i.corner)][0] != 0) visit_facet_slip_curvature(i.facet, factor, u, visitor);
       }
     return;
@@ -220,7 +227,7 @@ void MortarForm::visit_slip_curvature(const ContactValues& u, const CurvatureFac
       any = true;
       const auto here = std::find_if(owner.facets.begin(), owner.facets.end(),
                                      [&](const Incident& i) { return i.facet == f && at(i.corner) == a; });
-      const double part = slip_growth(f, a, pieces) / owner.weight;
+      const double part = facet.growth[a] / owner.weight;
       for (std::size_t e = 0; e < 2; ++e)
         factor[a][e] = part * (of_slip[0] * here->turn[0][e] + of_slip[1] * here->turn[1][e]);
     }

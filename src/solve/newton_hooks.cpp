@@ -124,7 +124,7 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
     *changed = PETSC_TRUE;
   }
   // Not w, unless a body turned, but the residual there.
-  if (demands.closes_gaps || rigid) *changed = PETSC_TRUE;
+  if (demands.closes_gaps || demands.frictional || rigid) *changed = PETSC_TRUE;
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(step, -1, x, w));
   motion_.rigid().retract(w);

@@ -105,6 +105,8 @@ public:
   /// Brings the candidate pairs, and whatever the form keeps fixed during a Newton solve, up to date at u.
   /// Collective.
   virtual PairSearch::Outcome update(Vec u, const ConstraintFilter& presses) = 0;
+  /// Slips are measured in what the secondary side sees opposite at the displacement u of nodes() (81').
+  virtual void follow_slip(const ContactValues& /*u*/) {}
   /// True when the last update changed what a constraint with pressure faces, on this rank.
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }

@@ -252,6 +252,7 @@ private:
   EnforcementMethod& method() const { return fallback_ && falls_back() ? *fallback_ : *method_; }
   bool falls_back() const { return fallen_back_ || by_penalty_ || eased_; }
   void use_method();
+  void follow_slip(Vec u);
   void declare_state(StateTable& state);
   void place_obstacle();
   void make_constraints(ContactSurface secondary, const ContactSurface& primary);

@@ -24,6 +24,7 @@ public:
 
   std::pair<StateRow, std::size_t> constraint_row(const std::string& name, int components) const override;
   void anchor(Vec u) override;
+  void follow_slip(const ContactValues& u) override;
   PairSearch::Outcome update(Vec u, const ConstraintFilter& presses) override;
   NodePairs couplings() const override;
   void visit(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor,
@@ -52,7 +53,8 @@ private:
     std::vector<FacetPoint> points;              // against a rigid body
     MortarWeights onto; // likewise: D = M, of the facet on its own place at the start
     std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole half is covered,
-    std::array<double, 4> slid{};                // int Phi over what lay opposite at the start of the step
+    std::array<double, 4> slid{};                // int Phi over what lay opposite at the start of the step,
+    std::array<double, 4> growth = {1, 1, 1, 1}; // and what it is where the slip was followed last, over that
     bool whole = false;                          // as it is taken to be,
     Switches changes;                            // from one kind to the other
 
@@ -181,11 +183,9 @@ private:
   double slip_part(const Incident& incident, const Node& owner, std::size_t a, std::size_t e) const {
     return dim_ == 2 ? 1 : incident.turn[a][e] / owner.weight;
   }
-  // What a function of a facet sees opposite over what it saw at the start of the step.
-  double slip_growth(int facet, std::size_t function, const Pieces& pieces) const;
   // Slip and its gradient.
-  void add_slip(const Node& owner, const ContactValues& u, const Pieces& pieces, NodePlaces& place_of,
-                SlipRows& rows, Constraint& c) const;
+  void add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
+                Constraint& c) const;
   // Weights of the corners of a facet in the mean over a node's constraint.
   std::array<double, 4> weights_of(const Incident& incident, const Node& owner) const;
   void visit_facet_slip_curvature(int facet, const std::array<Tangential, 4>& factor, const ContactValues& u,
