@@ -23,8 +23,8 @@ EnergyWatch::EnergyWatch(RunStage& stage)
 bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
   const double error = std::abs(stage_.ledger.energy_error());
   const bool is = stage_.ledger.energy_scale() >= least_ && bound > 0 && error > bound;
-  const bool fades = !stage_.inertia && error < std::abs(before) + grown * bound;
-  steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + (fades ? 0 : 1) : 0;
+  const bool counts = stage_.inertia || error >= std::abs(before) + grown * bound;
+  steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + (counts ? 1 : 0) : 0;
   return is;
 }
 
@@ -98,9 +98,11 @@ std::string EnergyWatch::text(double t, const char* option, double bound) const 
 std::string EnergyWatch::remedy() const {
   std::string text = step_remedy();
   for (const MaterialAssignment& material : stage_.d.materials)
-    if (material.law.parameters.locking == Locking::fbar)
-      return text + "; the forces of -material_" + material.id +
-             "_locking fbar have no energy, and under large strains no step closes their balance";
+    if (material.law.parameters.locking == Locking::fbar) {
+      text += "; the forces of -material_" + material.id +
+              "_locking fbar have no energy, and under large strains no step closes their balance";
+      break;
+    }
   for (const InitialCondition& ic : stage_.scenario.ics)
     if (ic.phi)
       return text + "; if the first step alone made the error, the damage of -ic_" + ic.id +

@@ -89,9 +89,8 @@ OptionGroup checkpoint_options() {
       "output, end time and time step at will. With another `-ts_type` the motion starts anew from the "
       "displacement, damage, temperature, history and contact forces that are there, and the energies go on: "
       "what is loaded statically is let go, or struck by bodies with the velocities of `-ics`. Such a run "
-      "has "
-      "another history file where its columns differ, the contact method of the run before (explicit steps "
-      "take `gpts` where nothing is said), and no rigid bodies."};
+      "has another history file where its columns differ, the contact method of the run before (explicit "
+      "steps take `gpts` where nothing is said), and no rigid bodies."};
   Rows row(group.rows, RestartKey::free, &Scenario::checkpoint);
   row.text("checkpoint_dir", &Checkpoint::dir, "path", "folder of the checkpoints")
       .otherwise("<output_dir>/checkpoints");

@@ -51,26 +51,23 @@ std::string hindrance(const Scenario& s) {
   return "";
 }
 
-/// What a step that finds its load cannot do, "" = nothing.
-std::string hindrance_of_path(const Scenario& s) {
-  if (!s.has_motion() || s.has_inertia() || !s.has_damage())
-    return "is for motion and damage with -ts_type static; take that, or remove it";
+/// What no step that finds its load can do, "" = nothing.
+std::string hindrance_of_any_path(const Scenario& s) {
   if (s.has_heat()) return "knows no heat, which flows over a time; remove that of materials, or this";
   if (!s.contacts.empty())
     return "knows no contact; prescribe the motion of nodes in the place of -contact_" +
            s.contacts.front().id + ", or remove this";
-  if (s.damage.bounds != DamageBounds::vi || s.damage.substep > 0 || s.damage.theta != 1)
-    return "goes with -damage_bounds vi and without -damage_ts_dt and -damage_theta; remove them, or this";
-  if (s.coupling.max_it == 1) return "wants passes; remove -coupling_snes_max_it 1, or this";
   if (s.time.period > 0) return "has no cycles; remove -ts_period, or this";
   for (const MaterialScenario& m : s.materials) {
     const std::string of = "-material_" + m.id, or_this = "; remove that, or this";
+    const auto has_no_time = [&](const char* name) {
+      return "has no time for rates to be of (" + of + name + ")" + or_this;
+    };
     if (m.law.model == Model::rigid) return "knows no rigid bodies (" + of + "_model rigid)" + or_this;
-    if (m.law.model == Model::j2)
-      return "finds the load by elastic energy, which plastic flow is not (" + of + "_model j2)" + or_this;
-    if (m.law.b_d > 0 || std::isfinite(m.law.c))
-      return "has no time for rates to be of (" + of + (m.law.b_d > 0 ? "_b_d" : "_c") + ")" + or_this;
-    if (!m.rate_table.empty()) return "has no time for rates to be of (" + of + "_Gc_rate)" + or_this;
+    if (m.law.b_d > 0) return has_no_time("_b_d");
+    if (std::isfinite(m.law.c)) return has_no_time("_c");
+    if (m.law.rate_c > 0) return has_no_time("_jc_c");
+    if (!m.rate_table.empty()) return has_no_time("_Gc_rate");
     if (m.law.fatigue_a > 0 || m.fatigue.works())
       return "has no cycles (" + of + (m.law.fatigue_a > 0 ? "_fatigue_a)" : "_fatigue)") + or_this;
     if (m.erosion.on) return "keeps all cells (" + of + "_erosion on)" + or_this;
@@ -78,28 +75,26 @@ std::string hindrance_of_path(const Scenario& s) {
   return "";
 }
 
-/// What a step that moves by a length cannot do, "" = nothing.
+/// Nor one that follows a crack.
+std::string hindrance_of_path(const Scenario& s) {
+  if (!s.has_motion() || s.has_inertia() || !s.has_damage())
+    return "is for motion and damage with -ts_type static; take that, or remove it";
+  if (s.damage.bounds != DamageBounds::vi || s.damage.substep > 0 || s.damage.theta != 1)
+    return "goes with -damage_bounds vi and without -damage_ts_dt and -damage_theta; remove them, or this";
+  if (s.coupling.max_it == 1) return "wants passes; remove -coupling_snes_max_it 1, or this";
+  for (const MaterialScenario& m : s.materials)
+    if (m.law.model == Model::j2)
+      return "finds the load by elastic energy, which plastic flow is not (-material_" + m.id +
+             "_model j2); remove that, or this";
+  return hindrance_of_any_path(s);
+}
+
+/// Nor one that moves bodies by a length.
 std::string hindrance_of_length(const Scenario& s) {
   if (!s.has_motion() || s.has_inertia())
     return "is for motion with -ts_type static; take that, or remove it";
   if (s.has_damage()) return "knows no damage; follow cracks by -ts_path_dissipation";
-  if (s.has_heat()) return "knows no heat, which flows over a time; remove that of materials, or this";
-  if (!s.contacts.empty())
-    return "knows no contact; prescribe the motion of nodes in the place of -contact_" +
-           s.contacts.front().id + ", or remove this";
-  if (s.time.period > 0) return "has no cycles; remove -ts_period, or this";
-  for (const MaterialScenario& m : s.materials) {
-    const std::string of = "-material_" + m.id, or_this = "; remove that, or this";
-    if (m.law.model == Model::rigid) return "knows no rigid bodies (" + of + "_model rigid)" + or_this;
-    if (m.law.b_d > 0 || std::isfinite(m.law.c) || m.law.rate_c > 0)
-      return "has no time for rates to be of (" + of +
-             (m.law.b_d > 0            ? "_b_d"
-              : std::isfinite(m.law.c) ? "_c"
-                                       : "_jc_c") +
-             ")" + or_this;
-    if (m.erosion.on) return "keeps all cells (" + of + "_erosion on)" + or_this;
-  }
-  return "";
+  return hindrance_of_any_path(s);
 }
 
 const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
