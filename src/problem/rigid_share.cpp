@@ -22,6 +22,15 @@ std::vector<RigidVector> RigidBodies::resultants(Vec f) const {
   return result;
 }
 
+std::pair<double, std::size_t> RigidBodies::most_turned(Vec from, Vec to) const {
+  const std::vector<RigidPose> before = poses(sums_of(Weight::mass, from)),
+                               after = poses(sums_of(Weight::mass, to));
+  std::pair<double, std::size_t> most{0, 0};
+  for (std::size_t b = 0; b < after.size(); ++b)
+    most = std::max(most, {length(rotation_vector(after[b].turned * transposed(before[b].turned))), b});
+  return most;
+}
+
 std::vector<RigidBodies::OwnedNode> RigidBodies::owned_nodes() const {
   std::vector<OwnedNode> nodes;
   for (std::size_t i = 0; i < owned_; ++i) nodes.push_back({row_[i], at(body_[i]), arm(i)});

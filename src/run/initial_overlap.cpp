@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <impact/petsc/ranks.hpp>
 #include <impact/run/setup.hpp>
+#include <impact/run/terminal.hpp>
 
 namespace impact {
 
@@ -75,6 +76,23 @@ void adjust_initial_overlaps(const Scenario& s, const std::vector<ObstacleBody>&
   }
   for (std::size_t i = 0; i < adjusted.size(); ++i)
     report(setup->contacts[i].settings(), adjusted[i], setup->discretisation.mesh);
+}
+
+void tell_of_overlap(RunStage& stage, const ContactInterface& contact, double gap) {
+  constexpr double told = 2e-3; // of the shortest edge
+  const ContactSettings& settings = contact.settings();
+  if (!stage.inertia || settings.initial != InitialOverlap::allow ||
+      !(gap < -told * stage.d.mesh.smallest_edge()))
+    return;
+  const bool springs = stage.coupling.explicit_step() || settings.enforce == Enforcement::penalty;
+  check(PetscPrintf(
+      stage.d.mesh.comm(),
+      "impact: WARNING: contact %s: bodies overlap by %.3g and -contact_%s_initial allow leaves it "
+      "so: with inertia %s; -ts_type static presses them in its first step, and a run with inertia "
+      "goes on from its checkpoint by -restart, -restart_allow ts_type and another "
+      "-output_<id>_file\n",
+      settings.id.c_str(), -gap, settings.id.c_str(),
+      springs ? "springs throw them apart" : "nothing presses there until they part"));
 }
 
 } // namespace impact

@@ -326,6 +326,7 @@ void report_solvers(RunStage& stage) {
                           ? "contact %s: no point faces the other side at the start\n"
                           : "contact %s: smallest gap at the start %.4g, %d points press\n",
                       contact.id().c_str(), at_start.gap_min + 0.0, at_start.active)); // no -0
+    tell_of_overlap(stage, contact, at_start.gap_min);
   }
   const bool motion = stage.scenario.has_motion();
   const SolverDefaults& solver = stage.solver;

@@ -148,7 +148,7 @@ void add_detection(ContactRows& rows) {
              "of the facets and how far they move; overlaps are seen up to 0.8 of the smallest facet deep");
   row.choice("initial", &Contact::initial,
              "bodies that overlap at the start: secondary nodes move out without stress, by _initial_tol at "
-             "most; refused; left so",
+             "most; refused; left so: a static run presses them, with inertia nothing does",
              "adjust", InitialOverlap::adjust, "error", InitialOverlap::error, "allow",
              InitialOverlap::allow);
   row.number("initial_tol", &Contact::initial_tol, "m", or_auto(not_negative),

@@ -97,7 +97,9 @@ void Coupling::start(Vec u, Vec v, Vec a) {
   if (fields_.heat && settings_.moves)
     if (const HeatRows rows = fields_.heat->rows(); rows.stress) {
       MotionProblem::Increments unused;
-      motion.advance(u, unused, {nullptr, rows.stress});
+      Handle<Vec> internal; // bulk viscosity acts from the start on
+      if (explicit_) internal = layout.make_global();
+      motion.advance(u, unused, {nullptr, rows.stress}, internal);
       state.row("stress").committed = *rows.stress;
       state.rollback();
     }
@@ -209,6 +211,11 @@ void Coupling::refuse(PassResult& result, SNESConvergedReason reason, std::strin
   failure_ = std::move(cause);
 }
 
+bool Coupling::keeps_to(StepLimits::Refusal refusal, PassResult& result) {
+  if (!refusal.empty()) refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+  return result.inner >= 0;
+}
+
 PassResult Coupling::pass(PetscInt number, Vec u) {
   const InStage stage(Stage::motion);
   PassResult result;
@@ -238,12 +245,10 @@ bool Coupling::motion_pass(Vec u, PassResult& result) {
     step.t = path_->load();
     fields_.motion.begin(step);
   }
+  Handle<Vec> goal;
   if (pass_.number == 1 || other_load) {
-    const Handle<Vec> goal = solver_.imposed(u);
-    if (std::string refusal = limits_.closing(fields_.motion.contacts(), goal); !refusal.empty()) {
-      refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
-      return false;
-    }
+    goal = solver_.imposed(u);
+    if (!keeps_to(limits_.closing(fields_.motion.contacts(), goal), result)) return false;
     if (pass_.number == 1) fields_.motion.contacts().ease(goal);
     if (!solver_.enter_step(u, goal)) {
       refuse(result, SNES_DIVERGED_LINEAR_SOLVE, "motion: no answer to the load that begins");
@@ -255,7 +260,7 @@ bool Coupling::motion_pass(Vec u, PassResult& result) {
   result.rough = aim != Aim::balance;
   const SNESConvergedReason reason = augmentation_.solve(u, aim);
   if (reason < 0) refuse(result, reason, augmentation_.failure());
-  return reason >= 0;
+  return reason >= 0 && (!goal || keeps_to(limits_.turning(fields_.motion.rigid(), goal, u), result));
 }
 
 // Plastic flow and what drives damage and heat, at the points.
@@ -274,9 +279,7 @@ bool Coupling::advance_points(Vec u, PassResult& result) {
     return false;
   }
   const Discretisation& d = fields_.motion.discretisation();
-  std::string refusal = limits_.plastic_strain(d.mesh.comm(), d.frame, fields_.state.row("history"));
-  if (!refusal.empty()) refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
-  return result.inner >= 0;
+  return keeps_to(limits_.plastic_strain(d.mesh.comm(), d.frame, fields_.state.row("history")), result);
 }
 
 bool Coupling::damage_pass(PassResult& result) {
@@ -312,9 +315,7 @@ bool Coupling::damage_pass(PassResult& result) {
   result.counts = !(settings_.follow_cracks && change.gained);
   pass_.changing = of_load > change.of_pass ? "the load parameter" : "phi";
   phi_passes_.report(pass_.number, phi);
-  if (std::string refusal = limits_.damage(change.growth); !refusal.empty())
-    refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
-  return result.inner >= 0;
+  return keeps_to(limits_.damage(change.growth), result);
 }
 
 void Coupling::failure_pass(PassResult& result) {
@@ -368,8 +369,7 @@ void Coupling::heat_pass(Vec u, PassResult& result) {
   }
   const MPI_Comm comm = fields_.motion.discretisation().mesh.comm();
   result.inner = outcome.reason;
-  if (std::string refusal = limits_.temperature(comm, theta); !refusal.empty())
-    refuse(result, SNES_DIVERGED_INNER, std::move(refusal));
+  keeps_to(limits_.temperature(comm, theta), result);
   // What no equation reads needs no second pass.
   if (fields_.motion.discretisation().temperature_moves()) compare_temperatures(theta, result);
 }

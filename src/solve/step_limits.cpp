@@ -41,6 +41,17 @@ StepLimits::Refusal StepLimits::temperature(MPI_Comm comm, const StateRow& theta
   return limit("the temperature changes", max_over_ranks(comm, change), "dtheta", settings_.max_dtheta);
 }
 
+// Turned by half a turn about the middle of a body a slip of its rim is the same and its forces may balance,
+// too, with a velocity that is none: Cayley's vector has no bound there.
+StepLimits::Refusal StepLimits::turning(const RigidBodies& bodies, Vec goal, Vec u) const {
+  constexpr double most = 1; // radian
+  if (!inertia_ || bodies.empty()) return "";
+  const auto [angle, body] = bodies.most_turned(goal, u);
+  if (angle <= most) return "";
+  return text_of("body %.80s would turn by %.3g radians more or less than it did before",
+                 bodies.bodies()[body].name.c_str(), angle);
+}
+
 // What flies deep into another body within a step leaves Newton's method a start with cells turned inside
 // out, whose balance need not be that of the bodies.
 StepLimits::Refusal StepLimits::closing(const ContactSet& contacts, Vec u) const {

@@ -189,5 +189,27 @@ TEST(RigidBodies, RetractionKeepsRigidMotionsAndIsOneForOthers) {
   }
 }
 
+// The shorter way round, wherever the body is.
+TEST(RigidBodies, TheAngleBetweenTwoPlacesIsThatOfTheTurn) {
+  RigidOnElastic run(0);
+  run.rigid.begin(0, 1, run.state.row("u").committed, true);
+  const auto turned = [&](double angle) {
+    std::vector<double> local = run.d.displacement.make_local();
+    const auto X = run.d.mesh.coordinates();
+    for (std::size_t i = 0; i < local.size() / 2; ++i) {
+      const double x = X[2 * i] - 0.6, y = X[2 * i + 1] - 0.75;
+      local[2 * i] = std::cos(angle) * x - std::sin(angle) * y - x + 0.1;
+      local[2 * i + 1] = std::sin(angle) * x + std::cos(angle) * y - y;
+    }
+    Handle<Vec> u = run.d.displacement.make_global();
+    run.d.displacement.to_global(local, u);
+    run.rigid.retract(u);
+    return u;
+  };
+  const Handle<Vec> goal = turned(0.4), near = turned(1.2), far = turned(0.4 - 3.1);
+  EXPECT_NEAR(run.rigid.most_turned(goal, near).first, 0.8, 1e-12);
+  EXPECT_NEAR(run.rigid.most_turned(goal, far).first, 3.1, 1e-12);
+}
+
 } // namespace
 } // namespace impact

@@ -132,12 +132,36 @@ deep = runs.run("deep", {**FLYER, "ic_flight_vx": "6 km/s", "contact_face_penalt
 runs.require("a penalty that lets one body pass through the other says so", "WARNING: a contact is as deep as surfaces are seen" in deep.log)
 # A piston starts at once: viscous forces are there at t = 0 already, and count in the work of the first step.
 SPEED, WIDTH = 7e5, 0.02
-piston = runs.run("piston", {"units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_lx": 2, "mesh_set_ly": WIDTH, "mesh_set_n": 100, "mesh_set_ny": 1, "materials": "solid",
+PISTON = {"units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_lx": 2, "mesh_set_ly": WIDTH, "mesh_set_n": 100, "mesh_set_ny": 1, "materials": "solid",
                              **{key.replace("flyer", "solid"): FLYER[key] for key in ("material_flyer_rho", "material_flyer_eos", "material_flyer_eos_c0", "material_flyer_eos_s")},
                              "material_solid_G": 1, "bcs": "sides,push", "bc_sides_on": "bottom,top", "bc_sides_uy": 0, "bc_push_on": "left", "bc_push_type": "velocity",
                              "bc_push_ux": SPEED, "ts_type": "central_difference", "ts_bulk_viscosity_linear": 0.06, "ts_bulk_viscosity_quadratic": 1.2, "ts_max_time": 3e-7,
-                             "outputs": "hist", "output_hist_type": "csv", "output_hist_every": 1})
+                             "outputs": "hist", "output_hist_type": "csv", "output_hist_every": 1}
+piston = runs.run("piston", PISTON)
 runs.check("piston: balance", abs(piston["balance"]).max(), 0, 1e-12, relative=False)
 late = piston["time"] > 1.5e-7
 runs.check("piston: its pressure, that of the Hugoniot", piston["reaction_push_x"][late].mean() / WIDTH, 8.93e-9 * (3.94e6 + 1.489 * SPEED) * SPEED, 5e-3)
+
+# What bulk viscosity takes up is heat in either form: behind a shock from 300 K, with Gamma rho constant and c_V of a volume, the
+# temperature is that of the isentrope, theta_0 exp(Gamma eta), and what its energy lacks to half of p eta, over c_V.
+GAMMA, C_V, THETA_0 = 2.0, 3.45, 300
+eta = SPEED / (3.94e6 + 1.489 * SPEED)
+
+
+def hugoniot(x):
+    p = 8.93e-9 * 3.94e6**2 * x / (1 - 1.489 * x) ** 2
+    return p, p * x / 2
+
+
+isentrope, count = 0.0, 2000
+for i in range(count):  # dE/deta = p_H + Gamma (E - E_H), by the rule of the middle
+    x, h = (i + 0.5) * eta / count, eta / count
+    p, e = hugoniot(x)
+    isentrope += h * (p + GAMMA * (isentrope - e)) / (1 - h * GAMMA / 2)
+behind = THETA_0 * numpy.exp(GAMMA * eta) + (hugoniot(eta)[1] - isentrope) / C_V
+for form, of_theta, of_energy in (("energy", 0.01, 1e-9), ("entropy", 0.03, 0.04)):
+    hot = runs.run(f"piston_{form}", {**PISTON, "heat_form": form, "material_solid_eos_gamma": GAMMA, "material_solid_c_v": f"{C_V}e6 J/(m^3.K)",
+                                      "material_solid_theta0": THETA_0, "probes": "p", "probe_p_at": f"0.6,{WIDTH / 2}", "probe_p_fields": "theta"})
+    runs.check(f"hot piston, {form} form: temperature behind the shock", hot["probe_p_theta"][-1] - THETA_0, behind - THETA_0, of_theta)
+    runs.check(f"hot piston, {form} form: first law", abs(hot["balance_first_law"]).max(), 0, of_energy, relative=False)
 runs.finish()

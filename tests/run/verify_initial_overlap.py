@@ -7,7 +7,7 @@ import re
 import shutil
 
 import numpy
-from _runs import check, finish, mesh, option_file, require, run
+from _runs import check, finish, mesh, option_file, read_history, require, run
 
 DEPTH = 1e-4
 BLOCKS = {
@@ -31,6 +31,21 @@ def free_of_stress(claim, r, contact="face", facet=0.25):
     gap = r[f"contact_{contact}_gap_min"][0]
     check(f"{claim}: gap at the start over the facet", 0 if numpy.isnan(gap) else min(gap, 0) / facet, 0, 1e-9, relative=False)
 
+
+# What `allow` leaves presses in a static run and not with inertia, which is told; from the one the other goes on at rest.
+FIT = {**BLOCKS, "mesh_set_gap": -1e-2, "mesh_set_inset": 0, "material_lower_nu": 0, "contact_face_initial": "allow", "material_lower_rho": 1000, "bc_push_uy": 0,
+       "outputs": "hist", "output_hist_type": "csv"}
+LEFT = "-contact_face_initial allow leaves it so"
+fit = run("fit", FIT)
+require("a static run presses what overlaps and says nothing", LEFT not in fit.log)
+check("a static run presses what overlaps: energy of two bars, each shorter by half of it", fit["energy_elastic"][-1], 1e6 * 0.005**2, 0.02)
+for enforce, effect in (("semismooth", "nothing presses there until they part"), ("penalty", "springs throw them apart")):
+    free = run("free", {**FIT, "ts_type": "newmark", "ts_dt": 1e-3, "ts_max_steps": 1, "contact_face_enforce": enforce}, refused=None, code=None)
+    require(f"with inertia it is told, {enforce}", LEFT in free.log and effect in free.log)
+on = run("fit", {**FIT, "ts_type": "newmark", "ts_dt": 1e-3, "ts_max_time": 1.02, "restart": "auto", "restart_allow": "ts_type",
+                 "output_hist_file": "on.csv"})
+require("a run that goes on from statics says nothing", LEFT not in on.log)
+check("it stays at rest: energy", read_history("fit/on.csv")["energy_elastic"][-1], fit["energy_elastic"][-1], 1e-9)
 
 touching = run("touching", {**BLOCKS, "mesh_set_gap": 0})
 adjusted = run("adjusted", ADJUST)

@@ -76,11 +76,14 @@ template <class Cell, Frame frame> struct StepForces {
       Vector<Batch, Cell::dim> h;
       tau = tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
     }
-    if (pressed) {
-      const Batch minus_q = bulk_stress<frame>(bulk, s.H[q]);
-      for (int i = 0; i < 3; ++i) tau[i] += minus_q;
-    }
+    press(s.H[q], tau);
     fluxes.set(q, map, s.map[q].weight, tau);
+  }
+  /// Adds the pressure of bulk viscosity.
+  void press(const Tensor<Batch, Cell::dim>& H, Symmetric<Batch, Cell::dim>& tau) const {
+    if (!pressed) return;
+    const Batch minus_q = bulk_stress<frame>(bulk, H);
+    for (int i = 0; i < 3; ++i) tau[i] += minus_q;
   }
   /// What bulk viscosity loses in a step, per volume.
   Batch lost(double dt) const { return dt * (bulk.viscosity * (bulk.rate * bulk.rate)); }
@@ -132,8 +135,9 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
     if constexpr (heats) {
       if (heat.stress) {
         Vector<Batch, d> h;
-        const Tensor<Batch, d> P =
-            first_piola(e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h), e.k.inverse_F);
+        Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
+        if (forces) force.press(s.H[q], tau);
+        const Tensor<Batch, d> P = first_piola(tau, e.k.inverse_F);
         for (int i = 0; i < gradient_size(frame); ++i) heat.stress[q * gradient_size(frame) + i] = P[i];
       }
       if (heat.dissipation) heat.dissipation[q] = dissipation_at<Cell, frame>(law, in, s, e, q, lost);

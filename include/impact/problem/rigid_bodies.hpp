@@ -122,6 +122,8 @@ public:
   /// mean of both ends unless the attempt is dynamic. After begin. Collective.
   double book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor);
   const double* reactions(int body) const; ///< of the row's trial half: [6]
+  /// Largest angle between the poses at two displacements, and the body that it is of. Collective.
+  std::pair<double, std::size_t> most_turned(Vec from, Vec to) const;
   /// After an accepted step: the angle of plane bodies. Collective.
   void advance(Vec u);
   /// For the history. Collective.

@@ -11,6 +11,8 @@ void report_setup(const Scenario& scenario, const Discretisation& discretisation
 /// Where contact begins, which solvers work, and the memory, with an estimate of the factors of the motion.
 /// Collective.
 void report_solvers(RunStage& stage);
+/// An overlap at the start that a run with inertia leaves as it is, by the smallest `gap`.
+void tell_of_overlap(RunStage& stage, const ContactInterface& contact, double gap);
 
 /// A line for each accepted step, with the estimated finish.
 class Progress {

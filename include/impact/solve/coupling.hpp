@@ -93,6 +93,7 @@ private:
   void compare_temperatures(const StateRow& theta, PassResult& result);
   void let_lost_cells_go(const Attempt& attempt);
   void refuse(PassResult& result, SNESConvergedReason reason, std::string cause);
+  bool keeps_to(StepLimits::Refusal refusal, PassResult& result);
   void give_up(PetscInt passes, PetscReal change);
   MotionStep frozen_step() const;
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
 #include <impact/kernel/frame.hpp>
+#include <impact/problem/rigid_bodies.hpp>
 #include <impact/problem/settings.hpp>
 #include <string>
 
@@ -25,6 +26,8 @@ public:
   Refusal temperature(MPI_Comm comm, const StateRow& theta);
   /// Of a step whose prescribed nodes have moved to u. Collective.
   Refusal closing(const ContactSet& contacts, Vec u) const;
+  /// Of a step whose bodies were expected at `goal` and are at u. Collective.
+  Refusal turning(const RigidBodies& bodies, Vec goal, Vec u) const;
 
 private:
   Refusal limit(const char* what, double increment, const char* option, double most);
