@@ -23,7 +23,8 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       history_(state.row("history")), drive_(state.row("drive")),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
-      balance_(d_), cells_diagonal_(d_.displacement.make_global()), diagonal_(d_.displacement.make_global()) {
+      soft_volume_(d_), balance_(d_), cells_diagonal_(d_.displacement.make_global()),
+      diagonal_(d_.displacement.make_global()) {
   if (!rigid_->empty() && operator_ == ContactOperator::shell)
     throw UserError(ExitCode::usage, "-contact_operator shell: not with a rigid body (-material_" +
                                          rigid_->bodies().front().name +
@@ -141,10 +142,21 @@ MotionFields MotionProblem::step_fields(const std::vector<double>& u, const std:
           .patches = &patches_};
 }
 
+PatchFields MotionProblem::patch_fields(const std::vector<double>& u, double unilateral) const {
+  return {&u, step_.phi, step_.theta, &history_.committed, unilateral, step_.warming, &soft_volume_};
+}
+
 void MotionProblem::share(const std::vector<double>& u, double unilateral, PatchState& patches,
                           bool pressures) const {
-  share_volumes(d_, {&u, step_.phi, step_.theta, &history_.committed, unilateral, step_.warming}, patches,
-                pressures);
+  share_volumes(d_, patch_fields(u, unilateral), patches, pressures);
+}
+
+void MotionProblem::stiffen(Vec u, double most_K_over_G) {
+  soft_volume_.stiffen(patch_fields(d_.local_of(u), step_.unilateral_scale), most_K_over_G);
+}
+
+void MotionProblem::foretell(Vec u, Vec end) {
+  soft_volume_.foretell(patch_fields(d_.local_of(u), step_.unilateral_scale), d_.local_of(end));
 }
 
 bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<double>* accel,
@@ -153,11 +165,12 @@ bool MotionProblem::add_cells(const std::vector<double>& u, const std::vector<do
   share(u, unilateral, patches_);
   bool sound = true;
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
-    MotionFields fields = step_fields(u, accel, batch.law);
+    const PointLaw& law = soft_volume_.law(batch);
+    MotionFields fields = step_fields(u, accel, law);
     fields.unilateral = unilateral;
     const MotionBatch cells(batch, fields);
     auto force = batch.zero(d_.dim());
-    const CellStatus status = batch.kernels.motion_residual(batch.law, cells.in, force.data());
+    const CellStatus status = batch.kernels.motion_residual(law, cells.in, force.data());
     note_inverted(batch, status);
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
     batch.forget_eroded(force);

@@ -76,13 +76,17 @@ bool MotionProblem::tangent(Vec u, double mass_shift) {
   double diagonal = 0;
   CellMatrix K;
   share(u_, step_.unilateral_scale, patches_, true);
+  soft_volume_.put_slopes(patches_);
   assembly_->zero();
   for_each_batch(d_, deformable, [&](const CellBatch& batch) {
-    MotionBatch cells(batch, step_fields(u_, nullptr, batch.law));
+    const PointLaw& law = soft_volume_.law(batch);
+    MotionBatch cells(batch, step_fields(u_, nullptr, law));
+    if (const Batch* told = soft_volume_.pressure(batch, cells.patch_pressure))
+      cells.in.patch_pressure = told;
     cells.in.mass_shift = mass_shift;
     cells.in.symmetric = symmetric_;
     const CellStatus status =
-        batch.kernels.motion_tangent(batch.law, cells.in, nullptr, K.sized(batch.nodes() * d_.dim()));
+        batch.kernels.motion_tangent(law, cells.in, nullptr, K.sized(batch.nodes() * d_.dim()));
     note_inverted(batch, status);
     sound = check_cells(batch.group, batch.number, batch.broken(status.bad), status.min_J) && sound;
     if (batch.eroded != 0) keep_eroded_mass(batch, mass_shift, K);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <impact/problem/cell_loop.hpp>
+#include <impact/problem/soft_volume.hpp>
 #include <impact/problem/volume_patches.hpp>
 #include <map>
 
@@ -147,7 +148,7 @@ void find_pressures(const Discretisation& d, const PatchFields& fields, PatchSta
     in.patch = batch.read_shared(state.J_minus_1, J_minus_1);
     in.unilateral = fields.unilateral;
     Batch p, dp;
-    batch.kernels.cell_pressure(batch.law, in, p, dp);
+    batch.kernels.cell_pressure(fields.soft ? fields.soft->law(batch) : batch.law, in, p, dp);
     add_up(batch, {{p, &state.p}, {dp, &state.slope}});
   });
   divide(state.p, state.volume);

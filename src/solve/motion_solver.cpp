@@ -255,12 +255,7 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
   if (!second_way_first_) {
     hooks_.conduct.watched = contact && other_way;
     hooks_.conduct.follows_sliding = true;
-    reason = newton(u, most);
-    if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors()) {
-      restart(u);
-      motion_.contacts().start_newton(u);
-      reason = newton(u, most);
-    }
+    reason = first_way(u, most);
     hooks_.conduct.watched = hooks_.conduct.follows_sliding = false;
   }
   // Full steps after sets of gaps that change may leave where cells are sound.
@@ -283,9 +278,29 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
   return reason;
 }
 
+SNESConvergedReason MotionSolver::first_way(Vec u, PetscInt most) {
+  hooks_.conduct.hurries = has_stages();
+  SNESConvergedReason reason = newton(u, most);
+  hooks_.conduct.hurries = false;
+  if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors()) {
+    begin_again(u);
+    reason = newton(u, most);
+  }
+  if (reason > 0 || reason == SNES_DIVERGED_LINEAR_SOLVE || !has_stages()) return reason;
+  reason = by_stages(u, most);
+  if (reason > 0) return reason;
+  begin_again(u);
+  return newton(u, most);
+}
+
 void MotionSolver::restart(Vec u) {
   cell_broke_ = false;
   check(VecCopy(start_, u));
+}
+
+void MotionSolver::begin_again(Vec u) {
+  restart(u);
+  motion_.contacts().start_newton(u);
 }
 
 bool MotionSolver::has_second_way() const {
@@ -301,8 +316,7 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   ++counts_.second_ways;
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
   for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
-  restart(u);
-  motion_.contacts().start_newton(u);
+  begin_again(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
   const SNESConvergedReason reason = newton(u, most);

@@ -38,9 +38,11 @@ bool has_negative_pivots(KSP ksp) {
 
 void NewtonWatch::start(bool full_steps) {
   full_steps_ = full_steps;
-  unchanged_ = 0;
+  unchanged_ = short_ = 0;
   norms_.clear();
 }
+
+void NewtonWatch::note_step(double part) { short_ = part < 0.5 ? short_ + 1 : 0; }
 
 void NewtonWatch::note(double norm) {
   const bool near =
@@ -114,6 +116,8 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
     check(VecWAXPY(w, -1, y, x));
     *changed = PETSC_TRUE;
   }
+  if (conduct.hurries) watch_.note_step(part_of(x, y, w));
+  motion_.foretell(x, w);
   if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
   if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
     check(VecWAXPY(w, -part, y, x));
@@ -136,9 +140,14 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
 bool NewtonHooks::at_kink(SNESLineSearch search, Vec x, Vec y, Vec w) const {
   const std::string type = Get(SNESLineSearchGetType)(search);
   if (motion_.contacts().empty() || type != SNESLINESEARCHL2 || !watch_.is_near()) return false;
+  return part_of(x, y, w) < 0.1;
+}
+
+// The search tells its length only afterwards.
+double NewtonHooks::part_of(Vec x, Vec y, Vec w) const {
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
-  check(VecWAXPY(step, -1, x, w)); // the search tells its length only afterwards
-  return Get(VecNorm)(step, NORM_2) < 0.1 * Get(VecNorm)(y, NORM_2);
+  check(VecWAXPY(step, -1, x, w));
+  return Get(VecNorm)(step, NORM_2) / Get(VecNorm)(y, NORM_2);
 }
 
 bool NewtonHooks::closes_gaps() const {
@@ -237,7 +246,8 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
   if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
       *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;
-  if (*reason == SNES_CONVERGED_ITERATING && conduct.watched && gives_up()) *reason = SNES_DIVERGED_LOCAL_MIN;
+  const bool ends = (conduct.watched && gives_up()) || (conduct.hurries && watch_.falls_short());
+  if (*reason == SNES_CONVERGED_ITERATING && ends) *reason = SNES_DIVERGED_LOCAL_MIN;
 }
 
 // Whether nothing is left open that another iteration closes.

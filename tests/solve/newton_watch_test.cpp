@@ -32,6 +32,25 @@ std::vector<double> circles(int period, int rounds) {
   return norms;
 }
 
+// Once is no matter: the answer of the first linear solve is often too long.
+TEST(NewtonWatch, SeesSearchesThatFallShortTwiceInARowFarFromBalance) {
+  NewtonWatch watch;
+  watch.start(false);
+  watch.note(1);
+  watch.note_step(0.1);
+  EXPECT_FALSE(watch.falls_short());
+  watch.note_step(1);
+  watch.note_step(0.4);
+  EXPECT_FALSE(watch.falls_short());
+  watch.note_step(0.3);
+  EXPECT_TRUE(watch.falls_short());
+  watch.note(1e-4);
+  EXPECT_FALSE(watch.falls_short());
+  watch.start(false);
+  watch.note(1);
+  EXPECT_FALSE(watch.falls_short());
+}
+
 } // namespace
 
 TEST(NewtonWatch, SeesCyclesBeforeTheirFourthRound) {

@@ -28,8 +28,9 @@ struct CellFields {
   const Batch *drive = nullptr, *drive_n = nullptr;     ///< [drive_size]
   const Batch *fatigue = nullptr, *fatigue_n = nullptr; ///< Fat
   const Batch *patch = nullptr,
-              *patch_n = nullptr;        ///< J - 1 that the patch of the cell shares; null: its own
-  const Batch* patch_pressure = nullptr; ///< [2] mean p and dp/dJ of that patch; null: those of the cell
+              *patch_n = nullptr; ///< J - 1 that the patch of the cell shares; null: its own
+  /// [2] mean p and dp/dJ of that patch, or for a tangent of SoftVolume; null: those of the cell
+  const Batch* patch_pressure = nullptr;
   double dt = 1;
   Batch mass_factor = Batch(1.0); ///< mass in use over rho dV, in energies and stable steps
 };

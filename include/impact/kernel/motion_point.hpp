@@ -81,7 +81,8 @@ inline PointEnergies<Batch> point_energies(const Law& law, const Batch& z, const
     return law.energies(z, Je_minus_1, alpha);
 }
 
-/// J - 1, and p and dp/dJ, that come from the patch of a cell; null: the cell finds its own. `warming` as in
+/// J - 1 that comes from the patch of a cell, and p and dp/dJ from there or of SoftVolume; null: the cell
+/// finds its own. `warming` as in
 /// MotionInput.
 struct PatchVolume {
   const Batch *J_minus_1 = nullptr, *pressure = nullptr, *warming = nullptr;
@@ -114,14 +115,16 @@ inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch*
     s.volume += s.map[q].weight;
   }
   if (is_linear_simplex<Cell> && patch.J_minus_1) s.volume_J = *patch.J_minus_1;
-  if (is_linear_simplex<Cell> && patch.pressure) {
-    s.mean_p = patch.pressure[0];
-    s.mean_dp = patch.pressure[1];
-  } else if (law.parameters.locking == Locking::mean) {
+  if (law.parameters.locking == Locking::mean) {
     if (!is_linear_simplex<Cell> || !patch.J_minus_1) {
       Batch mean = Batch(0.0);
       for (int q = 0; q < Cell::points; ++q) mean += s.map[q].weight * detm1(s.H[q]);
       s.volume_J = mean / s.volume;
+    }
+    if (patch.pressure) {
+      s.mean_p = patch.pressure[0];
+      s.mean_dp = patch.pressure[1];
+      return;
     }
     s.mean_p = s.mean_dp = Batch(0.0);
     for (int q = 0; q < Cell::points; ++q) {

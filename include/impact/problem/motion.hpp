@@ -3,6 +3,7 @@
 #include <impact/problem/force_balance.hpp>
 #include <impact/problem/mass_matrix.hpp>
 #include <impact/problem/settings.hpp>
+#include <impact/problem/soft_volume.hpp>
 #include <optional>
 #include <string>
 
@@ -72,6 +73,11 @@ public:
   /// Fixes the step's data: loads at time t are evaluated once here.
   void begin(const MotionStep& step);
   const MotionStep& step() const { return step_; }
+  /// How forces and tangents take bodies that hardly change their volume, within a solve.
+  SoftVolume& soft_volume() { return soft_volume_; }
+  /// SoftVolume::stiffen at u, and foretell for a step from u to `end`.
+  void stiffen(Vec u, double most_K_over_G);
+  void foretell(Vec u, Vec end);
   /// Displacement that a part of the problem saw last, [node][dim] with ghosts.
   const std::vector<double>& last_displacement() const { return u_; }
 
@@ -179,6 +185,7 @@ private:
                   const HeatFeed& heat);
   bool sum_up(bool sound, double least, Increments& sums);
   void put(const std::vector<double>& local, Vec force) const;
+  PatchFields patch_fields(const std::vector<double>& u, double unilateral) const;
   void share(const std::vector<double>& u, double unilateral, PatchState& patches,
              bool pressures = false) const;
   void rebuild_matrix();
@@ -205,6 +212,7 @@ private:
   std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
   std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
   bool has_body_force_ = false;
+  SoftVolume soft_volume_;
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies
   const std::vector<CellGroup> no_groups_;

@@ -12,6 +12,7 @@ namespace impact {
 
 struct Discretisation;
 struct MaterialAssignment;
+class SoftVolume;
 
 /// The patches of this rank. All their cells are here.
 struct VolumePatches {
@@ -49,6 +50,7 @@ struct PatchFields {
   const std::vector<double>*u, *phi = nullptr, *theta = nullptr, *history = nullptr;
   double unilateral = 1;                        ///< factor of the unilateral stress
   const std::vector<double>* warming = nullptr; ///< with the temperature
+  const SoftVolume* soft = nullptr;             ///< whose laws count, or null
 };
 
 /// The state of the patches: pressures where damage, temperature or place make them differ within one, and

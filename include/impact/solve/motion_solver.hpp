@@ -85,6 +85,10 @@ private:
   bool leaves_unstable() const;
   void leave_unstable(Vec u, PetscInt most);
   bool go_down(Vec u, Vec direction);
+  SNESConvergedReason first_way(Vec u, PetscInt most);
+  bool has_stages() const;
+  SNESConvergedReason by_stages(Vec u, PetscInt most);
+  void begin_again(Vec u);
 
   TS ts_;
   MotionProblem& motion_;

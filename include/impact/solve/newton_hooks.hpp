@@ -21,6 +21,8 @@ class NewtonWatch {
 public:
   /// `full_steps`: no line search, whose short steps may change the residual little and lead on.
   void start(bool full_steps);
+  /// To be told what part of a step of Newton's method a line search left.
+  void note_step(double part);
   /// To be told the norm at every iterate, the first one included.
   void note(double norm);
   /// Iterates of the cycle in which the norms end, or 0: all norms of the last round are those of the round
@@ -30,6 +32,8 @@ public:
   /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
   /// than a third where it is a thousandth of the first one already.
   bool stalls() const { return full_steps_ && unchanged_ >= 5; }
+  /// Whether the last two steps were cut to less than half, far from the solution.
+  bool falls_short() const { return short_ >= 2 && !is_near(); }
   /// Whether the last norm is below a thousandth of the first one.
   bool is_near() const { return !norms_.empty() && is_near(norms_.back()); }
 
@@ -37,6 +41,7 @@ private:
   bool is_near(double norm) const { return !norms_.empty() && norm < 1e-3 * norms_.front(); }
   bool full_steps_ = false;
   int unchanged_ = 0; ///< steps in a row that did so
+  int short_ = 0;     ///< steps in a row that were cut
   std::vector<double> norms_;
 };
 
@@ -78,6 +83,7 @@ public:
     bool goes_on = false;         ///< it goes on from a first iteration: its balance has a start already
     bool follows_sliding = false; ///< what slides to and fro sticks
     bool watched = false;         ///< may be given up for another way
+    bool hurries = false;         ///< is given up as soon as line searches cut its steps short
     Aim aim = Aim::balance;
     bool alone = false;      ///< a linear solve outside of SNESSolve, without forcing term
     Handle<Vec> known;       ///< the answer of the linear solve that comes next, or empty
@@ -109,6 +115,7 @@ private:
   bool gaps_settle(Vec u);
   bool gives_up();
   bool at_kink(SNESLineSearch search, Vec x, Vec y, Vec w) const;
+  double part_of(Vec x, Vec y, Vec w) const;
 
   MotionProblem& motion_;
   LooseBodies& loose_;

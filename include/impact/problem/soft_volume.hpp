@@ -1,0 +1,50 @@
+#pragma once
+#include <impact/problem/volume_patches.hpp>
+#include <vector>
+
+/// Newton's method of the mixed form, in displacement and pressure, for bodies that hardly change their
+/// volume, without unknowns for the pressure (theory.md, 7): forces stay those of the displacement, while
+/// tangents take pressures that the linear solve before foretold (N4), and bulk moduli grow by stages.
+namespace impact {
+
+struct CellBatch;
+struct PointLaw;
+template <int capacity> struct BatchArray;
+
+class SoftVolume {
+public:
+  explicit SoftVolume(const Discretisation& d);
+
+  /// The largest K/G of the laws that it works for: cells with a mean volume and one pressure, no split by
+  /// principal stretches, no equation of state, no erosion; 0 without any.
+  double stiffest() const { return stiffest_; }
+  /// The law of the cells, with its present K.
+  const PointLaw& law(const CellBatch& batch) const;
+  /// K is at most so many G from now on, and pressures are those of the displacement.
+  void soften(double most_K_over_G);
+  /// The same limit, higher, and pressures stay what they are at `fields` with the lower one.
+  void stiffen(const PatchFields& fields, double most_K_over_G);
+  /// Pressures follow a step from `fields` to the displacement `to`, as the slope of the volume tells; where
+  /// none are kept nothing happens.
+  void foretell(const PatchFields& fields, const std::vector<double>& to);
+  /// Laws and pressures as the materials have them.
+  void reset();
+
+  /// p and dp/dJ of the cells for a tangent; null where the displacement tells them.
+  const Batch* pressure(const CellBatch& batch, BatchArray<2>& values) const;
+  /// Puts dp/dJ of the patches into the state of a tangent.
+  void put_slopes(PatchState& patches) const;
+
+private:
+  void find(const PatchFields& fields, const std::vector<double>* to, const std::vector<PointLaw>& of,
+            const std::vector<double>& growth);
+  std::vector<PointLaw> limited(double most_K_over_G) const;
+
+  const Discretisation& d_;
+  double stiffest_ = 0;
+  std::vector<PointLaw> laws_;      // as Discretisation::laws; empty: these
+  std::vector<double> pressure_;    // [group][batch][p, dp/dJ][lane]; empty: none kept
+  std::vector<double> patch_slope_; // [patch] dp/dJ
+};
+
+} // namespace impact

@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <impact/problem/cell_loop.hpp>
+#include <impact/problem/soft_volume.hpp>
+
+namespace impact {
+
+namespace {
+
+bool takes(const PointLaw& law) {
+  return law.parameters.locking == Locking::mean && !law.principal() && !has_state(law.parameters);
+}
+
+// body(batch) for cells of such laws.
+template <class Body> void for_each_taken(const Discretisation& d, Body&& body) {
+  for_each_batch(d, deformable, [&](const CellBatch& batch) {
+    if (takes(batch.law)) body(batch);
+  });
+}
+
+// What the cells of a batch have for themselves, or sum up with those of their patches.
+struct Sum {
+  std::vector<double> of_lane, of_patch;
+
+  explicit Sum(const Discretisation& d, std::size_t lane_count)
+      : of_lane(lane_count, 0.0), of_patch(at(d.patches.count()), 0.0) {}
+  void add(const CellBatch& batch, const Batch& value) {
+    for (int l = 0; l < lanes; ++l)
+      if (!batch.patched())
+        of_lane[batch.place() * lanes + at(l)] = value[l];
+      else if (l < batch.used())
+        of_patch[at(batch.patch(l))] += value[l];
+  }
+  double of(const CellBatch& batch, int l) const {
+    return batch.patched() ? of_patch[at(std::max(batch.patch(l), 0))]
+                           : of_lane[batch.place() * lanes + at(l)];
+  }
+};
+
+} // namespace
+
+SoftVolume::SoftVolume(const Discretisation& d) : d_(d) {
+  const bool erodes = std::ranges::any_of(d.materials, [](const auto& m) { return m.erosion.on; });
+  for (const PointLaw& law : d.laws)
+    if (takes(law) && !law.rigid() && !erodes)
+      stiffest_ = std::max(stiffest_, law.parameters.K / law.parameters.G);
+}
+
+const PointLaw& SoftVolume::law(const CellBatch& batch) const {
+  return laws_.empty() ? batch.law : laws_[at(batch.group.law)];
+}
+
+std::vector<PointLaw> SoftVolume::limited(double most_K_over_G) const {
+  std::vector<PointLaw> laws = d_.laws;
+  for (PointLaw& law : laws)
+    if (takes(law)) law.parameters.K = std::min(law.parameters.K, most_K_over_G * law.parameters.G);
+  return laws;
+}
+
+void SoftVolume::soften(double most_K_over_G) {
+  reset();
+  laws_ = limited(most_K_over_G);
+}
+
+void SoftVolume::stiffen(const PatchFields& fields, double most_K_over_G) {
+  const std::vector<PointLaw> stiffer = limited(most_K_over_G);
+  std::vector<double> growth;
+  for (std::size_t i = 0; i < laws_.size(); ++i)
+    growth.push_back(stiffer[i].parameters.K / laws_[i].parameters.K);
+  find(fields, nullptr, laws_, growth);
+  laws_ = stiffer;
+}
+
+void SoftVolume::foretell(const PatchFields& fields, const std::vector<double>& to) {
+  if (!pressure_.empty()) find(fields, &to, laws_, std::vector<double>(laws_.size(), 1));
+}
+
+void SoftVolume::reset() {
+  laws_.clear();
+  pressure_.clear();
+}
+
+// p at J(u) + dJ/du (to - u), of laws whose K grows afterwards.
+void SoftVolume::find(const PatchFields& fields, const std::vector<double>* to,
+                      const std::vector<PointLaw>& of, const std::vector<double>& growth) {
+  std::size_t batches = 0;
+  for_each_batch(d_, deformable, [&](const CellBatch& batch) { batches = batch.place() + 1; });
+  Sum volume(d_, batches * lanes), grown(volume), p(volume), slope(volume);
+  for_each_taken(d_, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d_.mesh.coordinates()), u = batch.vectors(*fields.u);
+    Batch V, change;
+    batch.kernels.cell_volume(X.data(), u.data(), V, change);
+    if (to != nullptr) {
+      const auto end = batch.vectors(*to);
+      auto v = batch.nodal(d_.dim());
+      batch.kernels.volume_slope(X.data(), u.data(), v.data());
+      for (int i = 0; i < v.size; ++i) change += v.value[i] * (end.value[i] - u.value[i]);
+    }
+    volume.add(batch, V);
+    grown.add(batch, change);
+  });
+  for_each_taken(d_, [&](const CellBatch& batch) {
+    const auto X = batch.vectors(d_.mesh.coordinates());
+    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
+    auto history = batch.histories();
+    auto warming = batch.points<warming_size>();
+    Batch J_minus_1, all, rise;
+    for (int l = 0; l < lanes; ++l) J_minus_1.set(l, grown.of(batch, l) / volume.of(batch, l));
+    MotionInput in;
+    in.X = X.data();
+    in.phi = batch.read(fields.phi, phi);
+    in.theta = batch.read(fields.theta, theta);
+    in.history = batch.read(fields.history, history);
+    in.warming = batch.read(fields.warming, warming);
+    in.unilateral = fields.unilateral;
+    in.patch = &J_minus_1;
+    batch.kernels.cell_pressure(of[at(batch.group.law)], in, all, rise);
+    p.add(batch, all);
+    slope.add(batch, growth[at(batch.group.law)] * rise);
+  });
+  pressure_.assign(batches * 2 * lanes, 0.0);
+  for_each_taken(d_, [&](const CellBatch& batch) {
+    for (int l = 0; l < lanes; ++l) {
+      const std::size_t first = batch.place() * 2 * lanes + at(l);
+      pressure_[first] = p.of(batch, l) / volume.of(batch, l);
+      pressure_[first + lanes] = slope.of(batch, l) / volume.of(batch, l);
+    }
+  });
+  patch_slope_ = slope.of_patch;
+  for (std::size_t i = 0; i < patch_slope_.size(); ++i)
+    patch_slope_[i] = volume.of_patch[i] > 0 ? patch_slope_[i] / volume.of_patch[i] : 0;
+}
+
+const Batch* SoftVolume::pressure(const CellBatch& batch, BatchArray<2>& values) const {
+  if (pressure_.empty() || !takes(batch.law)) return nullptr;
+  std::copy_n(pressure_.data() + batch.place() * 2 * lanes, 2 * lanes,
+              reinterpret_cast<double*>(values.value));
+  return values.data();
+}
+
+void SoftVolume::put_slopes(PatchState& patches) const {
+  if (!pressure_.empty() && !d_.patches.empty()) patches.slope = patch_slope_;
+}
+
+} // namespace impact

@@ -1,0 +1,54 @@
+# labels: run
+# processors: 2
+# timeout: 120
+"""Bodies that hardly change their volume take large steps at their first try (SoftVolume): a bonded bush whose core turns by a
+radian, against the closed form of azimuthal shear, and is pushed aside by half the thickness, against the same in steps that
+Newton's method takes without stages."""
+from math import cos, pi, sin
+
+from _runs import check, check_between, finish, mesh, require, run
+
+E, NU, TURN = 3e6, 0.49999, 1.0
+G = E / (2 * (1 + NU))
+BUSH = {"mesh": mesh("bush.geo"), "materials": "bush", "material_bush_E": E, "material_bush_nu": NU,
+        "bcs": "hold,core", "bc_hold_on": "outside", "bc_hold_type": "fix", "bc_core_on": "inside", "ts_type": "static", "ts_max_time": 1}
+TURNED = {"bc_core_ux": f"cos({TURN}*t)*x-sin({TURN}*t)*y-x", "bc_core_uy": f"sin({TURN}*t)*x+cos({TURN}*t)*y-y"}
+ASIDE = {"bc_core_ux": "0.5*t", "bc_core_uy": 0}
+
+
+def bush(name, steps, options, flat=True, **more):
+    r = run(name, {**BUSH, **({"plane": "strain"} if flat else {}), "ts_dt": 1 / steps, **options}, **more)
+    require(f"{name}: {len(r['time']) - 1} steps, {r['tries'].max():.0f} tries at most", len(r["time"]) == steps + 1)
+    check(f"{name}: each step at its first try", r["tries"].max(), 1, 0)
+    return r
+
+
+# A circle of radius r turns by M (1/r^2 - 1/b^2)/(4 pi G), whatever the angle, and nothing changes its volume.
+energy = 2 * pi * G * TURN**2 / (1 - 1 / 4)
+errors = []
+for n in (12, 24):
+    r = bush(f"turned_{n}", 4, {**TURNED, "mesh_set_n": n})
+    errors.append(r["energy_elastic"][-1] / energy - 1)
+    check(f"energy of the bush turned by a radian, {n} cells", r["energy_elastic"][-1], energy, 2e-2)
+check_between("error of the one over the other", errors[0] / errors[1], 3.5, 4.5)
+
+steps = 10
+whole = bush("aside", steps, ASIDE)
+check_between("iterations to push the core aside, K/G of 5e4", whole["newton"].sum(), 1, 25 * steps)
+small = bush("aside_small", 100, ASIDE)
+check("energy against small steps", whole["energy_elastic"][-1], small["energy_elastic"][-1], 1e-9)
+check("force against small steps", whole["reaction_core_x"][-1], small["reaction_core_x"][-1], 1e-8)
+check("energy on two ranks", bush("aside_ranks", steps, ASIDE, ranks=2)["energy_elastic"][-1], whole["energy_elastic"][-1], 1e-10)
+bush("half", 5, {**ASIDE, "ts_dt": 0.1, "ts_max_steps": 5})
+again = run("half", {**BUSH, **ASIDE, "plane": "strain", "ts_dt": 0.1, "ts_max_steps": 100, "restart": "auto"})
+check("energy after a restart", again["energy_elastic"][-1], whole["energy_elastic"][-1], 0)
+
+# Patches of triangles and of tetrahedra, hexahedra.
+bush("triangles", 4, {**ASIDE, "mesh_set_simplices": 1, "bc_core_ux": "0.4*t"})
+SPACE = {"mesh_set_length": 0.5, "mesh_set_n": 4, "mesh_set_n_long": 2, "bcs": "hold,core,ends", "bc_ends_on": "ends",
+         "bc_ends_uz": 0, "bc_core_uz": 0, "bc_core_ux": "0.4*t"}
+plane = bush("plane", 4, {**ASIDE, "mesh_set_n": 4, "bc_core_ux": "0.4*t"})
+space = bush("space", 4, {**ASIDE, **SPACE}, flat=False)
+check("hexahedra between planes bear what quadrilaterals do", space["energy_elastic"][-1], 0.5 * plane["energy_elastic"][-1], 1e-8)
+bush("tetrahedra", 4, {**ASIDE, **SPACE, "mesh_set_simplices": 1, "bc_core_ux": "0.3*t"}, flat=False)
+finish()
