@@ -151,8 +151,8 @@ void MotionProblem::share(const std::vector<double>& u, double unilateral, Patch
   share_volumes(d_, patch_fields(u, unilateral), patches, pressures);
 }
 
-void MotionProblem::stiffen(Vec u, double most_K_over_G) {
-  soft_volume_.stiffen(patch_fields(d_.local_of(u), step_.unilateral_scale), most_K_over_G);
+void MotionProblem::stiffen(Vec u, double part) {
+  soft_volume_.stiffen(patch_fields(d_.local_of(u), step_.unilateral_scale), part);
 }
 
 void MotionProblem::foretell(Vec u, Vec end) {

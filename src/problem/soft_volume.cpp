@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/soft_volume.hpp>
 
@@ -8,6 +9,13 @@ namespace {
 
 bool takes(const PointLaw& law) {
   return law.parameters.locking == Locking::mean && !law.principal() && !has_state(law.parameters);
+}
+
+// K of the first stage is at most so many G. What flows is as soft in shear as its stress over the strain of
+// the step, a thirtieth of G in one of 4 %.
+double growth_of(const PointLaw& law) {
+  constexpr double most_elastic = 100, most_flowing = 0.1;
+  return std::max(law.parameters.K / ((law.flows() ? most_flowing : most_elastic) * law.parameters.G), 1.0);
 }
 
 // body(batch) for cells of such laws.
@@ -40,29 +48,34 @@ struct Sum {
 
 SoftVolume::SoftVolume(const Discretisation& d) : d_(d) {
   const bool erodes = std::ranges::any_of(d.materials, [](const auto& m) { return m.erosion.on; });
-  for (const PointLaw& law : d.laws)
-    if (takes(law) && !law.rigid() && !erodes)
-      stiffest_ = std::max(stiffest_, law.parameters.K / law.parameters.G);
+  for (const PointLaw& law : d.laws) {
+    if (!takes(law) || law.rigid() || erodes) continue;
+    if (!law.flows())
+      growth_.elastic = std::max(growth_.elastic, growth_of(law));
+    else if (law.parameters.damage == Damage::none)
+      growth_.flowing = std::max(growth_.flowing, growth_of(law));
+  }
 }
 
 const PointLaw& SoftVolume::law(const CellBatch& batch) const {
   return laws_.empty() ? batch.law : laws_[at(batch.group.law)];
 }
 
-std::vector<PointLaw> SoftVolume::limited(double most_K_over_G) const {
+std::vector<PointLaw> SoftVolume::laws_at(double part) const {
   std::vector<PointLaw> laws = d_.laws;
-  for (PointLaw& law : laws)
-    if (takes(law)) law.parameters.K = std::min(law.parameters.K, most_K_over_G * law.parameters.G);
+  if (part < 1)
+    for (PointLaw& law : laws)
+      if (takes(law)) law.parameters.K *= std::pow(growth_of(law), part - 1);
   return laws;
 }
 
-void SoftVolume::soften(double most_K_over_G) {
+void SoftVolume::soften() {
   reset();
-  laws_ = limited(most_K_over_G);
+  laws_ = laws_at(0);
 }
 
-void SoftVolume::stiffen(const PatchFields& fields, double most_K_over_G) {
-  const std::vector<PointLaw> stiffer = limited(most_K_over_G);
+void SoftVolume::stiffen(const PatchFields& fields, double part) {
+  const std::vector<PointLaw> stiffer = laws_at(part);
   std::vector<double> growth;
   for (std::size_t i = 0; i < laws_.size(); ++i)
     growth.push_back(stiffer[i].parameters.K / laws_[i].parameters.K);

@@ -278,21 +278,6 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
   return reason;
 }
 
-SNESConvergedReason MotionSolver::first_way(Vec u, PetscInt most) {
-  hooks_.conduct.hurries = has_stages();
-  SNESConvergedReason reason = newton(u, most);
-  hooks_.conduct.hurries = false;
-  if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors()) {
-    begin_again(u);
-    reason = newton(u, most);
-  }
-  if (reason > 0 || reason == SNES_DIVERGED_LINEAR_SOLVE || !has_stages()) return reason;
-  reason = by_stages(u, most);
-  if (reason > 0) return reason;
-  begin_again(u);
-  return newton(u, most);
-}
-
 void MotionSolver::restart(Vec u) {
   cell_broke_ = false;
   check(VecCopy(start_, u));

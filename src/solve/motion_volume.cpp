@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <impact/petsc/error.hpp>
 #include <impact/solve/motion_solver.hpp>
@@ -5,15 +6,30 @@
 /// Solves of bodies that hardly change their volume, (N4).
 namespace impact {
 
-namespace {
+// How many searches in a row cut a step short before a solve is given up for one in stages; 0: never. Flow
+// that spreads cuts steps, too, and often arrives. Where it meets a contact or breaks that is what cuts them.
+int MotionSolver::patience() const {
+  constexpr double least = 2;
+  const SoftVolume::Growth& growth = motion_.soft_volume().growth();
+  if (arc_) return 0;
+  if (growth.elastic > least) return 2;
+  return growth.flowing > least && motion_.contacts().empty() ? 6 : 0;
+}
 
-// K/G of the first stage, and what it grows by from one to the next.
-constexpr double first_K_over_G = 100, most_growth = 8;
-
-} // namespace
-
-bool MotionSolver::has_stages() const {
-  return !arc_ && motion_.soft_volume().stiffest() > 2 * first_K_over_G;
+SNESConvergedReason MotionSolver::first_way(Vec u, PetscInt most) {
+  const int patience_for = hooks_.conduct.patience = patience();
+  hooks_.conduct.hurried = false;
+  SNESConvergedReason reason = newton(u, most);
+  if (reason == SNES_DIVERGED_LINEAR_SOLVE && fall_back_on_factors()) {
+    begin_again(u);
+    reason = newton(u, most);
+  }
+  hooks_.conduct.patience = 0;
+  if (reason > 0 || reason == SNES_DIVERGED_LINEAR_SOLVE || patience_for == 0) return reason;
+  const SNESConvergedReason staged = by_stages(u, most);
+  if (staged > 0 || !hooks_.conduct.hurried) return staged > 0 ? staged : reason;
+  begin_again(u);
+  return newton(u, most);
 }
 
 // Where the displacement of one iterate changes the volume by the square of its gradient, K times that is a
@@ -22,9 +38,13 @@ bool MotionSolver::has_stages() const {
 // they foretell, those of the mixed method, correct the volume.
 SNESConvergedReason MotionSolver::by_stages(Vec u, PetscInt most) {
   constexpr PetscInt most_later = 15;
+  constexpr double most_elastic = 8, most_flowing = 3; // growth of K from one stage to the next
   SoftVolume& volume = motion_.soft_volume();
-  const double growth = volume.stiffest() / first_K_over_G;
-  const int later = static_cast<int>(std::ceil(std::log(growth) / std::log(most_growth)));
+  const auto stages = [](double growth, double at_once) {
+    return static_cast<int>(std::ceil(std::log(growth) / std::log(at_once)));
+  };
+  const int later =
+      std::max(stages(volume.growth().elastic, most_elastic), stages(volume.growth().flowing, most_flowing));
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
   const std::string usual = line_search_of(snes_);
   PetscReal rtol = 0;
@@ -32,12 +52,10 @@ SNESConvergedReason MotionSolver::by_stages(Vec u, PetscInt most) {
   begin_again(u);
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   for (int stage = 0; stage <= later && reason >= 0; ++stage) {
-    const double K_over_G =
-        stage == later ? HUGE_VAL : first_K_over_G * std::pow(growth, double(stage) / later);
     if (stage == 0)
-      volume.soften(K_over_G);
+      volume.soften();
     else
-      motion_.stiffen(u, K_over_G);
+      motion_.stiffen(u, double(stage) / later);
     reuse_.forget();
     hooks_.preconditioner.forget();
     if (stage == 1) check(SNESLineSearchSetType(search, SNESLINESEARCHBASIC));

@@ -116,7 +116,7 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
     check(VecWAXPY(w, -1, y, x));
     *changed = PETSC_TRUE;
   }
-  if (conduct.hurries) watch_.note_step(part_of(x, y, w));
+  if (conduct.patience > 0) watch_.note_step(part_of(x, y, w));
   motion_.foretell(x, w);
   if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
   if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
@@ -246,8 +246,9 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
   if (motion_.contacts().demands().closes_gaps && balance.ratio() <= near_balance && !gaps_settle(u) &&
       *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;
-  const bool ends = (conduct.watched && gives_up()) || (conduct.hurries && watch_.falls_short());
-  if (*reason == SNES_CONVERGED_ITERATING && ends) *reason = SNES_DIVERGED_LOCAL_MIN;
+  if (*reason != SNES_CONVERGED_ITERATING) return;
+  conduct.hurried = conduct.patience > 0 && watch_.cut_steps() >= conduct.patience;
+  if (conduct.hurried || (conduct.watched && gives_up())) *reason = SNES_DIVERGED_LOCAL_MIN;
 }
 
 // Whether nothing is left open that another iteration closes.

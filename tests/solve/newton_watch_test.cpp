@@ -33,22 +33,22 @@ std::vector<double> circles(int period, int rounds) {
 }
 
 // Once is no matter: the answer of the first linear solve is often too long.
-TEST(NewtonWatch, SeesSearchesThatFallShortTwiceInARowFarFromBalance) {
+TEST(NewtonWatch, CountsStepsInARowThatSearchesCutFarFromBalance) {
   NewtonWatch watch;
   watch.start(false);
   watch.note(1);
   watch.note_step(0.1);
-  EXPECT_FALSE(watch.falls_short());
+  EXPECT_EQ(watch.cut_steps(), 1);
   watch.note_step(1);
+  EXPECT_EQ(watch.cut_steps(), 0);
   watch.note_step(0.4);
-  EXPECT_FALSE(watch.falls_short());
   watch.note_step(0.3);
-  EXPECT_TRUE(watch.falls_short());
+  EXPECT_EQ(watch.cut_steps(), 2);
   watch.note(1e-4);
-  EXPECT_FALSE(watch.falls_short());
+  EXPECT_EQ(watch.cut_steps(), 0);
   watch.start(false);
   watch.note(1);
-  EXPECT_FALSE(watch.falls_short());
+  EXPECT_EQ(watch.cut_steps(), 0);
 }
 
 } // namespace

@@ -76,7 +76,7 @@ public:
   /// How forces and tangents take bodies that hardly change their volume, within a solve.
   SoftVolume& soft_volume() { return soft_volume_; }
   /// SoftVolume::stiffen at u, and foretell for a step from u to `end`.
-  void stiffen(Vec u, double most_K_over_G);
+  void stiffen(Vec u, double part);
   void foretell(Vec u, Vec end);
   /// Displacement that a part of the problem saw last, [node][dim] with ghosts.
   const std::vector<double>& last_displacement() const { return u_; }

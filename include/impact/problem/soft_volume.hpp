@@ -15,15 +15,20 @@ class SoftVolume {
 public:
   explicit SoftVolume(const Discretisation& d);
 
-  /// The largest K/G of the laws that it works for: cells with a mean volume and one pressure, no split by
-  /// principal stretches, no equation of state, no erosion; 0 without any.
-  double stiffest() const { return stiffest_; }
+  /// How many times as large as in the first stage K is in the end, of the laws that it works for: those of
+  /// cells with a mean volume and one pressure, no split by principal stretches, no equation of state, no
+  /// erosion; 1 without any.
+  struct Growth {
+    double elastic = 1, flowing = 1; ///< bodies that flow and break are none of the second
+  };
+  const Growth& growth() const { return growth_; }
   /// The law of the cells, with its present K.
   const PointLaw& law(const CellBatch& batch) const;
-  /// K is at most so many G from now on, and pressures are those of the displacement.
-  void soften(double most_K_over_G);
-  /// The same limit, higher, and pressures stay what they are at `fields` with the lower one.
-  void stiffen(const PatchFields& fields, double most_K_over_G);
+  /// K is that of the first stage from now on, and pressures are those of the displacement.
+  void soften();
+  /// K goes on the part of the way, in logarithms, and pressures stay what they are at `fields`. At 1 it has
+  /// arrived.
+  void stiffen(const PatchFields& fields, double part);
   /// Pressures follow a step from `fields` to the displacement `to`, as the slope of the volume tells; where
   /// none are kept nothing happens.
   void foretell(const PatchFields& fields, const std::vector<double>& to);
@@ -38,10 +43,10 @@ public:
 private:
   void find(const PatchFields& fields, const std::vector<double>* to, const std::vector<PointLaw>& of,
             const std::vector<double>& growth);
-  std::vector<PointLaw> limited(double most_K_over_G) const;
+  std::vector<PointLaw> laws_at(double part) const;
 
   const Discretisation& d_;
-  double stiffest_ = 0;
+  Growth growth_;
   std::vector<PointLaw> laws_;      // as Discretisation::laws; empty: these
   std::vector<double> pressure_;    // [group][batch][p, dp/dJ][lane]; empty: none kept
   std::vector<double> patch_slope_; // [patch] dp/dJ

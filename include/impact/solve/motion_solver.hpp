@@ -86,7 +86,7 @@ private:
   void leave_unstable(Vec u, PetscInt most);
   bool go_down(Vec u, Vec direction);
   SNESConvergedReason first_way(Vec u, PetscInt most);
-  bool has_stages() const;
+  int patience() const;
   SNESConvergedReason by_stages(Vec u, PetscInt most);
   void begin_again(Vec u);
 

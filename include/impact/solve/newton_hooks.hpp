@@ -32,8 +32,8 @@ public:
   /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
   /// than a third where it is a thousandth of the first one already.
   bool stalls() const { return full_steps_ && unchanged_ >= 5; }
-  /// Whether the last two steps were cut to less than half, far from the solution.
-  bool falls_short() const { return short_ >= 2 && !is_near(); }
+  /// Steps in a row that were cut to less than half, far from the solution.
+  int cut_steps() const { return is_near() ? 0 : short_; }
   /// Whether the last norm is below a thousandth of the first one.
   bool is_near() const { return !norms_.empty() && is_near(norms_.back()); }
 
@@ -83,7 +83,8 @@ public:
     bool goes_on = false;         ///< it goes on from a first iteration: its balance has a start already
     bool follows_sliding = false; ///< what slides to and fro sticks
     bool watched = false;         ///< may be given up for another way
-    bool hurries = false;         ///< is given up as soon as line searches cut its steps short
+    int patience = 0;             ///< given up once searches cut so many steps in a row; 0: not for that
+    bool hurried = false;         ///< it was
     Aim aim = Aim::balance;
     bool alone = false;      ///< a linear solve outside of SNESSolve, without forcing term
     Handle<Vec> known;       ///< the answer of the linear solve that comes next, or empty

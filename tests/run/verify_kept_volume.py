@@ -4,7 +4,7 @@
 """Bodies that hardly change their volume take large steps at their first try (SoftVolume): a bonded bush whose core turns by a
 radian, against the closed form of azimuthal shear, and is pushed aside by half the thickness, against the same in steps that
 Newton's method takes without stages."""
-from math import cos, pi, sin
+from math import cos, log, pi, sin
 
 from _runs import check, check_between, finish, mesh, require, run
 
@@ -51,4 +51,18 @@ plane = bush("plane", 4, {**ASIDE, "mesh_set_n": 4, "bc_core_ux": "0.4*t"})
 space = bush("space", 4, {**ASIDE, **SPACE}, flat=False)
 check("hexahedra between planes bear what quadrilaterals do", space["energy_elastic"][-1], 0.5 * plane["energy_elastic"][-1], 1e-8)
 bush("tetrahedra", 4, {**ASIDE, **SPACE, "mesh_set_simplices": 1, "bc_core_ux": "0.3*t"}, flat=False)
+
+# What flows keeps its volume: a bar whose ends are held is pulled by 4 or 10 % in its first step, F = A (sigma_y + H ln s)/s.
+BAR = {"mesh": mesh("block.geo"), "mesh_set_dim": 3, "mesh_set_lx": 30, "mesh_set_ly": 3, "mesh_set_lz": 3, "mesh_set_n": 60, "mesh_set_ny": 6,
+       "mesh_set_nz": 6, "materials": "bar", "material_bar_region": "solid", "material_bar_model": "j2", "material_bar_E": 200e9, "material_bar_nu": 0.3,
+       "material_bar_sigma_y": 300e6, "material_bar_hardening": "linear", "material_bar_linear_h": 400e6, "bcs": "left,bottom,back,pull",
+       "bc_left_on": "left", "bc_left_ux": 0, "bc_bottom_on": "bottom", "bc_bottom_uy": 0, "bc_back_on": "back", "bc_back_uz": 0,
+       "bc_pull_on": "right", "bc_pull_ux": "12*t", "bc_pull_uy": 0, "bc_pull_uz": 0, "ts_type": "static", "ts_max_steps": 1, "ts_max_time": 1,
+       "energy_tol": 0, "energy_stop": 0}
+for dt in (0.1, 0.25):
+    r = run(f"bar_{dt}", {**BAR, "ts_dt": dt})
+    stretch = 1 + 12 * dt / 30
+    check(f"bar stretched to {stretch} in a step, its tries", r["tries"].max(), 1, 0)
+    check("its force", r["reaction_pull_x"][-1], 9 * (300e6 + 400e6 * log(stretch)) / stretch, 0.01)
+    check_between("its Newton iterations, in all stages", r["newton"][-1], 1, 40)
 finish()
