@@ -134,6 +134,12 @@ OptionClass<InitialCondition> initial_class() {
                         &Scenario::ics};
   Rows row(table.rows);
   row.groups("on", &Ic::on, "groups of the mesh", [](const Ic&, int) { return 0; });
+  table.rows.back().refused(
+      [](const Ic& ic) {
+        const auto given = [](const auto& value) { return bool(value); };
+        return !std::ranges::any_of(ic.u, given) && !std::ranges::any_of(ic.v, given) && !ic.phi && !ic.theta;
+      },
+      "begins with nothing: no value is given; allowed: beside <>ux .., <>vx .., <>phi or <>theta");
   row.components("u", &Ic::u, "m", "initial displacement");
   row.components("v", &Ic::v, "m/s", "initial velocity");
   row.expression("phi", &Ic::phi, "1 phi", fraction, "initial damage")

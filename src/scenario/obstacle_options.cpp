@@ -63,6 +63,9 @@ void add_obstacle(std::vector<OptionRow<ContactScenario>>& rows) {
       Rows<Contact>::Of::turns);
   for (std::size_t i = first; i < rows.size(); ++i) {
     if (rows[i].name.starts_with("rigid_u")) { // an obstacle that moves as told stays in the plane anyway
+      rows[i].refused([](const Contact& c) { return !c.rigid(); },
+                      "`{primary}` is a boundary of the mesh, which moves as its body does; allowed: with "
+                      "plane, rigid_sphere, rigid_cylinder as the primary; remove it");
       const auto misfit = rows[i].misfit;
       rows[i].misfit = [=](const Contact& c, int dim) {
         return c.carrier.empty() || !misfit ? std::string() : misfit(c, dim);

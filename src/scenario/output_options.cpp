@@ -1,5 +1,6 @@
 #include "classes.hpp"
 #include <algorithm>
+#include <filesystem>
 #include <impact/input/condition.hpp>
 #include <impact/scenario/columns.hpp>
 
@@ -96,6 +97,12 @@ OptionClass<OutputScenario> output_class() {
       .otherwise("<id>.xdmf, history.csv")
       .refused([](const Output& output) { return output.file.front() == '/'; },
                "is an absolute path; allowed: a name below -output_dir")
+      .refused(
+          [](const Output& output) {
+            return std::ranges::any_of(std::filesystem::path(output.file),
+                                       [](const auto& part) { return part == ".."; });
+          },
+          "leads out of its folder; allowed: a name below -output_dir")
       .refused([](const Output& output, const Scenario& s) { return rival(output, s) != nullptr; },
                [](const Output& output, const Scenario& s) {
                  return "is written by output " + rival(output, s)->id + " already; choose another name";
@@ -218,7 +225,10 @@ OptionClass<StopScenario> stop_class() {
       .required();
   // Columns are known when the run starts, the grammar is now.
   table.finish = [](const StopScenario& stop, OptionContext& context) {
-    Condition("-stop_" + stop.id + "_when", stop.when, context.names.parameters);
+    const std::string key = "-stop_" + stop.id + "_when";
+    Condition(key, stop.when, context.names.parameters);
+    if (stop.when.find_first_of("<>=") == std::string::npos)
+      refuse_option({key, stop.when}, "compares nothing; allowed: comparisons, as in reaction_top_y < 0.1");
   };
   return table;
 }

@@ -239,6 +239,10 @@ OptionGroup time_options() {
       "Newmark's beta, without -ts_newmark_rho");
   add(scheme, "ts_newmark_gamma", "1 gamma", Interval{0.5, 2}, "1/2",
       "Newmark's gamma, without -ts_newmark_rho");
+  for (OptionRow<Scenario>& row : group.rows)
+    if (row.name.starts_with("ts_newmark_"))
+      row.idle([](const Scenario& s) { return !s.has_inertia() || s.explicit_steps(); },
+               "the steps of this -ts_type are not Newmark's");
   add(free, "ts_adapt_grow", "1", Interval{1}, "1.5", "factor of the step after enough easy ones");
   add(free, "ts_adapt_easy_steps", "", Interval{1}, "4", "easy steps in a row before the step grows");
   add(free, "ts_adapt_easy_its", "", Interval{0}, "10", "most iterations of an easy step");

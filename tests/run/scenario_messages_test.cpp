@@ -328,6 +328,26 @@ const std::vector<Row>& rows() {
        "-motion_mat_type \"sbaij\": needs a symmetric tangent, that of -contact_tip_friction is not; "
        "allowed: no "
        "friction; choose -motion_mat_type aij"},
+      {{{"-contact_tip_rigid_ux", "1"}},
+       ExitCode::usage,
+       "-contact_tip_rigid_ux \"1\": `beam_bottom` is a boundary of the mesh, which moves as its body does; "
+       "allowed: with plane, rigid_sphere, rigid_cylinder as the primary; remove it"},
+      {{{"-contact_tip_radius", "1"}},
+       ExitCode::usage,
+       "-contact_tip_radius \"1\": is for a rigid sphere or cylinder; allowed: with -contact_tip_primary "
+       "rigid_sphere, rigid_cylinder; remove it"},
+      {{{"-contact_tip_plane_point", "0,1"}},
+       ExitCode::usage,
+       "-contact_tip_plane_point \"0,1,0\": is for a rigid plane; allowed: with -contact_tip_primary plane; "
+       "remove it"},
+      {{{"-ics", "fly,rest"}, {"-ic_rest_on", "beam"}},
+       ExitCode::usage,
+       "-ic_rest_on \"beam\": begins with nothing: no value is given; allowed: beside -ic_rest_ux .., "
+       "-ic_rest_vx .., -ic_rest_phi or -ic_rest_theta"},
+      {{{"-stops", "end"}, {"-stop_end_when", "reaction_push_y"}},
+       ExitCode::usage,
+       "-stop_end_when \"reaction_push_y\": compares nothing; allowed: comparisons, as in reaction_top_y < "
+       "0.1"},
       {{{"-contact_tip_rigid_mass", "1"}},
        ExitCode::usage,
        "-contact_tip_rigid_mass \"1\": `beam_bottom` is a boundary of the mesh; allowed: with plane, "
