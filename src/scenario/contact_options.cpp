@@ -30,25 +30,23 @@ void add_sides(ContactRows& rows) {
     };
   };
   row.point("plane_point", &Contact::plane_point, "m", "a point of the rigid plane")
-      .refused(only_of({"plane"}), "is for a rigid plane; allowed: with <>primary plane; remove it");
+      .idle(only_of({"plane"}), "<>primary is no rigid plane");
   row.point("plane_normal", &Contact::plane_normal, "1", "normal of the rigid plane, away from its body")
-      .refused(only_of({"plane"}), "is for a rigid plane; allowed: with <>primary plane; remove it")
+      .idle(only_of({"plane"}), "<>primary is no rigid plane")
       .refused(
           [](const Contact& c) {
             return c.primary == "plane" &&
                    std::all_of(c.plane_normal, c.plane_normal + 3, [](double n) { return n == 0; });
           },
           "has no direction; allowed: a vector of any length but 0");
-  const std::string round = "is for a rigid sphere or cylinder; allowed: with <>primary rigid_sphere, "
-                            "rigid_cylinder; remove it";
+  const std::string round = "<>primary is no rigid sphere or cylinder";
   row.point("centre", &Contact::centre, "m", "of the rigid sphere, or a point on the axis of the cylinder")
-      .refused(only_of({"rigid_sphere", "rigid_cylinder"}), round);
+      .idle(only_of({"rigid_sphere", "rigid_cylinder"}), round);
   row.point("axis", &Contact::axis, "1", "of the rigid cylinder; in the plane along z")
-      .refused(only_of({"rigid_cylinder"}),
-               "is for a rigid cylinder; allowed: with <>primary rigid_cylinder; remove it");
+      .idle(only_of({"rigid_cylinder"}), "<>primary is no rigid cylinder");
   row.number("radius", &Contact::radius, "m", not_negative,
              "of the rigid sphere or cylinder, outside of which the bodies are")
-      .refused(only_of({"rigid_sphere", "rigid_cylinder"}), round);
+      .idle(only_of({"rigid_sphere", "rigid_cylinder"}), round);
 }
 
 void add_methods(ContactRows& rows) {

@@ -332,14 +332,6 @@ const std::vector<Row>& rows() {
        ExitCode::usage,
        "-contact_tip_rigid_ux \"1\": `beam_bottom` is a boundary of the mesh, which moves as its body does; "
        "allowed: with plane, rigid_sphere, rigid_cylinder as the primary; remove it"},
-      {{{"-contact_tip_radius", "1"}},
-       ExitCode::usage,
-       "-contact_tip_radius \"1\": is for a rigid sphere or cylinder; allowed: with -contact_tip_primary "
-       "rigid_sphere, rigid_cylinder; remove it"},
-      {{{"-contact_tip_plane_point", "0,1"}},
-       ExitCode::usage,
-       "-contact_tip_plane_point \"0,1,0\": is for a rigid plane; allowed: with -contact_tip_primary plane; "
-       "remove it"},
       {{{"-ics", "fly,rest"}, {"-ic_rest_on", "beam"}},
        ExitCode::usage,
        "-ic_rest_on \"beam\": begins with nothing: no value is given; allowed: beside -ic_rest_ux .., "
