@@ -26,10 +26,14 @@ SNESConvergedReason MotionSolver::first_way(Vec u, PetscInt most) {
   }
   hooks_.conduct.patience = 0;
   if (reason > 0 || reason == SNES_DIVERGED_LINEAR_SOLVE || patience_for == 0) return reason;
-  const SNESConvergedReason staged = by_stages(u, most);
-  if (staged > 0 || !hooks_.conduct.hurried) return staged > 0 ? staged : reason;
+  const bool hurried = hooks_.conduct.hurried, broke = cell_broke_;
+  const PetscInt iterations = iterations_;
+  if (const SNESConvergedReason staged = by_stages(u, most); staged > 0) return staged;
+  iterations_ = iterations;
   begin_again(u);
-  return newton(u, most);
+  if (hurried) return newton(u, most);
+  cell_broke_ = broke;
+  return reason;
 }
 
 // Where the displacement of one iterate changes the volume by the square of its gradient, K times that is a
