@@ -156,6 +156,7 @@ void MotionProblem::stiffen(Vec u, double part) {
 }
 
 void MotionProblem::foretell(Vec u, Vec end) {
+  if (!soft_volume_.keeps_pressures()) return; // in every iteration of any solve
   soft_volume_.foretell(patch_fields(d_.local_of(u), step_.unilateral_scale), d_.local_of(end));
 }
 

@@ -1,6 +1,6 @@
+#include "pressure_batch.hpp"
 #include <algorithm>
 #include <cmath>
-#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/soft_volume.hpp>
 
 namespace impact {
@@ -84,12 +84,12 @@ void SoftVolume::stiffen(const PatchFields& fields, double part) {
 }
 
 void SoftVolume::foretell(const PatchFields& fields, const std::vector<double>& to) {
-  if (!pressure_.empty()) find(fields, &to, laws_, std::vector<double>(laws_.size(), 1));
+  if (keeps_pressures()) find(fields, &to, laws_, std::vector<double>(laws_.size(), 1));
 }
 
 void SoftVolume::reset() {
   laws_.clear();
-  pressure_.clear();
+  kept_ = false;
 }
 
 // p at J(u) + dJ/du (to - u), of laws whose K grows afterwards.
@@ -112,24 +112,14 @@ void SoftVolume::find(const PatchFields& fields, const std::vector<double>* to,
     grown.add(batch, change);
   });
   for_each_taken(d_, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(d_.mesh.coordinates());
-    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
-    auto history = batch.histories();
-    auto warming = batch.points<warming_size>();
     Batch J_minus_1, all, rise;
     for (int l = 0; l < lanes; ++l) J_minus_1.set(l, grown.of(batch, l) / volume.of(batch, l));
-    MotionInput in;
-    in.X = X.data();
-    in.phi = batch.read(fields.phi, phi);
-    in.theta = batch.read(fields.theta, theta);
-    in.history = batch.read(fields.history, history);
-    in.warming = batch.read(fields.warming, warming);
-    in.unilateral = fields.unilateral;
-    in.patch = &J_minus_1;
-    batch.kernels.cell_pressure(of[at(batch.group.law)], in, all, rise);
+    const PressureBatch cells(batch, fields, &J_minus_1);
+    batch.kernels.cell_pressure(of[at(batch.group.law)], cells.in, all, rise);
     p.add(batch, all);
     slope.add(batch, growth[at(batch.group.law)] * rise);
   });
+  kept_ = true;
   pressure_.assign(batches * 2 * lanes, 0.0);
   for_each_taken(d_, [&](const CellBatch& batch) {
     for (int l = 0; l < lanes; ++l) {
@@ -144,14 +134,14 @@ void SoftVolume::find(const PatchFields& fields, const std::vector<double>* to,
 }
 
 const Batch* SoftVolume::pressure(const CellBatch& batch, BatchArray<2>& values) const {
-  if (pressure_.empty() || !takes(batch.law)) return nullptr;
+  if (!keeps_pressures() || !takes(batch.law)) return nullptr;
   std::copy_n(pressure_.data() + batch.place() * 2 * lanes, 2 * lanes,
               reinterpret_cast<double*>(values.value));
   return values.data();
 }
 
 void SoftVolume::put_slopes(PatchState& patches) const {
-  if (!pressure_.empty() && !d_.patches.empty()) patches.slope = patch_slope_;
+  if (keeps_pressures() && !d_.patches.empty()) patches.slope = patch_slope_;
 }
 
 } // namespace impact

@@ -1,5 +1,5 @@
+#include "pressure_batch.hpp"
 #include <algorithm>
-#include <impact/problem/cell_loop.hpp>
 #include <impact/problem/soft_volume.hpp>
 #include <impact/problem/volume_patches.hpp>
 #include <map>
@@ -134,21 +134,10 @@ void find_volumes(const Discretisation& d, const std::vector<double>& u, PatchSt
 void find_pressures(const Discretisation& d, const PatchFields& fields, PatchState& state) {
   for (auto* sum : {&state.p, &state.slope}) sum->assign(at(d.patches.count()), 0.0);
   for_each_patched(d, [&](const CellBatch& batch) {
-    const auto X = batch.vectors(d.mesh.coordinates());
-    NodalValues phi = batch.nodal(1), theta = batch.nodal(1);
-    auto history = batch.histories();
     BatchArray<1> J_minus_1(1);
-    auto warming = batch.points<warming_size>();
-    MotionInput in;
-    in.X = X.data();
-    in.phi = batch.read(fields.phi, phi);
-    in.theta = batch.read(fields.theta, theta);
-    in.history = batch.read(fields.history, history);
-    in.warming = batch.read(fields.warming, warming);
-    in.patch = batch.read_shared(state.J_minus_1, J_minus_1);
-    in.unilateral = fields.unilateral;
+    const PressureBatch cells(batch, fields, batch.read_shared(state.J_minus_1, J_minus_1));
     Batch p, dp;
-    batch.kernels.cell_pressure(fields.soft ? fields.soft->law(batch) : batch.law, in, p, dp);
+    batch.kernels.cell_pressure(fields.soft ? fields.soft->law(batch) : batch.law, cells.in, p, dp);
     add_up(batch, {{p, &state.p}, {dp, &state.slope}});
   });
   divide(state.p, state.volume);

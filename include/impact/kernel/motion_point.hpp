@@ -82,8 +82,7 @@ inline PointEnergies<Batch> point_energies(const Law& law, const Batch& z, const
 }
 
 /// J - 1 that comes from the patch of a cell, and p and dp/dJ from there or of SoftVolume; null: the cell
-/// finds its own. `warming` as in
-/// MotionInput.
+/// finds its own. `warming` as in MotionInput.
 struct PatchVolume {
   const Batch *J_minus_1 = nullptr, *pressure = nullptr, *warming = nullptr;
 };

@@ -35,6 +35,7 @@ public:
   /// Laws and pressures as the materials have them.
   void reset();
 
+  bool keeps_pressures() const { return kept_; } ///< alike on all ranks
   /// p and dp/dJ of the cells for a tangent; null where the displacement tells them.
   const Batch* pressure(const CellBatch& batch, BatchArray<2>& values) const;
   /// Puts dp/dJ of the patches into the state of a tangent.
@@ -48,7 +49,8 @@ private:
   const Discretisation& d_;
   Growth growth_;
   std::vector<PointLaw> laws_;      // as Discretisation::laws; empty: these
-  std::vector<double> pressure_;    // [group][batch][p, dp/dJ][lane]; empty: none kept
+  bool kept_ = false;               // pressures, which are
+  std::vector<double> pressure_;    // [group][batch][p, dp/dJ][lane]
   std::vector<double> patch_slope_; // [patch] dp/dJ
 };
 
