@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 180
-# processors: 2
 """Central differences: exact wave fronts at the stable step, order, energies over 1e5 steps, free fall, prescribed motion and
 its reactions, the step that is too long, agreement with Newmark's method, restart, ranks, repeated steps, damage, heat."""
 import filecmp

@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 120
 """Bodies that hardly change their volume take large steps at their first try (SoftVolume): a bonded bush whose core turns by a
 radian, against the closed form of azimuthal shear, and is pushed aside by half the thickness, against the same in steps that

@@ -3,7 +3,6 @@ what it prints or are not. An option of ours that a file gives was an error when
 head of the log had no groups, masses, gaps, and "as the options say" for the solver."""
 # labels: run
 # timeout: 120
-# processors: 2
 import subprocess
 
 from _runs import ENVIRONMENT, PROGRAM, check, finish, mesh, require, run

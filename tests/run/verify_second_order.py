@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 240
 """Cells of second order in whole runs: they do not lock, follow curved boundaries, keep the bounds of damage and energies of
 explicit steps, and are the same on two ranks and from a checkpoint."""
