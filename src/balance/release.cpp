@@ -1,5 +1,6 @@
 #include "stored_input.hpp"
 
+#include <algorithm>
 #include <impact/balance/release.hpp>
 #include <impact/kernel/cell_kernels.hpp>
 #include <impact/math/rotation.hpp>
@@ -87,7 +88,8 @@ Vector3 normal_of(const Mesh& mesh, const int* node) {
 
 } // namespace
 
-void keep_sides(const Discretisation& d, const std::vector<double>& part, std::vector<double>& moved) {
+void keep_sides(const Discretisation& d, const std::vector<double>& part, std::span<const double> phi,
+                double broken, std::vector<double>& moved) {
   // At edges and where sides are curved several directions lie across: the sum of their squares tells all.
   const auto dim = at(d.dim());
   const FieldLayout layout(d.mesh, "sides", d.dim() * d.dim());
@@ -96,6 +98,7 @@ void keep_sides(const Discretisation& d, const std::vector<double>& part, std::v
   const auto width = at(facets.nodes_per_facet);
   for (std::size_t f = 0; f < facets.point.size(); ++f) {
     const int* node = &facets.connectivity[width * f];
+    if (!phi.empty() && std::all_of(node, node + width, [&](int n) { return phi[at(n)] > broken; })) continue;
     const Vector3 normal = normal_of(d.mesh, node);
     for (std::size_t a = 0; a < width; ++a)
       for (std::size_t i = 0; i < dim; ++i)

@@ -58,6 +58,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
 }
 
 void HistoryObserver::find_ways() {
+  ways_.clear();
   const Discretisation& d = motion_.discretisation();
   const auto X = d.mesh.coordinates();
   const std::size_t dim = at(d.dim());
@@ -67,13 +68,15 @@ void HistoryObserver::find_ways() {
       part.push_back(advance(ring, X.subspan(i, dim)));
       for (std::size_t k = 0; k < dim; ++k) moved[i + k] = part.back() * ring.direction[k];
     }
-    keep_sides(d, part, moved);
+    keep_sides(d, part, phi_ ? std::span<const double>(phi_->committed) : std::span<const double>(),
+               scenario_.crack_level, moved);
     ways_.push_back(std::move(moved));
   }
 }
 
-void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const {
+void HistoryObserver::append_releases(HistoryFile::Row& row, const Snapshot& snapshot) {
   if (scenario_.releases.empty()) return;
+  if (ways_.empty() || phi_) find_ways(); // cracks begin at sides
   const Discretisation& d = motion_.discretisation();
   const std::size_t size = d.mesh.coordinates().size();
   std::vector<double> lag, body; // acceleration, less the force by mass

@@ -51,7 +51,6 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     for (const std::string& field : measure.fields)
       source_.require("-measure_" + measure.id + "_fields", field, true);
   locate_probes();
-  find_ways();
 }
 
 void HistoryObserver::open(std::optional<long> resume_after, const HistoryFile::Row& columns) {

@@ -183,7 +183,10 @@ OptionClass<ReleaseScenario> release_class() {
       &Scenario::releases};
   Rows row(table.rows, RestartKey::free);
   row.point("at", &Release::at, "m", "middle of the ring, reference coordinates");
-  row.number("inner", &Release::inner, "m (J1)", positive, "inner radius, beyond the damage around the tip")
+  row.number(
+         "inner", &Release::inner, "m (J1)", positive,
+         "inner radius, beyond the damage around the tip; about a phase field of length gamma 6 gamma give "
+         "0.4 % too little, 4 gamma 2 %")
       .required()
       .needed([](const Release&, const Scenario&) { return true; }, "allowed: a radius > 0");
   row.number("outer", &Release::outer, "m (J1)", positive,

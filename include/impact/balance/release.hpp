@@ -1,13 +1,17 @@
 #pragma once
 #include <impact/balance/energies.hpp>
 #include <impact/problem/boundary_data.hpp>
+#include <span>
 
 /// What the advance of a crack sets free (theory.md, J1).
 namespace impact {
 
 /// Takes from what nodes are to advance by, `moved` as below, what would move a side of a body off itself: of
-/// nodes that advance by a `part` (local [node]) between 0 and 1, that across the facets at them. Collective.
-void keep_sides(const Discretisation& d, const std::vector<double>& part, std::vector<double>& moved);
+/// nodes that advance by a `part` (local [node]) between 0 and 1, that across the facets at them. Sides at
+/// all of whose nodes `phi` (local [node], or empty) is above `broken` go along: there a crack has begun.
+/// Collective.
+void keep_sides(const Discretisation& d, const std::vector<double>& part, std::span<const double> phi,
+                double broken, std::vector<double>& moved);
 
 /// -dE/ds of the elastic energy E(X + s moved, u) by the reference places of the nodes, local [node][dim], at
 /// fixed nodal displacements: with a `moved` that is 1 at the tip of a crack and 0 far away, its energy

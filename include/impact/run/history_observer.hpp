@@ -41,7 +41,7 @@ private:
   void append_cracks(HistoryFile::Row& row, double time);
   void append_probes(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
-  void append_releases(HistoryFile::Row& row, const Snapshot& snapshot) const;
+  void append_releases(HistoryFile::Row& row, const Snapshot& snapshot);
   void locate_probes();
   void find_ways();
 
