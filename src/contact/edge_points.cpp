@@ -69,7 +69,7 @@ bool EdgePoints::faces(const CarriedFunction& gap, const Point2<double>& normal)
 }
 
 template <>
-EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate, int,
+EdgePoints::Seen EdgePointForm::look(const Facet& facet, const ShapeValues& shape, int candidate,
                                      const ContactValues& x) const {
   Seen seen;
   seen.candidate = candidate;
@@ -103,7 +103,7 @@ EdgePoints::Seen EdgePointForm::nearest(const Facet& facet, const ShapeValues& s
 template <>
 bool EdgePointForm::held(const Facet& facet, const ShapeValues& shape, const ContactValues& x,
                          const Hold& hold, Seen& seen) const {
-  seen = look(facet, shape, hold.candidate, 0, x);
+  seen = look(facet, shape, hold.candidate, x);
   const Foot<double>& foot = seen.foot;
   // An iterate that flies off altogether, or over an open end, is judged as a point that nothing holds.
   const bool goes_on = foot.xi < 0 ? seen.edge.has_previous : seen.edge.has_next;
@@ -124,7 +124,7 @@ EdgePoints::Seen EdgePointForm::passed(const Facet& facet, const ShapeValues& sh
   const double deep = depth(facet.number);
   const Candidates& list = search_.candidates();
   for (int c : list.of(at(facet.number))) {
-    const Seen seen = look(facet, shape, c, 0, x);
+    const Seen seen = look(facet, shape, c, x);
     const Foot<double>& foot = seen.foot;
     if (!(foot.gap < -deep) || !(retraction(foot, facet.normal, infinity) < infinity)) continue;
     if (!may_meet(folded(), foot, facet.normal, infinity)) continue;

@@ -10,8 +10,8 @@ namespace impact {
 
 namespace {
 
-// A foot belongs to a triangle if no part of it is below minus this; beyond the sides of the whole surface
-// contact goes on by this part of a triangle.
+// A foot belongs to a facet if no part of it is below minus this; beyond the sides of the whole surface
+// contact goes on by this part of one.
 constexpr double inside = 1e-9, beyond = 0.01;
 constexpr int largest_rule = 16;
 
@@ -22,8 +22,6 @@ Point3 point3(const ContactValues& x, int node) {
 template <class Foot> double least_part(const Foot& foot) {
   return *std::min_element(foot.part.begin(), foot.part.end());
 }
-
-int triangles_of(int corners) { return corners == 3 ? 1 : 4; }
 
 FaceCorners reference(const ContactSurface& surface, int f) {
   return {point3(surface.X, 4 * f), point3(surface.X, 4 * f + 1), point3(surface.X, 4 * f + 2),
@@ -86,25 +84,12 @@ template <std::size_t dim> double density_of(const std::array<double, dim>& area
   return std::sqrt(square);
 }
 
-// What a point looks at, and the derivatives of its gap.
-FaceRay ray_between(const FaceCorners& x, const ShapeValues& point, const FaceCorners& p, int triangle) {
-  return {x, point, p, triangle_weights(corners_of(p), triangle)};
-}
-template <class Nodes, class Shape>
-CurvedRay<Shape> ray_between(const Nodes& x, const FacetPlace<Shape>& point, const Nodes& p, int) {
+FaceRay ray_between(const FaceCorners& x, const ShapeValues& point, const FaceCorners& p) {
   return {x, point, p};
 }
-std::array<double, 24> row_of(const FaceRay& ray, const RayFoot&) { return ray_gradient(ray); }
-template <class Shape> auto row_of(const CurvedRay<Shape>& ray, const CurvedFoot<Shape>& foot) {
-  return ray_gradient(ray, foot);
-}
-void add_hessian(const FaceRay& ray, const RayFoot&, double factor, std::span<double> hessian) {
-  add_ray_hessian(ray, factor, hessian);
-}
-template <class Shape>
-void add_hessian(const CurvedRay<Shape>& ray, const CurvedFoot<Shape>& foot, double factor,
-                 std::span<double> hessian) {
-  add_ray_hessian(ray, foot, factor, hessian);
+template <class Nodes, class Shape>
+CurvedRay<Shape> ray_between(const Nodes& x, const FacetPlace<Shape>& point, const Nodes& p) {
+  return {x, point, p};
 }
 
 } // namespace
@@ -224,10 +209,10 @@ double CurvedPoints<Shape>::stretch(const Nodes&, const Nodes& from_first, const
 }
 
 template <class G>
-auto PointForm<G>::look(const Facet& facet, const Point& point, int candidate, int part,
-                        const ContactValues& x) const -> Seen {
-  return {candidate, part,
-          cast_ray(ray_between(facet.node, point, corners_at<Nodes>(primary_slots(candidate), x), part))};
+auto PointForm<G>::look(const Facet& facet, const Point& point, int candidate, const ContactValues& x) const
+    -> Seen {
+  return {candidate,
+          cast_ray(ray_between(facet.node, point, corners_at<Nodes>(primary_slots(candidate), x)))};
 }
 
 // By normals and depth.
@@ -238,22 +223,18 @@ bool PointForm<G>::may_touch(const Facet& facet, const Point& point, const Seen&
   if (seen.foot.gap > -deep) return true;
   // So deep only what came through the surface within this step.
   if (nodes().start.empty()) return false;
-  const Seen before =
-      look(facet_at(facet.number, nodes().start), point, seen.candidate, seen.part, nodes().start);
+  const Seen before = look(facet_at(facet.number, nodes().start), point, seen.candidate, nodes().start);
   return -least_opposition > before.foot.opposition && before.foot.gap > -deep;
 }
 
 // What lies before the point, or behind it: the nearest; beside the surface, what is next to it.
 template <class G>
 auto PointForm<G>::nearest(const Facet& facet, const Point& point, const ContactValues& x) const -> Seen {
-  // By reference coordinates: of two equal distances every number of ranks takes the same facet, or triangle.
-  const auto key = [&](int c, int t) {
+  // By reference coordinates: of two equal distances every number of ranks takes the same facet.
+  const auto key = [&](int c) {
     Nodes face = corners_at<Nodes>(primary_slots(c), nodes().X);
-    std::array<Place, 2> side{};
-    if constexpr (!G::curved) side = {face[at(t)], face[(at(t) + 1) % at(primary_corners(c))]};
-    std::sort(side.begin(), side.end());
     std::sort(face.begin(), face.end());
-    return std::pair(side, face);
+    return face;
   };
   Seen best;
   bool best_inside = false;
@@ -271,27 +252,25 @@ auto PointForm<G>::nearest(const Facet& facet, const Point& point, const Contact
     const Ball ball = facet.balls != nullptr ? (*facet.balls)[next++] : about(c);
     if (passes_by(ball, here, normal, search_.radius())) continue;
     const Nodes opposite = corners_at<Nodes>(primary_slots(c), x);
-    const int corners = primary_corners(c), parts = G::curved ? 1 : triangles_of(corners);
-    const std::conditional_t<G::curved, AnySight, Sight> sight(opposite, corners, here, normal, beyond);
-    for (int t = 0; t < parts; ++t) {
-      if (sight.misses(t)) continue;
-      const Seen seen = look(facet, point, c, t, x);
-      const double least = least_part(seen.foot);
-      if (!(least >= -beyond) || !may_touch(facet, point, seen)) continue;
-      const bool is_inside = least >= -inside;
-      bool better = best.candidate < 0;
-      if (!better && is_inside != best_inside) {
-        better = is_inside;
-      } else if (!better && is_inside) {
-        const double nearer = std::abs(best.foot.gap) - std::abs(seen.foot.gap);
-        better = nearer > equal || (nearer > -equal && key(c, t) < key(best.candidate, best.part));
-      } else if (!better) {
-        better = least > least_part(best.foot);
-      }
-      if (!better) continue;
-      best = seen;
-      best_inside = is_inside;
+    if (std::conditional_t<G::curved, AnySight, Sight>(opposite, primary_corners(c), here, normal, beyond)
+            .misses())
+      continue;
+    const Seen seen = look(facet, point, c, x);
+    const double least = least_part(seen.foot);
+    if (!(least >= -beyond) || !may_touch(facet, point, seen)) continue;
+    const bool is_inside = least >= -inside;
+    bool better = best.candidate < 0;
+    if (!better && is_inside != best_inside) {
+      better = is_inside;
+    } else if (!better && is_inside) {
+      const double nearer = std::abs(best.foot.gap) - std::abs(seen.foot.gap);
+      better = nearer > equal || (nearer > -equal && key(c) < key(best.candidate));
+    } else if (!better) {
+      better = least > least_part(best.foot);
     }
+    if (!better) continue;
+    best = seen;
+    best_inside = is_inside;
   }
   if (best.candidate >= 0 && !search_.counts(best.candidate)) best.candidate = -1;
   return best;
@@ -300,7 +279,7 @@ auto PointForm<G>::nearest(const Facet& facet, const Point& point, const Contact
 template <class G>
 bool PointForm<G>::held(const Facet& facet, const Point& point, const ContactValues& x, const Hold& hold,
                         Seen& seen) const {
-  seen = look(facet, point, hold.candidate, hold.part, x);
+  seen = look(facet, point, hold.candidate, x);
   return least_part(seen.foot) > -G::hold.limit && may_touch(facet, point, seen);
 }
 
@@ -312,7 +291,7 @@ template <class G>
 auto PointForm<G>::ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const {
   const int* slot = secondary_slots(facet);
   return ray_between(corners_from<Nodes>(slot[0], slot, u), points_.shape[number],
-                     corners_from<Nodes>(slot[0], primary_slots(seen.candidate), u), seen.part);
+                     corners_from<Nodes>(slot[0], primary_slots(seen.candidate), u));
 }
 
 template <class G>
@@ -323,13 +302,13 @@ void PointForm<G>::sharpen(int facet, std::size_t number, const ContactValues& u
 template <class G>
 auto PointForm<G>::gap_gradient(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const
     -> Row {
-  return row_of(ray_of(facet, number, u, seen), seen.foot);
+  return ray_gradient(ray_of(facet, number, u, seen), seen.foot);
 }
 
 template <class G>
 void PointForm<G>::add_gap_hessian(int facet, std::size_t number, const ContactValues& u, const Seen& seen,
                                    double factor, Matrix& hessian) const {
-  add_hessian(ray_of(facet, number, u, seen), seen.foot, factor, hessian);
+  add_ray_hessian(ray_of(facet, number, u, seen), seen.foot, factor, hessian);
 }
 
 template class PointForm<FacePoints>;

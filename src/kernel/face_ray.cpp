@@ -23,36 +23,80 @@ template <class T> T dot(const std::array<T, 2>& a, const std::array<T, 2>& b) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
-SpanWeights<3, 4> weights_of(const FaceRay& ray) {
-  SpanWeights<3, 4> w{};
-  for (std::size_t a = 0; a < 4; ++a) {
-    w[0][a] = -ray.shape[a];
-    w[0][4 + a] = ray.triangle[0][a];
-    w[3][4 + a] = ray.triangle[1][a] - ray.triangle[0][a];
-    w[4][4 + a] = ray.triangle[2][a] - ray.triangle[0][a];
+template <class Ray> SpanWeights<Ray::dim, Ray::nodes> weights_of_primary(const typename Ray::Place& place) {
+  SpanWeights<Ray::dim, Ray::nodes> w{};
+  for (std::size_t a = 0; a < Ray::nodes; ++a) {
+    w[0][Ray::nodes + a] = place.N[a];
+    for (std::size_t i = 0; i + 1 < Ray::dim; ++i) w[Ray::dim + i][Ray::nodes + a] = place.dN[a][i];
   }
+  return w;
+}
+
+// The plane that touches the primary facet at a place.
+SpanWeights<3, 4> weights_of(const FaceRay& ray, const FaceRay::Place& place) {
+  auto w = weights_of_primary<FaceRay>(place);
+  for (std::size_t a = 0; a < 4; ++a) w[0][a] = -ray.shape[a];
   // Two sides of a triangle, the diagonals of a quadrilateral.
   const bool triangle = corners_of(ray.x) == 3;
   w[1][0] = w[2][triangle ? 0 : 1] = -1;
   w[1][triangle ? 1 : 2] = w[2][triangle ? 2 : 3] = 1;
   return w;
 }
-
-// The plane that touches the primary facet at a place.
 template <class Facet>
 SpanWeights<CurvedRay<Facet>::dim, Facet::nodes> weights_of(const CurvedRay<Facet>& ray,
                                                             const FacetPlace<Facet>& place) {
-  constexpr std::size_t nodes = Facet::nodes, sides = Facet::dim;
-  SpanWeights<CurvedRay<Facet>::dim, nodes> w{};
-  for (std::size_t a = 0; a < nodes; ++a) {
+  auto w = weights_of_primary<CurvedRay<Facet>>(place);
+  for (std::size_t a = 0; a < Facet::nodes; ++a) {
     w[0][a] = -ray.at.N[a];
-    w[0][nodes + a] = place.N[a];
-    for (std::size_t i = 0; i < sides; ++i) {
-      w[1 + i][a] = ray.at.dN[a][i];
-      w[1 + sides + i][nodes + a] = place.dN[a][i];
-    }
+    for (std::size_t i = 0; i < Facet::dim; ++i) w[1 + i][a] = ray.at.dN[a][i];
   }
   return w;
+}
+
+bool on_triangle(const FaceRay& ray) { return corners_of(ray.p) == 3; }
+
+// What a step of Newton's method misses of a facet, as a part of the square of its length, about.
+double bend_of(const FaceRay& ray) {
+  if (on_triangle(ray)) return 0;
+  double bend = 0, first = 0, second = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double one = ray.p[1][k] - ray.p[0][k], other = ray.p[3][k] - ray.p[0][k],
+                 both = ray.p[2][k] - ray.p[1][k] - other;
+    bend += both * both;
+    first += one * one;
+    second += other * other;
+  }
+  return std::sqrt(bend / std::min(first, second));
+}
+template <class Facet> double bend_of(const CurvedRay<Facet>&) { return 1; }
+
+FaceRay::Place place_at(const FaceRay& ray, const FaceRay::Point& xi) {
+  if (!on_triangle(ray)) return FaceRay::Place::at(xi);
+  const auto of = FacetPlace<Tri3>::at(xi);
+  FaceRay::Place place;
+  std::copy(of.N.begin(), of.N.end(), place.N.begin());
+  std::copy(of.dN.begin(), of.dN.end(), place.dN.begin());
+  return place;
+}
+template <class Facet> FacetPlace<Facet> place_at(const CurvedRay<Facet>&, const typename Facet::Point& xi) {
+  return FacetPlace<Facet>::at(xi);
+}
+
+std::array<double, 4> parts_at(const FaceRay& ray, const RayFoot<FaceRay>& foot) {
+  const auto& [xi, eta] = foot.xi;
+  if (on_triangle(ray)) return {1 - xi - eta, xi, eta, 1};
+  return {1 - xi, 1 + xi, 1 - eta, 1 + eta};
+}
+template <class Facet> auto parts_at(const CurvedRay<Facet>&, const RayFoot<CurvedRay<Facet>>& foot) {
+  return Facet::Corners::N(foot.xi);
+}
+
+std::array<std::array<FaceRay::Point, 2>, 4> bends_at(const FaceRay& ray, const FaceRay::Point& xi) {
+  if (on_triangle(ray)) return {};
+  return second_derivatives<Quad4>(xi);
+}
+template <class Facet> auto bends_at(const CurvedRay<Facet>&, const typename Facet::Point& xi) {
+  return second_derivatives<Facet>(xi);
 }
 
 // Seen from the first node: the weights of each vector add to zero.
@@ -90,14 +134,14 @@ void add_by_sides(const std::array<T, dim>* side, const std::array<T, dim>& w, s
   }
 }
 
-template <class T, std::size_t dim> struct Ray {
+template <class T, std::size_t dim> struct Gap {
   T gap, along; // along: n.m
   std::array<T, dim> n, m;
   T area; // of n before it was a unit vector
 };
-template <class T, std::size_t dim> Ray<T, dim> ray_of(const Spans<T, dim>& y) {
+template <class T, std::size_t dim> Gap<T, dim> gap_of(const Spans<T, dim>& y) {
   using std::sqrt;
-  Ray<T, dim> ray;
+  Gap<T, dim> ray;
   ray.n = area_vector(&y[1]);
   ray.area = sqrt(dot(ray.n, ray.n));
   const T inverse = T(1.0) / ray.area;
@@ -110,7 +154,7 @@ template <class T, std::size_t dim> Ray<T, dim> ray_of(const Spans<T, dim>& y) {
 
 // dg by the vectors.
 template <class T, std::size_t dim> Spans<T, dim> gradient_of(const Spans<T, dim>& y) {
-  const Ray<T, dim> ray = ray_of<T, dim>(y);
+  const Gap<T, dim> ray = gap_of<T, dim>(y);
   const T inverse = T(1.0) / ray.along;
   Spans<T, dim> g;
   for (auto& vector : g) vector.fill(T(0.0));
@@ -178,55 +222,23 @@ std::array<std::array<double, dim>, dim - 1> dual_sides(const Spans<double, dim>
 
 } // namespace
 
-RayFoot cast_ray(const FaceRay& cast) {
-  const Spans<double, 3> y = spans_of(weights_of(cast), cast.x, cast.p);
-  const Ray<double, 3> ray = ray_of<double, 3>(y);
-  RayFoot foot;
-  foot.gap = ray.gap;
-  const double square = dot(ray.m, ray.m), length = std::sqrt(square);
-  foot.opposition = ray.along / length;
-  Vector3 r; // from the triangle's first corner
-  for (std::size_t i = 0; i < 3; ++i) {
-    foot.normal[i] = ray.m[i] / length;
-    r[i] = ray.gap * ray.n[i] - y[0][i];
-  }
-  foot.part[1] = dot(cross(r, y[4]), ray.m) / square;
-  foot.part[2] = dot(cross(y[3], r), ray.m) / square;
-  foot.part[0] = 1 - foot.part[1] - foot.part[2];
-  for (std::size_t v = 0; v < 3; ++v)
-    for (std::size_t b = 0; b < 4; ++b) foot.weights[b] += foot.part[v] * cast.triangle[v][b];
-  return foot;
-}
-
-std::array<double, 24> ray_gradient(const FaceRay& ray) {
-  const SpanWeights<3, 4> w = weights_of(ray);
-  return row_of<3, 4>(w, gradient_of<double, 3>(spans_of(w, ray.x, ray.p)));
-}
-
-void add_ray_hessian(const FaceRay& ray, double factor, std::span<double> hessian) {
-  const SpanWeights<3, 4> w = weights_of(ray);
-  add_hessian<3, 4>(w, spans_of(w, ray.x, ray.p), factor, hessian);
-}
-
-template <class Facet>
-CurvedFoot<Facet> cast_ray(const CurvedRay<Facet>& cast, const typename Facet::Point& start) {
-  constexpr std::size_t dim = CurvedRay<Facet>::dim;
-  // Steps that are quadratically smaller than the last one are rounding after one that was below `small`.
-  constexpr double small = 1e-7, farthest = 3;
+template <class Ray> RayFoot<Ray> cast_ray(const Ray& cast, const typename Ray::Point& start) {
+  constexpr std::size_t dim = Ray::dim;
+  constexpr double rounding = 1e-14, farthest = 3; // of the step that would follow; of a foot
   constexpr int most_steps = 15;
-  CurvedFoot<Facet> foot;
+  const double bend = bend_of(cast);
+  RayFoot<Ray> foot;
   foot.xi = start;
   bool found = false;
   for (int i = 0; i < most_steps; ++i) {
-    foot.place = FacetPlace<Facet>::at(foot.xi);
+    foot.place = place_at(cast, foot.xi);
     const auto y = spans_of(weights_of(cast, foot.place), cast.x, cast.p);
-    const Ray<double, dim> ray = ray_of<double, dim>(y);
+    const Gap<double, dim> ray = gap_of<double, dim>(y);
     foot.gap = ray.gap;
     const double length = std::sqrt(dot(ray.m, ray.m));
     foot.opposition = ray.along / length;
     for (std::size_t k = 0; k < dim; ++k) foot.normal[k] = ray.m[k] / length;
-    const auto part = Facet::Corners::N(foot.xi);
-    std::copy(part.begin(), part.end(), foot.part.begin());
+    foot.part = parts_at(cast, foot);
     if (found) return foot;
     std::array<double, dim> r; // to where the ray meets the plane
     for (std::size_t k = 0; k < dim; ++k) r[k] = ray.gap * ray.n[k] - y[0][k];
@@ -235,7 +247,7 @@ CurvedFoot<Facet> cast_ray(const CurvedRay<Facet>& cast, const typename Facet::P
     for (std::size_t s = 0; s < dual.size(); ++s) {
       const double step = dot(r, dual[s]);
       foot.xi[s] += step;
-      found = found && std::abs(step) < small;
+      found = found && bend * step * step < rounding;
       if (!(std::abs(foot.xi[s]) < farthest)) i = most_steps;
     }
   }
@@ -243,26 +255,23 @@ CurvedFoot<Facet> cast_ray(const CurvedRay<Facet>& cast, const typename Facet::P
   return foot;
 }
 
-template <class Facet>
-std::array<double, CurvedRay<Facet>::dofs> ray_gradient(const CurvedRay<Facet>& ray,
-                                                        const CurvedFoot<Facet>& foot) {
+template <class Ray> std::array<double, Ray::dofs> ray_gradient(const Ray& ray, const RayFoot<Ray>& foot) {
   // The foot moves in the plane that touches the facet there, to first order.
-  constexpr std::size_t dim = CurvedRay<Facet>::dim;
+  constexpr std::size_t dim = Ray::dim;
   const auto w = weights_of(ray, foot.place);
-  return row_of<dim, Facet::nodes>(w, gradient_of<double, dim>(spans_of(w, ray.x, ray.p)));
+  return row_of<dim, Ray::nodes>(w, gradient_of<double, dim>(spans_of(w, ray.x, ray.p)));
 }
 
-template <class Facet>
-void add_ray_hessian(const CurvedRay<Facet>& ray, const CurvedFoot<Facet>& foot, double factor,
-                     std::span<double> hessian) {
+template <class Ray>
+void add_ray_hessian(const Ray& ray, const RayFoot<Ray>& foot, double factor, std::span<double> hessian) {
   // To second order the facet leaves that plane by half of y_ij xi_i xi_j: d2g is that of the plane and
   // m.y_ij/(n.m) dxi_i (x) dxi_j.
-  constexpr std::size_t dim = CurvedRay<Facet>::dim, nodes = Facet::nodes, dofs = CurvedRay<Facet>::dofs;
-  const auto d2N = second_derivatives<Facet>(foot.xi);
+  constexpr std::size_t dim = Ray::dim, nodes = Ray::nodes, dofs = Ray::dofs;
+  const auto d2N = bends_at(ray, foot.xi);
   const auto w = weights_of(ray, foot.place);
   const Spans<double, dim> y = spans_of(w, ray.x, ray.p), dg = gradient_of<double, dim>(y);
   add_hessian<dim, nodes>(w, y, factor, hessian);
-  const Ray<double, dim> at = ray_of<double, dim>(y);
+  const Gap<double, dim> at = gap_of<double, dim>(y);
   const auto dual = dual_sides<dim>(y, at.m);
   std::array<std::array<double, dofs>, dim - 1> dxi;
   for (std::size_t s = 0; s < dual.size(); ++s) {
@@ -298,21 +307,18 @@ std::array<double, Facet::dim + 1> facet_area(const typename CurvedRay<Facet>::N
   return area_vector(side.data());
 }
 
-template CurvedFoot<Line3> cast_ray(const CurvedRay<Line3>&, const Line3::Point&);
-template std::array<double, 12> ray_gradient(const CurvedRay<Line3>&, const CurvedFoot<Line3>&);
-template void add_ray_hessian(const CurvedRay<Line3>&, const CurvedFoot<Line3>&, double, std::span<double>);
-template std::array<double, 2> facet_area<Line3>(const CurvedRay<Line3>::Nodes&, const FacetPlace<Line3>&);
-template CurvedFoot<Tri6> cast_ray(const CurvedRay<Tri6>&, const Tri6::Point&);
-template std::array<double, 36> ray_gradient(const CurvedRay<Tri6>&, const CurvedFoot<Tri6>&);
-template void add_ray_hessian(const CurvedRay<Tri6>&, const CurvedFoot<Tri6>&, double, std::span<double>);
-template std::array<double, 3> facet_area<Tri6>(const CurvedRay<Tri6>::Nodes&, const FacetPlace<Tri6>&);
-template CurvedFoot<Quad8> cast_ray(const CurvedRay<Quad8>&, const Quad8::Point&);
-template std::array<double, 48> ray_gradient(const CurvedRay<Quad8>&, const CurvedFoot<Quad8>&);
-template void add_ray_hessian(const CurvedRay<Quad8>&, const CurvedFoot<Quad8>&, double, std::span<double>);
-template std::array<double, 3> facet_area<Quad8>(const CurvedRay<Quad8>::Nodes&, const FacetPlace<Quad8>&);
-template CurvedFoot<Quad9> cast_ray(const CurvedRay<Quad9>&, const Quad9::Point&);
-template std::array<double, 54> ray_gradient(const CurvedRay<Quad9>&, const CurvedFoot<Quad9>&);
-template void add_ray_hessian(const CurvedRay<Quad9>&, const CurvedFoot<Quad9>&, double, std::span<double>);
-template std::array<double, 3> facet_area<Quad9>(const CurvedRay<Quad9>::Nodes&, const FacetPlace<Quad9>&);
+#define IMPACT_RAY(Ray)                                                                                      \
+  template RayFoot<Ray> cast_ray(const Ray&, const Ray::Point&);                                             \
+  template std::array<double, Ray::dofs> ray_gradient(const Ray&, const RayFoot<Ray>&);                      \
+  template void add_ray_hessian(const Ray&, const RayFoot<Ray>&, double, std::span<double>);
+#define IMPACT_CURVED_RAY(Facet)                                                                             \
+  IMPACT_RAY(CurvedRay<Facet>)                                                                               \
+  template std::array<double, Facet::dim + 1> facet_area<Facet>(const CurvedRay<Facet>::Nodes&,              \
+                                                                const FacetPlace<Facet>&);
+IMPACT_RAY(FaceRay)
+IMPACT_CURVED_RAY(Line3)
+IMPACT_CURVED_RAY(Tri6)
+IMPACT_CURVED_RAY(Quad8)
+IMPACT_CURVED_RAY(Quad9)
 
 } // namespace impact

@@ -16,7 +16,7 @@ template <class Facet> struct Pair {
     auto& side = i < dofs / 2 ? ray.x : ray.p;
     return side[i % (dofs / 2) / dim][i % dim];
   }
-  CurvedFoot<Facet> foot() const { return cast_ray(ray); }
+  RayFoot<CurvedRay<Facet>> foot() const { return cast_ray(ray); }
   std::array<double, dofs> gradient() const { return ray_gradient(ray, foot()); }
 };
 
@@ -75,7 +75,7 @@ TYPED_TEST_SUITE(CurvedRayTest, Facets);
 TYPED_TEST(CurvedRayTest, FootLiesOnThePrimaryAlongTheNormal) {
   using P = Pair<TypeParam>;
   this->for_each_pair(1, [](const P& pair) {
-    const CurvedFoot<TypeParam> foot = pair.foot();
+    const RayFoot<CurvedRay<TypeParam>> foot = pair.foot();
     const auto n = facet_normal<TypeParam>(pair.ray.x, pair.ray.at),
                m = facet_normal<TypeParam>(pair.ray.p, foot.place);
     double opposition = 0, parts = 0;
@@ -169,10 +169,7 @@ TEST(CurvedRay, FacetsWithStraightSidesAreThoseOfFirstOrder) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int trial = 0; trial < 10; ++trial) {
-    FaceRay linear{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}},
-                   {0.2, 0.3, 0.5},
-                   {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}},
-                   triangle_weights(3, 0)};
+    FaceRay linear{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {0.2, 0.3, 0.5}, {{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}}}};
     CurvedRay<Tri6> curved;
     for (auto* side : {&linear.x, &linear.p})
       for (std::size_t a = 0; a < 3; ++a)
@@ -186,8 +183,8 @@ TEST(CurvedRay, FacetsWithStraightSidesAreThoseOfFirstOrder) {
     linear.x[3] = linear.x[2];
     linear.p[3] = linear.p[2];
     curved.at = FacetPlace<Tri6>::at({linear.shape[1], linear.shape[2]});
-    const RayFoot flat = cast_ray(linear);
-    const CurvedFoot<Tri6> foot = cast_ray(curved);
+    const RayFoot<FaceRay> flat = cast_ray(linear);
+    const RayFoot<CurvedRay<Tri6>> foot = cast_ray(curved);
     EXPECT_NEAR(foot.gap, flat.gap, 1e-14);
     EXPECT_NEAR(foot.opposition, flat.opposition, 1e-14);
     for (std::size_t v = 0; v < 3; ++v) EXPECT_NEAR(foot.part[v], flat.part[v], 1e-13);

@@ -100,7 +100,7 @@ for facets, extra in ((1.2, {}), (2, {}), (3.2, SWAPPED), (5, {}),
                       (5, SECOND), (3.2, {**SECOND, **SWAPPED}), (5, {**SECOND, **MORTAR, **SWAPPED})):
     step = facets * 0.25 / SPEED
     r = flight(0, {"ts_dt": step, "ts_max_time": 6 * step, "contact_face_impact": "stabilised",
-                   "contact_face_enforce": "auglag", **extra}, refused=3)
+                   "contact_face_enforce": "auglag", **extra}, refused=2)
     before = -r["momentum_upper_y"][0]
     print(f"     v dt = {facets} facets {extra}: tries {r['tries'].max():.0f}, Newton at most {r['newton'].max():.0f}, "
           f"upward momentum {r['momentum_upper_y'][-1]:.4g}")

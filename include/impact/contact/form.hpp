@@ -42,7 +42,7 @@ struct HoldRule {
 };
 /// Half an edge is one unit: 1/40 of its length, and a quarter.
 inline constexpr HoldRule hold_on_edge = {0.05, 0.5};
-/// A triangle's height is one unit: as far as on an edge, 1/40, and the whole height.
+/// A triangle's height, or half the width of a quadrilateral, is one unit: 1/40 of it, and all of it.
 inline constexpr HoldRule hold_on_triangle = {0.025, 1};
 /// A point is held to what is nearer than this part of its own facet's size.
 inline constexpr double hold_range = 0.1;

@@ -8,8 +8,8 @@
 /// What a point that looks along its normal passes over before it casts a ray.
 namespace impact {
 
-/// A face as it is seen from a point along a unit vector: its triangles in the plane across that. The parts
-/// of a triangle's corners in the foot of the ray are those of its areas there.
+/// A face as it is seen from a point along a unit vector: the triangles about the mean of its corners, in the
+/// plane across that.
 class Sight {
 public:
   Sight(const FaceCorners& p, int corners, const Point3& x, const Point3& n, double beyond)
@@ -27,10 +27,16 @@ public:
       for (std::size_t k = 0; k < 2; ++k) seen_[4][k] += seen_[c][k] / 4;
     }
   }
-  /// Whether the ray passes a triangle by more than the part `beyond` of it, with room for rounding; what is
-  /// seen from its side is not judged.
-  bool misses(int triangle) const {
-    const std::size_t t = at(triangle);
+  /// Whether the ray passes it by more than the part `beyond` of a triangle, with room for what is bent; what
+  /// is seen from its side is not judged.
+  bool misses() const {
+    for (std::size_t t = 0; t < (corners_ == 3 ? 1 : corners_); ++t)
+      if (!misses(t)) return false;
+    return true;
+  }
+
+private:
+  bool misses(std::size_t t) const {
     const Seen2 &p = seen_[t], &q = seen_[(t + 1) % corners_], &r = corners_ == 3 ? seen_[2] : seen_[4];
     const double parts[3] = {area(q, r), area(r, p), area(p, q)}, all = parts[0] + parts[1] + parts[2];
     const double size = std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]);
@@ -38,7 +44,6 @@ public:
     return std::min({parts[0] / all, parts[1] / all, parts[2] / all}) < -1.5 * beyond_;
   }
 
-private:
   using Seen2 = std::array<double, 2>;
   static double area(const Seen2& p, const Seen2& q) { return p[0] * q[1] - p[1] * q[0]; }
   std::size_t corners_;
@@ -48,7 +53,7 @@ private:
 /// A curved face is met as it is.
 struct AnySight {
   template <class... Arguments> explicit AnySight(const Arguments&...) {}
-  static bool misses(int) { return false; }
+  static bool misses() { return false; }
 };
 
 /// About the mean of the nodes, with every place sum w_a p_a with sum w_a = 1 and sum |w_a| <= weights in it.

@@ -108,7 +108,7 @@ private:
   // What a point is tied to: a candidate by its place in the list, -1: not there, and by its nodes.
   struct Hold {
     GlobalFacet node = {-1};
-    int candidate = -1, part = 0; // part: triangle of a face
+    int candidate = -1;
     Switches switches;
   };
   // What a point lay opposite of at the start of the step.
@@ -177,7 +177,7 @@ private:
     seen = nearest(facet, point, x);
     return seen.candidate >= 0 ? seen : passed(facet, point, x);
   }
-  Seen look(const Facet& facet, const Point& point, int candidate, int part, const ContactValues& x) const;
+  Seen look(const Facet& facet, const Point& point, int candidate, const ContactValues& x) const;
   bool may_touch(const Facet& facet, const Point& point, const Seen& seen) const;
   // How deep a point is seen that did not come through a surface within the step. Explicit steps move bodies
   // by far less than a facet: what is deeper lies behind another part of a body, which cells that broke have

@@ -101,9 +101,8 @@ template <class G> void PointForm<G>::tie(const ContactValues& x, const Constrai
         Seen still;
         if (hold.candidate >= 0 && held(facet, point, x, hold, still) && stays(still, near)) {
           next = hold;
-        } else if (stays(look(facet, point, near.candidate, near.part, x), near)) {
+        } else if (stays(look(facet, point, near.candidate, x), near)) {
           next.candidate = near.candidate;
-          next.part = near.part;
           next.node = primary_nodes(near.candidate);
         }
       }

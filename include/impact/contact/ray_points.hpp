@@ -1,17 +1,16 @@
 #pragma once
 #include <impact/contact/point_form.hpp>
 
-/// Points that look along the normal of their own facet at what lies there on the primary surface
-/// (face_ray.hpp): those of straight faces in space at a triangle (71''), those of edges and faces of second
-/// order at the curved facet (71c).
+/// Points that look along the normal of their own facet at what lies there on the primary surface (71c),
+/// face_ray.hpp: those of faces of first order in space, those of edges and faces of second order.
 namespace impact {
 
 struct FacePoints : StraightPoints {
   static constexpr std::size_t dim = 3, nodes = 4;
   static constexpr HoldRule hold = hold_on_triangle;
   struct Seen {
-    int candidate = -1, part = 0; // part: triangle of the candidate
-    RayFoot foot;
+    int candidate = -1;
+    RayFoot<FaceRay> foot;
   };
 
   /// Turns the corners so that the one with the smallest coordinates comes first.
@@ -27,7 +26,7 @@ struct FacePoints : StraightPoints {
     return *std::min_element(seen.foot.part.begin(), seen.foot.part.end()) >= -beyond;
   }
   static double size_of(const Seen& /*seen*/, double secondary) { return secondary; }
-  static const std::array<double, 4>& shares_of(const Seen& seen) { return seen.foot.weights; }
+  static const std::array<double, 4>& shares_of(const Seen& seen) { return seen.foot.place.N; }
   static std::array<double, 3> way_out(const Seen&, const Point3& n) { return {-n[0], -n[1], -n[2]}; }
 };
 using FacePointForm = PointForm<FacePoints>;
@@ -44,8 +43,8 @@ template <class Shape> struct CurvedPoints {
   using Place = std::array<double, dim>;
   using Nodes = typename CurvedRay<Shape>::Nodes;
   struct Seen {
-    int candidate = -1, part = 0;
-    CurvedFoot<Shape> foot;
+    int candidate = -1;
+    RayFoot<CurvedRay<Shape>> foot;
   };
 
   /// Edges: 1 to 16 Gauss points along the cone of the facet; faces: those of a triangle or a square, whose
