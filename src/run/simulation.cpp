@@ -312,6 +312,15 @@ void Simulation::tell_of_limits() const {
                     "state snaps into another one, there is none: prescribe displacements in the place "
                     "of the load, follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, "
                     "or take inertia (-ts_type newmark)\n"));
+  if (stage_.setup->contacts.active(snapshot_.u) == 0) return;
+  // More points than nodes rub, each with a traction of its own.
+  for (const ContactInterface& contact : stage_.setup->contacts)
+    if (const ContactSettings& s = contact.settings();
+        s.method == ContactMethod::gauss_points && s.friction > 0)
+      check(PetscPrintf(comm_,
+                        "impact: contact %s rubs at Gauss points: try -contact_%s_method mortar, whose "
+                        "multipliers stand at nodes\n",
+                        s.id.c_str(), s.id.c_str()));
 }
 
 // Where factors are cheap, or the last linear solve was of an indefinite matrix. Cracks follow their branch

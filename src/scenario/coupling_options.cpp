@@ -220,10 +220,12 @@ OptionGroup heat_options() {
           [](const Scenario& s) { return s.heat.lumped == true && s.heat.order == 1 && s.mesh.order == 2; },
           "goes without -heat_order 1; allowed: auto, consistent")
       .notation("(45'')");
-  row.choice("heat_form", &HeatScenario::form,
-             "which balance is solved: that of entropy never loses any (second law), that of internal energy "
-             "closes the first law to rounding; they differ by the error of the time step",
-             "entropy", HeatForm::entropy, "energy", HeatForm::energy)
+  row.choice(
+         "heat_form", &HeatScenario::form_given,
+         "which balance is solved: that of entropy never loses any (second law), that of internal energy "
+         "closes the first law to rounding; they differ by the error of the time step (auto: energy where "
+         "bodies only conduct, else entropy)",
+         "auto", std::nullopt, "entropy", HeatForm::entropy, "energy", HeatForm::energy)
       .notation("(45')");
   order_of_field(row.count("heat_order", &HeatScenario::order, 1,
                            "order of the temperature, as -damage_order; not where heat passes a contact", 2),
@@ -235,6 +237,10 @@ OptionGroup heat_options() {
                             "evenly; not where heat passes contacts")
                      .otherwise("none"),
                  [](const Scenario& s) { return s.heat.substep; });
+  group.complete = [](Scenario& s) {
+    s.heat.form =
+        s.heat.form_given.value_or(s.has_motion() || s.has_damage() ? HeatForm::entropy : HeatForm::energy);
+  };
   return group;
 }
 

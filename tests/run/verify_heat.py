@@ -25,14 +25,19 @@ for n, tolerance in ((20, 1e-2), (40, 2e-3)):
     runs.require(f"G1 {n} cells: no column of motion", not {"energy_kinetic", "work_external", "balance"} & set(run.history))
 
 # G2: the end of a half space jumps by 100 K: erfc(x/(2 sqrt(a t))) with a = 1e-4 m^2/s.
-run = runs.run("g2", {
+HALF = {
     **BAR, "mesh_set_n": 120, "mesh_set_lx": 0.06, "mesh_set_ly": 0.001, "material_solid_conductivity": 100,
     "material_solid_c_v": 1e6, "material_solid_theta0": 300, "bcs": "hot", "bc_hot_on": "left",
     "bc_hot_type": "temperature", "bc_hot_value": 400, "ts_dt": 4e-3, "ts_max_time": 1, "probes": "p",
-    "probe_p_at": "0.01,0.0005", "probe_p_fields": "theta"})
+    "probe_p_at": "0.01,0.0005", "probe_p_fields": "theta"}
+run = runs.run("g2", HALF)
 runs.check("G2 temperature at x = 10 mm, t = 1 s", (run["probe_p_theta"][-1] - 300) / 100, math.erfc(0.5), 5e-3)
 # k dT sqrt(4 t/(pi a)) per area, with what the half cell at the end holds from the jump on.
 runs.check("G2 heat in the half space", run["energy_thermal"][-1] / 0.001, 100 * 100 * math.sqrt(4 / (math.pi * 1e-4)), 1e-2)
+
+runs.check("G2: what came in is stored, by default where bodies only conduct", numpy.ptp(run["energy_thermal"]), run["heat_hot"][-1], 1e-9)
+left = runs.run("g2_entropy", {**HALF, "heat_form": "entropy"})
+runs.check_between("G2: what the entropy form misses, over what came in", abs(numpy.ptp(left["energy_thermal"]) / left["heat_hot"][-1] - 1), 1e-4, 1e-2)
 
 # The same in steps far below c_V h^2/6k: with the capacity at the nodes, as without an option, no node leaves the range of the
 # temperatures that there are. Heat that comes in at one side of a cell for a moment leaves the nodes beyond it as they were.

@@ -68,6 +68,13 @@ limit = refused("limit", {**BLOCK, "ts_type": "static", "material_solid_model": 
                           "bc_push_ux": 0, "bc_push_uy": "4e3*t"}, 5, "could not be solved", "the largest force left at (")
 require("a load beyond its limit: what to do", "impact: no shorter step found an equilibrium; where a load reaches its limit" in limit.log)
 check_between("a load beyond its limit: time reached", limit["time"][-1], 0.25, 0.35)
+RUBS = {**BLOCK, "ts_type": "static", "material_solid_model": "j2", "material_solid_sigma_y": 1e3, "bc_push_type": "traction", "bc_push_ux": 0,
+        "bc_push_uy": "(-4e3*t)", "bc_hold_type": "displacement", "bc_hold_ux": 0, "contacts": "floor", "contact_floor_secondary": "bottom",
+        "contact_floor_primary": "plane", "contact_floor_friction": 0.3}
+for method in "gpts", "mortar":
+    rubs = refused(f"limit_{method}", {**RUBS, "contact_floor_method": method}, 5, "no shorter step found an equilibrium")
+    require(f"a load beyond its limit beside friction by {method}: the other form is named",
+            ("-contact_floor_method mortar" in rubs.log) == (method == "gpts"))
 
 print("forces left on a soft body")
 # Two bodies that know nothing of each other; the stiffer one may carry a load of its size.

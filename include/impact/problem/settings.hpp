@@ -22,6 +22,7 @@ struct DamageScenario {
 
 struct HeatScenario {
   HeatForm form = HeatForm::entropy;
+  std::optional<HeatForm> form_given = std::nullopt; ///< absent: energy where nothing but heat is solved
   double theta = 1;   ///< time weight of conduction, loads and temperature: 1 backward Euler, 1/2 trapezoid
   double substep = 0; ///< -heat_ts_dt; 0: none
   int order = 0;      ///< of theta; 0: that of the cells
