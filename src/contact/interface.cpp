@@ -328,6 +328,8 @@ void ContactInterface::follow_slip(Vec u) {
 
 void ContactInterface::start_newton(Vec u) {
   follow_slip(u);
+  if (friction_.acts())
+    constraints_->form().turn_slip_once(constraints_->place_of_gradients(nodes().displacement(u)));
   friction_.forget();
   friction_.follow(*constraints_, u);
   method().start_newton(*constraints_, u);

@@ -159,6 +159,7 @@ void MortarForm::find_facets(const Mesh& mesh, const ContactSurface& secondary) 
         owned_[at(place->second)].facets.push_back({static_cast<int>(facets_.size()), a});
         facet.owned[at(a)] = place->second;
       }
+      facet.lean.fill(dim_ == 2 ? upright<2>() : upright<3>());
       facets_.push_back(facet);
     }
   }

@@ -17,20 +17,45 @@ void add_opening(double factor, const MortarWeights& weights, std::size_t a, Ope
   }
 }
 
+Point3 normal_of(const FaceCorners& x) { return facet_normal(x); }
+Point3 normal_of(const EdgeCorners& x) {
+  const double dx = x[1][0] - x[0][0], dy = x[1][1] - x[0][1], length = std::hypot(dx, dy);
+  return {dy / length, -dx / length, 0};
+}
+
+// Components of the openings of all functions.
+template <std::size_t dim, std::size_t width>
+std::array<std::array<double, 3>, 4>
+openings(const FacetNodes<dim, width>& s, const FacetNodes<dim, width>& p,
+         const TangentRows<dim, width>& tangents, const MortarWeights& weights) {
+  std::array<std::array<double, 3>, 4> start{};
+  const SlipDirections<dim, width> directions(s, tangents, false);
+  for (std::size_t a = 0; a < width; ++a) {
+    Opening<width> opening;
+    add_opening(1, weights, a, opening);
+    const std::array<double, dim> v = directions.opened(p, opening);
+    std::copy(v.begin(), v.end(), start[a].begin());
+    if (dim == 2) start[a][0] = 0; // of edges it is along the normal
+  }
+  return start;
+}
+
 } // namespace
 
 template <std::size_t dim, std::size_t width>
 MortarForm::FacetSlips
 MortarForm::facet_slips(const FacetNodes<dim, width>& s, const FacetNodes<dim, width>& p,
-                        const TangentRows<dim, width>& tangents, const Anchor& anchor, bool with_gradient) {
+                        const TangentRows<dim, width>& tangents, const std::array<Lean, 4>& lean,
+                        const Anchor& anchor, bool with_gradient) {
   FacetSlips slips;
   const SlipDirections<dim, width> directions(s, tangents, with_gradient);
   for (std::size_t a = 0; a < width; ++a) {
     Opening<width> opening;
     add_opening(1, anchor.weights, a, opening);
-    const FacetSlip<dim, width> slip = directions.slip(p, opening);
+    const FacetSlip<dim, width> slip = directions.slip(p, opening, lean[a]);
     for (std::size_t i = 0; i < dim - 1; ++i) {
-      slips.value[a][i] = slip.value[i] - anchor.start[a][i];
+      slips.value[a][i] = slip.value[i];
+      for (std::size_t k = 0; k < dim; ++k) slips.value[a][i] -= lean[a][i][k] * anchor.start[a][k];
       std::copy(slip.gradient[i].begin(), slip.gradient[i].end(), slips.gradient[a][i].begin());
     }
   }
@@ -54,11 +79,71 @@ void MortarForm::anchor(Vec u) {
   }
   if (!frictional()) return;
   anchors_.assign(facets_.size(), {});
-  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) anchor_facet(f, facing, x);
+  FacetNormals normals(facets_.size());
+  const std::vector<double> of_nodes = nodes().displacement(u);
+  ContactValues store;
+  const ContactValues& moved = at_vertices(of_nodes, store);
+  const RigidObstacle obstacle = obstacle_.at(moved);
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    anchor_facet(f, facing, x, normals);
+    if (rigid()) add_normal(f, obstacle, moved, normals);
+  }
+  if (leans_at_anchor()) lean(x, normals);
   find_vertices();
 }
 
-void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x) {
+void MortarForm::add_normal(int f, int candidate, const ContactValues& x, const std::array<double, 4>& cover,
+                            FacetNormals& normals) const {
+  at_pair(f, candidate, x, [&](const auto& s, const auto& p) {
+    const Point3 n = normal_of(s), m = normal_of(p);
+    for (std::size_t a = 0; a < cover.size(); ++a) {
+      normals[at(f)][a].cover += cover[a];
+      for (std::size_t k = 0; k < 3; ++k) normals[at(f)][a].force[k] += cover[a] / dot(n, m) * m[k];
+    }
+  });
+}
+
+void MortarForm::add_normal(int f, const RigidObstacle& obstacle, const ContactValues& u,
+                            FacetNormals& normals) const {
+  const Facet& facet = facets_[at(f)];
+  for (const FacetPoint& point : facet.points) {
+    const CarriedFunction gap = obstacle_.gap(obstacle, place_of(facet, point, secondary_slots(f), u));
+    for (std::size_t a = 0; a < at(facet.corners); ++a) {
+      normals[at(f)][a].cover += point.weight[a];
+      for (std::size_t k = 0; k < 3; ++k) normals[at(f)][a].force[k] += point.weight[a] * gap.by_place[k];
+    }
+  }
+}
+
+void MortarForm::lean(const ContactValues& x, const FacetNormals& normals) {
+  constexpr double longest =
+      2; // of a face at 60 degrees; more where functions of both signs leave little of a cover
+  for (const Node& owner : owned_) {
+    Seen all;
+    for (const Incident& i : owner.facets) {
+      const Seen& seen = normals[at(i.facet)][at(i.corner)];
+      all.cover += seen.cover;
+      for (std::size_t k = 0; k < 3; ++k) all.force[k] += seen.force[k];
+    }
+    const double force = std::sqrt(dot(all.force, all.force));
+    for (const Incident& i : owner.facets) {
+      Facet& facet = facets_[at(i.facet)];
+      facet.lean[at(i.corner)] = dim_ == 2 ? upright<2>() : upright<3>();
+      if (!(all.cover > rounded_part * owner.weight && force > 0)) continue; // it faces nothing
+      by_dimension([&]<class Corners>(const Corners&) {
+        constexpr std::size_t dim = std::tuple_size_v<typename Corners::value_type>;
+        const Corners s = corners_at<Corners>(secondary_slots(i.facet), x);
+        std::array<double, dim> n;
+        std::copy_n(all.force.begin(), dim, n.begin());
+        const SlipDirections<dim, std::tuple_size_v<Corners>> directions(s, facet.tangents(s), false);
+        facet.lean[at(i.corner)] =
+            lean_to<dim>(directions.components(n), std::min(force / all.cover, longest));
+      });
+    }
+  }
+}
+
+void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& x, FacetNormals& normals) {
   Facet& facet = facets_[at(f)];
   facet.slid = {};
   facet.growth = {1, 1, 1, 1};
@@ -69,21 +154,24 @@ void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& 
     Anchor anchor;
     at_pair(f, c, x, [&](const auto& s, const auto& p) {
       anchor.weights = mortar_weights(s, p, facet.reference(s));
-      // Of edges the opening is along the normal.
-      if (dim_ == 3) anchor.start = facet_slips(s, p, facet.tangents(s), anchor, false).value;
+      anchor.start = openings(s, p, facet.tangents(s), anchor.weights);
     });
     if (!anchor.weights.covered) continue;
     anchor.opposite.node = primary_nodes(c);
     anchor.opposite.part = c % parts_;
     anchors.push_back(anchor);
-    for (std::size_t a = 0; a < at(facet.corners); ++a)
-      for (std::size_t b = 0; b < corners_; ++b) facet.slid[a] += anchor.weights.D[a][b];
+    std::array<double, 4> cover{};
+    for (std::size_t a = 0; a < at(facet.corners); ++a) {
+      for (std::size_t b = 0; b < corners_; ++b) cover[a] += anchor.weights.D[a][b];
+      facet.slid[a] += cover[a];
+    }
+    add_normal(f, c, x, cover, normals);
   }
   for (Anchor& anchor : anchors)
     for (std::size_t a = 0; dim_ == 2 && a < 2; ++a)
       for (std::size_t b = 0; facet.owned[a] >= 0 && b < 2; ++b)
-        for (auto* weights : {&anchor.weights.D, &anchor.weights.M})
-          (*weights)[a][b] /= owned_[at(facet.owned[a])].weight;
+        for (double* part : {&anchor.weights.D[a][b], &anchor.weights.M[a][b], &anchor.start[a][b]})
+          *part /= owned_[at(facet.owned[a])].weight;
 }
 
 std::array<double, 4> MortarForm::weights_of(const Incident& incident, const Node& owner) const {
@@ -115,7 +203,7 @@ MortarForm::SlipRows MortarForm::slips_at(const ContactValues& u, bool with_grad
       FacetSlips& slips = rows.facet[at(f)].emplace_back();
       if (found(anchor))
         slips = from_anchor(f, anchor, u, [&](const auto& s, const auto& p) {
-          return facet_slips(s, p, facets_[at(f)].tangents(s), anchor, with_gradient);
+          return facet_slips(s, p, facets_[at(f)].tangents(s), facets_[at(f)].lean, anchor, with_gradient);
         });
     }
   return rows;
@@ -136,6 +224,22 @@ void MortarForm::follow_slip(const ContactValues& of_nodes) {
       facet.growth[a] = std::max(0.0, now / facet.slid[a]);
     }
   }
+}
+
+// Fixed within a Newton solve, as its tangent takes them.
+void MortarForm::turn_slip(const ContactValues& of_nodes) {
+  if (anchors_.empty() || on_plane() || !leans()) return;
+  ContactValues store;
+  const ContactValues& u = at_vertices(of_nodes, store);
+  const ContactValues x = vertices().current(u);
+  FacetNormals normals(facets_.size());
+  const RigidObstacle obstacle = obstacle_.at(u);
+  const Pieces pieces = rigid() ? Pieces(facets_.size()) : pieces_at(u, false);
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
+    if (rigid()) add_normal(f, obstacle, u, normals);
+    for (const Piece& piece : pieces[at(f)]) add_normal(f, piece.candidate, x, piece.pair.cover, normals);
+  }
+  lean(x, normals);
 }
 
 void MortarForm::add_slip(const Node& owner, const ContactValues& u, NodePlaces& place_of, SlipRows& rows,
@@ -191,10 +295,12 @@ void MortarForm::visit_facet_slip_curvature(int f, const std::array<Tangential, 
     std::array<double, 576> block{};
     from_anchor(f, anchor, u,
                 [&]<std::size_t dim, std::size_t width>(const FacetNodes<dim, width>& s, const auto& p) {
-                  std::array<Opening<width>, dim - 1> sum;
-                  for (std::size_t i = 0; i < dim - 1; ++i)
+                  std::array<Opening<width>, dim> sum;
+                  const std::array<Lean, 4>& lean = facets_[at(f)].lean;
+                  for (std::size_t k = 0; k < dim; ++k)
                     for (std::size_t a = 0; a < width; ++a)
-                      add_opening(factor[a][i], anchor.weights, a, sum[i]);
+                      add_opening(factor[a][0] * lean[a][0][k] + factor[a][1] * lean[a][1][k], anchor.weights,
+                                  a, sum[k]);
                   add_slip_hessian(s, p, facets_[at(f)].tangents(s), sum, block);
                 });
     visit_slip_block(f, anchor.opposite, {block.data(), n * n}, visitor);

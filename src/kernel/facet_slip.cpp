@@ -9,10 +9,11 @@ namespace impact {
 namespace {
 
 template <class T, std::size_t dim> using Vectors = std::array<std::array<T, dim>, dim - 1>;
+template <class T, std::size_t dim> using FrameOf = std::array<std::array<T, dim>, dim>; // tangents, normal
 
 // The rotation of (g_1 g_2) = R U. With J = |g_1 x g_2| and n across both, U is ((g_1 g_2)^T (g_1 g_2) +
 // J)/s, s^2 = |g_1|^2 + |g_2|^2 + 2 J, from which r_1 = (g_1 + g_2 x n)/s, r_2 = n x r_1.
-template <class T> Vectors<T, 3> directions_of(const Vectors<T, 3>& g) {
+template <class T> FrameOf<T, 3> frame_of(const Vectors<T, 3>& g) {
   using std::sqrt;
   Vector3Of<T> n = cross(g[0], g[1]);
   const T J = sqrt(dot(n, n)), inverse_J = T(1.0) / J;
@@ -20,12 +21,13 @@ template <class T> Vectors<T, 3> directions_of(const Vectors<T, 3>& g) {
   const T inverse_s = T(1.0) / sqrt(dot(g[0], g[0]) + dot(g[1], g[1]) + 2.0 * J);
   Vector3Of<T> r1 = cross(g[1], n);
   for (std::size_t k = 0; k < 3; ++k) r1[k] = (g[0][k] + r1[k]) * inverse_s;
-  return {r1, cross(n, r1)};
+  return {r1, cross(n, r1), n};
 }
-template <class T> Vectors<T, 2> directions_of(const Vectors<T, 2>& g) {
+template <class T> FrameOf<T, 2> frame_of(const Vectors<T, 2>& g) {
   using std::sqrt;
   const T inverse = T(1.0) / sqrt(g[0][0] * g[0][0] + g[0][1] * g[0][1]);
-  return {{{g[0][0] * inverse, g[0][1] * inverse}}};
+  const T x = g[0][0] * inverse, y = g[0][1] * inverse;
+  return {{{x, y}, {y, -1.0 * x}}};
 }
 
 template <std::size_t dim> constexpr int variables = static_cast<int>(dim*(dim - 1));
@@ -33,11 +35,11 @@ template <std::size_t dim> using First = Dual<double, variables<dim>>;
 template <std::size_t dim> using Second = Dual<First<dim>, variables<dim>>;
 
 template <class T, std::size_t dim, class Seed>
-Vectors<T, dim> seeded_directions(const Vectors<double, dim>& g, Seed&& seed_of) {
+FrameOf<T, dim> seeded_frame(const Vectors<double, dim>& g, Seed&& seed_of) {
   Vectors<T, dim> y;
   for (std::size_t i = 0; i < g.size(); ++i)
     for (std::size_t k = 0; k < dim; ++k) y[i][k] = seed_of(g[i][k], static_cast<int>(dim * i + k));
-  return directions_of(y);
+  return frame_of(y);
 }
 
 // Both sums are differences from the first node: their weights add to zero, and rounding is that of
@@ -91,48 +93,84 @@ SlipDirections<dim, nodes>::SlipDirections(const FacetNodes<dim, nodes>& x,
     : x_(x), rows_(rows), with_gradient_(with_gradient) {
   const Vectors<double, dim> g = tangents_at<dim, nodes>(rows, x);
   if (!with_gradient) {
-    r_ = directions_of(g);
+    frame_ = frame_of(g);
     return;
   }
-  const Vectors<First<dim>, dim> r = seeded_directions<First<dim>, dim>(
+  const FrameOf<First<dim>, dim> r = seeded_frame<First<dim>, dim>(
       g, [](double value, int i) { return seed<double, impact::variables<dim>>(value, i); });
   for (std::size_t i = 0; i < r.size(); ++i)
     for (std::size_t k = 0; k < dim; ++k) {
-      r_[i][k] = r[i][k].v;
+      frame_[i][k] = r[i][k].v;
       std::copy_n(r[i][k].d, variables, by_tangents_[i][k].begin());
     }
 }
 
 template <std::size_t dim, std::size_t nodes>
+std::array<double, dim> SlipDirections<dim, nodes>::components(const std::array<double, dim>& vector) const {
+  std::array<double, dim> part{};
+  for (std::size_t e = 0; e < dim; ++e)
+    for (std::size_t k = 0; k < dim; ++k) part[e] += frame_[e][k] * vector[k];
+  return part;
+}
+
+template <std::size_t dim, std::size_t nodes>
+std::array<double, dim> SlipDirections<dim, nodes>::opened(const FacetNodes<dim, nodes>& p,
+                                                           const Opening<nodes>& opening) const {
+  return components(vector_of<dim, nodes>(opening, x_, p));
+}
+
+template <std::size_t dim, std::size_t nodes>
 FacetSlip<dim, nodes> SlipDirections<dim, nodes>::slip(const FacetNodes<dim, nodes>& p,
-                                                       const Opening<nodes>& opening) const {
+                                                       const Opening<nodes>& opening,
+                                                       const Lean& lean) const {
   FacetSlip<dim, nodes> slip;
   const std::array<double, dim> v = vector_of<dim, nodes>(opening, x_, p);
   for (std::size_t i = 0; i < dim - 1; ++i) {
-    for (std::size_t k = 0; k < dim; ++k) slip.value[i] += r_[i][k] * v[k];
+    std::array<double, dim> r{};
+    for (std::size_t e = 0; e < dim; ++e)
+      for (std::size_t k = 0; k < dim; ++k) r[k] += lean[i][e] * frame_[e][k];
+    for (std::size_t k = 0; k < dim; ++k) slip.value[i] += r[k] * v[k];
     for (std::size_t k = 0; with_gradient_ && k < dim; ++k) {
       std::array<double, dim - 1> turn{}; // of the direction, by the tangents
       for (std::size_t j = 0; j < dim - 1; ++j)
-        for (std::size_t m = 0; m < dim; ++m) turn[j] += v[m] * by_tangents_[i][m][dim * j + k];
+        for (std::size_t e = 0; e < dim; ++e)
+          for (std::size_t m = 0; m < dim; ++m)
+            turn[j] += lean[i][e] * v[m] * by_tangents_[e][m][dim * j + k];
       for (std::size_t b = 0; b < nodes; ++b) {
-        double by_secondary = opening.D[b] * r_[i][k];
+        double by_secondary = opening.D[b] * r[k];
         for (std::size_t j = 0; j < dim - 1; ++j) by_secondary += rows_[j][b] * turn[j];
         slip.gradient[i][dim * b + k] = by_secondary;
-        slip.gradient[i][dim * (nodes + b) + k] = -opening.M[b] * r_[i][k];
+        slip.gradient[i][dim * (nodes + b) + k] = -opening.M[b] * r[k];
       }
     }
   }
   return slip;
 }
 
+template <std::size_t dim> Lean lean_to(const std::array<double, dim>& n, double length) {
+  double square = 0;
+  for (double component : n) square += component * component;
+  const double scale = std::copysign(1 / std::sqrt(square), n[dim - 1]), up = n[dim - 1] * scale;
+  Lean lean = upright<dim>();
+  for (std::size_t i = 0; i + 1 < dim; ++i) {
+    const double a = n[i] * scale;
+    for (std::size_t j = 0; j + 1 < dim; ++j)
+      lean[i][j] = length * (lean[i][j] - a * n[j] * scale / (1 + up));
+    lean[i][dim - 1] = -a * length;
+  }
+  return lean;
+}
+template Lean lean_to<2>(const std::array<double, 2>&, double);
+template Lean lean_to<3>(const std::array<double, 3>&, double);
+
 template <std::size_t dim, std::size_t nodes>
 void add_slip_hessian(const FacetNodes<dim, nodes>& x, const FacetNodes<dim, nodes>& p,
-                      const TangentRows<dim, nodes>& rows, const std::array<Opening<nodes>, dim - 1>& opening,
+                      const TangentRows<dim, nodes>& rows, const std::array<Opening<nodes>, dim>& opening,
                       std::span<double> hessian) {
-  // f = sum_i r_i.v_i: f'' by the directions alone, and what both change together.
+  // f = sum_i e_i.v_i: f'' by the frame alone, and what both change together.
   constexpr std::size_t dofs = 2 * dim * nodes;
   const Vectors<double, dim> g = tangents_at<dim, nodes>(rows, x);
-  const auto r = seeded_directions<Second<dim>, dim>(g, [](double value, int i) {
+  const auto r = seeded_frame<Second<dim>, dim>(g, [](double value, int i) {
     Second<dim> y(seed<double, variables<dim>>(value, i));
     y.d[i] = First<dim>(1.0);
     return y;
@@ -150,18 +188,18 @@ void add_slip_hessian(const FacetNodes<dim, nodes>& x, const FacetNodes<dim, nod
       const std::size_t row = dim * b + k;
       Vectors<double, dim> by_tangents{};
       for (std::size_t q = 0; q < at(variables<dim>); ++q)
-        for (std::size_t j = 0; j < r.size(); ++j)
+        for (std::size_t j = 0; j < g.size(); ++j)
           by_tangents[q / dim][q % dim] += rows[j][b] * f.d[dim * j + k].d[q];
       for (std::size_t c = 0; c < 2 * nodes; ++c)
         for (std::size_t m = 0; m < dim; ++m) {
           const std::size_t column = dim * c + m;
           double both = 0;
           for (std::size_t i = 0; i < r.size(); ++i)
-            for (std::size_t j = 0; j < r.size(); ++j)
+            for (std::size_t j = 0; j < g.size(); ++j)
               both += rows[j][b] * r[i][m].v.d[dim * j + k] * weight(i, c);
           hessian[dofs * row + column] += both;
           hessian[dofs * column + row] += both;
-          for (std::size_t j = 0; c < nodes && j < r.size(); ++j)
+          for (std::size_t j = 0; c < nodes && j < g.size(); ++j)
             hessian[dofs * row + column] += rows[j][c] * by_tangents[j][m];
         }
     }
@@ -206,7 +244,7 @@ std::array<std::array<double, 2>, 2> turned_into(const FaceMap& face, const Vect
                                                 const TangentRows<dim, nodes>&);                             \
   template class SlipDirections<dim, nodes>;                                                                 \
   template void add_slip_hessian(const FacetNodes<dim, nodes>&, const FacetNodes<dim, nodes>&,               \
-                                 const TangentRows<dim, nodes>&, const std::array<Opening<nodes>, dim - 1>&, \
+                                 const TangentRows<dim, nodes>&, const std::array<Opening<nodes>, dim>&,     \
                                  std::span<double>);
 IMPACT_SLIP(2, 2)
 IMPACT_SLIP(2, 3)

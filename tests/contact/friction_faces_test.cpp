@@ -234,7 +234,8 @@ TEST(FrictionFaces, FieldsShowCoulombsLawOppositeToTheSlip) {
       if (fields.status[n] != 2 || s < 1e-6) continue;
       ++slid;
       EXPECT_LT(both, 0);
-      EXPECT_LE(std::sqrt(t), 0.4 * fields.pressure[n] * 1.02); // directions of the facets at a node differ
+      EXPECT_LE(std::sqrt(t),
+                0.4 * fields.pressure[n] * 1.06); // faces at an angle press with more than the pressure
     }
     MPI_Allreduce(MPI_IN_PLACE, &slid, 1, MPI_INT, MPI_SUM, PETSC_COMM_WORLD);
     EXPECT_GT(slid, 2);

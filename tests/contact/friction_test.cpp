@@ -96,6 +96,7 @@ TEST(Friction, WhatWouldSlideTheOtherWaySticksInTheNextLinearSolve) {
                       back = rig.at(shifted(-0.1)), gaps = rig.layout.make_global(),
                       still = rig.layout.make_global();
     rig.contact.start_newton(forth);
+    rough.contact.start_newton(forth); // by which directions friction acts
     EXPECT_FALSE(rig.contact.after_newton_step(forth, still, further, true));
     EXPECT_FALSE(rig.contact.demands().reverses);
     EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true));

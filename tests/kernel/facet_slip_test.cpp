@@ -15,6 +15,7 @@ template <class Facet> struct Case {
   FacetNodes<dim, 2 * nodes> x;
   TangentRows<dim, nodes> rows;
   Opening<nodes> opening;
+  Lean lean = upright<dim>();
 
   FacetNodes<dim, nodes> side(std::size_t i) const {
     FacetNodes<dim, nodes> of;
@@ -23,7 +24,7 @@ template <class Facet> struct Case {
   }
   FacetSlip<dim, nodes> slip(bool with_gradient = true) const {
     const FacetNodes<dim, nodes> s = side(0);
-    return SlipDirections<dim, nodes>(s, rows, with_gradient).slip(side(1), opening);
+    return SlipDirections<dim, nodes>(s, rows, with_gradient).slip(side(1), opening, lean);
   }
 };
 
@@ -139,6 +140,39 @@ TYPED_TEST(FacetSlipTest, TangentsAreUnitVectorsAcrossEachOtherAtTheReference) {
   }
 }
 
+// Turned with the normal the shortest way, and longer.
+TYPED_TEST(FacetSlipTest, LeaningDirectionsLieAcrossTheNormalForce) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> u(-1, 1);
+  constexpr std::size_t dim = TypeParam::dim + 1;
+  for (int trial = 0; trial < 20; ++trial) {
+    std::array<double, dim> n;
+    for (double& component : n) component = u(random);
+    const Lean lean = lean_to<dim>(n, 1.5);
+    for (std::size_t i = 0; i + 1 < dim; ++i) {
+      double along = 0;
+      for (std::size_t k = 0; k < dim; ++k) along += lean[i][k] * n[k];
+      EXPECT_NEAR(along, 0, 1e-14);
+      for (std::size_t j = 0; j + 1 < dim; ++j) {
+        double product = 0;
+        for (std::size_t k = 0; k < dim; ++k) product += lean[i][k] * lean[j][k];
+        EXPECT_NEAR(product, i == j ? 1.5 * 1.5 : 0, 1e-14);
+      }
+      EXPECT_GT(lean[i][i], -1e-14);
+    }
+    const Case<TypeParam> a = random_case<TypeParam>(random);
+    const FacetNodes<dim, a.nodes> s = a.side(0);
+    const SlipDirections<dim, a.nodes> directions(s, a.rows, false);
+    const auto opened = directions.opened(a.side(1), a.opening);
+    const auto slip = directions.slip(a.side(1), a.opening, lean).value;
+    for (std::size_t i = 0; i + 1 < dim; ++i) {
+      double of_frame = 0;
+      for (std::size_t k = 0; k < dim; ++k) of_frame += lean[i][k] * opened[k];
+      EXPECT_NEAR(slip[i], of_frame, 1e-14);
+    }
+  }
+}
+
 TYPED_TEST(FacetSlipTest, GradientIsTheComplexStepOfTheSlip) {
   std::mt19937 random(2);
   for (int trial = 0; trial < 20; ++trial) {
@@ -161,13 +195,18 @@ TYPED_TEST(FacetSlipTest, HessianIsTheDerivativeOfTheGradientAndSymmetric) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int trial = 0; trial < 5; ++trial) {
-    const Case<TypeParam> a = random_case<TypeParam>(random);
+    Case<TypeParam> a = random_case<TypeParam>(random);
+    std::array<double, a.dim> n;
+    for (double& component : n) component = u(random);
+    n[a.dim - 1] += 1.2;
+    if (trial > 0) a.lean = lean_to<a.dim>(n, 1.3);
     std::array<double, 2> factor = {u(random), u(random)};
-    std::array<Opening<a.nodes>, a.dim - 1> opening;
-    for (std::size_t i = 0; i < opening.size(); ++i)
+    std::array<Opening<a.nodes>, a.dim> opening;
+    for (std::size_t e = 0; e < opening.size(); ++e)
       for (std::size_t b = 0; b < a.nodes; ++b) {
-        opening[i].D[b] = factor[i] * a.opening.D[b];
-        opening[i].M[b] = factor[i] * a.opening.M[b];
+        const double part = factor[0] * a.lean[0][e] + factor[1] * a.lean[1][e];
+        opening[e].D[b] = part * a.opening.D[b];
+        opening[e].M[b] = part * a.opening.M[b];
       }
     std::vector<double> H(a.dofs * a.dofs);
     add_slip_hessian<a.dim, a.nodes>(a.side(0), a.side(1), a.rows, opening, H);

@@ -29,6 +29,7 @@ struct EdgePoints : StraightPoints {
     const Point2<double> t = detail::minus(seen.edge.x1, seen.edge.x0);
     return std::sqrt(detail::dot(t, t));
   }
+  static double force_of(const Seen& /*seen*/) { return 1; } // the gap is the shortest way
   static ShapeValues shares_of(const Seen& seen) {
     return {(1 - seen.foot.xi) / 2, (1 + seen.foot.xi) / 2, 0, 0};
   }

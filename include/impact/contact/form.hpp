@@ -90,7 +90,7 @@ public:
   /// Beginning of an attempt; `pose`: of the rigid body, where the primary is one; `u_n`: where the attempt
   /// starts, or null. Slip counts from there. Collective.
   void begin_attempt(const ObstaclePose& pose, Vec u_n) {
-    switched_ = false;
+    switched_ = turned_ = false;
     last_way_ = 0;
     release();
     if (u_n) {
@@ -107,6 +107,11 @@ public:
   virtual PairSearch::Outcome update(Vec u, const ConstraintFilter& presses) = 0;
   /// Slips are measured in what the secondary side sees opposite at the displacement u of nodes() (81').
   virtual void follow_slip(const ContactValues& /*u*/) {}
+  /// In this attempt friction acts across the normal force at the first u that comes here (81''').
+  void turn_slip_once(const ContactValues& u) {
+    if (!turned_) turn_slip(u);
+    turned_ = true;
+  }
   /// True when the last update changed what a constraint with pressure faces, on this rank.
   bool switched() const { return switched_; }
   void clear_switched() { switched_ = false; }
@@ -144,8 +149,15 @@ public:
 protected:
   /// What was kept fixed during the solves of the last attempt is free again.
   virtual void release() = 0;
+  virtual void turn_slip(const ContactValues& u) = 0;
   bool rigid() const { return rigid_; }
   bool frictional() const { return settings_.friction > 0; }
+  /// Whether friction acts across the normal force. Cells that leave lay jagged faces open, at any angle,
+  /// with a spring of the step alone: there it acts along the facets.
+  bool leans() const { return !settings_.changing; }
+  /// Whether an anchor finds the directions of slip. With Newton's method a step ends with those that its
+  /// solves took, so that the forces that are told are those that were in balance.
+  bool leans_at_anchor() const { return leans() && (!settings_.iterated || search_.restored()); }
   /// A rigid plane has directions of its own.
   bool on_plane() const { return rigid() && obstacle_.plane(); }
   PairSearch::Outcome update_pairs(Vec u) {
@@ -228,7 +240,7 @@ protected:
   PairSearch search_;
   Obstacle obstacle_;
   int parts_ = 1; // of a facet
-  bool switched_ = false;
+  bool switched_ = false, turned_ = false;
 };
 
 /// Nodes of a constraint, each once, in the order in which they came.

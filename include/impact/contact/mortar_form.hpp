@@ -38,6 +38,7 @@ public:
 
 private:
   void release() override;
+  void turn_slip(const ContactValues& u) override;
   // A point of the integrals over the gap to a rigid body: weights of the facet's corners in its place, and
   // Phi_a dA_0.
   struct FacetPoint {
@@ -55,6 +56,7 @@ private:
     std::array<std::array<double, 4>, 4> dual{}; // Phi where the whole half is covered,
     std::array<double, 4> slid{};                // int Phi over what lay opposite at the start of the step,
     std::array<double, 4> growth = {1, 1, 1, 1}; // and what it is where the slip was followed last, over that
+    std::array<Lean, 4> lean{};                  // [function] of the directions of slip
     bool whole = false;                          // as it is taken to be,
     Switches changes;                            // from one kind to the other
 
@@ -79,7 +81,7 @@ private:
   struct Anchor {
     Opposite opposite; // none of a rigid body, which carries along the places of the secondary facet itself
     MortarWeights weights;
-    std::array<Tangential, 4> start{}; // components of the openings of Phi_a at the start
+    std::array<std::array<double, 3>, 4> start{}; // components of the openings of Phi_a at the start
   };
   // Of each function Phi_a: components of the slip, and their derivatives by the dofs of MortarPair.
   struct FacetSlips {
@@ -145,7 +147,20 @@ private:
   void find_vertices();
   void find_tangents(const std::vector<double>& X); // [facet][corner][dim]
   bool found(const Anchor& anchor) const { return rigid() || anchor.opposite.found(); }
-  void anchor_facet(int facet, const Facing& facing, const ContactValues& x);
+  // What a facet sees of a function, int Phi_a, and the normal force of a unit pressure there.
+  struct Seen {
+    double cover = 0;
+    Point3 force{};
+  };
+  using FacetNormals = std::vector<std::array<Seen, 4>>; // [facet][function]
+  // Adds what the rigid body, or a candidate, covers of the functions.
+  void add_normal(int facet, const RigidObstacle& obstacle, const ContactValues& u,
+                  FacetNormals& normals) const;
+  void add_normal(int facet, int candidate, const ContactValues& x, const std::array<double, 4>& cover,
+                  FacetNormals& normals) const;
+  void anchor_facet(int facet, const Facing& facing, const ContactValues& x, FacetNormals& normals);
+  // Friction of a node acts across its normal force.
+  void lean(const ContactValues& x, const FacetNormals& normals);
 
   FacetView view(int facet, int candidate, const ContactValues& x) const;
   bool opposed(int facet, int candidate, const ContactValues& x) const;
@@ -176,8 +191,8 @@ private:
   bool slip_nodes(const Node& owner, NodePlaces& place_of) const;
   template <std::size_t dim, std::size_t width>
   static FacetSlips facet_slips(const FacetNodes<dim, width>& s, const FacetNodes<dim, width>& p,
-                                const TangentRows<dim, width>& tangents, const Anchor& anchor,
-                                bool with_gradient);
+                                const TangentRows<dim, width>& tangents, const std::array<Lean, 4>& lean,
+                                const Anchor& anchor, bool with_gradient);
   SlipRows slips_at(const ContactValues& u, bool with_gradient) const;
   // What a facet's slip in direction e adds to the node's in direction a.
   double slip_part(const Incident& incident, const Node& owner, std::size_t a, std::size_t e) const {

@@ -92,6 +92,7 @@ public:
   void visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const override;
 
 private:
+  void turn_slip(const ContactValues& u) override;
   void release() override { std::fill(holds_.begin(), holds_.end(), Hold()); }
   struct Ball {
     Place centre{};
@@ -116,7 +117,8 @@ private:
     bool valid = false;
     Opposite opposite;
     Opening<width> opening;
-    Tangential start{}; // its components then
+    std::array<double, dim> start{}; // its components then, in the frame of the facet
+    Lean lean = upright<dim>();
   };
   // Both facets of an anchor at a displacement, seen from the secondary's first corner.
   struct SlipPlaces {
@@ -164,6 +166,8 @@ private:
     std::vector<Seen> seen; // [secondary facet][point]
   };
 
+  // Of the directions of slip on a rigid body.
+  Lean lean_on(const Facet& facet, std::size_t number, const RigidObstacle& obstacle) const;
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
   Seen nearest(const Facet& facet, const Point& point, const ContactValues& x) const;
   // What the point is tied to; false where an iterate went too far astray.

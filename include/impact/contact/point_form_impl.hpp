@@ -269,12 +269,14 @@ void PointForm<G>::visit_curvature(const ContactValues& u, const CurvatureFactor
     }
     if (!slips || on_plane()) return;
     const Anchor& anchor = anchors_[at(c.index)];
-    std::array<Opening<width>, dim - 1> opening;
-    for (std::size_t e = 0; e < dim - 1; ++e)
+    std::array<Opening<width>, dim> opening;
+    for (std::size_t k = 0; k < dim; ++k) {
+      const double factor = of_slip[0] * anchor.lean[0][k] + of_slip[1] * anchor.lean[1][k];
       for (std::size_t b = 0; b < width; ++b) {
-        opening[e].D[b] = of_slip[e] * anchor.opening.D[b];
-        opening[e].M[b] = of_slip[e] * anchor.opening.M[b];
+        opening[k].D[b] = factor * anchor.opening.D[b];
+        opening[k].M[b] = factor * anchor.opening.M[b];
       }
+    }
     Matrix hessian{};
     add_slip_hessian(places.s, places.p, tangents(f, at(c.index)), opening, hessian);
     visit_slip_block(f, anchor.opposite, hessian, visitor);

@@ -20,6 +20,7 @@ template <class G> void PointForm<G>::anchor(Vec u) {
 
 template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
   const ContactValues& x = nodes().start;
+  const RigidObstacle obstacle = obstacle_.at(moved);
   anchoring_ = true;
   std::vector<Ball> balls;
   for (int f = 0; f < secondary_.count(); ++f) {
@@ -27,7 +28,9 @@ template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
       Anchor& anchor = anchors_[number];
+      const Lean lean = anchor.lean;
       anchor = {};
+      anchor.lean = lean;
       if (points_.weight[number] == 0) continue;
       // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
       const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
@@ -41,12 +44,18 @@ template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
         anchor.opening.M = anchor.opening.D;
       else
         share(G::shares_of(seen), anchor.opening.M);
-      if (rigid()) continue;
+      if (rigid()) {
+        if (leans_at_anchor()) anchor.lean = lean_on(facet, number, obstacle);
+        continue;
+      }
       anchor.opposite.node = primary_nodes(seen.candidate);
       const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
       const Nodes s = corners_from<Nodes>(mine[0], mine, moved),
                   p = corners_from<Nodes>(mine[0], other, moved);
-      anchor.start = SlipDirections<dim, width>(s, tangents(f, number), false).slip(p, anchor.opening).value;
+      const SlipDirections<dim, width> directions(s, tangents(f, number), false);
+      anchor.start = directions.opened(p, anchor.opening);
+      if (leans_at_anchor())
+        anchor.lean = lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
     }
   }
   anchoring_ = false;
@@ -55,6 +64,40 @@ template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
 
 template <class G> void PointForm<G>::locate_anchors() {
   for (Anchor& anchor : anchors_) anchor.opposite.locate(nodes());
+}
+
+template <class G>
+Lean PointForm<G>::lean_on(const Facet& facet, std::size_t number, const RigidObstacle& obstacle) const {
+  const CarriedFunction gap = obstacle_.gap(obstacle, in_space(place_on(facet.node, points_.shape[number])));
+  Place n;
+  std::copy_n(gap.by_place.begin(), dim, n.begin());
+  const SlipDirections<dim, width> directions(facet.node, tangents(facet.number, number), false);
+  return lean_to<dim>(directions.components(n), 1);
+}
+
+// Fixed within a Newton solve, as its tangent takes them.
+template <class G> void PointForm<G>::turn_slip(const ContactValues& u) {
+  if (anchors_.empty() || on_plane() || !leans()) return;
+  const ContactValues x = nodes().current(u);
+  const RigidObstacle obstacle = obstacle_.at(u);
+  std::vector<Ball> balls;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x, &balls);
+    for (int q = 0; q < points_.per_facet; ++q) {
+      const std::size_t number = points_.index(f, q);
+      Anchor& anchor = anchors_[number];
+      if (points_.weight[number] == 0 || !anchor.valid) continue;
+      if (rigid()) {
+        anchor.lean = lean_on(facet, number, obstacle);
+        continue;
+      }
+      const Seen seen = face(facet, points_.shape[number], x, holds_[number]);
+      const SlipDirections<dim, width> directions(facet.node, tangents(f, number), false);
+      anchor.lean = seen.candidate < 0
+                        ? upright<dim>()
+                        : lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
+    }
+  }
 }
 
 // False without friction or where nothing lay opposite. A plane has directions of its own and needs no
@@ -93,8 +136,11 @@ void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with
   const std::size_t n = dim * w.place.node.size(), half = dim * width;
   const Anchor& anchor = anchors_[at(c.index)];
   const SlipDirections<dim, width> directions(places.s, tangents(facet, at(c.index)), with_gradient);
-  const FacetSlip<dim, width> slip = directions.slip(places.p, anchor.opening);
-  for (std::size_t e = 0; e < dim - 1; ++e) c.slip[e] = slip.value[e] - anchor.start[e];
+  const FacetSlip<dim, width> slip = directions.slip(places.p, anchor.opening, anchor.lean);
+  for (std::size_t e = 0; e < dim - 1; ++e) {
+    c.slip[e] = slip.value[e];
+    for (std::size_t k = 0; k < dim; ++k) c.slip[e] -= anchor.lean[e][k] * anchor.start[k];
+  }
   for (std::size_t e = 0; with_gradient && e < dim - 1; ++e) {
     const auto add = [&](int slot, const double* value) {
       const std::size_t place = n * e + dim * w.place(slot);

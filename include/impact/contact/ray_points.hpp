@@ -27,6 +27,8 @@ struct FacePoints : StraightPoints {
   }
   static double size_of(const Seen& /*seen*/, double secondary) { return secondary; }
   static const std::array<double, 4>& shares_of(const Seen& seen) { return seen.foot.place.N; }
+  /// The normal force over the pressure, per area.
+  static double force_of(const Seen& seen) { return 1 / std::abs(seen.foot.opposition); }
   static std::array<double, 3> way_out(const Seen&, const Point3& n) { return {-n[0], -n[1], -n[2]}; }
 };
 using FacePointForm = PointForm<FacePoints>;
@@ -74,6 +76,7 @@ template <class Shape> struct CurvedPoints {
   }
   static double size_of(const Seen& /*seen*/, double secondary) { return secondary; }
   static const auto& shares_of(const Seen& seen) { return seen.foot.place.N; }
+  static double force_of(const Seen& seen) { return 1 / std::abs(seen.foot.opposition); }
   static std::array<double, 3> way_out(const Seen&, const Place& n) {
     std::array<double, 3> out{};
     for (std::size_t k = 0; k < dim; ++k) out[k] = -n[k];

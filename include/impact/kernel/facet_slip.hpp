@@ -10,9 +10,9 @@
 /// changes by the relative motion. It is measured in directions r_i that the secondary facet carries along
 /// with its tangents g_i = sum_b row[i][b] x_b at a place,
 ///   s_i = r_i.v - start_i,
-/// in the plane r = g/|g|, in space the columns of the rotation R in the polar decomposition (g_1 g_2) = R U.
-/// Traction and slip so keep their components when both sides turn as a whole, and forces that are multiples
-/// of the gradients keep linear and angular momentum exactly.
+/// in the plane r = g/|g|, in space the columns of the rotation R in the polar decomposition (g_1 g_2) = R U,
+/// turned by what they lean (below). Traction and slip so keep their components when both sides turn as a
+/// whole, and forces that are multiples of the gradients keep linear and angular momentum exactly.
 namespace impact {
 
 /// [direction][node] coefficients of the tangents: their sums are zero.
@@ -26,6 +26,19 @@ template <std::size_t dim, std::size_t nodes> using FacetNodes = std::array<std:
 template <std::size_t dim, std::size_t nodes>
 TangentRows<dim, nodes> tangent_rows(const FacetNodes<dim, nodes>& X, const TangentRows<dim, nodes>& natural);
 
+/// Components [direction] of the directions of slip in the frame of a facet: its tangents, then its normal.
+/// Where what lies opposite is not parallel they lie across the normal force, turned with the normal the
+/// shortest way, and are as long as that force is over the pressure: a gap along the facet's own normal
+/// presses with more than its pressure.
+using Lean = std::array<std::array<double, 3>, 2>;
+template <std::size_t dim> constexpr Lean upright() {
+  Lean lean{};
+  for (std::size_t i = 0; i + 1 < dim; ++i) lean[i][i] = 1;
+  return lean;
+}
+/// `n`: components of the normal force in the frame, of either sign; `length`: of the directions.
+template <std::size_t dim> Lean lean_to(const std::array<double, dim>& n, double length);
+
 /// r_i.v, and its derivatives by the dofs of (secondary nodes, primary nodes).
 template <std::size_t dim, std::size_t nodes> struct FacetSlip {
   Tangential value{};
@@ -37,7 +50,11 @@ template <std::size_t dim, std::size_t nodes> class SlipDirections {
 public:
   SlipDirections(const FacetNodes<dim, nodes>& x, const TangentRows<dim, nodes>& rows, bool with_gradient);
   /// Without derivatives where the directions have none.
-  FacetSlip<dim, nodes> slip(const FacetNodes<dim, nodes>& p, const Opening<nodes>& opening) const;
+  FacetSlip<dim, nodes> slip(const FacetNodes<dim, nodes>& p, const Opening<nodes>& opening,
+                             const Lean& lean = upright<dim>()) const;
+  /// Components in the frame, of a vector and of v.
+  std::array<double, dim> components(const std::array<double, dim>& vector) const;
+  std::array<double, dim> opened(const FacetNodes<dim, nodes>& p, const Opening<nodes>& opening) const;
 
 private:
   static constexpr std::size_t variables = dim * (dim - 1); // components of the tangents
@@ -45,15 +62,15 @@ private:
   const FacetNodes<dim, nodes>& x_;
   const TangentRows<dim, nodes>& rows_;
   bool with_gradient_;
-  std::array<std::array<double, dim>, dim - 1> r_{};
-  std::array<std::array<std::array<double, variables>, dim>, dim - 1> by_tangents_{};
+  std::array<std::array<double, dim>, dim> frame_{};
+  std::array<std::array<std::array<double, variables>, dim>, dim> by_tangents_{};
 };
 
-/// Adds the second derivatives of sum_i r_i.v_i, one opening per direction, a square over the dofs of both
-/// facets row by row, to `hessian`; symmetric and exact.
+/// Adds the second derivatives of sum_i e_i.v_i, one opening per vector e_i of the frame, a square over the
+/// dofs of both facets row by row, to `hessian`; symmetric and exact.
 template <std::size_t dim, std::size_t nodes>
 void add_slip_hessian(const FacetNodes<dim, nodes>& x, const FacetNodes<dim, nodes>& p,
-                      const TangentRows<dim, nodes>& rows, const std::array<Opening<nodes>, dim - 1>& opening,
+                      const TangentRows<dim, nodes>& rows, const std::array<Opening<nodes>, dim>& opening,
                       std::span<double> hessian);
 
 /// Unit vectors at right angles to n: of the x axis where it is not too near n, else of the y axis, and
