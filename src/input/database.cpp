@@ -103,6 +103,16 @@ void refuse_option(const GivenOption& option, const std::string& reason) {
 void check_option_files(int argc, const char* const* argv) {
   std::map<std::pair<std::string, std::string>, int> lines;
   const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+  const auto is_option = [](const std::string& word) {
+    return word.size() > 1 && word[0] == '-' && word[1] != '.' &&
+           !std::isdigit(static_cast<unsigned char>(word[1]));
+  };
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (!is_option(words[i]) && (i == 0 || !is_option(words[i - 1])))
+      throw UserError(ExitCode::usage,
+                      "`" + words[i] +
+                          "` on the command line belongs to no option; allowed: an option and its value, "
+                          "in quotes where that has blanks; a file of options stands behind -options_file");
   follow_option_files(words, [&](const std::string& file, const FileOption& option) {
     const auto [at, fresh] = lines.emplace(std::pair(file, option.name), option.line);
     if (!fresh && at->second != option.line)

@@ -56,23 +56,34 @@ void HistoryObserver::locate_probes() {
   MPI_Comm_size(d.mesh.comm(), &size);
   for (const ProbeScenario& probe : scenario_.probes) {
     Located found;
+    std::array<double, 3> middle{}; // of that cell: of several that hold the point the first by its place
     const bool anywhere = probe.region.empty();
     const std::vector<PetscInt> listed = anywhere ? obstacles : d.mesh.region_cells(probe.region);
     for (const CellTable& table : d.mesh.cells())
-      for (std::size_t c = 0; c < table.point.size() && found.count == 0; ++c) {
+      for (std::size_t c = 0; c < table.point.size(); ++c) {
         if ((std::ranges::find(listed, table.point[c]) == listed.end()) != anywhere) continue;
         const int nodes = table.shape->nodes, dim = d.dim();
         const int* const node = &table.connectivity[c * at(nodes)];
         double X[3 * max_nodes];
         for (int a = 0; a < nodes; ++a)
           std::copy_n(&d.mesh.coordinates()[at(node[a] * dim)], dim, X + a * dim);
-        if (!locate(table.shape, X, probe.at, found.N)) continue;
+        std::array<double, 3> centre{};
+        for (int i = 0; i < nodes * dim; ++i) centre[at(i % dim)] += X[i] / nodes;
+        double N[max_nodes];
+        if ((found.count > 0 && !(centre < middle)) || !locate(table.shape, X, probe.at, N)) continue;
+        middle = centre;
         found.count = nodes;
+        std::copy_n(N, nodes, found.N);
         std::copy_n(node, nodes, found.nodes);
         std::tie(found.batch, found.lane) = find_lane(d.groups, table.point[c]);
       }
-    // The lowest rank that holds the point keeps it.
-    const int owner = min_over_ranks(d.mesh.comm(), found.count > 0 ? rank : size);
+    // For any number of ranks the same cell.
+    bool mine = found.count > 0;
+    for (const double component : middle) {
+      const double least = min_over_ranks(d.mesh.comm(), mine ? component : HUGE_VAL);
+      mine = mine && component == least;
+    }
+    const int owner = min_over_ranks(d.mesh.comm(), mine ? rank : size);
     if (owner == size)
       throw UserError(ExitCode::data, "-probe_" + probe.id + "_at: the point is in no cell of the mesh" +
                                           (anywhere ? "" : " region '" + probe.region + "'") +

@@ -92,8 +92,10 @@ void add_heat(ContactRows& rows) {
       .needed([](const Contact& c) { return c.conductance_exponent > 0; },
               "allowed: a pressure > 0; <>conductance_exponent needs it");
   row.number(
-      "friction_heat_split", &Contact::friction_heat_split, "1 (84')", or_auto(fraction),
-      "part of the frictional heat that enters the secondary side; auto: 0.5, or 1 against a rigid body");
+         "friction_heat_split", &Contact::friction_heat_split, "1 (84')", or_auto(fraction),
+         "part of the frictional heat that enters the secondary side; auto: 0.5, or 1 against a rigid body")
+      .idle([](const Contact& c, const Scenario& s) { return !(c.friction > 0 && s.has_heat()); },
+            "<>friction is 0, or no temperature is solved for");
   row.expression("temperature", &Contact::temperature, "K", positive,
                  "of the rigid body over t; left out: it is insulated")
       .needed([](const Contact& c) { return c.rigid() && c.conductance > 0; },

@@ -125,7 +125,8 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
              "how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
              "afterwards, not at all",
              "vi", DamageBounds::vi, "history", DamageBounds::history, "clip", DamageBounds::clip, "none",
-             DamageBounds::none);
+             DamageBounds::none)
+      .idle([](const Scenario& s) { return !s.has_damage(); }, "no damage is solved for");
 }
 
 void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
@@ -237,6 +238,8 @@ OptionGroup heat_options() {
                             "evenly; not where heat passes contacts")
                      .otherwise("none"),
                  [](const Scenario& s) { return s.heat.substep; });
+  for (OptionRow<Scenario>& each : group.rows)
+    each.idle([](const Scenario& s) { return !s.has_heat(); }, "no temperature is solved for");
   group.complete = [](Scenario& s) {
     s.heat.form =
         s.heat.form_given.value_or(s.has_motion() || s.has_damage() ? HeatForm::entropy : HeatForm::energy);

@@ -44,7 +44,9 @@ OptionGroup general_options() {
       .barred([](const Scenario& s) { return s.solves("damage") && !s.physics.empty() && !s.has_damage(); },
               " \"damage\": no material has damage; give -material_{material}_damage");
   row.number("thickness", &Scenario::thickness, "m", positive,
-             "of a plane problem; forces and energies are for it");
+             "of a plane problem; forces and energies are for it")
+      .idle([](const Scenario& s) { return s.plane == PlaneMode::axisymmetric; },
+            "-plane axisymmetric has whole rings");
   row.restart = RestartKey::free;
   row.flag("dry_run", &Scenario::dry_run, "check everything, print the resolved input and the reports, stop");
   row.flag(

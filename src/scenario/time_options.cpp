@@ -192,6 +192,8 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
               "times between which the steps of -ts_dts hold, one more than these; the first is that of the "
               "start")
       .needed([](const Scenario& s) { return !s.time.table_dts.empty(); }, pair)
+      .refused([](const Scenario& s) { return !s.time.table_times.empty() && s.time.table_times[0] != 0; },
+               "does not begin with 0, the start of a run; allowed: 0, then increasing times")
       .refused(
           [](const Scenario& s) {
             const auto& times = s.time.table_times;

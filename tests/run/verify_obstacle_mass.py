@@ -132,8 +132,9 @@ print("a driven roller: pressed on the slab and turned on the spot, all of its m
 ROLL = {**REST, "bcs": "hold", "contact_foot_friction": 0.3, "contact_foot_centre": "0.75,0.6", "contact_foot_rigid_uy": "(-0.005)*ramp(t,0,1)",
         "contact_foot_rigid_rz": "0.2*ramp(t,1,2)", "ts_dt": 0.1, "ts_max_time": 2}
 r = run("roller", {key: value for key, value in ROLL.items() if not key.startswith("bc_weight")})
-# Facets slide in one direction each, so that the moment is that of mu N R but for the slope of the slab beneath it.
-check("it slides: moment over mu N R", abs(r["moment_obstacle_foot_z"][-1]) / (0.3 * RADIUS * abs(r["contact_foot_force_y"][-1])), 1, 3e-3)
+# It rubs along itself, with all that presses: that is more than its vertical part N, by 1/8 (a/R)^2 with Hertz's pressures.
+wide = 1 + (r["contact_foot_length"][-1] / 2 / RADIUS) ** 2 / 8
+check("it slides: moment over mu N R", abs(r["moment_obstacle_foot_z"][-1]) / (0.3 * RADIUS * abs(r["contact_foot_force_y"][-1])), wide, 1e-3)
 check("moment times the turn of a step over its heat", abs(r["moment_obstacle_foot_z"][-1]) * 0.02 / numpy.diff(r["dissipated_friction"])[-1], 1, 1e-3)
 
 # As it leaves: one step is cut, and seven solves go on by backtracking, where five steps had been cut and two solves repeated.

@@ -169,6 +169,9 @@ ROWS = [
         ("title: x\nts_dt 0.1\n", "line 2: no \"name: value\""), ("ts:\n  dt: 1\ntitle: x\nts_dt: 2\n", "-ts_dt: given twice in"),))],
     ("more options than PETSc keeps", ["-options_file", write("many.opts", "".join(f"-param_a{k} 1\n" for k in range(600)))], 2, ["no more than 512 options"]),
     ("a minus in a file", [*start_words(PULL), "-options_file", write("minus.opts", '-bc_push_ux "-t*10"\n')], 2, ["a value that begins with a minus needs brackets: (-t)"]),
+    ("a file of options without its option", ["run.opts"], 2, ["`run.opts` on the command line belongs to no option", "-options_file"]),
+    ("a word too many", [*start_words(PULL), "extra"], 2, ["`extra` on the command line belongs to no option"]),
+    ("times of steps that begin late", more(PULL, ts_times="0.5,1", ts_dts="0.1"), 2, ['-ts_times "0.5,1": does not begin with 0']),
     ("an option of nobody", more(PULL, foo="1"), 2, ["unknown option -foo   (`impact -reference`"]),
     ("a misspelt solver before a dry run", more(PULL, motion_ksp_typ="cg", dry_run="on"), 2, ["unknown option -motion_ksp_typ"]),
     *[(f"without effect: {name}", more(PULL, **{name: value}), 2, [f"-{name}", words]) for name, value, words in (

@@ -56,6 +56,10 @@ ROWS = [
       "without effect, because -contact_face_primary is no rigid sphere or cylinder: -contact_face_radius"], []),
     ("data of Newmark's method in statics", FILE + DRY + ["-ts_type", "static", "-ts_newmark_rho", "0.5"], 0,
      ["without effect, because the steps of this -ts_type are not Newmark's: -ts_newmark_rho"], []),
+    ("data of heat and of a break where there is none", FILE + DRY + ["-heat_theta", "0.5", "-contact_face_friction_heat_split", "0.3",
+      "-material_lower_damage", "none", "-material_upper_damage", "none", "-damage_bounds", "history"], 0,
+     ["without effect, because no temperature is solved for: -heat_theta", "because -contact_face_friction is 0, or no temperature is solved for: -contact_face_friction_heat_split",
+      "because no damage is solved for: -damage_bounds"], []),
     ("data of laws that a material does not have", FILE + DRY + ["-material_lower_damage", "none", "-material_upper_sigma_y", "1", "-material_upper_hardening", "linear",
       "-material_upper_linear_h", "1", "-material_lower_alpha_t", "1e-5"], 0,
      ["impact: without effect, because -material_upper_model is elastic: -material_upper_sigma_y -material_upper_hardening -material_upper_linear_h\n",
@@ -90,6 +94,15 @@ with open("edge.geo", "w") as file:
                'Physical Volume("solid") = {1}; Physical Surface("bottom") = {5}; Physical Curve("on") = {7};\n')
 FORCE = {"materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "bcs": "hold,load", "bc_hold_on": "bottom", "bc_hold_type": "fix",
          "bc_load_on": "on", "bc_load_type": "force", "bc_load_uy": "-1000*t", "bc_load_ux": "300*t", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+# A point between cells: the value of a cell is that of the same one on any number of ranks.
+BETWEEN = {"mesh": mesh("block.geo"), "mesh_set_n": 4, "materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "bcs": "hold,push",
+           "bc_hold_on": "bottom", "bc_hold_type": "fix", "bc_push_on": "top", "bc_push_ux": 0, "bc_push_uy": "(-0.1*t)", "ts_type": "static", "ts_dt": 1,
+           "ts_max_time": 1, "probes": "a,b,c", **{f"probe_{name}_{key}": value for name, place in (("a", "0.5,0.9"), ("b", "0.5,0.5"), ("c", "0.6,0.75"))
+                                                   for key, value in (("at", place), ("fields", "stress"))}}
+one, two = (run(f"between_{ranks}", BETWEEN, ranks=ranks) for ranks in (1, 2))
+for name in "abc":
+    check(f"stress at a point between cells, {name}: on two ranks", two[f"probe_{name}_stress_yy"][-1], one[f"probe_{name}_stress_yy"][-1], 1e-9)
+
 for name, ranks, more in (("points", 1, {}), ("points", 2, {}), ("points", 1, {"thickness": 50}), ("edge", 1, {}), ("edge", 2, {})):
     r = run(f"{name}_{ranks}", {**FORCE, "mesh": f"{name}.geo", **more}, ranks=ranks)
     check(f"force on {name} {more}, {ranks} ranks: reaction along y", r["reaction_hold_y"][-1], 1000, 1e-8)

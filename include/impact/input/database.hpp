@@ -38,9 +38,10 @@ inline constexpr const char* byte_order_mark = "\xEF\xBB\xBF";
 
 /// Follows the options files of a command line (and of PETSC_OPTIONS) and those that they name, before PETSc
 /// reads them: one that leads back to itself has no end, and PETSc runs out of memory for its calls. Throws
-/// UserError(usage) for it, for one that begins with a byte-order mark, and for an option that one file gives
-/// twice: PETSc takes the last one in silence. Later files and the command line may override it. Each rank
-/// reads by itself: MPI has not started.
+/// UserError(usage) for it, for one that begins with a byte-order mark, for a word of the command line that
+/// belongs to no option, which PETSc passes over, and for an option that one file gives twice: PETSc takes
+/// the last one in silence. Later files and the command line may override it. Each rank reads by itself: MPI
+/// has not started.
 void check_option_files(int argc, const char* const* argv);
 /// Why PETSc could not read the options of a command line, with the line of a YAML file.
 std::string explain_unread_files(int argc, const char* const* argv, const std::string& petsc_message);
