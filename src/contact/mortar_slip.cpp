@@ -80,16 +80,13 @@ void MortarForm::anchor(Vec u) {
   if (!frictional()) return;
   anchors_.assign(facets_.size(), {});
   FacetNormals normals(facets_.size());
-  const std::vector<double> of_nodes = nodes().displacement(u);
-  ContactValues store;
-  const ContactValues& moved = at_vertices(of_nodes, store);
-  const RigidObstacle obstacle = obstacle_.at(moved);
-  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) {
-    anchor_facet(f, facing, x, normals);
-    if (rigid()) add_normal(f, obstacle, moved, normals);
-  }
-  if (leans_at_anchor()) lean(x, normals);
+  for (int f = 0; f < static_cast<int>(facets_.size()); ++f) anchor_facet(f, facing, x, normals);
   find_vertices();
+  if (!leans_at_anchor()) return;
+  if (rigid())
+    turn_slip(nodes().displacement(u));
+  else
+    lean(x, normals);
 }
 
 void MortarForm::add_normal(int f, int candidate, const ContactValues& x, const std::array<double, 4>& cover,
@@ -116,8 +113,8 @@ void MortarForm::add_normal(int f, const RigidObstacle& obstacle, const ContactV
 }
 
 void MortarForm::lean(const ContactValues& x, const FacetNormals& normals) {
-  constexpr double longest =
-      2; // of a face at 60 degrees; more where functions of both signs leave little of a cover
+  // Of a face at 60 degrees; it would be more where functions of both signs leave little of a cover.
+  constexpr double longest = 2;
   for (const Node& owner : owned_) {
     Seen all;
     for (const Incident& i : owner.facets) {
@@ -165,7 +162,7 @@ void MortarForm::anchor_facet(int f, const Facing& facing, const ContactValues& 
       for (std::size_t b = 0; b < corners_; ++b) cover[a] += anchor.weights.D[a][b];
       facet.slid[a] += cover[a];
     }
-    add_normal(f, c, x, cover, normals);
+    if (leans_at_anchor()) add_normal(f, c, x, cover, normals);
   }
   for (Anchor& anchor : anchors)
     for (std::size_t a = 0; dim_ == 2 && a < 2; ++a)

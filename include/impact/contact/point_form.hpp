@@ -115,8 +115,8 @@ private:
   // What a point lay opposite of at the start of the step.
   struct Anchor {
     bool valid = false;
-    Opposite opposite;
-    Opening<width> opening;
+    Opposite opposite{};
+    Opening<width> opening{};
     std::array<double, dim> start{}; // its components then, in the frame of the facet
     Lean lean = upright<dim>();
   };
@@ -166,6 +166,8 @@ private:
     std::vector<Seen> seen; // [secondary facet][point]
   };
 
+  // call(facet at x, number, anchor) of each point.
+  template <class Call> void for_each_anchor(const ContactValues& x, Call&& call);
   // Of the directions of slip on a rigid body.
   Lean lean_on(const Facet& facet, std::size_t number, const RigidObstacle& obstacle) const;
   // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.

@@ -18,46 +18,46 @@ template <class G> void PointForm<G>::anchor(Vec u) {
   anchored_at_ = std::move(moved);
 }
 
+template <class G>
+template <class Call>
+void PointForm<G>::for_each_anchor(const ContactValues& x, Call&& call) {
+  std::vector<Ball> balls;
+  for (int f = 0; f < secondary_.count(); ++f) {
+    const Facet facet = facet_at(f, x, &balls);
+    for (int q = 0; q < points_.per_facet; ++q)
+      if (const std::size_t number = points_.index(f, q); points_.weight[number] != 0)
+        call(facet, number, anchors_[number]);
+  }
+}
+
 template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
   const ContactValues& x = nodes().start;
   const RigidObstacle obstacle = obstacle_.at(moved);
   anchoring_ = true;
-  std::vector<Ball> balls;
-  for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x, &balls);
-    for (int q = 0; q < points_.per_facet; ++q) {
-      const std::size_t number = points_.index(f, q);
-      Anchor& anchor = anchors_[number];
-      const Lean lean = anchor.lean;
-      anchor = {};
-      anchor.lean = lean;
-      if (points_.weight[number] == 0) continue;
-      // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
-      const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
-      anchor.valid = rigid() || seen.candidate >= 0;
-      if (!anchor.valid) continue;
-      const auto share = [](const auto& weights, std::array<double, width>& out) {
-        std::copy_n(weights.begin(), width, out.begin());
-      };
-      share(G::weights(points_.shape[number]), anchor.opening.D);
-      if (rigid())
-        anchor.opening.M = anchor.opening.D;
-      else
-        share(G::shares_of(seen), anchor.opening.M);
-      if (rigid()) {
-        if (leans_at_anchor()) anchor.lean = lean_on(facet, number, obstacle);
-        continue;
-      }
-      anchor.opposite.node = primary_nodes(seen.candidate);
-      const int *mine = secondary_slots(f), *other = primary_slots(seen.candidate);
-      const Nodes s = corners_from<Nodes>(mine[0], mine, moved),
-                  p = corners_from<Nodes>(mine[0], other, moved);
-      const SlipDirections<dim, width> directions(s, tangents(f, number), false);
-      anchor.start = directions.opened(p, anchor.opening);
-      if (leans_at_anchor())
-        anchor.lean = lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
+  for_each_anchor(x, [&](const Facet& facet, std::size_t number, Anchor& anchor) {
+    anchor = Anchor{.lean = anchor.lean};
+    // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
+    const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
+    anchor.valid = rigid() || seen.candidate >= 0;
+    if (!anchor.valid) return;
+    const auto share = [](const auto& weights, std::array<double, width>& out) {
+      std::copy_n(weights.begin(), width, out.begin());
+    };
+    share(G::weights(points_.shape[number]), anchor.opening.D);
+    if (rigid()) {
+      anchor.opening.M = anchor.opening.D;
+      if (leans_at_anchor()) anchor.lean = lean_on(facet, number, obstacle);
+      return;
     }
-  }
+    share(G::shares_of(seen), anchor.opening.M);
+    anchor.opposite.node = primary_nodes(seen.candidate);
+    const int *mine = secondary_slots(facet.number), *other = primary_slots(seen.candidate);
+    const Nodes s = corners_from<Nodes>(mine[0], mine, moved), p = corners_from<Nodes>(mine[0], other, moved);
+    const SlipDirections<dim, width> directions(s, tangents(facet.number, number), false);
+    anchor.start = directions.opened(p, anchor.opening);
+    if (leans_at_anchor())
+      anchor.lean = lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
+  });
   anchoring_ = false;
   locate_anchors();
 }
@@ -80,24 +80,18 @@ template <class G> void PointForm<G>::turn_slip(const ContactValues& u) {
   if (anchors_.empty() || on_plane() || !leans()) return;
   const ContactValues x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
-  std::vector<Ball> balls;
-  for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x, &balls);
-    for (int q = 0; q < points_.per_facet; ++q) {
-      const std::size_t number = points_.index(f, q);
-      Anchor& anchor = anchors_[number];
-      if (points_.weight[number] == 0 || !anchor.valid) continue;
-      if (rigid()) {
-        anchor.lean = lean_on(facet, number, obstacle);
-        continue;
-      }
-      const Seen seen = face(facet, points_.shape[number], x, holds_[number]);
-      const SlipDirections<dim, width> directions(facet.node, tangents(f, number), false);
-      anchor.lean = seen.candidate < 0
-                        ? upright<dim>()
-                        : lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
+  for_each_anchor(x, [&](const Facet& facet, std::size_t number, Anchor& anchor) {
+    if (!anchor.valid) return;
+    if (rigid()) {
+      anchor.lean = lean_on(facet, number, obstacle);
+      return;
     }
-  }
+    const Seen seen = face(facet, points_.shape[number], x, holds_[number]);
+    const SlipDirections<dim, width> directions(facet.node, tangents(facet.number, number), false);
+    anchor.lean = seen.candidate < 0
+                      ? upright<dim>()
+                      : lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
+  });
 }
 
 // False without friction or where nothing lay opposite. A plane has directions of its own and needs no
