@@ -16,8 +16,11 @@ constexpr double half_of_facet = 0.5;
 // Two facets over the same place count as layers, one behind the other, from this common part on.
 constexpr double least_common_part = 1e-6;
 // Dual functions are negative somewhere: over a part of a facet they may turn a gap into an overlap. Covered
-// parts that sum to more than this are the whole facet.
-constexpr double whole_facet = 1 - 1e-6;
+// parts that sum to more than this are the whole facet: sides that lie flush pass each other by a little.
+constexpr double whole_facet = 0.95;
+// So does a gap that opens steeply along a facet, beside an edge, say, which its node bears alone. What lies
+// more steeply (26 degrees) does not count as covered: its far end may be beyond `farthest`.
+constexpr double parallel_enough = 0.9;
 
 } // namespace
 
@@ -34,7 +37,8 @@ std::vector<int> MortarForm::choose_functions(const Facing& facing, const Contac
     bool whole = true;
     for (int f = first; whole && f < first + together; ++f) {
       double part = 0;
-      for (int candidate : facing[at(f)]) part += view(f, candidate, x).part;
+      for (int candidate : facing[at(f)])
+        if (opposition(f, candidate, x) > parallel_enough) part += view(f, candidate, x).part;
       whole = part > whole_facet;
     }
     Facet& chosen = facets_[at(first)];
@@ -57,10 +61,9 @@ double MortarForm::size_of(int facet, const ContactValues& x) const {
   });
 }
 
-bool MortarForm::opposed(int facet, int candidate, const ContactValues& x) const {
-  return at_pair(facet, candidate, x, [](const auto& s, const auto& p) {
-    return dot(facet_normal(s), facet_normal(p)) < -least_opposition;
-  });
+double MortarForm::opposition(int facet, int candidate, const ContactValues& x) const {
+  return at_pair(facet, candidate, x,
+                 [](const auto& s, const auto& p) { return -dot(facet_normal(s), facet_normal(p)); });
 }
 
 FacetView MortarForm::view(int facet, int candidate, const ContactValues& x) const {
@@ -97,7 +100,7 @@ bool MortarForm::hidden(int facet, int candidate, const std::vector<int>& accept
 
 bool MortarForm::came_through(int facet, int candidate) const {
   const ContactValues& start = vertices().start;
-  return !start.empty() && opposed(facet, candidate, start) &&
+  return !start.empty() && opposition(facet, candidate, start) > least_opposition &&
          view(facet, candidate, start).largest > -search_.depth(facet / parts_);
 }
 
@@ -110,7 +113,7 @@ MortarForm::Facing MortarForm::facing_at(const ContactValues& x) const {
     pairs.clear();
     for (int pair : list.of(at(f / parts_)))
       for (int c = parts_ * pair; c < parts_ * (pair + 1); ++c) {
-        if (is_beside(f, c, x) || !opposed(f, c, x)) continue;
+        if (is_beside(f, c, x) || opposition(f, c, x) <= least_opposition) continue;
         const FacetView seen = view(f, c, x);
         if (seen.smallest < farthest * size &&
             (seen.largest > -search_.depth(f / parts_) || came_through(f, c)))

@@ -163,7 +163,7 @@ private:
   void lean(const ContactValues& x, const FacetNormals& normals);
 
   FacetView view(int facet, int candidate, const ContactValues& x) const;
-  bool opposed(int facet, int candidate, const ContactValues& x) const;
+  double opposition(int facet, int candidate, const ContactValues& x) const; // of their normals, at most 1
   // Whether an accepted candidate lies before this one.
   bool hidden(int facet, int candidate, const std::vector<int>& accepted, const ContactValues& x) const;
   bool is_beside(int facet, int candidate, const ContactValues& x) const;
