@@ -302,6 +302,9 @@ ContactDemands ContactInterface::demands() const {
 }
 
 void ContactInterface::meet(bool loose, bool first_touch) {
+  double& penalty = rows_.penalty->trial[EnforcementRows::value];
+  if (first_touch && !by_penalty_ && fallback_) fallback_->begin_attempt(*constraints_, friction_);
+  if (by_penalty_ && !first_touch && method_->closes_gaps()) penalty = settings_.penalty;
   by_penalty_ = first_touch;
   fallen_back_ = fallen_back_ || (loose && constraints_->form().overdetermined());
   use_method();

@@ -141,7 +141,7 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }
   check(MatGetDiagonal(matrix(), diagonal_));
-  balance_.note_tangent(u, cells_diagonal_, diagonal_);
+  balance_.note_tangent(u, cells_diagonal_, diagonal_, contacts_.demands().closes_gaps);
   // Prescribed rows were masked out; the mean of the cells' other diagonals keeps the condition of the
   // matrix.
   double sums[2] = {diagonal, -static_cast<double>(rows_.massless.size())};

@@ -82,12 +82,14 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
   // Before the last augmentation a residual that falls to a tenth is exact enough, once all points have found
   // out whether they touch: multipliers that are no use lead Newton's method astray.
   Aim aim = aim_;
-  if (first_touch_ || (number > 1 && rough_))
+  if (first_touch_)
+    aim = Aim::thousandth;
+  else if (number > 1 && rough_)
     aim = Aim::tenth;
   else if (number == 1 && demands.augments && aim == Aim::balance)
     aim = Aim::settled;
   rough_ = aim != aim_;
-  constexpr PetscInt enough = 10; // for a first touch, or it has the wrong way
+  constexpr PetscInt enough = 15; // for a first touch, or it has the wrong way
   const PetscInt most = solver_.most_iterations();
   SNESConvergedReason reason =
       solver_.solve(u, aim, first_touch_ ? std::min(most, enough) : most, !first_touch_);

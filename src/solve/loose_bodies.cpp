@@ -7,11 +7,14 @@
 #include <impact/problem/cell_loop.hpp>
 #include <impact/problem/rigid_motion.hpp>
 #include <impact/solve/loose_bodies.hpp>
+#include <span>
 
 namespace impact {
 
 namespace {
 
+// Gaps of less than this part of a facet are closed.
+constexpr double closed = 1e-6;
 // What a body may approach by beyond its gap, in units of the shortest facet of its contacts' sides.
 constexpr double bite = 0.25;
 // How much deeper than force over E and width bodies with flat sides may be squeezed.
@@ -20,6 +23,8 @@ constexpr double squeeze = 3;
 constexpr double balanced = 0.05;
 // Least stiffness of the hold over E times the size of the body: motions that nothing feels get a pivot.
 constexpr double least_stiffness = 1e-7;
+// Of small loads it is no more than this part of what the largest resultant asks for.
+constexpr double least_weight = 1e-3;
 
 // [local node] reference volume (area in the plane, of the full ring with its symmetry), all ranks' shares.
 std::vector<double> nodal_volumes(const Discretisation& d) {
@@ -73,8 +78,10 @@ void LooseBodies::measure(const std::vector<int>& loose) {
   std::vector<char> surface(loose.size(), 0);
   for (std::size_t c = 0; c < contacts_->size(); ++c) {
     const ContactSettings& settings = (*contacts_)[c].settings();
-    std::vector<std::array<int, 2>> meets(bodies_.size(), {0, 0}); // by its secondary, its primary side
+    // [body] by its secondary, its primary side; the last one stands for all that is held
+    std::vector<std::array<int, 2>> meets(bodies_.size() + 1, {0, 0});
     double shortest = HUGE_VAL;
+    if (settings.carrier.empty() && settings.rigid()) meets.back()[1] = 1;
     for (const std::string& side : {settings.secondary, settings.primary}) {
       if (ContactSettings::rigid_name(side)) continue;
       const ContactSurface facets = make_surface(mesh, settings.id, side);
@@ -82,22 +89,22 @@ void LooseBodies::measure(const std::vector<int>& loose) {
         const auto node = at(facets.local[i]);
         surface[node] = 1;
         shortest = std::min(shortest, facets.length[i / at(facets.per_facet)]);
-        if (loose[node] < 0) continue;
-        const auto b = at(loose[node]);
+        const auto b = loose[node] < 0 ? bodies_.size() : at(loose[node]);
         meets[b][side == settings.secondary ? 0 : 1] = 1;
       }
     }
     if (!settings.carrier.empty())
       for (int node : mesh.nodes(settings.carrier)) {
         surface[at(node)] = 1;
-        if (loose[at(node)] >= 0) meets[at(loose[at(node)])][1] = 1;
+        meets[loose[at(node)] < 0 ? bodies_.size() : at(loose[at(node)])][1] = 1;
       }
     shortest = min_over_ranks(mesh.comm(), shortest);
     const std::span<int> all(meets.front().data(), 2 * meets.size());
     max_over_ranks(mesh.comm(), all);
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       if (const auto [secondary, primary] = meets[b]; secondary + primary > 0) {
-        bodies_[b].sides.push_back({c, double(secondary - primary)});
+        const bool held = (secondary > 0 && meets.back()[1] > 0) || (primary > 0 && meets.back()[0] > 0);
+        bodies_[b].sides.push_back({c, double(secondary - primary), held});
         bodies_[b].facet = std::min(bodies_[b].facet, shortest);
       }
   }
@@ -135,22 +142,58 @@ void LooseBodies::start_attempt() {
   for (Body& body : bodies_) body.weight = body.largest = body.now = 0;
 }
 
+bool LooseBodies::touches(const Body& body, const ContactReach& seen) {
+  return seen.presses || seen.gap < closed * body.facet;
+}
+
+double LooseBodies::open_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach) {
+  double nearest = HUGE_VAL;
+  // What does not face anything yet may go half the way to what the search sees.
+  for (const Body::Side& side : body.sides)
+    if (const ContactReach& seen = reach[side.contact];
+        !touches(body, seen) && !(side.sign * dot(seen.opens, along) > 0))
+      nearest = std::min({nearest, std::max(0.0, seen.gap), seen.distance / 2});
+  return nearest;
+}
+
+double LooseBodies::pushed_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach,
+                               std::vector<char>& passed) const {
+  passed[static_cast<std::size_t>(&body - bodies_.data())] = 1;
+  double nearest = HUGE_VAL;
+  for (const Body::Side& side : body.sides) {
+    const ContactReach& seen = reach[side.contact];
+    if (!touches(body, seen) || side.sign * dot(seen.opens, along) > 0) continue;
+    if (side.held) return 0;
+    for (std::size_t other = 0; other < bodies_.size(); ++other) {
+      const Body& next = bodies_[other];
+      const bool opposite = std::any_of(next.sides.begin(), next.sides.end(), [&](const Body::Side& its) {
+        return its.contact == side.contact && its.sign != side.sign;
+      });
+      if (!opposite || passed[other]) continue;
+      const double open = open_way(next, along, reach);
+      nearest = std::min(nearest, open < HUGE_VAL ? open : pushed_way(next, along, reach, passed));
+    }
+  }
+  return nearest;
+}
+
 void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& reach) const {
   // What presses already is not enough: the nearest of the other contacts that the body moves towards is to
-  // come.
-  double nearest = HUGE_VAL, stiffness = 0, area = 0;
+  // come, or that of a body that it pushes.
+  double nearest = open_way(body, body.force, reach), stiffness = 0, area = 0;
   body.pressed = false;
-  for (const auto& [c, sign] : body.sides) {
-    body.pressed = body.pressed || reach[c].presses;
-    if (!reach[c].presses) {
-      if (sign * dot(reach[c].opens, body.force) > 0) continue;
-      // What does not face anything yet may go half the way to what the search sees.
-      nearest = std::min({nearest, std::max(0.0, reach[c].gap), reach[c].distance / 2});
-    }
-    stiffness += reach[c].stiffness;
-    area += reach[c].touches;
+  for (const Body::Side& side : body.sides) {
+    const ContactReach& seen = reach[side.contact];
+    body.pressed = body.pressed || touches(body, seen);
+    if (!touches(body, seen) && side.sign * dot(seen.opens, body.force) > 0) continue;
+    stiffness += seen.stiffness;
+    area += seen.touches;
   }
-  if (nearest == HUGE_VAL && body.pressed) nearest = 0;
+  if (nearest == HUGE_VAL && body.pressed) {
+    std::vector<char> passed(bodies_.size(), 0);
+    nearest = pushed_way(body, body.force, reach, passed);
+    if (nearest == HUGE_VAL) nearest = 0;
+  }
   const double least = bite * body.facet;
   if (nearest == HUGE_VAL) { // nothing lies opposite as far as the search sees: longer strides
     body.approach = body.limit = least * std::exp2(body.blind++);
@@ -200,9 +243,10 @@ void LooseBodies::weigh(Vec u, Vec r) {
     for (std::size_t k = 0; k < 3; ++k) body.force[k] = force < moment ? 0 : -of[k]; // R is inner less outer
     body.largest = std::max(body.largest, body.now);
     find_approach(body, reach);
-    body.weight = // (H2)
-        body.largest > 0 ? std::max(body.floor, body.now / body.approach * (body.now / body.largest))
-                         : body.floor;
+    body.weight = body.floor;
+    if (body.largest > 0) // (H2)
+      body.weight = std::max(std::min(body.floor, least_weight * body.largest / body.approach),
+                             body.now / body.approach * (body.now / body.largest));
   }
 }
 

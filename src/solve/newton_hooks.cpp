@@ -132,7 +132,9 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(step, -1, x, w));
   motion_.rigid().retract(w);
-  if (motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding)) reuse_.forget();
+  const bool other_set = motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding);
+  if (other_set) reuse_.forget();
+  motion_.balance().note_set(other_set);
 }
 
 // Where points of contact close or open, the norm along a step may be smallest at its start however good its
@@ -236,6 +238,7 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
   if (it == 0) {
     if (!conduct.goes_on) balance.start();
     balance.aim(conduct.aim);
+    balance.note_set(false);
     watch_.start(line_search_of(snes) == SNESLINESEARCHBASIC);
     near_ = 0;
     open_ = HUGE_VAL;

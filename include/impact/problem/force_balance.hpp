@@ -7,8 +7,9 @@
 ///   atol;
 ///   rtol times the largest norm that it had in the solve, or the whole residual at its start if less;
 ///   once an iteration leaves more than half of it, its rounding error: 1e-15 of (u + largest cell) times the
-///   cells' part of the tangent's diagonal, and 4e-15 of (u + coordinate) times the rest of it, contact's and
-///   rigid bodies'.
+///   cells' part of the tangent's diagonal, and 4e-15 (5e-16 of weights that close gaps) of (u + coordinate)
+///   times the rest of it, contact's and rigid bodies'; a fiftieth of all that where other constraints press
+///   than in the iterate before.
 /// So neither the stiffness nor the load nor the rounding of one part excuses forces left on another.
 namespace impact {
 
@@ -28,8 +29,11 @@ public:
   /// A solve begins: what counts is relative to the residuals that follow.
   void start();
   void aim(Aim aim) { aim_ = aim; }
-  /// Diagonals of the tangent at u: of the cells alone, and of all. Collective.
-  void note_tangent(Vec u, Vec cells, Vec all);
+  /// The residual that comes is that of another set of constraints than the one before, or of the same.
+  void note_set(bool other) { other_set_ = other; }
+  /// Diagonals of the tangent at u: of the cells alone, and of all, in which contact `weighs_gaps` or has its
+  /// penalties. Collective.
+  void note_tangent(Vec u, Vec cells, Vec all, bool weighs_gaps);
   /// Holds the residual f against its tolerances. One reduction, nothing allocated. Collective.
   void judge(Vec f, double atol, double rtol);
   /// Answers for `snes`, whose function and tolerances these are, like SNESConvergedDefault, but never for
@@ -50,6 +54,7 @@ private:
   std::vector<double> sums_, rounding_; // squares of each part: of the residual and of its rounding
   std::vector<double> largest_, last_;  // residuals of each part in this solve
   Aim aim_ = Aim::balance;
+  bool other_set_ = false;
   double first_ = -1, force_ = 0, ratio_ = 0; // first_ < 0: no residual yet
 };
 

@@ -4,7 +4,6 @@
 #include <impact/problem/discretisation.hpp>
 #include <impact/problem/rigid_bodies.hpp>
 #include <petscsnes.h>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -13,16 +12,15 @@
 /// pseudo-time, in which a mass of unit density resists each step from the iterate at hand:
 ///   (K + c_b M) du = -R(u),   c_b = (f/m) (f/f_max)                                             (H1), (H2)
 /// f: resultant of R on the body over its volume; m: the way that it may approach by; of rigid bodies M
-/// stands in the rows of their unknowns. The mass stands in the matrix alone: the residual knows no force of
-/// it, so that it does no work, and it goes with the square of the resultant, so that Newton's method ends as
-/// quickly as without.
+/// stands in the rows of their unknowns. The mass stands in the matrix alone, so that it does no work, and
+/// goes with the square of the resultant, so that Newton's method ends as quickly as without.
 namespace impact {
 
 class LooseBodies {
 public:
   LooseBodies() = default;
   /// Finds the bodies by the prescribed displacements. All must outlive this object. Collective.
-  LooseBodies(const Discretisation& discretisation, const BoundaryData& boundary, const ContactSet& contacts,
+  LooseBodies(const Discretisation& d, const BoundaryData& boundary, const ContactSet& contacts,
               const RigidBodies& rigid);
 
   bool empty() const { return bodies_.empty(); }
@@ -38,8 +36,7 @@ public:
   /// Whether each of them presses something at u. Collective.
   bool rest(Vec u) const;
   /// Largest part of the step du, at most 1, that moves no node on the surfaces of these bodies by more than
-  /// twice what they may approach by; doubled after each shortened step that lowered the residual (H3).
-  /// Collective.
+  /// twice what they may approach by; twice that after a shortened step that did good (H3). Collective.
   double part_of(Vec du);
   /// True from a weigh() that found a body out of balance.
   bool unbalanced() const;
@@ -56,7 +53,8 @@ private:
     double largest = 0, now = 0;    // f_max of the attempt, f
     struct Side {
       std::size_t contact;
-      double sign; // 1: secondary, -1: primary, 0: both
+      double sign;       // 1: secondary, -1: primary, 0: both
+      bool held = false; // something on the other side is not loose
     };
     std::vector<Side> sides;
     std::array<double, 3> force{}; // on the body
@@ -66,6 +64,11 @@ private:
   };
   void measure(const std::vector<int>& body_of_node);
   void find_approach(Body& body, const std::vector<ContactReach>& reach) const;
+  static bool touches(const Body& body, const ContactReach& seen);
+  // Along a direction: the way to what a body does not touch yet, and that of what it pushes on (0: held).
+  static double open_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach);
+  double pushed_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach,
+                    std::vector<char>& passed) const;
 
   const Discretisation* d_ = nullptr;
   const ContactSet* contacts_ = nullptr;

@@ -1,0 +1,58 @@
+# labels: run
+"""Receding contact (J. Dundurs, M. Stippes, J. Appl. Mech. 37 (1970) 965): what touches under a load does so at any size of the load,
+and all else is in proportion. A strip on a plane, pressed over its middle, lifts its long ends; three blocks with gaps between them,
+held by contact alone, close them. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E."""
+from _runs import check, check_between, finish, run
+
+E = 1e5
+STRIP = """Point(1) = {0, 0, 0}; Point(2) = {8, 0, 0}; Point(3) = {8, 1, 0}; Point(4) = {0, 1, 0}; Point(5) = {0.25, 1, 0}; Point(6) = {0.25, 0, 0};
+Line(1) = {1, 6}; Line(2) = {6, 2}; Line(3) = {2, 3}; Line(4) = {3, 5}; Line(5) = {5, 4}; Line(6) = {4, 1}; Line(7) = {6, 5};
+Curve Loop(1) = {1, 7, 5, 6}; Plane Surface(1) = {1}; Curve Loop(2) = {2, 3, 4, -7}; Plane Surface(2) = {2};
+Transfinite Curve {1, 5} = 4; Transfinite Curve {2, 4} = 94; Transfinite Curve {3, 6, 7} = 13; Transfinite Surface {1, 2}; Recombine Surface {1, 2};
+Physical Surface("layer") = {1, 2}; Physical Curve("low") = {1, 2}; Physical Curve("axis") = {6}; Physical Curve("pad") = {5};
+"""
+BLOCKS = """For b In {0 : 2}
+  f = 10*b; o = 1.05*b;
+  Point(f+1) = {0, o, 0}; Point(f+2) = {2, o, 0}; Point(f+3) = {2, o+1, 0}; Point(f+4) = {0, o+1, 0};
+  For i In {1 : 4}
+    Line(f+i) = {f+i, f+1+(i%4)};
+  EndFor
+  Curve Loop(f+1) = {f+1 : f+4}; Plane Surface(f+1) = {f+1};
+  Transfinite Curve {f+1, f+3} = 9 + 2*b; Transfinite Curve {f+2, f+4} = 5 + b; Transfinite Surface {f+1}; Recombine Surface {f+1};
+  Physical Surface(Sprintf("b%g", b+1)) = {f+1}; Physical Curve(Sprintf("low%g", b+1)) = {f+1}; Physical Curve(Sprintf("up%g", b+1)) = {f+3};
+EndFor
+Physical Curve("left") = {4, 14, 24};
+"""
+for name, text in ("strip.geo", STRIP), ("blocks.geo", BLOCKS):
+    with open(name, "w") as file:
+        file.write(text)
+STATIC = {"units": "mm_t_s_MPa", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "energy_tol": 0}
+
+def strip(name, p, **more):
+    """The strip under the traction p, in one step."""
+    return run(name, {
+        "mesh": "strip.geo", **STATIC, "materials": "layer", "material_layer_E": E, "material_layer_nu": 0.3,
+        "bcs": "axis,pad", "bc_axis_on": "axis", "bc_axis_ux": 0, "bc_pad_on": "pad", "bc_pad_type": "traction", "bc_pad_uy": f"(-{p}*t)",
+        "contacts": "low", "contact_low_secondary": "low", "contact_low_primary": "plane", **more}, refused=2)
+
+
+lengths = {}
+for p in (1e-4, 1e-3, 1e-2, 0.1, 1, 10, 100):
+    r = strip(f"strip_{p:g}", p)
+    lengths[p] = r["contact_low_length"][-1]
+    check(f"strip, p/E = {p / E:g}: force", r["contact_low_force_y"][-1], 0.25 * p, 1e-5)
+    check_between(f"strip, p/E = {p / E:g}: iterations of the step", r["newton"][-1], 3, 18)
+check("strip: touching length, largest over smallest load", lengths[100], lengths[1e-4], 1e-3)
+r = strip("strip_points", 0.01, contact_low_method="gpts")
+check("strip: touching length by Gauss points, to half a cell", r["contact_low_length"][-1], lengths[1e-2], 1 / 24, relative=False)
+
+for p in (1e-3, 0.1, 1, 100):
+    r = run(f"blocks_{p:g}", {
+        "mesh": "blocks.geo", **STATIC, "materials": "b1,b2,b3", "material_b1_E": E, "material_b1_nu": 0, "material_b2_like": "b1",
+        "material_b3_like": "b1", "bcs": "floor,left,top", "bc_floor_on": "low1", "bc_floor_uy": 0, "bc_left_on": "left", "bc_left_ux": 0,
+        "bc_top_on": "up3", "bc_top_type": "traction", "bc_top_uy": f"(-{p}*t)", "contacts": "c,d", "contact_c_secondary": "up1",
+        "contact_c_primary": "low2", "contact_d_secondary": "up2", "contact_d_primary": "low3", "probes": "top", "probe_top_at": "1,3.1"}, refused=1)
+    for contact in "cd":
+        check(f"blocks, p/E = {p / E:g}: force of {contact}", r[f"contact_{contact}_force_y"][-1], -2 * p, 1e-4)
+    check(f"blocks, p/E = {p / E:g}: way of the top", r["probe_top_uy"][-1], -0.1 - 3 * p / E, 1e-4)
+finish()
