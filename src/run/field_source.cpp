@@ -39,19 +39,21 @@ Batch cell_mean(const CellBatch& batch, const std::vector<double>& row) {
 
 } // namespace
 
-void FieldSource::require(const std::string& key, const std::string& name, bool nodal_only) const {
+void FieldSource::require(const std::string& key, const std::string& name,
+                          const std::string& no_region) const {
   std::vector<std::string> offered;
   for (const auto& row : state_.rows())
     if (row->output) offered.push_back(row->name);
   for (const FieldNote& field : field_notes()) {
     const bool is_contact = std::string_view(field.name).starts_with("contact_");
     if (field.on_nodes ? is_contact && !motion_.contacts().empty()
-                       : !nodal_only && (!is_point_row(field.name) || state_.find(field.name)))
+                       : no_region.empty() && (!is_point_row(field.name) || state_.find(field.name)))
       offered.emplace_back(field.name);
   }
   if (std::ranges::find(offered, name) == offered.end())
-    throw UserError(ExitCode::usage, key + ": this run has no " + (nodal_only ? "nodal " : "") + "field '" +
-                                         name + "'; it has: " + join(offered));
+    throw UserError(ExitCode::usage, key + ": this run has no field '" + name + "'" +
+                                         (no_region.empty() ? "" : " on " + no_region + ", no region") +
+                                         "; it has: " + join(offered));
 }
 
 FieldValues FieldSource::values(const std::string& name, Vec u) const {

@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/balance/release.hpp>
+#include <impact/kernel/cell_kernels.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <impact/problem/cell_loop.hpp>
 #include <impact/run/history_observer.hpp>
 #include <impact/scenario/columns.hpp>
 #include <numbers>
 
-/// Columns of the history that stand for fields on parts of the surface.
+/// Columns of the history that stand for fields on groups, and for what a ring of cells would release.
 namespace impact {
 
 namespace {
@@ -25,24 +27,56 @@ double area(const ReleaseScenario& ring, Frame frame) {
   return ring.length > 0 ? ring.length : ring.inner + ring.outer;
 }
 
+// What a value of the group counts in its mean, by the place of its first component in a field of so many.
+struct Share {
+  std::size_t place;
+  double weight;
+};
+
+std::vector<Share> of_nodes(const Mesh& mesh, const std::string& group, int components) {
+  std::vector<Share> shares;
+  for (int node : mesh.nodes(group))
+    if (mesh.owned(node)) shares.push_back({at(node * components), 1});
+  return shares;
+}
+
+// Cells count by their reference volume.
+std::vector<Share> of_cells(const Discretisation& d, const std::string& region, int components) {
+  std::vector<PetscInt> cells = d.mesh.region_cells(region);
+  std::ranges::sort(cells);
+  std::vector<Share> shares;
+  std::size_t first = 0;
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    auto ones = batch.points<1>();
+    std::fill_n(ones.value, ones.size, Batch(1.0));
+    const Batch volume = batch.kernels.cell_integral(batch.vectors(d.mesh.coordinates()).data(), ones.data());
+    for (int l = 0; l < batch.used(); ++l)
+      if (std::ranges::binary_search(cells, batch.group.cell_point[at(batch.number * lanes + l)]))
+        shares.push_back({first + at(l), volume[l]});
+    first += at(components * lanes);
+  });
+  return shares;
+}
+
 } // namespace
 
 void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const {
   const Discretisation& d = motion_.discretisation();
   using Of = MeasureScenario::Of;
   for (const MeasureScenario& measure : scenario_.measures) {
-    const std::vector<int> nodes = d.mesh.nodes(measure.on);
     for (const std::string& field : measure.fields) {
       const FieldValues of = source_.values(field, snapshot.u);
+      const std::vector<Share> shares =
+          of.nodal ? of_nodes(d.mesh, measure.on, of.components) : of_cells(d, measure.on, of.components);
       for (int k = 0; k < of.components; ++k) {
         double low = HUGE_VAL, high = -HUGE_VAL, sums[2] = {0, 0};
-        for (int node : nodes) {
-          const double value = of.values[at(node * of.components + k)];
-          if (!d.mesh.owned(node) || std::isnan(value)) continue; // a gap to nothing
+        for (const auto& [place, weight] : shares) {
+          const double value = of.values[place + at(of.nodal ? k : k * lanes)];
+          if (std::isnan(value)) continue; // a gap to nothing
           low = std::min(low, value);
           high = std::max(high, value);
-          sums[0] += value;
-          sums[1] += 1;
+          sums[0] += weight * value;
+          sums[1] += weight;
         }
         low = min_over_ranks(d.mesh.comm(), low);
         high = max_over_ranks(d.mesh.comm(), high);
@@ -50,7 +84,7 @@ void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& sna
         const double value = measure.of == Of::min   ? low
                              : measure.of == Of::max ? high
                              : measure.of == Of::sum ? sums[0]
-                                                     : sums[0] / std::max(sums[1], 1.0);
+                                                     : sums[0] / (sums[1] > 0 ? sums[1] : 1);
         row.emplace_back("measure_" + measure.id + "_" + component_name(field, k, of.components), value);
       }
     }

@@ -49,7 +49,8 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
     for (const std::string& field : probe.fields) source_.require("-probe_" + probe.id + "_fields", field);
   for (const MeasureScenario& measure : scenario_.measures)
     for (const std::string& field : measure.fields)
-      source_.require("-measure_" + measure.id + "_fields", field, true);
+      source_.require("-measure_" + measure.id + "_fields", field,
+                      d.mesh.group(measure.on).dim < d.dim() ? measure.on : "");
   locate_probes();
 }
 

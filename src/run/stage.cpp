@@ -11,6 +11,18 @@ namespace impact {
 
 namespace {
 
+// Contacts that are there no more let go (-restart_allow contacts).
+void leave_out_contacts(const Scenario& scenario, const std::string& rows, OtherRows& others) {
+  for (std::size_t begin = 0; (begin = rows.find("contact_", begin)) != std::string::npos;) {
+    const std::size_t end = rows.find(" (", begin);
+    const std::string row = rows.substr(begin, end - begin);
+    if (std::ranges::none_of(scenario.contacts,
+                             [&](const auto& c) { return row.starts_with("contact_" + c.id + "_"); }))
+      others.in_vain.push_back(row);
+    begin = end;
+  }
+}
+
 bool conserves(const Scenario& s) {
   return std::ranges::any_of(
       s.contacts, [](const ContactSettings& contact) { return contact.impact == ImpactUpdate::conserving; });
@@ -156,6 +168,7 @@ void RunStage::set_state(const Checkpoint* resume) {
                             {"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"});
       others.in_vain.insert(others.in_vain.end(), {"stable_step", "damage_wait"});
     }
+    leave_out_contacts(scenario, resume->rows, others);
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
     enter_or_leave_path(*resume);

@@ -327,6 +327,13 @@ void report_solvers(RunStage& stage) {
                           : "contact %s: smallest gap at the start %.4g, %d points press\n",
                       contact.id().c_str(), at_start.gap_min + 0.0, at_start.active)); // no -0
     tell_of_overlap(stage, contact, at_start.gap_min);
+    if (const std::string& id = contact.id();
+        contact.settings().impact == ImpactUpdate::conserving && !stage.scenario.has_inertia())
+      check(
+          PetscPrintf(comm,
+                      "impact: contact %s presses by a penalty, in these steps without inertia too, because "
+                      "of -contact_%s_impact conserving\n",
+                      id.c_str(), id.c_str()));
   }
   const bool motion = stage.scenario.has_motion();
   const SolverDefaults& solver = stage.solver;

@@ -68,9 +68,11 @@ OptionGroup balance_options() {
              Scenario::EnergyAction::warn, "cut", Scenario::EnergyAction::cut, "stop",
              Scenario::EnergyAction::stop);
   row.number("crack_level", &Scenario::crack_level, "1", {0, 1, true, false},
-             "phi from which a node counts as cracked in the history");
+             "phi from which a node counts as cracked in the history")
+      .idle(undamaged, no_damage);
   row.count("crack_tips", &Scenario::crack_tips, 1,
             "cracks of each material whose origins and tips are in the history, by age", 99)
+      .idle(undamaged, no_damage)
       .restart = RestartKey::guarded;
   row.flag("history_materials", &Scenario::history_materials,
            "energies of fracture and fatigue and all dissipations of each material in the history");
@@ -85,7 +87,8 @@ OptionGroup checkpoint_options() {
       "and the end of the run (exit status 0), each at the end of the step; one rank is enough, and a second "
       "SIGINT ends it at once. However a run ends, its last state is in a checkpoint, so that a later end "
       "computes nothing twice. On restart mesh, dimension and units cannot change; parameters, materials, "
-      "conditions, contacts, the damage equation and the time scheme only with `-restart_allow`; solvers, "
+      "conditions, contacts, the damage equation and the time scheme only with `-restart_allow` (a contact "
+      "that is left out with `contacts,contact_<id>` lets go: a tool that is taken away); solvers, "
       "output, end time and time step at will. With another `-ts_type` the motion starts anew from the "
       "displacement, damage, temperature, history and contact forces that are there, and the energies go on: "
       "what is loaded statically is let go, or struck by bodies with the velocities of `-ics`. Such a run "

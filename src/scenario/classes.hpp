@@ -5,6 +5,12 @@
 /// with what they demand of others.
 namespace impact {
 
+/// Why options have no effect.
+inline bool undamaged(const Scenario& s) { return !s.has_damage(); }
+inline constexpr const char* no_damage = "no damage is solved for";
+inline bool unheated(const Scenario& s) { return !s.has_heat(); }
+inline constexpr const char* no_heat = "no temperature is solved for";
+
 /// Options `-<word>_<id>_<name>`, with the ids declared in the list `-<registry>`.
 template <class Struct> struct OptionClass {
   std::string word, registry, title, about;

@@ -125,8 +125,9 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
              "how phi_n <= phi <= 1 is kept: bound-constrained solve, committed largest drive, cut off "
              "afterwards, not at all",
              "vi", DamageBounds::vi, "history", DamageBounds::history, "clip", DamageBounds::clip, "none",
-             DamageBounds::none)
-      .idle([](const Scenario& s) { return !s.has_damage(); }, "no damage is solved for");
+             DamageBounds::none);
+  for (OptionRow<Scenario>& each : rows)
+    if (each.name.starts_with("damage_")) each.idle(undamaged, no_damage);
 }
 
 void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
@@ -238,8 +239,7 @@ OptionGroup heat_options() {
                             "evenly; not where heat passes contacts")
                      .otherwise("none"),
                  [](const Scenario& s) { return s.heat.substep; });
-  for (OptionRow<Scenario>& each : group.rows)
-    each.idle([](const Scenario& s) { return !s.has_heat(); }, "no temperature is solved for");
+  for (OptionRow<Scenario>& each : group.rows) each.idle(unheated, no_heat);
   group.complete = [](Scenario& s) {
     s.heat.form =
         s.heat.form_given.value_or(s.has_motion() || s.has_damage() ? HeatForm::entropy : HeatForm::energy);

@@ -160,6 +160,10 @@ void read_capacity(Material& target, const GivenOption& option, const OptionCont
   target.c_v = read_number(option, "J/(m^3.K)", positive, {}, context.units);
 }
 
+bool does_not_flow(const Material& m, const Scenario& s) {
+  return s.has_motion() && m.law.model == Model::elastic;
+}
+
 bool feels_no_heat(const Material& m, const Scenario& s) {
   return s.solves("heat") && !m.has_capacity() && !is_rigid(m);
 }
@@ -168,7 +172,8 @@ void add_heat(MaterialRows& rows) {
   const std::string cold = "<>c_v is not given, and no temperature is solved for";
   Rows row(rows, RestartKey::guarded, &Material::law);
   row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
-             "part of the plastic work that is dissipated");
+             "part of the plastic work that is dissipated")
+      .idle(does_not_flow, "<>model is elastic");
   Rows(rows)
       .number(
           "c_v", &Material::c_v, "J/(m^3.K) c_V (57)", positive,
@@ -203,7 +208,8 @@ void add_heat(MaterialRows& rows) {
       .number("alpha_t", &Material::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion")
       .barred(of_state, ": follows from <>eos_gamma; remove it")
       .idle(feels_no_heat, cold);
-  row.number("theta0", &Law::theta0, "K theta_0 (46)", positive, "reference temperature");
+  row.number("theta0", &Law::theta0, "K theta_0 (46)", positive, "reference temperature")
+      .idle(feels_no_heat, cold);
 }
 
 /// Data of laws that the material does not have.
@@ -211,9 +217,6 @@ template <class When>
 void tell_where_idle(MaterialRows& rows, std::size_t first, When when, const std::string& reason) {
   for (std::size_t i = first; i < rows.size(); ++i)
     if (rows[i].name != "damage" && rows[i].name != "b_d") rows[i].idle(when, reason);
-}
-bool does_not_flow(const Material& m, const Scenario& s) {
-  return s.has_motion() && m.law.model == Model::elastic;
 }
 bool stays_whole(const Material& m, const Scenario& s) {
   return s.solves("damage") && m.law.damage == Damage::none && !is_rigid(m);

@@ -10,6 +10,12 @@ using Material = MaterialScenario;
 using Place = PlaceScenario;
 using Factor = PlaceScenario::Factor;
 
+bool no_chance(const Material& m, const Scenario&) {
+  const Place& place = m.place;
+  return !(place.E.weibull > 0 || place.Gc.weibull > 0 || place.strength.weibull > 0);
+}
+const char* const none_of_them = "no <>E_weibull, <>Gc_weibull or <>strength_weibull is given";
+
 } // namespace
 
 void add_places(std::vector<OptionRow<MaterialScenario>>& rows) {
@@ -26,6 +32,7 @@ void add_places(std::vector<OptionRow<MaterialScenario>>& rows) {
             },
             remedy);
     };
+    const std::size_t first = rows.size();
     refuse(row.expression(
         name + "_factor", [=](auto& place) -> auto& { return (place.*factor).expression; }, "1", positive,
         "factor on " + of + ", an expression of x, y, z at the middle of each cell; to three digits"));
@@ -34,6 +41,10 @@ void add_places(std::vector<OptionRow<MaterialScenario>>& rows) {
         or_word(positive, "none", 0),
         "modulus of a factor of chance on " + of +
             ": 1 - exp(-x^modulus) is the part of places with less than x times the value"));
+    if (name == "E") return;
+    for (std::size_t i = first; i < rows.size(); ++i)
+      rows[i].idle([](const Material& m, const Scenario&) { return m.law.damage == Damage::none; },
+                   "<>damage is none");
   };
   add("E", &Place::E, "the moduli, with nu",
       {{[](const Material& m) {
@@ -47,11 +58,13 @@ void add_places(std::vector<OptionRow<MaterialScenario>>& rows) {
         "has no effect with <>ge {ge}: E, Gc and gamma tell the strength; allowed with linear, exponential, "
         "cornelissen or lorentz"}});
   row.count("weibull_seed", &Place::seed, 0,
-            "which of the fields of chance; E, Gc and strength have one each");
+            "which of the fields of chance; E, Gc and strength have one each")
+      .idle(no_chance, none_of_them);
   row.number(
-      "weibull_length", &Place::length, "m", or_word(positive, "cell", 0),
-      "edge of cubes, one of them with its corner at the origin, whose cells share a number of chance; "
-      "cell: each cell has its own");
+         "weibull_length", &Place::length, "m", or_word(positive, "cell", 0),
+         "edge of cubes, one of them with its corner at the origin, whose cells share a number of chance; "
+         "cell: each cell has its own")
+      .idle(no_chance, none_of_them);
 }
 
 } // namespace impact

@@ -137,9 +137,13 @@ OptionClass<MeasureScenario> measure_class() {
   Rows row(table.rows, RestartKey::free);
   row.text("on", &Measure::on, "name of a group", "group of the mesh").required().group_dimension =
       [](const Measure&, int) { return 0; };
-  row.list("fields", &Measure::fields, about_fields, all_fields()).otherwise("u");
-  row.choice("of", &Measure::of, "what is taken of the values", "mean", Measure::Of::mean, "min",
-             Measure::Of::min, "max", Measure::Of::max, "sum", Measure::Of::sum);
+  row.list("fields", &Measure::fields, about_fields + "; fields of cells on regions", all_fields())
+      .otherwise("u");
+  row.choice("of", &Measure::of,
+             "what is taken of the values: of those at nodes, which count alike, or of cells, which count by "
+             "their reference volume (sum: the integral)",
+             "mean", Measure::Of::mean, "min", Measure::Of::min, "max", Measure::Of::max, "sum",
+             Measure::Of::sum);
   table.complete = complete_fields<Measure>;
   return table;
 }

@@ -99,10 +99,8 @@ std::string hindrance_of_length(const Scenario& s) {
 
 const std::string only_explicit = "is for -ts_type central_difference; take that, or remove it";
 
-void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
-  using Coupling = CouplingScenario;
+void add_scheme(std::vector<OptionRow<Scenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Scenario::time);
-  Rows limit(rows, RestartKey::free, &Scenario::coupling);
   row.choice("ts_type", &TimeScenario::type,
              "Newmark's method; no inertia (t is the load factor); or central differences with lumped mass, "
              "whose "
@@ -131,16 +129,38 @@ void add_scheme_and_limits(std::vector<OptionRow<Scenario>>& rows) {
   row.number("ts_bulk_viscosity_quadratic", &TimeScenario::bulk_quadratic, "1 a", not_negative,
              "pressure rho (a l D)^2 likewise; 1.2 spreads a shock over some five cells")
       .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);
-  limit.number("ts_adapt_dphi", &Coupling::max_dphi, "1", {0, 1},
-               "largest growth of phi in a step: dt shrinks down to a thousandth of -ts_dt while a crack "
-               "runs faster; 0: no limit");
-  limit.number("ts_adapt_dalpha", &Coupling::max_dalpha, "1", not_negative,
-               "largest growth of the plastic strain at a point in a step, likewise; 0: no limit");
-  limit.number("ts_adapt_dtheta", &Coupling::max_dtheta, "K", not_negative,
-               "largest change of the temperature at a node in a step, likewise; 0: no limit");
-  limit.number("ts_adapt_closing", &Coupling::max_closing, "1", not_negative,
-               "with inertia: a step in which the bodies, at their present speeds, would go deeper into each "
-               "other than this many mean secondary facets is cut before it is solved; 0: no limit");
+}
+
+void add_limits(std::vector<OptionRow<Scenario>>& rows) {
+  using Coupling = CouplingScenario;
+  Rows limit(rows, RestartKey::free, &Scenario::coupling);
+  limit
+      .number("ts_adapt_dphi", &Coupling::max_dphi, "1", {0, 1},
+              "largest growth of phi in a step: dt shrinks down to a thousandth of -ts_dt while a crack "
+              "runs faster; 0: no limit")
+      .idle(undamaged, no_damage);
+  limit
+      .number("ts_adapt_dalpha", &Coupling::max_dalpha, "1", not_negative,
+              "largest growth of the plastic strain at a point in a step, likewise; 0: no limit")
+      .idle(
+          [](const Scenario& s) {
+            return std::ranges::none_of(s.materials, [](const auto& m) { return m.law.model == Model::j2; });
+          },
+          "no material flows");
+  limit
+      .number("ts_adapt_dtheta", &Coupling::max_dtheta, "K", not_negative,
+              "largest change of the temperature at a node in a step, likewise; 0: no limit")
+      .idle(unheated, no_heat);
+  limit
+      .number("ts_adapt_closing", &Coupling::max_closing, "1", not_negative,
+              "with inertia: a step in which the bodies, at their present speeds, would go deeper into each "
+              "other than this many mean secondary facets is cut before it is solved; 0: no limit")
+      .idle([](const Scenario& s) { return !s.has_inertia() || s.contacts.empty(); },
+            "without inertia and contact bodies do not run into each other");
+}
+
+void add_ends(std::vector<OptionRow<Scenario>>& rows) {
+  Rows row(rows, RestartKey::free, &Scenario::time);
   row.number("ts_period", &TimeScenario::period, "s", positive,
              "of a cyclic load: steps hit the ends and the middles of its cycles exactly")
       .otherwise("none");
@@ -227,7 +247,9 @@ double TimeScenario::steps() const {
 
 OptionGroup time_options() {
   OptionGroup group{"Time", "`-ts_max_time`, `-ts_times` and the `_times` of outputs are hit exactly."};
-  add_scheme_and_limits(group.rows);
+  add_scheme(group.rows);
+  add_limits(group.rows);
+  add_ends(group.rows);
   add_path(group.rows);
   add_mass_scaling(group.rows);
   add_table(group.rows);

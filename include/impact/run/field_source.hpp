@@ -15,8 +15,9 @@ struct FieldValues {
 class FieldSource {
 public:
   FieldSource(MotionProblem& motion, const StateTable& state) : motion_(motion), state_(state) {}
-  /// Throws UserError(usage) for a field that an option asks for and the run cannot give.
-  void require(const std::string& key, const std::string& name, bool nodal_only = false) const;
+  /// Throws UserError(usage) for a field that an option asks for and the run cannot give, or not on the group
+  /// `no_region`, if any, where cells have no values.
+  void require(const std::string& key, const std::string& name, const std::string& no_region = "") const;
   /// At the solution u, which is committed. Collective.
   FieldValues values(const std::string& name, Vec u) const;
 

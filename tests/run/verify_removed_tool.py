@@ -1,0 +1,31 @@
+# labels: run
+"""A cylinder bends a cantilever that flows. Whether it is drawn back or taken away at a restart (-restart_allow contacts), the bar springs
+back to the same place, and what the release of its elastic energy did is the first law's only error."""
+import numpy
+from _runs import check, finish, require, run
+
+with open("bar.geo", "w") as file:
+    file.write("""Point(1) = {0, 0, 0}; Point(2) = {100, 0, 0}; Point(3) = {100, 5, 0}; Point(4) = {0, 5, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 1}; Curve Loop(1) = {1 : 4}; Plane Surface(1) = {1};
+Transfinite Curve {1, 3} = 61; Transfinite Curve {2, 4} = 5; Transfinite Surface {1}; Recombine Surface {1};
+Physical Surface("bar") = {1}; Physical Curve("left") = {4}; Physical Curve("right") = {2}; Physical Curve("up") = {3};
+""")
+BAR = {
+    "mesh": "bar.geo", "units": "mm_t_s_MPa", "materials": "bar", "material_bar_model": "j2", "material_bar_sigma_y": 300,
+    "material_bar_hardening": "linear", "material_bar_linear_h": 2000, "material_bar_E": 200e3, "material_bar_nu": 0.3,
+    "bcs": "left", "bc_left_on": "left", "bc_left_type": "fix", "contacts": "tool", "contact_tool_secondary": "up",
+    "contact_tool_primary": "rigid_cylinder", "contact_tool_centre": "90,15", "contact_tool_radius": 10, "contact_tool_friction": 0.1,
+    "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 1, "measures": "tip", "measure_tip_on": "right", "energy_tol": 0}
+back = run("back", {**BAR, "contact_tool_rigid_uy": "-8*min(t, 2 - t)", "ts_max_time": 2, "ts_times": "0,1,2", "ts_dts": "0.1,0.1"}, refused=None)
+run("taken", {**BAR, "contact_tool_rigid_uy": "-8*t"}, refused=None)
+alone = {key: value for key, value in BAR.items() if not key.startswith("contact_")}
+taken = run("taken", {**alone, "restart": "auto", "restart_allow": "contacts,contact_tool", "contacts": "none", "ts_max_time": 1.1})
+last, loaded = len(taken["time"]) - 1, int(numpy.argmin(abs(taken["time"] - 1)))
+check("place after springback, taken away over drawn back", taken["measure_tip_uy"][-1], back["measure_tip_uy"][-1], 1e-6)
+require("it springs back", taken["measure_tip_uy"][loaded] < 1.1 * taken["measure_tip_uy"][-1] < 0)
+before, after = ({k: taken[k][n] for k in ("energy_elastic", "energy_plastic", "dissipated_plastic", "work_external", "balance_first_law")}
+                 for n in (loaded, last))
+let_go = before["energy_elastic"] - after["energy_elastic"]
+lost = before["balance_first_law"] - after["balance_first_law"]
+check("what the first law misses over what the bar let go", lost * before["work_external"] / let_go, 1, 1e-3)
+finish()
