@@ -265,6 +265,23 @@ void BoundaryData::set_initial_rates(double start, double dt, std::vector<double
   }
 }
 
+void BoundaryData::smooth_velocity(double start, double dt, std::vector<double>& v) const {
+  for (const FixedDof& fixed : fixed_) {
+    const BoundaryCondition& bc = conditions_[at(fixed.condition)];
+    if (!bc.component[fixed.component]) continue;
+    const double* x = &x_[at(fixed.dof / dim_ * dim_)];
+    const auto value = [&](double part) {
+      return (*bc.component[fixed.component])(x, dim_, start + part * dt);
+    };
+    // the third derivative of the displacement, times dt^2
+    const double jerk = bc.type == BcType::displacement
+                            ? 27 * (value(1) - 3 * value(2. / 3) + 3 * value(1. / 3) - value(0)) / dt
+                        : bc.type == BcType::velocity ? 4 * (value(1) - 2 * value(0.5) + value(0))
+                                                      : (4 * value(0.5) - 3 * value(0) - value(1)) * dt;
+    v[at(fixed.dof)] -= jerk / 12;
+  }
+}
+
 void BoundaryData::set_held(const std::vector<int>& holder, double t, std::vector<double>& field) const {
   for (std::size_t node = 0; node < field.size(); ++node)
     if (const int c = holder[node]; c >= 0) field[node] = scalar_value(c, &x_[node * at(dim_)], t);

@@ -9,14 +9,17 @@ namespace impact {
 namespace {
 
 // The rows that steps extrapolate by, from v with the rates of prescribed dofs; `rate`: v without them.
-void set_rates(Setup& setup, std::vector<double> rate) {
+void set_rates(const Scenario& s, Setup& setup, double start, std::vector<double> rate) {
   StateTable& state = setup.state;
-  const std::vector<double>& v = state.row("v").trial;
+  std::vector<double>& v = state.row("v").trial;
   state.row("prescribed_velocity").trial = v;
   // What the first guess extrapolates by: prescribed nodes do not run ahead of their neighbours.
   for (std::size_t i = 0; i < v.size(); ++i)
     if (!setup.boundary.fixed_mask()[i]) rate[i] = v[i];
   state.row("mean_rate").trial = std::move(rate);
+  if (s.has_inertia() && !s.explicit_steps())
+    agree_on_errors(setup.discretisation.mesh.comm(),
+                    [&] { setup.boundary.smooth_velocity(start, s.time.scale(), v); });
 }
 
 } // namespace
@@ -62,7 +65,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
     if (state.find("theta")) setup.boundary.set_temperature(0, state.row("theta").trial);
   });
   setup.rigid.set_initial(s.time.scale(), u, v);
-  set_rates(setup, std::move(rate));
+  set_rates(s, setup, 0, std::move(rate));
   if (d.mesh.order() == 2 && (s.damage.order == 1 || s.heat.order == 1)) {
     const MiddleValues middles(d.mesh);
     if (s.damage.order == 1 && state.find("phi")) middles.fill(state.row("phi").trial);
@@ -94,7 +97,7 @@ void set_state_of_other_scheme(const Scenario& s, Setup& setup, double start, bo
     setup.boundary.set_initial_rates(start, s.time.scale(), v, a);
   });
   if (!s.has_inertia()) std::ranges::fill(a, 0);
-  set_rates(setup, std::move(rate));
+  set_rates(s, setup, start, std::move(rate));
   for (const char* name : {"v", "a", "prescribed_velocity", "mean_rate"})
     state.row(name).committed = state.row(name).trial;
 }
