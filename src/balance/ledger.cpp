@@ -63,7 +63,7 @@ void Ledger::resume_with(const Integrator& integrator, double dt, Vec u, Vec v, 
   const double more = energies_.total.kinetic - sum(kinetic);
   sum(more > 0 ? start_energy : numerical) += std::abs(more);
   sum(kinetic) = energies_.total.kinetic;
-  const double kept_now = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a);
+  const double kept_now = motion_.discretisation().thickness * forces_.start(integrator, dt, u, a, true);
   sum(numerical) -= kept_now - sum(kept);
   sum(kept) = kept_now;
   reactions_.find(forces_.reactions(), u);

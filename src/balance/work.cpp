@@ -59,7 +59,7 @@ double ForceBook::kept_by_nodes_of_bodies(double dt, Vec a, Vec Ma) const {
   return dt * dt / 8 * dot(d.mesh, rate, inertia);
 }
 
-double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
+double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a, bool moving) {
   const Discretisation& d = motion_.discretisation();
   ForceParts parts;
   motion_.parts(u, parts);
@@ -83,9 +83,13 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a) {
   const std::vector<double>& touch = contact_.trial = contact_.committed;
   reactions_ = internal_.trial;
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step.
-    if (!inertia_ || motion_.boundary().fixed_mask()[i])
-      external_.trial[i] = inertia_force_.trial[i] + internal_.trial[i] - touch[i];
+    // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step,
+    // but where inertia balanced it, which no load takes over.
+    const double balancing = inertia_force_.trial[i] + internal_.trial[i] - touch[i];
+    if (motion_.boundary().fixed_mask()[i] || (!inertia_ && !moving))
+      external_.trial[i] = balancing;
+    else if (!inertia_)
+      left_.trial[i] = balancing - loads[i];
     reactions_[i] += unilateral[i] - loads[i] - touch[i];
   }
   return kept;

@@ -304,23 +304,23 @@ void Simulation::tell_of_limits() const {
       step_control_state(stage_.ts).dt > 1e-3 * longest)
     return;
   if (stage_.coupling.motion_solver().arc_length() != nullptr)
-    return check(PetscPrintf(comm_,
-                             "impact: no shorter step found where the path leads on: loads that bodies "
-                             "ask for must be ones that conditions have at some t, of either sign\n"));
-  check(PetscPrintf(comm_,
-                    "impact: no shorter step found an equilibrium; where a load reaches its limit, or a "
-                    "state snaps into another one, there is none: prescribe displacements in the place "
-                    "of the load, follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, "
-                    "or take inertia (-ts_type newmark)\n"));
+    return check(PetscFPrintf(comm_, PETSC_STDERR,
+                              "impact: no shorter step found where the path leads on: loads that bodies "
+                              "ask for must be ones that conditions have at some t, of either sign\n"));
+  check(PetscFPrintf(comm_, PETSC_STDERR,
+                     "impact: no shorter step found an equilibrium; where a load reaches its limit, or a "
+                     "state snaps into another one, there is none: prescribe displacements in the place "
+                     "of the load, follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, "
+                     "or take inertia (-ts_type newmark)\n"));
   if (stage_.setup->contacts.active(snapshot_.u) == 0) return;
   // More points than nodes rub, each with a traction of its own.
   for (const ContactInterface& contact : stage_.setup->contacts)
     if (const ContactSettings& s = contact.settings();
         s.method == ContactMethod::gauss_points && s.friction > 0)
-      check(PetscPrintf(comm_,
-                        "impact: contact %s rubs at Gauss points: try -contact_%s_method mortar, whose "
-                        "multipliers stand at nodes\n",
-                        s.id.c_str(), s.id.c_str()));
+      check(PetscFPrintf(comm_, PETSC_STDERR,
+                         "impact: contact %s rubs at Gauss points: try -contact_%s_method mortar, whose "
+                         "multipliers stand at nodes\n",
+                         s.id.c_str(), s.id.c_str()));
 }
 
 // Where factors are cheap, or the last linear solve was of an indefinite matrix. Cracks follow their branch
@@ -359,8 +359,9 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
   if (!ended_by_.empty())
     check(PetscPrintf(comm_, "stopped by %s; the state is in %s\n", ended_by_.c_str(), file));
   if (reason > 0) return ExitCode::ok;
-  check(PetscPrintf(comm_, "impact: the step could not be solved (%s): %s\n", TSConvergedReasons[reason],
-                    last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
+  check(PetscFPrintf(comm_, PETSC_STDERR, "impact: the step could not be solved (%s): %s\n",
+                     TSConvergedReasons[reason],
+                     last_cause_.empty() ? "no solution at any length" : last_cause_.c_str()));
   tell_of_limits();
   return ExitCode::solver;
 }

@@ -82,6 +82,12 @@ rest = go_on("rest", let_go["newmark"], {**BAR, "ts_type": "static", "ts_dt": 1}
 before = let_go["newmark"]
 check("at rest: energy of motion that was there is the integrator's loss",
       (rest["dissipated_numerical"][-1] - before["dissipated_numerical"][-1]) / energy, before["energy_kinetic"][-1] / energy, 1e-6)
+check("at rest: supports that stay and loads that are not there do no work",
+      (rest["work_external"][-1] - before["work_external"][-1]) / energy, 0, 1e-9, relative=False)
+strained = go_on("strained", loaded, {**BAR, **SCHEMES["newmark"]}, CHANGED, 0.1)
+slack = go_on("slack", strained, {**BAR, "ts_type": "static", "ts_dt": 1}, "ts_type", 1, refused=None)
+check("at rest, strained before: what the first law misses over the elastic energy that was there",
+      -slack["balance_first_law"][-1] * slack["work_external"][-1] / strained["energy_elastic"][-1], 1, 1e-3)
 check("at rest: elastic energy", rest["energy_elastic"][-1] / energy, 0, 1e-9, relative=False)
 
 # A body that is thrown once the load stands.

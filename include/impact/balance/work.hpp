@@ -34,8 +34,9 @@ public:
   ForceBook(MotionProblem& motion, StateTable& state, bool inertia);
 
   /// Forces of the start: the half of the first step's work, dt long, that belongs to it; those of contact
-  /// are as in their row. Returns what the integrator holds then. Collective.
-  double start(const Integrator& integrator, double dt, Vec u, Vec a);
+  /// are as in their row. `moving`: the state is that of a run with inertia before. Returns what the
+  /// integrator holds then. Collective.
+  double start(const Integrator& integrator, double dt, Vec u, Vec a, bool moving = false);
   /// After a restart: reactions are not known before the next step.
   void resume();
   /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
