@@ -302,6 +302,7 @@ ContactDemands ContactInterface::demands() const {
 }
 
 void ContactInterface::meet(bool loose, bool first_touch) {
+  // The first touch takes the part of the penalty that augmentations begin with.
   double& penalty = rows_.penalty->trial[EnforcementRows::value];
   if (first_touch && !by_penalty_ && fallback_) fallback_->begin_attempt(*constraints_, friction_);
   if (by_penalty_ && !first_touch && method_->closes_gaps()) penalty = settings_.penalty;

@@ -27,51 +27,40 @@ double area(const ReleaseScenario& ring, Frame frame) {
   return ring.length > 0 ? ring.length : ring.inner + ring.outer;
 }
 
-// What a value of the group counts in its mean, by the place of its first component in a field of so many.
-struct Share {
-  std::size_t place;
-  double weight;
-};
-
-std::vector<Share> of_nodes(const Mesh& mesh, const std::string& group, int components) {
-  std::vector<Share> shares;
-  for (int node : mesh.nodes(group))
-    if (mesh.owned(node)) shares.push_back({at(node * components), 1});
-  return shares;
-}
-
-// Cells count by their reference volume.
-std::vector<Share> of_cells(const Discretisation& d, const std::string& region, int components) {
-  std::vector<PetscInt> cells = d.mesh.region_cells(region);
-  std::ranges::sort(cells);
-  std::vector<Share> shares;
-  std::size_t first = 0;
-  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
-    auto ones = batch.points<1>();
-    std::fill_n(ones.value, ones.size, Batch(1.0));
-    const Batch volume = batch.kernels.cell_integral(batch.vectors(d.mesh.coordinates()).data(), ones.data());
-    for (int l = 0; l < batch.used(); ++l)
-      if (std::ranges::binary_search(cells, batch.group.cell_point[at(batch.number * lanes + l)]))
-        shares.push_back({first + at(l), volume[l]});
-    first += at(components * lanes);
-  });
-  return shares;
-}
-
 } // namespace
+
+void HistoryObserver::find_shares() {
+  const Discretisation& d = motion_.discretisation();
+  for (const MeasureScenario& measure : scenario_.measures) {
+    auto& [of_nodes, of_cells] = shares_.emplace_back();
+    for (int node : d.mesh.nodes(measure.on))
+      if (d.mesh.owned(node)) of_nodes.push_back({at(node), 0, 1});
+    if (d.mesh.group(measure.on).dim < d.dim()) continue;
+    const std::vector<PetscInt> cells = d.mesh.region_cells(measure.on);
+    std::size_t batches = 0;
+    for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+      const Batch volume = batch.volume(batch.vectors(d.mesh.coordinates()));
+      for (int l = 0; l < batch.used(); ++l)
+        if (std::ranges::binary_search(cells, batch.group.cell_point[at(batch.number * lanes + l)]))
+          of_cells.push_back({batches, at(l), volume[l]});
+      ++batches;
+    });
+  }
+}
 
 void HistoryObserver::append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const {
   const Discretisation& d = motion_.discretisation();
   using Of = MeasureScenario::Of;
+  auto shares = shares_.begin();
   for (const MeasureScenario& measure : scenario_.measures) {
+    const auto& [of_nodes, of_cells] = *shares++;
     for (const std::string& field : measure.fields) {
       const FieldValues of = source_.values(field, snapshot.u);
-      const std::vector<Share> shares =
-          of.nodal ? of_nodes(d.mesh, measure.on, of.components) : of_cells(d, measure.on, of.components);
+      const std::size_t width = of.nodal ? 1 : lanes;
       for (int k = 0; k < of.components; ++k) {
         double low = HUGE_VAL, high = -HUGE_VAL, sums[2] = {0, 0};
-        for (const auto& [place, weight] : shares) {
-          const double value = of.values[place + at(of.nodal ? k : k * lanes)];
+        for (const auto& [row_of, lane, weight] : of.nodal ? of_nodes : of_cells) {
+          const double value = of.values[(row_of * at(of.components) + at(k)) * width + lane];
           if (std::isnan(value)) continue; // a gap to nothing
           low = std::min(low, value);
           high = std::max(high, value);

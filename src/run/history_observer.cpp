@@ -52,6 +52,7 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
       source_.require("-measure_" + measure.id + "_fields", field,
                       d.mesh.group(measure.on).dim < d.dim() ? measure.on : "");
   locate_probes();
+  find_shares();
 }
 
 void HistoryObserver::open(std::optional<long> resume_after, const HistoryFile::Row& columns) {

@@ -80,7 +80,8 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
     first_touch_ = (demands.closes_gaps || demands.augments) && !loose.empty() && !loose.rest(u);
   meet(u);
   // Before the last augmentation a residual that falls to a tenth is exact enough, once all points have found
-  // out whether they touch: multipliers that are no use lead Newton's method astray.
+  // out whether they touch: multipliers that are no use lead Newton's method astray. A first touch overshoots
+  // to a thousand times the load and comes down from there.
   Aim aim = aim_;
   if (first_touch_)
     aim = Aim::thousandth;

@@ -67,9 +67,9 @@ public:
   /// Velocity and acceleration of the prescribed dofs at the start (one-sided differences of displacement
   /// data over a small part of dt).
   void set_initial_rates(double start, double dt, std::vector<double>& v, std::vector<double>& a) const;
-  /// Takes dt^2/12 times the jerk of the data from these velocities: those of the trapezoidal rule, which are
-  /// 2 (u_next - u)/dt - v where u is given, then
-  /// follow the data without a part that alternates, which accelerations would sum up.
+  /// Takes dt^2/12 times the jerk of the data from these velocities: those of the trapezoidal rule,
+  /// 2 (u_next - u)/dt - v where u is given, then follow the data without a part that alternates, which
+  /// accelerations would sum up. Data that have a kink in the first step are not smoothed by that.
   void smooth_velocity(double start, double dt, std::vector<double>& v) const;
   /// Velocity at t1 of dofs with acceleration data, integrated from v_n at t0 (the row
   /// "prescribed_velocity").

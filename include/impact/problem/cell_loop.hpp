@@ -115,11 +115,15 @@ struct CellBatch {
   double live_sum(const Batch& value) const { return sum_without(eroded, value); }
   double massive_sum(const Batch& value) const { return sum_without(weightless, value); }
   bool live(int lane) const { return (eroded & (1 << lane)) == 0; }
-  /// Mean over each cell of values at its points.
-  Batch mean(const NodalValues& X, const PointValues<1>& values) const {
+  /// Reference volume of each cell (area in the plane).
+  Batch volume(const NodalValues& X) const {
     auto ones = points<1>();
     std::fill_n(ones.value, ones.size, Batch(1.0));
-    return kernels.cell_integral(X.data(), values.data()) / kernels.cell_integral(X.data(), ones.data());
+    return kernels.cell_integral(X.data(), ones.data());
+  }
+  /// Mean over each cell of values at its points.
+  Batch mean(const NodalValues& X, const PointValues<1>& values) const {
+    return kernels.cell_integral(X.data(), values.data()) / volume(X);
   }
 
   const ToughnessFatigue& tiring() const { return d.materials[material()].fatigue; }

@@ -43,6 +43,7 @@ private:
   void append_measures(HistoryFile::Row& row, const Snapshot& snapshot) const;
   void append_releases(HistoryFile::Row& row, const Snapshot& snapshot);
   void locate_probes();
+  void find_shares();
   void find_ways();
 
   struct Located {
@@ -51,6 +52,11 @@ private:
     int count = 0;         ///< 0 on ranks that do not hold the probe's cell
     std::size_t batch = 0; ///< of all groups' batches, and the lane: where cell fields have the cell
     std::size_t lane = 0;
+  };
+  // What a value of a group counts in its mean: of an owned node, or of a cell by its volume.
+  struct Share {
+    std::size_t row, lane; ///< in a field [row][component][lane]: node; or batch, and lane there
+    double weight;
   };
   const Scenario& scenario_;
   MotionProblem& motion_;
@@ -64,6 +70,7 @@ private:
   int cycles_ = 0, every_ = 1; ///< of -ts_period between rows, 0: not by them; steps, 0: not by them
   double dt_ = 0;              ///< 0: not by time
   std::vector<Located> probes_;
+  std::vector<std::array<std::vector<Share>, 2>> shares_; ///< of each measure: nodes, cells of a region
   std::vector<std::vector<double>> ways_; ///< of each release, what nodes advance by, local [node][dim]
   std::vector<double> phi_before_;        ///< [local node] of the row before
   struct CracksOf {
