@@ -42,7 +42,7 @@ void HistoryObserver::find_shares() {
       const Batch volume = batch.volume(batch.vectors(d.mesh.coordinates()));
       for (int l = 0; l < batch.used(); ++l)
         if (std::ranges::binary_search(cells, batch.group.cell_point[at(batch.number * lanes + l)]))
-          of_cells.push_back({batches, at(l), volume[l]});
+          of_cells.push_back({batches, at(l), d.thickness * volume[l]});
       ++batches;
     });
   }
