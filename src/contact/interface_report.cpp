@@ -143,6 +143,12 @@ std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
   return paths;
 }
 
+bool ContactInterface::pressed() const {
+  double largest = 0;
+  for (const double force : force_->committed) largest = std::max(largest, std::abs(force));
+  return max_over_ranks(mesh_->comm(), largest) > 0;
+}
+
 ContactReach ContactInterface::reach(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double alike = 1e-6 * constraints_->mean_length();

@@ -81,7 +81,10 @@ void add_methods(ContactRows& rows) {
 void add_heat(ContactRows& rows) {
   Rows row(rows);
   row.number("conductance", &Contact::conductance, "W/(m^2.K) h_c (83')", not_negative,
-             "heat that passes a closed place, per current area and temperature; 0: insulated")
+             "heat that passes a closed place, per current area and temperature; 0: insulated. Where bodies "
+             "close "
+             "because they are warm and open as they lose it, a static run may have no answer but with "
+             "_conductance_exponent")
       .refused([](const Contact&, const Scenario& s) { return !s.has_heat() && s.physics.empty(); },
                "no material has a heat capacity; give -material_{material}_c_v, or remove it");
   row.number("conductance_exponent", &Contact::conductance_exponent, "1 m (83')", not_negative,
@@ -159,11 +162,12 @@ void add_detection(ContactRows& rows) {
   row.number("search_radius", &Contact::search_radius, "m", or_auto(positive),
              "facets are looked at as pairs up to this distance; auto: what can meet in a step, by the sizes "
              "of the facets and how far they move; overlaps are seen up to 0.8 of the smallest facet deep");
-  row.choice("initial", &Contact::initial,
-             "bodies that overlap at the start: secondary nodes move out without stress, by _initial_tol at "
-             "most; refused; left so: a static run presses them, with inertia nothing does",
-             "adjust", InitialOverlap::adjust, "error", InitialOverlap::error, "allow",
-             InitialOverlap::allow);
+  row.choice(
+      "initial", &Contact::initial,
+      "bodies that overlap at the start: secondary nodes move out without stress, by _initial_tol at "
+      "most; refused; left so: a static run presses them, with inertia only those do that are no deeper "
+      "than 2e-3 of a facet",
+      "adjust", InitialOverlap::adjust, "error", InitialOverlap::error, "allow", InitialOverlap::allow);
   row.number("initial_tol", &Contact::initial_tol, "m", or_auto(not_negative),
              "deepest overlap that is moved apart, or of curved facets counts as none; auto: 1e-3 of the "
              "secondary facet");

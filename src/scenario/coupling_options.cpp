@@ -182,7 +182,7 @@ void complete_coupling(Scenario& scenario) {
   CouplingScenario& coupling = scenario.coupling;
   if (coupling.max_it == 0) { // not given
     const bool iterated = scenario.has_motion() && !scenario.has_inertia() && iterates(scenario);
-    coupling.follow_cracks = iterated && coupling.path_dissipation == 0;
+    coupling.follow_cracks = iterated && scenario.has_damage() && coupling.path_dissipation == 0;
     coupling.max_it = iterated ? 200 : 1;
   }
   coupling.moves = scenario.has_motion();
@@ -225,8 +225,10 @@ OptionGroup heat_options() {
   row.choice(
          "heat_form", &HeatScenario::form_given,
          "which balance is solved: that of entropy never loses any (second law), that of internal energy "
-         "closes the first law to rounding; they differ by the error of the time step (auto: energy where "
-         "bodies only conduct, else entropy)",
+         "closes the first law to rounding whatever integrator and dissipation do, so that -energy_tol then "
+         "finds no error of theirs; they differ by the error of the time step (auto: energy where bodies "
+         "only "
+         "conduct, else entropy)",
          "auto", std::nullopt, "entropy", HeatForm::entropy, "energy", HeatForm::energy)
       .notation("(45')");
   order_of_field(row.count("heat_order", &HeatScenario::order, 1,

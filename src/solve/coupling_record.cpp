@@ -22,9 +22,12 @@ std::string Coupling::failure_text() const {
 }
 
 void Coupling::give_up(PetscInt passes, PetscReal change) {
+  const bool conducts = std::ranges::any_of(fields_.motion.contacts(),
+                                            [](const auto& c) { return c.settings().conductance > 0; });
   failure_ =
-      text_of("%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)", static_cast<int>(passes),
-              settings_.follow_cracks ? " in which phi does not grow" : "", pass_.changing, change);
+      text_of("%d passes%s, %s still changes by %.2g (-coupling_snes_max_it)%s", static_cast<int>(passes),
+              settings_.follow_cracks ? " in which phi does not grow" : "", pass_.changing, change,
+              conducts ? "; a contact passes heat: see -contact_<id>_conductance_exponent" : "");
 }
 
 StepCounts Coupling::counts() const {
@@ -66,9 +69,7 @@ StepRecord Coupling::record(Vec u) {
   }
   record.fatigue_dissipation = fatigue_.dissipated;
   record.least_fatigue = fatigue_.least;
-  if (const HeatProblem* heat = fields_.heat) {
-    record.heat = &heat->supplied();
-  }
+  if (fields_.heat) record.heat = &fields_.heat->supplied();
   if (settings_.report_error) {
     const std::vector<double> phi = pass_.phi, theta = pass_.theta, warming = pass_.warming;
     if (fields_.damage) pass_.phi = fields_.state.row("phi").trial;
