@@ -91,15 +91,20 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
     aim = Aim::settled;
   rough_ = aim != aim_;
   constexpr PetscInt enough = 15; // for a first touch, or it has the wrong way
+  constexpr double softer = 0.1;
   const PetscInt most = solver_.most_iterations();
   SNESConvergedReason reason =
       solver_.solve(u, aim, first_touch_ ? std::min(most, enough) : most, !first_touch_);
-  if (first_touch_ && reason < 0) {
-    first_touch_ = rough_ = false;
+  // Springs as stiff as facets throw the more nodes off the more of them lift: softer ones follow the body.
+  for (const double factor : {softer, softer, 1 / (softer * softer)}) {
+    if (!first_touch_ || reason >= 0) break;
+    const bool last = factor > 1;
+    if (last) first_touch_ = rough_ = false;
+    motion_.contacts().scale_penalties(factor);
     loose.start_attempt();
     solver_.restart(u);
     meet(u);
-    reason = solver_.solve(u, aim_, most);
+    reason = solver_.solve(u, last ? aim_ : aim, last ? most : std::min(most, enough), last);
   }
   if (rough_ && reason >= 0 && !first_touch_ && motion_.contacts().review(u).converged) {
     rough_ = false;

@@ -5,10 +5,12 @@ held by contact alone, close them. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E.
 from _runs import check, check_between, finish, run
 
 E = 1e5
-STRIP = """Point(1) = {0, 0, 0}; Point(2) = {8, 0, 0}; Point(3) = {8, 1, 0}; Point(4) = {0, 1, 0}; Point(5) = {0.25, 1, 0}; Point(6) = {0.25, 0, 0};
+STRIP = """DefineConstant[n = 12];
+Point(1) = {0, 0, 0}; Point(2) = {8, 0, 0}; Point(3) = {8, 1, 0}; Point(4) = {0, 1, 0}; Point(5) = {0.25, 1, 0}; Point(6) = {0.25, 0, 0};
 Line(1) = {1, 6}; Line(2) = {6, 2}; Line(3) = {2, 3}; Line(4) = {3, 5}; Line(5) = {5, 4}; Line(6) = {4, 1}; Line(7) = {6, 5};
 Curve Loop(1) = {1, 7, 5, 6}; Plane Surface(1) = {1}; Curve Loop(2) = {2, 3, 4, -7}; Plane Surface(2) = {2};
-Transfinite Curve {1, 5} = 4; Transfinite Curve {2, 4} = 94; Transfinite Curve {3, 6, 7} = 13; Transfinite Surface {1, 2}; Recombine Surface {1, 2};
+Transfinite Curve {1, 5} = n/4 + 1; Transfinite Curve {2, 4} = 31*n/4 + 1; Transfinite Curve {3, 6, 7} = n + 1;
+Transfinite Surface {1, 2}; Recombine Surface {1, 2};
 Physical Surface("layer") = {1, 2}; Physical Curve("low") = {1, 2}; Physical Curve("axis") = {6}; Physical Curve("pad") = {5};
 """
 BLOCKS = """For b In {0 : 2}
@@ -43,6 +45,12 @@ for p in (1e-4, 1e-3, 1e-2, 0.1, 1, 10, 100):
     check(f"strip, p/E = {p / E:g}: force", r["contact_low_force_y"][-1], 0.25 * p, 1e-5)
     check_between(f"strip, p/E = {p / E:g}: iterations of the step", r["newton"][-1], 3, 18)
 check("strip: touching length, largest over smallest load", lengths[100], lengths[1e-4], 1e-3)
+for p in (1e-3, 0.1):  # 26,000 unknowns: springs as stiff as facets throw off more nodes than their iterations bring back
+    r = strip(f"fine_{p:g}", p, mesh_set_n=40)
+    check(f"fine strip, p/E = {p / E:g}: steps", len(r["time"]) - 1, 1, 0)
+    check_between(f"fine strip, p/E = {p / E:g}: iterations", r["newton"][-1], 3, 35)
+    check(f"fine strip, p/E = {p / E:g}: force", r["contact_low_force_y"][-1], 0.25 * p, 1e-5)
+    check(f"fine strip, p/E = {p / E:g}: touching length, to a cell of the coarse one", r["contact_low_length"][-1], lengths[100], 1 / 12, relative=False)
 r = strip("strip_points", 0.01, contact_low_method="gpts")
 check("strip: touching length by Gauss points, to half a cell", r["contact_low_length"][-1], lengths[1e-2], 1 / 24, relative=False)
 

@@ -25,6 +25,9 @@ public:
   void meet(bool loose, bool first_touch) {
     for (ContactInterface& contact : *this) contact.meet(loose, first_touch);
   }
+  void scale_penalties(double factor) {
+    for (ContactInterface& contact : *this) contact.scale_penalty(factor);
+  }
   void ease(Vec goal) {
     for (ContactInterface& contact : *this) contact.ease(goal);
   }

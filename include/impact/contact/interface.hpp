@@ -183,6 +183,10 @@ public:
   /// nothing so far, and penalties take the place of a method that closes gaps. Where points are far more
   /// than the surfaces' nodes, which pressures are left is a choice among many; there augmentations do.
   void meet(bool loose, bool first_touch);
+  /// Of an automatic penalty, as long as the bodies do not rest on it.
+  void scale_penalty(double factor) {
+    if (settings_.automatic_penalty) rows_.penalty->trial[EnforcementRows::value] *= factor;
+  }
   /// Where nothing presses yet and `goal`, the start of a step with its supports where they end, lies deep,
   /// the step begins with soft springs.
   void ease(Vec goal);
