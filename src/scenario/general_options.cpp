@@ -65,7 +65,7 @@ OptionGroup mesh_options() {
               "none from people you do not trust."};
   Rows row(group.rows, RestartKey::frozen, &Scenario::mesh);
   auto& file = row.file("mesh", &MeshScenario::file,
-                        "a .msh file (4.1), a .geo file from which gmsh makes one, or an .h5 file that "
+                        "a .msh file (4.1, 2.2), a .geo file from which gmsh makes one, or an .h5 file that "
                         "-mesh_convert wrote; a restart goes on with the mesh in its checkpoint")
                    .required();
   // A restart takes the mesh from its checkpoint and may do without the file.
