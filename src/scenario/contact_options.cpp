@@ -82,8 +82,7 @@ void add_heat(ContactRows& rows) {
   Rows row(rows);
   row.number("conductance", &Contact::conductance, "W/(m^2.K) h_c (83')", not_negative,
              "heat that passes a closed place, per current area and temperature; 0: insulated. Where bodies "
-             "close "
-             "because they are warm and open as they lose it, a static run may have no answer but with "
+             "close because they are warm and open as they lose it, a static run may have no answer but with "
              "_conductance_exponent")
       .refused([](const Contact&, const Scenario& s) { return !s.has_heat() && s.physics.empty(); },
                "no material has a heat capacity; give -material_{material}_c_v, or remove it");

@@ -227,8 +227,7 @@ OptionGroup heat_options() {
          "which balance is solved: that of entropy never loses any (second law), that of internal energy "
          "closes the first law to rounding whatever integrator and dissipation do, so that -energy_tol then "
          "finds no error of theirs; they differ by the error of the time step (auto: energy where bodies "
-         "only "
-         "conduct, else entropy)",
+         "only conduct, else entropy)",
          "auto", std::nullopt, "entropy", HeatForm::entropy, "energy", HeatForm::energy)
       .notation("(45')");
   order_of_field(row.count("heat_order", &HeatScenario::order, 1,

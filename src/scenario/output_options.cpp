@@ -183,9 +183,8 @@ OptionClass<ReleaseScenario> release_class() {
       "release", "releases", "Energy release rates",
       "Of a crack whose tip lies in a ring, as columns `release_<id>` of the history: the elastic energy "
       "that an advance of what the ring encloses would set free, over the area of that advance (of a half "
-      "model "
-      "that half of the energy which is its own). In space the "
-      "ring is a ball about a point of the front, which tells the mean along that part of it.",
+      "model that half of the energy which is its own). In space the ring is a ball about a point of the "
+      "front, which tells the mean along that part of it.",
       &Scenario::releases};
   Rows row(table.rows, RestartKey::free);
   row.point("at", &Release::at, "m", "middle of the ring, reference coordinates");
