@@ -143,10 +143,10 @@ std::vector<HeatPath> ContactInterface::heat_paths(Vec u) const {
   return paths;
 }
 
-bool ContactInterface::pressed() const {
+bool ContactInterface::rests_on_penalty() const {
   double largest = 0;
   for (const double force : force_->committed) largest = std::max(largest, std::abs(force));
-  return max_over_ranks(mesh_->comm(), largest) > 0;
+  return max_over_ranks(mesh_->comm(), largest) > 0 && !rows_.press_anywhere(mesh_->comm());
 }
 
 ContactReach ContactInterface::reach(Vec u) const {

@@ -123,7 +123,8 @@ void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const s
     for (std::size_t b = 0; b < total.bodies.size(); ++b)
       if (each[c].bodies[b] > 0) largest = std::max(largest, total.bodies[b]);
     largest = max_over_ranks(comm, largest);
-    if (contact.settings().automatic_penalty && !contact.by_impulse() && largest > 0 && !contact.pressed()) {
+    if (contact.settings().automatic_penalty && !contact.by_impulse() && largest > 0 &&
+        !contact.rests_on_penalty()) {
       const double way = closing(contact, v) * longest_of_cells; // in depths
       const double give = way * s * s / (2 * (1 - s * s)) * (1 + way);
       contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth));

@@ -114,6 +114,15 @@ for penalty in ("auto", 1e8):  # that of explicit steps would be softer
               held["energy_kinetic"].max() / pressed["energy_elastic"][-1], 0, 1e-9, relative=False)
         check(f"pressed by a penalty ({penalty}), then {scheme}: pressing force", held["contact_face_force_y"][-1],
               pressed["contact_face_force_y"][-1], 1e-6)
+# Multipliers press without its help: steps are as long as of a run that starts explicitly.
+by_multipliers = {**PRESSED, "contact_face_enforce": "semismooth"}
+pressed = run("pressed_semismooth", {**by_multipliers, "bc_press_uy": "0-1e-3*t", **STATIC})
+explicit = {**PRESSED, "bc_press_uy": -1e-3, "ts_type": "central_difference"}
+held = go_on("held_semismooth", pressed, explicit, "ts_type,ts_dt,bc_press_uy,contact_face_enforce", 0.02)
+afresh = run("afresh", {**explicit, "bc_press_uy": 0, "ts_max_time": 0.02})
+check("pressed by multipliers, then central_difference: step", *(numpy.diff(r["time"])[-2] for r in (held, afresh)), 3e-2)
+check("pressed by multipliers, then central_difference: pressing force", held["contact_face_force_y"][-1],
+      pressed["contact_face_force_y"][-1], 1e-6)
 
 # The default contact too, whose update keeps its force out of the acceleration.
 FRICTION = {key: value for key, value in PRESSED.items() if key not in ("contact_face_method", "contact_face_enforce")}

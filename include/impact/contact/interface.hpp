@@ -128,8 +128,8 @@ public:
   /// Collective.
   void set_rigid_nodes(const RigidReduction& reduction, const std::vector<int>& body);
 
-  /// Whether there were forces at the end of the last step. Collective.
-  bool pressed() const;
+  /// Whether the penalty alone, without multipliers, made forces at the end of the last step. Collective.
+  bool rests_on_penalty() const;
   /// The penalty at hand, and another one from here on.
   double penalty() const { return method().eps(); }
   void set_penalty(double penalty) {

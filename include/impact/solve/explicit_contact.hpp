@@ -17,7 +17,7 @@ public:
   explicit ExplicitContact(MotionProblem& motion);
 
   /// Automatic penalties where cells allow steps of this length, of which `cfl` is used, and the nodes have
-  /// the velocities v. Contacts that press in a state of another scheme keep what they press by. Collective.
+  /// the velocities v. Those that a state of another scheme rests on stay. Collective.
   void set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v);
   /// Largest quotient of the velocity at which the sides of a contact approach each other and the depth at
   /// which its facets are seen: at the start, by the velocities v of the nodes. Collective.
