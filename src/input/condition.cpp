@@ -18,9 +18,7 @@ struct Parsed {
   std::map<std::string, double> variables; // whose places stay where they are
   mu::Parser parser;
 
-  static double* make(const char* name, void* parsed) {
-    return &static_cast<Parsed*>(parsed)->variables[name];
-  }
+  static double* make(const char* name, void* self) { return &static_cast<Parsed*>(self)->variables[name]; }
 };
 
 } // namespace

@@ -139,48 +139,58 @@ void LooseBodies::start_solve() {
 }
 
 void LooseBodies::start_attempt() {
-  for (Body& body : bodies_) body.weight = body.largest = body.now = 0;
+  for (Body& body : bodies_) {
+    body.weight = body.largest = body.now = 0;
+  }
+  load_ = 0;
 }
 
 bool LooseBodies::touches(const Body& body, const ContactReach& seen) {
   return seen.presses || seen.gap < closed * body.facet;
 }
 
-double LooseBodies::open_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach) {
-  double nearest = HUGE_VAL;
+LooseBodies::Way LooseBodies::open_way(const Body& body, const Vector3& along,
+                                       const std::vector<ContactReach>& reach) {
+  Way nearest;
   // What does not face anything yet may go half the way to what the search sees.
-  for (const Body::Side& side : body.sides)
-    if (const ContactReach& seen = reach[side.contact];
-        !touches(body, seen) && !(side.sign * dot(seen.opens, along) > 0))
-      nearest = std::min({nearest, std::max(0.0, seen.gap), seen.distance / 2});
+  for (const Body::Side& side : body.sides) {
+    const ContactReach& seen = reach[side.contact];
+    if (touches(body, seen) || side.sign * dot(seen.opens, along) > 0) continue;
+    const bool guessed = std::isinf(seen.gap);
+    const double length = guessed ? seen.distance / 2 : std::max(0.0, seen.gap);
+    if (length < nearest.length) nearest = {length, guessed};
+  }
   return nearest;
 }
 
-double LooseBodies::pushed_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach,
-                               std::vector<char>& passed) const {
+LooseBodies::Way LooseBodies::pushed_way(const Body& body, const Vector3& along,
+                                         const std::vector<ContactReach>& reach,
+                                         std::vector<char>& passed) const {
   passed[static_cast<std::size_t>(&body - bodies_.data())] = 1;
-  double nearest = HUGE_VAL;
+  Way nearest;
   for (const Body::Side& side : body.sides) {
     const ContactReach& seen = reach[side.contact];
     if (!touches(body, seen) || side.sign * dot(seen.opens, along) > 0) continue;
-    if (side.held) return 0;
+    if (side.held) return {0, false};
     for (std::size_t other = 0; other < bodies_.size(); ++other) {
       const Body& next = bodies_[other];
       const bool opposite = std::any_of(next.sides.begin(), next.sides.end(), [&](const Body::Side& its) {
         return its.contact == side.contact && its.sign != side.sign;
       });
       if (!opposite || passed[other]) continue;
-      const double open = open_way(next, along, reach);
-      nearest = std::min(nearest, open < HUGE_VAL ? open : pushed_way(next, along, reach, passed));
+      Way way = open_way(next, along, reach);
+      if (way.length == HUGE_VAL) way = pushed_way(next, along, reach, passed);
+      if (way.length < nearest.length) nearest = way;
     }
   }
   return nearest;
 }
 
-void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& reach) const {
+void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& reach) {
   // What presses already is not enough: the nearest of the other contacts that the body moves towards is to
   // come, or that of a body that it pushes.
-  double nearest = open_way(body, body.force, reach), stiffness = 0, area = 0;
+  Way way = open_way(body, body.force, reach);
+  double stiffness = 0, area = 0;
   body.pressed = false;
   for (const Body::Side& side : body.sides) {
     const ContactReach& seen = reach[side.contact];
@@ -189,12 +199,14 @@ void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& rea
     stiffness += seen.stiffness;
     area += seen.touches;
   }
-  if (nearest == HUGE_VAL && body.pressed) {
+  if (way.length == HUGE_VAL && body.pressed) {
     std::vector<char> passed(bodies_.size(), 0);
-    nearest = pushed_way(body, body.force, reach, passed);
-    if (nearest == HUGE_VAL) nearest = 0;
+    way = pushed_way(body, body.force, reach, passed);
+    if (way.length == HUGE_VAL) way = {0, false};
   }
-  const double least = bite * body.facet;
+  const double nearest = way.length, least = bite * body.facet;
+  body.guesses = body.pressed && way.guessed;
+  body.strides = body.guesses ? 1 : body.pressed && nearest > 0 ? 2 : 2 * stride_;
   if (nearest == HUGE_VAL) { // nothing lies opposite as far as the search sees: longer strides
     body.approach = body.limit = least * std::exp2(body.blind++);
     return;
@@ -206,6 +218,16 @@ void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& rea
   if (stiffness > 0 && force > 0)
     body.approach =
         nearest + std::min(least, force / stiffness + squeeze * force / (d_->softest_modulus() * width));
+}
+
+// A body thrown at one that lay free passes on many times its load, by which nothing is to be measured.
+void LooseBodies::note_load(Body& body) {
+  const double force = body.now * body.volume;
+  if (!body.pressed || (body.largest == 0 && load_ == 0)) {
+    body.largest = std::max(body.largest, body.now);
+    load_ = std::max(load_, force);
+  } else if (body.largest == 0)
+    body.largest = std::min(force, load_) / body.volume;
 }
 
 void LooseBodies::weigh(Vec u, Vec r) {
@@ -232,6 +254,7 @@ void LooseBodies::weigh(Vec u, Vec r) {
   }
   sum_over_ranks(d_->mesh.comm(), sums);
   const std::vector<RigidVector> of_rigid = rigid_->resultants(r);
+  must_look_ = false;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
     const double* of = body.rigid < 0 ? &sums[6 * b] : of_rigid[at(body.rigid)].data();
@@ -241,12 +264,14 @@ void LooseBodies::weigh(Vec u, Vec r) {
                               : body.size * std::hypot(of[3], of[4], of[5]) / body.inertia;
     body.now = std::max(force, moment);
     for (std::size_t k = 0; k < 3; ++k) body.force[k] = force < moment ? 0 : -of[k]; // R is inner less outer
-    body.largest = std::max(body.largest, body.now);
     find_approach(body, reach);
+    note_load(body);
+    must_look_ = must_look_ || (body.now > balanced * body.largest && body.guesses);
     body.weight = body.floor;
-    if (body.largest > 0) // (H2)
-      body.weight = std::max(std::min(body.floor, least_weight * body.largest / body.approach),
-                             body.now / body.approach * (body.now / body.largest));
+    if (body.largest <= 0) continue;
+    body.weight = std::min(body.floor, least_weight * body.largest / body.approach);
+    if (const double part = body.now / body.largest; part > balanced) // (H2)
+      body.weight = std::max(body.weight, body.now / body.approach * std::min(1.0, part));
   }
 }
 
@@ -295,7 +320,7 @@ double LooseBodies::part_of(Vec du) { // (H3)
     if (!node.on_surface) continue;
     double square = 0;
     for (std::size_t k = 0; k < dim; ++k) square += std::pow(local[dim * at(node.local) + k], 2);
-    most = std::max(most, std::sqrt(square) / (2 * stride_ * body.limit));
+    most = std::max(most, std::sqrt(square) / (body.strides * body.limit));
   }
   most = max_over_ranks(d_->mesh.comm(), most);
   limited_ = most > 1;

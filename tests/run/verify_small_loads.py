@@ -1,7 +1,7 @@
 # labels: run
 """Receding contact (J. Dundurs, M. Stippes, J. Appl. Mech. 37 (1970) 965): what touches under a load does so at any size of the load,
 and all else is in proportion. A strip on a plane, pressed over its middle, lifts its long ends; three blocks with gaps between them,
-held by contact alone, close them. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E."""
+held by contact alone, close them, also where they are four facets wide. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E."""
 from _runs import check, check_between, finish, run
 
 E = 1e5
@@ -13,14 +13,15 @@ Transfinite Curve {1, 5} = n/4 + 1; Transfinite Curve {2, 4} = 31*n/4 + 1; Trans
 Transfinite Surface {1, 2}; Recombine Surface {1, 2};
 Physical Surface("layer") = {1, 2}; Physical Curve("low") = {1, 2}; Physical Curve("axis") = {6}; Physical Curve("pad") = {5};
 """
-BLOCKS = """For b In {0 : 2}
+BLOCKS = """DefineConstant[n = 1];
+For b In {0 : 2}
   f = 10*b; o = 1.05*b;
   Point(f+1) = {0, o, 0}; Point(f+2) = {2, o, 0}; Point(f+3) = {2, o+1, 0}; Point(f+4) = {0, o+1, 0};
   For i In {1 : 4}
     Line(f+i) = {f+i, f+1+(i%4)};
   EndFor
   Curve Loop(f+1) = {f+1 : f+4}; Plane Surface(f+1) = {f+1};
-  Transfinite Curve {f+1, f+3} = 9 + 2*b; Transfinite Curve {f+2, f+4} = 5 + b; Transfinite Surface {f+1}; Recombine Surface {f+1};
+  Transfinite Curve {f+1, f+3} = n*(8 + 2*b) + 1; Transfinite Curve {f+2, f+4} = n*(4 + b) + 1; Transfinite Surface {f+1}; Recombine Surface {f+1};
   Physical Surface(Sprintf("b%g", b+1)) = {f+1}; Physical Curve(Sprintf("low%g", b+1)) = {f+1}; Physical Curve(Sprintf("up%g", b+1)) = {f+3};
 EndFor
 Physical Curve("left") = {4, 14, 24};
@@ -54,13 +55,21 @@ for p in (1e-3, 0.1):  # 26,000 unknowns: springs as stiff as facets throw off m
 r = strip("strip_points", 0.01, contact_low_method="gpts")
 check("strip: touching length by Gauss points, to half a cell", r["contact_low_length"][-1], lengths[1e-2], 1 / 24, relative=False)
 
-for p in (1e-3, 0.1, 1, 100):
-    r = run(f"blocks_{p:g}", {
+def blocks(name, p, **more):
+    r = run(name, {
         "mesh": "blocks.geo", **STATIC, "materials": "b1,b2,b3", "material_b1_E": E, "material_b1_nu": 0, "material_b2_like": "b1",
         "material_b3_like": "b1", "bcs": "floor,left,top", "bc_floor_on": "low1", "bc_floor_uy": 0, "bc_left_on": "left", "bc_left_ux": 0,
         "bc_top_on": "up3", "bc_top_type": "traction", "bc_top_uy": f"(-{p}*t)", "contacts": "c,d", "contact_c_secondary": "up1",
-        "contact_c_primary": "low2", "contact_d_secondary": "up2", "contact_d_primary": "low3", "probes": "top", "probe_top_at": "1,3.1"}, refused=1)
+        "contact_c_primary": "low2", "contact_d_secondary": "up2", "contact_d_primary": "low3", "probes": "top", "probe_top_at": "1,3.1", **more}, refused=1)
     for contact in "cd":
-        check(f"blocks, p/E = {p / E:g}: force of {contact}", r[f"contact_{contact}_force_y"][-1], -2 * p, 1e-4)
-    check(f"blocks, p/E = {p / E:g}: way of the top", r["probe_top_uy"][-1], -0.1 - 3 * p / E, 1e-4)
+        check(f"{name}: force of {contact}", r[f"contact_{contact}_force_y"][-1], -2 * p, 1e-4)
+    check(f"{name}: way of the top", r["probe_top_uy"][-1], -0.1 - 3 * p / E, 1e-4)
+    return r
+
+
+for p in (1e-3, 0.1, 1, 100):
+    blocks(f"blocks_{p:g}", p)
+for p in (0.1, 1, 100):  # 14,000 unknowns: the second block is pushed towards what it does not face yet
+    r = blocks(f"fine_blocks_{p:g}", p, mesh_set_n=10, contact_c_search_radius=0.2, contact_d_search_radius=0.2)
+    check(f"fine blocks, p/E = {p / E:g}: steps", len(r["time"]) - 1, 1, 0)
 finish()

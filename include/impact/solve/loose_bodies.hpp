@@ -10,7 +10,7 @@
 /// Bodies of a static run that contact alone holds. Until enough of their surface is pressed their tangent is
 /// singular, and a Newton step throws them through what they touch. The iteration is therefore one of a
 /// pseudo-time, in which a mass of unit density resists each step from the iterate at hand:
-///   (K + c_b M) du = -R(u),   c_b = (f/m) (f/f_max)                                             (H1), (H2)
+///   (K + c_b M) du = -R(u),   c_b = (f/m) min(1, f/f_max)                                       (H1), (H2)
 /// f: resultant of R on the body over its volume; m: the way that it may approach by; of rigid bodies M
 /// stands in the rows of their unknowns. The mass stands in the matrix alone, so that it does no work, and
 /// goes with the square of the resultant, so that Newton's method ends as quickly as without.
@@ -40,6 +40,9 @@ public:
   double part_of(Vec du);
   /// True from a weigh() that found a body out of balance.
   bool unbalanced() const;
+  /// True from a weigh() that found one pushed towards what it does not face yet: what faces what is to be
+  /// found again after the next step.
+  bool must_look() const { return must_look_; }
   /// For the message of a solve that failed: bodies that met nothing; empty where there are none.
   std::string adrift() const;
 
@@ -51,6 +54,8 @@ private:
     double weight = 0, floor = 0;   // c_b and the least of it
     double approach = 0, limit = 0; // m, m_0
     double largest = 0, now = 0;    // f_max of the attempt, f
+    double strides = 1;             // of m_0 that a step may be (H3)
+    bool guesses = false;           // pushed towards what it does not face yet
     struct Side {
       std::size_t contact;
       double sign;       // 1: secondary, -1: primary, 0: both
@@ -63,12 +68,17 @@ private:
     int rigid = -1;                // its number among the rigid bodies
   };
   void measure(const std::vector<int>& body_of_node);
-  void find_approach(Body& body, const std::vector<ContactReach>& reach) const;
+  void find_approach(Body& body, const std::vector<ContactReach>& reach);
+  void note_load(Body& body);
   static bool touches(const Body& body, const ContactReach& seen);
+  struct Way {
+    double length = HUGE_VAL;
+    bool guessed = false; // from a distance: nothing faces what is there yet
+  };
   // Along a direction: the way to what a body does not touch yet, and that of what it pushes on (0: held).
-  static double open_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach);
-  double pushed_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach,
-                    std::vector<char>& passed) const;
+  static Way open_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach);
+  Way pushed_way(const Body& body, const Vector3& along, const std::vector<ContactReach>& reach,
+                 std::vector<char>& passed) const;
 
   const Discretisation* d_ = nullptr;
   const ContactSet* contacts_ = nullptr;
@@ -82,8 +92,10 @@ private:
   std::vector<Node> nodes_; // owned nodes of loose bodies
   std::vector<char> fixed_; // [local dof]
   double stride_ = 1;       // factor of what a step may be
-  bool limited_ = false;    // the last step was cut
-  PetscReal norm_ = 0;      // of the last residual
+  double load_ = 0;         // largest resultant force of the attempt on what pressed nothing
+  bool must_look_ = false;
+  bool limited_ = false; // the last step was cut
+  PetscReal norm_ = 0;   // of the last residual
 };
 
 } // namespace impact
