@@ -1,5 +1,6 @@
 #include "step_data.hpp"
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <impact/petsc/field_solver.hpp>
 #include <limits>
@@ -48,6 +49,22 @@ PetscReal next_time(const StepControl& control, PetscReal t, PetscReal max_time,
   return next;
 }
 
+// The number that so many significant digits tell.
+PetscReal rounded(PetscReal value, int digits) {
+  std::array<char, 32> text{};
+  const auto end =
+      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, digits);
+  std::from_chars(text.data(), end.ptr, value);
+  return value;
+}
+
+// Sums of a dt that was typed are what their user reads: three steps of 0.1 end at 0.3, where (t<=0.3) holds,
+// and not an ulp later. One that was computed has more digits than that.
+PetscReal after(PetscReal t, PetscReal dt) {
+  const bool typed = std::abs(rounded(dt, 12) - dt) <= 1e-15 * dt; // the product of a number and a unit too
+  return typed ? rounded(t + dt, 15) : t + dt;
+}
+
 StepPlan plan_from(TSAdapt adapt, StepControl& control, PetscReal t, PetscReal max_time) {
   StepControlState& state = control.state;
   const PetscReal limit = std::min({limit_at(control, t), adapt->dt_max, control.longest});
@@ -58,7 +75,7 @@ StepPlan plan_from(TSAdapt adapt, StepControl& control, PetscReal t, PetscReal m
   const PetscReal rest = target - t;
   if (rest <= (1 + same_time) * state.dt) return {rest, target};
   if (rest < (1 + sliver) * state.dt) return {rest / 2, t + rest / 2};
-  return {state.dt, t + state.dt};
+  return {state.dt, after(t, state.dt)};
 }
 
 // An accepted step of size h: count it, let dt grow, answer with the next step.

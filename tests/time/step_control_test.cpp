@@ -1,5 +1,6 @@
 #include "simulation.hpp"
 #include <gtest/gtest.h>
+#include <impact/math/index.hpp>
 
 namespace impact {
 
@@ -82,6 +83,25 @@ TEST(StepControl, RoundOffInTheTimeMakesNoExtraStep) {
   run(watched.simulation, 1e-3, 0.3);
   EXPECT_EQ(watched.dts.size(), 300u);
   EXPECT_EQ(watched.simulation.time(), 0.3);
+}
+
+// (t<=0.3) is to hold in the third step.
+TEST(StepControl, TimesOfDecimalStepsAreTheirDecimals) {
+  for (const int steps : {10, 7}) {
+    Watched watched;
+    run(watched.simulation, 1. / steps, 1);
+    ASSERT_EQ(watched.times.size(), at(steps));
+    for (int n = 1; n <= steps; ++n) {
+      const double sum = n / double(steps);
+      if (steps == 10)
+        EXPECT_EQ(watched.times[at(n - 1)], sum);
+      else
+        EXPECT_NEAR(watched.times[at(n - 1)], sum, 1e-15);
+    }
+  }
+  Watched watched;
+  run(watched.simulation, 0.005, 1);
+  EXPECT_EQ(watched.times[99], 0.5);
 }
 
 TEST(StepControl, LeavesNoSliver) {
