@@ -97,27 +97,25 @@ bool Reactions::turns(int condition, std::size_t axis) const {
 }
 
 HeatBook::HeatBook(MotionProblem& motion, StateTable& state, bool moves)
-    : conditions_(motion.boundary().conditions().size()), contacts_(heat_contacts(motion, moves)),
-      row_([&]() -> StateRow& {
-        const std::size_t columns = conditions_ + 2 * contacts_.size() + 2;
-        return state.add({"ledger_heat", Support::global, static_cast<int>(columns)}, columns);
-      }()) {}
+    : totals_(state.add({"ledger_heat", Support::global, 3}, 3)), contacts_(heat_contacts(motion, moves)) {
+  for (const BoundaryCondition& bc : motion.boundary().conditions())
+    conditions_.push_back(is_thermal(bc.type) ? &state.add({"bc_" + bc.id + "_heat", Support::global, 1}, 1)
+                                              : nullptr);
+  for (const std::string& id : contacts_)
+    conducted_.push_back(&state.add({"contact_" + id + "_heat", Support::global, 1}, 1));
+}
 
 void HeatBook::book(const StepRecord& step, double thickness) {
   const auto& [by_condition, by_contact, entropy] = *step.heat;
-  for (std::size_t c = 0; c < by_condition.size(); ++c) row_.trial[c] += thickness * by_condition[c];
-  for (std::size_t c = 0; c < by_contact.size(); ++c) {
-    row_.trial[conditions_ + 2 * c] += thickness * by_contact[c].conducted;
-    row_.trial[conditions_ + 2 * c + 1] += thickness * by_contact[c].outside;
+  for (std::size_t c = 0; c < by_condition.size(); ++c) {
+    if (conditions_[c] != nullptr) conditions_[c]->trial[0] += thickness * by_condition[c];
+    totals_.trial[0] += thickness * by_condition[c];
   }
-  row_.trial[row_.trial.size() - 2] += thickness * entropy;
-}
-
-double HeatBook::supplied() const {
-  double total = 0;
-  for (std::size_t c = 0; c < conditions_; ++c) total += row_.trial[c];
-  for (std::size_t c = 0; c < contacts_.size(); ++c) total += row_.trial[conditions_ + 2 * c + 1];
-  return total;
+  for (std::size_t c = 0; c < by_contact.size(); ++c) {
+    conducted_[c]->trial[0] += thickness * by_contact[c].conducted;
+    totals_.trial[0] += thickness * by_contact[c].outside;
+  }
+  totals_.trial[1] += thickness * entropy;
 }
 
 } // namespace impact

@@ -11,16 +11,21 @@ namespace impact {
 
 namespace {
 
-// Contacts that are there no more let go (-restart_allow contacts).
-void leave_out_contacts(const Scenario& scenario, const std::string& rows, OtherRows& others) {
-  for (std::size_t begin = 0; (begin = rows.find("contact_", begin)) != std::string::npos;) {
-    const std::size_t end = rows.find(" (", begin);
-    const std::string row = rows.substr(begin, end - begin);
-    if (std::ranges::none_of(scenario.contacts,
-                             [&](const auto& c) { return row.starts_with("contact_" + c.id + "_"); }))
+// Contacts that are there no more let go (-restart_allow contacts), and conditions come and go (bcs), the
+// heat that passed them with them.
+void allow_other_conditions(const Scenario& scenario, const StateTable& state, const std::string& rows,
+                            OtherRows& others) {
+  std::istringstream lines(rows);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string row = line.substr(0, line.find(" ("));
+    if (row.starts_with("bc_") ||
+        (row.starts_with("contact_") && std::ranges::none_of(scenario.contacts, [&](const auto& contact) {
+           return row.starts_with("contact_" + contact.id + "_");
+         })))
       others.in_vain.push_back(row);
-    begin = end;
   }
+  for (const auto& row : state.rows())
+    if (row->name.starts_with("bc_")) others.lacking.push_back(row->name);
 }
 
 bool conserves(const Scenario& s) {
@@ -168,7 +173,7 @@ void RunStage::set_state(const Checkpoint* resume) {
                             {"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"});
       others.in_vain.insert(others.in_vain.end(), {"stable_step", "damage_wait"});
     }
-    leave_out_contacts(scenario, resume->rows, others);
+    allow_other_conditions(scenario, state, resume->rows, others);
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
     enter_or_leave_path(*resume);

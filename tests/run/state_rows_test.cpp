@@ -77,7 +77,7 @@ const Rows known = {
     {"phi", {Support::vertex, 1}},
     {"theta", {Support::vertex, 1}},
     {"stress", {Support::cell_point, 4}},  // P of the motion, for the work of the next step
-    {"ledger_heat", {Support::global, 2}}, // supplied by each condition, and one
+    {"ledger_heat", {Support::global, 3}}, // supplied, its entropy, entropy at the start
     {"history", {Support::cell_point, 5}}, // Cp^-1 and alpha
     {"drive", {Support::cell_point, 3}},
     {"fatigue", {Support::cell_point, 1}},

@@ -28,4 +28,15 @@ before, after = ({k: taken[k][n] for k in ("energy_elastic", "energy_plastic", "
 let_go = before["energy_elastic"] - after["energy_elastic"]
 lost = before["balance_first_law"] - after["balance_first_law"]
 check("what the first law misses over what the bar let go", lost * before["work_external"] / let_go, 1, 1e-3)
+
+# With heat: what passed a support is kept, while another one goes and a heated side comes.
+WARM = {"contacts": "none", "physics": "motion,heat", "material_bar_rho": 7.8e-9, "material_bar_c_v": 3.6, "material_bar_conductivity": 50, "material_bar_theta0": 300,
+        "bcs": "left,right,cold", "bc_right_on": "right", "bc_right_ux": 0, "bc_cold_on": "left", "bc_cold_type": "temperature", "bc_cold_value": 280}
+warm = run("warm", {**alone, **WARM})
+free = {key: value for key, value in WARM.items() if not key.startswith("bc_right")}
+let_go = run("let_go", {**alone, **free, "bcs": "left,cold,hot", "bc_hot_on": "up", "bc_hot_type": "heat_flux", "bc_hot_value": 10,
+                        "restart": "warm/checkpoints/checkpoint_000001.h5", "restart_allow": "bcs,bc_right,bc_hot", "ts_max_time": 1.1})
+check("a support let go, a flux added: heat of the cold end", let_go["heat_cold"][0], warm["heat_cold"][-1], 0.1)
+check("heat supplied, ends and flux", let_go["heat_supplied"][-1], let_go["heat_cold"][-1] + let_go["heat_hot"][-1], 1e-12)
+check("heat of the flux in its step", let_go["heat_hot"][-1], 10 * 100 * 0.1, 1e-2)
 finish()

@@ -34,31 +34,30 @@ private:
   std::vector<OfCondition> of_;
 };
 
-/// Heat and entropy since t = 0: one global row of the state table, so that a restart goes on with it.
+/// Heat and entropy since t = 0, in global rows of the state table, so that a restart goes on with them: the
+/// sums, and one of each thermal condition and contact, which a run may leave out or add.
 class HeatBook {
 public:
-  /// Adds the row. Contacts that pass heat count where bodies move.
+  /// Adds the rows. Contacts that pass heat count where bodies move.
   HeatBook(MotionProblem& motion, StateTable& state, bool moves);
 
-  void start(double entropy) { row_.trial.back() = entropy; }
+  void start(double entropy) { totals_.trial.back() = entropy; }
   void book(const StepRecord& step, double thickness);
 
   /// By conditions, and by contacts from what is no body.
-  double supplied() const;
-  double supplied_by(std::size_t condition) const { return row_.trial[condition]; }
+  double supplied() const { return totals_.trial[0]; }
+  double supplied_by(std::size_t thermal_condition) const { return conditions_[thermal_condition]->trial[0]; }
   /// Ids of the contacts that pass heat, and what was conducted into the secondary side of each.
   const std::vector<std::string>& contacts() const { return contacts_; }
-  double conducted(std::size_t contact) const { return row_.trial[conditions_ + 2 * contact]; }
+  double conducted(std::size_t contact) const { return conducted_[contact]->trial[0]; }
   /// Entropy beside what was there at the start and came in.
-  double entropy_produced(double entropy) const {
-    return entropy - row_.trial[row_.trial.size() - 2] - row_.trial.back();
-  }
+  double entropy_produced(double entropy) const { return entropy - totals_.trial[1] - totals_.trial[2]; }
 
 private:
-  std::size_t conditions_;
+  StateRow& totals_;                  ///< heat supplied, entropy supplied, entropy at the start
+  std::vector<StateRow*> conditions_; ///< [condition], null unless it is thermal
   std::vector<std::string> contacts_;
-  /// [condition], [contact]{conducted, from outside}, entropy supplied, entropy at the start
-  StateRow& row_;
+  std::vector<StateRow*> conducted_; ///< [contact that passes heat]
 };
 
 } // namespace impact
