@@ -188,9 +188,10 @@ void replace_option(const std::string& name, const std::string& text) {
 
 std::vector<std::string> option_folders() {
   std::vector<std::string> folders;
-  const std::vector<std::string> words = arguments();
-  for (std::size_t i = 0; i + 1 < words.size(); ++i)
-    if (names_file(words[i])) folders.push_back(std::filesystem::path(words[i + 1]).parent_path().string());
+  follow_option_files(arguments(), [&](const std::string& file, const FileOption&) {
+    const std::string folder = std::filesystem::path(file).parent_path().string();
+    if (std::ranges::find(folders, folder) == folders.end()) folders.push_back(folder);
+  });
   folders.emplace_back();
   return folders;
 }

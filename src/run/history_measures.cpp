@@ -27,10 +27,52 @@ double area(const ReleaseScenario& ring, Frame frame) {
   return ring.length > 0 ? ring.length : ring.inner + ring.outer;
 }
 
+// The part of a ball, weighted by `advance`, that lies in the bodies.
+double part_in_bodies(const Discretisation& d, const ReleaseScenario& ring) {
+  const auto X = d.mesh.coordinates();
+  std::vector<double> part;
+  for (std::size_t i = 0; i < X.size(); i += 3) part.push_back(advance(ring, X.subspan(i, 3)));
+  double sum = 0;
+  for_each_batch(d, all_laws, [&](const CellBatch& batch) {
+    const NodalValues of = batch.scalars(part);
+    const Batch volume = batch.volume(batch.vectors(X));
+    for (int l = 0; l < batch.used(); ++l)
+      for (int i = 0; i < of.size; ++i) sum += of.value[i][l] * volume[l] / of.size;
+  });
+  const double a = ring.inner, b = ring.outer;
+  return sum_over_ranks(d.mesh.comm(), sum) * 3 / (std::numbers::pi * (a + b) * (a * a + b * b));
+}
+
+// What a ring cannot know of its crack.
+void report_releases(const Discretisation& d, const std::vector<ReleaseScenario>& rings) {
+  const MPI_Comm comm = d.mesh.comm();
+  for (const MaterialAssignment& material : d.materials)
+    if (!rings.empty() && material.law.flows())
+      check(
+          PetscPrintf(comm,
+                      "impact: -releases: material %s flows: the rates are of elastic energy, which is no J "
+                      "where a ring or what it encloses has yielded by more than a small zone\n",
+                      material.id.c_str()));
+  for (const ReleaseScenario& ring : rings) {
+    if (d.frame != Frame::solid || ring.length > 0) continue;
+    constexpr double alike = 0.05; // of cells that cross its surface
+    const double part = part_in_bodies(d, ring);
+    if (std::ranges::any_of(std::array{1.0, 0.5, 0.25},
+                            [&](double whole) { return std::abs(part / whole - 1) < alike; }))
+      continue;
+    check(PetscPrintf(comm,
+                      "impact: -release_%s: %.0f %% of the ball lie in the bodies, not all, a half or a "
+                      "quarter: where a side cuts the front, -release_%s_length is less than its default, "
+                      "_inner + _outer: the thickness, of a plate within _inner of the point\n",
+                      ring.id.c_str(), 100 * part, ring.id.c_str()));
+  }
+}
+
 } // namespace
 
 void HistoryObserver::find_shares() {
   const Discretisation& d = motion_.discretisation();
+  report_releases(d, scenario_.releases);
   for (const MeasureScenario& measure : scenario_.measures) {
     auto& [of_nodes, of_cells] = shares_.emplace_back();
     for (int node : d.mesh.nodes(measure.on))

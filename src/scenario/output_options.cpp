@@ -76,7 +76,8 @@ OptionClass<OutputScenario> output_class() {
   OptionClass<Output> table{
       "output", "outputs", "Output",
       "Without `_dt`, `_every`, `_cycles` and `_times` every accepted step is written. "
-      "Of central differences the history has a row for each thousandth of the run then.",
+      "Of central differences the history has a row for each thousandth of -ts_max_time then (a short stage "
+      "after a restart wants a `_dt`).",
       &Scenario::outputs};
   Rows row(table.rows, RestartKey::free);
   row.choice("type", &Output::type, "fields for ParaView, or the history table", "xdmf", Output::Type::xdmf,
@@ -184,7 +185,8 @@ OptionClass<ReleaseScenario> release_class() {
       "Of a crack whose tip lies in a ring, as columns `release_<id>` of the history: the elastic energy "
       "that an advance of what the ring encloses would set free, over the area of that advance (of a half "
       "model that half of the energy which is its own). In space the ring is a ball about a point of the "
-      "front, which tells the mean along that part of it.",
+      "front, which tells the mean along that part of it. It is the rate of elastic energy: J of bodies "
+      "that flow only while a small zone has.",
       &Scenario::releases};
   Rows row(table.rows, RestartKey::free);
   row.point("at", &Release::at, "m", "middle of the ring, reference coordinates");
@@ -212,8 +214,8 @@ OptionClass<ReleaseScenario> release_class() {
                                            : "";
   };
   row.number("length", &Release::length, "m (J1)", positive,
-             "length of the front in the ball, each part of it weighted by its advance; half of that where a "
-             "plane of symmetry halves the ball")
+             "length of the front in the ball, each part of it weighted by its advance: the thickness of a "
+             "plate within <>inner of the point; half of that where a plane of symmetry halves the ball")
       .otherwise("inner + outer, of a straight front")
       .misfit = [](const Release&, int dim) { return dim == 2 ? ": of fronts in space; remove it" : ""; };
   return table;

@@ -84,6 +84,35 @@ for name in RINGS:
     runs.check(f"energy release rate by the {name} ring", slot[f"release_{name}"][-1], 2 * 70e3 * 1e-8 / 2, 0.01)
 runs.check("energy release rate: small and wide ring", slot["release_small"][-1], slot["release_wide"][-1], 0.003)
 
+# In space of a plate that its front crosses: the length of the front is the thickness, which the default does not know.
+with open("plate.geo", "w") as file:
+    file.write("""Point(1) = {0, -1, 0}; Point(2) = {2, -1, 0}; Point(3) = {4, -1, 0}; Point(4) = {4, 0, 0}; Point(5) = {2, 0, 0}; Point(6) = {0, -0.01, 0};
+Point(7) = {0, 0.01, 0}; Point(8) = {4, 1, 0}; Point(9) = {2, 1, 0}; Point(10) = {0, 1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 6}; Line(6) = {6, 1}; Line(7) = {5, 2};
+Line(8) = {7, 5}; Line(9) = {4, 8}; Line(10) = {8, 9}; Line(11) = {9, 10}; Line(12) = {10, 7}; Line(13) = {5, 9};
+Curve Loop(1) = {1, -7, 5, 6}; Curve Loop(2) = {2, 3, 4, 7}; Curve Loop(3) = {8, 13, 11, 12}; Curve Loop(4) = {-4, 9, 10, -13};
+For s In {1 : 4}
+  Plane Surface(s) = {s};
+EndFor
+Transfinite Curve {1 : 13} = 15; Transfinite Surface {1 : 4}; Recombine Surface {1 : 4};
+Extrude {0, 0, 0.3} { Surface {1 : 4}; Layers {3}; Recombine; }
+Physical Volume("strip") = {1 : 4};
+e = 1e-6;
+Physical Surface("bottom") = Surface In BoundingBox {-1, -1-e, -1, 5, -1+e, 1}; Physical Surface("top") = Surface In BoundingBox {-1, 1-e, -1, 5, 1+e, 1};
+""")
+ball = {key: value for name, more in (("told", {"length": 0.3}), ("default", {}))
+        for key, value in {f"release_{name}_at": "2,0,0", f"release_{name}_inner": 0.3, f"release_{name}_outer": 0.6,
+                           **{f"release_{name}_{k}": v for k, v in more.items()}}.items()}
+plate = runs.run("plate", {"mesh": "plate.geo", "materials": "strip", "material_strip_E": 70e3, "material_strip_nu": 0, "material_strip_model": "j2",
+                           "material_strip_sigma_y": 1e9, "bcs": "bottom,top", "bc_bottom_on": "bottom", "bc_bottom_ux": 0,
+                           "bc_bottom_uy": "0 - 1e-4*t", "bc_bottom_uz": 0, "bc_top_on": "top", "bc_top_ux": 0, "bc_top_uy": "1e-4*t", "bc_top_uz": 0,
+                           "ts_type": "static", "ts_dt": 1, "ts_max_time": 1, "releases": "told,default", **ball})
+runs.check("energy release rate of a plate in space", plate["release_told"][-1], 2 * 70e3 * 1e-8 / 2, 0.02)
+runs.check("of the default length, over it", plate["release_default"][-1] / plate["release_told"][-1], 0.3 / 0.9, 1e-9)
+runs.require("the default length is told to be too long, that which was given is not",
+             "-release_default: " in plate.log and "-release_told: " not in plate.log)
+runs.require("rates of a body that flows are told", "-releases: material strip flows" in plate.log)
+
 # What has no load to find, or a time that means something, is refused.
 BOX = {"mesh": runs.mesh("block.geo"), "materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3, "bcs": "pull",
        "bc_pull_on": "right", "bc_pull_ux": "t", "ts_type": "static", "ts_path_dissipation": 1, "ts_dt": 0.1, "ts_max_time": 1}

@@ -132,7 +132,7 @@ ROWS = [
     ("two motions of a rigid body that part for a tenth of the time",
      more(without(PULL, "material_solid_E", "material_solid_nu", "bc_hold"), material_solid_model="rigid", ts_type="newmark", ts_dt=0.07,
           bcs="push,side", bc_side_on="left", bc_side_uy="0.1*t+0.05*(t > 0.3 && t < 0.4)", bc_push_ux="0", bc_push_rz="0"), 3,
-     ["-bc_push and -bc_side prescribe different uy (0.035, 0.085 at t=0.35", "of the rigid body"]),
+     ["-bc_push and -bc_side prescribe different uy (0.03", "at t=0.35)", "of the rigid body"]),
     ("two temperatures that agree at the ends alone",
      more(without(HEAT, "bc_"), bcs="hot,warm", bc_hot_on="top", bc_hot_type="temperature", bc_hot_value="400", bc_warm_on="right",
           bc_warm_type="temperature", bc_warm_value="400+t*(1-t)"), 3,
@@ -284,6 +284,13 @@ for ranks in (1, 2):
 pulled = [run(name, more(PULL, functions="f", function_f_table=write(name + ".csv", "0 0\n1 1\n", encoding), bc_push_uy="0.1*f(t)"))
           for name, encoding in (("plain", "utf-8"), ("marked", "utf-8-sig"))]
 check("table with a byte-order mark: elastic energy at the end", pulled[1]["energy_elastic"][-1], pulled[0]["energy_elastic"][-1], 0.0)
+# Paths in a file that another one names are beside it.
+os.makedirs("deep")
+os.replace(write_mesh("part.msh"), "deep/part.msh")
+write("deep/part.opts", "-mesh part.msh\n")
+write("whole.opts", "-options_file deep/part.opts\n")
+check("mesh beside the file that names it: elastic energy at the end",
+      run("deep_run", more(without(PULL, "mesh"), options_file="whole.opts"))["energy_elastic"][-1], pulled[0]["energy_elastic"][-1], 0.25)
 require("dead loads and forces inside a body act", run("inside", more(
     without(INNER, "bc_push"), bcs="hold,p", bc_p_on="mid", bc_p_type="force", bc_p_uy="1e3*t")).code == 0)
 check("their reaction", run("inside2", more(without(INNER, "bc_push"), bcs="hold,p", bc_p_on="mid", bc_p_type="force", bc_p_uy="1e3*t"), ranks=2)[

@@ -1,6 +1,5 @@
 #include "simulation.hpp"
 #include <gtest/gtest.h>
-#include <impact/math/index.hpp>
 
 namespace impact {
 
@@ -90,13 +89,13 @@ TEST(StepControl, TimesOfDecimalStepsAreTheirDecimals) {
   for (const int steps : {10, 7}) {
     Watched watched;
     run(watched.simulation, 1. / steps, 1);
-    ASSERT_EQ(watched.times.size(), at(steps));
+    ASSERT_EQ(watched.times.size(), static_cast<std::size_t>(steps));
     for (int n = 1; n <= steps; ++n) {
       const double sum = n / double(steps);
       if (steps == 10)
-        EXPECT_EQ(watched.times[at(n - 1)], sum);
+        EXPECT_EQ(watched.times[static_cast<std::size_t>(n - 1)], sum);
       else
-        EXPECT_NEAR(watched.times[at(n - 1)], sum, 1e-15);
+        EXPECT_NEAR(watched.times[static_cast<std::size_t>(n - 1)], sum, 1e-15);
     }
   }
   Watched watched;

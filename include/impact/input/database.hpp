@@ -26,7 +26,8 @@ std::optional<std::string> option_text(const std::string& name);
 /// Sets the text that PETSc's own readers of `name` will see.
 void replace_option(const std::string& name, const std::string& text);
 
-/// Folders of the options files named on the command line, in their order, then the working directory "".
+/// Folders of the options files named on the command line, each before those that it names, then the working
+/// directory "".
 std::vector<std::string> option_folders();
 
 /// Path of an existing file: absolute, or below the first of option_folders() that has it. Collective; rank 0
