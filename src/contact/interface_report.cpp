@@ -149,6 +149,14 @@ bool ContactInterface::rests_on_penalty() const {
   return max_over_ranks(mesh_->comm(), largest) > 0 && !rows_.press_anywhere(mesh_->comm());
 }
 
+double ContactInterface::held_by_multipliers(Vec u) const {
+  double energy = 0;
+  constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
+    if (c.active) energy += c.weight * c.lambda * c.lambda / (2 * method().eps());
+  });
+  return sum_over_ranks(mesh_->comm(), energy);
+}
+
 ContactReach ContactInterface::reach(Vec u) const {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double alike = 1e-6 * constraints_->mean_length();

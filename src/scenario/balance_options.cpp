@@ -45,7 +45,8 @@ void add_restart(std::vector<OptionRow<Scenario>>& rows) {
           [](const Scenario& s) {
             return s.checkpoint.walltime > 0 && s.checkpoint.margin() >= s.checkpoint.walltime;
           },
-          "leaves nothing of the wall time; allowed: less than -walltime, {walltime}");
+          "leaves nothing of the wall time; allowed: less than -walltime, {walltime}")
+      .idle([](const Scenario& s) { return s.checkpoint.walltime == 0; }, "-walltime is not given");
   row.text("restart", &Checkpoint::restart, "auto, none, path of a checkpoint",
            "go on from the newest checkpoint if there is one, from the start, or from a file");
   row.list("restart_allow", &Checkpoint::restart_allow,

@@ -54,7 +54,8 @@ void add_passes(std::vector<OptionRow<Scenario>>& rows) {
   row.number("coupling_theta_tol", &Coupling::theta_tol, "1", positive,
              "passes end when the temperature changes less than this part of its largest value, where a "
              "material expands with it")
-      .otherwise("-coupling_snes_atol");
+      .otherwise("-coupling_snes_atol")
+      .idle([](const Scenario& s) { return !s.has_heat(); }, "no temperature is solved for");
   row.flag("coupling_error", &Coupling::report_error,
            "column coupling_error: nodal forces that the phi and theta of the end of a step would change, "
            "over those that the last pass balanced; costs one residual in a step");

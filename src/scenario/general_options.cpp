@@ -92,7 +92,8 @@ OptionGroup mesh_options() {
   row.count("dm_refine", &MeshScenario::refine, 0, "uniform refinements after reading", 10);
   row.restart = RestartKey::free;
   row.number("mesh_cells", &MeshScenario::most_cells, "1", positive, "most cells that -dm_refine may make")
-      .otherwise("2e6");
+      .otherwise("2e6")
+      .idle([](const Scenario& s) { return s.mesh.refine == 0; }, "-dm_refine is not given");
   row.text("mesh_convert", &MeshScenario::convert, "path",
            "the mesh is read, checked and written to this .h5 file, and no more is done. `-mesh` then reads "
            "that "

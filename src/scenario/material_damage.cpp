@@ -71,16 +71,21 @@ void add_crack(MaterialRows& rows) {
           });
   row.number("c", &Law::c, "m^2/(N.s) c (63)", or_word(positive, "inf", unbounded),
              "damage rate; inf: rate-independent");
-  row.number("zeta", &Law::zeta, "1 zeta (63)", not_negative, "exponent in the damage rate");
+  const auto has_no_rate = [](const Material& m) { return m.law.c == unbounded; };
+  const std::string no_rate = "<>c is inf, damage without a rate";
+  row.number("zeta", &Law::zeta, "1 zeta (63)", not_negative, "exponent in the damage rate")
+      .idle(has_no_rate, no_rate);
   row.number("delta", &Law::delta, "1 delta (63)", fraction,
-             "shift in the damage rate: (1 + delta - phi)^zeta / c");
+             "shift in the damage rate: (1 + delta - phi)^zeta / c")
+      .idle(has_no_rate, no_rate);
   row.number("fatigue_a", &Law::fatigue_a, "m^2 a (F1)", not_negative,
              "growth of the fatigue variable with the stress power of damaged material; 0: no fatigue")
       .denied(tires_beyond_bounds, // its energy has a kink there
               "-damage_bounds \"{damage_bounds}\": lets the fatigue of <>fatigue_a drive phi beyond 1; "
               "allowed with fatigue: vi, clip");
   row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative, "viscous stress 2 b_d dC/dt");
-  row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too");
+  row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too")
+      .idle([](const Material& m) { return m.law.b_d == 0; }, "<>b_d is 0");
 }
 
 /// Why the toughness of a material cannot change, where `when` says that it does, and what to do instead.
@@ -188,10 +193,14 @@ void add_toughness(MaterialRows& rows) {
   row.number("fatigue_threshold", &ToughnessFatigue::threshold, "J/m^3 alpha_T (F2)",
              or_word(positive, "auto", 0),
              "of fatigue asymptotic and logarithmic: summed energy up to which the toughness stays; auto: "
-             "Gc/(12 gamma)");
+             "Gc/(12 gamma)")
+      .idle([](const Material& m) { return m.fatigue.law == FatigueLaw::power; },
+            "<>fatigue is not asymptotic or logarithmic");
   row.number("fatigue_kappa", &ToughnessFatigue::kappa, "1 kappa (F2)", {0, 1e3, true, false},
              "of fatigue logarithmic: the toughness is gone at 10^(1/kappa) thresholds")
       .otherwise("required with fatigue logarithmic")
+      .idle([](const Material& m) { return m.fatigue.law != FatigueLaw::logarithmic; },
+            "<>fatigue is not logarithmic")
       .needed(
           tiring([](const Material& m, const Scenario&) { return m.fatigue.law == FatigueLaw::logarithmic; }),
           "<>fatigue logarithmic needs it");
@@ -313,16 +322,19 @@ void add_degradation(MaterialRows& rows) {
   add_strength(rows);
   row.number("cubic_s", &Law::cubic_s, "1 s", {0, 2, true, false},
              "slope of the cubic degradation at phi = 0")
-      .otherwise("1e-4");
+      .otherwise("1e-4")
+      .idle([](const Material& m) { return m.law.ge != Degradation::cubic; }, "<>ge is not cubic");
   row.number("alpha_c", &Law::alpha_c, "1 alpha_c", {0, 1e3, true, false},
              "plastic strain at which the ductile degradation is quadratic")
       .otherwise("required with ge ductile")
+      .idle([](const Material& m) { return m.law.ge != Degradation::ductile; }, "<>ge is not ductile")
       .needed([](const Material& m,
                  const Scenario& s) { return needs_damage_data(m, s) && m.law.ge == Degradation::ductile; },
               "<>ge ductile needs it");
   row.choice("gp", &Law::gp, "degradation of the plastic energy: 1 or g_e1", "one", PlasticDegradation::one,
              "ge", PlasticDegradation::ge)
-      .notation("g_p (54)");
+      .notation("g_p (54)")
+      .idle([](const Material& m) { return m.law.model != Model::j2; }, "<>model is not j2");
   row.number("plastic_threshold", &Law::plastic_threshold, "J/m^3 W_0", not_negative,
              "plastic energy H_0 that does not drive damage, with gp ge: the drive is <H_0 - W_0>")
       .denied(unbounded_but_for_vi([](const Law& law) { return law.ge == Degradation::ductile; }),

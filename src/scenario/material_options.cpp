@@ -203,7 +203,8 @@ void add_heat(MaterialRows& rows) {
       .notation("(63)");
   row.choice("gtheta", &Law::gtheta, "degradation of the conductivity by damage: g_e1 or 1", "ge",
              ConductionDegradation::ge, "one", ConductionDegradation::one)
-      .notation("g_theta (63)");
+      .notation("g_theta (63)")
+      .idle(feels_no_heat, cold);
   Rows(rows)
       .number("alpha_t", &Material::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion")
       .barred(of_state, ": follows from <>eos_gamma; remove it")

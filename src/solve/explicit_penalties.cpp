@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/surface_load.hpp>
 #include <impact/solve/explicit_contact.hpp>
@@ -130,6 +131,21 @@ void ExplicitContact::set_penalties(double longest_of_cells, double cfl, const s
       contact.set_penalty(budget / largest * std::max(1.0, give / part_of_depth));
     }
     ++c;
+  }
+}
+
+void ExplicitContact::report_multipliers(Vec u) const {
+  const Discretisation& d = motion_.discretisation();
+  for (const ContactInterface& contact : motion_.contacts()) {
+    const double energy = contact.by_impulse() ? 0 : d.thickness * contact.held_by_multipliers(u);
+    if (energy > 0)
+      check(
+          PetscPrintf(d.mesh.comm(),
+                      "impact: contact %s presses by multipliers of the scheme before, which explicit steps "
+                      "let go of where it has opened by pressure over penalty: that gives up to %.3g of "
+                      "energy, at any length of the steps; -contact_%s_enforce impulse (with _method gpts) "
+                      "gives none\n",
+                      contact.id().c_str(), energy, contact.id().c_str()));
   }
 }
 

@@ -49,6 +49,7 @@ void ExplicitStep::start(Vec u, Vec v) {
   bodies_.resume();
   contacts_.set_penalties(std::isfinite(dt) ? dt : stable_without_contact() / settings_.cfl, settings_.cfl,
                           speed);
+  contacts_.report_multipliers(u);
 }
 
 void ExplicitStep::scale_mass(Vec u, const std::vector<double>& before, double dt) {

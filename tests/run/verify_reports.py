@@ -65,6 +65,17 @@ ROWS = [
      ["impact: without effect, because -material_upper_model is elastic: -material_upper_sigma_y -material_upper_hardening -material_upper_linear_h\n",
       "impact: without effect, because -material_lower_c_v is not given, and no temperature is solved for: -material_lower_alpha_t\n",
       "impact: without effect, because -material_lower_damage is none: -material_lower_Gc -material_lower_gamma\n"], []),
+    ("data of damage without a rate, fatigue, flow and heat", FILE + DRY + ["-material_lower_zeta", "2", "-material_lower_delta", "0.1", "-material_lower_cubic_s", "0.1",
+      "-material_lower_alpha_c", "1", "-material_lower_visc_degrade", "on", "-material_lower_gp", "ge", "-material_lower_fatigue_kappa", "1",
+      "-material_lower_fatigue_threshold", "1", "-material_lower_gtheta", "one", "-coupling_theta_tol", "0.1"], 0,
+     [f"without effect, because {why}: -material_lower_{what}" for why, what in (
+         ("-material_lower_c is inf, damage without a rate", "zeta -material_lower_delta"), ("-material_lower_ge is not cubic", "cubic_s"),
+         ("-material_lower_ge is not ductile", "alpha_c"), ("-material_lower_b_d is 0", "visc_degrade"), ("-material_lower_model is not j2", "gp"),
+         ("-material_lower_fatigue is not logarithmic", "fatigue_kappa"), ("-material_lower_fatigue is not asymptotic or logarithmic", "fatigue_threshold"),
+         ("-material_lower_c_v is not given, and no temperature is solved for", "gtheta"))]
+     + ["because no temperature is solved for: -coupling_theta_tol"], []),
+    ("what only goes with another option", FILE + DRY + ["-walltime_margin", "5", "-mesh_cells", "10"], 0,
+     ["because -walltime is not given: -walltime_margin", "because -dm_refine is not given: -mesh_cells"], []),
     ("the same, asked to be strict", FILE + DRY + ["-material_upper_sigma_y", "1", "-options_strict"], 2,
      ["without effect, because -material_upper_model is elastic: -material_upper_sigma_y (-options_strict)"], []),
     ("damage where no material has any", FILE + DRY + ["-material_lower_damage", "none", "-ics", "a", "-ic_a_on", "upper", "-ic_a_phi", "1"], 2,

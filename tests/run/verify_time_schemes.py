@@ -3,6 +3,7 @@
 """A run that goes on from a checkpoint with another -ts_type: loaded statically, then let go; each way between the schemes.
 The motion is that of a run which starts from the same displacement, and the energies go on."""
 import glob
+import re
 import subprocess
 
 import numpy
@@ -123,6 +124,17 @@ afresh = run("afresh", {**explicit, "bc_press_uy": 0, "ts_max_time": 0.02})
 check("pressed by multipliers, then central_difference: step", *(numpy.diff(r["time"])[-2] for r in (held, afresh)), 3e-2)
 check("pressed by multipliers, then central_difference: pressing force", held["contact_face_force_y"][-1],
       pressed["contact_face_force_y"][-1], 1e-6)
+
+# Let go, they give the energy that the run says beforehand; impulses keep none.
+free = {**explicit, "bc_press_type": "traction", "bc_press_uy": 0}
+ALLOW = "ts_type,ts_dt,bc_press_type,bc_press_uy,contact_face_enforce"
+let_go_of = go_on("free_multipliers", pressed, free, ALLOW, 0.1)
+told = re.search(r"contact face presses by multipliers .* gives up to (\S+) of energy", let_go_of.log)
+require("pressed by multipliers, let go: the energy is told", told is not None)
+check("pressed by multipliers, let go: work of the contact, over what is told", let_go_of["work_contact"][-1] / float(told[1]), 1, 0.05)
+by_impulse = go_on("free_impulse", pressed, {**free, "contact_face_enforce": "impulse"}, ALLOW, 0.1)
+require("impulses: nothing is told", "presses by multipliers" not in by_impulse.log)
+check("impulses: first law, over the elastic energy", by_impulse["balance_first_law"][-1], 0, 1e-3, relative=False)
 
 # The default contact too, whose update keeps its force out of the acceleration.
 FRICTION = {key: value for key, value in PRESSED.items() if key not in ("contact_face_method", "contact_face_enforce")}

@@ -130,6 +130,9 @@ public:
 
   /// Whether the penalty alone, without multipliers, made forces at the end of the last step. Collective.
   bool rests_on_penalty() const;
+  /// Energy that the contact gives where multipliers that stay let go: their pressure ends at an opening by
+  /// it over the penalty. Collective.
+  double held_by_multipliers(Vec u) const;
   /// The penalty at hand, and another one from here on.
   double penalty() const { return method().eps(); }
   void set_penalty(double penalty) {

@@ -19,6 +19,8 @@ public:
   /// Automatic penalties where cells allow steps of this length, of which `cfl` is used, and the nodes have
   /// the velocities v. Those that a state of another scheme rests on stay. Collective.
   void set_penalties(double longest_of_cells, double cfl, const std::vector<double>& v);
+  /// Says what energy contacts give that go on from the multipliers of another scheme. Collective.
+  void report_multipliers(Vec u) const;
   /// Largest quotient of the velocity at which the sides of a contact approach each other and the depth at
   /// which its facets are seen: at the start, by the velocities v of the nodes. Collective.
   double closing(const std::vector<double>& v) const;
