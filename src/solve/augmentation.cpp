@@ -95,7 +95,8 @@ SNESConvergedReason Augmentation::solve_pass(PetscInt number, Vec u) {
   const PetscInt most = solver_.most_iterations();
   SNESConvergedReason reason =
       solver_.solve(u, aim, first_touch_ ? std::min(most, enough) : most, !first_touch_);
-  for (PetscInt look = 0; first_touch_ && reason < 0 && loose.must_look() && look < most; ++look) {
+  for (PetscInt look = 0; first_touch_ && reason == SNES_DIVERGED_MAX_IT && loose.must_look() && look < most;
+       ++look) {
     solver_.refresh_contact(u);
     meet(u);
     reason = solver_.solve(u, aim, std::min(most, enough), false);

@@ -139,9 +139,7 @@ void LooseBodies::start_solve() {
 }
 
 void LooseBodies::start_attempt() {
-  for (Body& body : bodies_) {
-    body.weight = body.largest = body.now = 0;
-  }
+  for (Body& body : bodies_) body.weight = body.largest = body.now = 0;
   load_ = 0;
 }
 
