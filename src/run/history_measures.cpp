@@ -45,9 +45,10 @@ double part_in_bodies(const Discretisation& d, const ReleaseScenario& ring) {
 
 // What a ring cannot know of its crack.
 void report_releases(const Discretisation& d, const std::vector<ReleaseScenario>& rings) {
+  if (rings.empty()) return;
   const MPI_Comm comm = d.mesh.comm();
   for (const MaterialAssignment& material : d.materials)
-    if (!rings.empty() && material.law.flows())
+    if (material.law.flows())
       check(
           PetscPrintf(comm,
                       "impact: -releases: material %s flows: the rates are of elastic energy, which is no J "

@@ -215,7 +215,7 @@ OptionClass<ReleaseScenario> release_class() {
   };
   row.number("length", &Release::length, "m (J1)", positive,
              "length of the front in the ball, each part of it weighted by its advance: the thickness of a "
-             "plate within <>inner of the point; half of that where a plane of symmetry halves the ball")
+             "plate within _inner of the point; half of that where a plane of symmetry halves the ball")
       .otherwise("inner + outer, of a straight front")
       .misfit = [](const Release&, int dim) { return dim == 2 ? ": of fronts in space; remove it" : ""; };
   return table;

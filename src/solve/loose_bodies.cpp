@@ -184,7 +184,7 @@ LooseBodies::Way LooseBodies::pushed_way(const Body& body, const Vector3& along,
   return nearest;
 }
 
-void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& reach) {
+void LooseBodies::find_approach(Body& body, const std::vector<ContactReach>& reach) const {
   // What presses already is not enough: the nearest of the other contacts that the body moves towards is to
   // come, or that of a body that it pushes.
   Way way = open_way(body, body.force, reach);

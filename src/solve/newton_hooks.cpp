@@ -250,6 +250,7 @@ void NewtonHooks::test(SNES snes, PetscInt it, PetscReal, PetscReal, PetscReal n
       *reason > 0)
     *reason = SNES_CONVERGED_ITERATING;
   if (*reason != SNES_CONVERGED_ITERATING) return;
+  // Of a first touch, which goes on once pairs have been looked for.
   if (it > 0 && conduct.aim == Aim::thousandth && loose_.must_look()) *reason = SNES_DIVERGED_MAX_IT;
   conduct.hurried = conduct.patience > 0 && watch_.cut_steps() >= conduct.patience;
   if (conduct.hurried || (conduct.watched && gives_up())) *reason = SNES_DIVERGED_LOCAL_MIN;

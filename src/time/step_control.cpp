@@ -1,5 +1,6 @@
 #include "step_data.hpp"
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <impact/petsc/field_solver.hpp>

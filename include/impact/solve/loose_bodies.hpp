@@ -68,7 +68,7 @@ private:
     int rigid = -1;                // its number among the rigid bodies
   };
   void measure(const std::vector<int>& body_of_node);
-  void find_approach(Body& body, const std::vector<ContactReach>& reach);
+  void find_approach(Body& body, const std::vector<ContactReach>& reach) const;
   void note_load(Body& body);
   static bool touches(const Body& body, const ContactReach& seen);
   struct Way {
