@@ -227,13 +227,13 @@ void report_pairs(const ContactInterface& contact, int dim, MPI_Comm comm) {
         id.c_str(), many, id.c_str(), contact.settings().search_radius));
 }
 
-// Whether bodies are heated or cooled by more than what they do to themselves and to each other: suddenly, as
-// a rule. Of the heat of flow and cracks lumping takes the peaks off (45'').
+// Whether heat comes in at surfaces: suddenly, as a rule. Of the heat of flow and cracks lumping takes the
+// peaks off (45'').
 bool heat_enters(const Scenario& s) {
   return std::any_of(s.bcs.begin(), s.bcs.end(), [](const auto& bc) { return is_thermal(bc.type); }) ||
          std::any_of(s.ics.begin(), s.ics.end(), [](const auto& ic) { return ic.theta.has_value(); }) ||
          std::any_of(s.contacts.begin(), s.contacts.end(),
-                     [](const auto& c) { return c.temperature.has_value(); });
+                     [](const auto& c) { return c.friction > 0 || c.temperature.has_value(); });
 }
 
 } // namespace

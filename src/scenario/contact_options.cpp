@@ -107,6 +107,19 @@ void add_heat(ContactRows& rows) {
                    " as the primary");
 }
 
+/// Data of augmentations beside an enforcement that makes none.
+void tell_without_augmentations(ContactRows& rows) {
+  for (OptionRow<Contact>& row : rows)
+    if (row.name == "penalty_increment" || row.name == "penalty_max" || row.name == "penalty_growth" ||
+        row.name == "gap_tol" || row.name == "pressure_tol")
+      row.idle(
+          [](const Contact& c, const Scenario& s) {
+            return s.explicit_steps() ||
+                   (c.enforce != Enforcement::automatic && c.enforce != Enforcement::auglag);
+          },
+          "nothing is augmented");
+}
+
 void add_penalties(ContactRows& rows) {
   Rows row(rows);
   row.number("penalty", &Contact::penalty, "N/m^3 epsilon_N (75)", or_auto(positive),
@@ -132,6 +145,7 @@ void add_penalties(ContactRows& rows) {
              "statics, where single points go on sharing a force otherwise, no force on a node by this part "
              "of the largest")
       .otherwise("1e-2");
+  tell_without_augmentations(rows);
 }
 
 /// A contact whose update of velocities excludes the stabilised one; null: none.
@@ -185,7 +199,10 @@ void add_detection(ContactRows& rows) {
           [](const Contact&, const Scenario& s) {
             return "changes the integrator that the update of contact " + conserving(s)->id +
                    " conserves energy with; allowed beside conserving: conserving, none";
-          });
+          })
+      .idle([](const Contact& c,
+               const Scenario& s) { return !s.has_inertia() && c.impact == ImpactUpdate::stabilised; },
+            "nothing has inertia");
 }
 
 } // namespace

@@ -118,7 +118,9 @@ void add_scheme(std::vector<OptionRow<Scenario>>& rows) {
           [=](const Scenario& s) {
             return !by_itself(s) && (s.time.table_times.empty() || s.time.table_dts.empty());
           },
-          "allowed: a time step > 0 (auto is for central differences); or give -ts_times and -ts_dts");
+          "allowed: a time step > 0 (auto is for central differences); or give -ts_times and -ts_dts")
+      .idle([=](const Scenario& s) { return !by_itself(s) && !s.time.table_dts.empty(); },
+            "-ts_dts has the steps");
   row.number("ts_dt_cfl", &TimeScenario::cfl, "1", {0, 1, true, false},
              "steps are at most this part of the stable step, which is looked for again as cells deform")
       .refused([=](const Scenario& s) { return !by_itself(s); }, only_explicit);
@@ -171,7 +173,9 @@ void add_ends(std::vector<OptionRow<Scenario>>& rows) {
   row.count("ts_max_steps", &TimeScenario::max_steps, 1, "largest number of steps").otherwise("no limit");
   row.number("ts_substeps", &TimeScenario::most_substeps, "1", {1},
              "most sub-steps in a step that -damage_ts_dt and -heat_ts_dt may make")
-      .otherwise("1e5");
+      .otherwise("1e5")
+      .idle([](const Scenario& s) { return s.damage.substep == 0 && s.heat.substep == 0; },
+            "neither -damage_ts_dt nor -heat_ts_dt is given");
 }
 
 void add_path(std::vector<OptionRow<Scenario>>& rows) {
@@ -231,6 +235,16 @@ void add_table(std::vector<OptionRow<Scenario>>& rows) {
                });
 }
 
+double longest_step(const TimeScenario& time) {
+  return time.table_dts.empty() ? time.dt : *std::ranges::max_element(time.table_dts);
+}
+
+bool longer_than_all(const Scenario& s) {
+  const auto least = s.time.of_petsc.find("ts_adapt_dt_min");
+  const double longest = longest_step(s.time);
+  return least != s.time.of_petsc.end() && longest > 0 && least->second > longest;
+}
+
 } // namespace
 
 double TimeScenario::steps() const {
@@ -272,6 +286,10 @@ OptionGroup time_options() {
   add(free, "ts_adapt_easy_its", "", Interval{0}, "10", "most iterations of an easy step");
   add(free, "ts_adapt_scale_solve_failed", "1", fraction, "0.5", "factor of the step after a failed try");
   add(free, "ts_adapt_dt_min", "s", positive, "1e-10 of -ts_dt", "shortest step");
+  group.rows.back().refused(longer_than_all, [](const Scenario& s) {
+    return "is longer than the longest step, " + number_text(longest_step(s.time)) +
+           ", which could never be cut; allowed: a shorter one";
+  });
   add(free, "ts_adapt_dt_max", "s", positive, "-ts_dt", "longest step");
   add(free, "ts_max_reject", "", Interval{0}, "10", "refused tries of a step after which the run gives up");
   group.complete = [](Scenario& s) {
