@@ -1,6 +1,7 @@
 #include "pressure_batch.hpp"
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/ranks.hpp>
 #include <impact/problem/soft_volume.hpp>
 
 namespace impact {
@@ -9,6 +10,13 @@ namespace {
 
 bool takes(const PointLaw& law) {
   return law.parameters.locking == Locking::mean && !law.principal() && !has_state(law.parameters);
+}
+
+// Whether there are such cells whose pressure is none of the cell as a whole.
+bool vary_in_cells(const Discretisation& d) {
+  return max_over_ranks(d.mesh.comm(), static_cast<int>(std::ranges::any_of(d.groups, [&](const auto& group) {
+                          return takes(d.laws[at(group.law)]) && group.shape->volume_modes > 1;
+                        }))) > 0;
 }
 
 // K of the first stage is at most so many G. What flows is as soft in shear as its stress over the strain of
@@ -47,6 +55,7 @@ struct Sum {
 } // namespace
 
 SoftVolume::SoftVolume(const Discretisation& d) : d_(d) {
+  if (vary_in_cells(d)) return;
   const bool erodes = std::ranges::any_of(d.materials, [](const auto& m) { return m.erosion.on; });
   for (const PointLaw& law : d.laws) {
     if (!takes(law) || law.rigid() || erodes) continue;

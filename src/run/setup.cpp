@@ -110,9 +110,16 @@ std::function<PlaceFactors(const double*)> factors_of(const MaterialScenario& m)
   };
 }
 
-// `order`: of the cells. Those of second order do not lock.
-std::vector<MaterialAssignment> assign_materials(const Scenario& s,
-                                                 const std::vector<ObstacleBody>& obstacles, int order) {
+// Of second order quadrilaterals and hexahedra want a cure; of simplices the cure leaves too little.
+bool has_cure(const Mesh& mesh) {
+  return mesh.order() == 1 || std::ranges::any_of(known_shapes(), [&](Shape shape) {
+           return mesh.has_shape(shape) && !shape->simplex();
+         });
+}
+
+std::vector<MaterialAssignment>
+assign_materials(const Scenario& s, const std::vector<ObstacleBody>& obstacles, const Mesh& mesh) {
+  const bool curable = has_cure(mesh);
   std::vector<MaterialAssignment> materials;
   for (const MaterialScenario& m : s.materials) {
     MaterialParameters p = m.law;
@@ -120,7 +127,7 @@ std::vector<MaterialAssignment> assign_materials(const Scenario& s,
     if (!s.has_damage()) p.damage = Damage::none;
     if (!s.has_motion() || p.damage == Damage::none) p.fatigue_a = 0;
     if (!s.has_heat()) p.c_v = p.eos_gamma = 0;
-    if (order == 2 && !m.locking) p.locking = Locking::none;
+    if (!curable && !m.locking) p.locking = Locking::none;
     if (!s.has_motion()) {
       p.jc_failure = false;
       p.model = Model::elastic;
@@ -239,7 +246,7 @@ bool heat_enters(const Scenario& s) {
 } // namespace
 
 std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<ObstacleBody>& obstacles) {
-  std::vector<MaterialAssignment> materials = assign_materials(s, obstacles, mesh.order());
+  std::vector<MaterialAssignment> materials = assign_materials(s, obstacles, mesh);
   const bool linear_cells = mesh.order() == 1;
   if (linear_cells && (s.damage.order == 2 || s.heat.order == 2))
     throw UserError(ExitCode::data,

@@ -54,9 +54,10 @@ void report_locking(const Scenario& s, const Discretisation& d) {
     if (cured)
       check(PetscPrintf(d.mesh.comm(), "material %s: locking cure of its %s: %s\n", id.c_str(),
                         shape->names.plural,
-                        simplex                      ? "mean volume of patches of cells"
-                        : p.locking == Locking::mean ? "mean volume of a cell"
-                                                     : "F-bar"));
+                        simplex ? "mean volume of patches of cells"
+                        : p.locking == Locking::mean && shape->volume_modes > 1 ? "volume linear in a cell"
+                        : p.locking == Locking::mean                            ? "mean volume of a cell"
+                                                                                : "F-bar"));
     // Cells that have a choice of cures lock at the user's will; of linear simplices it is said all the same.
     if (!keeps_volume(p) || cured || (!simplex && !law.principal())) continue;
     check(PetscPrintf(

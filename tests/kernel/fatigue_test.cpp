@@ -30,19 +30,15 @@ std::vector<Matrix<double>> undamaged_stress(MaterialParameters m, const referen
   m.model = Model::elastic; // the plastic state is that of the displacement
   const auto at = reference::points<Cell, frame>(c.X);
   const reference::Point<Cell, frame> centre(c.X, Cell::centroid(), 1);
-  double J_mean = 0, volume = 0, p_mean = 0;
-  for (const auto& q : at) J_mean += q.weight * reference::det(q.template F<double>(u)), volume += q.weight;
-  J_mean /= volume;
   const double J_0 = reference::det(centre.template F<double>(u));
-  for (const auto& q : at)
-    p_mean += q.weight / volume * reference::pressure(m, J_mean, reference::J_theta(m, q.at(c.theta)), 0.0);
+  const std::vector<double> p_mean = reference::shared_pressure(m, c, at, u, false);
   std::vector<Matrix<double>> S;
   for (unsigned k = 0; k < at.size(); ++k) {
     const auto& q = at[k];
     const Matrix<double> F = q.template F<double>(u), Fi = reference::inverse(F);
     const double J = reference::det(F), J_th = reference::J_theta(m, q.at(c.theta));
     Matrix<double> tau = reference::return_map(m, F, reference::dense<Cell::dim>(history[k].A), 0, 0.0).s;
-    double p = p_mean;
+    double p = p_mean[k];
     if (m.locking == Locking::none) p = reference::pressure(m, J, J_th, 0.0);
     if (m.locking == Locking::fbar) {
       for (double& x : tau) x *= J / J_0;

@@ -36,18 +36,12 @@ double entropy(const MaterialParameters& m, double J, double phi, double theta) 
 template <class Cell, Frame frame>
 std::vector<double> volumes(const MaterialParameters& m, const reference::CellCase<Cell, frame>& c,
                             const double* u) {
+  const auto at = reference::points<Cell, frame>(c.X);
+  if (m.locking == Locking::mean) return reference::shared_volume(c.X, at, u);
   std::vector<double> J;
-  double mean = 0, volume = 0;
-  for (const auto& q : reference::points<Cell, frame>(c.X)) {
-    J.push_back(reference::det(q.F(u)));
-    mean += q.weight * J.back();
-    volume += q.weight;
-  }
+  for (const auto& q : at) J.push_back(reference::det(q.F(u)));
   const reference::Point<Cell, frame> centre(c.X, Cell::centroid(), 1);
-  for (double& x : J)
-    x = m.locking == Locking::mean   ? mean / volume
-        : m.locking == Locking::fbar ? reference::det(centre.F(u))
-                                     : x;
+  if (m.locking == Locking::fbar) std::ranges::fill(J, reference::det(centre.F(u)));
   return J;
 }
 

@@ -216,6 +216,59 @@ template <class Cell, Frame frame> std::vector<Point<Cell, frame>> points(const 
   return p;
 }
 
+/// What `mean` makes of values at the points: their mean, or in quadrilaterals and hexahedra of second order
+/// the function c_0 + c.X that is next to them in the square over the volume, by its normal equations.
+template <class Cell, Frame frame, class T>
+std::vector<T> shared(const double* X, const std::vector<Point<Cell, frame>>& at,
+                      const std::vector<T>& values) {
+  constexpr bool varies = impact::is_second_order<Cell> && corners < Cell >> Cell::dim + 1;
+  constexpr unsigned n = varies ? Cell::dim + 1 : 1;
+  const auto mode = [&](unsigned q, unsigned k) {
+    double x = k == 0 ? 1 : 0; // lengths of cells in tests are 1e-3
+    for (unsigned a = 0; k > 0 && a < Cell::nodes; ++a) x += 1e3 * at[q].N[a] * X[a * Cell::dim + k - 1];
+    return x;
+  };
+  double A[n][n] = {};
+  T c[n];
+  for (unsigned k = 0; k < n; ++k) {
+    c[k] = 0.0;
+    for (unsigned q = 0; q < at.size(); ++q) {
+      c[k] += at[q].weight * mode(q, k) * values[q];
+      for (unsigned l = 0; l < n; ++l) A[k][l] += at[q].weight * mode(q, k) * mode(q, l);
+    }
+  }
+  for (unsigned k = 0; k < n; ++k)
+    for (unsigned i = k + 1; i < n; ++i) {
+      const double f = A[i][k] / A[k][k];
+      for (unsigned j = k; j < n; ++j) A[i][j] -= f * A[k][j];
+      c[i] -= f * c[k];
+    }
+  for (unsigned k = n; k-- > 0;) {
+    for (unsigned j = k + 1; j < n; ++j) c[k] -= A[k][j] * c[j];
+    c[k] /= A[k][k];
+  }
+  std::vector<T> field(at.size(), T(0.0));
+  for (unsigned q = 0; q < at.size(); ++q)
+    for (unsigned k = 0; k < n; ++k) field[q] += mode(q, k) * c[k];
+  return field;
+}
+/// The volume ratio of `mean` at the points.
+template <class Cell, Frame frame, class T>
+std::vector<T> shared_volume(const double* X, const std::vector<Point<Cell, frame>>& at, const T* u) {
+  std::vector<T> J;
+  for (const auto& q : at) J.push_back(det(q.F(u)));
+  return shared(X, at, J);
+}
+/// The pressure of `mean` at the points; phi and theta as of the case, or no damage.
+template <class Cell, Frame frame, class T>
+std::vector<T> shared_pressure(const MaterialParameters& m, const CellCase<Cell, frame>& c,
+                               const std::vector<Point<Cell, frame>>& at, const T* u, bool damaged = true) {
+  std::vector<T> p = shared_volume(c.X, at, u);
+  for (unsigned q = 0; q < at.size(); ++q)
+    p[q] = pressure(m, p[q], T(J_theta(m, at[q].at(c.theta))), T(damaged ? at[q].at(c.phi) : 0.0));
+  return shared(c.X, at, p);
+}
+
 template <class T> Matrix<T> right_cauchy_green(const Matrix<T>& F) { return multiply(transpose(F), F); }
 
 /// Force vector of the cell without inertia.
@@ -224,16 +277,8 @@ std::vector<T> force(const MaterialParameters& m, const CellCase<Cell, frame>& c
   const auto at = points<Cell, frame>(c.X);
   const Point<Cell, frame> centre(c.X, Cell::centroid(), 1);
   std::vector<T> r(u.size(), T(0.0));
-  T J_mean = 0.0, p_mean = 0.0;
-  double volume = 0;
-  for (const auto& q : at) {
-    J_mean += q.weight * det(q.F(u.data()));
-    volume += q.weight;
-  }
-  J_mean /= volume;
   const T J_0 = det(centre.F(u.data()));
-  for (const auto& q : at)
-    p_mean += q.weight / volume * pressure(m, J_mean, T(J_theta(m, q.at(c.theta))), T(q.at(c.phi)));
+  const std::vector<T> p_mean = shared_pressure(m, c, at, u.data());
   for (int k = 0; k < Cell::points; ++k) {
     const auto& q = at[unsigned(k)];
     const T phi = q.at(c.phi), J_th = J_theta(m, q.at(c.theta));
@@ -241,7 +286,7 @@ std::vector<T> force(const MaterialParameters& m, const CellCase<Cell, frame>& c
     const T J = det(F);
     Matrix<T> tau =
         return_map(m, F, dense<Cell::dim>(c.history[k].A), c.history[k].alpha, phi, q.at(c.theta), c.dt).s;
-    T p = p_mean;
+    T p = p_mean[unsigned(k)];
     if (m.locking == Locking::none) p = pressure(m, J, J_th, phi);
     if (m.locking == Locking::fbar) {
       for (T& x : tau) x *= J / J_0;
@@ -273,18 +318,13 @@ std::vector<T> force(const MaterialParameters& m, const CellCase<Cell, frame>& c
 template <class Cell, Frame frame, class T>
 T energy(const MaterialParameters& m, const CellCase<Cell, frame>& c, const std::vector<T>& u) {
   const auto at = points<Cell, frame>(c.X);
-  T J_mean = 0.0, sum = 0.0;
-  double volume = 0;
-  for (const auto& q : at) {
-    J_mean += q.weight * det(q.F(u.data()));
-    volume += q.weight;
-  }
-  J_mean /= volume;
+  T sum = 0.0;
+  const std::vector<T> J_mean = shared_volume(c.X, at, u.data());
   for (int k = 0; k < Cell::points; ++k) {
     const auto& q = at[unsigned(k)];
     const T phi = q.at(c.phi);
     const Matrix<T> F = q.F(u.data()), C = right_cauchy_green(F);
-    const T J_vol = m.locking == Locking::mean ? J_mean : det(F);
+    const T J_vol = m.locking == Locking::mean ? J_mean[unsigned(k)] : det(F);
     sum += q.weight *
            elastic_energy(m, C, dense<Cell::dim>(c.history[k].A), J_vol, phi, T(J_theta(m, q.at(c.theta))));
     if (m.b_d > 0) {

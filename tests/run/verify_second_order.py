@@ -20,6 +20,15 @@ def soft(name, n, order, depth=0, simplices=1):
 runs.check("Cook, 16 x 16 Quad9, corner", soft("cook_quad9", 16, 2, simplices=0)["probe_p_uy"][-1], 6.93, 0.026)
 runs.check("Cook, 16 x 16 x 2 Tri6, corner", soft("cook_tri6", 16, 2)["probe_p_uy"][-1], 6.93, 0.012)
 runs.check("Cook, slab of Tet10, corner", soft("cook_tet10", 12, 2, 3)["probe_p_uy"][-1], 6.93, 0.016)
+cured = cook("cook_quad9_cured", 4, simplices=0, order=2)
+runs.check("Cook, 4 x 4 Quad9 with their cure, which is the default, corner", cured["probe_p_uy"][-1], 6.93, 0.009)
+runs.require("which is said", "locking cure of its biquadratic quadrilaterals: volume linear in a cell" in cured.log)
+runs.check("Cook, 8 x 8 Quad8, corner", cook("cook_quad8_cured", 8, simplices=0, order=2, mesh_serendipity="on")["probe_p_uy"][-1], 6.93, 0.018)
+runs.check("Cook, slab of 4 x 4 Hex27, corner", cook("cook_hex27_cured", 4, depth=12, simplices=0, order=2)["probe_p_uy"][-1], 6.93, 0.009)
+FLOWS = {"material_solid_E": 200e3, "material_solid_nu": 0.3, "material_solid_model": "j2", "material_solid_sigma_y": 300, "material_solid_hardening": "linear",
+         "material_solid_linear_h": 1000}
+coarse, fine = (cook(f"cook_flows_{n}", n, 8e3, FLOWS, simplices=0, order=2) for n in (8, 32))
+runs.check("Cook that flows, 8 x 8 Quad9 against 32 x 32", coarse["probe_p_uy"][-1], fine["probe_p_uy"][-1], 0.02)
 linear = soft("cook_tri3", 16, 1)
 runs.check_between("Cook, Tri6: no chessboard in the pressure", pressure_jump("cook_tri6"), 0, 0.25)
 runs.check_between("as linear triangles have it", pressure_jump("cook_tri3"), 1, 10)

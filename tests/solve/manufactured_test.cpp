@@ -196,11 +196,15 @@ TEST(Manufactured, DisplacementConvergesWithOrderThreeOnSecondOrderQuadrilateral
   space_order<2>(distorted(Shape::quad9), {4, 8, 16}, Locking::none, "quad9, distorted", 3);
   space_order<2>(curved(Shape::quad9), {4, 8, 16}, Locking::none, "quad9, curved", 3);
   space_order<2>(regular(Shape::quad8), {4, 8, 16}, Locking::none, "quad8", 3);
+  space_order<2>(distorted(Shape::quad9), {4, 8, 16}, Locking::mean, "quad9, distorted, mean dilatation", 3);
+  space_order<2>(curved(Shape::quad9), {4, 8, 16}, Locking::mean, "quad9, curved, mean dilatation", 3);
+  space_order<2>(regular(Shape::quad8), {4, 8, 16}, Locking::mean, "quad8, mean dilatation", 3);
 }
 TEST(Manufactured, DisplacementConvergesWithOrderThreeOnSecondOrderHexahedra) {
   space_order<3>(distorted(Shape::hex27), {2, 4, 6}, Locking::none, "hex27, distorted", 3);
   space_order<3>(curved(Shape::hex27), {3, 4, 5}, Locking::none, "hex27, curved", 3);
   space_order<3>(regular(Shape::hex20), {3, 4, 5}, Locking::none, "hex20", 3);
+  space_order<3>(curved(Shape::hex27), {3, 4, 5}, Locking::mean, "hex27, curved, mean dilatation", 3);
 }
 
 TEST(Manufactured, NewmarkConvergesWithOrderTwoInTime) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/kernel/bulk_viscosity.hpp>
+#include <impact/kernel/extra_stress.hpp>
 #include <impact/kernel/motion_terms.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/spatial_map.hpp>
@@ -111,7 +112,7 @@ inline CellStatus advance(const Law& law, const MotionInput& in, Batch* trial_hi
   if (forces) force.start(law, in, s);
   for (int q = 0; q < Cell::points; ++q) {
     const auto e = evaluate_point<Cell, frame, principal>(law, in, s, q);
-    note<Cell, frame>(status, law, s, e);
+    note<Cell, frame>(status, law, s, e, q);
     if (forces) force.add(law, in, s, e, q);
     const PointHistory<Batch, d> old = read_history<frame>(law, in.history, q);
     const Batch z_trial = e.flow.y - Batch(1.0);

@@ -41,9 +41,9 @@ inline BulkRate bulk_rate(const PointLaw& law, const MotionInput& in, const Cell
     before +=
         s.map[q].weight * bulk_detm1<frame>(mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], in.u_n));
   }
-  const Batch J = Batch(1.0) + now / s.volume;
-  const Batch rate = min((now - before) / (in.dt * (s.volume * J)), Batch(0.0));
-  Batch l = s.volume * J;
+  const Batch J = Batch(1.0) + now / s.modes.volume;
+  const Batch rate = min((now - before) / (in.dt * (s.modes.volume * J)), Batch(0.0));
+  Batch l = s.modes.volume * J;
   if constexpr (frame == Frame::axisymmetric) { // per length of the ring
     Batch R = Batch(0.0);
     for (int a = 0; a < Cell::nodes; ++a) R += (1.0 / Cell::nodes) * in.X[a * d];

@@ -120,14 +120,14 @@ Symmetric<Batch, Cell::dim> undamaged_stress(const Law& law, const CellState<Cel
   const Kinematics<Batch, d> k = kinematics(s.H[q]);
   Symmetric<Batch, d> e = left_strain(s.H[q]);
   if (law.flows()) e = e + push(k.F, read_history<frame>(law, history, q).A - identity<Batch, d>());
-  Batch p = m.locking == Locking::mean ? s.mean_p : Batch(0.0), zeta = Batch(1.0);
+  Batch p = m.locking == Locking::mean ? s.shared_pressure(q) : Batch(0.0), zeta = Batch(1.0);
   if (m.locking != Locking::mean) {
-    const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
+    const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.shared_volume(q);
     p = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, theta, q),
                      degradations(m, Batch(0.0), Batch(0.0)))
             .p;
   }
-  if (m.locking == Locking::fbar) zeta = k.J / (Batch(1.0) + s.volume_J);
+  if (m.locking == Locking::fbar) zeta = k.J / (Batch(1.0) + s.shared_volume(q));
   Symmetric<Batch, d> tau = (m.G * (zeta * k.J23)) * dev(e);
   for (int i = 0; i < 3; ++i) tau[i] += p * k.J;
   return push(k.inverse_F, tau);

@@ -101,7 +101,7 @@ template <class Cell, Frame frame> struct HeatState {
             const Batch* nodal_theta, const Batch* point_history, const Batch* point_drive,
             const Batch* patch)
       : moved(u != nullptr), phi(nodal_phi), theta(nodal_theta), history(point_history), drive(point_drive) {
-    cell.volume_J = Batch(0.0);
+    cell.volume_J.clear();
     if (!moved) return;
     prepare<Cell, frame>(law, X, u, nullptr, nullptr, cell, nullptr, 1, {patch, nullptr});
     read_thickness<Cell, frame>(point_history, cell);
@@ -109,7 +109,7 @@ template <class Cell, Frame frame> struct HeatState {
   /// J - 1 that the volumetric stress sees.
   Batch volume(const PointLaw& law, int q) const {
     if (!moved) return Batch(0.0);
-    return law.parameters.locking == Locking::none ? detm1(cell.H[q]) : cell.volume_J;
+    return law.parameters.locking == Locking::none ? detm1(cell.H[q]) : cell.shared_volume(q);
   }
   Tensor<Batch, Cell::dim> gradient(int q) const { return moved ? cell.H[q] : zero_tensor<Cell::dim>(); }
   ThermalPart thermal(const PointLaw& law, int q, const Degradations<Batch>& g, const Batch& at) const {

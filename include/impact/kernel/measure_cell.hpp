@@ -95,7 +95,7 @@ template <class Cell, Frame frame, bool principal, class Law>
     if (law.flows()) e = e + push(k.F, history.A - identity<Batch, d>());
     const Batch start = k.J23 * (Batch(1.0) + (1.0 / 3) * trace(e)) - Batch(1.0);
     const Batch z = trace_excess(k.J23 * dev(e), start);
-    const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.volume_J;
+    const Batch J_minus_1 = m.locking == Locking::none ? k.J_minus_1 : s.shared_volume(q);
     const Batch Je = law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), g).Je_minus_1;
     PointEnergies<Batch> energy = point_energies<Cell>(law, z, Je, history.alpha, in.theta, q);
     if constexpr (principal) {
@@ -157,7 +157,7 @@ void stored_heat_of(const Law& law, const EnergyInput& in, HeatSums& sums) {
       sums.entropy += w * s_q;
       continue;
     }
-    const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
+    const Batch J_minus_1 = m.locking == Locking::none ? detm1(s.H[q]) : s.shared_volume(q);
     const Batch Je = law.pressure(J_minus_1, J_th, g).Je_minus_1;
     const Batch g_v = select(Je >= Batch(0.0), g.e1.g, g.e2.g);
     const ElasticVolume<Batch> v{Je, J_th};
@@ -230,7 +230,7 @@ void cell_output_of(const Law& law, const MotionInput& state, CellOutput& out) {
     const PointEvaluation<d> e = evaluate_any<Cell, frame>(law, in, s, q);
     Vector<Batch, d> h;
     const Symmetric<Batch, d> tau = e.tau + extra_stress<Cell, frame>(law, in, s, e, q, h);
-    const Batch w = s.map[q].weight / s.volume;
+    const Batch w = s.map[q].weight / s.modes.volume;
     sigma = sigma + (w / e.k.J) * tau;
     out.alpha += w * e.flow.alpha;
     if (in.phi) out.phi += w * interpolate<Cell>(in.phi, q);

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/kernel/motion_point.hpp>
+#include <impact/kernel/extra_stress.hpp>
 #include <impact/kernel/motion_terms.hpp>
 #include <impact/kernel/plane_stress.hpp>
 #include <impact/kernel/spatial_map.hpp>
@@ -103,52 +103,68 @@ template <class Cell> inline void take_symmetric_part(Batch* K) {
 }
 
 /// How the stress of a point moves with the volume ratio J_0 that the cure shares between the points. Mean
-/// dilatation: K += (p'/V) v v^T with v_ai = int J g_ai dV_0. F-bar: dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof
-/// F. Under a split by principal stretches dev tau moves with the mean volume, too, and p with the points
-/// (SplitModulus): K += (1/V) (r v^T + v t^T).
+/// dilatation: K += (p'/V) v v^T with v_ai = int J g_ai dV_0, of several modes m_k K += v_k D_kl v_l^T with D
+/// = M^-1 int p' m_k m_l dV_0 M^-1, M of VolumeModes. F-bar: dP/dJ_0 = -(J/J_0^2) P_dev + p'(J_0) cof F.
+/// Under a split by principal stretches dev tau moves with the mean volume, too, and p with the points
+/// (SplitModulus): K += (1/V) (r v^T + v t^T), M^-1 for 1/V.
 template <class Cell, Frame frame, bool principal> struct VolumeCoupling {
-  Batch row[dofs<Cell>]; ///< v, or dJ_0/du of the centroid
-  Batch J_0;
-  Batch force[principal ? dofs<Cell> : 1], pressure[principal ? dofs<Cell> : 1]; ///< r, t
-  Batch split_dp = Batch(0.0);                                                   ///< int dp/dJ_0 dV_0
+  static constexpr int modes = volume_modes<Cell>, split_dofs = principal ? dofs<Cell> : 1;
+  Batch row[modes][dofs<Cell>];                                ///< v, or dJ_0/du of the centroid
+  Batch J_0;                                                   ///< of the centroid
+  Batch force[modes][split_dofs], pressure[modes][split_dofs]; ///< r, t
+  VolumeProducts<Cell> split_dp;                               ///< int dp/dJ_0 dV_0
 
   void start(const CellState<Cell, frame>& s, Locking locking) {
-    for (Batch& x : row) x = Batch(0.0);
-    for (Batch& x : force) x = Batch(0.0);
-    for (Batch& x : pressure) x = Batch(0.0);
-    J_0 = Batch(1.0) + s.volume_J;
+    for (int k = 0; k < modes; ++k) {
+      for (Batch& x : row[k]) x = Batch(0.0);
+      for (Batch& x : force[k]) x = Batch(0.0);
+      for (Batch& x : pressure[k]) x = Batch(0.0);
+    }
+    split_dp.clear();
     if (locking != Locking::fbar) return;
+    J_0 = Batch(1.0) + s.volume_J.of[0];
     CurrentMap<Cell, frame> map;
     SpatialGradients<Cell, frame> G;
     current_map(s.centre, inverse(plus_identity(s.centre_H), J_0), map);
     spatial_gradients(map, shape_table<Cell>.N0, shape_table<Cell>.dN0, G);
-    add_point(G, J_0);
+    for (int i = 0; i < dofs<Cell>; ++i) row[0][i] = J_0 * volume_slope(G, i);
   }
-  void add_point(const SpatialGradients<Cell, frame>& G, const Batch& J) {
-    for (int a = 0; a < Cell::nodes; ++a)
-      for (int i = 0; i < Cell::dim; ++i) row[a * Cell::dim + i] += J * volume_gradient<Cell, frame>(G, a, i);
+  void add_point(const CellState<Cell, frame>& s, const SpatialGradients<Cell, frame>& G, const Batch& J,
+                 int q) {
+    for (int i = 0; i < dofs<Cell>; ++i) add(s, row, q, i, J * volume_slope(G, i));
   }
-  void add_point(const SpatialGradients<Cell, frame>& G, const SplitModulus<modulus_size(frame)>& split,
-                 const Batch& weight) {
-    split_dp += weight * split.dp;
-    for (int i = 0; i < dofs<Cell>; ++i) {
-      force[i] += weight * nodal_force(split.dtau, G, i);
-      pressure[i] += weight * nodal_force(split.dp_along, G, i);
+  void add_split(const CellState<Cell, frame>& s, Locking locking,
+                 const SplitModulus<modulus_size(frame)>& split, const SpatialGradients<Cell, frame>& G,
+                 const Batch& weight, int q, Batch* K) {
+    if (locking == Locking::fbar) add_tangent(split.dtau, G, weight, K);
+    if (locking != Locking::mean) return;
+    s.modes.add(split_dp, q, weight * split.dp);
+    for (int i = 0; i < split_dofs; ++i) {
+      add(s, force, q, i, weight * nodal_force(split.dtau, G, i));
+      add(s, pressure, q, i, weight * nodal_force(split.dp_along, G, i));
     }
   }
-  void add_split(Locking locking, const SplitModulus<modulus_size(frame)>& split,
-                 const SpatialGradients<Cell, frame>& G, const Batch& weight, Batch* K) {
-    if (locking == Locking::mean) add_point(G, split, weight);
-    if (locking == Locking::fbar) add_tangent(split.dtau, G, weight, K);
-  }
   void add_tangent(const CellState<Cell, frame>& s, Batch* K) const {
-    const Batch inverse_V = Batch(1.0) / s.volume,
-                factor = principal ? split_dp * (inverse_V * inverse_V) : s.mean_dp / s.volume;
-    for (int i = 0; i < dofs<Cell>; ++i) {
-      add_row(i, factor * row[i], K);
-      if constexpr (principal)
-        for (int j = 0; j < dofs<Cell>; ++j)
-          K[i * dofs<Cell> + j] += inverse_V * (force[i] * row[j] + row[i] * pressure[j]);
+    Batch D[modes][modes];
+    if constexpr (modes == 1)
+      D[0][0] = principal ? split_dp.of[0][0] / (s.modes.volume * s.modes.volume)
+                          : s.mean_dp.of[0][0] / s.modes.volume;
+    else
+      s.modes.between(principal ? split_dp : s.mean_dp, D);
+    for (int k = 0; k < modes; ++k) {
+      // K += v_k y^T + r_k z^T, where z goes with the factor k of J_0 and y with that of the pressure.
+      Batch y[dofs<Cell>], z[dofs<Cell>];
+      for (int j = 0; j < dofs<Cell>; ++j) {
+        y[j] = sum<modes>([&](int l) { return D[k][l] * row[l][j]; });
+        if constexpr (principal) {
+          y[j] += s.modes.factor(k, pressure, j);
+          z[j] = s.modes.factor(k, row, j);
+        }
+      }
+      for (int i = 0; i < dofs<Cell>; ++i) {
+        add_row(row[k][i], y, i, K);
+        if constexpr (principal) add_row(force[k][i], z, i, K);
+      }
     }
   }
   void add_tangent(const PointLaw& law, const PointEvaluation<Cell::dim>& e,
@@ -158,9 +174,20 @@ template <class Cell, Frame frame, bool principal> struct VolumeCoupling {
     for (int i = 0; i < 3; ++i) dtau[i] += e.dp * e.k.J;
     add_tangent(dtau, G, weight, K);
   }
+
+private:
   void add_tangent(const Symmetric<Batch, Cell::dim>& dtau, const SpatialGradients<Cell, frame>& G,
                    const Batch& weight, Batch* K) const {
-    for (int i = 0; i < dofs<Cell>; ++i) add_row(i, weight * nodal_force(dtau, G, i), K);
+    for (int i = 0; i < dofs<Cell>; ++i) add_row(weight * nodal_force(dtau, G, i), row[0], i, K);
+  }
+  template <int n>
+  static void add(const CellState<Cell, frame>& s, Batch (&rows)[modes][n], int q, int i,
+                  const Batch& value) {
+    rows[0][i] += value;
+    for (int k = 1; k < modes; ++k) rows[k][i] += s.modes.place[q][k - 1] * value;
+  }
+  static Batch volume_slope(const SpatialGradients<Cell, frame>& G, int i) {
+    return volume_gradient<Cell, frame>(G, i / Cell::dim, i % Cell::dim);
   }
   /// tau_ij g_a,j at the dof k = (a, i).
   static Batch nodal_force(const Symmetric<Batch, Cell::dim>& tau, const SpatialGradients<Cell, frame>& G,
@@ -172,8 +199,8 @@ template <class Cell, Frame frame, bool principal> struct VolumeCoupling {
       if (i == 0) f += tau[2] * G.ring[a];
     return f;
   }
-  void add_row(int i, const Batch& f, Batch* K) const {
-    for (int j = 0; j < dofs<Cell>; ++j) K[i * dofs<Cell> + j] += f * row[j];
+  static void add_row(const Batch& f, const Batch* y, int i, Batch* K) {
+    for (int j = 0; j < dofs<Cell>; ++j) K[i * dofs<Cell> + j] += f * y[j];
   }
 };
 
@@ -198,7 +225,7 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
   }
   for (int q = 0; q < Cell::points; ++q) {
     const auto e = evaluate_point<Cell, frame, principal>(law, in, s, q);
-    note<Cell, frame>(status, law, s, e);
+    note<Cell, frame>(status, law, s, e, q);
     const Batch w = s.map[q].weight;
     CurrentMap<Cell, frame> map;
     current_map(s.map[q], e.k.inverse_F, map);
@@ -209,14 +236,14 @@ inline CellStatus motion(const Law& law, const MotionInput& in, Batch* r, Batch*
     if constexpr (tangent) {
       SpatialGradients<Cell, frame> G;
       spatial_gradients(map, t.N[q], t.dN[q], G);
-      const auto a =
-          modulus_at<Cell, frame>(law, in, e, extra ? &tau_extra : nullptr, h, s.H[q],
-                                  [&](const auto& split) { coupling.add_split(locking, split, G, w, K); });
+      const auto a = modulus_at<Cell, frame>(
+          law, in, e, extra ? &tau_extra : nullptr, h, s.H[q],
+          [&](const auto& split) { coupling.add_split(s, locking, split, G, w, q, K); });
       if (upper)
         add_stiffness<Cell, frame, true>(G, a, w, K);
       else
         add_stiffness<Cell, frame, false>(G, a, w, K);
-      if (mean) coupling.add_point(G, w * e.k.J);
+      if (mean) coupling.add_point(s, G, w * e.k.J, q);
       if (!principal && locking == Locking::fbar) coupling.add_tangent(law, e, G, w, K);
     }
   }

@@ -2,6 +2,7 @@
 #include <impact/kernel/motion_input.hpp>
 #include <impact/kernel/point_map.hpp>
 #include <impact/kernel/reference_gradient.hpp>
+#include <impact/kernel/volume_modes.hpp>
 #include <impact/material/energy_split.hpp>
 #include <impact/material/equation_of_state.hpp>
 #include <impact/material/point_law.hpp>
@@ -26,14 +27,19 @@ template <int dim> struct SplitEvaluation;
 template <class Cell, Frame frame> struct CellState {
   PointMap<Cell, frame> map[Cell::points];
   Tensor<Batch, Cell::dim> H[Cell::points]; ///< Grad u
-  Batch volume;                             ///< reference volume
-  Batch volume_J;                           ///< J - 1 that p sees under `mean` and `fbar`
-  Batch mean_p, mean_dp;                    ///< uniform p and dp/dJ of `mean`
+  VolumeModes<Cell> modes;                  ///< of `mean`, and the reference volume
+  VolumeField<Cell> volume_J;               ///< J - 1 that p sees under `mean` and `fbar`
+  VolumeField<Cell> mean_p;                 ///< p of `mean`
+  VolumeProducts<Cell> mean_dp;             ///< int dp/dJ dV_0 of the modes; uniform: its mean
   Batch start_33[frame == Frame::plane_stress ? Cell::points : 1]; ///< F_33 - 1 at t_n in plane stress
   PointMap<Cell, frame> centre;                                    ///< of the centroid, set under `fbar`
   Tensor<Batch, Cell::dim> centre_H;
   /// [point] what share_split_pressure evaluates, to serve again; null: it does not.
   SplitEvaluation<Cell::dim>* split = nullptr;
+
+  /// J - 1 under `mean` and `fbar`, p under `mean` at a point.
+  Batch shared_volume(int q) const { return modes.value(volume_J, q); }
+  Batch shared_pressure(int q) const { return modes.value(mean_p, q); }
 };
 
 /// alpha of the point that a ductile degradation looks at; history [point][history_size] or nullptr.
@@ -96,8 +102,41 @@ inline Volumetric<Batch> warmed(Volumetric<Batch> v, const Batch* warming, const
   return v;
 }
 
-/// Geometry, Grad u and the volume ratios; for `mean` also the uniform p = (1/V) int g_v U'(J_mean/J_th)/J_th
-/// dV_0, which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
+/// For `mean` p is the projection of g_v U'(J_mean/J_th)/J_th on the modes of the cell, as J_mean is of J,
+/// which makes the volumetric force the derivative of int g_v U(J_mean/J_th) dV_0.
+template <class Cell, Frame frame, class Law>
+inline void share_pressure(const Law& law, const Batch* phi, const Batch* theta, CellState<Cell, frame>& s,
+                           const Batch* history, double unilateral, const PatchVolume& patch) {
+  s.mean_dp.clear();
+  for (int q = 0; q < Cell::points; ++q) {
+    const Batch J_minus_1 = s.shared_volume(q);
+    const Volumetric<Batch> v =
+        warmed(law.pressure(J_minus_1, point_thermal_volume<Cell>(law, theta, q),
+                            point_degradations<Cell, frame>(law, phi, q, history, unilateral)),
+               patch.warming, J_minus_1, q);
+    s.modes.add(s.mean_p, q, s.map[q].weight * v.p);
+    s.modes.add(s.mean_dp, q, s.map[q].weight * v.dp);
+  }
+  s.mean_p = s.modes.project(s.mean_p);
+  if constexpr (volume_modes<Cell> == 1) s.mean_dp.of[0][0] = s.mean_dp.of[0][0] / s.modes.volume;
+}
+
+/// J - 1 of `mean`, of the cell alone.
+template <class Cell, Frame frame> inline void share_volume(const Batch* X, CellState<Cell, frame>& s) {
+  VolumeField<Cell> grown;
+  VolumeProducts<Cell> mass;
+  grown.clear();
+  mass.clear();
+  s.modes.set_places(X);
+  for (int q = 0; q < Cell::points; ++q) {
+    s.modes.add(grown, q, s.map[q].weight * detm1(s.H[q]));
+    s.modes.add(mass, q, s.map[q].weight);
+  }
+  s.modes.invert(mass);
+  s.volume_J = s.modes.project(grown);
+}
+
+/// Geometry, Grad u, the volume ratios and what `mean` shares.
 template <class Cell, Frame frame, class Law>
 inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch* phi, const Batch* theta,
                     CellState<Cell, frame>& s, const Batch* history = nullptr, double unilateral = 1,
@@ -107,41 +146,29 @@ inline void prepare(const Law& law, const Batch* X, const Batch* u, const Batch*
   Batch jacobian[Cell::points][d * d], slope[Cell::points][d * d]; // dX_i/dxi_k, du_i/dxi_k
   reference_gradients<Cell, d>(X, jacobian);
   reference_gradients<Cell, d>(u, slope);
-  s.volume = Batch(0.0);
+  s.modes.volume = Batch(0.0);
+  s.volume_J.clear();
+  s.mean_p.clear();
   for (int q = 0; q < Cell::points; ++q) {
     point_map<Cell, frame>(X, jacobian[q], t.N[q], t.weight[q], s.map[q]);
     s.H[q] = mapped_gradient<Cell, frame>(s.map[q], slope[q], t.N[q], u);
-    s.volume += s.map[q].weight;
+    s.modes.volume += s.map[q].weight;
   }
-  if (is_linear_simplex<Cell> && patch.J_minus_1) s.volume_J = *patch.J_minus_1;
+  if (is_linear_simplex<Cell> && patch.J_minus_1) s.volume_J = {*patch.J_minus_1};
   if (law.parameters.locking == Locking::mean) {
-    if (!is_linear_simplex<Cell> || !patch.J_minus_1) {
-      Batch mean = Batch(0.0);
-      for (int q = 0; q < Cell::points; ++q) mean += s.map[q].weight * detm1(s.H[q]);
-      s.volume_J = mean / s.volume;
-    }
+    if (!is_linear_simplex<Cell> || !patch.J_minus_1) share_volume(X, s);
     if (patch.pressure) {
-      s.mean_p = patch.pressure[0];
-      s.mean_dp = patch.pressure[1];
-      return;
-    }
-    s.mean_p = s.mean_dp = Batch(0.0);
-    for (int q = 0; q < Cell::points; ++q) {
-      const Volumetric<Batch> v =
-          warmed(law.pressure(s.volume_J, point_thermal_volume<Cell>(law, theta, q),
-                              point_degradations<Cell, frame>(law, phi, q, history, unilateral)),
-                 patch.warming, s.volume_J, q);
-      s.mean_p += s.map[q].weight * v.p;
-      s.mean_dp += s.map[q].weight * v.dp;
-    }
-    s.mean_p = s.mean_p / s.volume;
-    s.mean_dp = s.mean_dp / s.volume;
+      s.mean_p = {patch.pressure[0]};
+      s.mean_dp = {{{patch.pressure[1]}}};
+    } else
+      share_pressure(law, phi, theta, s, history, unilateral, patch);
   } else if (law.parameters.locking == Locking::fbar) {
     reference_gradient<Cell, d>(t.dN0, X, jacobian[0]);
     reference_gradient<Cell, d>(t.dN0, u, slope[0]);
     point_map<Cell, frame>(X, jacobian[0], t.N0, 1, s.centre);
     s.centre_H = mapped_gradient<Cell, frame>(s.centre, slope[0], t.N0, u);
-    s.volume_J = detm1(s.centre_H);
+    s.modes.set_places(X);
+    s.volume_J.of[0] = detm1(s.centre_H);
   }
 }
 
@@ -211,7 +238,7 @@ template <class Cell, Frame frame>
 inline SplitState<Batch, Cell::dim> held_state(const PointLaw& law, const CellState<Cell, frame>& s,
                                                const Batch& J_th, const Degradations<Batch>& g,
                                                const Batch* history, int q) {
-  const Batch J_minus_1 = law.parameters.locking == Locking::none ? detm1(s.H[q]) : s.volume_J;
+  const Batch J_minus_1 = law.parameters.locking == Locking::none ? detm1(s.H[q]) : s.shared_volume(q);
   return split_state<frame>(law, s.H[q], J_minus_1, J_th, g, history, q, {Batch(1.0), 0, true});
 }
 
@@ -234,7 +261,7 @@ split_point(const PointLaw& law, const MotionInput& in, const CellState<Cell, fr
   SplitEvaluation<Cell::dim> e;
   e.k = kinematics(s.H[q]);
   e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history); // flow knows the stress as a whole
-  const Batch J_minus_1 = locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
+  const Batch J_minus_1 = locking == Locking::none ? e.k.J_minus_1 : s.shared_volume(q);
   e.state = split_state<frame>(law, s.H[q], J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g,
                                in.history, q, point_conditions<Cell>(law, in, q));
   e.g.e2.g += (in.unilateral - 1) * unilateral_part(e.g);
@@ -248,7 +275,7 @@ split_point(const PointLaw& law, const MotionInput& in, const CellState<Cell, fr
     e.of = elastic_split(law.parameters, e.state);
   }
   e.Je_minus_1 = elastic_volume(e.state);
-  e.zeta = locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
+  e.zeta = locking == Locking::fbar ? e.k.J / (Batch(1.0) + J_minus_1) : Batch(1.0);
   e.tau = split_stress(e.state, e.of);
   if (in.warming != nullptr) {
     e.warmth =
@@ -268,7 +295,7 @@ inline SplitEvaluation<Cell::dim> evaluate_split(const PointLaw& law, const Moti
   SplitEvaluation<Cell::dim> e =
       locking == Locking::mean && s.split != nullptr ? s.split[q] : split_point<Cell, frame>(law, in, s, q);
   if (locking == Locking::mean) {
-    e.p = s.mean_p;
+    e.p = s.shared_pressure(q);
     e.tau = dev(e.tau);
     for (int i = 0; i < 3; ++i) e.tau[i] += e.p * e.k.J;
   }
@@ -276,17 +303,18 @@ inline SplitEvaluation<Cell::dim> evaluate_split(const PointLaw& law, const Moti
   return e;
 }
 
-/// The uniform p of `mean` under a split by principal stretches, tr tau/(3 J) of the points.
+/// The p of `mean` under a split by principal stretches, from tr tau/(3 J) of the points.
 template <class Cell, Frame frame>
 inline void share_split_pressure(const PointLaw& law, const MotionInput& in, CellState<Cell, frame>& s) {
   if (law.parameters.locking != Locking::mean) return;
-  Batch sum = Batch(0.0);
+  VolumeField<Cell> sum;
+  sum.clear();
   for (int q = 0; q < Cell::points; ++q) {
     const auto e = split_point<Cell, frame>(law, in, s, q);
-    sum += s.map[q].weight * trace(e.tau);
+    s.modes.add(sum, q, s.map[q].weight * ((1.0 / 3) * trace(e.tau) / (Batch(1.0) + s.shared_volume(q))));
     if (s.split != nullptr) s.split[q] = e;
   }
-  s.mean_p = (1.0 / 3) * (sum / (s.volume * (Batch(1.0) + s.volume_J)));
+  s.mean_p = s.modes.project(sum);
 }
 
 template <class Cell, Frame frame, class Law>
@@ -298,14 +326,13 @@ inline PointEvaluation<Cell::dim> evaluate_unsplit(const Law& law, const MotionI
   e.g = point_degradations<Cell, frame>(law, in.phi, q, in.history, in.unilateral);
   e.flow = law.isochoric(s.H[q], e.k, read_history<frame>(law, in.history, q), e.g,
                          point_conditions<Cell>(law, in, q));
-  const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.volume_J;
+  const Batch J_minus_1 = m.locking == Locking::none ? e.k.J_minus_1 : s.shared_volume(q);
   const Volumetric<Batch> v = warmed(
       law.pressure(J_minus_1, point_thermal_volume<Cell>(law, in.theta, q), e.g), in.warming, J_minus_1, q);
-  const bool mean = m.locking == Locking::mean;
-  e.p = mean ? s.mean_p : v.p;
-  e.dp = mean ? s.mean_dp : v.dp;
+  e.p = m.locking == Locking::mean ? s.shared_pressure(q) : v.p;
+  e.dp = v.dp;
   e.Je_minus_1 = v.Je_minus_1;
-  e.zeta = m.locking == Locking::fbar ? e.k.J / (Batch(1.0) + s.volume_J) : Batch(1.0);
+  e.zeta = m.locking == Locking::fbar ? e.k.J / (Batch(1.0) + J_minus_1) : Batch(1.0);
   e.tau = (m.G * (e.zeta * e.g.e1.g)) * e.flow.dev_b;
   for (int i = 0; i < 3; ++i) e.tau[i] += e.p * e.k.J;
   return e;
@@ -328,50 +355,13 @@ inline PointEvaluation<Cell::dim> evaluate_any(const Law& law, const MotionInput
   return evaluate_unsplit<Cell, frame>(law, in, s, q);
 }
 
-/// Factor b_d g of the viscous stress.
-inline Batch viscosity(const MaterialParameters& m, const Degradations<Batch>& g) {
-  return m.visc_degrade ? m.b_d * g.e1.g : Batch(m.b_d);
-}
-
-/// C - C_n at a point.
-template <class Cell, Frame frame>
-inline Symmetric<Batch, Cell::dim> step_of_C(const CellState<Cell, frame>& s,
-                                             const Tensor<Batch, Cell::dim>& F, const Batch* u_n, int q) {
-  constexpr int d = Cell::dim;
-  const auto& t = shape_table<Cell>;
-  Batch slope[d * d];
-  reference_gradient<Cell, d>(t.dN[q], u_n, slope);
-  Tensor<Batch, d> dH = mapped_gradient<Cell, frame>(s.map[q], slope, t.N[q], u_n);
-  if constexpr (frame == Frame::plane_stress) dH[4] = s.start_33[q];
-  for (int i = 0; i < tensor_size(d); ++i) dH[i] = s.H[q][i] - dH[i];
-  return right_increment(F, dH);
-}
-
-/// tau_phi + tau_d: the parts of the stress that use the unmodified F.
-template <class Cell, Frame frame>
-inline Symmetric<Batch, Cell::dim>
-extra_stress(const PointLaw& law, const MotionInput& in, const CellState<Cell, frame>& s,
-             const PointEvaluation<Cell::dim>& e, int q, Vector<Batch, Cell::dim>& h) {
-  constexpr int d = Cell::dim;
-  Symmetric<Batch, d> tau = Batch(0.0) * e.tau;
-  if (law.crack_stress() && in.phi) {
-    h = spatial_gradient(e.k.inverse_F, gradient_of_scalar<Cell, frame>(s.map[q], in.phi, q));
-    tau = crack_stress(law.parameters, h);
-  }
-  if (law.viscous() && in.u_n) {
-    const auto dC = step_of_C<Cell, frame>(s, e.k.F, in.u_n, q);
-    tau = tau + ((2 / in.dt) * viscosity(law.parameters, e.g)) * push(e.k.F, dC);
-  }
-  return tau;
-}
-
 /// Collects the lanes that left the domain of the law.
 template <class Cell, Frame frame, class Law>
 inline void note(CellStatus& status, const Law& law, const CellState<Cell, frame>& s,
-                 const PointEvaluation<Cell::dim>& e) {
+                 const PointEvaluation<Cell::dim>& e, int q) {
   if constexpr (has_state_v<Law>)
-    status.bad |= bits(
-        ~within_state(law.parameters, law.parameters.locking == Locking::none ? e.k.J_minus_1 : s.volume_J));
+    status.bad |= bits(~within_state(
+        law.parameters, law.parameters.locking == Locking::none ? e.k.J_minus_1 : s.shared_volume(q)));
   status.bad |= bits(~(e.k.J > Batch(0.0)) | ~(e.flow.y > Batch(0.0))) | e.flow.failed;
   status.min_J = min(e.k.J, status.min_J);
 }

@@ -1,5 +1,5 @@
 #pragma once
-#include <impact/kernel/motion_point.hpp>
+#include <impact/kernel/extra_stress.hpp>
 
 #include <impact/material/modulus.hpp>
 

@@ -18,7 +18,7 @@ struct CellKernels; // kernel/cell_kernels.hpp
 
 struct CellShape {
   CellNames names;
-  int dim, nodes, points;
+  int dim, nodes, points, volume_modes; ///< the last one of kernel/volume_modes.hpp
   std::span<const CellFacet> facets;
   std::span<const int> from_plex; ///< place of each node in the order of DMPlex
   /// Of second order: the edges in whose middle the nodes after the corners stand, then the quadrilateral

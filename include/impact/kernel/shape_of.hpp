@@ -62,6 +62,7 @@ template <class Cell> constexpr CellShape cell_shape() {
                  .dim = Cell::dim,
                  .nodes = Cell::nodes,
                  .points = Cell::points,
+                 .volume_modes = volume_modes<Cell>,
                  .facets = Cell::facets,
                  .from_plex = Cell::from_plex,
                  .edges = {},
