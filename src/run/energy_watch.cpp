@@ -110,6 +110,20 @@ std::string EnergyWatch::remedy() const {
   return text;
 }
 
+namespace {
+
+// A condition that moves nodes at t = 0 already, where the rest of a body stands still; empty: none.
+std::string moved_at_start(const Scenario& s) {
+  constexpr double origin[3] = {0, 0, 0}, other[3] = {1, 1, 1};
+  for (const BoundaryCondition& bc : s.bcs)
+    for (const std::optional<Expression>& u : bc.component)
+      if (bc.type == BcType::displacement && u && ((*u)(origin, 3, 0) != 0 || (*u)(other, 3, 0) != 0))
+        return u->key();
+  return "";
+}
+
+} // namespace
+
 std::string EnergyWatch::step_remedy() const {
   const bool inertia = stage_.inertia, damage = stage_.d.has_damage();
   const bool gained = stage_.ledger.energy_error() > 0;
@@ -119,6 +133,12 @@ std::string EnergyWatch::step_remedy() const {
   if (!inertia && !gained && damage)
     return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
+  if (const std::string key = moved_at_start(stage_.scenario);
+      !inertia && !gained && !key.empty() && stage_.scenario.ics.empty())
+    return "likely because of " + key +
+           ", which is not 0 at the start: its nodes stand moved there beside a body at rest, and the energy "
+           "of "
+           "that is lost in the first step; let it grow from 0, as in 0.001*min(t,1)";
   if (!inertia && !gained && !stage_.d.has_heat())
     return "likely a body snapped or buckled within a step, whose energy nothing takes up without inertia, "
            "or steps are too long: take a shorter -ts_dt to tell";

@@ -81,6 +81,17 @@ void adjust_initial_overlaps(const Scenario& s, const std::vector<ObstacleBody>&
 void tell_of_overlap(RunStage& stage, const ContactInterface& contact, double gap) {
   constexpr double told = 2e-3; // of the shortest edge
   const ContactSettings& settings = contact.settings();
+  // What overlaps at nodes has been moved apart by now, or is left on purpose.
+  if (settings.rigid() && settings.primary != "plane" && settings.initial != InitialOverlap::allow &&
+      settings.method == ContactMethod::mortar && settings.multipliers == MultiplierSpace::dual &&
+      gap < -told * stage.d.mesh.smallest_edge())
+    check(PetscPrintf(
+        stage.d.mesh.comm(),
+        "impact: WARNING: contact %s: dual multipliers take the round obstacle for nearer than it is, by "
+        "%.3g at "
+        "the start, and press before it touches: take -contact_%s_multipliers standard, or finer facets (a "
+        "half as wide: a fourth of it)\n",
+        settings.id.c_str(), -gap, settings.id.c_str()));
   if (!stage.inertia || settings.initial != InitialOverlap::allow ||
       !(gap < -told * stage.d.mesh.smallest_edge()))
     return;

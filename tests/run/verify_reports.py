@@ -155,4 +155,15 @@ for claim, words, status, there, absent in ROWS:
                           env=ENVIRONMENT)
     missing = [word for word in there if word not in done.stdout] + [word for word in absent if word in done.stdout]
     require(f"{claim}: status {done.returncode}, {missing or 'all words'}", done.returncode == status and not missing)
+
+# Dual functions press what a ball has not reached; a static run that begins with moved nodes snaps nowhere.
+r = run("dual_ball", {"mesh": mesh("block.geo"), "mesh_set_dim": 3, "mesh_set_n": 4, "mesh_set_nz": 2, "materials": "solid", "material_solid_E": 1e6,
+                      "material_solid_nu": 0.3, "bcs": "hold", "bc_hold_on": "back", "bc_hold_type": "fix", "contacts": "ball",
+                      "contact_ball_secondary": "front", "contact_ball_primary": "rigid_sphere", "contact_ball_centre": "0.5,0.5,2",
+                      "contact_ball_radius": 1, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1})
+require("dual multipliers beside a ball that only touches", "by 0.0102 at the start" in r.log and "-contact_ball_multipliers standard" in r.log)
+r = run("jump", {"mesh": mesh("block.geo"), "mesh_set_n": 50, "mesh_set_ny": 1, "mesh_set_ly": 0.002, "order": 2, "plane": "stress", "materials": "solid", "material_solid_E": 2e11,
+                 "material_solid_nu": 0.3, "bcs": "left,right", "bc_left_on": "left", "bc_left_type": "fix", "bc_right_on": "right", "bc_right_ux": 0.001,
+                 "bc_right_uy": 0, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1})
+require("a displacement that is there at once", "-bc_right_ux, which is not 0 at the start" in r.log and "snapped" not in r.log)
 finish()
