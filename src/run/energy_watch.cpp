@@ -137,8 +137,7 @@ std::string EnergyWatch::step_remedy() const {
       !inertia && !gained && !key.empty() && stage_.scenario.ics.empty())
     return "likely because of " + key +
            ", which is not 0 at the start: its nodes stand moved there beside a body at rest, and the energy "
-           "of "
-           "that is lost in the first step; let it grow from 0, as in 0.001*min(t,1)";
+           "of that is lost in the first step; let it grow from 0, as in 0.001*min(t,1)";
   if (!inertia && !gained && !stage_.d.has_heat())
     return "likely a body snapped or buckled within a step, whose energy nothing takes up without inertia, "
            "or steps are too long: take a shorter -ts_dt to tell";

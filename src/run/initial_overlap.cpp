@@ -88,9 +88,8 @@ void tell_of_overlap(RunStage& stage, const ContactInterface& contact, double ga
     check(PetscPrintf(
         stage.d.mesh.comm(),
         "impact: WARNING: contact %s: dual multipliers take the round obstacle for nearer than it is, by "
-        "%.3g at "
-        "the start, and press before it touches: take -contact_%s_multipliers standard, or finer facets (a "
-        "half as wide: a fourth of it)\n",
+        "%.3g at the start, and press before it touches: take -contact_%s_multipliers standard, or finer "
+        "facets (half as wide: a fourth of it)\n",
         settings.id.c_str(), -gap, settings.id.c_str()));
   if (!stage.inertia || settings.initial != InitialOverlap::allow ||
       !(gap < -told * stage.d.mesh.smallest_edge()))
