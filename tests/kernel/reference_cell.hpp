@@ -221,7 +221,7 @@ template <class Cell, Frame frame> std::vector<Point<Cell, frame>> points(const 
 template <class Cell, Frame frame, class T>
 std::vector<T> shared(const double* X, const std::vector<Point<Cell, frame>>& at,
                       const std::vector<T>& values) {
-  constexpr bool varies = impact::is_second_order<Cell> && corners < Cell >> Cell::dim + 1;
+  constexpr bool varies = impact::is_second_order<Cell> && Cell::dim + 1 < corners<Cell>;
   constexpr unsigned n = varies ? Cell::dim + 1 : 1;
   const auto mode = [&](unsigned q, unsigned k) {
     double x = k == 0 ? 1 : 0; // lengths of cells in tests are 1e-3
