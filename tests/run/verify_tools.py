@@ -172,10 +172,10 @@ require(f"status {first.returncode}, {len(runs)} runs of {len(first.stdout.split
 require("the defaults end well", all(runs[case, "default"]["status"] == "ok" for case in ("2d_incompressible", "2d_mortar_semismooth")))
 require("incomplete Cholesky factors of what keeps its volume do not", runs["2d_incompressible", "cg_icc"]["status"] == "exit 5")
 bench = importlib.machinery.SourceFileLoader("bench_solvers", os.path.join(SOURCE, "tools", "bench_solvers")).load_module()
-meshed, options = bench.options_of("2d_mortar_semismooth", "300")
+meshed, options = bench.options_of("2d_incompressible", "300")
 asked = {**meshed, **options, **bench.CANDIDATES["gamg"], "motion_ksp_converged_reason": ""}
 log = run("asked", bench.words(asked)).log
-row = runs["2d_mortar_semismooth", "gamg"]
+row = runs["2d_incompressible", "gamg"]
 check("linear iterations, as PETSc tells them", float(row["linear"]), sum(map(int, re.findall(r"Linear motion_ .* iterations (\d+)", log))), 0)
 check("Newton iterations, as PETSc tells them", float(row["newton"]), len(re.findall(r"Linear motion_ solve converged", log)), 0)
 check_between("CPU time of a run, s", float(row["cpu_s"]), 0.02, 20)

@@ -152,19 +152,19 @@ template <class Cell, Frame frame, bool principal> struct VolumeCoupling {
     else
       s.modes.between(principal ? split_dp : s.mean_dp, D);
     for (int k = 0; k < modes; ++k) {
-      // K += v_k y^T + r_k z^T, where z goes with the factor k of J_0 and y with that of the pressure.
-      Batch y[dofs<Cell>], z[dofs<Cell>];
-      for (int j = 0; j < dofs<Cell>; ++j) {
-        y[j] = sum<modes>([&](int l) { return D[k][l] * row[l][j]; });
-        if constexpr (principal) {
-          y[j] += s.modes.factor(k, pressure, j);
-          z[j] = s.modes.factor(k, row, j);
-        }
-      }
+      // K += x v_k^T + v_k y^T, where x goes with J_0, by the pressure and the shape, and y with the shape
+      // alone.
+      Batch y[dofs<Cell>];
       for (int i = 0; i < dofs<Cell>; ++i) {
-        add_row(row[k][i], y, i, K);
-        if constexpr (principal) add_row(force[k][i], z, i, K);
+        Batch x = sum<modes>([&](int l) { return D[k][l] * row[l][i]; });
+        if constexpr (principal) {
+          x += s.modes.factor(k, force, i);
+          y[i] = s.modes.factor(k, pressure, i);
+        }
+        add_row(x, row[k], i, K);
       }
+      if constexpr (principal)
+        for (int i = 0; i < dofs<Cell>; ++i) add_row(row[k][i], y, i, K);
     }
   }
   void add_tangent(const PointLaw& law, const PointEvaluation<Cell::dim>& e,
