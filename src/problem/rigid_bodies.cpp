@@ -1,3 +1,4 @@
+#include "rigid_inertia.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/petsc/field_solver.hpp>
@@ -6,28 +7,8 @@
 #include <span>
 
 /// Motion of rigid bodies: what a solve and a step need, and the reactions of what is prescribed. Set-up:
-/// rigid_bodies_setup.cpp; what conditions prescribe: rigid_data.cpp.
+/// rigid_bodies_setup.cpp; rates: rigid_rates.cpp; what conditions prescribe: rigid_data.cpp.
 namespace impact {
-
-namespace {
-
-Vector3 plus(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-
-// int rho (r.q 1 - r q^T) for arms r = A Y, q = B Y.
-Matrix3 inertia_of(const Matrix3& A, const Matrix3& E, const Matrix3& B) {
-  Matrix3 J = A * E * transposed(B);
-  const double t = trace(J);
-  for (std::size_t i = 0; i < 9; ++i) J[i] = (i % 4 == 0 ? t : 0) - J[i];
-  return J;
-}
-
-// Angular velocity by the angular momentum L; of plane bodies about the axis alone.
-Vector3 spin_by(int dim, const RigidBody& body, const Matrix3& R, const Vector3& L) {
-  if (dim == 2) return {0, 0, L[2] / (body.second[0] + body.second[4])};
-  return inverse(inertia_of(R, body.second, R)) * L;
-}
-
-} // namespace
 
 template <class Value> std::vector<RigidBodies::Sums> RigidBodies::sums(Weight weight, Value&& value) const {
   std::vector<Sums> total(bodies_.size());
@@ -69,16 +50,6 @@ std::vector<RigidPose> RigidBodies::poses(const std::vector<Sums>& of_u) const {
         dim_ == 3 ? nearest_rotation(H) : rotation_of({0, 0, std::atan2(H[3] - H[1], H[0] + H[4])});
   }
   return result;
-}
-
-template <class Field> void RigidBodies::set_nodes(Vec u, Field&& field) const {
-  double* values = nullptr;
-  check(VecGetArray(u, &values));
-  for (std::size_t i = 0; i < owned_; ++i) {
-    const Vector3 value = field(at(body_[i]), arm(i));
-    std::copy_n(value.begin(), dim_, values + row_[i]);
-  }
-  check(VecRestoreArray(u, &values));
 }
 
 Vector3 RigidBodies::arm(std::size_t place) const {
@@ -225,129 +196,6 @@ void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
     }
     add_block(b, mass_shift * bodies_[b].mass, turn, K);
   }
-}
-
-void RigidBodies::accelerate(Vec f, Vec a) const {
-  if (empty()) return;
-  std::vector<Sums> total = sums_of(Weight::one, f);
-  for (std::size_t b = 0; b < total.size(); ++b) {
-    for (double& component : total[b].sum) component /= bodies_[b].mass;
-    total[b].moment = total[b].moment * inverse(bodies_[b].second);
-  }
-  set_nodes(a, [&](std::size_t b, const Vector3& Y) { return plus(total[b].sum, total[b].moment * Y); });
-}
-
-void RigidBodies::strike(Vec f, Vec gain) const {
-  if (empty()) return;
-  const std::vector<Sums> total = sums_of(Weight::one, f);
-  std::vector<Vector3> speed(bodies_.size()), spin(bodies_.size());
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const RigidBody& body = bodies_[b];
-    const Matrix3& R = start_[b].turned;
-    for (std::size_t k = 0; k < at(dim_); ++k)
-      if (body.held[k] == RigidBody::free_motion) speed[b][k] = total[b].sum[k] / body.mass;
-    Vector3 moment = axial(total[b].moment * transposed(R));
-    Matrix3 J = inertia_of(R, body.second, R);
-    if (dim_ == 2) J = {1, 0, 0, 0, 1, 0, 0, 0, body.second[0] + body.second[4]};
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (body.held[3 + k] == RigidBody::free_motion) continue;
-      moment[k] = 0;
-      for (std::size_t j = 0; j < 3; ++j) J[3 * k + j] = J[3 * j + k] = j == k ? 1 : 0;
-    }
-    spin[b] = inverse(J) * moment;
-  }
-  set_nodes(gain, [&](std::size_t b, const Vector3& Y) {
-    return plus(speed[b], cross(spin[b], start_[b].turned * Y));
-  });
-}
-
-std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {
-  std::vector<RigidMotionState> result(bodies_.size());
-  if (empty()) return result;
-  const std::vector<RigidPose> pose = poses(sums_of(Weight::mass, u));
-  const std::vector<Sums> speed = sums_of(Weight::mass, v);
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Matrix3& R = pose[b].turned;
-    result[b].pose = pose[b];
-    result[b].spin = axial(speed[b].moment * transposed(R));
-    const Vector3 w = spin_by(dim_, bodies_[b], R, result[b].spin);
-    for (std::size_t k = 0; k < 3; ++k) {
-      result[b].velocity[k] = speed[b].sum[k] / bodies_[b].mass;
-      result[b].velocity[3 + k] = w[k];
-    }
-  }
-  return result;
-}
-
-void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<double>& v) const {
-  if (empty()) return;
-  std::vector<RigidPose> pose = poses(mass_sums(u));
-  const std::vector<Sums> speed = mass_sums(v);
-  std::vector<RigidVector> rate(bodies_.size());
-  const double h = 1e-3 * dt;
-  // Slope at t = 0 of data over t, one-sided.
-  const auto slope = [&](const Expression& data, const double* x) {
-    return (-3 * data(x, dim_, 0) + 4 * data(x, dim_, h) - data(x, dim_, 2 * h)) / (2 * h);
-  };
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const RigidBody& body = bodies_[b];
-    for (std::size_t k = 0; k < at(dim_); ++k) {
-      const int c = body.held[k];
-      rate[b][k] = speed[b].sum[k] / body.mass;
-      if (c == RigidBody::free_motion) continue;
-      const BoundaryCondition* bc = c < 0 ? nullptr : &conditions_[at(c)];
-      const bool moves = bc != nullptr && bc->component[k].has_value(),
-                 fast = moves && bc->type == BcType::velocity;
-      if (!fast) pose[b].moved[k] = moves ? (*bc->component[k])(body.centre.data(), dim_, 0) : 0;
-      rate[b][k] = fast    ? (*bc->component[k])(body.centre.data(), dim_, 0)
-                   : moves ? slope(*bc->component[k], body.centre.data())
-                           : 0;
-    }
-    Vector3 angle{}, spin{};
-    bool held[3] = {}, all_told = true;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int c = body.held[3 + k];
-      held[k] = c != RigidBody::free_motion;
-      if (dim_ == 3 || k == 2) all_told = all_told && held[k];
-      if (c < 0) continue;
-      const BoundaryCondition& bc = conditions_[at(c)];
-      if (!bc.rotation[k]) continue;
-      if (bc.type == BcType::velocity) {
-        spin[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
-        all_told = false;
-        continue;
-      }
-      angle[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
-      spin[k] = slope(*bc.rotation[k], body.centre.data());
-    }
-    if (all_told) pose[b].turned = rotation_of(angle);
-    const Matrix3& R = pose[b].turned;
-    const Vector3 free = spin_by(dim_, body, R, axial(speed[b].moment * transposed(R)));
-    for (std::size_t k = 0; k < 3; ++k) rate[b][3 + k] = held[k] ? spin[k] : free[k];
-  }
-  for (std::size_t i = 0; i < node_.size(); ++i) {
-    const auto b = at(body_[i]);
-    const Vector3 Y = arm(i), r = pose[b].turned * Y,
-                  turning = cross(Vector3{rate[b][3], rate[b][4], rate[b][5]}, r);
-    for (std::size_t k = 0; k < at(dim_); ++k) {
-      const std::size_t dof = at(dim_ * node_[i]) + k;
-      u[dof] = pose[b].moved[k] + (r[k] - Y[k]);
-      v[dof] = rate[b][k] + turning[k];
-    }
-  }
-}
-
-double RigidBodies::strike_power(Vec f, Vec u, Vec v) const {
-  if (empty()) return 0;
-  const std::vector<Sums> total = sums_of(Weight::one, f);
-  const std::vector<RigidMotionState> moves = motion(u, v);
-  double power = 0;
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Vector3 moment = axial(total[b].moment * transposed(start_[b].turned));
-    for (std::size_t k = 0; k < 6; ++k)
-      if (bodies_[b].held[k] >= 0) power -= moves[b].velocity[k] * (k < 3 ? total[b].sum[k] : moment[k - 3]);
-  }
-  return power;
 }
 
 double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {

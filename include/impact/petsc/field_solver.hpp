@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/petsc/entries.hpp>
 #include <impact/petsc/error.hpp>
 #include <petscsnes.h>
 #include <string>
@@ -31,20 +32,6 @@ template <class Object, class... Types> bool has_type(Object object, Types... ty
   check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(object), &has, types..., ""));
   return has;
 }
-
-/// Owned entries of a vector, opened for reading in a scope.
-class Entries {
-public:
-  explicit Entries(Vec vec) : vec_(vec) { check(VecGetArrayRead(vec_, &values_)); }
-  Entries(const Entries&) = delete;
-  Entries& operator=(const Entries&) = delete;
-  ~Entries() { VecRestoreArrayRead(vec_, &values_); }
-  template <class Index> double operator[](Index i) const { return values_[i]; }
-
-private:
-  Vec vec_;
-  const double* values_ = nullptr;
-};
 
 /// A member function as PETSc calls it back: Callback<&Class::method>::call takes the method's arguments and
 /// then the object as its context. The class offers `Mailbox& mailbox()`, where exceptions wait until the
