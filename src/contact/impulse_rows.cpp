@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <impact/contact/impulse_rows.hpp>
+#include <impact/element/facets.hpp>
 #include <impact/math/index.hpp>
 
 namespace impact {
@@ -16,6 +17,26 @@ std::array<double, 3> obstacle_velocity(const ContactInterface& contact, int dim
   const auto from = rigid_displacement(contact.settings(), dim, t),
              to = rigid_displacement(contact.settings(), dim, t + dt);
   return {(to[0] - from[0]) / dt, (to[1] - from[1]) / dt, (to[2] - from[2]) / dt};
+}
+
+// Shares of a facet of second order become those of its corners under shape functions of first order, whose
+// pressures are positive where nodal ones are and whose areas are: functions of second order hold those of
+// first order, by the values of these at their nodes.
+template <std::size_t corners, std::size_t edges>
+void lower(double* share, const CellEdge (&edge)[edges], int n) {
+  double corner[corners];
+  std::copy_n(share, corners, corner);
+  for (std::size_t e = 0; e < edges; ++e)
+    for (const int end : edge[e]) corner[end] += share[corners + e] / 2;
+  if (n > static_cast<int>(corners + edges))
+    for (double& c : corner) c += share[corners + edges] / corners; // that of the middle
+  std::fill_n(std::copy_n(corner, corners, share), n - static_cast<int>(corners), 0.0);
+}
+
+void lower(std::size_t dim, double* share, int n) {
+  if (dim == 2 && n == 3) return lower<2>(share, Line3::edges, n);
+  if (n == 6) return lower<3>(share, Tri6::edges, n);
+  if (n > 6) lower<4>(share, quadrilateral_edges, n);
 }
 
 } // namespace
@@ -45,6 +66,7 @@ void ImpulseRows::collect(ContactInterface& of, const ImpulseStep& step) {
     gradient.insert(gradient.end(), c.gradient.begin(), c.gradient.end());
     gradient.resize(dim * node.size(), 0.0); // nodes of the slip alone come last
     share.insert(share.end(), c.share.begin(), c.share.end());
+    lower(dim, &share[first_share.back()], static_cast<int>(c.share.size()));
     first_share.push_back(share.size());
     // Gaps do not change where the obstacle and the secondary side move alike.
     double later = 0, earlier = 0;

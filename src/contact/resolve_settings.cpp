@@ -58,11 +58,7 @@ void check_settings(ContactSettings& settings, const Mesh& mesh, bool adjoin) {
   if (settings.method == ContactMethod::automatic)
     settings.method = adjoin ? ContactMethod::gauss_points : ContactMethod::mortar;
   // At the corners of a face of second order int N_a dA_0 is zero or less.
-  if (mesh.order() == 2 && settings.enforce == Enforcement::impulse)
-    throw usage(
-        settings, "enforce",
-        "impulse is not there on cells of second order; allowed: penalty, auglag or semismooth, or cells "
-        "of first order (-order 1, gmsh -order 1)");
+  if (mesh.order() == 2) settings.at_nodes = false;
   const bool mortar = settings.method == ContactMethod::mortar;
   if (mortar && settings.points > 0)
     throw usage(settings, "points",

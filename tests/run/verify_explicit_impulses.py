@@ -2,10 +2,11 @@
 # timeout: 120
 # processors: 2
 """Impulses of explicit steps where a surface meets itself: two bodies under one name, and a fork whose prongs close. Both momenta
-stay to rounding, contact never gives energy, ranks agree, and what happens is what happens under two names."""
+stay to rounding, contact never gives energy, ranks agree, and what happens is what happens under two names. Likewise on cells of
+second order, in the plane and in space."""
 import numpy
 from _histories import difference
-from _runs import check, check_between, finish, require, run
+from _runs import check, check_between, finish, mesh, require, run
 
 BLOCKS = """// Two blocks of different cells, one above the other and `off` to the side.
 DefineConstant[gap = 0.05, off = 0.3];
@@ -40,7 +41,7 @@ def body(*names):
 def keeps(name, r):
     """What holds whatever happens."""
     size = max(sum(abs(r[c][0]) for c in r.history if c.startswith("momentum_")), 1e-300)
-    for k in "xy":
+    for k in sorted({c[-1] for c in r.history if c.startswith("momentum_")}):
         total = sum(r[c] for c in r.history if c.startswith("momentum_") and c.endswith(f"_{k}"))
         check(f"{name}: momentum {k}", abs(total - total[0]).max() / size, 0, 1e-13, relative=False)
     lost = r["dissipated_contact"]
@@ -74,6 +75,33 @@ change = {k: rub[f"momentum_high_{k}"] - rub[f"momentum_high_{k}"][0] for k in "
 first = numpy.argmax(change["y"] > 1e-6 * change["y"].max())
 check("with friction: along the surface over across it", -change["x"][first] / change["y"][first], MU, 1e-9)
 require("with friction: it heats", rub["dissipated_friction"][-1] > 0)
+
+print("cells of second order: pressures are linear on their facets")
+fine = run("fine", {**FLIGHT, **SKIN, "dm_refine": 2})
+# An impact takes the energy of a layer of nodes: of one of second order less.
+for name, options, least in (("quadrilaterals of 9", {}, 0.97), ("of 8", {"mesh_serendipity": True}, 0.87)):
+    r = run("curved", {**FLIGHT, **SKIN, "order": 2, **options})
+    keeps(f"{name} nodes", r)
+    check_between(f"{name} nodes: the upper block after the impact, over that of linear cells a fourth as wide",
+                  r["momentum_high_y"][-1] / fine["momentum_high_y"][-1], least, 1.03)
+    rub = run("curved_rub", {**FLIGHT, **SKIN, "order": 2, **options, "contact_skin_friction": MU, "ic_b_vx": 3})
+    change = {k: rub[f"momentum_high_{k}"] - rub[f"momentum_high_{k}"][0] for k in "xy"}
+    first = numpy.argmax(change["y"] > 1e-6 * change["y"].max())
+    check(f"{name} nodes, with friction: along the surface over across it", -change["x"][first] / change["y"][first], MU, 1e-9)
+SPACE = {"mesh": mesh("two_blocks.geo"), "mesh_set_dim": 3, "mesh_set_n_lower": 2, "mesh_set_n_upper": 3, "mesh_set_gap": 0.05,
+         "mesh_set_inset": 0.1, **body("lower", "upper"), **EXPLICIT, "contacts": "skin", "contact_skin_secondary": "upper_bottom",
+         "contact_skin_primary": "lower_top", "contact_skin_enforce": "impulse", "ics": "a", "ic_a_on": "upper", "ic_a_vy": -2,
+         "ic_a_vx": 0.3, "ts_max_time": 0.07}
+flat = run("space", {**SPACE, "mesh_set_n_lower": 4, "mesh_set_n_upper": 6})
+for name, options in (("hexahedra of 27", {}), ("hexahedra of 20", {"mesh_serendipity": True}),
+                      ("tetrahedra of 10", {"mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1})):
+    r = run("curved_space", {**SPACE, "order": 2, **options})
+    keeps(f"{name} nodes", r)
+    other = (r["momentum_upper_y"] - flat["momentum_upper_y"][-1])[-1] / flat["momentum_upper_y"][0]
+    check(f"{name} nodes: the upper block after the impact, against linear cells half as wide, over before", other, 0, 0.04, relative=False)
+two = run("curved_space_ranks", {**SPACE, "order": 2, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1}, ranks=2)
+worst, where = difference(r.history, two.history)
+check(f"tetrahedra, two ranks, in {where}", worst, 0, 1e-8, relative=False)
 
 close = "-4*x^2*(y-0.35)/0.35+0.5"
 fork = run("fork", {"mesh": "fork.geo", **body("solid"), **EXPLICIT, **SKIN, "ics": "a", "ic_a_on": "solid", "ic_a_vy": close,
