@@ -76,8 +76,14 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a, b
     const Handle<Vec> Ma = d.displacement.make_global();
     motion_.mass_multiply(a, Ma);
     d.displacement.to_local(Ma, inertia_force_.trial);
-    kept = integrator.kept_at_start(dt, a, Ma);
-    if (integrator.is_explicit()) kept += kept_by_nodes_of_bodies(dt, a, Ma);
+    if (integrator.is_explicit()) {
+      kept = integrator.kept_at_start(dt, a, Ma) + kept_by_nodes_of_bodies(dt, a, Ma);
+    } else {
+      motion_.rigid().place(u);
+      const Handle<Vec> free = free_part(a);
+      motion_.mass_multiply(free, Ma);
+      kept = integrator.kept_at_start(dt, free, Ma);
+    }
   }
   const std::vector<double> loads = external_.trial, unilateral = unilateral_of(d, parts);
   const std::vector<double>& touch = contact_.trial = contact_.committed;
@@ -125,6 +131,14 @@ ShockWork ForceBook::find_shock(const StepRecord& step) const {
   return shock;
 }
 
+// Of rigid bodies what the scheme has a free hand in.
+Handle<Vec> ForceBook::free_part(Vec of) const {
+  Handle<Vec> free = motion_.discretisation().displacement.make_global();
+  check(VecCopy(of, free));
+  motion_.rigid().keep_free_rates(free);
+  return free;
+}
+
 // The scheme's own energy; the inertia that the step balanced goes into its row.
 IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a,
                                                    double grown) {
@@ -143,49 +157,74 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
   check(VecAYPX(df, -1, f));
   check(VecAYPX(struck, -1, step.start_velocity));
   d.displacement.to_local(f, step_acceleration_.trial);
-  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), Mf = times_mass(f), Mdf = times_mass(df);
+  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a);
   d.displacement.to_global(inertia_force_.committed, lag);
   check(VecAXPY(lag, -1, Ma_n));
-  const IntegratorEnergy energy = weights.energy({.dt = step.dt,
-                                                  .du = du,
-                                                  .v_start = step.start_velocity,
-                                                  .v = v,
-                                                  .a_n = a_n,
-                                                  .a = a,
-                                                  .f = f,
-                                                  .df = df,
-                                                  .Ma_n = Ma_n,
-                                                  .Ma = Ma,
-                                                  .Mf = Mf,
-                                                  .Mdf = Mdf,
-                                                  .lag = lag,
-                                                  .struck = struck,
-                                                  .grown = grown});
   check(VecAXPBY(Ma, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
   d.displacement.to_local(Ma, inertia_force_.trial);
-  return energy;
+  motion_.rigid().place(u);
+  const Handle<Vec> free_du = free_part(du), free_start = free_part(step.start_velocity),
+                    free_v = free_part(v), free_a_n = free_part(a_n), free_a = free_part(a),
+                    free_f = free_part(f), free_df = free_part(df), free_struck = free_part(struck);
+  return weights.energy({.dt = step.dt,
+                         .du = free_du,
+                         .v_start = free_start,
+                         .v = free_v,
+                         .a_n = free_a_n,
+                         .a = free_a,
+                         .f = free_f,
+                         .df = free_df,
+                         .Ma_n = times_mass(free_a_n),
+                         .Ma = times_mass(free_a),
+                         .Mf = times_mass(free_f),
+                         .Mdf = times_mass(free_df),
+                         .lag = lag,
+                         .struck = free_struck,
+                         .grown = grown});
 }
 
 // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history. `corrected` becomes what
 // acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it in M a_c.
 // That is the force of stabilised contact less that of closing cracks; of rigid bodies also what keeps them
-// rigid, and the reactions there. Returns the work of the supports of rigid bodies.
-double ForceBook::take_over_forces(const StepRecord& step, Vec u, Vec a, std::vector<double>& corrected) {
+// rigid, and the reactions there.
+void ForceBook::take_over_forces(const StepRecord& step, std::vector<double>& corrected) {
   const Discretisation& d = motion_.discretisation();
   d.displacement.to_local(step.forces->internal, internal_.trial);
   d.displacement.to_local(step.forces->external, external_.trial);
   d.displacement.to_local(step.contact_force, contact_.trial);
   d.displacement.to_local(step.left, left_.trial);
-  if (!inertia_) return motion_.book_rigid_reactions(u, nullptr, 1);
-  const double beta = step.integrator.beta, alpha_m = step.integrator.alpha_m;
-  Handle<Vec> a_eq = d.global_of(a_.committed), force = d.displacement.make_global();
+  if (!inertia_) return;
+  Handle<Vec> force = d.displacement.make_global();
   motion_.mass_multiply(step.contact_acceleration, force);
-  check(VecScale(force, step.stabilised || step.unilateral ? 2 * beta : alpha_m));
+  const Integrator& weights = step.integrator;
+  check(VecScale(force, step.stabilised || step.unilateral ? 2 * weights.beta : weights.alpha_m));
   d.displacement.to_local(force, corrected);
-  check(VecScale(a_eq, 1 - alpha_m));
-  check(VecAXPY(a_eq, alpha_m, a));
-  check(VecAXPY(a_eq, alpha_m, step.contact_acceleration));
-  return motion_.book_rigid_reactions(u, a_eq, 2 * beta / alpha_m);
+}
+
+// Finds the reactions of rigid bodies, and returns their work; v without what data then put into it.
+double ForceBook::book_bodies(const StepRecord& step, Vec u, Vec v) {
+  if (motion_.rigid().empty()) return 0;
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  std::vector<double> acting = contact_.trial;
+  const bool at_end = !inertia_ || step.stabilised; // contact
+  for (std::size_t i = 0; i < acting.size(); ++i)
+    acting[i] = (at_end ? acting[i] : 0) +
+                (inertia_ ? (inertia_force_.committed[i] + inertia_force_.trial[i]) / 2 : external_.trial[i]);
+  const Handle<Vec> missing = layout.make_global(), others = layout.make_global(),
+                    told = layout.make_global();
+  double of_data = 0;
+  if (inertia_) {
+    const Handle<Vec> gained = layout.make_global();
+    check(VecWAXPY(gained, -1, step.start_velocity, v));
+    motion_.mass_multiply(gained, missing);
+    check(VecScale(missing, 1 / step.dt));
+    motion_.mass_multiply(step.told_velocity, told);
+    of_data = Get(VecDot)(told, v) + Get(VecDot)(told, step.told_velocity) / 2;
+    check(VecScale(told, 1 / step.dt));
+  }
+  layout.to_global(acting, others);
+  check(VecAXPY(missing, -1, others));
+  return of_data + motion_.rigid().book_reactions(u, missing, told);
 }
 
 // The support supplies what closes the balance on held dofs: a mean of both ends, and of what acts over the
@@ -266,12 +305,15 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
 StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double grown) {
   const Discretisation& d = motion_.discretisation();
   StepWork work;
+  const Handle<Vec> by_forces = d.displacement.make_global(); // the velocity
   if (inertia_) {
-    work.integrator = find_integrator_energy(step, u, v, a, grown);
+    check(VecWAXPY(by_forces, -1, step.told_velocity, v));
+    work.integrator = find_integrator_energy(step, u, by_forces, a, grown);
     work.shock = find_shock(step);
   }
   std::vector<double> corrected = d.displacement.make_local();
-  work.rigid = take_over_forces(step, u, a, corrected);
+  take_over_forces(step, corrected);
+  work.rigid = book_bodies(step, u, by_forces);
   // m tau- of broken points acts over the step as a whole, like the stabilised contact.
   const std::vector<double> unilateral = unilateral_of(d, *step.forces);
   const std::vector<double> over_step = close_balance(step, corrected, unilateral);

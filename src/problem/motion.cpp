@@ -262,16 +262,6 @@ void MotionProblem::loads(Vec u, Handle<Vec>& external) {
   }
 }
 
-double MotionProblem::book_rigid_reactions(Vec u, Vec acceleration, double factor) {
-  if (rigid_->empty()) return 0;
-  ForceParts forces;
-  parts(u, forces);
-  check(VecScale(forces.external, -1));
-  check(VecAXPY(forces.external, -step_.contact_scale, forces.contact));
-  if (acceleration) d_.displacement.to_local(acceleration, a_);
-  return rigid_->book_reactions(u, forces.external, acceleration ? &a_ : nullptr, factor);
-}
-
 std::string MotionProblem::broken_text() const {
   const double J = broken_.material < 0 ? HUGE_VAL : std::isfinite(broken_.value) ? broken_.value : -HUGE_VAL;
   const MarkedCell worst = of_least(d_.mesh.comm(), J, broken_);

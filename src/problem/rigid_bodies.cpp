@@ -198,32 +198,34 @@ void RigidBodies::add_tangent(Vec u, double mass_shift, Mat K) {
   }
 }
 
-double RigidBodies::book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor) {
+double RigidBodies::book_reactions(Vec u, Vec f, Vec beside) {
   if (empty()) return 0;
-  Handle<Vec> copy;
-  check(VecDuplicate(f, copy.out()));
-  check(VecCopy(f, copy));
-  std::vector<Sums> kept = forces_;
-  std::vector<double> still;
-  if (acceleration == nullptr) still.assign(at(dim_) * body_of_node_.size(), 0.0);
-  reduce(u, copy, acceleration != nullptr ? acceleration : &still);
+  place(u);
+  const std::vector<Sums> total = sums_of(Weight::one, f), more = sums_of(Weight::one, beside);
   double work = 0;
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const RigidPlace& place = reduction_.bodies()[b];
-    const Vector3 moment = axial(forces_[b].moment * transposed(place.test));
+    const RigidBody& body = bodies_[b];
+    const Matrix3& arms = reduction_.bodies()[b].test;
     const Vector3 turn = cayley_vector(now_[b].turned * transposed(start_[b].turned));
+    Vector3 moment = axial(total[b].moment * transposed(arms));
+    const Vector3 beside_moment = axial(more[b].moment * transposed(now_[b].turned));
+    if (dynamic_) { // of it the free components take their part
+      const Matrix3 J = inertia_of(arms, body.second, arms);
+      const Vector3 taken = J * free_spin(body, J, moment);
+      for (std::size_t k = 0; k < 3; ++k) moment[k] -= taken[k];
+    }
     for (std::size_t k = 0; k < 6; ++k) {
       const std::size_t entry = 7 * b + 1 + k;
       const double before = row_state_->committed[entry];
       double& now = row_state_->trial[entry];
       now = 0;
-      if (bodies_[b].held[k] == RigidBody::free_motion || (k < 3 && k >= at(dim_))) continue;
-      now = factor * (k < 3 ? forces_[b].sum[k] : moment[k - 3]);
+      if (body.held[k] == RigidBody::free_motion || (k < 3 && k >= at(dim_))) continue;
+      now = k < 3 ? total[b].sum[k] : moment[k - 3];
       const double way = k < 3 ? now_[b].moved[k] - start_[b].moved[k] : turn[k - 3];
       work += (dynamic_ ? now : (now + before) / 2) * way;
+      now += k < 3 ? more[b].sum[k] : beside_moment[k - 3];
     }
   }
-  forces_ = std::move(kept);
   return work;
 }
 

@@ -28,6 +28,27 @@ Vector3 RigidBodies::rotation_data(const RigidBody& body, double t) const {
   return value;
 }
 
+// Rates of prescribed components at the end of the attempt, of places one-sided differences; 0 of others.
+RigidVector RigidBodies::told_rates(const RigidBody& body) const {
+  const double h = 1e-4 * (t_ - t_n_), *x = body.centre.data();
+  RigidVector rate{};
+  for (std::size_t k = 0; k < 6; ++k)
+    if (const auto [held, is_rate, data] = hold(body, k); data)
+      rate[k] =
+          is_rate ? (*data)(x, dim_, t_)
+                  : (3 * (*data)(x, dim_, t_) - 4 * (*data)(x, dim_, t_ - h) + (*data)(x, dim_, t_ - 2 * h)) /
+                        (2 * h);
+  if (dim_ == 2 || !turns_as_told(body)) return rate;
+  // Rates of rotation vectors in space are not their derivatives.
+  const Matrix3 end = rotation_of(rotation_data(body, t_));
+  const auto turned = [&](double t) {
+    return cayley_vector(end * transposed(rotation_of(rotation_data(body, t))));
+  };
+  const Vector3 one = turned(t_ - h), two = turned(t_ - 2 * h);
+  for (std::size_t k = 0; k < 3; ++k) rate[3 + k] = (4 * one[k] - two[k]) / (2 * h);
+  return rate;
+}
+
 // All components of the rotation are prescribed, as rotations from the reference configuration.
 bool RigidBodies::turns_as_told(const RigidBody& body) const {
   for (std::size_t k = dim_ == 3 ? 3 : 5; k < 6; ++k)

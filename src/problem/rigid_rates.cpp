@@ -15,6 +15,29 @@ Vector3 spin_by(int dim, const RigidBody& body, const Matrix3& R, const Vector3&
 
 } // namespace
 
+Vector3 RigidBodies::free_spin(const RigidBody& body, Matrix3 J, Vector3 moment) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (body.held[3 + k] == RigidBody::free_motion && (dim_ == 3 || k == 2)) continue;
+    moment[k] = 0;
+    for (std::size_t j = 0; j < 3; ++j) J[3 * k + j] = J[3 * j + k] = j == k ? 1 : 0;
+  }
+  return inverse(J) * moment;
+}
+
+template <class Arms>
+void RigidBodies::set_free_rates(const std::vector<Sums>& total, Arms&& arms, Vec rate) const {
+  std::vector<Vector3> speed(bodies_.size()), spin(bodies_.size());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const RigidBody& body = bodies_[b];
+    const Matrix3& F = arms(b);
+    for (std::size_t k = 0; k < at(dim_); ++k)
+      if (body.held[k] == RigidBody::free_motion) speed[b][k] = total[b].sum[k] / body.mass;
+    spin[b] = free_spin(body, inertia_of(F, body.second, F), axial(total[b].moment * transposed(F)));
+  }
+  set_nodes(rate,
+            [&](std::size_t b, const Vector3& Y) { return plus(speed[b], cross(spin[b], arms(b) * Y)); });
+}
+
 void RigidBodies::accelerate(Vec f, Vec a) const {
   if (empty()) return;
   std::vector<Sums> total = sums_of(Weight::one, f);
@@ -27,26 +50,40 @@ void RigidBodies::accelerate(Vec f, Vec a) const {
 
 void RigidBodies::strike(Vec f, Vec gain) const {
   if (empty()) return;
-  const std::vector<Sums> total = sums_of(Weight::one, f);
-  std::vector<Vector3> speed(bodies_.size()), spin(bodies_.size());
+  set_free_rates(
+      sums_of(Weight::one, f), [&](std::size_t b) -> const Matrix3& { return start_[b].turned; }, gain);
+}
+
+void RigidBodies::keep_free_rates(Vec v) const {
+  if (empty()) return;
+  set_free_rates(
+      sums_of(Weight::mass, v), [&](std::size_t b) -> const Matrix3& { return reduction_.bodies()[b].test; },
+      v);
+}
+
+void RigidBodies::move_as_told(Vec v, Vec change) const {
+  check(VecSet(change, 0));
+  if (empty()) return;
+  const std::vector<Sums> speed = sums_of(Weight::mass, v);
+  std::vector<Vector3> gain(bodies_.size()), spin(bodies_.size());
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidBody& body = bodies_[b];
-    const Matrix3& R = start_[b].turned;
-    for (std::size_t k = 0; k < at(dim_); ++k)
-      if (body.held[k] == RigidBody::free_motion) speed[b][k] = total[b].sum[k] / body.mass;
-    Vector3 moment = axial(total[b].moment * transposed(R));
-    Matrix3 J = inertia_of(R, body.second, R);
-    if (dim_ == 2) J = {1, 0, 0, 0, 1, 0, 0, 0, body.second[0] + body.second[4]};
+    const Matrix3& R = now_[b].turned;
+    const RigidVector told = told_rates(body);
+    const Vector3 turns = spin_by(dim_, body, R, axial(speed[b].moment * transposed(R)));
+    Vector3 more{};
     for (std::size_t k = 0; k < 3; ++k) {
-      if (body.held[3 + k] == RigidBody::free_motion) continue;
-      moment[k] = 0;
-      for (std::size_t j = 0; j < 3; ++j) J[3 * k + j] = J[3 * j + k] = j == k ? 1 : 0;
+      if (body.held[k] != RigidBody::free_motion) gain[b][k] = told[k] - speed[b].sum[k] / body.mass;
+      if (body.held[3 + k] != RigidBody::free_motion) more[k] = told[3 + k] - turns[k];
     }
-    spin[b] = inverse(J) * moment;
+    const Matrix3 J = inertia_of(R, body.second, R);
+    const Vector3 taken = free_spin(body, J, J * more);
+    for (std::size_t k = 0; k < 3; ++k) spin[b][k] = more[k] - taken[k];
   }
-  set_nodes(gain, [&](std::size_t b, const Vector3& Y) {
-    return plus(speed[b], cross(spin[b], start_[b].turned * Y));
+  set_nodes(change, [&](std::size_t b, const Vector3& Y) {
+    return plus(gain[b], cross(spin[b], now_[b].turned * Y));
   });
+  check(VecAXPY(v, 1, change));
 }
 
 std::vector<RigidMotionState> RigidBodies::motion(Vec u, Vec v) const {

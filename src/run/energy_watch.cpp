@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <impact/run/energy_watch.hpp>
@@ -8,7 +9,11 @@ namespace {
 
 // So many steps beyond a bound are no start of a run.
 constexpr int many_steps = 5;
-constexpr double grown = 0.01; // part of a bound by which an error grows in one of them
+constexpr double grown = 0.01;  // part of a bound by which an error grows in one of them
+constexpr double soft = 0.1;    // part of the elastic energy that penalties may hold without a word
+constexpr double shrinks = 0.9; // of what it was, an error that grows small beside what comes later
+
+enum : std::size_t { warns, stops }; // the bounds
 
 } // namespace
 
@@ -17,13 +22,15 @@ EnergyWatch::EnergyWatch(RunStage& stage)
       least_(1e-2 * stage.motion.reference_force() * stage.d.mesh.smallest_edge() * stage.d.thickness *
              static_cast<double>(stage.d.mesh.global_cell_count())) {}
 
-// Steps without one within the bound between them. What the first steps of a load miss grows small beside
-// what comes later, and what one step across a kink of the force misses, as where contact opens, stays:
-// without inertia a step in which the error does not grow does not count.
+// Steps without one within the bound between them. What the first steps of a load miss, as the heat of
+// friction that begins, grows small beside what comes later, and such steps end no run; what one step
+// across a kink of the force misses, as where contact opens, stays, and without inertia counts once.
 bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
   const double error = std::abs(stage_.ledger.energy_error());
   const bool is = stage_.ledger.energy_scale() >= least_ && bound > 0 && error > bound;
-  const bool counts = stage_.inertia || error >= std::abs(before) + grown * bound;
+  const bool counts = !stage_.inertia  ? error >= std::abs(before) + grown * bound
+                      : which == stops ? error >= shrinks * std::abs(before)
+                                       : true;
   steps_beyond_.trial[which] = is ? steps_beyond_.committed[which] + (counts ? 1 : 0) : 0;
   return is;
 }
@@ -31,11 +38,15 @@ bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
 Verdict EnergyWatch::judge(double before, double t) {
   const Scenario& s = stage_.scenario;
   const MPI_Comm comm = stage_.d.mesh.comm();
-  const double residual = stage_.ledger.energy_error();
-  const bool past_stop = beyond(1, s.energy_stop, before), past_tol = beyond(0, s.energy_tol, before);
+  const double residual = stage_.ledger.energy_error(), held = stage_.ledger.held_by_contacts();
+  if (held > most_held_) {
+    most_held_ = held;
+    strain_then_ = stage_.ledger.energies().total.elastic;
+  }
+  const bool past_stop = beyond(stops, s.energy_stop, before), past_tol = beyond(warns, s.energy_tol, before);
   // A run without inertia may lose the energy of a crack that ran within a step: no store takes it up.
   const bool must_close = stage_.inertia || residual > 0;
-  if (past_stop && steps_beyond_.trial[1] >= many_steps && must_close) {
+  if (past_stop && steps_beyond_.trial[stops] >= many_steps && must_close) {
     check(PetscPrintf(comm, "impact: %s\n", text(t, "energy_stop", s.energy_stop).c_str()));
     throw UserError(ExitCode::solver, "stopped by -energy_stop: this is no solution; " + remedy() +
                                           " (-energy_stop 0 goes on)");
@@ -43,7 +54,7 @@ Verdict EnergyWatch::judge(double before, double t) {
   if (!past_tol) return {};
   const std::string said = text(t, "energy_tol", s.energy_tol);
   if (s.energy_action == Scenario::EnergyAction::warn) {
-    if (steps_beyond_.trial[0] < many_steps || !warning_.empty()) return {};
+    if (steps_beyond_.trial[warns] < many_steps || !warning_.empty()) return {};
     warning_ = said;
     check(PetscPrintf(comm, "impact: WARNING: %s; %s\n", said.c_str(), remedy().c_str()));
     return {};
@@ -62,6 +73,7 @@ void EnergyWatch::report_end(double t) const {
   const MPI_Comm comm = stage_.d.mesh.comm();
   const double left = stage_.ledger.energy_error();
   tell_of_impacts();
+  tell_of_penalties();
   if (!warning_.empty())
     check(PetscPrintf(comm, "impact: WARNING, first of its kind: %s; at the end %.3g\n", warning_.c_str(),
                       left));
@@ -83,15 +95,32 @@ void EnergyWatch::tell_of_impacts() const {
                   part));
 }
 
+// A contact whose springs hold as much as the bodies is as soft as these are.
+void EnergyWatch::tell_of_penalties() const {
+  const Scenario& s = stage_.scenario;
+  if (s.energy_tol == 0 || !(strain_then_ > 0) || most_held_ < least_ ||
+      most_held_ <= soft * (most_held_ + strain_then_))
+    return;
+  check(PetscPrintf(
+      stage_.d.mesh.comm(),
+      "impact: penalties of contacts held %.2g of the elastic energy of bodies when they held most "
+      "(energy_contact): what presses goes in by about that part of its way; finer cells or a larger "
+      "-contact_<id>_penalty make them stiffer%s\n",
+      most_held_ / strain_then_,
+      s.explicit_steps() ? ", with -contact_<id>_enforce impulse there are none" : ""));
+}
+
 std::string EnergyWatch::text(double t, const char* option, double bound) const {
   const double residual = stage_.ledger.energy_error(), scale = stage_.ledger.energy_scale();
+  const double first_law = stage_.ledger.balance_first_law();
+  const bool gain = residual - std::max(0.0, first_law) > std::abs(first_law);
   char text[240];
   std::snprintf(
       text, sizeof(text),
-      "energy balance: first-law residual %.3g exceeds -%s %.3g at t = %.10g: %.4g of energy %s since "
-      "t = 0, the largest is %.4g",
-      std::abs(residual), option, bound, t, std::abs(residual) * scale, residual > 0 ? "gained" : "lost",
-      scale);
+      "energy balance: %s %.3g exceeds -%s %.3g at t = %.10g: %.4g of energy %s since t = 0, the largest is "
+      "%.4g",
+      gain ? "`gain` of contact and integrator" : "first-law residual", std::abs(residual), option, bound, t,
+      std::abs(residual) * scale, residual > 0 ? "gained" : "lost", scale);
   return text;
 }
 

@@ -59,6 +59,7 @@ StepRecord Coupling::record(Vec u) {
   if (explicit_) record.bodies = explicit_->bodies().work();
   record.contact_shock = update_.shock();
   record.contact_acceleration = update_.acceleration();
+  record.told_velocity = update_.told();
   record.increments = &pass_.increments;
   record.phi = pass_.phi;
   record.dissipation = pass_.dissipation;

@@ -47,7 +47,8 @@ StabilisedUpdate::StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& s
                                    bool stabilise, bool unilateral)
     : ts_(ts), motion_(motion), solver_(solver), state_(state), stabilise_(stabilise),
       unilateral_(unilateral), shock_(motion.discretisation().displacement.make_global()),
-      acceleration_(motion.discretisation().displacement.make_global()) {}
+      acceleration_(motion.discretisation().displacement.make_global()),
+      told_(motion.discretisation().displacement.make_global()) {}
 
 void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
   const InStage stage(Stage::motion);
@@ -91,6 +92,15 @@ void StabilisedUpdate::take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a)
   check(VecAXPY(a, -1, taken));
   check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), taken));
   check(VecAXPY(acceleration_, 1, taken));
+  // What is not free moves by its mean velocity, whatever forces do: v_n + v = 2 du/dt there.
+  const Handle<Vec> lag = d.displacement.make_global(), free = d.displacement.make_global();
+  check(VecAXPBYPCZ(lag, 2 * p.beta - p.gamma, p.s - 1 - 2 * p.beta + p.gamma, 0, a, before));
+  check(VecCopy(lag, free));
+  motion_.rigid().place(u);
+  motion_.rigid().keep_free_rates(free);
+  check(VecAXPY(lag, -1, free));
+  check(VecAXPY(v, motion_.step().dt, lag));
+  motion_.rigid().move_as_told(v, told_);
 }
 
 void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {

@@ -70,6 +70,34 @@ for name, options in (("plane, points", {}), ("plane, mortar", {"contact_face_me
     check(f"{name}, conserving: loss of the integrator", abs(r["dissipated_numerical"]).max() / r["energy_kinetic"][0], 0, 1e-9,
           relative=False)
 
+print("an obstacle with mass that is driven into a block and stops: its velocity is that of the data, whatever steps damp")
+TOLD = {"units": "mm_t_s_MPa", "mesh": mesh("block.geo"), "mesh_set_n": 8, "mesh_set_lx": 4, "mesh_set_ny": 2, "materials": "solid",
+        "material_solid_E": 1000, "material_solid_nu": 0.3, "material_solid_rho": 1e-9, "bcs": "hold,drive", "bc_hold_on": "bottom",
+        "bc_hold_type": "fix", "bc_drive_on": "obstacle_p", "contacts": "p", "contact_p_secondary": "top", "contact_p_primary": "rigid_cylinder", "contact_p_centre": "2,6",
+        "contact_p_radius": 5, "contact_p_rigid_mass": 1e-4, "bc_drive_ux": 0, "bc_drive_uy": "(-0.02)*min(1,t/0.2)",
+        "bc_drive_rz": "3*t", "ts_dt": 0.02, "ts_max_time": 0.4}
+# With friction contact's heat of the first steps is twice its work: no reason to stop.
+for name, options in (("rho 0", {"ts_newmark_rho": 0}), ("rho 0.5, friction", {"ts_newmark_rho": 0.5, "contact_p_friction": 0.3}),
+                      ("rho 1", {"ts_newmark_rho": 1})):
+    r = run("told", {**TOLD, **options})
+    moves = r["time"] < 0.2 + 1e-9
+    check(f"{name}: speed down", abs(r["rigid_obstacle_p_vy"] + 0.1 * moves).max(), 0, 1e-9, relative=False)
+    check(f"{name}: speed across", abs(r["rigid_obstacle_p_vx"]).max(), 0, 1e-9, relative=False)
+    check(f"{name}: spin", abs(r["rigid_obstacle_p_wz"] - 3).max(), 0, 1e-9, relative=False)
+    check(f"{name}: support against contact, at rest", r["reaction_drive_y"][-1], r["contact_p_force_y"][-1], 1e-6)
+
+print("a rigid block that its weight presses on another one: its nodes keep their distances, whatever steps damp")
+PRESSED = {"units": "mm_t_s_MPa", "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 3, "mesh_set_n_upper": 4, "mesh_set_gap": 0, "mesh_set_inset": 0.1,
+           "materials": "lower,upper", "material_lower_E": 1000, "material_lower_nu": 0.3, "material_lower_rho": 1e-9,
+           "material_upper_model": "rigid", "material_upper_rho": 1e-9, "contacts": "face", "contact_face_secondary": "upper_bottom",
+           "contact_face_primary": "lower_top", "bcs": "hold,weight", "bc_hold_on": "lower_bottom", "bc_hold_type": "fix",
+           "bc_weight_on": "upper", "bc_weight_type": "body_force", "bc_weight_uy": "(-1e10)*min(1,t/0.1)", "ts_dt": 0.02, "ts_max_time": 0.2}
+for rho in (0, 0.5):
+    r = run("pressed", {**PRESSED, "ts_newmark_rho": rho})
+    # 0.8 mm by 1 mm
+    twice = 0.8e-9 * (r["rigid_upper_vx"] ** 2 + r["rigid_upper_vy"] ** 2 + (0.8**2 + 1) / 12 * r["rigid_upper_wz"] ** 2)
+    check(f"rho {rho}: kinetic energy over that of the rigid motion", 2 * r["energy_kinetic_upper"].max() / twice.max(), 1, 1e-3)
+
 print("a disc that spins is let down on a slab: friction slows the spin and drives it along")
 WEIGHT, SPIN, RADIUS, MASS = 10.0, 20.0, 0.5, 100.0
 DISC = {"mesh": mesh("block.geo"), "mesh_set_n": 60, "mesh_set_ny": 2, "mesh_set_lx": 1.5, "mesh_set_ly": 0.1,

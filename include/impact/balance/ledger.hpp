@@ -68,6 +68,8 @@ public:
   double balance_first_law() const;
   /// The first law's residual, a gain positive, and with it `gain`, which closes it.
   double energy_error() const;
+  /// What contacts hold now: the energy of penalties.
+  double held_by_contacts() const { return sum(contact_store); }
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
   /// What impacts took, relative to that.

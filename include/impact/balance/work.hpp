@@ -55,7 +55,9 @@ private:
   double kept_by_nodes_of_bodies(double dt, Vec a, Vec Ma) const;
   ShockWork find_shock(const StepRecord& step) const;
   IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
-  double take_over_forces(const StepRecord& step, Vec u, Vec a, std::vector<double>& corrected);
+  Handle<Vec> free_part(Vec of) const;
+  void take_over_forces(const StepRecord& step, std::vector<double>& corrected);
+  double book_bodies(const StepRecord& step, Vec u, Vec v);
   std::vector<double> close_balance(const StepRecord& step, const std::vector<double>& corrected,
                                     const std::vector<double>& unilateral);
   double mean_work(const std::vector<double>& du, const StateRow& row) const;

@@ -94,10 +94,6 @@ public:
 
   /// Imposes the prescribed values of time t on u, and on rigid bodies the nearest rigid motion. Collective.
   void impose(Vec u) const;
-  /// Work of the reactions of rigid bodies' prescribed motion in the attempt, and these into their row;
-  /// acceleration: that of the balance, or null without inertia; factor: what of the missing force acts over
-  /// the step. Collective.
-  double book_rigid_reactions(Vec u, Vec acceleration, double factor);
   /// Rebuilds contact candidates near u; true when the matrix was replaced by one with another pattern.
   /// Collective.
   bool update_contact(Vec u);

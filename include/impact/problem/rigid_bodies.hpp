@@ -114,13 +114,22 @@ public:
   /// gain = rate of the rigid motion per impulse, on the nodes of bodies, by impulses f [node][dim] whose
   /// arms are those of the start of the attempt; prescribed components gain nothing. Collective.
   void strike(Vec f, Vec gain) const;
+  /// Arms become those of an evaluation at u. Collective.
+  void place(Vec u);
+  /// On the nodes of bodies v becomes the part of it that is a rigid rate of their free components, with the
+  /// arms of the last evaluation: the rest is across all those in the norm of the mass. Collective.
+  void keep_free_rates(Vec v) const;
+  /// Prescribed components of the velocity v on bodies that stand as in the last evaluation become those of
+  /// the data at the end of the attempt, momenta of free ones stay; `change`: what v changed by. Collective.
+  void move_as_told(Vec v, Vec change) const;
   /// Power of the reactions that keep prescribed components as they are while forces f strike; u, v of the
   /// start of the attempt. Collective.
   double strike_power(Vec f, Vec u, Vec v) const;
-  /// Reactions of prescribed components for the residual's forces f, which keep their values: `factor` times
-  /// what is missing to balance, into the trial half of the row. Returns their work in the attempt, with the
-  /// mean of both ends unless the attempt is dynamic. After begin. Collective.
-  double book_reactions(Vec u, Vec f, const std::vector<double>* acceleration, double factor);
+  /// Reactions of prescribed components, into the trial half of the row, by forces f on the nodes: those that
+  /// act, with the other sign; in a dynamic attempt what momenta gained in it less what acts in the mean, of
+  /// which free components take their part. Returns their work in the attempt, without inertia with the mean
+  /// of both ends; that of `beside`, which adds to the reactions, is left out. After begin. Collective.
+  double book_reactions(Vec u, Vec f, Vec beside);
   const double* reactions(int body) const; ///< of the row's trial half: [6]
   /// Largest angle between the poses at two displacements, and the body that it is of. Collective.
   std::pair<double, std::size_t> most_turned(Vec from, Vec to) const;
@@ -174,6 +183,10 @@ private:
   std::vector<RigidPose> poses(const std::vector<Sums>& of_u) const;
   /// u = field(body, reference arm) on the nodes of bodies.
   template <class Field> void set_nodes(Vec u, Field&& field) const;
+  /// Spin of the free components by a moment, J being the inertia; no other turns.
+  Vector3 free_spin(const RigidBody& body, Matrix3 J, Vector3 moment) const;
+  /// rate = rigid rates by impulses with these sums, of bodies with arms (arms(body) Y).
+  template <class Arms> void set_free_rates(const std::vector<Sums>& total, Arms&& arms, Vec rate) const;
   /// Of a body's unknowns which component it is, 0..5.
   std::size_t component_of(int unknown) const { return unknown == 2 && dim_ == 2 ? 5 : at(unknown); }
   /// visit(entry of an owned vector, unknown, component) for the unknowns of a body that are on this rank.
@@ -182,11 +195,11 @@ private:
       if (const int row = slot_row_[body][r < dim_ ? 0 : 1]; row >= 0)
         visit(row + r % dim_, r, component_of(r));
   }
-  void place(Vec u);
   void add_block(std::size_t body, double mass, const Matrix3& turn, Mat K) const;
   RigidPose admissible(std::size_t body, RigidPose pose) const;
   Hold hold_by(int condition, std::size_t component) const;
   Vector3 rotation_data(const RigidBody& body, double t) const;
+  RigidVector told_rates(const RigidBody& body) const;
   Vector3 arm(std::size_t place) const;
   void find_nodes(const Discretisation& d);
   void weigh(const Discretisation& d);

@@ -19,6 +19,7 @@ public:
 private:
   bool beyond(std::size_t which, double bound, double before);
   void tell_of_impacts() const;
+  void tell_of_penalties() const;
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
   std::string step_remedy() const;
@@ -26,7 +27,8 @@ private:
   RunStage& stage_;
   StateRow& steps_beyond_; ///< [bound]: -energy_tol, -energy_stop
   double least_; ///< energy of bodies strained by 1e-7: below it the first law is one of rounding errors
-  std::string warning_; ///< the first one
+  std::string warning_;                    ///< the first one
+  double most_held_ = 0, strain_then_ = 0; ///< by penalties of contacts, and by bodies at that time
 };
 
 } // namespace impact

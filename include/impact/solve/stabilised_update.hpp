@@ -9,7 +9,8 @@
 ///   w = arg min |w - u_tilde|_M / 2  over what the gradients of the start admit,   v_n += (w - u_tilde)/dt
 ///   a -= a_c,  v += dt (2 beta - gamma) a_c   with M a_c = F / (2 beta)
 /// The second line also holds for the unilateral stress of broken points, which acts like a contact. From
-/// rigid bodies the update takes out what keeps them rigid, so that their acceleration is that by the forces.
+/// rigid bodies the update takes out what keeps them rigid, so that their acceleration is that by the forces,
+/// and gives what these cannot move its mean velocity, what data move that of the data.
 namespace impact {
 
 class StabilisedUpdate {
@@ -34,6 +35,8 @@ public:
   Vec shock() const { return shock_; }
   /// What `correct` took out of the acceleration.
   Vec acceleration() const { return acceleration_; }
+  /// By what it then changed the velocity of rigid bodies to that of their data.
+  Vec told() const { return told_; }
   /// Forces at the end of the step, `unilateral` among them, where that acts apart.
   const ForceParts& forces() const { return forces_; }
 
@@ -50,7 +53,7 @@ private:
   StateTable& state_;
   bool stabilise_, unilateral_;
   bool warned_ = false;
-  Handle<Vec> shock_, acceleration_;
+  Handle<Vec> shock_, acceleration_, told_;
   ForceParts forces_;
 };
 

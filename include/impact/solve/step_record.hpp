@@ -36,8 +36,9 @@ struct StepRecord {
   /// What was taken out of the integrator's acceleration: of deformable bodies the shares of the
   /// contact-stabilised update and of the unilateral stress, of rigid ones that of the constraint.
   Vec contact_acceleration = nullptr;
-  bool stabilised = false; ///< the contact-stabilised update is at work
-  bool unilateral = false; ///< the unilateral stress of broken points acts over the step as a whole
+  Vec told_velocity = nullptr; ///< put into the velocity by the data of rigid bodies, after the step's forces
+  bool stabilised = false;     ///< the contact-stabilised update is at work
+  bool unilateral = false;     ///< the unilateral stress of broken points acts over the step as a whole
 
   BodyWork bodies; ///< of rigid bodies in a step by central differences
 
