@@ -42,6 +42,14 @@ void define_language(mu::Parser& parser) {
   parser.DefineFun("cycle", cycle);
 }
 
+std::string function_names() {
+  mu::Parser parser;
+  define_language(parser);
+  std::string names;
+  for (const auto& [name, function] : parser.GetFunDef()) names += " " + name;
+  return names;
+}
+
 void refuse_assignment(const GivenOption& option) {
   for (std::size_t at = 0; (at = option.text.find('=', at)) != std::string::npos; ++at)
     if (option.text.substr(at).starts_with("=="))
@@ -62,7 +70,8 @@ void parse(mu::Parser& parser, const GivenOption& option, const std::string& par
   } catch (const mu::Parser::exception_type& error) {
     const std::string place = " at character " + std::to_string(error.GetPos());
     if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN)
-      refuse_option(option, "unknown name '" + error.GetToken() + "'" + place + "; known: " + known);
+      refuse_option(option, "unknown name '" + error.GetToken() + "'" + place + "; known: " + known +
+                                "; functions:" + function_names());
     std::string message = error.GetMsg();
     while (!message.empty() && (message.back() == '.' || message.back() == '\n')) message.pop_back();
     if (message.find("position") == std::string::npos && error.GetPos() >= 0) message += place;

@@ -145,7 +145,7 @@ void add_toughness_by_state(MaterialRows& rows) {
       row.file("Gc_rate", &Material::rate_table,
                "file with two columns rate, factor on Gc: the rate (in run units) at which the largest "
                "principal stretch of a cell grows or falls, over itself; straight between the rows, constant "
-               "beyond them");
+               "beyond them; it needs damage_gradient material");
   by_rate.read = [](Material& m, const GivenOption& option, const OptionContext& context) {
     read_factors(option, context, m.rate_table, m.toughness.rate, "rate");
   };
@@ -153,7 +153,7 @@ void add_toughness_by_state(MaterialRows& rows) {
   auto& by_temperature =
       row.file("Gc_temperature", &Material::temperature_table,
                "file with two columns temperature (K), factor on Gc; straight between the rows, "
-               "constant beyond them");
+               "constant beyond them; with motion it needs damage_gradient material");
   by_temperature.read = [](Material& m, const GivenOption& option, const OptionContext& context) {
     read_factors(option, context, m.temperature_table, m.toughness.temperature, "temperature");
   };
@@ -179,7 +179,7 @@ void add_toughness(MaterialRows& rows) {
              "fatigue", &ToughnessFatigue::law,
              "what fatigue lowers: power, the drive of damage, by the variable of fatigue_a (F1); asymptotic "
              "or logarithmic, the toughness, by that function of the degraded energy in tension, summed up "
-             "while it grows",
+             "while it grows (with motion they need damage_gradient material)",
              "power", FatigueLaw::power, "asymptotic", FatigueLaw::asymptotic, "logarithmic",
              FatigueLaw::logarithmic)
           .notation("f (F2)")

@@ -85,7 +85,9 @@ TEST(Expressions, AnUnknownNameIsShownWithItsPlaceAndTheKnownOnes) {
     FAIL();
   } catch (const impact::UserError& error) {
     EXPECT_STREQ(error.what(), "-bc_push_uy \"0.1*sin(2*p*t)\": unknown name 'p' at character 10; "
-                               "known: x y z t pi e v0 load()");
+                               "known: x y z t pi e v0 load(); functions: abs acos acosh asin asinh atan "
+                               "atan2 atanh avg cos cosh cycle exp ln log log10 log2 max min pulse ramp rint "
+                               "sign sin sinh sqrt step sum tan tanh");
   }
 }
 

@@ -48,7 +48,9 @@ const std::vector<Row>& rows() {
        "unknown option -material_beam_Gcc; did you mean -material_beam_Gc?   (materials: beam, wedge)"},
       {{{"-bc_push_uy", "0.1*sin(2*p*t)"}},
        ExitCode::usage,
-       "-bc_push_uy \"0.1*sin(2*p*t)\": unknown name 'p' at character 10; known: x y z t pi e v0 load()"},
+       "-bc_push_uy \"0.1*sin(2*p*t)\": unknown name 'p' at character 10; known: x y z t pi e v0 load(); "
+       "functions: abs acos acosh asin asinh atan atan2 atanh avg cos cosh cycle exp ln log log10 log2 max "
+       "min pulse ramp rint sign sin sinh sqrt step sum tan tanh"},
       {{{"-material_baem_E", "1"}},
        ExitCode::usage,
        "unknown option -material_baem_E; did you mean -material_beam_E?   (materials: beam, wedge)"},
