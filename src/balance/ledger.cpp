@@ -96,11 +96,14 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   sum(unbalanced) += work_left;
   sum(identity) += kinetic_change + loss + work_internal + work_unilateral - work_external - work_contact -
                    work.shock.contact - work.shock.rigid - work_left + of_arms;
+  for (std::size_t k = 0; erosion_ != nullptr && k < 3; ++k)
+    erosion_->trial[ErosionTotals::momentum + k] +=
+        step.dt / 2 * std::exchange(erosion_->trial[ErosionTotals::force + k], 0);
   book_points(step, work_unilateral);
   if (choice_.coupling_error) find_coupling_error(step);
   if (heat_) heat_->book(step, w);
   if (!watched) return;
-  book_scale();
+  book_scale(step.dt);
   reactions_.find(forces_.reactions(), u);
 }
 
@@ -191,7 +194,12 @@ void Ledger::find_coupling_error(const StepRecord& step) {
   coupling_error_ = size > 0 ? change / size : 0;
 }
 
-void Ledger::book_scale() {
+// Rigid bodies at rest have the energy of rounding errors: less than that of 1e-12 of a cell in a step is
+// none.
+void Ledger::book_scale(double dt) {
+  const double speed = 1e-12 * motion_.discretisation().mesh.smallest_edge() / dt;
+  for (const RigidBody& body : motion_.rigid().bodies())
+    sum(scale) = std::max(sum(scale), motion_.discretisation().thickness * body.mass * speed * speed);
   sum(scale) = std::max({sum(scale), std::abs(stored() - sum(kept)), std::abs(sum(external)),
                          std::abs(sum(start_energy) - sum(kept_at_start))});
   if (heat_) sum(scale) = std::max(sum(scale), std::abs(heat_supplied()));
@@ -219,7 +227,7 @@ Ledger::Inertia Ledger::inertia(Vec u, Vec v, Vec a, double dt) {
           motion_.discretisation().thickness * forces_.kept(dt, a)};
 }
 
-void Ledger::book_shed_mass(const Inertia& before, const Inertia& after) {
+void Ledger::book_shed_mass(const Inertia& before, const Inertia& after, const std::array<double, 3>& force) {
   const double kinetic_lost = before.energies.total.kinetic - after.energies.total.kinetic,
                kept_lost = before.kept - after.kept;
   std::array<double, 3> momentum{};
@@ -232,7 +240,10 @@ void Ledger::book_shed_mass(const Inertia& before, const Inertia& after) {
     totals[Total::kinetic] -= kinetic_lost;
     totals[Total::kept] -= kept_lost;
     erosion[ErosionTotals::energy] += kinetic_lost + kept_lost;
-    for (std::size_t k = 0; k < 3; ++k) erosion[ErosionTotals::momentum + k] += momentum[k];
+    for (std::size_t k = 0; k < 3; ++k) {
+      erosion[ErosionTotals::momentum + k] += momentum[k];
+      erosion[ErosionTotals::force + k] = force[k];
+    }
   }
   energies_ = after.energies;
 }

@@ -226,7 +226,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
     put(r_, part);
   };
   d_.displacement.to_local(u, u_);
-  const bool apart = step_.unilateral_scale != 1;
+  const bool apart = step_.unilateral_apart;
   std::fill(r_.begin(), r_.end(), 0.0);
   add_cells(u_, nullptr, apart ? 0 : 1, r_);
   set(parts.internal);

@@ -38,11 +38,13 @@ bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
 Verdict EnergyWatch::judge(double before, double t) {
   const Scenario& s = stage_.scenario;
   const MPI_Comm comm = stage_.d.mesh.comm();
-  const double residual = stage_.ledger.energy_error(), held = stage_.ledger.held_by_contacts();
-  if (held > most_held_) {
-    most_held_ = held;
+  const double residual = stage_.ledger.energy_error();
+  const Ledger::Exchanged exchanged = stage_.ledger.exchanged();
+  if (exchanged.held > most_held_) {
+    most_held_ = exchanged.held;
     strain_then_ = stage_.ledger.energies().total.elastic;
   }
+  most_given_ = std::max(most_given_, -exchanged.integrator);
   const bool past_stop = beyond(stops, s.energy_stop, before), past_tol = beyond(warns, s.energy_tol, before);
   // A run without inertia may lose the energy of a crack that ran within a step: no store takes it up.
   const bool must_close = stage_.inertia || residual > 0;
@@ -86,7 +88,16 @@ void EnergyWatch::report_end(double t) const {
 // other, as on round bodies, do so each by itself.
 void EnergyWatch::tell_of_impacts() const {
   const Scenario& s = stage_.scenario;
-  const double part = stage_.ledger.part_of_impacts();
+  const double scale = stage_.ledger.energy_scale(), part = stage_.ledger.exchanged().struck / scale,
+               given = most_given_ / scale;
+  if (stage_.inertia && !s.explicit_steps() && s.energy_tol > 0 && given > s.energy_tol)
+    check(PetscPrintf(
+        stage_.d.mesh.comm(),
+        "impact: damped steps gave what touches up to %.2g of the largest energy "
+        "(dissipated_numerical below 0), which contact takes back (dissipated_contact): forces and "
+        "displacements are sound, velocities and kinetic energies of what touches are not; "
+        "-ts_newmark_rho nearer to 1, shorter steps or -contact_<id>_impact none give less\n",
+        given));
   if (s.explicit_steps() || s.energy_tol == 0 || part <= s.energy_tol) return;
   check(
       PetscPrintf(stage_.d.mesh.comm(),

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/mesh/agreed_error.hpp>
+#include <impact/petsc/ranks.hpp>
 #include <impact/run/stage.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/petsc_options.hpp>
@@ -339,7 +340,8 @@ void RunStage::follow_erosion(Vec u_now, double dt) {
 }
 
 // The forces that are there act on through the first half of the next step, on the mass that is left: M a
-// stays, but at prescribed dofs. Nodes without any mass stand still.
+// stays, but at prescribed dofs. Nodes without any mass stand still, and what they were to get of that half
+// goes with their momentum.
 void RunStage::shed_mass(Vec u_now, double dt) {
   Vec unused = nullptr, v_now = nullptr;
   check(TS2GetSolution(ts, &unused, &v_now));
@@ -350,16 +352,23 @@ void RunStage::shed_mass(Vec u_now, double dt) {
   motion.forget_mass();
   const std::vector<double> left = d.local_of(motion.lumped_mass());
   std::vector<double> speed = d.local_of(v_now), rate = d.local_of(a_now);
+  const auto dim = at(d.dim());
+  std::array<double, 3> force{};
   for (std::size_t i = 0; i < mass.size(); ++i) {
     if (left[i] == mass[i] || setup->boundary.fixed_mask()[i]) continue;
-    rate[i] *= left[i] > 0 ? mass[i] / left[i] : 0;
-    if (left[i] == 0) speed[i] = 0;
+    if (left[i] == 0) {
+      if (d.mesh.owned(static_cast<int>(i / dim))) force[i % dim] += d.thickness * mass[i] * rate[i];
+      speed[i] = rate[i] = 0;
+    } else {
+      rate[i] *= mass[i] / left[i];
+    }
   }
   d.displacement.to_global(speed, v_now);
   d.displacement.to_global(rate, a_now);
   rows.v.committed = rows.v.trial = std::move(speed);
   rows.a.committed = rows.a.trial = std::move(rate);
-  ledger.book_shed_mass(with_it, ledger.inertia(u_now, v_now, a_now, dt));
+  sum_over_ranks(d.mesh.comm(), force);
+  ledger.book_shed_mass(with_it, ledger.inertia(u_now, v_now, a_now, dt), force);
 }
 
 } // namespace impact

@@ -66,6 +66,7 @@ MotionStep Coupling::frozen_step() const {
   step.contact_scale = update_.contact_scale();
   if (explicit_) step.bulk = settings_.by_central_differences.bulk;
   step.unilateral_scale = update_.unilateral_scale();
+  step.unilateral_apart = update_.unilateral();
   return step;
 }
 

@@ -23,6 +23,11 @@ WALLS = {
 }
 
 
+# As much damping as there is, where a force at the end of a step moves the bodies like one over the step.
+damped, like = (run("damped", {**WALLS, "ts_dt": 1.25e-4, "ts_max_time": 2e-3, "ts_newmark_rho": rho}) for rho in (0, 1e-4))
+check("energy with rho 0, against that with hardly more", damped["energy_kinetic"][-1], like["energy_kinetic"][-1], 1e-3)
+
+
 def energy(r):
     return (r["energy_kinetic"] + r["energy_elastic"]) / r["energy_kinetic"][0]
 

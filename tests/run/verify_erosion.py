@@ -156,6 +156,20 @@ two = run("bar_two", {**flying, "material_middle_erosion_mass": "remove"}, ranks
 worst, where = difference(gone.history, two.history)
 check(f"remove: two ranks, in {where}", worst, 0, 1e-8, relative=False)
 
+print("a block strikes one that erodes: what nodes that lose all their mass were to get goes with it")
+STRIKE = {"mesh": mesh("two_blocks.geo"), "mesh_set_gap": 0.002, "mesh_scale": 0.1, "mesh_set_n_lower": 6, "mesh_set_n_upper": 4,
+          "mesh_set_inset": 0.2, "materials": "lower,upper", "material_lower_E": 7e10, "material_lower_nu": 0.3, "material_lower_rho": 2700,
+          "material_lower_model": "j2", "material_lower_sigma_y": 1e8, "material_lower_hardening": "none", "material_lower_erosion": True,
+          "material_lower_erosion_strain": 0.15, "material_lower_erosion_mass": "remove", "material_upper_E": 2e11, "material_upper_nu": 0.3,
+          "material_upper_rho": 7800, "ics": "f", "ic_f_on": "upper", "ic_f_vy": -300, "contacts": "c", "contact_c_secondary": "lower_top",
+          "contact_c_primary": "upper_bottom", "ts_type": "central_difference", "ts_max_time": 6e-5}
+for name, options in (("plane", {}), ("two ranks", {"ranks": 2})):
+    struck = run("struck", STRIKE, **options)
+    for axis in "xy":
+        whole = struck[f"momentum_lower_{axis}"] + struck[f"momentum_upper_{axis}"] + struck[f"eroded_momentum_{axis}"]
+        check(f"{name}: momentum {axis}", largest(whole - whole[0]) / abs(struck["momentum_upper_y"][0]), 0, 1e-12, relative=False)
+require("cells leave", struck["eroded_cells"][-1] > 4)
+
 print("faces that come free")
 HIT = {}
 for dim, y in ((2, "0, 1, 1.5, 2.5"), (3, "0, 0.5, 1, 1.5")):

@@ -19,6 +19,14 @@ def same(name, a, b, tolerance, columns):
     check(name, worst, 0, tolerance, relative=False)
 
 
+print("a block that stands on its support is no run to stop for rounding errors")
+for rho in (0, 0.8):
+    still = run("still", {"mesh": mesh("block.geo"), "materials": "box", "material_box_region": "solid", "material_box_model": "rigid",
+                          "material_box_rho": RHO, "bcs": "stand,weight", "bc_stand_on": "bottom", "bc_stand_ux": 0, "bc_stand_rz": 0,
+                          "bc_stand_uy": "0.1*ramp(t,0.5,0.8)", "bc_weight_on": "solid", "bc_weight_type": "body_force",
+                          "bc_weight_uy": -10, "ts_dt": 0.03, "ts_max_time": 1, "ts_newmark_rho": rho})
+    check(f"rho {rho}: reaction, at rest", still["reaction_stand_y"][-1], 10 * RHO, 1e-6)
+
 print("a free box that tumbles about its middle axis")
 SIZE = numpy.array([1.0, 2.0, 3.0])
 OMEGA = numpy.array([0.2, 3.0, 0.3])

@@ -51,8 +51,8 @@ public:
     double kept;
   };
   Inertia inertia(Vec u, Vec v, Vec a, double dt);
-  /// Likewise cells took their mass along.
-  void book_shed_mass(const Inertia& before, const Inertia& after);
+  /// Likewise cells took their mass along; `force` was on nodes without any now.
+  void book_shed_mass(const Inertia& before, const Inertia& after, const std::array<double, 3>& force);
   /// Takes the last booking back, for a step that is refused after it; the table's rollback does the rest.
   void unbook() { energies_ = energies_before_; }
 
@@ -68,12 +68,13 @@ public:
   double balance_first_law() const;
   /// The first law's residual, a gain positive, and with it `gain`, which closes it.
   double energy_error() const;
-  /// What contacts hold now: the energy of penalties.
-  double held_by_contacts() const { return sum(contact_store); }
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
-  /// What impacts took, relative to that.
-  double part_of_impacts() const { return sum(contact_loss) / energy_scale(); }
+  /// Energies: what penalties of contacts hold, what impacts took and what the integrator did.
+  struct Exchanged {
+    double held, struck, integrator;
+  };
+  Exchanged exchanged() const { return {sum(contact_store), sum(contact_loss), sum(numerical)}; }
   const Energies& energies() const { return energies_; }
 
 private:
@@ -116,7 +117,7 @@ private:
   void book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u, bool watched);
   void book_points(const StepRecord& step, double work_unilateral);
   void book_damage(const StepRecord& step);
-  void book_scale();
+  void book_scale(double dt);
   double unilateral_energy(std::span<const double> phi) const;
   void find_coupling_error(const StepRecord& step);
   /// Energy that contact gave by itself, or beside it closing cracks and the integrator; not negative

@@ -25,7 +25,8 @@ struct ErosionRule {
 /// What has left so far: components of the row "erosion_totals"; momentum: three of them, of mass that went.
 /// Energy, mass and momentum of a plane problem times the thickness.
 struct ErosionTotals {
-  enum { cells, mass, energy, momentum, components = momentum + 3 };
+  /// `force`: on nodes that lost all their mass, whose impulse in the half step to come goes after them.
+  enum { cells, mass, energy, momentum, force = momentum + 3, components = force + 3 };
 };
 
 } // namespace impact

@@ -31,6 +31,7 @@ struct MotionStep {
   const std::vector<double>* warming = nullptr; ///< what that temperature belongs to (Warming), or null
   double contact_scale = 1;                     ///< alpha_m/(2 beta) where contact is fully implicit, else 1
   double unilateral_scale = 1;                  ///< the same for the unilateral stress of broken points
+  bool unilateral_apart = false;                ///< which acts over the step as a whole, whatever its scale
   bool stabilised = false;                      ///< the contact-stabilised update
   double mass_shift = 0; ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
   BulkViscosity bulk;    ///< counts where `advance` finds forces, too
