@@ -147,13 +147,4 @@ r = run("refused_mixed", {"mesh": mixed["mesh"], "materials": "lower,upper", "ma
                           "contact_face_primary": "upper_bottom", "contact_face_method": "gpts", "ts_type": "static", "ts_dt": 1,
                           "ts_max_time": 1, "bcs": "plate", "bc_plate_on": "lower_bottom", "bc_plate_type": "fix"}, code=3)
 require("Gauss points on triangles beside hexahedra: the message names mortar", "_method mortar" in r.log)
-for ranks in (1, 2):
-    r = run(f"refused_{ranks}", {
-        **CURVED, "mesh": mesh("two_blocks.geo"), "materials": "lower,upper", "material_lower_E": E,
-        "material_lower_nu": NU, "material_lower_rho": 1000, "material_upper_like": "lower", "contacts": "face",
-        "contact_face_secondary": "lower_top", "contact_face_primary": "upper_bottom", "contact_face_enforce": "impulse",
-        "ts_type": "central_difference", "ts_dt": "auto", "ts_max_time": 1, "bcs": "plate", "bc_plate_on": "lower_bottom",
-        "bc_plate_type": "fix"}, ranks=ranks, code=2)
-    require(f"impulses on {ranks} ranks: one line that names the option and the remedy",
-            sum("-contact_face_enforce: impulse" in line and "auglag" in line for line in r.log.splitlines()) == 1)
 finish()
