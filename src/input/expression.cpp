@@ -171,6 +171,10 @@ double Expression::operator()(const double* x, int dim, double t) const {
                                       "; allowed: " + impl.allowed);
 }
 
+bool Expression::asks_for_time() const {
+  return !impl_->function && impl_->parser.GetUsedVar().contains("t");
+}
+
 const std::string& Expression::key() const { return impl_->said.key; }
 const std::string& Expression::text() const { return impl_->said.text; }
 

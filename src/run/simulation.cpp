@@ -330,7 +330,7 @@ bool Simulation::must_be_stable() {
   const Mesh& mesh = stage_.d.mesh;
   const bool cheap = is_factorised(mesh) || (solver.hooks().conduct.indefinite && can_be_factorised(mesh));
   return cheap && stage_.solver.half_suffices && !stage_.inertia && s_.coupling.moves &&
-         !stage_.d.has_damage() && solver.arc_length() == nullptr && solver.loose().empty();
+         !stage_.d.has_damage() && solver.loose().empty();
 }
 
 ExitCode Simulation::report_end(TSConvergedReason reason) {
@@ -345,8 +345,11 @@ ExitCode Simulation::report_end(TSConvergedReason reason) {
   check(PetscPrintf(comm_, "%s", stage_.ledger.report().c_str()));
   energy_.report_end(snapshot_.time);
   check(PetscPrintf(comm_, "%s", tell_of_inside_out(stage_.d, stage_.u).c_str()));
-  if (stopped_by_.empty() && must_be_stable())
-    check(PetscPrintf(comm_, "%s", tell_of_instability(stage_.motion, stage_.u).c_str()));
+  if (const ArcLength* path = stage_.coupling.motion_solver().arc_length();
+      stopped_by_.empty() && must_be_stable())
+    check(PetscPrintf(
+        comm_, "%s",
+        tell_of_instability(stage_.motion, stage_.u, path != nullptr, path && path->falls()).c_str()));
   if (const long ways = stage_.coupling.motion_solver().counts().second_ways; ways > 0)
     check(PetscPrintf(comm_, "  motion solves repeated with backtracking  %ld\n", ways));
   if (const double part = stage_.damage ? stage_.damage->held_back() : 0; part > 1e-3)

@@ -46,7 +46,10 @@ OptionGroup general_options() {
   row.number("thickness", &Scenario::thickness, "m", positive,
              "of a plane problem; forces and energies are for it")
       .idle([](const Scenario& s) { return s.plane == PlaneMode::axisymmetric; },
-            "-plane axisymmetric has whole rings");
+            "-plane axisymmetric has whole rings")
+      .misfit = [](const Scenario&, int dim) {
+    return dim == 3 ? "the mesh has dimension 3, and its own thickness; allowed: plane meshes" : "";
+  };
   row.restart = RestartKey::free;
   row.flag("dry_run", &Scenario::dry_run, "check everything, print the resolved input and the reports, stop");
   row.flag(

@@ -33,9 +33,17 @@ void add_places(std::vector<OptionRow<MaterialScenario>>& rows) {
             remedy);
     };
     const std::size_t first = rows.size();
-    refuse(row.expression(
-        name + "_factor", [=](auto& place) -> auto& { return (place.*factor).expression; }, "1", positive,
-        "factor on " + of + ", an expression of x, y, z at the middle of each cell; to three digits"));
+    refuse(
+        row.expression(
+               name + "_factor", [=](auto& place) -> auto& { return (place.*factor).expression; }, "1",
+               positive,
+               "factor on " + of + ", an expression of x, y, z at the middle of each cell; to three digits")
+            .refused(
+                [=](const Material& m, const Scenario&) {
+                  const std::optional<Expression>& at_place = (m.place.*factor).expression;
+                  return at_place && at_place->asks_for_time();
+                },
+                "does not change with t; allowed: an expression of x, y, z"));
     refuse(row.number(
         name + "_weibull", [=](auto& place) -> auto& { return (place.*factor).weibull; }, "1",
         or_word(positive, "none", 0),

@@ -28,6 +28,7 @@ void MotionSolver::leave_unstable(Vec u, PetscInt most) {
     if (!go_down(u, direction) || newton(u, patience * most) < 0) {
       cell_broke_ = false;
       check(VecCopy(found, u));
+      check(SNESComputeFunction(snes_, u, left())); // the last one is that of the solve that failed
       break;
     }
     modes = find_unstable_modes(motion_, u, true, direction);

@@ -97,15 +97,15 @@ UnstableModes find_unstable_modes(MotionProblem& motion, Vec u, bool scattered, 
   return modes;
 }
 
-std::string tell_of_instability(MotionProblem& motion, Vec u) {
+std::string tell_of_instability(MotionProblem& motion, Vec u, bool path, bool falls) {
   if (motion.jacobian() != motion.matrix() || motion.contacts().demands().closes_gaps) return "";
   const PetscInt modes = find_unstable_modes(motion, u, false, nullptr).number;
-  if (modes <= 0) return "";
+  if (modes <= (falls ? 1 : 0)) return "";
   return text_of("impact: WARNING: the equilibrium at the end is unstable, its tangent has %d negative "
                  "eigenvalue%s: a load where bodies buckle or snap was passed, and real ones leave this "
-                 "branch: give them an imperfection of the shape or a small load aside, "
-                 "-motion_leave_unstable on, or inertia (-ts_type newmark)\n",
-                 static_cast<int>(modes), modes == 1 ? "" : "s");
+                 "branch: give them an imperfection of the shape or a small load aside%s\n",
+                 static_cast<int>(modes), modes == 1 ? "" : "s",
+                 path ? "" : ", -motion_leave_unstable on, or inertia (-ts_type newmark)");
 }
 
 } // namespace impact

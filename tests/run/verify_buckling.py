@@ -33,6 +33,11 @@ for name, load, modes, more in (("none", 0.7, 0, {}), ("one", 1.5, 1, {}), ("two
     told = modes_told(press(name, load, **more))
     require(f"{load} times Euler's load ({name}): {told} modes told, {modes} loads passed", told == modes)
 
+# A path goes straight on past these loads, and says so, too.
+for load, modes in ((0.7, 0), (1.5, 1), (3, 2)):
+    told = modes_told(press("path", 1, options={"ts_path_length": load * EULER / E * LENGTH / 10, "ts_dt": 1, "ts_max_time": 10}))
+    require(f"a path to {load} times Euler's load: {told} modes told, {modes} loads passed", told == modes)
+
 # The elastica bears 1 + s/2 of Euler's load as its ends come closer by the part s of its length.
 for name, more in (("leant", {"bcs": "hold,press,aside", "bc_aside_on": "bottom", "bc_aside_type": "traction", "bc_aside_uy": "1e-9 MPa"}),
                    ("on", {"motion_leave_unstable": "on"}), ("fine", {"mesh_set_n": 160, "mesh_set_ny": 20, "bcs": "hold,press,aside",

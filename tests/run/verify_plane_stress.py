@@ -129,7 +129,9 @@ check("viscosity: work is energy and loss", abs(viscous["work_external"] - visco
 for name, change, text in (
         ("locking", {"material_solid_model": "j2", "material_solid_sigma_y": 1, "material_solid_hardening": "none",
                      "material_solid_locking": "mean"}, "-material_solid_locking \"mean\": has no meaning"),
-        ("space", {"mesh_set_dim": 3}, "-plane \"stress\": the mesh has dimension 3")):
+        ("space", {"mesh_set_dim": 3}, "-plane \"stress\": the mesh has dimension 3"),
+        ("thick", {"mesh_set_dim": 3, "plane": "strain", "thickness": 2}, "-thickness \"2\": the mesh has dimension 3"),
+        ("time", {"material_solid_E_factor": "1+t"}, "-material_solid_E_factor \"1+t\": does not change with t")):
     r = run(f"refused_{name}", base(**change), code=None)
     require(f"refused, {name}: exit {r.code}, one line that names the option",
             r.code in (2, 3) and sum(text in line for line in r.log.splitlines()) == 1)

@@ -64,6 +64,8 @@ public:
   /// option, point and time when it is not finite or out of its range; where ranks evaluate different points,
   /// the caller makes them agree. Copies share one scratch place: one thread for all of them.
   double operator()(const double* x, int dim, double t) const;
+  /// Whether the text asks for t.
+  bool asks_for_time() const;
   const std::string& key() const;
   const std::string& text() const;
   bool operator==(const Expression& other) const { return text() == other.text(); } ///< of texts only

@@ -19,6 +19,8 @@ public:
   void install(SNES snes);
   /// s at the start of the step.
   double start() const { return row_.committed[0]; }
+  /// Whether s falls at the end of the last step.
+  bool falls() const { return row_.committed[1] < 0; }
   /// Brings u and s to where the solve of a step begins, u before the first step being that of its start.
   /// False where bodies have not moved yet: `set_out` gives them a direction.
   bool predict(Vec u);

@@ -18,7 +18,8 @@ struct UnstableModes {
 UnstableModes find_unstable_modes(MotionProblem& motion, Vec u, bool scattered, Vec direction);
 
 /// A warning about an unstable equilibrium `u`. Empty where it is none, and where factors tell nothing: of
-/// contact that closes gaps, of a shell. Needs a symmetric tangent. Collective.
-std::string tell_of_instability(MotionProblem& motion, Vec u);
+/// contact that closes gaps, of a shell. `path`: of one along which a load may fall, which `falls`, by a mode
+/// that the path holds. Needs a symmetric tangent. Collective.
+std::string tell_of_instability(MotionProblem& motion, Vec u, bool path, bool falls);
 
 } // namespace impact
