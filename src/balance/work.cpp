@@ -157,29 +157,34 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
   check(VecAYPX(df, -1, f));
   check(VecAYPX(struck, -1, step.start_velocity));
   d.displacement.to_local(f, step_acceleration_.trial);
-  const Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a);
+  Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), mean = d.displacement.make_global();
   d.displacement.to_global(inertia_force_.committed, lag);
   check(VecAXPY(lag, -1, Ma_n));
-  check(VecAXPBY(Ma, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
-  d.displacement.to_local(Ma, inertia_force_.trial);
-  motion_.rigid().place(u);
-  const Handle<Vec> free_du = free_part(du), free_start = free_part(step.start_velocity),
-                    free_v = free_part(v), free_a_n = free_part(a_n), free_a = free_part(a),
-                    free_f = free_part(f), free_df = free_part(df), free_struck = free_part(struck);
+  check(VecCopy(Ma, mean));
+  check(VecAXPBY(mean, 1 - weights.alpha_m, weights.alpha_m, Ma_n));
+  d.displacement.to_local(mean, inertia_force_.trial);
+  RigidBodies& rigid = motion_.rigid();
+  rigid.place(u);
+  for (const Vec of : {du.get(), a_n.get(), f.get(), df.get(), struck.get()}) rigid.keep_free_rates(of);
+  const Handle<Vec> free_start = free_part(step.start_velocity), free_v = free_part(v), free_a = free_part(a);
+  if (!rigid.empty()) {
+    Ma_n = times_mass(a_n);
+    Ma = times_mass(free_a);
+  }
   return weights.energy({.dt = step.dt,
-                         .du = free_du,
+                         .du = du,
                          .v_start = free_start,
                          .v = free_v,
-                         .a_n = free_a_n,
+                         .a_n = a_n,
                          .a = free_a,
-                         .f = free_f,
-                         .df = free_df,
-                         .Ma_n = times_mass(free_a_n),
-                         .Ma = times_mass(free_a),
-                         .Mf = times_mass(free_f),
-                         .Mdf = times_mass(free_df),
+                         .f = f,
+                         .df = df,
+                         .Ma_n = Ma_n,
+                         .Ma = Ma,
+                         .Mf = times_mass(f),
+                         .Mdf = times_mass(df),
                          .lag = lag,
-                         .struck = free_struck,
+                         .struck = struck,
                          .grown = grown});
 }
 

@@ -66,7 +66,7 @@ void ImpulseRows::collect(ContactInterface& of, const ImpulseStep& step) {
     gradient.insert(gradient.end(), c.gradient.begin(), c.gradient.end());
     gradient.resize(dim * node.size(), 0.0); // nodes of the slip alone come last
     share.insert(share.end(), c.share.begin(), c.share.end());
-    lower(dim, &share[first_share.back()], static_cast<int>(c.share.size()));
+    lower(dim, share.data() + first_share.back(), static_cast<int>(c.share.size()));
     first_share.push_back(share.size());
     // Gaps do not change where the obstacle and the secondary side move alike.
     double later = 0, earlier = 0;

@@ -1,3 +1,4 @@
+#include "rigid_inertia.hpp"
 #include <algorithm>
 #include <cmath>
 #include <impact/input/units.hpp>
@@ -34,10 +35,7 @@ RigidVector RigidBodies::told_rates(const RigidBody& body) const {
   RigidVector rate{};
   for (std::size_t k = 0; k < 6; ++k)
     if (const auto [held, is_rate, data] = hold(body, k); data)
-      rate[k] =
-          is_rate ? (*data)(x, dim_, t_)
-                  : (3 * (*data)(x, dim_, t_) - 4 * (*data)(x, dim_, t_ - h) + (*data)(x, dim_, t_ - 2 * h)) /
-                        (2 * h);
+      rate[k] = is_rate ? (*data)(x, dim_, t_) : slope(*data, x, dim_, t_, -h);
   if (dim_ == 2 || !turns_as_told(body)) return rate;
   // Rates of rotation vectors in space are not their derivatives.
   const Matrix3 end = rotation_of(rotation_data(body, t_));

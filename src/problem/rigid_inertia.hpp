@@ -16,6 +16,11 @@ inline Matrix3 inertia_of(const Matrix3& A, const Matrix3& E, const Matrix3& B) 
   return J;
 }
 
+/// Slope at t of data over t at a place, one-sided: towards t + h.
+inline double slope(const Expression& data, const double* x, int dim, double t, double h) {
+  return (-3 * data(x, dim, t) + 4 * data(x, dim, t + h) - data(x, dim, t + 2 * h)) / (2 * h);
+}
+
 template <class Field> void RigidBodies::set_nodes(Vec u, Field&& field) const {
   double* values = nullptr;
   check(VecGetArray(u, &values));

@@ -110,10 +110,6 @@ void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<dou
   const std::vector<Sums> speed = mass_sums(v);
   std::vector<RigidVector> rate(bodies_.size());
   const double h = 1e-3 * dt;
-  // Slope at t = 0 of data over t, one-sided.
-  const auto slope = [&](const Expression& data, const double* x) {
-    return (-3 * data(x, dim_, 0) + 4 * data(x, dim_, h) - data(x, dim_, 2 * h)) / (2 * h);
-  };
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const RigidBody& body = bodies_[b];
     for (std::size_t k = 0; k < at(dim_); ++k) {
@@ -125,7 +121,7 @@ void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<dou
                  fast = moves && bc->type == BcType::velocity;
       if (!fast) pose[b].moved[k] = moves ? (*bc->component[k])(body.centre.data(), dim_, 0) : 0;
       rate[b][k] = fast    ? (*bc->component[k])(body.centre.data(), dim_, 0)
-                   : moves ? slope(*bc->component[k], body.centre.data())
+                   : moves ? slope(*bc->component[k], body.centre.data(), dim_, 0, h)
                            : 0;
     }
     Vector3 angle{}, spin{};
@@ -143,7 +139,7 @@ void RigidBodies::set_initial(double dt, std::vector<double>& u, std::vector<dou
         continue;
       }
       angle[k] = (*bc.rotation[k])(body.centre.data(), dim_, 0);
-      spin[k] = slope(*bc.rotation[k], body.centre.data());
+      spin[k] = slope(*bc.rotation[k], body.centre.data(), dim_, 0, h);
     }
     if (all_told) pose[b].turned = rotation_of(angle);
     const Matrix3& R = pose[b].turned;
