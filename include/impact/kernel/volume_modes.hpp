@@ -35,7 +35,8 @@ template <class Cell> struct VolumeProducts {
   }
 };
 
-/// The modes at the points, 1 and the position from the centroid, and the projection on them.
+/// The modes at the points, 1 and the position from the centroid, and the projection on them. What is done
+/// once for a cell is not inlined: unrolled in each variant of a kernel it was a fifth of its compile time.
 template <class Cell> struct VolumeModes {
   static constexpr int count = volume_modes<Cell>;
   Batch volume;                                         ///< of the reference cell
@@ -43,7 +44,7 @@ template <class Cell> struct VolumeModes {
   Batch inverse[count][count];                          ///< nor this, of the integrals of their products
 
   /// X [node][dim].
-  void set_places(const Batch* X) {
+  [[gnu::noinline]] void set_places(const Batch* X) {
     const auto& t = shape_table<Cell>;
     for (int i = 0; count > 1 && i < Cell::dim; ++i) {
       const auto position = [&](const double* N) {
@@ -73,7 +74,7 @@ template <class Cell> struct VolumeModes {
     }
   }
   /// By Gauss and Jordan, without pivots: the integrals of the products are positive definite.
-  void invert(const VolumeProducts<Cell>& mass) {
+  [[gnu::noinline]] void invert(const VolumeProducts<Cell>& mass) {
     if constexpr (count == 1) return;
     Batch a[count][count];
     for (int i = 0; i < count; ++i)
@@ -111,7 +112,7 @@ template <class Cell> struct VolumeModes {
     return field;
   }
   /// M^-1 P M^-1.
-  void between(const VolumeProducts<Cell>& P, Batch (&D)[count][count]) const {
+  [[gnu::noinline]] void between(const VolumeProducts<Cell>& P, Batch (&D)[count][count]) const {
     Batch half[count][count];
     for (int k = 0; k < count; ++k)
       for (int l = 0; l < count; ++l) half[k][l] = factor(k, P.of, l);
