@@ -121,7 +121,7 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
   const bool strikes =
       step.stabilised || std::any_of(all.begin(), all.end(), [](const auto& c) { return c.by_impulse(); });
   if (!watched && idle && !strikes) return;
-  const std::vector<ContactStep> contacts = all.step(u, step.stabilised);
+  const std::vector<ContactStep> contacts = all.step(u);
   double store = 0;
   for (const ContactStep& contact : contacts) store += contact.energy;
   double taken = -work_contact - work.shock.contact - work.shock.rigid - (store - sum(contact_store));

@@ -35,7 +35,7 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       inertia_force_(add_force(state, motion.discretisation(), "force_inertia")),
       left_(add_force(state, motion.discretisation(), "force_left")),
       step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")),
-      a_new_(internal_.trial.size()) {}
+      a_new_(internal_.trial.size()), over_step_(a_new_), hidden_(a_new_) {}
 
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
   std::vector<double> mean(row.trial.size());
@@ -190,13 +190,13 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
 
 // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history. `corrected` becomes what
 // acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it in M a_c.
-// That is the force of stabilised contact less that of closing cracks; of rigid bodies also what keeps them
-// rigid, and the reactions there.
+// That is what stabilised contact has beside its mean, `over_step`, less the force of closing cracks; of
+// rigid bodies also what keeps them rigid, and the reactions there.
 void ForceBook::take_over_forces(const StepRecord& step, std::vector<double>& corrected) {
   const Discretisation& d = motion_.discretisation();
   d.displacement.to_local(step.forces->internal, internal_.trial);
   d.displacement.to_local(step.forces->external, external_.trial);
-  d.displacement.to_local(step.contact_force, contact_.trial);
+  d.displacement.to_local(step.contact_at_end, contact_.trial);
   d.displacement.to_local(step.left, left_.trial);
   if (!inertia_) return;
   Handle<Vec> force = d.displacement.make_global();
@@ -204,6 +204,9 @@ void ForceBook::take_over_forces(const StepRecord& step, std::vector<double>& co
   const Integrator& weights = step.integrator;
   check(VecScale(force, step.stabilised || step.unilateral ? 2 * weights.beta : weights.alpha_m));
   d.displacement.to_local(force, corrected);
+  if (!step.stabilised) return;
+  d.displacement.to_local(step.over_step, over_step_);
+  d.displacement.to_local(step.hidden, hidden_);
 }
 
 // Finds the reactions of rigid bodies, and returns their work; v without what data then put into it.
@@ -211,10 +214,9 @@ double ForceBook::book_bodies(const StepRecord& step, Vec u, Vec v) {
   if (motion_.rigid().empty()) return 0;
   const FieldLayout& layout = motion_.discretisation().displacement;
   std::vector<double> acting = contact_.trial;
-  const bool at_end = !inertia_ || step.stabilised; // contact
   for (std::size_t i = 0; i < acting.size(); ++i)
-    acting[i] = (at_end ? acting[i] : 0) +
-                (inertia_ ? (inertia_force_.committed[i] + inertia_force_.trial[i]) / 2 : external_.trial[i]);
+    acting[i] = inertia_ ? over_step_[i] + (inertia_force_.committed[i] + inertia_force_.trial[i]) / 2
+                         : acting[i] + external_.trial[i];
   const Handle<Vec> missing = layout.make_global(), others = layout.make_global(),
                     told = layout.make_global();
   double of_data = 0;
@@ -233,18 +235,18 @@ double ForceBook::book_bodies(const StepRecord& step, Vec u, Vec v) {
 }
 
 // The support supplies what closes the balance on held dofs: a mean of both ends, and of what acts over the
-// step a part that does so too, which is returned.
+// step a part that does so too, which is returned. What stabilised contact has for
+// one step alone is no part of the reaction.
 std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::vector<double>& corrected,
                                              const std::vector<double>& unilateral) {
   const bool parted = step.stabilised || step.unilateral;
   std::vector<double> over_step(corrected.size(), 0.0);
   reactions_.resize(over_step.size());
   for (std::size_t i = 0; i < over_step.size(); ++i) {
-    const double contact = contact_.trial[i],
-                 of_step = corrected[i] + unilateral[i] - (step.stabilised ? contact : 0),
-                 at_end = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] -
-                          (step.stabilised ? 0 : contact);
-    reactions_[i] = at_end + of_step;
+    const double of_step = corrected[i] + unilateral[i] - over_step_[i],
+                 at_end =
+                     inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
+    reactions_[i] = at_end + of_step + hidden_[i];
     if (in_rigid_body(i)) {
       left_.trial[i] = 0; // holds resultants
       if (!inertia_) inertia_force_.trial[i] = external_.trial[i] + contact_.trial[i];
@@ -327,7 +329,15 @@ StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double gro
   work.internal = mean_work(du, internal_);
   work.external = mean_work(du, external_);
   work.over_step = dot(d.mesh, du, over_step);
-  work.contact = step.stabilised ? dot(d.mesh, du, contact_.trial) : mean_work(du, contact_);
+  work.contact = mean_work(du, contact_);
+  if (step.stabilised) {
+    const double others = work.contact;
+    work.contact = dot(d.mesh, du, d.local_of(step.contact_force));
+    if (!step.integrator.moves_by_mean_velocity()) { // (S4)
+      work.integrator.loss += work.contact - others;
+      work.integrator.exchange += work.contact - others;
+    }
+  }
   work.unilateral = dot(d.mesh, du, unilateral);
   work.left = mean_work(du, left_);
   if (!inertia_) work.inertia = mean_work(du, inertia_force_);

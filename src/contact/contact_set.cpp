@@ -64,9 +64,9 @@ std::vector<ContactReach> ContactSet::reach(Vec u) const {
   return all;
 }
 
-std::vector<ContactStep> ContactSet::step(Vec u, bool force_at_end) const {
+std::vector<ContactStep> ContactSet::step(Vec u) const {
   std::vector<ContactStep> all;
-  for (const ContactInterface& contact : *this) all.push_back(contact.step(u, force_at_end));
+  for (const ContactInterface& contact : *this) all.push_back(contact.step(u));
   return all;
 }
 

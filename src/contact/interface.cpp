@@ -19,7 +19,8 @@ void ContactInterface::use_method() {
   friction_.press_by(method(), settings_.iterated);
 }
 
-void ContactInterface::set_time(double t, double mass_shift, bool stabilised) {
+void ContactInterface::set_time(double t, double mass_shift, bool stabilised, const ForceShare& share) {
+  share_ = share;
   rows_.penalty->trial[EnforcementRows::least] = inertia_penalty_ * mass_shift;
   fallen_back_ = eased_ = false;
   use_method();
@@ -117,6 +118,12 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
   if (bound) nodes().exchange.add(stiff, bound->of_nodes);
   if (exact) check(VecAXPY(r, -scale, last_force_));
   return force;
+}
+
+void ContactInterface::add_carried(double scale, Vec r) const {
+  const Handle<Vec> carried = layout_->make_global();
+  layout_->to_global(carried_->committed, carried);
+  check(VecAXPY(r, scale, carried));
 }
 
 void ContactInterface::add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,

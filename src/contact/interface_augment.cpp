@@ -139,6 +139,12 @@ AugmentReport ContactInterface::augment(Vec u) {
   return report;
 }
 
+void ContactInterface::carry_force() {
+  carried_->committed = carried_->trial = force_->committed;
+  for (std::vector<double>* half : {&totals_->committed, &totals_->trial})
+    std::copy_n(totals(*half).force, constraints_->dim(), totals(*half).carried);
+}
+
 void ContactInterface::advance(Vec u_n, Vec u, double dt) {
   const Handle<Vec> f = layout_->make_global();
   const Vector part = add_residual(u, 1, f);
@@ -152,8 +158,7 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
   layout_->to_local(f, force_->trial);
   layout_->to_global(force_->committed, f_n);
   check(VecWAXPY(du, -1, u_n, u));
-  const bool stabilised = constraints_->rule() == StepRule::middle;
-  if (stabilised)
+  if (stabilised())
     check(VecScale(f, 2));
   else
     check(VecAXPY(f, 1, f_n));
@@ -162,10 +167,14 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
   const Vector force = summed(part);
   const Totals before = totals(totals_->committed), now = totals(totals_->trial);
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
-    const double mean = stabilised ? force[k] + shock_[k] : (before.force[k] + force[k]) / 2;
-    now.impulse[k] = before.impulse[k] + dt * mean;
+    const double Y_n = before.carried[k],
+                 mean = stabilised() ? share_.impulse(force[k], Y_n) : (before.force[k] + force[k]) / 2;
+    now.impulse[k] = before.impulse[k] + dt * (mean + shock_[k]);
     now.force[k] = force[k];
+    if (!at_rest_) now.carried[k] = share_.carried(force[k], Y_n);
   }
+  for (std::size_t i = 0; !at_rest_ && i < carried_->trial.size(); ++i)
+    carried_->trial[i] = share_.carried(force_->trial[i], carried_->committed[i]);
   *now.work = *before.work - twice_work / 2;
   const Vector obstacle = rigid_displacement(settings_, mesh_->dim(), time_);
   std::copy(obstacle.begin(), obstacle.end(), now.obstacle);

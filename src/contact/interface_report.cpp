@@ -91,7 +91,7 @@ void ContactInterface::add_energy(const Constraint& c, double& energy) const {
   energy += c.weight * inner(t, t) / (2 * method().eps());
 }
 
-ContactStep ContactInterface::step(Vec u, bool force_at_end) const {
+ContactStep ContactInterface::step(Vec u) const {
   struct {
     double energy = 0, heat = 0, held = 0;
   } sum;
@@ -115,8 +115,8 @@ ContactStep ContactInterface::step(Vec u, bool force_at_end) const {
   if (moved == Vector{}) return step; // at rest, or no rigid body: no force is asked for
   const Vector force = total_force(u);
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
-    step.obstacle_work += thick * moved[k] * (force_at_end ? force[k] : (before.force[k] + force[k]) / 2);
-    if (force_at_end) step.obstacle_shock += thick * moved[k] * shock_[k];
+    step.obstacle_work += thick * moved[k] * (stabilised() ? force[k] : (before.force[k] + force[k]) / 2);
+    step.obstacle_shock += thick * moved[k] * shock_[k];
   }
   return step;
 }

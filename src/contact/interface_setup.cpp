@@ -139,8 +139,9 @@ void ContactInterface::declare_state(StateTable& state) {
   }
   constraints_->declare(rows_.multiplier->trial.size(), rows_.multiplier->support == Support::vertex, gap);
   rows_.penalty = add_global("penalty", EnforcementRows::components);
-  totals_ = add_global("totals", 2 * dim + 4 + (gap != nullptr ? 1 : 0) + (frictional() ? 1 : 0));
-  force_ = &state.add(StateRow{name + "force", Support::vertex, dim}, at(dim * mesh_->node_count()));
+  totals_ = add_global("totals", 3 * dim + 4 + (gap != nullptr ? 1 : 0) + (frictional() ? 1 : 0));
+  for (const auto& [row, what] : {std::pair(&force_, "force"), std::pair(&carried_, "carried")})
+    *row = &state.add(StateRow{name + what, Support::vertex, dim}, at(dim * mesh_->node_count()));
   rows_.penalty->committed[EnforcementRows::value] = rows_.penalty->trial[EnforcementRows::value] =
       settings_.penalty;
   const Vector start = rigid_displacement(settings_, dim, 0);
@@ -151,7 +152,7 @@ void ContactInterface::declare_state(StateTable& state) {
 ContactInterface::Totals ContactInterface::totals(std::vector<double>& half) const {
   const auto d = at(mesh_->dim());
   double* row = half.data();
-  return {row, row + d, row + d + 1, row + 2 * d + 1, row + 2 * d + 4, &half.back()};
+  return {row, row + d, row + d + 1, row + 2 * d + 1, row + 3 * d + 1, row + 3 * d + 4, &half.back()};
 }
 
 // Where bodies of second order overlap their curved facets tell, as Gauss points see them: the straight parts

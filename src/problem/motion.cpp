@@ -23,8 +23,8 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       history_(state.row("history")), drive_(state.row("drive")),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
-      soft_volume_(d_), balance_(d_), cells_diagonal_(d_.displacement.make_global()),
-      diagonal_(d_.displacement.make_global()) {
+      soft_volume_(d_), balance_(d_), carried_(d_.displacement.make_global()),
+      cells_diagonal_(d_.displacement.make_global()), diagonal_(d_.displacement.make_global()) {
   if (!rigid_->empty() && operator_ == ContactOperator::shell)
     throw UserError(ExitCode::usage, "-contact_operator shell: not with a rigid body (-material_" +
                                          rigid_->bodies().front().name +
@@ -51,7 +51,12 @@ void MotionProblem::expose_contacts(Vec u) {
 void MotionProblem::begin(const MotionStep& step) {
   step_ = step;
   if (solved_) rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
-  for (ContactInterface& contact : contacts_) contact.set_time(step.t, step.mass_shift, step.stabilised);
+  for (ContactInterface& contact : contacts_)
+    contact.set_time(step.t, step.mass_shift, step.stabilised, step.contact);
+  if (step_.contact.scale != 1) {
+    check(VecSet(carried_, 0));
+    contacts_.add_carried(1 - step_.contact.scale, carried_);
+  }
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   has_body_force_ = false;
   body_.clear();
@@ -202,7 +207,8 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   add_pressures(u_, -1, r_);
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
-  contacts_.add_forces(u, step_.contact_scale, f);
+  contacts_.add_forces(u, step_.contact.scale, f);
+  if (step_.contact.scale != 1) check(VecAXPY(f, 1, carried_));
   rigid_->reduce(u, f, accel);
   zero_dofs(f, d_.mesh, d_.dim(), rows_.prescribed);
   return all_ranks_agree(d_.mesh.comm(), sound);
@@ -214,7 +220,7 @@ void MotionProblem::projection_residual(Vec w, Vec u_tilde, double shift, Vec f)
   check(VecWAXPY(change, -1, u_tilde, w));
   mass_.multiply(change, f);
   check(VecScale(f, shift));
-  contacts_.add_forces(w, step_.contact_scale, f);
+  contacts_.add_forces(w, step_.contact.scale, f);
   rigid_->reduce(w, f);
   zero_dofs(f, d_.mesh, d_.dim(), rows_.prescribed);
 }

@@ -50,7 +50,7 @@ void MotionProblem::make_shell() {
 void MotionProblem::multiply(Vec x, Vec y) {
   check(MatMult(matrix(), x, y));
   for (const ContactInterface& contact : contacts_)
-    contact.multiply(linearised_at_, step_.contact_scale, x, y);
+    contact.multiply(linearised_at_, step_.contact.scale, x, y);
 }
 
 bool MotionProblem::update_contact(Vec u) {
@@ -136,7 +136,7 @@ void MotionProblem::close_tangent(Vec u, bool pressures, double diagonal, double
     if (shell_)
       check(VecCopy(u, linearised_at_));
     else
-      for (const ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact_scale, matrix());
+      for (const ContactInterface& contact : contacts_) contact.add_tangent(u, step_.contact.scale, matrix());
     check(MatAssemblyBegin(matrix(), MAT_FINAL_ASSEMBLY));
     check(MatAssemblyEnd(matrix(), MAT_FINAL_ASSEMBLY));
   }

@@ -44,7 +44,6 @@ Verdict EnergyWatch::judge(double before, double t) {
     most_held_ = exchanged.held;
     strain_then_ = stage_.ledger.energies().total.elastic;
   }
-  most_given_ = std::max(most_given_, -exchanged.integrator);
   const bool past_stop = beyond(stops, s.energy_stop, before), past_tol = beyond(warns, s.energy_tol, before);
   // A run without inertia may lose the energy of a crack that ran within a step: no store takes it up.
   const bool must_close = stage_.inertia || residual > 0;
@@ -88,16 +87,7 @@ void EnergyWatch::report_end(double t) const {
 // other, as on round bodies, do so each by itself.
 void EnergyWatch::tell_of_impacts() const {
   const Scenario& s = stage_.scenario;
-  const double scale = stage_.ledger.energy_scale(), part = stage_.ledger.exchanged().struck / scale,
-               given = most_given_ / scale;
-  if (stage_.inertia && !s.explicit_steps() && s.energy_tol > 0 && given > s.energy_tol)
-    check(PetscPrintf(
-        stage_.d.mesh.comm(),
-        "impact: damped steps gave what touches up to %.2g of the largest energy "
-        "(dissipated_numerical below 0), which contact takes back (dissipated_contact): forces and "
-        "displacements are sound, velocities and kinetic energies of what touches are not; "
-        "-ts_newmark_rho nearer to 1, shorter steps or -contact_<id>_impact none give less\n",
-        given));
+  const double part = stage_.ledger.exchanged().struck / stage_.ledger.energy_scale();
   if (s.explicit_steps() || s.energy_tol == 0 || part <= s.energy_tol) return;
   check(
       PetscPrintf(stage_.d.mesh.comm(),
@@ -198,7 +188,6 @@ std::string EnergyWatch::step_remedy() const {
   const bool damps = integrator_of(stage_.ts).alpha_m > 1;
   if (inertia && gained)
     text += damps && !stage_.setup->contacts.empty() ? ", -ts_newmark_rho 1" : ", -ts_newmark_rho 0.5";
-  if (gained && damps && stage_.coupling.stabilised()) text += " or -contact_<id>_impact none";
   // The form of the entropy misses the square of the change of temperature in a step.
   if (stage_.d.has_heat() && stage_.scenario.heat.form == HeatForm::entropy) text += ", -heat_form energy";
   return text;

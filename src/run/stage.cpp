@@ -35,8 +35,7 @@ bool conserves(const Scenario& s) {
 }
 
 // The contact-stabilised update is for all that has inertia and stiffness, at any length of the steps, but
-// for damped ones of 2e4 h/c_p and more: without the contact's share accelerations do not balance there, and
-// what damping makes of them gains energy. So long ones resolve no impact.
+// for long damped ones, which resolve no impact: there the force of contact is that of the end of the step.
 bool stabilises(MPI_Comm comm, const Scenario& s, const SolverDefaults& solver) {
   if (s.contacts.empty() || !s.has_inertia() || s.explicit_steps()) return false;
   constexpr double long_step = 1000;
@@ -226,9 +225,11 @@ void RunStage::start() {
 
 void RunStage::resume() {
   if (other_scheme) {
-    // That of the stabilised update is without the contact.
-    const Handle<Vec> contact = d.global_of(state.row("force_contact").committed);
-    coupling.start_acceleration(u, v, coupling.stabilised() ? nullptr : contact.get(), a);
+    const Handle<Vec> contact = d.displacement.make_global();
+    for (ContactInterface& touch : setup->contacts) touch.carry_force();
+    setup->contacts.add_carried(-1, contact);
+    d.displacement.to_local(contact, state.row("force_contact").committed);
+    coupling.start_acceleration(u, v, contact, a);
     if (inertia) d.displacement.to_local(a, rows.a.trial);
     PetscReal dt = 0;
     check(TSGetTimeStep(ts, &dt));

@@ -63,7 +63,7 @@ MotionStep Coupling::frozen_step() const {
   if (fields_.damage) step.phi = &pass_.phi;
   if (fields_.heat) step.theta = &pass_.theta;
   if (warming_) step.warming = &pass_.warming;
-  step.contact_scale = update_.contact_scale();
+  step.contact = update_.contact_share();
   if (explicit_) step.bulk = settings_.by_central_differences.bulk;
   step.unilateral_scale = update_.unilateral_scale();
   step.unilateral_apart = update_.unilateral();

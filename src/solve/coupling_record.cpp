@@ -55,8 +55,12 @@ StepRecord Coupling::record(Vec u) {
   if (!record.unilateral && !explicit_) motion.parts(u, forces_);
   record.forces = record.unilateral ? &update_.forces() : explicit_ ? &explicit_->forces() : &forces_;
   record.contact_force = explicit_ ? explicit_->forces().contact : augmentation_.contact_force();
+  record.contact_at_end =
+      record.integrator.inertia && update_.corrects() ? update_.contact_at_end() : record.contact_force;
   record.left = augmentation_.left();
   if (explicit_) record.bodies = explicit_->bodies().work();
+  record.over_step = update_.over_step();
+  record.hidden = update_.hidden();
   record.contact_shock = update_.shock();
   record.contact_acceleration = update_.acceleration();
   record.told_velocity = update_.told();

@@ -226,7 +226,7 @@ void NewtonHooks::add_gaps(Vec u, Vec f) {
     gaps = apart;
   }
   for (const ContactInterface& contact : motion_.contacts())
-    contact.add_gaps(u, motion_.step().contact_scale, gaps);
+    contact.add_gaps(u, motion_.step().contact.scale, gaps);
   if (!apart) return;
   motion_.rigid().reduce(u, apart);
   check(VecAXPY(f, 1, apart));

@@ -46,41 +46,66 @@ private:
 StabilisedUpdate::StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& solver, StateTable& state,
                                    bool stabilise, bool unilateral)
     : ts_(ts), motion_(motion), solver_(solver), state_(state), stabilise_(stabilise),
-      unilateral_(unilateral), shock_(motion.discretisation().displacement.make_global()),
-      acceleration_(motion.discretisation().displacement.make_global()),
-      told_(motion.discretisation().displacement.make_global()) {}
+      unilateral_(unilateral), acceleration_(motion.discretisation().displacement.make_global()),
+      told_(motion.discretisation().displacement.make_global()) {
+  for (Handle<Vec>* vec : {&contact_.at_end, &contact_.over_step, &contact_.hidden, &contact_.shock})
+    *vec = motion.discretisation().displacement.make_global();
+}
+
+ForceShare StabilisedUpdate::contact_share() const {
+  const Integrator& p = integrator_of(ts_);
+  if (!stabilise_) return {.alpha_m = p.alpha_m};
+  return {p.share(), p.alpha_m, p.gamma, p.moves_by_mean_velocity() ? 1 - 1 / p.share() : 0};
+}
 
 void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
   const InStage stage(Stage::motion);
   check(VecSet(acceleration_, 0));
-  if (stabilise_ || unilateral_) take_out_step_forces(contact_force, u, v, a);
-  if (!motion_.rigid().empty()) take_out_rigidity(contact_force, u, v, a);
-}
-
-// The forces that act over the step as a whole: of contact, and of what is crushed.
-void StabilisedUpdate::take_out_step_forces(Vec contact_force, Vec u, Vec v, Vec a) {
-  const Handle<Vec> force = motion_.discretisation().displacement.make_global();
-  if (stabilise_) check(VecCopy(contact_force, force));
+  check(VecCopy(contact_force, contact_.at_end));
+  if (const ForceShare& share = motion_.step().contact; share.over_step != 0) {
+    check(VecCopy(contact_force, contact_.over_step));
+    motion_.contacts().add_carried(1, contact_.over_step);
+    check(VecScale(contact_.over_step, share.over_step));
+    const Handle<Vec> share_of_a = motion_.discretisation().displacement.make_global();
+    take_out(contact_.over_step, share_of_a, v, a);
+    motion_.mass_multiply(share_of_a, contact_.hidden);
+    check(VecAYPX(contact_.hidden, -2 * integrator_of(ts_).beta, contact_.over_step));
+  } else if (share.scale != 1) {
+    check(VecScale(contact_.at_end, share.scale));
+    motion_.contacts().add_carried(share.scale - 1, contact_.at_end);
+    check(VecWAXPY(contact_.hidden, -1, contact_force, contact_.at_end));
+  }
   if (unilateral_) {
     motion_.parts(u, forces_);
-    check(VecAXPY(force, -1, forces_.unilateral));
+    const Handle<Vec> closing = motion_.discretisation().displacement.make_global(),
+                      share = motion_.discretisation().displacement.make_global();
+    check(VecAXPY(closing, -1, forces_.unilateral));
+    take_out(closing, share, v, a);
   }
+  if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);
+}
+
+// A force that acts over the step as a whole; `share` becomes what it is of the acceleration.
+void StabilisedUpdate::take_out(Vec force, Vec share, Vec v, Vec a) {
+  check(VecSet(share, 0));
   const PetscReal size = Get(VecNorm)(force, NORM_INFINITY);
   if (size == 0) return;
   const Integrator& p = integrator_of(ts_);
-  check(VecScale(force, 1 / (2 * p.beta)));
-  motion_.mass_solve(force, acceleration_);
-  check(VecAXPY(a, -1, acceleration_));
-  check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), acceleration_));
+  const Handle<Vec> scaled = motion_.discretisation().displacement.make_global();
+  check(VecAXPY(scaled, 1 / (2 * p.beta), force));
+  motion_.mass_solve(scaled, share);
+  check(VecAXPY(a, -1, share));
+  check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), share));
+  check(VecAXPY(acceleration_, 1, share));
 }
 
-void StabilisedUpdate::take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a) {
-  // What remains of the acceleration is that by the forces, the contact's only where it is not stabilised.
+void StabilisedUpdate::take_out_rigidity(Vec u, Vec v, Vec a) {
+  // What remains of the acceleration is that by the forces.
   const Discretisation& d = motion_.discretisation();
   const Integrator& p = integrator_of(ts_);
   ForceParts forces;
   motion_.parts(u, forces);
-  if (!stabilise_) check(VecAXPY(forces.external, 1, contact_force));
+  check(VecAXPY(forces.external, 1, contact_.at_end));
   const Handle<Vec> kept = d.displacement.make_global(), taken = d.displacement.make_global(),
                     before = d.global_of(state_.row("a").committed);
   check(VecCopy(a, kept));
@@ -106,7 +131,7 @@ void StabilisedUpdate::take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a)
 void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   const InStage stage(Stage::motion);
   const Discretisation& d = motion_.discretisation();
-  check(VecSet(shock_, 0));
+  check(VecSet(contact_.shock, 0));
   const ProjectedContacts projected(motion_.contacts());
   RigidBodies& rigid = motion_.rigid();
   // Rigid bodies: among rigid motions, and only what contact changes counts.
@@ -136,14 +161,14 @@ bool StabilisedUpdate::project(const Attempt& attempt, Vec goal, Vec u_tilde, Ve
     warn(attempt.t_n, reason);
     return false;
   }
-  motion_.contacts().add_forces(u_tilde, -0.5, shock_);
+  motion_.contacts().add_forces(u_tilde, -0.5, contact_.shock);
   for (ContactInterface& contact : motion_.contacts()) contact.keep_shock(u_tilde);
   // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
   const FieldLayout& layout = motion_.discretisation().displacement;
   const Handle<Vec> force = layout.make_global(), gain = layout.make_global(); // gain: of v, over dt
-  check(VecCopy(shock_, force));
+  check(VecCopy(contact_.shock, force));
   motion_.mass_solve(force, gain);
-  motion_.rigid().strike(shock_, gain);
+  motion_.rigid().strike(contact_.shock, gain);
   check(VecAXPY(v, dt, gain));
   check(VecWAXPY(u_tilde, dt * dt, gain, goal));
   return true;

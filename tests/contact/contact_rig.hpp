@@ -35,6 +35,10 @@ struct Rig {
     environment.frame = frame;
     return environment;
   }
+  /// The row from which steps begin.
+  void add_displacement() {
+    state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(mesh.node_count()));
+  }
   Handle<Vec> at(const Motion& motion) const { return displacement(mesh, layout, blocks, motion); }
   Handle<Vec> residual(Vec u, double scale = 1) const {
     Handle<Vec> r = layout.make_global();

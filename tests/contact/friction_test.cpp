@@ -201,7 +201,7 @@ TEST(Friction, ConservingStepKeepsBothMomentaAndItsWorkIsEnergyAndHeat) {
         ContactEnvironment heavy;
         heavy.density = 1;
         Rig rig(PETSC_COMM_WORLD, hill(), partition, s, heavy);
-        rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+        rig.add_displacement();
         const Handle<Vec> start = rig.at(crush);
         rig.layout.to_local(start, rig.state.row("u").trial);
         rig.contact.update_search(start);

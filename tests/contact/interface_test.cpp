@@ -264,7 +264,7 @@ TEST(ContactInterface, ARefusedAttemptLeavesNoTraceInTheCandidates) {
       s.method = method;
       s.enforce = Enforcement::penalty;
       Rig rig(PETSC_COMM_WORLD, {}, partition, s);
-      rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+      rig.add_displacement();
       const Handle<Vec> start = rig.at(crush);
       rig.layout.to_local(start, rig.state.row("u").trial);
       rig.contact.update_search(start); // what an attempt from here begins with
@@ -761,6 +761,7 @@ TEST(ContactInterface, RoundRigidBodiesPushAlongTheirNormalsWithTheirExactTangen
 TEST(ContactInterface, WorkOfAMovingRigidBodyIsItsForceTimesItsMotion) {
   ContactSettings s = settings_of(100);
   s.primary = "plane";
+  s.enforce = Enforcement::penalty;
   s.rigid_motion[1] = [](double t) { return 0.01 * t; };
   ContactEnvironment environment;
   environment.thickness = 3;
@@ -771,8 +772,41 @@ TEST(ContactInterface, WorkOfAMovingRigidBodyIsItsForceTimesItsMotion) {
   rig.state.commit();
   rig.contact.set_time(3);
   // 100 x 1.25 x depth at both ends of the step, over a way of 0.02.
-  EXPECT_NEAR(rig.contact.step(u, true).obstacle_work, 3 * 125 * 0.05 * 0.02, 1e-12);
-  EXPECT_NEAR(rig.contact.step(u, false).obstacle_work, 3 * 125 * 0.04 * 0.02, 1e-12);
+  EXPECT_NEAR(rig.contact.step(u).obstacle_work, 3 * 125 * 0.04 * 0.02, 1e-12);
+  // The force of a stabilised step is that of its end.
+  rig.add_displacement();
+  rig.contact.set_time(3, 1, true);
+  EXPECT_NEAR(rig.contact.step(u).obstacle_work, 3 * 125 * 0.05 * 0.02, 1e-12);
+}
+
+// Of a force F that is switched on and off the displacement gets F over the step, beta Y + (1/2 - beta) Y_n =
+// F/2, and the velocity gamma Y + (1 - gamma) Y_n; by the trapezoidal rule, where Y would alternate, both get
+// F.
+TEST(ContactInterface, WhatAStepCarriesMovesTheBodiesByItsForce) {
+  ContactSettings s = settings_of(100);
+  s.primary = "plane";
+  for (const double rho : {1.0, 0.8, 0.0}) {
+    const double alpha_m = 2 / (1 + rho), gamma = alpha_m - 0.5,
+                 beta = alpha_m * alpha_m / 4; // Newmark's family
+    Rig rig(PETSC_COMM_WORLD, {}, bodies_mixed, s, {});
+    rig.add_displacement();
+    double carried = 0, impulse = 0;
+    for (const double depth : {0.02, 0.03, 0.0, 0.0}) {
+      const Handle<Vec> u = rig.at(sink(depth)), carry = rig.layout.make_global();
+      rig.contact.set_time(1, 7, true, {alpha_m / (2 * beta), alpha_m, gamma, rho == 1 ? 0.5 : 0});
+      rig.contact.add_carried(1, carry);
+      PetscReal size = 0;
+      check(VecNorm(carry, NORM_1, &size));
+      EXPECT_NEAR(size, std::abs(carried), 1e-12);
+      rig.contact.advance(u, u, 0.5);
+      rig.state.commit();
+      const double force = 125 * depth,
+                   Y = rho == 1 ? force : (force - (1 - 2 * beta) * carried) / (2 * beta);
+      impulse += 0.5 * (rho == 1 ? force : gamma * Y + (1 - gamma) * carried);
+      carried = Y;
+      EXPECT_NEAR(rig.contact.measures(u).impulse[1], impulse, 1e-12);
+    }
+  }
 }
 
 TEST(ContactInterface, InitialOverlapIsAdjustedRefusedOrAllowedButRoundingIsNone) {
@@ -895,7 +929,7 @@ TEST(ContactInterface, AStabilisedStepHasNoMomentAboutItsMiddleAndItsExactTangen
       s.method = method;
       s.enforce = Enforcement::auglag;
       Rig rig(PETSC_COMM_WORLD, hill(), partition, s);
-      rig.state.add(StateRow{"u", Support::vertex, 2}, 2 * static_cast<std::size_t>(rig.mesh.node_count()));
+      rig.add_displacement();
       const Handle<Vec> start = rig.at(crush);
       rig.layout.to_local(start, rig.state.row("u").trial);
       rig.contact.update_search(start);

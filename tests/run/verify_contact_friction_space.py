@@ -18,6 +18,9 @@ ENFORCEMENTS = ("penalty", "auglag", "semismooth") if LONG else ("semismooth",)
 MU, G, V = 0.3, 10.0, 1.0
 RHO, E = 1000.0, 1e8
 DIRECTION = numpy.array([math.cos(0.6), math.sin(0.6)])  # in x and z, along no edge
+STEP, RHO_INFINITY = 4e-3, 0.5
+# Part of the kinetic energy of a block with unit speed that damped steps give it as friction begins (theory.md, S4).
+GIVEN = (2 / (1 + RHO_INFINITY) - 1) ** 2 * MU * G * STEP
 
 
 def block(**more):
@@ -29,7 +32,7 @@ def block(**more):
         "bcs": "weight", "bc_weight_on": "solid", "bc_weight_type": "body_force", "bc_weight_uy": -G,
         "ics": "flight", "ic_flight_on": "solid", "ic_flight_vx": V * DIRECTION[0], "ic_flight_vz": V * DIRECTION[1],
         "contacts": "face", "contact_face_secondary": "bottom", "contact_face_primary": "plane",
-        "contact_face_friction": MU, "ts_dt": 4e-3, "ts_max_time": 0.4, "ts_newmark_rho": 0.5,
+        "contact_face_friction": MU, "ts_dt": STEP, "ts_max_time": 0.4, "ts_newmark_rho": RHO_INFINITY,
         "measures": "place", "measure_place_on": "solid", "measure_place_fields": "u", "measure_place_of": "mean", **more,
     }
 
@@ -65,7 +68,7 @@ def stop(name, r, speed, mass, tolerance_of_ratio, first_law=1e-5):
     check(f"{name}: motion after the stop over the distance", numpy.ptp(late, axis=1).max() / (DIRECTION @ way[:, -1]),
           0, 2e-3, relative=False)
     check_between(f"{name}: heat of friction over the kinetic energy",
-                  r["dissipated_friction"][-1] / (mass * speed**2 / 2), 0.95, 1.0001)
+                  r["dissipated_friction"][-1] / (mass * speed**2 / 2), 0.95, 1 + GIVEN / speed)
     check(f"{name}: first law", abs(r["balance_first_law"]).max(), 0, first_law, relative=False)
 
 
@@ -98,7 +101,7 @@ SLAB = {
     "ics": "flight", "ic_flight_on": "upper", "ic_flight_vx": V / 2 * DIRECTION[0],
     "ic_flight_vz": V / 2 * DIRECTION[1],
     "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
-    "contact_face_friction": MU, "ts_dt": 4e-3, "ts_max_time": 0.28, "ts_newmark_rho": 0.5,
+    "contact_face_friction": MU, "ts_dt": STEP, "ts_max_time": 0.28, "ts_newmark_rho": RHO_INFINITY,
     "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u", "measure_place_of": "mean",
 }
 SLABS = {"dual, hexahedra": {"contact_face_multipliers": "dual"},
@@ -123,7 +126,8 @@ for kind, extra in SLABS.items():
     check(f"{name}: heat of the pair against that of the ledger", r["contact_face_dissipated"][-1],
           r["dissipated_friction"][-1], 1e-12)
     check(f"{name}: first law", abs(r["balance_first_law"]).max(), 0, 1e-6, relative=False)
-    check_between(f"{name}: gain over the largest energy", r["gain"].max() / r["energy_kinetic"].max(), 0, 1e-6)
+    check(f"{name}: gain over the kinetic energy, of friction that begins", r["gain"].max() / r["energy_kinetic"].max(),
+          GIVEN / (V / 2), 0.15)
 
 print("the same slide resumed, and on other numbers of ranks; a coefficient of rounding is none")
 SHORT = {**SLAB, "mesh_set_simplices_upper": 1, "ts_max_time": 0.096, "checkpoint_every": 12, "motion_snes_rtol": 1e-11,
@@ -154,12 +158,13 @@ check("a coefficient of 1e-15 against none", max(abs(none[c] - rounding[c]).max(
                                                    if c in none.history), 0, 1e-10, relative=False)
 check("which loses no speed", none["measure_place_ux"][-1], V / 2 * DIRECTION[0] * 0.048, 1e-4)
 
-print("what the damped family gives to a contact whose force grows: of fourth order, and nothing by the trapezoidal rule")
+print("damped steps give nothing to a contact whose force grows, and to friction that begins by the step, as theory has it")
 FREE = {**SHORT, "contact_face_friction": 0, "ts_max_time": 0.048}
-half = run("half_step", {**FREE, "ts_dt": 2e-3})
-check_between("gain of the step over that of half of it", none["gain"].max() / half["gain"].max(), 12, 40)
-check_between("exchange of the step over that of half of it", none["exchange_numerical"].min() / half["exchange_numerical"].min(), 12, 40)
-run("trapezoidal", {**FREE, "ts_newmark_rho": 1})  # its energy is judged as that of every run
+trapezoidal = run("trapezoidal", {**FREE, "ts_newmark_rho": 1})
+check("gain without friction, that of the trapezoidal rule", none["gain"].max(), trapezoidal["gain"].max(), 1e-3)
+check_between("what the integrator exchanges", none["exchange_numerical"].min(), 0, math.inf)
+half = run("half_step", {**SHORT, "ts_dt": STEP / 2})
+check("gain with friction, of the step over that of half of it", whole["gain"].max() / half["gain"].max(), 2, 0.15)
 
 print("fields: Coulomb's law at every node")
 fields = Fields(os.path.join(whole.dir, "vis.xdmf"))

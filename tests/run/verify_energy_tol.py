@@ -80,7 +80,7 @@ runs.require("the history ends before the fifth step in a row beyond the bound",
     ended["time"], on["time"][:last]) and (gain[last - 4:last + 1] > 0.2).all() and not (gain[last - 5:last] > 0.2).all())
 runs.require("and its state is in a checkpoint", glob.glob("ended/checkpoints/*.h5") and "the state at t" in ended.log)
 
-# Steps of a seventh of the contact time: the damped family trades energy with contact under the update, the trapezoidal rule does not.
+# Steps of a seventh of the contact time: no impact gains energy, whatever the steps damp.
 LONG = {"ts_dt": 8e-6, "ts_max_time": 1.5e-4, "outputs": "none", "probes": "none", "measures": "none"}
 sphere = [runs.option_file("sphere_impact.opts")]
 plain = runs.run("sphere", LONG, files=sphere)
@@ -94,9 +94,9 @@ energy = damped["energy_kinetic"] + damped["energy_elastic"]
 runs.check_between("with -ts_newmark_rho 0.9, which takes no update: largest energy over that of the start", energy.max() / energy[0], 1, 1.02)
 traded = runs.run("sphere_traded", {**LONG, "ts_newmark_rho": 0.9, "contact_foot_impact": "stabilised"}, files=sphere)
 energy = traded["energy_kinetic"] + traded["energy_elastic"]
-runs.check_between("with the update beside it: largest energy over that of the start", energy.max() / energy[0], 1.2, 1.5)
-runs.require("with the update beside it: the warning says so and what to do", re.search(
-    r"WARNING: .*energy gained.* -ts_newmark_rho 1 or -contact_<id>_impact none", traded.log))
+runs.check_between("with the update beside it: largest energy over that of the start", energy.max() / energy[0], 0, 1 + 1e-12)
+runs.check_between("with the update beside it: what is gained", traded["gain"].max() / energy[0], 0, 1e-12)
+runs.require("with the update beside it: no word of energy that is gained", "gained" not in traded.log)
 
 # Pressed slowly by a plane askew in damped steps of 2e5 h/c_p: nothing strikes, and the default is no update.
 SLOW = {"units": "mm_t_s_MPa", "mesh": runs.mesh("block.geo"), "mesh_set_n": 8, "materials": "solid", "material_solid_E": 1000,
@@ -107,8 +107,14 @@ damped = runs.run("slow_damped", {**SLOW, "ts_newmark_rho": 0.8})
 static = runs.run("slow_static", {**SLOW, "ts_type": "static"})
 runs.require("damped steps that resolve no impact: no update", "impact update: none: damped steps" in damped.log)
 runs.check("a block pressed slowly: the force of a static run", damped["contact_plate_force_y"][-1], static["contact_plate_force_y"][-1], 1e-6)
-asked = runs.run("slow_asked", {**SLOW, "ts_newmark_rho": 0.8, "contact_plate_impact": "stabilised"}, code=5)
-runs.require("the update that was asked for gains energy: the remedy is named", "-contact_<id>_impact none" in asked.log)
+# The force of the update is one within the step.
+for rho in (0, 0.5, 0.8, 0.99, 1):
+    asked = runs.run(f"slow_asked_{rho}", {**SLOW, "ts_newmark_rho": rho, "contact_plate_impact": "stabilised"})
+    runs.check_between(f"the update in such steps, rho {rho}: force", asked["contact_plate_force_y"][-1],
+                       static["contact_plate_force_y"][-1] * (1 + 1e-9), static["contact_plate_force_y"][-2])
+    runs.check(f"the update in such steps, rho {rho}: energy", asked["energy_elastic"][-1], static["energy_elastic"][-1], 1e-6)
+    runs.check_between(f"the update in such steps, rho {rho}: kinetic energy, over what the plane's speed makes of the block's mass",
+                       asked["energy_kinetic"][-1] / (1e-9 * 0.2**2 / 2), 0, 1)
 
 # A block whose side jumps by 100 K: the form of the entropy loses energy, which the warning tells the remedy for.
 WARM = {"mesh": runs.mesh("block.geo"), "mesh_set_n": 8, "materials": "solid", "material_solid_E": 1e9, "material_solid_nu": 0.3,

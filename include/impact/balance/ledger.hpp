@@ -70,11 +70,11 @@ public:
   double energy_error() const;
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
-  /// Energies: what penalties of contacts hold, what impacts took and what the integrator did.
+  /// Energies: what penalties of contacts hold, and what impacts took.
   struct Exchanged {
-    double held, struck, integrator;
+    double held, struck;
   };
-  Exchanged exchanged() const { return {sum(contact_store), sum(contact_loss), sum(numerical)}; }
+  Exchanged exchanged() const { return {sum(contact_store), sum(contact_loss)}; }
   const Energies& energies() const { return energies_; }
 
 private:

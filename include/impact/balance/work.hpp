@@ -69,7 +69,8 @@ private:
   StateRow &internal_, &external_, &contact_, &inertia_force_, &left_;
   StateRow& step_acceleration_; ///< IntegratorStep::f
   std::vector<double> reactions_;
-  std::vector<double> a_new_, mass_; // of book_explicit
+  std::vector<double> a_new_, mass_;       // of book_explicit
+  std::vector<double> over_step_, hidden_; // of stabilised contact (StepRecord)
 };
 
 } // namespace impact

@@ -17,6 +17,9 @@ public:
   void add_forces(Vec u, double scale, Vec r) const {
     for (const ContactInterface& contact : *this) contact.add_residual(u, scale, r);
   }
+  void add_carried(double scale, Vec r) const {
+    for (const ContactInterface& contact : *this) contact.add_carried(scale, r);
+  }
   void start_newton(Vec u) {
     for (ContactInterface& contact : *this) contact.start_newton(u);
   }
@@ -35,7 +38,7 @@ public:
   AugmentReport review(Vec u) const;
   /// [contact]
   std::vector<ContactReach> reach(Vec u) const;
-  std::vector<ContactStep> step(Vec u, bool force_at_end = false) const;
+  std::vector<ContactStep> step(Vec u) const;
   int active(Vec u) const;
   ContactFields nodal_fields(Vec u) const;
 };

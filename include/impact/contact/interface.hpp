@@ -49,8 +49,8 @@ struct ContactStep {
   /// heat, because its constraints face nothing any more (over an edge). Negative where constraints begin
   /// with an overlap.
   double released = 0;
-  /// Of a moving rigid body on the bodies: its motion times the force at the end and that of the shock at the
-  /// start, or the mean of both ends.
+  /// Of a moving rigid body on the bodies: its motion times the force of the step, and that of the shock at
+  /// the start.
   double obstacle_work = 0, obstacle_shock = 0;
 };
 
@@ -79,6 +79,22 @@ struct ContactDemands {
   bool reverses = false; ///< something sticks for the next linear solve alone (Friction::follow)
 };
 
+/// How a step takes the force F of contact, which moves the bodies as if it acted over all of it (theory.md,
+/// S1 to S3). Y is the contact's part of mass times acceleration, Y_n at the start.
+struct ForceShare {
+  double scale = 1, alpha_m = 1, gamma = 0.5;
+  double over_step = 0; ///< part of F - Y_n that acts over the step as a whole; not 0: Y becomes F
+  /// What balances the other forces at the end: scale F - (scale - 1) Y_n less what acts over the step.
+  double at_end(double F, double Y_n) const { return over_step != 0 ? F : scale * F - (scale - 1) * Y_n; }
+  double carried(double F, double Y_n) const {
+    return (at_end(F, Y_n) + (alpha_m - 1) * Y_n) / alpha_m;
+  } ///< Y
+  /// What the bodies gain of momentum, over dt.
+  double impulse(double F, double Y_n) const {
+    return Y_n + gamma * (carried(F, Y_n) - Y_n) + over_step * (F - Y_n);
+  }
+};
+
 /// How far the sides are from pressing each other.
 struct ContactReach {
   double gap = 0;      ///< smallest one, infinite where nothing faces
@@ -103,9 +119,9 @@ struct StiffnessBound {
 class ContactInterface {
 public:
   /// Mesh and layout must outlive the interface; rows `contact_<id>_multiplier`, `_penalty`, `_totals`,
-  /// `_force`, with friction `_traction` and `_slip`, are added to the table, and the candidates at u = 0 are
-  /// found. Throws UserError: unknown groups, a penalty that is not positive, automatic without a
-  /// modulus, a rigid body without a direction or radius. Collective.
+  /// `_force`, `_carried`, with friction `_traction` and `_slip`, are added to the table, and the candidates
+  /// at u = 0 are found. Throws UserError: unknown groups, a penalty that is not positive, automatic without
+  /// a modulus, a rigid body without a direction or radius. Collective.
   ContactInterface(const Mesh& mesh, const FieldLayout& displacement, const ContactSettings& settings,
                    const ContactEnvironment& environment, StateTable& state);
   ContactInterface(const ContactInterface&) = delete; // its parts know each other
@@ -144,7 +160,7 @@ public:
   /// mass in the tangent, 0 without inertia: an automatic penalty of an augmented Lagrangian is raised to 2.5
   /// rho h mass_shift for the attempt. `stabilised`, with inertia: until advance forces stand along the
   /// gradients at the middle of the step, the gaps being those of its end. Collective.
-  void set_time(double t, double mass_shift = 0, bool stabilised = false);
+  void set_time(double t, double mass_shift = 0, bool stabilised = false, const ForceShare& share = {});
   /// The projection of the velocity of a stabilised attempt begins or ends: gaps are linear in between, with
   /// the gradients of the start, an overlap of the start counts as touch, friction is left out, and
   /// multipliers start from zero; they and the penalty are put back.
@@ -175,6 +191,10 @@ public:
   /// as one, whose sum goes into `of_bodies`; |dg_i| is there that by translation and rotation, in the norm
   /// of inertia over mass.
   std::array<double, 3> add_residual(Vec u, double scale, Vec r, StiffnessBound* bound = nullptr) const;
+  /// r += scale times minus what of the present acceleration, times the mass, is the contact's.
+  void add_carried(double scale, Vec r) const;
+  /// A run begins from this state at the acceleration by all forces, those of contact among them.
+  void carry_force();
   /// K += scale df/du by MatSetValues; the caller assembles. Symmetric unless something slides, or in a step
   /// whose forces stand along the gradients at its middle.
   void add_tangent(Vec u, double scale, Mat K) const;
@@ -218,14 +238,14 @@ public:
   /// lambda <- <lambda - eps g> for every constraint, 0 where it faces nothing, as the method has it.
   AugmentReport augment(Vec u);
 
-  /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule, or
-  /// of the force of a stabilised step. A call with u_n = u and dt = 0 before the first step records the
-  /// force of the start.
+  /// After an accepted step: impulse and work of the step into the trial totals, by the trapezoidal rule; of
+  /// a stabilised step the momentum gained, and the work of the force at its end. A call with u_n = u and dt
+  /// = 0 before the first step records the force of the start.
   void advance(Vec u_n, Vec u, double dt);
   /// The same where the force is known: `residual` and `part` as add_residual made them at u.
   void advance(Vec u_n, Vec u, double dt, Vec residual, const std::array<double, 3>& part);
   /// Before advance.
-  ContactStep step(Vec u, bool force_at_end = false) const;
+  ContactStep step(Vec u) const;
 
   /// Whether explicit steps find its pressures (impulses.hpp), and where those go: [constraint], and
   /// [constraint][direction] of tractions, of the trial halves.
@@ -254,9 +274,10 @@ private:
   using Vector = std::array<double, 3>;
   // The row "totals" by the names of its components; those in front are vectors of dim or three numbers.
   struct Totals {
-    double *impulse, *work, *force, *obstacle, *spring, *heat; // on the secondary side; of the rigid body
+    double *impulse, *work, *force, *carried, *obstacle, *spring, *heat; // on the secondary side; of the body
   };
   Totals totals(std::vector<double>& half) const;
+  bool stabilised() const { return constraints_->rule() == StepRule::middle; }
   // The method at hand, which may be the fallback of the one that was asked for.
   EnforcementMethod& method() const { return fallback_ && falls_back() ? *fallback_ : *method_; }
   bool falls_back() const { return fallen_back_ || by_penalty_ || eased_; }
@@ -294,7 +315,7 @@ private:
   std::unique_ptr<EnforcementMethod> method_, fallback_;
   RigidNodes rigid_nodes_;
   EnforcementRows rows_{};
-  StateRow *totals_ = nullptr, *force_ = nullptr;
+  StateRow *totals_ = nullptr, *force_ = nullptr, *carried_ = nullptr; // by nodes as add_residual has them
   /// What cells that left have made of a side.
   struct LiveSide {
     std::vector<char> body; // [local node] 1 in the bodies of the side
@@ -302,6 +323,7 @@ private:
   };
   std::map<std::string, LiveSide> live_;                 // by boundary; empty as long as no cell has left
   std::array<std::vector<double>, 2> before_projection_; // multipliers, penalty
+  ForceShare share_;
   Vector shock_{};             // on the secondary side: impulse of the projection over dt
   Handle<Vec> last_force_;     // at the start of a step whose work is exact
   double inertia_penalty_ = 0; // over the mass shift

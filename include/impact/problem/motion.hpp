@@ -9,6 +9,7 @@
 
 /// Balance of momentum of all bodies: residual, tangent and their parts (105)-(106).
 ///   R(u) = M a + F_int(u; phi frozen, history committed) - F_ext(u, t) - s F_contact(u; lambda, eps)
+///        + (s - 1) Y_n
 /// A pure function of its arguments and of the step's frozen state: it stores nothing.
 namespace impact {
 
@@ -29,7 +30,7 @@ struct MotionStep {
   const std::vector<double>* phi = nullptr;     ///< frozen damage of this pass, null without damage
   const std::vector<double>* theta = nullptr;   ///< frozen temperature of this pass, null without heat
   const std::vector<double>* warming = nullptr; ///< what that temperature belongs to (Warming), or null
-  double contact_scale = 1;                     ///< alpha_m/(2 beta) where contact is fully implicit, else 1
+  ForceShare contact;                           ///< its scale alpha_m/(2 beta) where stabilised, else 1
   double unilateral_scale = 1;                  ///< the same for the unilateral stress of broken points
   bool unilateral_apart = false;                ///< which acts over the step as a whole, whatever its scale
   bool stabilised = false;                      ///< the contact-stabilised update
@@ -219,6 +220,7 @@ private:
   FacetTable live_load_;
   double reference_force_ = 0;
   ForceBalance balance_;
+  Handle<Vec> carried_; // ContactInterface::add_carried of the step, times 1 - scale
   Handle<Vec> cells_diagonal_, diagonal_;
   Handle<Mat> shell_;         // with ContactOperator::shell
   Handle<Vec> linearised_at_; // where the shell's contact tangent is taken

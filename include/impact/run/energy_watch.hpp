@@ -29,7 +29,6 @@ private:
   double least_; ///< energy of bodies strained by 1e-7: below it the first law is one of rounding errors
   std::string warning_;                    ///< the first one
   double most_held_ = 0, strain_then_ = 0; ///< by penalties of contacts, and by bodies at that time
-  double most_given_ = 0;                  ///< by the integrator
 };
 
 } // namespace impact

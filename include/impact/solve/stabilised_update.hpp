@@ -5,12 +5,14 @@
 
 /// What impacts change of an integrator's step (theory.md, 7). The contact-stabilised update (P. Deuflhard,
 /// R. Krause, S. Ertel, Int. J. Numer. Meth. Engng 73 (2008) 1274) projects the velocity at the start of a
-/// step on what contact admits and lets the contact force F act over the step as a whole:
+/// step on what contact admits, and lets the contact force F move the bodies as if it acted over the step as
+/// a whole (ForceShare):
 ///   w = arg min |w - u_tilde|_M / 2  over what the gradients of the start admit,   v_n += (w - u_tilde)/dt
-///   a -= a_c,  v += dt (2 beta - gamma) a_c   with M a_c = F / (2 beta)
-/// The second line also holds for the unilateral stress of broken points, which acts like a contact. From
-/// rigid bodies the update takes out what keeps them rigid, so that their acceleration is that by the forces,
-/// and gives what these cannot move its mean velocity, what data move that of the data.
+///   a -= a_c,  v += dt (2 beta - gamma) a_c   with M a_c = P / (2 beta)
+/// Of contact P is over_step (F - Y_n), by the trapezoidal rule alone; of the unilateral stress of broken
+/// points it is all, under any weights. From rigid bodies the update takes out what keeps them rigid, so that
+/// their acceleration is that by the forces, and gives what these cannot move its mean velocity, what data
+/// move that of the data.
 namespace impact {
 
 class StabilisedUpdate {
@@ -24,16 +26,22 @@ public:
   bool unilateral() const { return unilateral_; }
   bool corrects() const { return stabilise_ || unilateral_ || !motion_.rigid().empty(); }
   /// Factors of the two forces in the balance of the step.
-  double contact_scale() const { return stabilise_ ? integrator_of(ts_).share() : 1; }
+  ForceShare contact_share() const;
   double unilateral_scale() const { return unilateral_ ? integrator_of(ts_).share() : 1; }
 
-  /// The hooks of the same names. `contact_force`: on the bodies, that the step balanced. Collective.
+  /// The hooks of the same names. `contact_force`: F on the bodies at the solution. Collective.
   void predict(const Attempt& attempt, Vec u_tilde, Vec v);
   void correct(Vec contact_force, Vec u, Vec v, Vec a);
 
+  /// Of contact on the bodies in the step that `correct` saw, prescribed dofs included: ForceShare::at_end.
+  Vec contact_at_end() const { return contact_.at_end; }
+  /// P.
+  Vec over_step() const { return contact_.over_step; }
+  /// What supports feel of neither, because it is of this step alone: P - 2 beta M a_c, or at_end - F.
+  Vec hidden() const { return contact_.hidden; }
   /// Impulse over dt that the projection put on the bodies; zero elsewhere.
-  Vec shock() const { return shock_; }
-  /// What `correct` took out of the acceleration.
+  Vec shock() const { return contact_.shock; }
+  /// All that `correct` took out of the acceleration.
   Vec acceleration() const { return acceleration_; }
   /// By what it then changed the velocity of rigid bodies to that of their data.
   Vec told() const { return told_; }
@@ -41,8 +49,8 @@ public:
   const ForceParts& forces() const { return forces_; }
 
 private:
-  void take_out_step_forces(Vec contact_force, Vec u, Vec v, Vec a);
-  void take_out_rigidity(Vec contact_force, Vec u, Vec v, Vec a);
+  void take_out(Vec force, Vec share, Vec v, Vec a);
+  void take_out_rigidity(Vec u, Vec v, Vec a);
   bool project(const Attempt& attempt, Vec goal, Vec u_tilde, Vec v);
   SNESConvergedReason minimise(double dt, Vec goal, Vec w);
   void warn(double t_n, SNESConvergedReason reason);
@@ -53,7 +61,10 @@ private:
   StateTable& state_;
   bool stabilise_, unilateral_;
   bool warned_ = false;
-  Handle<Vec> shock_, acceleration_, told_;
+  struct {
+    Handle<Vec> at_end, over_step, hidden, shock;
+  } contact_;
+  Handle<Vec> acceleration_, told_;
   ForceParts forces_;
 };
 

@@ -34,6 +34,8 @@ struct Integrator {
   PetscReal mass_shift(PetscReal dt) const {
     return inertia && !is_explicit() ? alpha_m / (beta * dt * dt) : 0;
   }
+  /// Whether du = dt (v_start + v)/2 whatever the accelerations are.
+  bool moves_by_mean_velocity() const { return inertia && s == 1 && 2 * beta == gamma; }
   /// Part of a force in the balance that moves the bodies as much as the force acting over the whole step.
   PetscReal share() const { return inertia && !is_explicit() ? alpha_m / (2 * beta) : 1; }
   /// Largest omega dt of an undamped linear oscillator whose amplitude does not grow; infinite for most.
