@@ -35,6 +35,8 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       inertia_force_(add_force(state, motion.discretisation(), "force_inertia")),
       left_(add_force(state, motion.discretisation(), "force_left")),
       step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")),
+      closing_(state.find("closing_carried") ? &add_force(state, motion.discretisation(), "force_closing")
+                                             : nullptr),
       a_new_(internal_.trial.size()), over_step_(a_new_), hidden_(a_new_) {}
 
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
@@ -89,9 +91,10 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a, b
   const std::vector<double>& touch = contact_.trial = contact_.committed;
   reactions_ = internal_.trial;
   for (std::size_t i = 0; i < loads.size(); ++i) {
+    if (closing_) closing_->trial[i] = -unilateral[i];
     // Statics knows no load that is put on at once: what the start lacks to balance grows in the first step,
     // but where inertia balanced it, which no load takes over.
-    const double balancing = inertia_force_.trial[i] + internal_.trial[i] - touch[i];
+    const double balancing = inertia_force_.trial[i] + internal_.trial[i] + unilateral[i] - touch[i];
     if (motion_.boundary().fixed_mask()[i] || (!inertia_ && !moving))
       external_.trial[i] = balancing;
     else if (!inertia_)
@@ -190,8 +193,7 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
 
 // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history. `corrected` becomes what
 // acts on displacement and velocity as one force over the step: the share of a_c, twice beta of it in M a_c.
-// That is what stabilised contact has beside its mean, `over_step`, less the force of closing cracks; of
-// rigid bodies also what keeps them rigid, and the reactions there.
+// That is `over_step`, and of rigid bodies what keeps them rigid, and the reactions there.
 void ForceBook::take_over_forces(const StepRecord& step, std::vector<double>& corrected) {
   const Discretisation& d = motion_.discretisation();
   d.displacement.to_local(step.forces->internal, internal_.trial);
@@ -204,7 +206,8 @@ void ForceBook::take_over_forces(const StepRecord& step, std::vector<double>& co
   const Integrator& weights = step.integrator;
   check(VecScale(force, step.stabilised || step.unilateral ? 2 * weights.beta : weights.alpha_m));
   d.displacement.to_local(force, corrected);
-  if (!step.stabilised) return;
+  if (step.closing_at_end) d.displacement.to_local(step.closing_at_end, closing_->trial);
+  if (!step.stabilised && !step.unilateral) return;
   d.displacement.to_local(step.over_step, over_step_);
   d.displacement.to_local(step.hidden, hidden_);
 }
@@ -237,15 +240,15 @@ double ForceBook::book_bodies(const StepRecord& step, Vec u, Vec v) {
 // The support supplies what closes the balance on held dofs: a mean of both ends, and of what acts over the
 // step a part that does so too, which is returned. What stabilised contact has for
 // one step alone is no part of the reaction.
-std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::vector<double>& corrected,
-                                             const std::vector<double>& unilateral) {
+std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::vector<double>& corrected) {
   const bool parted = step.stabilised || step.unilateral;
   std::vector<double> over_step(corrected.size(), 0.0);
   reactions_.resize(over_step.size());
   for (std::size_t i = 0; i < over_step.size(); ++i) {
-    const double of_step = corrected[i] + unilateral[i] - over_step_[i],
-                 at_end =
-                     inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] - contact_.trial[i];
+    const double closing = step.closing_at_end ? closing_->trial[i] : 0,
+                 of_step = corrected[i] - over_step_[i],
+                 at_end = inertia_force_.trial[i] + internal_.trial[i] - external_.trial[i] -
+                          contact_.trial[i] - closing;
     reactions_[i] = at_end + of_step + hidden_[i];
     if (in_rigid_body(i)) {
       left_.trial[i] = 0; // holds resultants
@@ -323,22 +326,24 @@ StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double gro
   work.rigid = book_bodies(step, u, by_forces);
   // m tau- of broken points acts over the step as a whole, like the stabilised contact.
   const std::vector<double> unilateral = unilateral_of(d, *step.forces);
-  const std::vector<double> over_step = close_balance(step, corrected, unilateral);
+  const std::vector<double> over_step = close_balance(step, corrected);
   std::vector<double> du = d.local_of(u);
   for (std::size_t i = 0; i < du.size(); ++i) du[i] -= u_.committed[i];
   work.internal = mean_work(du, internal_);
   work.external = mean_work(du, external_);
   work.over_step = dot(d.mesh, du, over_step);
   work.contact = mean_work(du, contact_);
-  if (step.stabilised) {
-    const double others = work.contact;
-    work.contact = dot(d.mesh, du, d.local_of(step.contact_force));
-    if (!step.integrator.moves_by_mean_velocity()) { // (S4)
-      work.integrator.loss += work.contact - others;
-      work.integrator.exchange += work.contact - others;
-    }
-  }
   work.unilateral = dot(d.mesh, du, unilateral);
+  double more = 0; // of what acts over the step than of its mean (S4)
+  if (step.closing_at_end) more -= work.unilateral + mean_work(du, *closing_);
+  if (step.stabilised) {
+    const double mean = std::exchange(work.contact, dot(d.mesh, du, d.local_of(step.contact_force)));
+    more += work.contact - mean;
+  }
+  if (!step.integrator.moves_by_mean_velocity()) {
+    work.integrator.loss += more;
+    work.integrator.exchange += more;
+  }
   work.left = mean_work(du, left_);
   if (!inertia_) work.inertia = mean_work(du, inertia_force_);
   return work;

@@ -53,10 +53,10 @@ void MotionProblem::begin(const MotionStep& step) {
   if (solved_) rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
   for (ContactInterface& contact : contacts_)
     contact.set_time(step.t, step.mass_shift, step.stabilised, step.contact);
-  if (step_.contact.scale != 1) {
-    check(VecSet(carried_, 0));
-    contacts_.add_carried(1 - step_.contact.scale, carried_);
-  }
+  check(VecSet(carried_, 0));
+  if (step_.contact.scale != 1) contacts_.add_carried(1 - step_.contact.scale, carried_);
+  if (step_.unilateral_scale != 1)
+    check(VecAXPY(carried_, 1 - step_.unilateral_scale, d_.global_of(*step_.unilateral_carried)));
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
   has_body_force_ = false;
   body_.clear();
@@ -208,7 +208,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
   contacts_.add_forces(u, step_.contact.scale, f);
-  if (step_.contact.scale != 1) check(VecAXPY(f, 1, carried_));
+  if (step_.contact.scale != 1 || step_.unilateral_scale != 1) check(VecAXPY(f, 1, carried_));
   rigid_->reduce(u, f, accel);
   zero_dofs(f, d_.mesh, d_.dim(), rows_.prescribed);
   return all_ranks_agree(d_.mesh.comm(), sound);

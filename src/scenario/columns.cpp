@@ -163,9 +163,9 @@ constexpr FieldNote fields[] = {
     {"u", 3, true, "m", "displacement since the reference place"},
     {"v", 3, true, "m/s", "velocity"},
     {"a", 3, true, "m/s^2",
-     "acceleration; of closing cracks without the share of their forces, of stabilised contact with the mean "
-     "of "
-     "its force over the step where -ts_newmark_rho is 1"},
+     "acceleration; with -ts_newmark_rho 1 by the mean of the forces of stabilised contact and closing "
+     "cracks "
+     "over the step"},
     {"phi", 1, true, "", "damage: 0 sound, 1 broken"},
     {"theta", 1, true, "K", "absolute temperature"},
     {"stress", 6, false, "Pa",

@@ -33,8 +33,7 @@ Coupling::Coupling(TS ts, const Fields& fields, const CouplingScenario& settings
     : ts_(ts), fields_(fields), settings_(settings),
       solver_(ts, fields.motion, defaults, settings, fields.state), augmentation_(ts, fields.motion, solver_),
       update_(ts, fields.motion, solver_, fields.state,
-              stabilise_contact && !fields.motion.contacts().empty(),
-              integrator_of(ts).inertia && !integrator_of(ts).is_explicit() && has_unilateral_stress(fields)),
+              stabilise_contact && !fields.motion.contacts().empty(), has_unilateral_stress(fields)),
       phi_passes_(fields.motion.discretisation().mesh, settings_),
       limits_(settings_, integrator_of(ts).inertia),
       shell_{[this](PetscInt number, Vec u) { return pass(number, u); }, &time_mailbox(ts), true,
@@ -66,6 +65,7 @@ MotionStep Coupling::frozen_step() const {
   step.contact = update_.contact_share();
   if (explicit_) step.bulk = settings_.by_central_differences.bulk;
   step.unilateral_scale = update_.unilateral_scale();
+  step.unilateral_carried = update_.unilateral_carried();
   step.unilateral_apart = update_.unilateral();
   return step;
 }
@@ -122,6 +122,10 @@ void Coupling::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   ForceParts forces;
   motion.parts(u, forces);
   check(VecAXPY(forces.external, -1, forces.internal));
+  if (forces.unilateral) {
+    check(VecAXPY(forces.external, -1, forces.unilateral));
+    update_.carry(forces.unilateral);
+  }
   if (contact) check(VecAXPY(forces.external, 1, contact));
   motion.discretisation().displacement.to_global(fields_.state.row("a").committed, a);
   motion.mass_solve(forces.external, a);

@@ -59,6 +59,7 @@ StepRecord Coupling::record(Vec u) {
       record.integrator.inertia && update_.corrects() ? update_.contact_at_end() : record.contact_force;
   record.left = augmentation_.left();
   if (explicit_) record.bodies = explicit_->bodies().work();
+  record.closing_at_end = update_.closing_at_end();
   record.over_step = update_.over_step();
   record.hidden = update_.hidden();
   record.contact_shock = update_.shock();

@@ -46,57 +46,75 @@ private:
 StabilisedUpdate::StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& solver, StateTable& state,
                                    bool stabilise, bool unilateral)
     : ts_(ts), motion_(motion), solver_(solver), state_(state), stabilise_(stabilise),
-      unilateral_(unilateral), acceleration_(motion.discretisation().displacement.make_global()),
+      unilateral_(unilateral && integrator_of(ts).inertia && !integrator_of(ts).is_explicit()),
+      acceleration_(motion.discretisation().displacement.make_global()),
       told_(motion.discretisation().displacement.make_global()) {
-  for (Handle<Vec>* vec : {&contact_.at_end, &contact_.over_step, &contact_.hidden, &contact_.shock})
+  for (Handle<Vec>* vec : {&step_.at_end, &step_.closing, &step_.over_step, &step_.hidden, &step_.shock})
     *vec = motion.discretisation().displacement.make_global();
+  const Discretisation& d = motion.discretisation();
+  if (unilateral)
+    step_.carried = &state.add({"closing_carried", Support::vertex, d.dim()}, d.node_values(d.dim()));
+}
+
+// Of what acts over the step as a whole.
+ForceShare StabilisedUpdate::share() const {
+  const Integrator& p = integrator_of(ts_);
+  return {p.share(), p.alpha_m, p.gamma, p.moves_by_mean_velocity() ? 1 - 1 / p.share() : 0};
 }
 
 ForceShare StabilisedUpdate::contact_share() const {
-  const Integrator& p = integrator_of(ts_);
-  if (!stabilise_) return {.alpha_m = p.alpha_m};
-  return {p.share(), p.alpha_m, p.gamma, p.moves_by_mean_velocity() ? 1 - 1 / p.share() : 0};
+  return stabilise_ ? share() : ForceShare{.alpha_m = integrator_of(ts_).alpha_m};
+}
+
+void StabilisedUpdate::carry(Vec unilateral) {
+  motion_.discretisation().displacement.to_local(unilateral, step_.carried->trial);
+  step_.carried->committed = step_.carried->trial;
 }
 
 void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
   const InStage stage(Stage::motion);
-  check(VecSet(acceleration_, 0));
-  check(VecCopy(contact_force, contact_.at_end));
-  if (const ForceShare& share = motion_.step().contact; share.over_step != 0) {
-    check(VecCopy(contact_force, contact_.over_step));
-    motion_.contacts().add_carried(1, contact_.over_step);
-    check(VecScale(contact_.over_step, share.over_step));
-    const Handle<Vec> share_of_a = motion_.discretisation().displacement.make_global();
-    take_out(contact_.over_step, share_of_a, v, a);
-    motion_.mass_multiply(share_of_a, contact_.hidden);
-    check(VecAYPX(contact_.hidden, -2 * integrator_of(ts_).beta, contact_.over_step));
-  } else if (share.scale != 1) {
-    check(VecScale(contact_.at_end, share.scale));
-    motion_.contacts().add_carried(share.scale - 1, contact_.at_end);
-    check(VecWAXPY(contact_.hidden, -1, contact_force, contact_.at_end));
+  for (const Vec of_step : {acceleration_.get(), step_.over_step.get(), step_.hidden.get()})
+    check(VecSet(of_step, 0));
+  // F becomes at_end, and F - Y_n is summed.
+  const auto split = [&, share = share()](Vec force, Vec minus_carried) {
+    check(VecAXPY(step_.over_step, 1, force));
+    check(VecAXPY(step_.over_step, 1, minus_carried));
+    check(VecAXPY(step_.hidden, -1, force));
+    if (share.over_step == 0) check(VecAXPBY(force, share.scale - 1, share.scale, minus_carried));
+    check(VecAXPY(step_.hidden, 1, force));
+  };
+  const FieldLayout& layout = motion_.discretisation().displacement;
+  check(VecCopy(contact_force, step_.at_end));
+  if (stabilise_) {
+    const Handle<Vec> carried = layout.make_global();
+    motion_.contacts().add_carried(1, carried);
+    split(step_.at_end, carried);
   }
   if (unilateral_) {
     motion_.parts(u, forces_);
-    const Handle<Vec> closing = motion_.discretisation().displacement.make_global(),
-                      share = motion_.discretisation().displacement.make_global();
-    check(VecAXPY(closing, -1, forces_.unilateral));
-    take_out(closing, share, v, a);
+    layout.to_local(forces_.unilateral, step_.carried->trial);
+    for (std::size_t i = 0; i < step_.carried->trial.size(); ++i)
+      step_.carried->trial[i] = share().carried(step_.carried->trial[i], step_.carried->committed[i]);
+    check(VecCopy(forces_.unilateral, step_.closing));
+    check(VecScale(step_.closing, -1));
+    split(step_.closing, motion_.discretisation().global_of(step_.carried->committed));
   }
+  check(VecScale(step_.over_step, share().over_step));
+  if (share().over_step != 0) take_out_over_step(v, a);
   if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);
 }
 
-// A force that acts over the step as a whole; `share` becomes what it is of the acceleration.
-void StabilisedUpdate::take_out(Vec force, Vec share, Vec v, Vec a) {
-  check(VecSet(share, 0));
-  const PetscReal size = Get(VecNorm)(force, NORM_INFINITY);
+void StabilisedUpdate::take_out_over_step(Vec v, Vec a) {
+  const PetscReal size = Get(VecNorm)(step_.over_step, NORM_INFINITY);
   if (size == 0) return;
   const Integrator& p = integrator_of(ts_);
   const Handle<Vec> scaled = motion_.discretisation().displacement.make_global();
-  check(VecAXPY(scaled, 1 / (2 * p.beta), force));
-  motion_.mass_solve(scaled, share);
-  check(VecAXPY(a, -1, share));
-  check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), share));
-  check(VecAXPY(acceleration_, 1, share));
+  check(VecAXPY(scaled, 1 / (2 * p.beta), step_.over_step));
+  motion_.mass_solve(scaled, acceleration_);
+  check(VecAXPY(a, -1, acceleration_));
+  check(VecAXPY(v, motion_.step().dt * (2 * p.beta - p.gamma), acceleration_));
+  motion_.mass_multiply(acceleration_, step_.hidden);
+  check(VecAYPX(step_.hidden, -2 * p.beta, step_.over_step));
 }
 
 void StabilisedUpdate::take_out_rigidity(Vec u, Vec v, Vec a) {
@@ -105,7 +123,7 @@ void StabilisedUpdate::take_out_rigidity(Vec u, Vec v, Vec a) {
   const Integrator& p = integrator_of(ts_);
   ForceParts forces;
   motion_.parts(u, forces);
-  check(VecAXPY(forces.external, 1, contact_.at_end));
+  check(VecAXPY(forces.external, 1, step_.at_end));
   const Handle<Vec> kept = d.displacement.make_global(), taken = d.displacement.make_global(),
                     before = d.global_of(state_.row("a").committed);
   check(VecCopy(a, kept));
@@ -131,7 +149,7 @@ void StabilisedUpdate::take_out_rigidity(Vec u, Vec v, Vec a) {
 void StabilisedUpdate::predict(const Attempt& attempt, Vec u_tilde, Vec v) {
   const InStage stage(Stage::motion);
   const Discretisation& d = motion_.discretisation();
-  check(VecSet(contact_.shock, 0));
+  check(VecSet(step_.shock, 0));
   const ProjectedContacts projected(motion_.contacts());
   RigidBodies& rigid = motion_.rigid();
   // Rigid bodies: among rigid motions, and only what contact changes counts.
@@ -161,14 +179,14 @@ bool StabilisedUpdate::project(const Attempt& attempt, Vec goal, Vec u_tilde, Ve
     warn(attempt.t_n, reason);
     return false;
   }
-  motion_.contacts().add_forces(u_tilde, -0.5, contact_.shock);
+  motion_.contacts().add_forces(u_tilde, -0.5, step_.shock);
   for (ContactInterface& contact : motion_.contacts()) contact.keep_shock(u_tilde);
   // M (w - u_tilde) = dt^2/2 times the force of the projection, beyond the tolerance of its solve.
   const FieldLayout& layout = motion_.discretisation().displacement;
   const Handle<Vec> force = layout.make_global(), gain = layout.make_global(); // gain: of v, over dt
-  check(VecCopy(contact_.shock, force));
+  check(VecCopy(step_.shock, force));
   motion_.mass_solve(force, gain);
-  motion_.rigid().strike(contact_.shock, gain);
+  motion_.rigid().strike(step_.shock, gain);
   check(VecAXPY(v, dt, gain));
   check(VecWAXPY(u_tilde, dt * dt, gain, goal));
   return true;

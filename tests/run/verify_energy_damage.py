@@ -28,6 +28,22 @@ damped, like = (run("damped", {**WALLS, "ts_dt": 1.25e-4, "ts_max_time": 2e-3, "
 check("energy with rho 0, against that with hardly more", damped["energy_kinetic"][-1], like["energy_kinetic"][-1], 1e-3)
 
 
+# Crushed in steps of 140 h/c_p, at a speed that rises to a constant one: the kinetic energy is that of a linear velocity.
+SPEED, RISE, END = 0.02, 1e-4, 2e-3
+CRUSHED = {
+    "units": "mm_t_s_MPa", "mesh": mesh("block.geo"), "mesh_set_n": 6, "materials": "solid", "material_solid_E": 1000, "material_solid_nu": 0,
+    "material_solid_rho": 1e-9, "material_solid_damage": "at2", "material_solid_split": "volumetric", "material_solid_Gc": 1,
+    "material_solid_gamma": 0.5, "bcs": "hold,side,push,broken", "bc_hold_on": "bottom", "bc_hold_type": "symmetry",
+    "bc_side_on": "left,right", "bc_side_type": "symmetry", "bc_push_on": "top", "bc_push_uy": f"(-{SPEED})*t^2/(t+{RISE})",
+    "bc_broken_on": "solid", "bc_broken_type": "damage", "bc_broken_value": 0.9, "ics": "broken", "ic_broken_on": "solid",
+    "ic_broken_phi": 0.9, "ts_dt": 2e-5, "ts_max_time": END,
+}
+for rho in (0, 0.5, 0.8):
+    r = run(f"crushed_{rho}", {**CRUSHED, "ts_newmark_rho": rho})
+    speed = SPEED * (END**2 + 2 * RISE * END) / (END + RISE) ** 2
+    check(f"crushed slowly, rho {rho}: kinetic energy", r["energy_kinetic"][-1], 1e-9 * speed**2 / 6, 1e-4)
+
+
 def energy(r):
     return (r["energy_kinetic"] + r["energy_elastic"]) / r["energy_kinetic"][0]
 

@@ -58,8 +58,7 @@ private:
   Handle<Vec> free_part(Vec of) const;
   void take_over_forces(const StepRecord& step, std::vector<double>& corrected);
   double book_bodies(const StepRecord& step, Vec u, Vec v);
-  std::vector<double> close_balance(const StepRecord& step, const std::vector<double>& corrected,
-                                    const std::vector<double>& unilateral);
+  std::vector<double> close_balance(const StepRecord& step, const std::vector<double>& corrected);
   double mean_work(const std::vector<double>& du, const StateRow& row) const;
   bool in_rigid_body(std::size_t dof) const;
 
@@ -68,6 +67,7 @@ private:
   bool inertia_;
   StateRow &internal_, &external_, &contact_, &inertia_force_, &left_;
   StateRow& step_acceleration_; ///< IntegratorStep::f
+  StateRow* closing_;           ///< of the unilateral stress (StepRecord::closing_at_end); null without
   std::vector<double> reactions_;
   std::vector<double> a_new_, mass_;       // of book_explicit
   std::vector<double> over_step_, hidden_; // of stabilised contact (StepRecord)

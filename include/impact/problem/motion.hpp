@@ -32,10 +32,12 @@ struct MotionStep {
   const std::vector<double>* warming = nullptr; ///< what that temperature belongs to (Warming), or null
   ForceShare contact;                           ///< its scale alpha_m/(2 beta) where stabilised, else 1
   double unilateral_scale = 1;                  ///< the same for the unilateral stress of broken points
-  bool unilateral_apart = false;                ///< which acts over the step as a whole, whatever its scale
-  bool stabilised = false;                      ///< the contact-stabilised update
-  double mass_shift = 0; ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
-  BulkViscosity bulk;    ///< counts where `advance` finds forces, too
+  /// ForceShare's Y of that stress, minus force; null where it does not act apart.
+  const std::vector<double>* unilateral_carried = nullptr;
+  bool unilateral_apart = false; ///< which acts over the step as a whole, whatever its scale
+  bool stabilised = false;       ///< the contact-stabilised update
+  double mass_shift = 0;         ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
+  BulkViscosity bulk;            ///< counts where `advance` finds forces, too
 };
 
 /// Where MotionProblem::advance leaves what the heat balance takes from the motion (HeatFeed): arrays like
@@ -220,7 +222,8 @@ private:
   FacetTable live_load_;
   double reference_force_ = 0;
   ForceBalance balance_;
-  Handle<Vec> carried_; // ContactInterface::add_carried of the step, times 1 - scale
+  Handle<Vec>
+      carried_; // what the acceleration at the start holds of forces that act over the step, (1 - s) Y_n
   Handle<Vec> cells_diagonal_, diagonal_;
   Handle<Mat> shell_;         // with ContactOperator::shell
   Handle<Vec> linearised_at_; // where the shell's contact tangent is taken

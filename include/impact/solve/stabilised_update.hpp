@@ -9,16 +9,17 @@
 /// a whole (ForceShare):
 ///   w = arg min |w - u_tilde|_M / 2  over what the gradients of the start admit,   v_n += (w - u_tilde)/dt
 ///   a -= a_c,  v += dt (2 beta - gamma) a_c   with M a_c = P / (2 beta)
-/// Of contact P is over_step (F - Y_n), by the trapezoidal rule alone; of the unilateral stress of broken
-/// points it is all, under any weights. From rigid bodies the update takes out what keeps them rigid, so that
-/// their acceleration is that by the forces, and gives what these cannot move its mean velocity, what data
-/// move that of the data.
+/// P is over_step (F - Y_n), by the trapezoidal rule alone. F is the force of contact and of the unilateral
+/// stress of broken points, which acts like one. From rigid bodies the update takes out what keeps them
+/// rigid, so that their acceleration is that by the forces, and gives what these cannot move its mean
+/// velocity, what data move that of the data.
 namespace impact {
 
 class StabilisedUpdate {
 public:
-  /// `stabilise`: contact is stabilised; `unilateral`: the unilateral stress acts over the step as a whole.
-  /// Both want inertia. The references must outlive the object. Collective.
+  /// `stabilise`: contact is stabilised, with inertia; `unilateral`: there is a unilateral stress, which acts
+  /// over the step as a whole in implicit steps with inertia. Adds the row `closing_carried` for it. The
+  /// references must outlive the object. Collective.
   StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& solver, StateTable& state, bool stabilise,
                    bool unilateral);
 
@@ -28,19 +29,26 @@ public:
   /// Factors of the two forces in the balance of the step.
   ForceShare contact_share() const;
   double unilateral_scale() const { return unilateral_ ? integrator_of(ts_).share() : 1; }
+  const std::vector<double>* unilateral_carried() const {
+    return step_.carried ? &step_.carried->committed : nullptr;
+  }
 
   /// The hooks of the same names. `contact_force`: F on the bodies at the solution. Collective.
   void predict(const Attempt& attempt, Vec u_tilde, Vec v);
   void correct(Vec contact_force, Vec u, Vec v, Vec a);
 
-  /// Of contact on the bodies in the step that `correct` saw, prescribed dofs included: ForceShare::at_end.
-  Vec contact_at_end() const { return contact_.at_end; }
+  /// In the step that `correct` saw, prescribed dofs included. Of contact on the bodies: ForceShare::at_end.
+  Vec contact_at_end() const { return step_.at_end; }
+  /// Likewise of the unilateral stress; null where it does not act apart.
+  Vec closing_at_end() const { return unilateral_ ? step_.closing.get() : nullptr; }
   /// P.
-  Vec over_step() const { return contact_.over_step; }
+  Vec over_step() const { return step_.over_step; }
   /// What supports feel of neither, because it is of this step alone: P - 2 beta M a_c, or at_end - F.
-  Vec hidden() const { return contact_.hidden; }
+  Vec hidden() const { return step_.hidden; }
+  /// A run begins at the acceleration by all forces, among them minus this of the unilateral stress.
+  void carry(Vec unilateral);
   /// Impulse over dt that the projection put on the bodies; zero elsewhere.
-  Vec shock() const { return contact_.shock; }
+  Vec shock() const { return step_.shock; }
   /// All that `correct` took out of the acceleration.
   Vec acceleration() const { return acceleration_; }
   /// By what it then changed the velocity of rigid bodies to that of their data.
@@ -49,7 +57,8 @@ public:
   const ForceParts& forces() const { return forces_; }
 
 private:
-  void take_out(Vec force, Vec share, Vec v, Vec a);
+  ForceShare share() const;
+  void take_out_over_step(Vec v, Vec a);
   void take_out_rigidity(Vec u, Vec v, Vec a);
   bool project(const Attempt& attempt, Vec goal, Vec u_tilde, Vec v);
   SNESConvergedReason minimise(double dt, Vec goal, Vec w);
@@ -62,8 +71,9 @@ private:
   bool stabilise_, unilateral_;
   bool warned_ = false;
   struct {
-    Handle<Vec> at_end, over_step, hidden, shock;
-  } contact_;
+    Handle<Vec> at_end, closing, over_step, hidden, shock;
+    StateRow* carried = nullptr; // of the unilateral stress
+  } step_;
   Handle<Vec> acceleration_, told_;
   ForceParts forces_;
 };

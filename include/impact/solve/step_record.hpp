@@ -33,7 +33,8 @@ struct StepRecord {
   Vec contact_force = nullptr;  ///< on the bodies, that the last converged motion solve found
   Vec contact_at_end = nullptr; ///< what of it acts as other forces do (ForceShare)
   Vec left = nullptr;           ///< what that solve left of the balance; zero on held dofs
-  Vec over_step = nullptr;      ///< of contact, acts over the step as a whole beside the mean of both ends
+  Vec closing_at_end = nullptr; ///< of the unilateral stress; null where that does not act apart
+  Vec over_step = nullptr;      ///< of both, acts over the step as a whole beside the mean of both ends
   Vec hidden = nullptr;         ///< and what reactions at its end do not show (StabilisedUpdate)
   Vec contact_shock = nullptr;  ///< impulse over dt by the projection of the velocity; zero elsewhere
   /// What was taken out of the integrator's acceleration: of deformable bodies the shares of the
