@@ -37,7 +37,7 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")),
       closing_(state.find("closing_carried") ? &add_force(state, motion.discretisation(), "force_closing")
                                              : nullptr),
-      a_new_(internal_.trial.size()), over_step_(a_new_), hidden_(a_new_) {}
+      a_new_(internal_.trial.size()) {}
 
 double ForceBook::mean_work(const std::vector<double>& du, const StateRow& row) const {
   std::vector<double> mean(row.trial.size());
@@ -200,6 +200,7 @@ void ForceBook::take_over_forces(const StepRecord& step, std::vector<double>& co
   d.displacement.to_local(step.forces->external, external_.trial);
   d.displacement.to_local(step.contact_at_end, contact_.trial);
   d.displacement.to_local(step.left, left_.trial);
+  for (std::vector<double>* none : {&over_step_, &hidden_}) none->resize(corrected.size());
   if (!inertia_) return;
   Handle<Vec> force = d.displacement.make_global();
   motion_.mass_multiply(step.contact_acceleration, force);
@@ -238,8 +239,7 @@ double ForceBook::book_bodies(const StepRecord& step, Vec u, Vec v) {
 }
 
 // The support supplies what closes the balance on held dofs: a mean of both ends, and of what acts over the
-// step a part that does so too, which is returned. What stabilised contact has for
-// one step alone is no part of the reaction.
+// step a part that does so too, which is returned. What `hidden_` has is no part of the reaction.
 std::vector<double> ForceBook::close_balance(const StepRecord& step, const std::vector<double>& corrected) {
   const bool parted = step.stabilised || step.unilateral;
   std::vector<double> over_step(corrected.size(), 0.0);

@@ -23,8 +23,8 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       history_(state.row("history")), drive_(state.row("drive")),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
-      soft_volume_(d_), balance_(d_), carried_(d_.displacement.make_global()),
-      cells_diagonal_(d_.displacement.make_global()), diagonal_(d_.displacement.make_global()) {
+      soft_volume_(d_), balance_(d_), cells_diagonal_(d_.displacement.make_global()),
+      diagonal_(d_.displacement.make_global()) {
   if (!rigid_->empty() && operator_ == ContactOperator::shell)
     throw UserError(ExitCode::usage, "-contact_operator shell: not with a rigid body (-material_" +
                                          rigid_->bodies().front().name +
@@ -53,7 +53,8 @@ void MotionProblem::begin(const MotionStep& step) {
   if (solved_) rigid_->begin(step.t_n, step.t, *step.u_n, step.mass_shift > 0);
   for (ContactInterface& contact : contacts_)
     contact.set_time(step.t, step.mass_shift, step.stabilised, step.contact);
-  check(VecSet(carried_, 0));
+  carried_ = {};
+  if (step_.contact.scale != 1 || step_.unilateral_scale != 1) carried_ = d_.displacement.make_global();
   if (step_.contact.scale != 1) contacts_.add_carried(1 - step_.contact.scale, carried_);
   if (step_.unilateral_scale != 1)
     check(VecAXPY(carried_, 1 - step_.unilateral_scale, d_.global_of(*step_.unilateral_carried)));
@@ -208,7 +209,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
   check(VecSet(f, 0));
   d_.displacement.add_to_global(r_, f);
   contacts_.add_forces(u, step_.contact.scale, f);
-  if (step_.contact.scale != 1 || step_.unilateral_scale != 1) check(VecAXPY(f, 1, carried_));
+  if (carried_) check(VecAXPY(f, 1, carried_));
   rigid_->reduce(u, f, accel);
   zero_dofs(f, d_.mesh, d_.dim(), rows_.prescribed);
   return all_ranks_agree(d_.mesh.comm(), sound);
@@ -232,7 +233,7 @@ void MotionProblem::parts(Vec u, ForceParts& parts) {
     put(r_, part);
   };
   d_.displacement.to_local(u, u_);
-  const bool apart = step_.unilateral_apart;
+  const bool apart = step_.unilateral_carried != nullptr;
   std::fill(r_.begin(), r_.end(), 0.0);
   add_cells(u_, nullptr, apart ? 0 : 1, r_);
   set(parts.internal);

@@ -33,7 +33,7 @@ bool MotionProblem::advance(Vec u, Increments& sums, const HeatRows& heat, Vec i
   std::vector<double>& lost = lost_;
   lost.assign(5 + 2 * materials, 0.0);
   // The unilateral stress acts over the step as a whole: not in that of its end, twice in what does work.
-  const bool apart = heat.stress && step_.unilateral_apart;
+  const bool apart = heat.stress && step_.unilateral_carried != nullptr;
   double least = 0;
   bool sound = true;
   if (internal) {

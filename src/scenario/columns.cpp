@@ -164,8 +164,7 @@ constexpr FieldNote fields[] = {
     {"v", 3, true, "m/s", "velocity"},
     {"a", 3, true, "m/s^2",
      "acceleration; with -ts_newmark_rho 1 by the mean of the forces of stabilised contact and closing "
-     "cracks "
-     "over the step"},
+     "cracks over the step"},
     {"phi", 1, true, "", "damage: 0 sound, 1 broken"},
     {"theta", 1, true, "K", "absolute temperature"},
     {"stress", 6, false, "Pa",

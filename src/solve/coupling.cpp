@@ -66,7 +66,6 @@ MotionStep Coupling::frozen_step() const {
   if (explicit_) step.bulk = settings_.by_central_differences.bulk;
   step.unilateral_scale = update_.unilateral_scale();
   step.unilateral_carried = update_.unilateral_carried();
-  step.unilateral_apart = update_.unilateral();
   return step;
 }
 

@@ -49,9 +49,11 @@ StabilisedUpdate::StabilisedUpdate(TS ts, MotionProblem& motion, MotionSolver& s
       unilateral_(unilateral && integrator_of(ts).inertia && !integrator_of(ts).is_explicit()),
       acceleration_(motion.discretisation().displacement.make_global()),
       told_(motion.discretisation().displacement.make_global()) {
-  for (Handle<Vec>* vec : {&step_.at_end, &step_.closing, &step_.over_step, &step_.hidden, &step_.shock})
-    *vec = motion.discretisation().displacement.make_global();
   const Discretisation& d = motion.discretisation();
+  for (Handle<Vec>* vec : {&step_.at_end, &step_.shock}) *vec = d.displacement.make_global();
+  if (stabilise_ || unilateral_)
+    for (Handle<Vec>* vec : {&step_.closing, &step_.over_step, &step_.hidden})
+      *vec = d.displacement.make_global();
   if (unilateral)
     step_.carried = &state.add({"closing_carried", Support::vertex, d.dim()}, d.node_values(d.dim()));
 }
@@ -73,8 +75,15 @@ void StabilisedUpdate::carry(Vec unilateral) {
 
 void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
   const InStage stage(Stage::motion);
-  for (const Vec of_step : {acceleration_.get(), step_.over_step.get(), step_.hidden.get()})
-    check(VecSet(of_step, 0));
+  check(VecSet(acceleration_, 0));
+  check(VecCopy(contact_force, step_.at_end));
+  if (stabilise_ || unilateral_) split_step_forces(u, v, a);
+  if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);
+}
+
+// Contact and what is crushed.
+void StabilisedUpdate::split_step_forces(Vec u, Vec v, Vec a) {
+  for (const Vec of_step : {step_.over_step.get(), step_.hidden.get()}) check(VecSet(of_step, 0));
   // F becomes at_end, and F - Y_n is summed.
   const auto split = [&, share = share()](Vec force, Vec minus_carried) {
     check(VecAXPY(step_.over_step, 1, force));
@@ -84,7 +93,6 @@ void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
     check(VecAXPY(step_.hidden, 1, force));
   };
   const FieldLayout& layout = motion_.discretisation().displacement;
-  check(VecCopy(contact_force, step_.at_end));
   if (stabilise_) {
     const Handle<Vec> carried = layout.make_global();
     motion_.contacts().add_carried(1, carried);
@@ -101,7 +109,6 @@ void StabilisedUpdate::correct(Vec contact_force, Vec u, Vec v, Vec a) {
   }
   check(VecScale(step_.over_step, share().over_step));
   if (share().over_step != 0) take_out_over_step(v, a);
-  if (!motion_.rigid().empty()) take_out_rigidity(u, v, a);
 }
 
 void StabilisedUpdate::take_out_over_step(Vec v, Vec a) {

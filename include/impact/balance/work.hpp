@@ -70,7 +70,7 @@ private:
   StateRow* closing_;           ///< of the unilateral stress (StepRecord::closing_at_end); null without
   std::vector<double> reactions_;
   std::vector<double> a_new_, mass_;       // of book_explicit
-  std::vector<double> over_step_, hidden_; // of stabilised contact (StepRecord)
+  std::vector<double> over_step_, hidden_; // StepRecord's; zero where nothing acts over the step
 };
 
 } // namespace impact

@@ -86,9 +86,8 @@ struct ForceShare {
   double over_step = 0; ///< part of F - Y_n that acts over the step as a whole; not 0: Y becomes F
   /// What balances the other forces at the end: scale F - (scale - 1) Y_n less what acts over the step.
   double at_end(double F, double Y_n) const { return over_step != 0 ? F : scale * F - (scale - 1) * Y_n; }
-  double carried(double F, double Y_n) const {
-    return (at_end(F, Y_n) + (alpha_m - 1) * Y_n) / alpha_m;
-  } ///< Y
+  /// Y at the end.
+  double carried(double F, double Y_n) const { return (at_end(F, Y_n) + (alpha_m - 1) * Y_n) / alpha_m; }
   /// What the bodies gain of momentum, over dt.
   double impulse(double F, double Y_n) const {
     return Y_n + gamma * (carried(F, Y_n) - Y_n) + over_step * (F - Y_n);

@@ -32,12 +32,11 @@ struct MotionStep {
   const std::vector<double>* warming = nullptr; ///< what that temperature belongs to (Warming), or null
   ForceShare contact;                           ///< its scale alpha_m/(2 beta) where stabilised, else 1
   double unilateral_scale = 1;                  ///< the same for the unilateral stress of broken points
-  /// ForceShare's Y of that stress, minus force; null where it does not act apart.
+  /// ForceShare's Y of that stress, minus force, where it acts over the step as a whole; else null.
   const std::vector<double>* unilateral_carried = nullptr;
-  bool unilateral_apart = false; ///< which acts over the step as a whole, whatever its scale
-  bool stabilised = false;       ///< the contact-stabilised update
-  double mass_shift = 0;         ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
-  BulkViscosity bulk;            ///< counts where `advance` finds forces, too
+  bool stabilised = false; ///< the contact-stabilised update
+  double mass_shift = 0;   ///< factor of the mass in the tangent, 1/s^2; 0 where none is made
+  BulkViscosity bulk;      ///< counts where `advance` finds forces, too
 };
 
 /// Where MotionProblem::advance leaves what the heat balance takes from the motion (HeatFeed): arrays like
@@ -222,8 +221,7 @@ private:
   FacetTable live_load_;
   double reference_force_ = 0;
   ForceBalance balance_;
-  Handle<Vec>
-      carried_; // what the acceleration at the start holds of forces that act over the step, (1 - s) Y_n
+  Handle<Vec> carried_; // (s - 1) Y_n of all that acts over the step; null where s = 1
   Handle<Vec> cells_diagonal_, diagonal_;
   Handle<Mat> shell_;         // with ContactOperator::shell
   Handle<Vec> linearised_at_; // where the shell's contact tangent is taken

@@ -30,7 +30,7 @@ public:
   ForceShare contact_share() const;
   double unilateral_scale() const { return unilateral_ ? integrator_of(ts_).share() : 1; }
   const std::vector<double>* unilateral_carried() const {
-    return step_.carried ? &step_.carried->committed : nullptr;
+    return unilateral_ ? &step_.carried->committed : nullptr;
   }
 
   /// The hooks of the same names. `contact_force`: F on the bodies at the solution. Collective.
@@ -58,6 +58,7 @@ public:
 
 private:
   ForceShare share() const;
+  void split_step_forces(Vec u, Vec v, Vec a);
   void take_out_over_step(Vec v, Vec a);
   void take_out_rigidity(Vec u, Vec v, Vec a);
   bool project(const Attempt& attempt, Vec goal, Vec u_tilde, Vec v);
