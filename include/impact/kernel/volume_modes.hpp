@@ -36,7 +36,7 @@ template <class Cell> struct VolumeProducts {
 };
 
 /// The modes at the points, 1 and the position from the centroid, and the projection on them. What is done
-/// once for a cell is not inlined: unrolled in each variant of a kernel it was a fifth of its compile time.
+/// once for a cell is not inlined: unrolled in each variant of a kernel it was a tenth of its compile time.
 template <class Cell> struct VolumeModes {
   static constexpr int count = volume_modes<Cell>;
   Batch volume;                                         ///< of the reference cell
