@@ -74,7 +74,7 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   const double w = motion_.discretisation().thickness;
   energies_before_ = energies_;
   const StepWork work = step.integrator.is_explicit() ? forces_.book_explicit(step, a)
-                                                      : forces_.book(step, u, v, a, sum(grown) / w);
+                                                      : forces_.book(step, u, v, a, sum(kept) / w);
   const double work_internal = w * work.internal;
   const double work_external = w * work.external + w * work.over_step + w * work.rigid + work.shock.supports;
   const double work_contact = w * work.contact;
@@ -91,7 +91,6 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
   const double loss = w * work.integrator.loss, keeps = w * work.integrator.kept;
   sum(numerical) += loss - (keeps - sum(kept));
   sum(kept) = keeps;
-  sum(grown) = w * work.integrator.grown;
   sum(exchange) += w * work.integrator.exchange;
   sum(unbalanced) += work_left;
   sum(identity) += kinetic_change + loss + work_internal + work_unilateral - work_external - work_contact -

@@ -34,7 +34,7 @@ ForceBook::ForceBook(MotionProblem& motion, StateTable& state, bool inertia)
       contact_(add_force(state, motion.discretisation(), "force_contact")),
       inertia_force_(add_force(state, motion.discretisation(), "force_inertia")),
       left_(add_force(state, motion.discretisation(), "force_left")),
-      step_acceleration_(add_force(state, motion.discretisation(), "step_acceleration")),
+      a_before_(add_force(state, motion.discretisation(), "a_before")),
       closing_(state.find("closing_carried") ? &add_force(state, motion.discretisation(), "force_closing")
                                              : nullptr),
       a_new_(internal_.trial.size()) {}
@@ -71,7 +71,8 @@ double ForceBook::start(const Integrator& integrator, double dt, Vec u, Vec a, b
   }
   d.displacement.to_local(parts.internal, internal_.trial);
   d.displacement.to_local(parts.external, external_.trial);
-  for (StateRow* row : {&inertia_force_, &left_, &step_acceleration_}) std::ranges::fill(row->trial, 0);
+  for (StateRow* row : {&inertia_force_, &left_}) std::ranges::fill(row->trial, 0);
+  d.displacement.to_local(a, a_before_.trial);
   double kept = 0;
   if (inertia_) {
     // M a_0 balances these forces on the free dofs, contact apart.
@@ -143,23 +144,19 @@ Handle<Vec> ForceBook::free_part(Vec of) const {
 }
 
 // The scheme's own energy; the inertia that the step balanced goes into its row.
-IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a,
-                                                   double grown) {
+IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a, double kept) {
   const Discretisation& d = motion_.discretisation();
   const Integrator& weights = step.integrator;
   const Handle<Vec> du = d.global_of(u_.committed), a_n = d.global_of(a_.committed),
-                    df = d.global_of(step_acceleration_.committed), struck = d.global_of(v_.committed),
-                    lag = d.displacement.make_global(), f = d.displacement.make_global();
+                    change = d.global_of(a_before_.committed), lag = d.displacement.make_global();
   const auto times_mass = [&](Vec of) {
     Handle<Vec> force = d.displacement.make_global();
     motion_.mass_multiply(of, force);
     return force;
   };
   check(VecAYPX(du, -1, u));
-  check(VecAXPY(f, 2 * weights.beta, step.contact_acceleration));
-  check(VecAYPX(df, -1, f));
-  check(VecAYPX(struck, -1, step.start_velocity));
-  d.displacement.to_local(f, step_acceleration_.trial);
+  check(VecAYPX(change, -1, a_n));
+  a_before_.trial = a_.committed;
   Handle<Vec> Ma_n = times_mass(a_n), Ma = times_mass(a), mean = d.displacement.make_global();
   d.displacement.to_global(inertia_force_.committed, lag);
   check(VecAXPY(lag, -1, Ma_n));
@@ -168,7 +165,7 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
   d.displacement.to_local(mean, inertia_force_.trial);
   RigidBodies& rigid = motion_.rigid();
   rigid.place(u);
-  for (const Vec of : {du.get(), a_n.get(), f.get(), df.get(), struck.get()}) rigid.keep_free_rates(of);
+  for (const Vec of : {du.get(), a_n.get(), change.get()}) rigid.keep_free_rates(of);
   const Handle<Vec> free_start = free_part(step.start_velocity), free_v = free_part(v), free_a = free_part(a);
   if (!rigid.empty()) {
     Ma_n = times_mass(a_n);
@@ -180,15 +177,12 @@ IntegratorEnergy ForceBook::find_integrator_energy(const StepRecord& step, Vec u
                          .v = free_v,
                          .a_n = a_n,
                          .a = free_a,
-                         .f = f,
-                         .df = df,
+                         .change = change,
                          .Ma_n = Ma_n,
                          .Ma = Ma,
-                         .Mf = times_mass(f),
-                         .Mdf = times_mass(df),
+                         .Mchange = times_mass(change),
                          .lag = lag,
-                         .struck = struck,
-                         .grown = grown});
+                         .kept = kept});
 }
 
 // Forces at t_{n+1} as the motion solve used them: frozen phi, committed history. `corrected` becomes what
@@ -312,13 +306,13 @@ StepWork ForceBook::book_explicit(const StepRecord& step, Vec a) {
   return work;
 }
 
-StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double grown) {
+StepWork ForceBook::book(const StepRecord& step, Vec u, Vec v, Vec a, double kept) {
   const Discretisation& d = motion_.discretisation();
   StepWork work;
   const Handle<Vec> by_forces = d.displacement.make_global(); // the velocity
   if (inertia_) {
     check(VecWAXPY(by_forces, -1, step.told_velocity, v));
-    work.integrator = find_integrator_energy(step, u, by_forces, a, grown);
+    work.integrator = find_integrator_energy(step, u, by_forces, a, kept);
     work.shock = find_shock(step);
   }
   std::vector<double> corrected = d.displacement.make_local();

@@ -184,7 +184,7 @@ std::string EnergyWatch::step_remedy() const {
   text += ": take a shorter -ts_dt";
   if (!inertia && gained) text += ", or -energy_action cut for the steps that gain";
   if (few) text += ", -coupling_snes_max_it 50";
-  // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, N3).
+  // Beside contact the trapezoidal rule exchanges nothing with its forces (src/theory.md, S4).
   const bool damps = integrator_of(stage_.ts).alpha_m > 1;
   if (inertia && gained)
     text += damps && !stage_.setup->contacts.empty() ? ", -ts_newmark_rho 1" : ", -ts_newmark_rho 0.5";

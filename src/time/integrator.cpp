@@ -47,36 +47,30 @@ PetscReal dot(Vec x, Vec y) {
 } // namespace
 
 // With kappa = beta - gamma/2, delta = gamma - 1/2, mu = alpha_m - 1, da = a - a_n:
-//   du = dt (v_start + v)/2 + kappa dt^2 da + (s - 1)/2 dt^2 a_n,   v - v_start = dt ((a_n + a)/2 + delta da
-//   + f).
+//   du = dt (v_start + v)/2 + kappa dt^2 da + (s - 1)/2 dt^2 a_n,   v - v_start = dt ((a_n + a)/2 + delta
+//   da).
 IntegratorEnergy Integrator::energy(const IntegratorStep& step) const {
   const PetscReal kappa = beta - gamma / 2, delta = gamma - 0.5, mu = alpha_m - 1, dt = step.dt;
   const PetscReal square_n = dot(step.a_n, step.Ma_n), square = dot(step.a, step.Ma),
-                  mixed = dot(step.a_n, step.Ma),
-                  of_change = square - 2 * mixed + square_n; // da . M da
+                  mixed = dot(step.a_n, step.Ma);
   const PetscReal v_da = dot(step.v, step.Ma) - dot(step.v, step.Ma_n),
                   start_da = dot(step.v_start, step.Ma) - dot(step.v_start, step.Ma_n),
                   du_da = dot(step.du, step.Ma) - dot(step.du, step.Ma_n);
-  const PetscReal f_a = dot(step.f, step.Ma), f_a_n = dot(step.f, step.Ma_n), f_f = dot(step.f, step.Mf);
   IntegratorEnergy e;
-  e.loss = kappa * dt * dt * ((square - square_n) / 2 + f_a - f_a_n) - delta * dt * (start_da + v_da) / 2 +
+  e.loss = kappa * dt * dt * (square - square_n) / 2 - delta * dt * (start_da + v_da) / 2 +
            (mu * du_da + dot(step.du, step.lag)) / 2; // (N1)
   if (s != 1) {
-    e.loss += (s - 1) / 2 * dt * dt * ((square_n + mixed) / 2 + f_a_n);
+    e.loss += (s - 1) / 2 * dt * dt * (square_n + mixed) / 2;
     return e;
   }
-  const PetscReal whole = square + 2 * f_a + f_f, whole_n = square_n + 2 * f_a_n + f_f; // with f
-  const PetscReal theta = kappa / 2 * ((mu - 0.5) * (mu - 0.5) + 1.5 * mu) + mu / 8 * (2 * mu * mu + delta);
-  const PetscReal df_df = dot(step.df, step.Mdf), df_a_n = dot(step.df, step.Ma_n),
-                  df_da = dot(step.df, step.Ma) - df_a_n, df_lag = dot(step.df, step.lag),
-                  sigma = (0.5 + delta + 2 * kappa) / 2; // 4 times, over mu
-  e.grown = theta * dt * dt * df_df;
-  e.kept = kappa / 2 * dt * dt * whole - mu / 2 * dt * v_da +
-           mu / 8 * dt * dt * (whole + whole_n + (2 * kappa + delta - 0.5) * of_change) - e.grown; // (N2)
-  e.exchange = -dt * dt *
-                   ((kappa + mu / 2) * (df_a_n + dot(step.df, step.Mf) - df_df / 2) - df_lag / 4 +
-                    sigma * (mu * (df_da + df_df) + df_lag)) +
-               e.grown - step.grown + dt / 2 * dot(step.struck, step.lag); // (N3)
+  // Products with M: d is the change of a in the step before.
+  const auto kept = [&](PetscReal v_d, PetscReal a_a, PetscReal a_d, PetscReal d_d) {
+    return kappa / 2 * dt * dt * a_a - mu / 2 * dt * v_d +
+           mu / 8 * dt * dt * (2 * (a_a - a_d) + (2 * kappa + delta + 0.5) * d_d);
+  };
+  e.kept = kept(v_da, square, square - mixed, square - 2 * mixed + square_n); // (N2)
+  e.exchange = step.kept - kept(dot(step.v_start, step.Mchange), square_n, dot(step.a_n, step.Mchange),
+                                dot(step.change, step.Mchange)); // (N3)
   return e;
 }
 

@@ -108,7 +108,7 @@ def smallest_dissipation(log):
 
 def _audit_energy(name, run):
     """The energy of every run of every script. `balance` holds to 1e-10; nothing gains energy: not contact by itself, nor the
-    column `gain` beyond what forces of a step that change exchange with the damped integrator (theory.md, N3: 0 for rho = 1); what
+    column `gain` beyond what shocks, other steps and turning make of what the damped integrator keeps (theory.md, N3: 0 for rho = 1); what
     Newton's method leaves does next to no work. Runs with contact that starts from an overlap are let off: it pushes the bodies apart."""
     if "balance" not in run.history or not len(run["time"]) or not numpy.isfinite(run["balance"]).all():
         return

@@ -95,9 +95,9 @@ const Rows known = {
     {"force_external", {Support::vertex, 2}},
     {"force_contact", {Support::vertex, 2}},
     {"force_inertia", {Support::vertex, 2}},
-    {"force_left", {Support::vertex, 2}},        // of the balance, by Newton's method
-    {"step_acceleration", {Support::vertex, 2}}, // by forces that act over the step as a whole
-    {"force_damage", {Support::vertex, 1}},      // on prescribed phi
+    {"force_left", {Support::vertex, 2}}, // of the balance, by Newton's method
+    {"a_before", {Support::vertex, 2}},
+    {"force_damage", {Support::vertex, 1}}, // on prescribed phi
 };
 
 AllPhysics make(ContactMethod method) {

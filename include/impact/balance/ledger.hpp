@@ -87,7 +87,6 @@ private:
     numerical, ///< the integrator's loss without what it keeps, and rigid bodies' without inertia
     kept,      ///< energy that the integrator holds (IntegratorEnergy::kept)
     kept_at_start,
-    grown,        ///< part of that (IntegratorEnergy::grown)
     exchange,     ///< part of `numerical`, of any sign (IntegratorEnergy::exchange)
     unbalanced,   ///< work of what Newton's method left of the balances
     contact_loss, ///< by the contact-stabilised and the conserving update, by impulses

@@ -39,8 +39,8 @@ public:
   double start(const Integrator& integrator, double dt, Vec u, Vec a, bool moving = false);
   /// After a restart: reactions are not known before the next step.
   void resume();
-  /// Books a step while rows still hold t_n; `grown` is IntegratorEnergy::grown of the last one. Collective.
-  StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
+  /// Books a step while rows still hold t_n; `kept` is IntegratorEnergy::kept of the last one. Collective.
+  StepWork book(const StepRecord& step, Vec u, Vec v, Vec a, double kept);
   /// The same of a step by central differences whose forces are those at MotionProblem::last_displacement:
   /// one loop over the nodes, one reduction.
   StepWork book_explicit(const StepRecord& step, Vec a);
@@ -54,7 +54,7 @@ public:
 private:
   double kept_by_nodes_of_bodies(double dt, Vec a, Vec Ma) const;
   ShockWork find_shock(const StepRecord& step) const;
-  IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a, double grown);
+  IntegratorEnergy find_integrator_energy(const StepRecord& step, Vec u, Vec v, Vec a, double kept);
   Handle<Vec> free_part(Vec of) const;
   void take_over_forces(const StepRecord& step, std::vector<double>& corrected);
   double book_bodies(const StepRecord& step, Vec u, Vec v);
@@ -66,8 +66,8 @@ private:
   const StateRow &u_, &v_, &a_;
   bool inertia_;
   StateRow &internal_, &external_, &contact_, &inertia_force_, &left_;
-  StateRow& step_acceleration_; ///< IntegratorStep::f
-  StateRow* closing_;           ///< of the unilateral stress (StepRecord::closing_at_end); null without
+  StateRow& a_before_; ///< acceleration a step before that of the row "a"
+  StateRow* closing_;  ///< of the unilateral stress (StepRecord::closing_at_end); null without
   std::vector<double> reactions_;
   std::vector<double> a_new_, mass_;       // of book_explicit
   std::vector<double> over_step_, hidden_; // StepRecord's; zero where nothing acts over the step

@@ -58,24 +58,22 @@ Integrator central_differences();
 /// A step as it was taken, M being the mass matrix of all unknowns, held ones too.
 struct IntegratorStep {
   PetscReal dt = 0;
-  Vec du = nullptr;                            ///< u - u_n
-  Vec v_start = nullptr;                       ///< after the hook `predict`
-  Vec v = nullptr, a_n = nullptr, a = nullptr; ///< after the hook `correct`
-  Vec f = nullptr;  ///< 2 beta a_c, a_c what that hook took out of the acceleration
-  Vec df = nullptr; ///< change of f since the last step
-  Vec Ma_n = nullptr, Ma = nullptr, Mf = nullptr, Mdf = nullptr; ///< M times a_n, a, f, df
-  Vec lag = nullptr;    ///< (alpha_m - 1) M (a_n - a_{n-1}); 0 in the first step
-  Vec struck = nullptr; ///< v_start - v_n
-  PetscReal grown = 0;  ///< IntegratorEnergy::grown of the last step
+  Vec du = nullptr;                                    ///< u - u_n
+  Vec v_start = nullptr;                               ///< after the hook `predict`
+  Vec v = nullptr, a_n = nullptr, a = nullptr;         ///< after the hook `correct`
+  Vec change = nullptr;                                ///< a_n - a_{n-1}; 0 in the first step
+  Vec Ma_n = nullptr, Ma = nullptr, Mchange = nullptr; ///< M times a_n, a, change
+  Vec lag = nullptr;                                   ///< (alpha_m - 1) M change
+  PetscReal kept = 0;                                  ///< IntegratorEnergy::kept of the last step
 };
 
 /// Closed forms from the weights (theory.md, N1 to N3): no force of the problem and no kinetic energy enters.
 struct IntegratorEnergy {
-  PetscReal loss = 0;  ///< T(v_start) - T(v) + du . (mean inertia + M f)                       (N1)
-  PetscReal kept = 0;  ///< what of it v and the accelerations hold and give back, of any sign  (N2)
-  PetscReal grown = 0; ///< part of -kept: theta |dt df|^2
-  /// Of any sign, because f changed: the damped family's loss less the change of `kept` and this is a square,
-  /// in steps of one length. Only schemes with s = 1 keep and exchange.                        (N3)
+  /// T(v_start) - T(v) + du . (mean inertia and, where du = dt (v_start + v)/2, what acts beside it) (N1)
+  PetscReal loss = 0;
+  PetscReal kept = 0; ///< what of it v and the accelerations hold and give back, of any sign        (N2)
+  /// What `kept` was less what it is with v_start, this step's length and M: the damped family's loss less
+  /// the change of `kept` and this is a square. Only schemes with s = 1 keep and exchange.               (N3)
   PetscReal exchange = 0;
 };
 
