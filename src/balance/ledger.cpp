@@ -109,7 +109,8 @@ void Ledger::book(const StepRecord& step, Vec u, Vec v, Vec a, bool watched) {
 // Contact takes energy from bodies and obstacles that it neither keeps nor rubs into heat: the stabilised
 // update closes gaps against the pressure of the step's end and strikes the bodies, as a plastic impact does,
 // and so do the impulses of explicit steps. In statics what overlaps at the start of the run springs apart in
-// the first step, by an energy of that start.
+// the first step, by an energy of that start; of gaps that close within a step the trapezoidal rule takes the
+// pressure for one from its start on.
 void Ledger::book_contact(const StepWork& work, double work_contact, const StepRecord& step, Vec u,
                           bool watched) {
   sum(contact_work) += work_contact;
@@ -131,7 +132,9 @@ void Ledger::book_contact(const StepWork& work, double work_contact, const StepR
     taken += contact.obstacle_work + contact.obstacle_shock - contact.friction_loss;
   }
   if (strikes) sum(contact_loss) += taken;
-  if (springs_apart_ && step.first) sum(start_energy) -= taken;
+  const double sprung = springs_apart_ && step.first ? std::min(taken, 0.0) : 0;
+  sum(start_energy) -= sprung;
+  if (!inertia_) sum(gap_work) += taken - sprung;
   sum(contact_store) = store;
 }
 

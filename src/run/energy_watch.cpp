@@ -160,6 +160,10 @@ std::string EnergyWatch::step_remedy() const {
   const bool by_itself = stage_.scenario.explicit_steps();
   const int passes = stage_.scenario.coupling.max_it;
   const bool few = damage && passes < 10 && !by_itself;
+  const double missed = stage_.ledger.exchanged().missed;
+  if (!inertia && !gained && missed > -0.5 * stage_.ledger.energy_error() * stage_.ledger.energy_scale())
+    return "likely because gaps of contacts closed within steps, by which the work of their pressure is too "
+           "large, as if it had acted all along: take a shorter -ts_dt to tell";
   if (!inertia && !gained && damage)
     return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";

@@ -70,11 +70,12 @@ public:
   double energy_error() const;
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
-  /// Energies: what penalties of contacts hold, and what impacts took.
+  /// Energies: what penalties of contacts hold, what impacts took, and what static steps missed as gaps
+  /// closed.
   struct Exchanged {
-    double held, struck;
+    double held, struck, missed;
   };
-  Exchanged exchanged() const { return {sum(contact_store), sum(contact_loss)}; }
+  Exchanged exchanged() const { return {sum(contact_store), sum(contact_loss), sum(gap_work)}; }
   const Energies& energies() const { return energies_; }
 
 private:
@@ -98,6 +99,7 @@ private:
     scale,
     fatigue_loss,
     contact_store, ///< energy of contact as the last step left it
+    gap_work,      ///< of contact along gaps that steps without inertia close, which nothing takes up
     closing,       ///< by the unilateral stress of broken points
     least,         ///< smallest dissipation of a step at a point, per volume; at most 0
     kinetic,       ///< energy up to which `identity` is booked
