@@ -153,9 +153,33 @@ assign_materials(const Scenario& s, const std::vector<ObstacleBody>& obstacles, 
   return materials;
 }
 
-double softer_modulus(const Discretisation& d) {
-  const double softest = d.softest_modulus();
-  return std::isinf(softest) ? 0 : softest;
+// Modulus and density of the cells at both surfaces: bodies elsewhere have no part in a contact. Where the
+// surfaces are rigid the penalty is by the softest body that may hold them.
+ContactEnvironment environment_of(const ContactSettings& contact, const Discretisation& d, bool inertia) {
+  std::vector<char> beside(at(d.mesh.cell_count()), 0);
+  for (const std::string& side : {contact.secondary, contact.primary})
+    if (const Group* group = d.mesh.find_group(side); group && group->dim == d.dim() - 1)
+      for (const PetscInt cell : d.mesh.facets(side).cell_point) beside[at(cell - d.mesh.cell_start())] = 1;
+  enum : std::size_t { softness, heaviest, heaviest_rigid };
+  std::array<double, 3> most{};
+  for (const CellGroup& group : d.groups) {
+    const PointLaw& law = d.law(group);
+    if (!std::any_of(group.cell_point.begin(), group.cell_point.end(),
+                     [&](PetscInt cell) { return beside[at(cell - d.mesh.cell_start())] != 0; }))
+      continue;
+    double& density = most[law.rigid() ? heaviest_rigid : heaviest];
+    density = std::max(density, law.parameters.rho);
+    if (!law.rigid()) most[softness] = std::max(most[softness], 1 / young_modulus(law.parameters));
+  }
+  max_over_ranks(d.mesh.comm(), most);
+  ContactEnvironment environment;
+  environment.frame = d.frame;
+  environment.thickness = d.thickness;
+  environment.modulus = most[softness] > 0 ? 1 / most[softness] : d.softest_modulus();
+  if (std::isinf(environment.modulus)) environment.modulus = 0;
+  // The mass of cells counts beside their stiffness; where all is rigid, that there is inertia at all.
+  if (inertia) environment.density = most[heaviest] > 0 ? most[heaviest] : most[heaviest_rigid];
+  return environment;
 }
 
 // A number that depends on time alone.
@@ -185,16 +209,8 @@ ContactSet make_contacts(const Scenario& s, const Discretisation& d, StateTable&
       settings.at_nodes = settings.enforce == Enforcement::impulse && settings.points == 0;
     }
     if (contact.temperature) settings.rigid_temperature = over_time(*contact.temperature, d.dim());
-    ContactEnvironment environment;
-    environment.frame = d.frame;
-    environment.thickness = d.thickness;
-    environment.modulus = softer_modulus(d);
-    // The mass of cells counts beside their stiffness; where all is rigid, that there is inertia at all.
-    for (const bool rigid : {false, true})
-      for (const MaterialAssignment& m : d.materials)
-        if (s.has_inertia() && m.law.rigid() == rigid && (!rigid || environment.density == 0))
-          environment.density = std::max(environment.density, m.law.parameters.rho);
-    contacts.emplace_back(d.mesh, d.displacement, settings, environment, state);
+    contacts.emplace_back(d.mesh, d.displacement, settings, environment_of(settings, d, s.has_inertia()),
+                          state);
   }
   return contacts;
 }

@@ -123,7 +123,8 @@ void tell_without_augmentations(ContactRows& rows) {
 void add_penalties(ContactRows& rows) {
   Rows row(rows);
   row.number("penalty", &Contact::penalty, "N/m^3 epsilon_N (75)", or_auto(positive),
-             "starting penalty; auto: 10 E/h, E of the softest body, h the mean secondary facet, with auglag "
+             "starting penalty; auto: 10 E/h, E of the softest cells at either surface, h the mean secondary "
+             "facet, with auglag "
              "more in steps far below h/c_p and less for a first touch; with central "
              "differences what the part of the stable step that "
              "-ts_dt_cfl leaves, of 0.8 to 0.9, has room for: bodies enter each other, by a part of their "

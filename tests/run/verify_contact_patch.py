@@ -71,4 +71,13 @@ print(f"     Uzawa passes {r['uzawa'][-1]:.0f}, smallest gap {r['contact_face_ga
 check("mean pressure", mean, PRESSURE, 1e-2)
 check_between("penetration", -r["contact_face_gap_min"][-1], -1, 0.01)
 require("no multiplier is negative", r["contact_face_pressure_min"][-1] >= 0)
+
+print("the automatic penalty is that of the bodies that touch, whatever lies elsewhere")
+THREE = {"mesh": mesh("three_blocks.geo"), "materials": "b0,b1,b2", "material_b0_E": E, "material_b0_nu": NU, "material_b1_like": "b0",
+         "material_b2_nu": NU, "bcs": "plate,press,aside", "bc_plate_on": "bottom0", "bc_plate_type": "fix", "bc_press_on": "top1", "bc_press_ux": 0,
+         "bc_press_uy": "-0.1*t", "bc_aside_on": "bottom2", "bc_aside_type": "fix", "contacts": "face", "contact_face_secondary": "bottom1",
+         "contact_face_primary": "top0", "contact_face_enforce": "penalty", "ts_type": "static", "ts_dt": 1, "ts_max_time": 1}
+soft, hard = (run(f"aside_{name}", {**THREE, "material_b2_E": modulus}) for name, modulus in (("soft", E * 1e-4), ("hard", E)))
+for column in ("force_y", "gap_min"):
+    check(f"a soft body aside: {column}", soft[f"contact_face_{column}"][-1], hard[f"contact_face_{column}"][-1], 1e-8)
 finish()

@@ -49,7 +49,7 @@ struct ContactSettings {
                                           ///< automatic: 1/2, all of it against a rigid body
   std::function<double(double t)> rigid_temperature; ///< of the rigid body; empty: it is insulated
   double penalty =
-      automatic; ///< stress per length; automatic: 10 E/h, E of the softest body, h the mean secondary facet
+      automatic; ///< stress per length; automatic: 10 E/h, E of the softer side, h the mean secondary facet
   double penalty_increment =
       automatic; ///< automatic: the starting penalty, or 4 times its automatic value from below that
   double penalty_max = automatic; ///< automatic: 1e4 times the automatic penalty
