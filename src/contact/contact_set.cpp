@@ -30,10 +30,14 @@ NodePairs ContactSet::couplings() const {
   return all;
 }
 
-bool ContactSet::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
-  bool other = false;
-  for (ContactInterface& contact : *this) other = contact.after_newton_step(u, du, next, follow) || other;
-  return other;
+SetChange ContactSet::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
+  SetChange all;
+  for (ContactInterface& contact : *this) {
+    const SetChange one = contact.after_newton_step(u, du, next, follow);
+    all.other = all.other || one.other;
+    all.active += one.active;
+  }
+  return all;
 }
 
 GapsLeft ContactSet::gaps_left(Vec u, double force) const {

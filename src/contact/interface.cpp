@@ -346,11 +346,12 @@ void ContactInterface::start_newton(Vec u) {
   method().start_newton(*constraints_, u);
 }
 
-bool ContactInterface::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
+SetChange ContactInterface::after_newton_step(Vec u, Vec du, Vec next, bool follow) {
   const bool other = follow && friction_.follow(*constraints_, next);
-  const bool another = method().after_newton_step(*constraints_, friction_, u, du, next) || other;
+  SetChange change = method().after_newton_step(*constraints_, friction_, u, du, next);
+  change.other = change.other || other;
   follow_slip(next);
-  return another;
+  return change;
 }
 
 } // namespace impact

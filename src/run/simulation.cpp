@@ -312,15 +312,20 @@ void Simulation::tell_of_limits() const {
                      "state snaps into another one, there is none: prescribe displacements in the place "
                      "of the load, follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, "
                      "or take inertia (-ts_type newmark)\n"));
-  if (stage_.setup->contacts.active(snapshot_.u) == 0) return;
-  // More points than nodes rub, each with a traction of its own.
-  for (const ContactInterface& contact : stage_.setup->contacts)
-    if (const ContactSettings& s = contact.settings();
-        s.method == ContactMethod::gauss_points && s.friction > 0)
+  const double touch = 1e-6 * stage_.d.mesh.smallest_edge();
+  for (const ContactInterface& contact : stage_.setup->contacts) {
+    const ContactSettings& s = contact.settings();
+    if (contact.reach(snapshot_.u).gap > touch) continue;
+    if (s.enforce == Enforcement::semismooth) // what presses changes for long along slender bodies
+      check(PetscFPrintf(comm_, PETSC_STDERR,
+                         "impact: contact %s may not come to rest: try -contact_%s_enforce auglag\n",
+                         s.id.c_str(), s.id.c_str()));
+    if (s.method == ContactMethod::gauss_points && s.friction > 0) // more points than nodes rub
       check(PetscFPrintf(comm_, PETSC_STDERR,
                          "impact: contact %s rubs at Gauss points: try -contact_%s_method mortar, whose "
                          "multipliers stand at nodes\n",
                          s.id.c_str(), s.id.c_str()));
+  }
 }
 
 // Where factors are cheap, or the last linear solve was of an indefinite matrix. Cracks follow their branch

@@ -42,8 +42,10 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   refresh_matrix();
   const SNESLineSearchType search = line_search();
   // A front of slip passes a node or two an iteration, however short the step: 70 in a belt of 180 facets
-  // (dual multipliers), 125 in a strip of 100 (shape functions).
-  const PetscInt most = motion_.contacts().demands().frictional         ? 150
+  // (dual multipliers), 125 in a strip of 100 (shape functions). So does the end of what touches along
+  // slender bodies that lie on each other: 80 in leaves of 90 facets.
+  const ContactDemands demands = motion_.contacts().demands();
+  const PetscInt most = demands.frictional || demands.closes_gaps       ? 150
                         : search == std::string_view(slope_search_type) ? 50
                                                                         : 25;
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, most, PETSC_DEFAULT));

@@ -40,6 +40,8 @@ void NewtonWatch::start(bool full_steps) {
   full_steps_ = full_steps;
   unchanged_ = short_ = 0;
   norms_.clear();
+  active_.clear();
+  set_ = 0;
 }
 
 void NewtonWatch::note_step(double part) { short_ = part < 0.5 ? short_ + 1 : 0; }
@@ -50,6 +52,7 @@ void NewtonWatch::note(double norm) {
   const double last = norms_.empty() ? 0 : norms_.back();
   unchanged_ = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9) ? unchanged_ + 1 : 0;
   norms_.push_back(norm);
+  active_.push_back(set_);
 }
 
 int NewtonWatch::cycle() const {
@@ -63,7 +66,10 @@ int NewtonWatch::cycle() const {
                                     [](double a, double b) { return alike(a, b, 0.04); });
     const auto [low, high] =
         std::minmax_element(norms_.end() - static_cast<std::ptrdiff_t>(period), norms_.end());
-    if (repeats && !alike(*low, *high, 0.1)) return static_cast<int>(period);
+    const auto sets = active_.end() - static_cast<std::ptrdiff_t>(compared),
+               before = sets - static_cast<std::ptrdiff_t>(period);
+    if (repeats && std::equal(sets, active_.end(), before) && !alike(*low, *high, 0.1))
+      return static_cast<int>(period);
   }
   return 0;
 }
@@ -132,9 +138,10 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
   const Handle<Vec> step = motion_.discretisation().displacement.make_global();
   check(VecWAXPY(step, -1, x, w));
   motion_.rigid().retract(w);
-  const bool other_set = motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding);
-  if (other_set) reuse_.forget();
-  motion_.balance().note_set(other_set);
+  const SetChange set = motion_.contacts().after_newton_step(x, step, w, conduct.follows_sliding);
+  if (set.other) reuse_.forget();
+  motion_.balance().note_set(set.other);
+  watch_.note_set(set.active);
 }
 
 // Where points of contact close or open, the norm along a step may be smallest at its start however good its

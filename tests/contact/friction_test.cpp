@@ -97,9 +97,9 @@ TEST(Friction, WhatWouldSlideTheOtherWaySticksInTheNextLinearSolve) {
                       still = rig.layout.make_global();
     rig.contact.start_newton(forth);
     rough.contact.start_newton(forth); // by which directions friction acts
-    EXPECT_FALSE(rig.contact.after_newton_step(forth, still, further, true));
+    EXPECT_FALSE(rig.contact.after_newton_step(forth, still, further, true).other);
     EXPECT_FALSE(rig.contact.demands().reverses);
-    EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true));
+    EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true).other);
     EXPECT_TRUE(rig.contact.demands().reverses);
     // Force and tangent of the linear solve are those of a contact that cannot slide.
     const Handle<Vec> r = rig.residual(back), stuck = rough.residual(back);
@@ -116,7 +116,7 @@ TEST(Friction, WhatWouldSlideTheOtherWaySticksInTheNextLinearSolve) {
     check(MatNorm(K, NORM_FROBENIUS, &difference));
     EXPECT_LE(difference, 1e-12 * tangent_size);
     // It sticks in one solve only, and nothing is remembered from one Newton solve to the next.
-    EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true));
+    EXPECT_TRUE(rig.contact.after_newton_step(forth, still, back, true).other);
     EXPECT_FALSE(rig.contact.demands().reverses);
     rig.contact.after_newton_step(forth, still, forth, true);
     rig.contact.start_newton(back);

@@ -160,7 +160,7 @@ TEST(SemismoothContact, StepsOfTheLinearisedSystemCloseTheGapAndKeepWhatPresses)
     EXPECT_FALSE(rig.contact.gaps_left(u).closed);
     // A full step that closes the gap exactly leaves the multipliers where they were: at zero.
     check(VecWAXPY(step, -1, u, back));
-    EXPECT_TRUE(rig.contact.after_newton_step(u, step, back, false));
+    EXPECT_TRUE(rig.contact.after_newton_step(u, step, back, false).other);
     EXPECT_NEAR(rig.contact.measures(back).pressure_max, 0, 1e-9);
     EXPECT_TRUE(rig.contact.gaps_left(back).closed);
     // One that leaves a part of it raises them by gamma times that part.

@@ -100,4 +100,17 @@ for dt in 0.1, 0.02:
         "contact_face_radius": ROUND, "ts_type": "static", "ts_dt": dt, "ts_max_time": 1}, refused=None)
     check(f"steps of {dt}: the tip goes down as that of the elastica ({-down:.4f}), linear cells", r["mean_force_uy"][-1], down, 0.01)
     check_between(f"steps of {dt}: steps made", len(r["time"]) - 1, 10, 125)
+
+print("leaves of a spring that lie on each other: from one iteration to the next a node or two lift, and where the norms alternate no set comes again")
+LEAVES = {"mesh": mesh("leaf_spring.geo"), "units": "mm_t_s_MPa", "plane": "stress", "materials": "lower,upper", "material_lower_E": 200000,
+          "material_lower_nu": 0.3, "material_upper_like": "lower", "bcs": "clamp,tip", "bc_clamp_on": "lower_left,upper_left", "bc_clamp_type": "fix",
+          "bc_tip_on": "tip", "bc_tip_uy": "-0.5*t", "contacts": "face", "contact_face_secondary": "upper_bottom", "contact_face_primary": "lower_top",
+          "ts_type": "static", "ts_dt": 0.5, "ts_max_time": 1}
+TWO = 2 * 3 * 200000 * (2**3 / 12) / 100**3 * 0.5  # Bernoulli's, N
+for dt in 0.5, 0.01:
+    r = run(f"leaves_{dt}", {**LEAVES, "ts_dt": dt, "ts_max_time": 2 * dt})
+    check(f"steps of {dt}: force at the tip, linear cells", -r["reaction_tip_y"][-1], 2 * dt * TWO, 0.15)
+    check_between(f"steps of {dt}: most iterations of a solve", r["newton_most"].max(), 3, 150)
+few = run("few", {**LEAVES, "motion_snes_max_it": 5}, code=5, refused=None)
+require("with few iterations the message names the contact and what may do", "contact face may not come to rest: try -contact_face_enforce auglag" in few.log)
 finish()

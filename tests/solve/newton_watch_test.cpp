@@ -91,6 +91,19 @@ TEST(NewtonWatch, StallsOnlyWhereStepsAreTakenInFull) {
   EXPECT_EQ(watch({3e5, 0.1, 2e-6, 1.9e-6, 1.85e-6, 1.8e-6, 1.7e-6, 1e-9}).at, 0);
 }
 
+TEST(NewtonWatch, ASetThatShrinksDoesNotGoRound) { // leaves of a spring that part, 100 facets
+  NewtonWatch watch;
+  watch.start(true);
+  int active = 60;
+  for (double norm : circles(2, 9)) {
+    watch.note_set(active--);
+    watch.note(norm);
+    EXPECT_EQ(watch.cycle(), 0);
+  }
+  for (double norm : circles(2, 4)) watch.note(norm);
+  EXPECT_EQ(watch.cycle(), 2);
+}
+
 TEST(NewtonWatch, ForgetsTheSolveBefore) {
   NewtonWatch watch;
   watch.start(true);

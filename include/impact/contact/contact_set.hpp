@@ -23,7 +23,7 @@ public:
   void start_newton(Vec u) {
     for (ContactInterface& contact : *this) contact.start_newton(u);
   }
-  bool after_newton_step(Vec u, Vec du, Vec next, bool follow);
+  SetChange after_newton_step(Vec u, Vec du, Vec next, bool follow);
   GapsLeft gaps_left(Vec u, double force) const;
   void meet(bool loose, bool first_touch) {
     for (ContactInterface& contact : *this) contact.meet(loose, first_touch);

@@ -50,6 +50,12 @@ struct AugmentReport {
   bool converged = false; ///< settled, and what the enforcement asks for
 };
 
+/// What a step of Newton's method made of the constraints.
+struct SetChange {
+  bool other = false; ///< others are active, or slide, on any rank: the next linear solve needs a new matrix
+  int active = 0;     ///< of all ranks, where multipliers follow the iterates
+};
+
 /// Active gaps, and slips that must vanish, as Newton's method left them.
 struct GapsLeft {
   /// To 1e-11 of a facet, and so that closing the rest takes no more than a given force against the penalty
@@ -99,11 +105,10 @@ public:
   virtual bool ease(const Constraints& /*constraints*/, double /*depth*/) { return false; }
   /// Before Newton's method starts from u.
   virtual void start_newton(const Constraints& /*constraints*/, Vec /*u*/) {}
-  /// After its step du from u, which ended at `next`. True on all ranks where other constraints are active
-  /// there.
-  virtual bool after_newton_step(const Constraints& /*constraints*/, Friction& /*friction*/, Vec /*u*/,
-                                 Vec /*du*/, Vec /*next*/) {
-    return false;
+  /// After its step du from u, which ended at `next`.
+  virtual SetChange after_newton_step(const Constraints& /*constraints*/, Friction& /*friction*/, Vec /*u*/,
+                                      Vec /*du*/, Vec /*next*/) {
+    return {};
   }
   virtual GapsLeft gaps_left(const Constraints& /*constraints*/, const Friction& /*friction*/, Vec /*u*/,
                              double /*force*/) const {

@@ -219,8 +219,8 @@ public:
   /// way of sliding is remembered.
   void start_newton(Vec u);
   /// After its step du from u, which ended at `next`: multipliers of the linearised system, and with `follow`
-  /// what slides (Friction::follow). True on all ranks when the next linear solve needs a matrix of its own.
-  bool after_newton_step(Vec u, Vec du, Vec next, bool follow);
+  /// what slides (Friction::follow).
+  SetChange after_newton_step(Vec u, Vec du, Vec next, bool follow);
   /// r += scale times what the right-hand side of a linear solve holds beside the residual, zero on fixed
   /// dofs: gamma sum w g dg over the active constraints, so that the solution closes the gaps; for other
   /// methods what sticks for this solve alone.

@@ -25,9 +25,13 @@ public:
   void note_step(double part);
   /// To be told the norm at every iterate, the first one included.
   void note(double norm);
+  /// To be told before that how many constraints the step has left active.
+  void note_set(int active) { set_ = active; }
   /// Iterates of the cycle in which the norms end, or 0: all norms of the last round are those of the round
   /// before to 4 %, of a cycle of two or three those of the last four iterates; the norms within it differ by
-  /// more than a tenth. A cycle of n iterates is seen after 2 n of them, or n + 4 if that is more.
+  /// more than a tenth; and as many constraints are active as in the round before, since norms alternate too
+  /// while a set grows by a node at a time. A cycle of n iterates is seen after 2 n + 1 of them, or n + 5 if
+  /// that is more.
   int cycle() const;
   /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
   /// than a third where it is a thousandth of the first one already.
@@ -43,6 +47,8 @@ private:
   int unchanged_ = 0; ///< steps in a row that did so
   int short_ = 0;     ///< steps in a row that were cut
   std::vector<double> norms_;
+  std::vector<int> active_;
+  int set_ = 0;
 };
 
 /// Modified Newton where factorisations cost more than iterations: a factorised tangent serves on while each

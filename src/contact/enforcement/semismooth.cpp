@@ -69,8 +69,8 @@ public:
     rows_.multiplier->trial = std::move(lambda);
   }
 
-  bool after_newton_step(const Constraints& constraints, Friction& friction, Vec u, Vec du,
-                         Vec next) override {
+  SetChange after_newton_step(const Constraints& constraints, Friction& friction, Vec u, Vec du,
+                              Vec next) override {
     const std::vector<double> d = constraints.nodes().exchange.gather(du);
     const std::size_t m = constraints.dim(), tangents = constraints.tangents();
     std::vector<double> lambda(constraints.count(), 0.0), held(tangents * lambda.size(), 0.0);
@@ -104,7 +104,10 @@ public:
     constraints.visit(next, Derivatives::none, [&](const Constraint& c) {
       if (c.active) then[at(c.index)] = kind(c);
     });
-    return !all_ranks_agree(constraints.comm(), then == active);
+    std::array<int, 2> sums = {then == active ? 0 : 1,
+                               static_cast<int>(std::ranges::count_if(then, std::identity()))};
+    sum_over_ranks(constraints.comm(), sums);
+    return {sums[0] > 0, sums[1]};
   }
 
   GapsLeft gaps_left(const Constraints& constraints, const Friction& friction, Vec u,
