@@ -53,7 +53,13 @@ void Constraints::visit(const ContactValues& u, Derivatives derivatives, const C
   else if (conserving())
     visit_followed(u, derivatives, pressed);
   else
-    form_->visit(u, derivatives, pressed, wanted);
+    form_->visit(
+        u, derivatives,
+        [&](Constraint& c) { // at the end of a step, as the step saw it
+          keep_overlap(c);
+          pressed(c);
+        },
+        wanted);
 }
 
 // On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike, nothing

@@ -75,10 +75,12 @@ void Constraints::find_start_gaps() {
 // The gap that a stabilised step may leave. Where the present pairs see an overlap at the start of the step,
 // because a constraint came to face other facets or surfaces crumpled, closing it would do the work w p times
 // its depth on the bodies, whatever the step (78'). It stays until the bodies part; small ones are closed.
-double Constraints::kept_overlap(int index) const {
-  const double start = step_.start_gap[at(index)];
-  if (start == unknown_gap || !law_->has_multipliers()) return 0;
-  return start < -small_overlap * mean_length_ ? start : 0;
+void Constraints::keep_overlap(Constraint& c) const {
+  if (step_.start_gap.size() != count_ || !law_->has_multipliers()) return;
+  const double start = step_.start_gap[at(c.index)];
+  if (start == unknown_gap || start >= -small_overlap * mean_length_) return;
+  c.kept = start;
+  c.gap -= start;
 }
 
 namespace {
@@ -163,7 +165,7 @@ void Constraints::visit_step(const ContactValues& u, Derivatives derivatives,
     for (std::size_t i = 0; i < c.slip_gradient.size(); ++i) c.slip[i / n] += c.slip_gradient[i] * moved(i);
     if (of_end) {
       c.gap = end_gap[at(c.index)];
-      c.gap -= kept_overlap(c.index);
+      keep_overlap(c);
       // The matrix holds all nodes that may lie opposite a node, not those opposite a point.
       if (!to_end || end[at(c.index)].node.empty()) return visitor(c);
       end_here = end[at(c.index)].over_nodes_of(c, nodal_);

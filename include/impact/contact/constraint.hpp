@@ -20,6 +20,7 @@ struct Constraint {
   int index = 0;                  ///< place of its multiplier
   double weight = 0, stretch = 1; ///< reference area; current over reference area
   double gap = 0;
+  double kept = 0;  ///< overlap that the gap leaves out, because the step does not close it (78')
   double cover = 1; ///< part of the weight that faces something
   /// Gap at the start of a step whose work is exact, else unknown_gap.
   double start_gap = unknown_gap;
@@ -41,7 +42,7 @@ struct Constraint {
   std::span<const double> nodal_parts() const { return spread.empty() ? share : spread; }
   /// Mean distance of what faces something; of a penetration the mean over the weight, which is what
   /// pressures close.
-  double distance() const { return gap > 0 ? gap / cover : gap; }
+  double distance() const { return gap + kept > 0 ? (gap + kept) / cover : gap + kept; }
   std::span<const double> gap_gradient() const { return end_gradient.empty() ? gradient : end_gradient; }
 };
 using ConstraintVisitor = std::function<void(Constraint&)>;

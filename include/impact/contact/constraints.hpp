@@ -101,7 +101,7 @@ private:
     std::vector<double> start_gap; // by constraint
   };
   std::vector<double> relative_start() const;
-  double kept_overlap(int index) const;
+  void keep_overlap(Constraint& c) const;
   void visit_step(const ContactValues& u, Derivatives derivatives, const ConstraintVisitor& visitor) const;
   void visit_followed(const ContactValues& u, Derivatives derivatives,
                       const ConstraintVisitor& visitor) const;
