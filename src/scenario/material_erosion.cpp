@@ -19,7 +19,9 @@ std::string hindering_contact(const Scenario& s) {
     const std::string of = "-contact_" + c.id;
     const bool points = c.method == ContactMethod::gauss_points ||
                         (c.method == ContactMethod::automatic && s.explicit_steps());
-    if (!points) return of + "_method: mean gaps (mortar) follow no surface that changes; take gpts";
+    if (!points)
+      return of + "_method: mean gaps (mortar) follow no surface that changes; take gpts" +
+             (s.explicit_steps() ? "" : ", and " + of + "_enforce penalty");
     if (c.enforce == Enforcement::impulse)
       return of + "_enforce: impulses are kept for facets, which go and come; take penalty";
     if (s.explicit_steps()) continue;
@@ -96,11 +98,12 @@ void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
 
 void add_erosion(std::vector<OptionRow<MaterialScenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Material::erosion);
-  row.flag("erosion", &Rule::on,
-           "cells that fail by any of the criteria below leave their bodies, as do those that lose their "
-           "volume (with damage: that are broken then): they bear no force, their faces inside come free "
-           "for contact, mass (erosion_mass), heat and crack energy stay with their nodes, what else they "
-           "stored is dissipated_erosion")
+  row.flag(
+         "erosion", &Rule::on,
+         "cells that fail by any of the criteria below leave their bodies, as do those that lose their "
+         "volume (with damage: that are broken then): they bear no force, their faces inside come free "
+         "for contact (-contact_<id>_method gpts, -contact_<id>_enforce penalty), mass (erosion_mass), heat "
+         "and crack energy stay with their nodes, what else they stored is dissipated_erosion")
       .notation("(7)")
       .refused(
           eroding([](const Material&, const Scenario& s) { return s.has_motion() && !s.has_inertia(); }),
