@@ -47,8 +47,8 @@ PetscReal dot(Vec x, Vec y) {
 } // namespace
 
 // With kappa = beta - gamma/2, delta = gamma - 1/2, mu = alpha_m - 1, da = a - a_n:
-//   du = dt (v_start + v)/2 + kappa dt^2 da + (s - 1)/2 dt^2 a_n,   v - v_start = dt ((a_n + a)/2 + delta
-//   da).
+//   du = dt (v_start + v)/2 + kappa dt^2 da + (s - 1)/2 dt^2 a_n,
+//   v - v_start = dt ((a_n + a)/2 + delta da).
 IntegratorEnergy Integrator::energy(const IntegratorStep& step) const {
   const PetscReal kappa = beta - gamma / 2, delta = gamma - 0.5, mu = alpha_m - 1, dt = step.dt;
   const PetscReal square_n = dot(step.a_n, step.Ma_n), square = dot(step.a, step.Ma),
