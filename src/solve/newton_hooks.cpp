@@ -50,7 +50,9 @@ void NewtonWatch::note(double norm) {
   const bool near =
       is_near(norm); // far from the solution an active set that grows by a node at a time looks the same
   const double last = norms_.empty() ? 0 : norms_.back();
-  unchanged_ = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9) ? unchanged_ + 1 : 0;
+  const bool other_set = !active_.empty() && active_.back() != set_;
+  const bool lingers = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9);
+  unchanged_ = lingers && !other_set ? unchanged_ + 1 : 0;
   norms_.push_back(norm);
   active_.push_back(set_);
 }

@@ -111,6 +111,10 @@ for dt in 0.5, 0.01:
     r = run(f"leaves_{dt}", {**LEAVES, "ts_dt": dt, "ts_max_time": 2 * dt})
     check(f"steps of {dt}: force at the tip, linear cells", -r["reaction_tip_y"][-1], 2 * dt * TWO, 0.15)
     check_between(f"steps of {dt}: most iterations of a solve", r["newton_most"].max(), 3, 150)
+for lower, upper, order in (90, 100, 1), (100, 100, 1), (100, 100, 2):
+    r = run(f"leaves_{lower}_{upper}_{order}", {**LEAVES, "mesh_set_n_lower": lower, "mesh_set_n_upper": upper, "order": order})
+    check(f"{lower} facets below {upper}, order {order}: force at the tip", -r["reaction_tip_y"][-1], TWO, 0.15 if order == 1 else 0.01)
+    check_between(f"{lower} facets below {upper}, order {order}: most iterations of a solve", r["newton_most"].max(), 3, 40)
 few = run("few", {**LEAVES, "motion_snes_max_it": 5}, code=5, refused=None)
 require("with few iterations the message names the contact and what may do", "contact face may not come to rest: try -contact_face_enforce auglag" in few.log)
 finish()

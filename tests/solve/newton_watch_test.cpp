@@ -104,6 +104,20 @@ TEST(NewtonWatch, ASetThatShrinksDoesNotGoRound) { // leaves of a spring that pa
   EXPECT_EQ(watch.cycle(), 2);
 }
 
+TEST(NewtonWatch, ASetThatShrinksDoesNotStall) {
+  NewtonWatch watch;
+  watch.start(true);
+  watch.note(5e4);
+  double norm = 0.02;
+  for (int active = 60; active > 40; --active, norm *= 0.95) {
+    watch.note_set(active);
+    watch.note(norm);
+    EXPECT_FALSE(watch.stalls());
+  }
+  for (int i = 0; i < 5; ++i, norm *= 0.95) watch.note(norm);
+  EXPECT_TRUE(watch.stalls());
+}
+
 TEST(NewtonWatch, ForgetsTheSolveBefore) {
   NewtonWatch watch;
   watch.start(true);

@@ -34,7 +34,7 @@ public:
   /// that is more.
   int cycle() const;
   /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
-  /// than a third where it is a thousandth of the first one already.
+  /// than a third where it is a thousandth of the first one already, and left as many constraints active.
   bool stalls() const { return full_steps_ && unchanged_ >= 5; }
   /// Steps in a row that were cut to less than half, far from the solution.
   int cut_steps() const { return is_near() ? 0 : short_; }

@@ -1,10 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <impact/contact/constraints.hpp>
 #include <impact/contact/friction.hpp>
 #include <impact/math/index.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
+#include <tuple>
 
 namespace impact {
 
@@ -18,19 +20,27 @@ constexpr double newton_weight = 1000;
 constexpr double activity_weight = 1e-3;
 // The method has converged when its active gaps are less than this part of a facet.
 constexpr double newton_gap = 1e-11;
+// Steps of a solve that may change the set at will.
+constexpr int most_free = 8;
 
 // Semismooth Newton method, or primal-dual active set (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci.
 // Comput. 30 (2008)): p = lambda where lambda - c g > 0 (active), else 0. The linear solves make the active
 // gaps vanish, with the weight gamma, and multipliers follow every iterate,
 //   lambda <- lambda - gamma (g + dg.du)   (77'')
-// The converged state does not know c and gamma.
+// The converged state does not know c and gamma. Of bodies that bend, whose stiffness is no M-matrix, sets
+// may follow each other for ever, or without order for a hundred steps. In a solve that has changed them for
+// some steps none therefore joins while any leaves: what pulls is let go at once until all that is left
+// presses, then all that overlaps joins, as in blocks of the non-negative least squares of C. L. Lawson and
+// R. J. Hanson (Solving Least Squares Problems (1974), ch. 23).
 class Semismooth : public EnforcementMethod {
 public:
   using EnforcementMethod::EnforcementMethod;
 
   double slip_weight() const override { return activity_weight * eps(); }
 
-  bool presses(int index, double gap) const override { return rows_.lambda(index) - slip_weight() * gap > 0; }
+  bool presses(int index, double gap) const override {
+    return (!waits_ || member_[at(index)] > 0) && rows_.lambda(index) - slip_weight() * gap > 0;
+  }
 
   void press(Constraint& c) const override {
     c.lambda = rows_.lambda(c.index);
@@ -60,6 +70,8 @@ public:
   // Surfaces that touch without a pressure so far: the first iterate must not pass through them, or has no
   // solution where nothing else holds a body.
   void start_newton(const Constraints& constraints, Vec u) override {
+    waits_ = false;
+    changes_ = 0;
     const double touch = 1e-8 * constraints.mean_length(), token = touch * eps();
     std::vector<double> lambda = rows_.multiplier->trial;
     constraints.visit(u, Derivatives::none, [&](const Constraint& c) {
@@ -100,18 +112,17 @@ public:
     rows_.multiplier->trial = std::move(lambda);
     if (friction.acts()) constraints.share(held, tangents);
     friction.keep_tractions(held);
+    waits_ = false;
     std::vector<char> then(active.size(), 0);
     constraints.visit(next, Derivatives::none, [&](const Constraint& c) {
       if (c.active) then[at(c.index)] = kind(c);
     });
-    std::array<int, 2> sums = {then == active ? 0 : 1,
-                               static_cast<int>(std::ranges::count_if(then, std::identity()))};
-    sum_over_ranks(constraints.comm(), sums);
-    return {sums[0] > 0, sums[1]};
+    return change_set(constraints, active, then);
   }
 
   GapsLeft gaps_left(const Constraints& constraints, const Friction& friction, Vec u,
                      double force) const override {
+    if (waits_) return {false, 1};
     const std::vector<double> values = constraints.nodes().displacement(u);
     double gap = 0, force_of_gap = 0, coordinate = 0; // gap or slip that must vanish; what closing one takes
     constraints.visit(values, Derivatives::none, [&](const Constraint& c) {
@@ -148,6 +159,32 @@ public:
   void augment(const AugmentReport&, std::vector<double>& lambda) override {
     rows_.multiplier->trial = std::move(lambda);
   }
+
+private:
+  SetChange change_set(const Constraints& constraints, const std::vector<char>& from,
+                       const std::vector<char>& to) {
+    int others = 0, active = 0, leave = 0, join = 0;
+    for (std::size_t i = 0; i < to.size(); ++i) {
+      const bool was = from[i] != 0, is = to[i] != 0;
+      others += from[i] != to[i] ? 1 : 0;
+      active += is ? 1 : 0;
+      leave += was && !is ? 1 : 0;
+      join += is && !was ? 1 : 0;
+    }
+    std::array<int, 4> sums = {others, active, leave, join};
+    sum_over_ranks(constraints.comm(), sums);
+    std::tie(others, active, leave, join) = std::tuple_cat(sums);
+    if (others > 0) ++changes_;
+    waits_ = changes_ > most_free && leave > 0 && join > 0;
+    if (!waits_) return {others > 0, active};
+    member_.assign(from.begin(), from.end());
+    constraints.share(member_, 1);
+    return {true, active - join};
+  }
+
+  bool waits_ = false;         // what has come to overlap, for what still pulls to leave
+  std::vector<double> member_; // [constraint] > 0: of the set that does not wait
+  int changes_ = 0;            // steps of the solve after which the set was another
 };
 
 } // namespace
