@@ -9,7 +9,7 @@ import shutil
 import time
 
 from _reliability import BOTH, crashed, difference, finish_within, history, log_of, long, start, with_mesh
-from _runs import check, finish, require
+from _runs import ENVIRONMENT, check, finish, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 1000 if long() else 40))
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))
@@ -139,13 +139,13 @@ for i in range(WANTED):
             what += ", " + damage(f"hurt/checkpoints/{older}{end}") + " (the older one too)"
         expected = "refused" if both or damage is swap else "fallback"
     begun = time.monotonic()
-    code = finish_within(start("hurt", {**options, "restart": "auto"}), 10)
+    code = finish_within(start("hurt", {**options, "restart": "auto"}, env=ENVIRONMENT), 10)
     longest = max(longest, time.monotonic() - begun)
     log = log_of("hurt")
     if code is None:
         # A process can also wait for a busy machine or in the start of MPI: a hang of ours comes again.
         late += 1
-        code = finish_within(start("hurt", {**options, "restart": "auto"}), 10)
+        code = finish_within(start("hurt", {**options, "restart": "auto"}, env=ENVIRONMENT), 10)
         log = log_of("hurt")
     if code is None:
         hangs.append(what)

@@ -11,7 +11,7 @@ import re
 import time
 
 from _reliability import BOTH, FRACTURE, command, crashed, finish_within, log_of, long, start, with_mesh
-from _runs import check, finish, require
+from _runs import ENVIRONMENT, check, finish, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 3000 if long() else 300))
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))
@@ -179,12 +179,12 @@ def campaign(kind, part, damages, never, statuses, write, kept=None):
         name = list(damages)[i % len(damages)]
         options = write(damages[name])
         begun = time.monotonic()
-        code = finish_within(start("hurt", options), 20)
+        code = finish_within(start("hurt", options, env=ENVIRONMENT), 20)  # without a daemon of Open MPI
         slowest = max(slowest, time.monotonic() - begun)
         if code is None:
             # A process can also wait for a busy machine or in the start of MPI: a hang of ours comes again.
             late += 1
-            code = finish_within(start("hurt", options), 20)
+            code = finish_within(start("hurt", options, env=ENVIRONMENT), 20)  # without a daemon of Open MPI
         log = log_of("hurt")
         said = [line for line in log.splitlines() if line.startswith("impact: ")]
         why = ""
