@@ -320,9 +320,13 @@ void ContactInterface::meet(bool loose, bool first_touch) {
 
 void ContactInterface::ease(Vec goal) {
   EnforcementMethod& gentle = fallback_ ? *fallback_ : *method_;
-  if (!at_rest_ || !gentle.augments() || rows_.press_anywhere(mesh_->comm())) return;
+  if (!at_rest_ || !gentle.augments()) return;
+  // What grows on a body that flows meets it so in each step. Semismooth sets take it as it is.
+  if ((fallback_ || !environment_.flows) && rows_.press_anywhere(mesh_->comm())) return;
   double depth = 0;
-  constraints_->visit(goal, Derivatives::none, [&](const Constraint& c) { depth = std::max(depth, -c.gap); });
+  constraints_->visit(goal, Derivatives::none, [&](const Constraint& c) {
+    if (!(c.lambda > 0)) depth = std::max(depth, -c.gap);
+  });
   eased_ = gentle.ease(*constraints_, max_over_ranks(mesh_->comm(), depth));
   use_method();
 }

@@ -160,8 +160,8 @@ ContactEnvironment environment_of(const ContactSettings& contact, const Discreti
   for (const std::string& side : {contact.secondary, contact.primary})
     if (const Group* group = d.mesh.find_group(side); group && group->dim == d.dim() - 1)
       for (const PetscInt cell : d.mesh.facets(side).cell_point) beside[at(cell - d.mesh.cell_start())] = 1;
-  enum : std::size_t { minus_softest, heaviest, heaviest_rigid };
-  std::array<double, 3> most = {-HUGE_VAL, 0, 0};
+  enum : std::size_t { minus_softest, heaviest, heaviest_rigid, flowing };
+  std::array<double, 4> most = {-HUGE_VAL, 0, 0, 0};
   for (const CellGroup& group : d.groups) {
     const PointLaw& law = d.law(group);
     if (!std::any_of(group.cell_point.begin(), group.cell_point.end(),
@@ -169,12 +169,14 @@ ContactEnvironment environment_of(const ContactSettings& contact, const Discreti
       continue;
     double& density = most[law.rigid() ? heaviest_rigid : heaviest];
     density = std::max(density, law.parameters.rho);
+    if (law.flows()) most[flowing] = 1;
     if (!law.rigid()) most[minus_softest] = std::max(most[minus_softest], -young_modulus(law.parameters));
   }
   max_over_ranks(d.mesh.comm(), most);
   ContactEnvironment environment;
   environment.frame = d.frame;
   environment.thickness = d.thickness;
+  environment.flows = most[flowing] > 0;
   environment.modulus = std::isinf(most[minus_softest]) ? d.softest_modulus() : -most[minus_softest];
   if (std::isinf(environment.modulus)) environment.modulus = 0;
   // The mass of cells counts beside their stiffness; where all is rigid, that there is inertia at all.

@@ -38,7 +38,7 @@ bool has_negative_pivots(KSP ksp) {
 
 void NewtonWatch::start(bool full_steps) {
   full_steps_ = full_steps;
-  unchanged_ = short_ = 0;
+  unchanged_ = short_ = risen_ = 0;
   norms_.clear();
   active_.clear();
   set_ = 0;
@@ -53,6 +53,7 @@ void NewtonWatch::note(double norm) {
   const bool other_set = !active_.empty() && active_.back() != set_;
   const bool lingers = norm < 1.1 * last && norm > last * (near ? 2. / 3 : 0.9);
   unchanged_ = lingers && !other_set ? unchanged_ + 1 : 0;
+  risen_ = !norms_.empty() && norm > 1.5 * last ? risen_ + 1 : 0;
   norms_.push_back(norm);
   active_.push_back(set_);
 }
@@ -278,7 +279,7 @@ bool NewtonHooks::gives_up() {
   // more constraints than the surfaces can meet: no pressure closes the gaps that they leave.
   constexpr int most_near = 6;
   if (conduct.aim == Aim::balance && motion_.balance().ratio() <= near_balance) ++near_;
-  return watch_.cycle() > 0 || watch_.stalls() || near_ >= most_near;
+  return watch_.cycle() > 0 || watch_.stalls() || watch_.leaves() || near_ >= most_near;
 }
 
 } // namespace impact

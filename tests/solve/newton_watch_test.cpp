@@ -118,6 +118,19 @@ TEST(NewtonWatch, ASetThatShrinksDoesNotStall) {
   EXPECT_TRUE(watch.stalls());
 }
 
+TEST(NewtonWatch, SeesStepsInFullThatLeave) { // a ball pressed into steel that flows, with friction
+  const auto leaves = [](const std::vector<double>& norms, bool full) {
+    NewtonWatch watch;
+    watch.start(full);
+    for (double norm : norms) watch.note(norm);
+    return watch.leaves();
+  };
+  EXPECT_TRUE(leaves({20, 37, 25, 86, 170, 907}, true));
+  EXPECT_FALSE(leaves({20, 37, 25, 86, 170, 907}, false));
+  EXPECT_FALSE(leaves({20, 37, 25, 86, 170, 200}, true));
+  EXPECT_FALSE(leaves({1, 3, 9, 4, 10, 2e-3}, true));
+}
+
 TEST(NewtonWatch, ForgetsTheSolveBefore) {
   NewtonWatch watch;
   watch.start(true);

@@ -36,6 +36,8 @@ public:
   /// Whether each of the last five full steps changed the norm by less than a tenth, or lowered it by less
   /// than a third where it is a thousandth of the first one already, and left as many constraints active.
   bool stalls() const { return full_steps_ && unchanged_ >= 5; }
+  /// Whether each of the last three full steps raised the norm by more than half.
+  bool leaves() const { return full_steps_ && risen_ >= 3; }
   /// Steps in a row that were cut to less than half, far from the solution.
   int cut_steps() const { return is_near() ? 0 : short_; }
   /// Whether the last norm is below a thousandth of the first one.
@@ -45,6 +47,7 @@ private:
   bool is_near(double norm) const { return !norms_.empty() && norm < 1e-3 * norms_.front(); }
   bool full_steps_ = false;
   int unchanged_ = 0; ///< steps in a row that did so
+  int risen_ = 0;     ///< steps in a row that raised the norm
   int short_ = 0;     ///< steps in a row that were cut
   std::vector<double> norms_;
   std::vector<int> active_;
