@@ -90,11 +90,14 @@ OptionGroup checkpoint_options() {
       "computes nothing twice. On restart mesh, dimension and units cannot change; parameters, materials, "
       "conditions, contacts, the damage equation and the time scheme only with `-restart_allow` (a contact "
       "that is left out with `contacts,contact_<id>` lets go: a tool that is taken away); solvers, "
-      "output, end time and time step at will. With another `-ts_type` the motion starts anew from the "
-      "displacement, damage, temperature, history and contact forces that are there, and the energies go on: "
-      "what is loaded statically is let go, or struck by bodies with the velocities of `-ics`. Such a run "
-      "has another history file where its columns differ, the contact method of the run before (explicit "
-      "steps take `gpts` where nothing is said), and no rigid bodies."};
+      "output, end time and time step at will. With another `-ts_type` the motion goes on from the "
+      "displacement, damage, temperature, history and contact forces that are there, and the energies go on. "
+      "Between schemes with inertia velocities stay too; what was loaded statically is let go, or struck by "
+      "bodies with the velocities of `-ics`. Such a run has another history file where its columns differ, "
+      "the contact method and multipliers of the run before, and no rigid bodies: explicit steps take `gpts` "
+      "by a penalty where nothing is said, so that implicit ones that go on from them name "
+      "`-contact_<id>_method gpts` and `-contact_<id>_enforce penalty`, and both in `-restart_allow` where "
+      "the run before did not."};
   Rows row(group.rows, RestartKey::free, &Scenario::checkpoint);
   row.text("checkpoint_dir", &Checkpoint::dir, "path", "folder of the checkpoints")
       .otherwise("<output_dir>/checkpoints");
