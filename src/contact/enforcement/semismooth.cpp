@@ -67,6 +67,8 @@ public:
 
   std::unique_ptr<EnforcementMethod> fallback() const override { return make_augmented(*settings_, rows_); }
 
+  void begin_attempt(const Constraints&, const Friction&) override { waits_ = false; }
+
   // Surfaces that touch without a pressure so far: the first iterate must not pass through them, or has no
   // solution where nothing else holds a body.
   void start_newton(const Constraints& constraints, Vec u) override {
