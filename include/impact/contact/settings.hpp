@@ -88,7 +88,7 @@ struct ContactEnvironment {
   double modulus = 0;   ///< Young's modulus of the softer undegraded side
   double density = 0;   ///< of the heaviest side where bodies have inertia, else 0
   double length = 0;    ///< cell size beside the surface; 0: mean secondary facet
-  bool flows = false;   ///< a side of it
+  bool flows = false;   ///< the material of a side does
 };
 
 } // namespace impact
