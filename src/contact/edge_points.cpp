@@ -47,7 +47,7 @@ FormPoints<ShapeValues> EdgePoints::make_points(ContactSurface& surface, const C
     throw UserError(ExitCode::usage, "-contact_" + settings.id + "_points " + std::to_string(n) +
                                          ": allowed are 1 to 16 points per facet");
   const GaussRule rule = gauss_rule(n);
-  FormPoints<Point> points{n, {}, {}, std::vector<int>(surface.length.size(), 2)};
+  FormPoints<Point> points{n, {}, {}, std::vector<int>(surface.length.size(), 2), surface.length};
   for (int f = 0; f < surface.count(); ++f)
     for (int q = 0; q < n; ++q) {
       const double xi = surface.reversed[at(f)] ? -rule.xi[at(q)] : rule.xi[at(q)];

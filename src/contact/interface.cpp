@@ -29,7 +29,8 @@ void ContactInterface::set_time(double t, double mass_shift, bool stabilised, co
   const StateRow* row = state_->find("u");
   Handle<Vec> u_n;
   if (row != nullptr) {
-    u_n = layout_->make_global();
+    u_n = constraints_->release_start();
+    if (!u_n) u_n = layout_->make_global();
     layout_->to_global(row->committed, u_n);
   }
   time_ = t;
@@ -100,18 +101,22 @@ std::array<double, 3> ContactInterface::add_residual(Vec u, double scale, Vec r,
   std::vector<double> stiff(bound ? values.size() : 0, 0.0);
   const auto visitor = [&](const Constraint& c) {
     if (!c.active) return;
-    add_force(c, force);
     if (bound) {
       add_stiffness_bound(c, stiff, bound->of_bodies);
       bound->deepest = std::max(bound->deepest, -c.gap);
     }
-    const std::size_t n = c.gradient.size();
-    for (std::size_t i = 0; i < n; ++i)
-      f[constraints_->dof(c.node[i / m], i % m)] -= factor * c.weight * c.pressure * c.gradient[i];
-    if (!friction_.rubs(c)) return;
-    const Tangential t = friction_.traction(c).value;
-    for (std::size_t i = 0; i < constraints_->tangents() * n; ++i)
-      f[constraints_->dof(c.node[i % n / m], i % m)] += factor * c.weight * t[i / n] * c.slip_gradient[i];
+    const auto add = [&](double times, const double* gradient) {
+      for (int node : c.node) {
+        double* const to = &f[constraints_->dof(node, 0)];
+        for (std::size_t k = 0; k < m; ++k) to[k] += times * *gradient++;
+      }
+    };
+    const bool rubs = friction_.rubs(c);
+    const Tangential t = rubs ? friction_.traction(c).value : Tangential{};
+    add_force(c, t, force);
+    add(-(factor * c.weight * c.pressure), c.gradient.data());
+    for (std::size_t a = 0; rubs && a < constraints_->tangents(); ++a)
+      add(factor * c.weight * t[a], &c.slip_gradient[c.gradient.size() * a]);
   };
   constraints_->visit(values, Derivatives::first, visitor, constraints_->pressing());
   nodes().exchange.add(f, r);

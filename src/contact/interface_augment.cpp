@@ -146,14 +146,15 @@ void ContactInterface::carry_force() {
 }
 
 void ContactInterface::advance(Vec u_n, Vec u, double dt) {
-  const Handle<Vec> f = layout_->make_global();
+  const ScratchVec f = layout_->scratch();
+  check(VecSet(f, 0));
   const Vector part = add_residual(u, 1, f);
   advance(u_n, u, dt, f, part);
 }
 
 void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Vector& part) {
   if (eased_) rows_.penalty->trial[EnforcementRows::value] = settings_.penalty; // nothing was touched
-  const Handle<Vec> f = layout_->make_global(), f_n = layout_->make_global(), du = layout_->make_global();
+  const ScratchVec f = layout_->scratch(), f_n = layout_->scratch(), du = layout_->scratch();
   check(VecCopy(residual, f));
   layout_->to_local(f, force_->trial);
   layout_->to_global(force_->committed, f_n);

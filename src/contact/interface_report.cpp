@@ -47,20 +47,23 @@ double ContactInterface::thickness() const {
 }
 
 // The force on the secondary side.
-void ContactInterface::add_force(const Constraint& c, Vector& force) const {
-  if (!c.active) return;
-  const std::size_t d = constraints_->dim(), n = c.gradient.size(), mine = d * c.share.size();
-  for (std::size_t i = 0; i < mine; ++i) force[i % d] += c.weight * c.pressure * c.gradient[i];
-  if (!friction_.rubs(c)) return;
-  const Tangential t = friction_.traction(c).value;
-  for (std::size_t a = 0; a < constraints_->tangents(); ++a)
-    for (std::size_t i = 0; i < mine; ++i) force[i % d] -= c.weight * t[a] * c.slip_gradient[n * a + i];
+void ContactInterface::add_force(const Constraint& c, const Tangential& traction, Vector& force) const {
+  const std::size_t d = constraints_->dim(), n = c.gradient.size();
+  const auto add = [&](double times, const double* gradient) {
+    for (std::size_t node = 0; node < c.share.size(); ++node)
+      for (std::size_t k = 0; k < d; ++k) force[k] += times * *gradient++;
+  };
+  add(c.weight * c.pressure, c.gradient.data());
+  for (std::size_t a = 0; traction != Tangential{} && a < constraints_->tangents(); ++a)
+    add(-(c.weight * traction[a]), &c.slip_gradient[n * a]);
 }
 
 ContactInterface::Vector ContactInterface::total_force(Vec u) const {
   Vector force{};
-  constraints_->visit(
-      u, Derivatives::first, [&](const Constraint& c) { add_force(c, force); }, constraints_->pressing());
+  const auto visitor = [&](const Constraint& c) {
+    if (c.active) add_force(c, friction_.rubs(c) ? friction_.traction(c).value : Tangential{}, force);
+  };
+  constraints_->visit(u, Derivatives::first, visitor, constraints_->pressing());
   return summed(force);
 }
 
@@ -205,12 +208,13 @@ ContactMeasures ContactInterface::measures(Vec u) const {
     largest.overlap = std::max(largest.overlap, -c.distance());
     add_energy(c, sum.energy);
     if (!c.active) return;
+    const bool rubs = friction_.rubs(c);
     Vector force{};
-    add_force(c, force);
+    add_force(c, rubs ? friction_.traction(c).value : Tangential{}, force);
     for (std::size_t k = 0; k < 3; ++k) sum.force[k] += force[k];
     sum.length += c.weight * c.cover * c.stretch;
     sum.active += 1;
-    if (friction_.rubs(c) && friction_.state(c) == Friction::slides) sum.sliding += 1;
+    if (rubs && friction_.state(c) == Friction::slides) sum.sliding += 1;
     largest.pressure = std::max(largest.pressure, c.pressure / c.stretch);
     largest.minus_pressure = std::max(largest.minus_pressure, -c.pressure / c.stretch);
   });

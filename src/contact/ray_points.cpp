@@ -1,4 +1,3 @@
-#include <impact/contact/line_of_sight.hpp>
 #include <impact/contact/point_form_impl.hpp>
 #include <impact/contact/ray_points.hpp>
 #include <impact/math/index.hpp>
@@ -108,6 +107,7 @@ FormPoints<ShapeValues> FacePoints::make_points(ContactSurface& surface, const C
     const int corners = corners_of(reference(surface, f));
     const double area = area_at(reference(surface, f));
     points.nodes.push_back(corners);
+    points.size.push_back(area);
     std::size_t number = points.index(f, 0);
     const auto add = [&](const std::array<double, 4>& shape, double weight) {
       points.shape[number] = shape;
@@ -144,9 +144,8 @@ TangentRows<3, 4> FacePoints::tangents(const ContactSurface& surface, int f, con
   return make_face_map(reference(surface, f)).row;
 }
 
-double FacePoints::stretch(const FaceCorners&, const FaceCorners& from_corner, const ContactSurface& surface,
-                           int f, const Point&) {
-  return area_at(from_corner) / area_at(reference(surface, f));
+double FacePoints::size(const FaceCorners&, const FaceCorners& from_first, const Point&) {
+  return area_at(from_first);
 }
 
 template <class Shape>
@@ -175,7 +174,7 @@ FormPoints<FacetPlace<Shape>> CurvedPoints<Shape>::make_points(ContactSurface& s
     }
   }
   FormPoints<Point> points{
-      static_cast<int>(place.size()), {}, {}, std::vector<int>(surface.length.size(), Shape::nodes)};
+      static_cast<int>(place.size()), {}, {}, std::vector<int>(surface.length.size(), Shape::nodes), {}};
   for (int f = 0; f < surface.count(); ++f) {
     const Nodes X = impact::reference<Shape>(surface, f);
     for (std::size_t q = 0; q < place.size(); ++q) {
@@ -186,7 +185,8 @@ FormPoints<FacetPlace<Shape>> CurvedPoints<Shape>::make_points(ContactSurface& s
       for (std::size_t a = 0; a < nodes; ++a) ring += point.N[a] * X[a][0];
       ring = frame == Frame::axisymmetric ? 2 * std::numbers::pi * ring : 1;
       points.shape.push_back(point);
-      points.weight.push_back(weight[q] * density_of(facet_area<Shape>(X, point)) * ring);
+      points.size.push_back(density_of(facet_area<Shape>(X, point)));
+      points.weight.push_back(weight[q] * points.size.back() * ring);
     }
   }
   return points;
@@ -202,17 +202,18 @@ auto CurvedPoints<Shape>::tangents(const ContactSurface& surface, int f, const P
 }
 
 template <class Shape>
-double CurvedPoints<Shape>::stretch(const Nodes&, const Nodes& from_first, const ContactSurface& surface,
-                                    int f, const Point& point) {
-  return density_of(facet_area<Shape>(from_first, point)) /
-         density_of(facet_area<Shape>(impact::reference<Shape>(surface, f), point));
+double CurvedPoints<Shape>::size(const Nodes&, const Nodes& from_first, const Point& point) {
+  return density_of(facet_area<Shape>(from_first, point));
 }
 
 template <class G>
 auto PointForm<G>::look(const Facet& facet, const Point& point, int candidate, const ContactValues& x) const
     -> Seen {
-  return {candidate,
-          cast_ray(ray_between(facet.node, point, corners_at<Nodes>(primary_slots(candidate), x)))};
+  const int* slot = primary_slots(candidate);
+  if (facet.u == nullptr)
+    return {candidate, cast_ray(ray_between(facet.node, point, corners_at<Nodes>(slot, x)))};
+  const int origin = secondary_slots(facet.number)[0];
+  return {candidate, cast_ray(ray_between(facet.from, point, corners_from<Nodes>(origin, slot, *facet.u)))};
 }
 
 // By normals and depth.
@@ -227,6 +228,16 @@ bool PointForm<G>::may_touch(const Facet& facet, const Point& point, const Seen&
   return -least_opposition > before.foot.opposition && before.foot.gap > -deep;
 }
 
+template <class G> void PointForm<G>::look_around(const Facet& facet, const ContactValues& x) const {
+  Surroundings& around = *facet.around;
+  around.near.clear();
+  around.view.emplace(facet.node, facet.normal, SightLimits{search_.radius(), beyond, G::weight_sum});
+  for (int c : search_.candidates().of(at(facet.number)))
+    if (typename G::Outline outline(corners_at<Nodes>(primary_slots(c), x), primary_corners(c), *around.view);
+        outline.in_sight())
+      around.near.emplace_back(c, outline);
+}
+
 // What lies before the point, or behind it: the nearest; beside the surface, what is next to it.
 template <class G>
 auto PointForm<G>::nearest(const Facet& facet, const Point& point, const ContactValues& x) const -> Seen {
@@ -239,22 +250,10 @@ auto PointForm<G>::nearest(const Facet& facet, const Point& point, const Contact
   Seen best;
   bool best_inside = false;
   const double equal = 1e-9 * secondary_.length[at(facet.number)];
-  const Candidates& list = search_.candidates();
-  const Place here = place_on(facet.node, point), normal = normal_at(facet, point);
-  const auto about = [&](int c) {
-    return ball_about<Ball>(corners_at<Nodes>(primary_slots(c), x), G::weight_sum);
-  };
-  const auto facing = list.of(at(facet.number));
-  if (facet.balls != nullptr && facet.balls->empty())
-    for (int c : facing) facet.balls->push_back(about(c));
-  std::size_t next = 0;
-  for (int c : facing) {
-    const Ball ball = facet.balls != nullptr ? (*facet.balls)[next++] : about(c);
-    if (passes_by(ball, here, normal, search_.radius())) continue;
-    const Nodes opposite = corners_at<Nodes>(primary_slots(c), x);
-    if (std::conditional_t<G::curved, AnySight, Sight>(opposite, primary_corners(c), here, normal, beyond)
-            .misses())
-      continue;
+  if (!facet.around->view) look_around(facet, x);
+  const auto line = facet.around->view->line(place_on(facet.node, point), normal_at(facet, point));
+  for (const auto& [c, outline] : facet.around->near) {
+    if (outline.misses(line)) continue;
     const Seen seen = look(facet, point, c, x);
     const double least = least_part(seen.foot);
     if (!(least >= -beyond) || !may_touch(facet, point, seen)) continue;
@@ -294,9 +293,8 @@ auto PointForm<G>::ray_of(int facet, std::size_t number, const ContactValues& u,
                      corners_from<Nodes>(slot[0], primary_slots(seen.candidate), u));
 }
 
-template <class G>
-void PointForm<G>::sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const {
-  seen.foot = cast_ray(ray_of(facet, number, u, seen));
+template <class G> void PointForm<G>::sharpen(int, std::size_t, const ContactValues&, Seen&) const {
+  // Its ray was cast with all digits.
 }
 
 template <class G>

@@ -23,18 +23,9 @@ template <class T> T dot(const std::array<T, 2>& a, const std::array<T, 2>& b) {
   return a[0] * b[0] + a[1] * b[1];
 }
 
-template <class Ray> SpanWeights<Ray::dim, Ray::nodes> weights_of_primary(const typename Ray::Place& place) {
-  SpanWeights<Ray::dim, Ray::nodes> w{};
-  for (std::size_t a = 0; a < Ray::nodes; ++a) {
-    w[0][Ray::nodes + a] = place.N[a];
-    for (std::size_t i = 0; i + 1 < Ray::dim; ++i) w[Ray::dim + i][Ray::nodes + a] = place.dN[a][i];
-  }
-  return w;
-}
-
-// The plane that touches the primary facet at a place.
-SpanWeights<3, 4> weights_of(const FaceRay& ray, const FaceRay::Place& place) {
-  auto w = weights_of_primary<FaceRay>(place);
+// Of the secondary nodes.
+SpanWeights<3, 4> weights_of_secondary(const FaceRay& ray) {
+  SpanWeights<3, 4> w{};
   for (std::size_t a = 0; a < 4; ++a) w[0][a] = -ray.shape[a];
   // Two sides of a triangle, the diagonals of a quadrilateral.
   const bool triangle = corners_of(ray.x) == 3;
@@ -43,13 +34,26 @@ SpanWeights<3, 4> weights_of(const FaceRay& ray, const FaceRay::Place& place) {
   return w;
 }
 template <class Facet>
-SpanWeights<CurvedRay<Facet>::dim, Facet::nodes> weights_of(const CurvedRay<Facet>& ray,
-                                                            const FacetPlace<Facet>& place) {
-  auto w = weights_of_primary<CurvedRay<Facet>>(place);
+SpanWeights<CurvedRay<Facet>::dim, Facet::nodes> weights_of_secondary(const CurvedRay<Facet>& ray) {
+  SpanWeights<CurvedRay<Facet>::dim, Facet::nodes> w{};
   for (std::size_t a = 0; a < Facet::nodes; ++a) {
     w[0][a] = -ray.at.N[a];
     for (std::size_t i = 0; i < Facet::dim; ++i) w[1 + i][a] = ray.at.dN[a][i];
   }
+  return w;
+}
+// Of the primary nodes, for the plane that touches their facet at a place.
+template <class Ray>
+void weigh_primary(const typename Ray::Place& place, SpanWeights<Ray::dim, Ray::nodes>& w) {
+  for (std::size_t a = 0; a < Ray::nodes; ++a) {
+    w[0][Ray::nodes + a] = place.N[a];
+    for (std::size_t i = 0; i + 1 < Ray::dim; ++i) w[Ray::dim + i][Ray::nodes + a] = place.dN[a][i];
+  }
+}
+template <class Ray>
+SpanWeights<Ray::dim, Ray::nodes> weights_of(const Ray& ray, const typename Ray::Place& place) {
+  auto w = weights_of_secondary(ray);
+  weigh_primary<Ray>(place, w);
   return w;
 }
 
@@ -99,16 +103,35 @@ template <class Facet> auto bends_at(const CurvedRay<Facet>&, const typename Fac
   return second_derivatives<Facet>(xi);
 }
 
-// Seen from the first node: the weights of each vector add to zero.
+// Adds the nodes of one facet, first in the weights, to vectors, seen from the secondary's first node: the
+// weights of each vector add to zero.
+template <std::size_t dim, std::size_t nodes>
+void add_nodes(const std::array<double, 2 * nodes>& w, std::size_t first,
+               const std::array<std::array<double, dim>, nodes>& node, const std::array<double, dim>& origin,
+               std::array<double, dim>& y) {
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (std::size_t i = 0; i < dim; ++i) y[i] += w[first + a] * (node[a][i] - origin[i]);
+}
+// What the secondary nodes make of the vectors, and what the primary ones add.
+template <std::size_t dim, std::size_t nodes>
+Spans<double, dim> secondary_spans(const SpanWeights<dim, nodes>& w,
+                                   const std::array<std::array<double, dim>, nodes>& x) {
+  Spans<double, dim> y{};
+  for (std::size_t k = 0; k < dim; ++k) add_nodes<dim, nodes>(w[k], 0, x, x[0], y[k]);
+  return y;
+}
+template <std::size_t dim, std::size_t nodes>
+void add_primary(const SpanWeights<dim, nodes>& w, const std::array<std::array<double, dim>, nodes>& p,
+                 const std::array<double, dim>& origin, Spans<double, dim>& y) {
+  add_nodes<dim, nodes>(w[0], nodes, p, origin, y[0]);
+  for (std::size_t k = dim; k < vectors<dim>; ++k) add_nodes<dim, nodes>(w[k], nodes, p, origin, y[k]);
+}
 template <std::size_t dim, std::size_t nodes>
 Spans<double, dim> spans_of(const SpanWeights<dim, nodes>& w,
                             const std::array<std::array<double, dim>, nodes>& x,
                             const std::array<std::array<double, dim>, nodes>& p) {
-  Spans<double, dim> y{};
-  for (std::size_t k = 0; k < vectors<dim>; ++k)
-    for (std::size_t a = 0; a < 2 * nodes; ++a)
-      for (std::size_t i = 0; i < dim; ++i)
-        y[k][i] += w[k][a] * ((a < nodes ? x[a] : p[a - nodes])[i] - x[0][i]);
+  Spans<double, dim> y = secondary_spans<dim, nodes>(w, x);
+  add_primary<dim, nodes>(w, p, x[0], y);
   return y;
 }
 
@@ -139,22 +162,25 @@ template <class T, std::size_t dim> struct Gap {
   std::array<T, dim> n, m;
   T area; // of n before it was a unit vector
 };
-template <class T, std::size_t dim> Gap<T, dim> gap_of(const Spans<T, dim>& y) {
+// Where the secondary facet looks, and what stands in the way.
+template <class T, std::size_t dim> void aim(const Spans<T, dim>& y, Gap<T, dim>& ray) {
   using std::sqrt;
-  Gap<T, dim> ray;
   ray.n = area_vector(&y[1]);
   ray.area = sqrt(dot(ray.n, ray.n));
   const T inverse = T(1.0) / ray.area;
   for (T& component : ray.n) component = component * inverse;
+}
+template <class T, std::size_t dim> void meet(const Spans<T, dim>& y, Gap<T, dim>& ray) {
   ray.m = area_vector(&y[dim]);
   ray.along = dot(ray.n, ray.m);
   ray.gap = dot(y[0], ray.m) / ray.along;
-  return ray;
 }
 
 // dg by the vectors.
 template <class T, std::size_t dim> Spans<T, dim> gradient_of(const Spans<T, dim>& y) {
-  const Gap<T, dim> ray = gap_of<T, dim>(y);
+  Gap<T, dim> ray;
+  aim<T, dim>(y, ray);
+  meet<T, dim>(y, ray);
   const T inverse = T(1.0) / ray.along;
   Spans<T, dim> g;
   for (auto& vector : g) vector.fill(T(0.0));
@@ -172,9 +198,10 @@ template <class T, std::size_t dim> Spans<T, dim> gradient_of(const Spans<T, dim
 
 template <std::size_t dim, std::size_t nodes>
 std::array<double, 2 * dim * nodes> row_of(const SpanWeights<dim, nodes>& w, const Spans<double, dim>& g) {
+  // The spans of either facet have nodes of their own.
   std::array<double, 2 * dim * nodes> row{};
   for (std::size_t k = 0; k < vectors<dim>; ++k)
-    for (std::size_t a = 0; a < 2 * nodes; ++a)
+    for (std::size_t a = k < dim ? 0 : nodes; a < (k == 0 || k >= dim ? 2 * nodes : nodes); ++a)
       for (std::size_t i = 0; i < dim; ++i) row[dim * a + i] += w[k][a] * g[k][i];
   return row;
 }
@@ -230,16 +257,24 @@ template <class Ray> RayFoot<Ray> cast_ray(const Ray& cast, const typename Ray::
   RayFoot<Ray> foot;
   foot.xi = start;
   bool found = false;
+  auto w = weights_of_secondary(cast);
+  const Spans<double, dim> of_secondary = secondary_spans<dim, Ray::nodes>(w, cast.x);
+  Gap<double, dim> ray;
+  aim<double, dim>(of_secondary, ray);
   for (int i = 0; i < most_steps; ++i) {
     foot.place = place_at(cast, foot.xi);
-    const auto y = spans_of(weights_of(cast, foot.place), cast.x, cast.p);
-    const Gap<double, dim> ray = gap_of<double, dim>(y);
+    weigh_primary<Ray>(foot.place, w);
+    Spans<double, dim> y = of_secondary;
+    add_primary<dim, Ray::nodes>(w, cast.p, cast.x[0], y);
+    meet<double, dim>(y, ray);
     foot.gap = ray.gap;
-    const double length = std::sqrt(dot(ray.m, ray.m));
-    foot.opposition = ray.along / length;
-    for (std::size_t k = 0; k < dim; ++k) foot.normal[k] = ray.m[k] / length;
-    foot.part = parts_at(cast, foot);
-    if (found) return foot;
+    if (found) {
+      const double length = std::sqrt(dot(ray.m, ray.m));
+      foot.opposition = ray.along / length;
+      for (std::size_t k = 0; k < dim; ++k) foot.normal[k] = ray.m[k] / length;
+      foot.part = parts_at(cast, foot);
+      return foot;
+    }
     std::array<double, dim> r; // to where the ray meets the plane
     for (std::size_t k = 0; k < dim; ++k) r[k] = ray.gap * ray.n[k] - y[0][k];
     const auto dual = dual_sides<dim>(y, ray.m);
@@ -271,7 +306,9 @@ void add_ray_hessian(const Ray& ray, const RayFoot<Ray>& foot, double factor, st
   const auto w = weights_of(ray, foot.place);
   const Spans<double, dim> y = spans_of(w, ray.x, ray.p), dg = gradient_of<double, dim>(y);
   add_hessian<dim, nodes>(w, y, factor, hessian);
-  const Gap<double, dim> at = gap_of<double, dim>(y);
+  Gap<double, dim> at;
+  aim<double, dim>(y, at);
+  meet<double, dim>(y, at);
   const auto dual = dual_sides<dim>(y, at.m);
   std::array<std::array<double, dofs>, dim - 1> dxi;
   for (std::size_t s = 0; s < dual.size(); ++s) {

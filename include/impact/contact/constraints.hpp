@@ -58,6 +58,8 @@ public:
 
   /// An attempt begins at u_n, where the rigid body has `moved` since; null: nothing is known. Collective.
   void begin(StepRule rule, Handle<Vec> u_n, const std::array<double, 3>& moved);
+  /// The u_n that the last attempt was given, for the next one.
+  Handle<Vec> release_start() { return std::move(step_.u_n); }
   StepRule rule() const { return step_.rule; }
   void set_rule(StepRule rule) { step_.rule = rule; }
   /// Once pairs are up to date. Collective.

@@ -8,6 +8,8 @@ namespace impact {
 struct EdgePoints : StraightPoints {
   static constexpr std::size_t dim = 2, nodes = 2;
   static constexpr HoldRule hold = hold_on_edge;
+  struct View {};
+  struct Outline {};
   struct Seen {
     int candidate = -1, part = 0;
     Foot<double> foot;
@@ -19,9 +21,8 @@ struct EdgePoints : StraightPoints {
   static FormPoints<Point> make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
   static TangentRows<2, 2> tangents(const ContactSurface&, int, const Point&) { return {{{-1, 1}}}; }
   static Point2<double> normal(const EdgeCorners& x) { return detail::right_normal(x[0], x[1]); }
-  static double stretch(const EdgeCorners& x, const EdgeCorners& /*from_corner*/,
-                        const ContactSurface& surface, int f, const Point&) {
-    return std::hypot(x[1][0] - x[0][0], x[1][1] - x[0][1]) / surface.length[static_cast<std::size_t>(f)];
+  static double size(const EdgeCorners& x, const EdgeCorners& /*from_first*/, const Point&) {
+    return std::hypot(x[1][0] - x[0][0], x[1][1] - x[0][1]);
   }
   static bool faces(const CarriedFunction& gap, const Point2<double>& normal);
   static bool within(const Seen& seen, double beyond) { return std::abs(seen.foot.xi) <= 1 + beyond; }

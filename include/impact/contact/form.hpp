@@ -6,6 +6,7 @@
 #include <impact/kernel/contact_pair.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <limits>
+#include <span>
 
 /// How a contact is discretised: a list of gap constraints with their derivatives. What becomes of them, the
 /// enforcement, is the business of an EnforcementMethod, the same for every form.
@@ -68,6 +69,10 @@ struct Opposite {
   void locate(const ContactNodes& nodes) {
     for (std::size_t b = 0; b < node.size(); ++b)
       slot[b] = b > 0 && node[b] == node[b - 1] ? slot[b - 1] : nodes.slot(node[b]);
+  }
+  /// Where the slots of its nodes are known.
+  void stand(std::span<const int> nodes) {
+    for (std::size_t b = 0; b < slot.size(); ++b) slot[b] = nodes[std::min(b, nodes.size() - 1)];
   }
   bool found() const { return *std::min_element(slot.begin(), slot.end()) >= 0; }
 };

@@ -290,7 +290,7 @@ private:
   void visit_tangent(Vec u, double scale, const BlockVisitor& visitor) const;
   void tangent_block(const Constraint& c, double scale, std::vector<double>& block) const;
   AugmentReport propose(Vec u, std::vector<double>& lambda, std::vector<double>& traction) const;
-  void add_force(const Constraint& c, Vector& force) const;
+  void add_force(const Constraint& c, const Tangential& traction, Vector& force) const;
   void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
                            std::vector<double>& of_bodies) const;
   double push_on_body(const Constraint& c, int body) const;

@@ -2,86 +2,107 @@
 #include <algorithm>
 #include <cmath>
 #include <impact/kernel/face_ray.hpp>
+#include <impact/kernel/facet_slip.hpp>
 #include <impact/math/index.hpp>
 #include <impact/math/vector3.hpp>
 
-/// What a point that looks along its normal passes over before it casts a ray.
+/// What points that look along their normal pass over before they cast a ray: outlines of the primary facets
+/// that a secondary facet may see, made once for all of its points. Of both kinds below
+///   View     what the points of a secondary facet have in common,
+///   Line     the line of sight of one of them,
+///   Outline  of a primary facet in such a view.
 namespace impact {
 
-/// A face as it is seen from a point along a unit vector: the triangles about the mean of its corners, in the
-/// plane across that.
-class Sight {
-public:
-  Sight(const FaceCorners& p, int corners, const Point3& x, const Point3& n, double beyond)
-      : corners_(at(corners)), beyond_(beyond) {
-    // Of the axes the one that n is least along.
-    std::size_t least = 0;
-    for (std::size_t k = 1; k < 3; ++k)
-      if (std::abs(n[k]) < std::abs(n[least])) least = k;
-    Point3 axis{};
-    axis[least] = 1;
-    const Point3 a = cross(n, axis), b = cross(n, a);
-    for (std::size_t c = 0; c < corners_; ++c) {
-      const Point3 d = {p[c][0] - x[0], p[c][1] - x[1], p[c][2] - x[2]};
-      seen_[c] = {dot(a, d), dot(b, d)};
-      for (std::size_t k = 0; k < 2; ++k) seen_[4][k] += seen_[c][k] / 4;
+struct SightLimits {
+  double far;     ///< nothing is seen farther ahead
+  double beyond;  ///< part of a primary face by which it is continued beyond its sides
+  double weights; ///< most that the weights of a facet's nodes come to without their signs, there
+};
+
+/// Of a straight face in space: all its points look along one unit vector n, over the plane across it.
+struct FaceView {
+  using Line = std::array<double, 2>; ///< where a line of sight meets that plane
+
+  FaceView(const FaceCorners& x, const Point3& n, const SightLimits& given)
+      : normal(n), across_normal(tangents_of(n)), limits(given) {
+    for (const Point3& corner : x)
+      for (std::size_t k = 0; k < 3; ++k) origin[k] += corner[k] / 4;
+    for (const Point3& corner : x) {
+      const Point3 d = from_origin(corner);
+      reach = std::max(reach, dot(d, d));
     }
+    reach = std::sqrt(reach);
   }
-  /// Whether the ray passes it by more than the part `beyond` of a triangle, with room for what is bent; what
-  /// is seen from its side is not judged.
-  bool misses() const {
+  Point3 from_origin(const Point3& x) const { return {x[0] - origin[0], x[1] - origin[1], x[2] - origin[2]}; }
+  Line across(const Point3& d) const { return {dot(across_normal[0], d), dot(across_normal[1], d)}; }
+  Line line(const Point3& x, const Point3& /*n*/) const { return across(from_origin(x)); }
+
+  Point3 origin{}, normal;
+  std::array<Point3, 2> across_normal;
+  double reach = 0; ///< of its corners from the origin
+  SightLimits limits;
+};
+
+/// A face of first order: the triangles about the mean of its corners.
+class FaceOutline {
+public:
+  FaceOutline(const FaceCorners& p, int corners, const FaceView& view)
+      : corners_(at(corners)), beyond_(view.limits.beyond) {
+    const double room = view.limits.weights;
+    double along = 0, deepest = 0;
+    std::array<double, 4> ahead;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Point3 d = view.from_origin(p[c]);
+      seen_[c] = view.across(d);
+      for (std::size_t k = 0; k < 2; ++k) middle_[k] += seen_[c][k] / 4;
+      ahead[c] = dot(view.normal, d);
+      along += ahead[c] / 4;
+    }
+    for (std::size_t c = 0; c < 4; ++c) {
+      square_ = std::max(square_, square_to(seen_[c]));
+      deepest = std::max(deepest, std::abs(ahead[c] - along));
+    }
+    square_ *= room * room;
+    const double wide = std::sqrt(square_) + view.reach;
+    in_sight_ = square_to({}) <= wide * wide && along - room * deepest - view.reach <= view.limits.far;
+  }
+  /// Whether any point of the facet may see it.
+  bool in_sight() const { return in_sight_; }
+  /// Whether a line of sight passes it by more than the part `beyond` of a triangle, with room for what is
+  /// bent; what is seen from its side is not judged.
+  bool misses(const FaceView::Line& x) const {
+    if (square_to(x) > square_) return true;
     for (std::size_t t = 0; t < (corners_ == 3 ? 1 : corners_); ++t)
-      if (!misses(t)) return false;
+      if (!misses(x, t)) return false;
     return true;
   }
 
 private:
-  bool misses(std::size_t t) const {
-    const Seen2 &p = seen_[t], &q = seen_[(t + 1) % corners_], &r = corners_ == 3 ? seen_[2] : seen_[4];
+  using Line = FaceView::Line;
+
+  double square_to(const Line& x) const {
+    const double across = x[0] - middle_[0], up = x[1] - middle_[1];
+    return across * across + up * up;
+  }
+  bool misses(const Line& x, std::size_t t) const {
+    const Line p = from(x, seen_[t]), q = from(x, seen_[(t + 1) % corners_]),
+               r = from(x, corners_ == 3 ? seen_[2] : middle_);
     const double parts[3] = {area(q, r), area(r, p), area(p, q)}, all = parts[0] + parts[1] + parts[2];
     const double size = std::abs(parts[0]) + std::abs(parts[1]) + std::abs(parts[2]);
     if (!(std::abs(all) > 1e-6 * size)) return false;
-    return std::min({parts[0] / all, parts[1] / all, parts[2] / all}) < -1.5 * beyond_;
+    // The least part of all, without a division.
+    const double least =
+        all > 0 ? std::min({parts[0], parts[1], parts[2]}) : -std::max({parts[0], parts[1], parts[2]});
+    return least < -1.5 * beyond_ * std::abs(all);
   }
+  static Line from(const Line& x, const Line& p) { return {p[0] - x[0], p[1] - x[1]}; }
+  static double area(const Line& p, const Line& q) { return p[0] * q[1] - p[1] * q[0]; }
 
-  using Seen2 = std::array<double, 2>;
-  static double area(const Seen2& p, const Seen2& q) { return p[0] * q[1] - p[1] * q[0]; }
   std::size_t corners_;
-  double beyond_;
-  std::array<Seen2, 5> seen_{};
+  double beyond_, square_ = 0; // square_: of the radius about the middle
+  std::array<Line, 4> seen_;
+  Line middle_{};
+  bool in_sight_;
 };
-/// A curved face is met as it is.
-struct AnySight {
-  template <class... Arguments> explicit AnySight(const Arguments&...) {}
-  static bool misses() { return false; }
-};
-
-/// About the mean of the nodes, with every place sum w_a p_a with sum w_a = 1 and sum |w_a| <= weights in it.
-template <class Ball, class Nodes> Ball ball_about(const Nodes& p, double weights) {
-  Ball ball;
-  const std::size_t dim = ball.centre.size();
-  for (const auto& node : p)
-    for (std::size_t k = 0; k < dim; ++k) ball.centre[k] += node[k] / static_cast<double>(p.size());
-  double radius = 0;
-  for (const auto& node : p) {
-    double square = 0;
-    for (std::size_t k = 0; k < dim; ++k) square += (node[k] - ball.centre[k]) * (node[k] - ball.centre[k]);
-    radius = std::max(radius, square);
-  }
-  ball.radius = weights * std::sqrt(radius);
-  return ball;
-}
-
-/// Whether a line along the unit vector n passes it by, or meets it farther than `far` ahead.
-template <class Ball, class Place>
-bool passes_by(const Ball& ball, const Place& x, const Place& n, double far) {
-  double along = 0, distance = 0;
-  for (std::size_t k = 0; k < x.size(); ++k) along += (ball.centre[k] - x[k]) * n[k];
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    const double across = ball.centre[k] - x[k] - along * n[k];
-    distance += across * across;
-  }
-  return distance > ball.radius * ball.radius || along - ball.radius > far;
-}
 
 } // namespace impact

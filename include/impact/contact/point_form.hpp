@@ -3,11 +3,13 @@
 #include <cmath>
 #include <concepts>
 #include <impact/contact/form.hpp>
+#include <impact/contact/line_of_sight.hpp>
 #include <impact/kernel/face_ray.hpp>
 #include <impact/kernel/facet_slip.hpp>
 #include <impact/kernel/mortar_segment.hpp>
 #include <impact/math/index.hpp>
 #include <memory>
+#include <optional>
 
 /// Contact at Gauss points of the secondary facets: one gap constraint at every point, to what lies opposite
 /// on the primary surface or to a rigid body (theory.md, contact). Here stands what edges and faces have in
@@ -15,6 +17,7 @@
 ///   dim, nodes                of a facet
 ///   Point                     a place of a facet, whose `weights` are those of its nodes
 ///   Seen                      what a point faces: a candidate, -1 for none, and the foot on it
+///   View, Outline             of those that look along their normal (line_of_sight.hpp)
 ///   curved                    whether normals differ along a facet
 /// and functions of points, of which Facet says where their secondary facet stands.
 ///
@@ -29,6 +32,7 @@ template <class Point> struct FormPoints {
   std::vector<Point> shape;   ///< [facet][point]
   std::vector<double> weight; ///< [facet][point] 0: no such point
   std::vector<int> nodes;     ///< [facet] different ones
+  std::vector<double> size; ///< [facet] reference area; of curved facets [facet][point] over that of the rule
 
   std::size_t index(int facet, int point) const {
     return static_cast<std::size_t>(facet * per_facet + point);
@@ -94,17 +98,21 @@ public:
 private:
   void turn_slip(const ContactValues& u) override;
   void release() override { std::fill(holds_.begin(), holds_.end(), Hold()); }
-  struct Ball {
-    Place centre{};
-    double radius = 0;
+  // What the points of a secondary facet that look around share: made by the first one that does.
+  struct Surroundings {
+    std::optional<typename Geometry::View> view;
+    std::vector<std::pair<int, typename Geometry::Outline>> near; // candidates in sight
   };
-  // A secondary facet at coordinates. Those of its points that look around share what they find about its
-  // candidates in `balls`, where there is room for it: empty until the first one has.
+  // A secondary facet at coordinates, and at the displacement seen from its first node, where that is known:
+  // differences of displacements keep the digits that coordinates lose, and a penalty makes a pressure of
+  // what is lost.
   struct Facet {
     int number = 0;
     Nodes node{};
     Place normal{}; // of a straight one
-    std::vector<Ball>* balls = nullptr;
+    Surroundings* around = nullptr;
+    const ContactValues* u = nullptr;
+    Nodes from{};
   };
   // What a point is tied to: a candidate by its place in the list, -1: not there, and by its nodes.
   struct Hold {
@@ -127,15 +135,24 @@ private:
   struct Workspace {
     NodePlaces place;
     std::vector<double> gradient, slip_gradient; // [node][dim], [direction][node][dim]
+    // Directions of slip, and the tangents that they were made of: those of a facet, or of a point.
+    const TangentRows<dim, width>* tangents = nullptr;
+    Nodes secondary{};
+    std::optional<SlipDirections<dim, width>> directions;
   };
 
-  Facet facet_at(int number, const ContactValues& x, std::vector<Ball>* balls = nullptr) const {
+  // `around`: of the facet before, where points look around; u: where x is that of a displacement.
+  Facet facet_at(int number, const ContactValues& x, Surroundings* around = nullptr,
+                 const ContactValues* u = nullptr) const {
+    const int* slot = secondary_slots(number);
     Facet facet;
     facet.number = number;
-    facet.balls = balls;
-    if (balls != nullptr) balls->clear();
-    facet.node = corners_at<Nodes>(secondary_slots(number), x);
+    facet.around = around;
+    if (around != nullptr) around->view.reset();
+    facet.node = corners_at<Nodes>(slot, x);
     if constexpr (!Geometry::curved) facet.normal = Geometry::normal(facet.node);
+    facet.u = u;
+    if (u != nullptr) facet.from = corners_from<Nodes>(slot[0], slot, *u);
     return facet;
   }
   static Place normal_at(const Facet& facet, const Point& point) {
@@ -166,11 +183,13 @@ private:
     std::vector<Seen> seen; // [secondary facet][point]
   };
 
-  // call(facet at x, number, anchor) of each point.
-  template <class Call> void for_each_anchor(const ContactValues& x, Call&& call);
+  // call(facet at x, the place of the displacement u, number, anchor) of each point.
+  template <class Call> void for_each_anchor(const ContactValues& x, const ContactValues& u, Call&& call);
   // Of the directions of slip on a rigid body.
   Lean lean_on(const Facet& facet, std::size_t number, const RigidObstacle& obstacle) const;
-  // Of Geometry. What lies before a point or behind it: the nearest that may be in contact.
+  void look_around(const Facet& facet, const ContactValues& x) const;
+  // Of Geometry. What lies before a point or behind it: the nearest that may be in contact, for facets with
+  // surroundings.
   Seen nearest(const Facet& facet, const Point& point, const ContactValues& x) const;
   // What the point is tied to; false where an iterate went too far astray.
   bool held(const Facet& facet, const Point& point, const ContactValues& x, const Hold& hold,
@@ -199,7 +218,7 @@ private:
   }
   // Whether one part of a surface may lie behind another one.
   bool folded() const { return search_.meets_itself() || settings_.exposed; }
-  // Once more with all digits: a penalty makes a pressure of what is lost.
+  // With all digits.
   void sharpen(int facet, std::size_t number, const ContactValues& u, Seen& seen) const;
   // Of points that look along their normal: the point and what it sees.
   auto ray_of(int facet, std::size_t number, const ContactValues& u, const Seen& seen) const;
@@ -211,11 +230,16 @@ private:
   void tie(const ContactValues& x, const ConstraintFilter& presses);
   bool is_far_off(int facet, const Nodes& node, const RigidObstacle& obstacle,
                   const ConstraintFilter& wanted) const;
+  void anchor_slip(Vec u);
   void find_anchors(const ContactValues& moved);
   void locate_anchors();
   void locate_holds();
+  // Where stands what curved facets have for each point.
+  static std::size_t own_place(int facet, std::size_t number) {
+    return Geometry::curved ? number : at(facet);
+  }
   const TangentRows<dim, width>& tangents(int facet, std::size_t number) const {
-    return tangents_[Geometry::curved ? number : at(facet)];
+    return tangents_[own_place(facet, number)];
   }
   bool slip_places(int facet, std::size_t number, const ContactValues& u, SlipPlaces& places) const;
   void add_slip(int facet, const SlipPlaces& places, const ContactValues& u, bool with_gradient, Workspace& w,

@@ -82,8 +82,9 @@ template <class G> NodePairs PointForm<G>::couplings() const {
 
 template <class G> void PointForm<G>::tie(const ContactValues& x, const ConstraintFilter& presses) {
   switched_ = false;
+  Surroundings around;
   for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
+    const Facet facet = facet_at(f, x, &around);
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
       if (points_.weight[number] == 0) continue;
@@ -149,7 +150,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
                                 const ConstraintFilter& wanted) const {
   const std::vector<double> x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
-  std::vector<Ball> balls;
+  Surroundings around;
   const bool keeps = !settings_.iterated && !rigid(), known = keeps && views_.at == x;
   if (keeps && !known) {
     views_.at.clear();
@@ -158,7 +159,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
   for (int f = 0; f < secondary_.count(); ++f) {
     if (rigid() && wanted && is_far_off(f, corners_at<Nodes>(secondary_slots(f), x), obstacle, wanted))
       continue;
-    const Facet facet = facet_at(f, x, &balls);
+    const Facet facet = facet_at(f, x, &around, &u);
     double stretch = 0; // of facets that face something
     for (int q = 0; q < points_.per_facet; ++q) {
       const std::size_t number = points_.index(f, q);
@@ -179,8 +180,7 @@ void PointForm<G>::visit_points(const ContactValues& u, Visitor&& visitor,
       }
       if (wanted && !wanted(static_cast<int>(number), seen.foot.gap)) continue;
       if (G::curved || stretch == 0)
-        stretch = G::stretch(facet.node, corners_from<Nodes>(secondary_slots(f)[0], secondary_slots(f), u),
-                             secondary_, f, point);
+        stretch = G::size(facet.node, facet.from, point) / points_.size[own_place(f, number)];
       Constraint c;
       c.index = static_cast<int>(number);
       c.weight = points_.weight[number];
@@ -310,8 +310,9 @@ void PointForm<G>::visit_meetings(const ContactValues& u, const MeetingVisitor& 
 
 template <class G>
 void PointForm<G>::visit_overlaps(const ContactValues& x, const OverlapVisitor& visitor) const {
+  Surroundings around;
   for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x);
+    const Facet facet = facet_at(f, x, &around);
     for (std::size_t a = 0; a < at(points_.nodes[at(f)]); ++a) {
       const Place& place = facet.node[a];
       const Point point = G::node(a);

@@ -8,8 +8,11 @@ namespace impact {
 
 template <class G> void PointForm<G>::anchor(Vec u) {
   search_.set_start(u);
-  views_.at.clear();         // what a point came through is seen by the start of the step
-  if (!frictional()) return; // all ranks agree on that, not on whether they have points
+  if (frictional()) anchor_slip(u); // all ranks agree on that, not on whether they have points
+  views_.at.clear();                // what a point came through is seen by the start of the step
+}
+
+template <class G> void PointForm<G>::anchor_slip(Vec u) {
   if (rigid()) obstacle_.anchor(nodes(), nodes().start);
   if (on_plane()) return;
   // The next step starts where the last one ended.
@@ -20,10 +23,10 @@ template <class G> void PointForm<G>::anchor(Vec u) {
 
 template <class G>
 template <class Call>
-void PointForm<G>::for_each_anchor(const ContactValues& x, Call&& call) {
-  std::vector<Ball> balls;
+void PointForm<G>::for_each_anchor(const ContactValues& x, const ContactValues& u, Call&& call) {
+  Surroundings around;
   for (int f = 0; f < secondary_.count(); ++f) {
-    const Facet facet = facet_at(f, x, &balls);
+    const Facet facet = facet_at(f, x, &around, &u);
     for (int q = 0; q < points_.per_facet; ++q)
       if (const std::size_t number = points_.index(f, q); points_.weight[number] != 0)
         call(facet, number, anchors_[number]);
@@ -33,13 +36,19 @@ void PointForm<G>::for_each_anchor(const ContactValues& x, Call&& call) {
 template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
   const ContactValues& x = nodes().start;
   const RigidObstacle obstacle = obstacle_.at(moved);
+  const bool known = !settings_.exposed && views_.at == x; // others see as deep as before
   anchoring_ = true;
-  for_each_anchor(x, [&](const Facet& facet, std::size_t number, Anchor& anchor) {
+  for_each_anchor(x, moved, [&](const Facet& facet, std::size_t number, Anchor& anchor) {
     anchor = Anchor{.lean = anchor.lean};
     // Opposite a round rigid body is the place of the facet itself: no matter where on the body that is.
-    const Seen seen = rigid() ? Seen{} : nearest(facet, points_.shape[number], x);
+    Seen seen;
+    if (known) seen = views_.seen[number];
+    // What came through a surface within the last step is as deep in the next one, which starts there.
+    if (!rigid() && (!known || (seen.candidate >= 0 && seen.foot.gap <= -depth(facet.number))))
+      seen = nearest(facet, points_.shape[number], x);
     anchor.valid = rigid() || seen.candidate >= 0;
     if (!anchor.valid) return;
+    if (!known && !rigid() && !settings_.iterated) sharpen(facet.number, number, moved, seen); // as visits do
     const auto share = [](const auto& weights, std::array<double, width>& out) {
       std::copy_n(weights.begin(), width, out.begin());
     };
@@ -51,15 +60,15 @@ template <class G> void PointForm<G>::find_anchors(const ContactValues& moved) {
     }
     share(G::shares_of(seen), anchor.opening.M);
     anchor.opposite.node = primary_nodes(seen.candidate);
-    const int *mine = secondary_slots(facet.number), *other = primary_slots(seen.candidate);
-    const Nodes s = corners_from<Nodes>(mine[0], mine, moved), p = corners_from<Nodes>(mine[0], other, moved);
-    const SlipDirections<dim, width> directions(s, tangents(facet.number, number), false);
+    const int* other = primary_slots(seen.candidate);
+    anchor.opposite.stand({other, width});
+    const Nodes p = corners_from<Nodes>(secondary_slots(facet.number)[0], other, moved);
+    const SlipDirections<dim, width> directions(facet.from, tangents(facet.number, number), false);
     anchor.start = directions.opened(p, anchor.opening);
     if (leans_at_anchor())
       anchor.lean = lean_to<dim>(directions.components(seen.foot.normal), G::force_of(seen));
   });
   anchoring_ = false;
-  locate_anchors();
 }
 
 template <class G> void PointForm<G>::locate_anchors() {
@@ -80,7 +89,7 @@ template <class G> void PointForm<G>::turn_slip(const ContactValues& u) {
   if (anchors_.empty() || on_plane() || !leans()) return;
   const ContactValues x = nodes().current(u);
   const RigidObstacle obstacle = obstacle_.at(u);
-  for_each_anchor(x, [&](const Facet& facet, std::size_t number, Anchor& anchor) {
+  for_each_anchor(x, u, [&](const Facet& facet, std::size_t number, Anchor& anchor) {
     if (!anchor.valid) return;
     if (rigid()) {
       anchor.lean = lean_on(facet, number, obstacle);
@@ -129,8 +138,12 @@ void PointForm<G>::add_facet_slip(int facet, const SlipPlaces& places, bool with
                                   Constraint& c) const {
   const std::size_t n = dim * w.place.node.size(), half = dim * width;
   const Anchor& anchor = anchors_[at(c.index)];
-  const SlipDirections<dim, width> directions(places.s, tangents(facet, at(c.index)), with_gradient);
-  const FacetSlip<dim, width> slip = directions.slip(places.p, anchor.opening, anchor.lean);
+  if (const auto* const own = &tangents(facet, at(c.index)); w.tangents != own) {
+    w.tangents = own;
+    w.secondary = places.s;
+    w.directions.emplace(w.secondary, *own, with_gradient);
+  }
+  const FacetSlip<dim, width> slip = w.directions->slip(places.p, anchor.opening, anchor.lean);
   for (std::size_t e = 0; e < dim - 1; ++e) {
     c.slip[e] = slip.value[e];
     for (std::size_t k = 0; k < dim; ++k) c.slip[e] -= anchor.lean[e][k] * anchor.start[k];

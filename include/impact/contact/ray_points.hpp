@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/contact/curved_sight.hpp>
 #include <impact/contact/point_form.hpp>
 
 /// Points that look along the normal of their own facet at what lies there on the primary surface (71c),
@@ -8,6 +9,8 @@ namespace impact {
 struct FacePoints : StraightPoints {
   static constexpr std::size_t dim = 3, nodes = 4;
   static constexpr HoldRule hold = hold_on_triangle;
+  using View = FaceView;
+  using Outline = FaceOutline;
   struct Seen {
     int candidate = -1;
     RayFoot<FaceRay> foot;
@@ -17,8 +20,7 @@ struct FacePoints : StraightPoints {
   static FormPoints<Point> make_points(ContactSurface& surface, const ContactSettings& settings, Frame frame);
   static TangentRows<3, 4> tangents(const ContactSurface& surface, int f, const Point&);
   static Point3 normal(const FaceCorners& x) { return facet_normal(x); }
-  static double stretch(const FaceCorners&, const FaceCorners& from_corner, const ContactSurface& surface,
-                        int f, const Point&);
+  static double size(const FaceCorners&, const FaceCorners& from_first, const Point&);
   static bool faces(const CarriedFunction& gap, const Point3& normal) {
     return dot(gap.by_place, normal) < 0;
   }
@@ -44,6 +46,8 @@ template <class Shape> struct CurvedPoints {
   using Point = FacetPlace<Shape>;
   using Place = std::array<double, dim>;
   using Nodes = typename CurvedRay<Shape>::Nodes;
+  using View = CurvedView<Place>;
+  using Outline = CurvedOutline<Nodes>;
   struct Seen {
     int candidate = -1;
     RayFoot<CurvedRay<Shape>> foot;
@@ -64,8 +68,7 @@ template <class Shape> struct CurvedPoints {
   static Point node(std::size_t a) { return Point::at(place_of_node<Shape>(a)); }
   static TangentRows<dim, nodes> tangents(const ContactSurface& surface, int f, const Point& point);
   static Place normal(const Nodes& x, const Point& point) { return facet_normal<Shape>(x, point); }
-  static double stretch(const Nodes&, const Nodes& from_first, const ContactSurface& surface, int f,
-                        const Point& point);
+  static double size(const Nodes&, const Nodes& from_first, const Point& point);
   static bool faces(const CarriedFunction& gap, const Place& normal) {
     double along = 0;
     for (std::size_t k = 0; k < dim; ++k) along += gap.by_place[k] * normal[k];

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <impact/mesh/mesh.hpp>
+#include <impact/petsc/scratch_vec.hpp>
 #include <vector>
 
 /// The dofs of one nodal field: `components` per mesh node, node-blocked. In a local vector (ghosts included)
@@ -15,8 +16,9 @@ public:
   DM dm() const { return dm_; }
   int components() const { return components_; }
   const std::string& name() const { return name_; }
-  Handle<Vec> make_global() const;        ///< zeroed, block size set, named after the field. Collective.
-  std::vector<double> make_local() const; ///< zeroed [node][component], ghosts included
+  Handle<Vec> make_global() const; ///< zeroed, block size set, named after the field. Collective.
+  ScratchVec scratch() const { return ScratchVec(dm_); } ///< Collective.
+  std::vector<double> make_local() const;                ///< zeroed [node][component], ghosts included
 
   /// Copies a global vector into a local array, ghosts included. Collective.
   void to_local(Vec global, std::vector<double>& local) const;
