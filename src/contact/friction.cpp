@@ -183,6 +183,7 @@ double Friction::advance(const Constraints& constraints, Vec u) {
   std::vector<double> slip(slip_->trial.size(), 0.0), tractions(traction_->trial.size(), 0.0);
   double heat = 0;
   const std::size_t m = tangents(), n = m + 1;
+  closed_.resize(slip.size() / n);
   const auto visitor = [&](const Constraint& c) {
     add_heat(c, heat);
     const Traction t = traction(c);
@@ -193,6 +194,7 @@ double Friction::advance(const Constraints& constraints, Vec u) {
     for (std::size_t a = 0; a < m; ++a) mine[a] = slip_->committed[n * at(c.index) + a] + c.slip[a];
     // What has closed just now had no friction yet.
     mine[m] = !c.slides || t.slides ? slides : sticks;
+    if (slip_->committed[n * at(c.index) + m] == 0) ++closed_[at(c.index)];
   };
   constraints.visit(u, Derivatives::none, visitor, acting());
   constraints.share(tractions, m);
@@ -200,6 +202,16 @@ double Friction::advance(const Constraints& constraints, Vec u) {
   traction_->trial = std::move(tractions);
   slip_->trial = std::move(slip);
   return sum_over_ranks(constraints.comm(), heat);
+}
+
+double Friction::reopenings(MPI_Comm comm) const {
+  std::array<double, 2> sum{}; // closings, and constraints that did
+  for (const int times : closed_) {
+    sum[0] += times;
+    sum[1] += times > 0 ? 1 : 0;
+  }
+  sum_over_ranks(comm, sum);
+  return sum[1] > 0 ? sum[0] / sum[1] - 1 : 0;
 }
 
 } // namespace impact

@@ -50,7 +50,11 @@ std::string tell_of_inside_out(const Discretisation& d, Vec u) {
     if (cells[m] > 0)
       text += "impact: WARNING: " + std::to_string(cells[m]) + " cells of material " + d.materials[m].id +
               " are turned inside out at a corner, which their mean volume does not feel: take -material_" +
-              d.materials[m].id + "_locking fbar, or cells of better shape there\n";
+              d.materials[m].id + "_locking fbar" +
+              (d.materials[m].law.parameters.equation_of_state == EquationOfState::none
+                   ? ""
+                   : ", or none where the shear modulus is small beside the pressure") +
+              ", or cells of better shape there\n";
   return text;
 }
 

@@ -11,6 +11,7 @@ namespace {
 constexpr int many_steps = 5;
 constexpr double grown = 0.01;  // part of a bound by which an error grows in one of them
 constexpr double soft = 0.1;    // part of the elastic energy that penalties may hold without a word
+constexpr double restless = 10; // openings of what rubs
 constexpr double shrinks = 0.9; // of what it was, an error that grows small beside what comes later
 
 enum : std::size_t { warns, stops }; // the bounds
@@ -75,6 +76,7 @@ void EnergyWatch::report_end(double t) const {
   const double left = stage_.ledger.energy_error();
   tell_of_impacts();
   tell_of_penalties();
+  tell_of_flutter();
   if (!warning_.empty())
     check(PetscPrintf(comm, "impact: WARNING, first of its kind: %s; at the end %.3g\n", warning_.c_str(),
                       left));
@@ -109,6 +111,25 @@ void EnergyWatch::tell_of_penalties() const {
       "-contact_<id>_penalty make them stiffer%s\n",
       most_held_ / strain_then_,
       s.explicit_steps() ? ", with -contact_<id>_enforce impulse there are none" : ""));
+}
+
+// What slides and has inertia but no damping takes up energy from friction at any speed (theory.md, 7).
+void EnergyWatch::tell_of_flutter() const {
+  if (!stage_.inertia) return;
+  for (const ContactInterface& contact : stage_.setup->contacts) {
+    const double times = contact.reopenings();
+    if (!contact.frictional() || times <= restless) continue;
+    check(PetscPrintf(
+        stage_.d.mesh.comm(),
+        "impact: contact %s: what pressed opened and closed again %.0f times, on average: bodies that rub "
+        "and "
+        "have no damping take up vibrations (flutter), slip farther by them and lose more than in a slow "
+        "process; where that is what is meant, give them %s\n",
+        contact.settings().id.c_str(), times,
+        stage_.scenario.explicit_steps()
+            ? "a viscosity: -material_<id>_b_d of about friction/5 * sqrt(E rho) * thickness"
+            : "-ts_newmark_rho 0.5"));
+  }
 }
 
 std::string EnergyWatch::text(double t, const char* option, double bound) const {

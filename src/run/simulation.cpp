@@ -307,15 +307,15 @@ void Simulation::tell_of_limits() const {
     return check(PetscFPrintf(comm_, PETSC_STDERR,
                               "impact: no shorter step found where the path leads on: loads that bodies "
                               "ask for must be ones that conditions have at some t, of either sign\n"));
-  check(PetscFPrintf(comm_, PETSC_STDERR,
-                     "impact: no shorter step found an equilibrium; where a load reaches its limit, or a "
-                     "state snaps into another one, there is none: prescribe displacements in the place "
-                     "of the load, follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, "
-                     "or take inertia (-ts_type newmark)\n"));
-  const double touch = 1e-6 * stage_.d.mesh.smallest_edge();
+  const bool has_path = stage_.setup->contacts.empty();
+  check(PetscFPrintf(
+      comm_, PETSC_STDERR,
+      "impact: no shorter step found an equilibrium; where a load reaches its limit, or a state snaps into "
+      "another one, there is none: prescribe displacements in the place of the load, %sor take inertia\n",
+      has_path ? "follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, " : ""));
   for (const ContactInterface& contact : stage_.setup->contacts) {
     const ContactSettings& s = contact.settings();
-    if (contact.reach(snapshot_.u).gap > touch) continue;
+    if (contact.reach(snapshot_.u).gap > 1e-6 * stage_.d.mesh.smallest_edge()) continue; // apart
     if (s.enforce == Enforcement::semismooth) // what presses changes for long along slender bodies
       check(PetscFPrintf(comm_, PETSC_STDERR,
                          "impact: contact %s may not come to rest: try -contact_%s_enforce auglag\n",

@@ -75,7 +75,10 @@ void add_methods(ContactRows& rows) {
       .refused([](const Contact& c,
                   const Scenario& s) { return c.enforce == Enforcement::impulse && !s.explicit_steps(); },
                "is for -ts_type central_difference; take that, or another enforcement");
-  row.number("friction", &Contact::friction, "1 mu", not_negative, "Coulomb's coefficient of friction");
+  row.number(
+      "friction", &Contact::friction, "1 mu", not_negative,
+      "Coulomb's coefficient of friction; bodies without damping take up vibrations from it in steps that "
+      "resolve their waves, which _b_d takes (theory.md, flutter)");
 }
 
 void add_heat(ContactRows& rows) {

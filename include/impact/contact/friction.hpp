@@ -8,7 +8,8 @@
 /// the last step did.
 namespace impact {
 
-/// More functions than usual: force, tangent, the enforcement, heat and output each ask for their part of it.
+/// More functions and members than usual: force, tangent, the enforcement, heat and output each ask for their
+/// part of it.
 class Friction {
 public:
   /// State of a constraint in the last component of the row "slip".
@@ -46,6 +47,9 @@ public:
   /// elastically, or lets go.
   void add_heat(const Constraint& c, double& heat) const;
   double coefficient() const { return coefficient_; }
+  /// How often since the start of the run a constraint closed again, on average over those that ever pressed.
+  /// Collective.
+  double reopenings(MPI_Comm comm) const;
   /// The traction at the end of a linear solve, where the pressure is lambda and the slip s.
   Tangential after_linear_solve(const Constraint& c, double lambda, const Tangential& slip) const;
   /// What a linear solve lacks in the residual, per direction: of a method that closes gaps, what makes the
@@ -90,6 +94,7 @@ private:
   // zero where it sticks, or no solve was yet. Both begin with every Newton solve.
   std::vector<Tangential> slid_, slides_;
   std::vector<char> kind_;
+  std::vector<int> closed_; // [constraint] how often, since the start of the run
 };
 
 } // namespace impact

@@ -251,6 +251,8 @@ public:
   bool by_impulse() const { return method().is_given(); }
   std::vector<double>& given_pressures() { return rows_.multiplier->trial; }
   std::vector<double>& given_tractions() { return friction_.given(); }
+  /// Of what rubs (Friction::reopenings). Collective.
+  double reopenings() const { return friction_.reopenings(mesh_->comm()); }
 
   bool frictional() const { return settings_.friction > 0; }
   /// Whether heat may pass it.

@@ -20,6 +20,7 @@ private:
   bool beyond(std::size_t which, double bound, double before);
   void tell_of_impacts() const;
   void tell_of_penalties() const;
+  void tell_of_flutter() const;
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
   std::string step_remedy() const;
