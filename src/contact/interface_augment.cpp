@@ -3,6 +3,7 @@
 #include <impact/contact/interface.hpp>
 #include <impact/kernel/frame.hpp>
 #include <impact/math/index.hpp>
+#include <impact/petsc/entries.hpp>
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 
@@ -163,9 +164,24 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
     check(VecScale(f, 2));
   else
     check(VecAXPY(f, 1, f_n));
-  double twice_work = 0;
-  check(VecDot(f, du, &twice_work));
-  const Vector force = summed(part);
+  struct {
+    double twice_work = 0, spring = 0, heat = 0;
+    Vector force;
+  } sum; // over all ranks, in one reduction
+  sum.force = part;
+  {
+    const Entries forces(f), ways(du);
+    PetscInt count = 0;
+    check(VecGetLocalSize(du, &count));
+    for (PetscInt i = 0; i < count; ++i) sum.twice_work += forces[i] * ways[i];
+  }
+  if (constraints_->conserving())
+    constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
+      sum.spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
+    });
+  if (friction_.acts()) sum.heat = friction_.advance(*constraints_, u);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, sizeof sum / sizeof(double), MPI_DOUBLE, MPI_SUM, mesh_->comm());
+  const Vector force = of_the_end(sum.force);
   const Totals before = totals(totals_->committed), now = totals(totals_->trial);
   for (std::size_t k = 0; k < constraints_->dim(); ++k) {
     const double Y_n = before.carried[k],
@@ -176,17 +192,11 @@ void ContactInterface::advance(Vec u_n, Vec u, double dt, Vec residual, const Ve
   }
   for (std::size_t i = 0; !at_rest_ && i < carried_->trial.size(); ++i)
     carried_->trial[i] = share_.carried(force_->trial[i], carried_->committed[i]);
-  *now.work = *before.work - twice_work / 2;
+  *now.work = *before.work - sum.twice_work / 2;
   const Vector obstacle = rigid_displacement(settings_, mesh_->dim(), time_);
   std::copy(obstacle.begin(), obstacle.end(), now.obstacle);
-  if (constraints_->conserving()) {
-    *now.spring = 0;
-    constraints_->visit(u, Derivatives::none, [&](const Constraint& c) {
-      *now.spring += c.weight * spring_energy(c.gap, friction_.traction_to_keep(c));
-    });
-    *now.spring = sum_over_ranks(mesh_->comm(), *now.spring);
-  }
-  if (friction_.acts()) *now.heat = *before.heat + friction_.advance(*constraints_, u);
+  if (constraints_->conserving()) *now.spring = sum.spring;
+  if (friction_.acts()) *now.heat = *before.heat + sum.heat;
   if (constraints_->conserving()) constraints_->keep_gaps(u);
   constraints_->set_rule(StepRule::none);
   if (friction_.acts()) constraints_->form().anchor(u);

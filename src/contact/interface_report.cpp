@@ -64,11 +64,11 @@ ContactInterface::Vector ContactInterface::total_force(Vec u) const {
     if (c.active) add_force(c, friction_.rubs(c) ? friction_.traction(c).value : Tangential{}, force);
   };
   constraints_->visit(u, Derivatives::first, visitor, constraints_->pressing());
-  return summed(force);
+  sum_over_ranks(mesh_->comm(), force);
+  return of_the_end(force);
 }
 
-ContactInterface::Vector ContactInterface::summed(Vector force) const {
-  sum_over_ranks(mesh_->comm(), force);
+ContactInterface::Vector ContactInterface::of_the_end(Vector force) const {
   if (constraints_->works_exactly()) // what the trapezoidal rule makes the mean of
     for (std::size_t k = 0; k < constraints_->dim(); ++k)
       force[k] = 2 * force[k] - totals(totals_->committed).force[k];

@@ -135,11 +135,9 @@ PairSearch::PairSearch(const Mesh& mesh, const FieldLayout& layout, const std::v
 
 void PairSearch::begin_attempt(Vec u_n) {
   PetscBool again = PETSC_FALSE;
-  if (attempt_from_)
-    check(VecEqual(attempt_from_, u_n, &again));
-  else
-    attempt_from_ = layout_->make_global();
-  if (again && found_) {
+  if (!attempt_from_) attempt_from_ = layout_->make_global();
+  if (found_) check(VecEqual(attempt_from_, u_n, &again)); // as all ranks have, or none
+  if (again) {
     const bool same = all_ranks_agree(mesh_->comm(), list_.candidates.same_pairs(found_->candidates));
     restored_ = same ? Outcome::rebuilt : Outcome::other_pairs;
     list_ = std::move(*found_);

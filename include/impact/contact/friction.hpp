@@ -70,7 +70,8 @@ public:
   const std::vector<double>& tractions() const { return traction_->trial; }
   std::vector<double>& given() { return acts() ? traction_->trial : none_; }
   void keep_tractions(std::vector<double>& tractions);
-  /// After an accepted step that ended at u; the energy per thickness that it turned into heat. Collective.
+  /// After an accepted step that ended at u; the energy per thickness that it turned into heat on this rank.
+  /// Collective.
   double advance(const Constraints& constraints, Vec u);
   /// The constraints that press, or keep a spring.
   ConstraintFilter acting() const;

@@ -296,8 +296,8 @@ private:
   void add_stiffness_bound(const Constraint& c, std::vector<double>& stiff,
                            std::vector<double>& of_bodies) const;
   double push_on_body(const Constraint& c, int body) const;
-  Vector total_force(Vec u) const;   // on the secondary side, not times the thickness. Collective
-  Vector summed(Vector force) const; // of all ranks' parts, likewise
+  Vector total_force(Vec u) const;       // on the secondary side, not times the thickness. Collective
+  Vector of_the_end(Vector force) const; // of that of a step, likewise
   double spring_energy(double gap, const Tangential& traction) const;
   void add_energy(const Constraint& c, double& energy) const;
   std::unique_ptr<ContactForm> curved_form(Vec at_rest) const;

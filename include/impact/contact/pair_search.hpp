@@ -101,7 +101,7 @@ public:
 
   /// Beginning of an attempt at a step from u_n. One that starts where the last one did finds the list that
   /// that one found, whatever was searched in it: an attempt that was refused leaves no trace. Collective:
-  /// one reduction.
+  /// one reduction after an attempt that has searched.
   void begin_attempt(Vec u_n);
   /// True from a begin_attempt that brought an earlier list back until the next update.
   bool restored() const { return restored_ != Outcome::kept; }
