@@ -175,12 +175,16 @@ template <class T, std::size_t dim> void meet(const Spans<T, dim>& y, Gap<T, dim
   ray.along = dot(ray.n, ray.m);
   ray.gap = dot(y[0], ray.m) / ray.along;
 }
-
-// dg by the vectors.
-template <class T, std::size_t dim> Spans<T, dim> gradient_of(const Spans<T, dim>& y) {
+template <class T, std::size_t dim> Gap<T, dim> gap_of(const Spans<T, dim>& y) {
   Gap<T, dim> ray;
   aim<T, dim>(y, ray);
   meet<T, dim>(y, ray);
+  return ray;
+}
+
+// dg by the vectors.
+template <class T, std::size_t dim> Spans<T, dim> gradient_of(const Spans<T, dim>& y) {
+  const Gap<T, dim> ray = gap_of<T, dim>(y);
   const T inverse = T(1.0) / ray.along;
   Spans<T, dim> g;
   for (auto& vector : g) vector.fill(T(0.0));
@@ -306,9 +310,7 @@ void add_ray_hessian(const Ray& ray, const RayFoot<Ray>& foot, double factor, st
   const auto w = weights_of(ray, foot.place);
   const Spans<double, dim> y = spans_of(w, ray.x, ray.p), dg = gradient_of<double, dim>(y);
   add_hessian<dim, nodes>(w, y, factor, hessian);
-  Gap<double, dim> at;
-  aim<double, dim>(y, at);
-  meet<double, dim>(y, at);
+  const Gap<double, dim> at = gap_of<double, dim>(y);
   const auto dual = dual_sides<dim>(y, at.m);
   std::array<std::array<double, dofs>, dim - 1> dxi;
   for (std::size_t s = 0; s < dual.size(); ++s) {

@@ -122,8 +122,7 @@ void EnergyWatch::tell_of_flutter() const {
     check(PetscPrintf(
         stage_.d.mesh.comm(),
         "impact: contact %s: what pressed opened and closed again %.0f times, on average: bodies that rub "
-        "and "
-        "have no damping take up vibrations (flutter), slip farther by them and lose more than in a slow "
+        "and have no damping take up vibrations (flutter), slip farther by them and lose more than in a slow "
         "process; where that is what is meant, give them %s\n",
         contact.settings().id.c_str(), times,
         stage_.scenario.explicit_steps()

@@ -311,7 +311,7 @@ void Simulation::tell_of_limits() const {
   check(PetscFPrintf(
       comm_, PETSC_STDERR,
       "impact: no shorter step found an equilibrium; where a load reaches its limit, or a state snaps into "
-      "another one, there is none: prescribe displacements in the place of the load, %sor take inertia\n",
+      "another one, there is none: prescribe displacements, %sor take inertia (-ts_type newmark)\n",
       has_path ? "follow the bodies by -ts_path_length or a crack by -ts_path_dissipation, " : ""));
   for (const ContactInterface& contact : stage_.setup->contacts) {
     const ContactSettings& s = contact.settings();
