@@ -61,14 +61,13 @@ void MotionSolver::install_hooks() {
   if (arc_) arc_->install(snes_);
 }
 
-// With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish. Stiff
-// springs that open and close on the way leave no step along which the energy falls far; the norm falls at
-// its end. Rigid bodies turn without an energy, and a path has none past its limits. Elsewhere the norm has
-// minima that are no solutions where a crack runs.
+// With multipliers among the unknowns the full step is what makes the chosen set of gaps vanish, and friction
+// has no energy. Rigid bodies turn without one, and a path has none past its limits. Elsewhere the norm has
+// minima that are no solutions: where a crack runs, or where springs of contact are far stiffer than bodies.
 SNESLineSearchType MotionSolver::line_search() const {
   const ContactDemands demands = motion_.contacts().demands();
   if (demands.closes_gaps || demands.frictional || !loose_.empty() || arc_) return SNESLINESEARCHBASIC;
-  return motion_.contacts().empty() && motion_.rigid().empty() ? slope_search_type : SNESLINESEARCHL2;
+  return motion_.rigid().empty() ? slope_search_type : SNESLINESEARCHL2;
 }
 
 Mailbox& MotionSolver::mailbox() { return time_mailbox(ts_); }
@@ -268,8 +267,10 @@ SNESConvergedReason MotionSolver::solve(Vec u, Aim aim, PetscInt most, bool seco
     // With contact both ways together take no more than one may; what has nothing left for the second one
     // begins the next try of the step with it. Where cuts do not help it has some in each.
     const PetscInt least = motion_.step().dt < 0.2 * settings_.dt ? most / 3 : 0;
-    if (const PetscInt rest = contact ? std::max(most - iterations_, least) : most; rest > 0)
+    if (const PetscInt rest = contact ? std::max(most - iterations_, least) : most; rest > 0) {
+      counts_.second_ways += second_way_first_ ? 0 : 1;
       reason = backtrack(u, rest);
+    }
     if (contact && iterations_ >= most && reason < 0) second_way_first_ = !second_way_first_;
   }
   if (reason > 0 && hooks_.conduct.indefinite && leaves_unstable()) leave_unstable(u, most);
@@ -300,7 +301,6 @@ bool MotionSolver::has_second_way() const {
 // active set that does not come to rest: multipliers outside Newton's method do not change it.
 SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   const std::string first = line_search_of(snes_);
-  ++counts_.second_ways;
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
   for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
   begin_again(u);

@@ -49,7 +49,7 @@ momentum = r["momentum_sphere_y"] + r["momentum_lower_y"]
 check("change of the momentum", abs(momentum / momentum[0] - 1).max(), 0, 1e-10, relative=False)
 
 print("a spinning rigid ball on a free plate in space (options/rigid_ball.opts, coarser)")
-BALL = {"mesh_set_n": 8, "mesh_set_layers": 1, "mesh_set_near": 9, "mesh_set_far": 16, "bc_clamp_type": "body_force",
+BALL = {"mesh_set_n": 12, "mesh_set_layers": 1, "mesh_set_near": 9, "mesh_set_far": 16, "bc_clamp_type": "body_force",
         "bc_clamp_on": "plate", "bc_clamp_ux": 0, "ts_max_time": 2.4e-3, "contact_foot_search_radius": "1 cm",
         "motion_snes_rtol": 1e-12, "output_vis_dt": 1}
 one = run("ball", BALL, files=[option_file("rigid_ball.opts")])

@@ -56,11 +56,13 @@ NOTCH = {"mesh": mesh("notch.geo"), "materials": "block", "material_block_E": 10
 SKIN = {"contacts": "skin", "contact_skin_secondary": "skin", "contact_skin_primary": "skin"}
 for wedge in (0, 1):
     force = {}
-    # Mortar with a penalty stalls beside the tip of a wedge (theory.md, self-contact).
-    for method, enforce in (("mortar", "semismooth"), ("gpts", "auglag"), ("gpts", "semismooth"),
-                            *([("mortar", "auglag")] if wedge == 0 else [])):
+    # Mortar with a penalty stalls beside the tip of a wedge (theory.md, self-contact), where augmentations cut a step.
+    # More points than nodes hold a gap: what all of them cannot hold leaves by a tenth an iteration, the faster the
+    # stiffer the penalty, and the solve is repeated with augmentations.
+    for method, enforce, refused in (("mortar", "semismooth", 0), ("gpts", "auglag", 0), ("gpts", "semismooth", 4),
+                                     ("mortar", "auglag", 2 * wedge)):
         r = run(f"notch_{wedge}_{method}_{enforce}", {**NOTCH, **SKIN, "mesh_set_wedge": wedge, "contact_skin_method": method,
-                                                      "contact_skin_enforce": enforce})
+                                                      "contact_skin_enforce": enforce}, refused=refused)
         force[method, enforce] = r["reaction_right_x"][-1]
         check_between(f"notch, wedge {wedge}, {method}, {enforce}: smallest gap over the facet",
                       numpy.nanmin(r["contact_skin_gap_min"]) / 0.08, -1e-3, 1)
