@@ -76,7 +76,7 @@ KnownShape::~KnownShape() { shapes().pop_back(); }
 bool locate(Shape shape, const double* X, const double* at, double* N) {
   const int dim = shape->dim, nodes = shape->nodes;
   std::array<double, 3> xi = shape->centroid;
-  double slope[3 * max_nodes];
+  double slope[3 * max_nodes], step = 0;
   for (int it = 0; it < 30; ++it) {
     shape->basis(xi.data(), N, slope);
     Vector3 r{};
@@ -93,7 +93,7 @@ bool locate(Shape shape, const double* X, const double* at, double* N) {
       }
     }
     const Vector3 d = inverse(J) * r;
-    double step = 0;
+    step = 0;
     for (std::size_t i = 0; i < static_cast<std::size_t>(dim); ++i) {
       xi[i] += d[i];
       step = std::max(step, std::abs(d[i]));
@@ -101,6 +101,8 @@ bool locate(Shape shape, const double* X, const double* at, double* N) {
     if (!(step < 1e3)) return false;
     if (step < 1e-13) break;
   }
+  // To a point that no place has it wanders for ever, through the cell too. Rounding alone leaves far less.
+  if (!(step < 1e-8)) return false;
   const Shape corner_cell = linear(shape); // its functions are negative outside alone
   corner_cell->basis(xi.data(), N, slope);
   const bool inside = std::none_of(N, N + corner_cell->nodes, [](double value) { return value < -1e-9; });
