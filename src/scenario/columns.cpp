@@ -100,7 +100,8 @@ constexpr ColumnNote history[] = {
     {"contact_<contact>_force_<axis>", "N", "on the secondary side, at the end of the step"},
     {"contact_<contact>_gap_min", "m",
      "least gap of what faces something: open positive, overlap negative (71'); nan: nothing does"},
-    {"contact_<contact>_pressure_max", "Pa", "per current area; pressing is positive"},
+    {"contact_<contact>_pressure_max", "Pa",
+     "per current area (in a sheet, -plane stress, of its first thickness); pressing is positive"},
     {"contact_<contact>_pressure_min", "Pa", "least pressure of what presses; 0 without"},
     {"contact_<contact>_active", "", "constraints (Gauss points, or nodes of the mortar) that press"},
     {"contact_<contact>_length", "extent",
@@ -182,10 +183,11 @@ constexpr FieldNote fields[] = {
      "strength of the cell (56''), by strength_factor and strength_weibull; 0: none"},
     {"jc_failure", 1, false, "", "failure measure, mean over the cell, failed at 1 (55d)"},
     {"eroded", 1, false, "", "1 where the cell has left its body, which a viewer may hide"},
-    {"contact_pressure", 1, true, "Pa", "per current area, pressing positive; 0 off the surface"},
+    {"contact_pressure", 1, true, "Pa",
+     "per current area (in a sheet of its first thickness), pressing positive; 0 off the surface"},
     {"contact_gap", 1, true, "m", "open positive; nan where nothing is near"},
     {"contact_status", 1, true, "", "0 open, 1 sticks, 2 slides or presses without friction"},
-    {"contact_traction", 3, true, "Pa", "of friction on the secondary side, per current area"},
+    {"contact_traction", 3, true, "Pa", "of friction on the secondary side, per that area"},
     {"contact_slip", 3, true, "m", "of the secondary side since the place closed"},
 };
 

@@ -92,7 +92,9 @@ OptionGroup mesh_options() {
       .refused([](const Scenario& s) { return s.mesh.serendipity && s.mesh.order != 2; },
                "it is for -order 2; a .msh of second order says by itself which nodes its cells have");
   row.number("mesh_scale", &MeshScenario::scale, "1", positive, "factor of all coordinates of the file");
-  row.count("dm_refine", &MeshScenario::refine, 0, "uniform refinements after reading", 10);
+  row.count("dm_refine", &MeshScenario::refine, 0,
+            "uniform refinements after reading, of straight edges: a .msh or .geo of second order is refused",
+            10);
   row.restart = RestartKey::free;
   row.number("mesh_cells", &MeshScenario::most_cells, "1", positive, "most cells that -dm_refine may make")
       .otherwise("2e6")

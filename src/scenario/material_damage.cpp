@@ -255,8 +255,7 @@ void add_split(MaterialRows& rows) {
       .needed([](const Material& m,
                  const Scenario& s) { return needs_damage_data(m, s) && m.split == Split::star_convex; },
               "<>split star_convex needs it")
-      .refused(damaging([](const Law& law) { return law.split != Split::star_convex; }),
-               "has no effect with <>split {split}; remove it, or add <>split star_convex");
+      .idle([](const Material& m) { return m.split != Split::star_convex; }, "<>split is not star_convex");
 }
 
 /// Of <>split drucker_prager.
@@ -270,8 +269,8 @@ void add_strength_ratio(Rows<Material>& row) {
       .needed([](const Material& m,
                  const Scenario& s) { return needs_damage_data(m, s) && m.split == Split::drucker_prager; },
               "<>split drucker_prager needs it")
-      .refused(damaging([=](const Law& law) { return !cone(law); }),
-               "has no effect with <>split {split}; remove it, or add <>split drucker_prager")
+      .idle([](const Material& m) { return m.split != Split::drucker_prager; },
+            "<>split is not drucker_prager")
       .refused([=](const Material& m) { return cone(m.law) && !(m.law.cone > 0); },
                [](const Material& m) {
                  return "is not above that of a body whose volume alone is kept under pressure, " +
@@ -295,8 +294,7 @@ void add_strength(MaterialRows& rows) {
                "<>ge linear, exponential or cornelissen, or <>damage at1 and <>ge lorentz");
   row.number("lorentz_p", &Material::lorentz_p, "1 p (56'')", {0.5, 100, false, false},
              "of ge lorentz: the larger, the steeper the stress falls at first and the longer its tail")
-      .refused(damaging([](const Law& law) { return law.ge != Degradation::lorentz; }),
-               "has no effect with <>ge {ge}; remove it, or add <>damage at1 and <>ge lorentz");
+      .idle([](const Material& m) { return m.law.ge != Degradation::lorentz; }, "<>ge is not lorentz");
 }
 
 void add_degradation(MaterialRows& rows) {
@@ -342,8 +340,7 @@ void add_degradation(MaterialRows& rows) {
       .refused(damaging([](const Law& law) { return law.softening != Softening::none; }),
                "not available with <>softening, whose plastic energy is a sum over the steps; allowed: 0, or "
                "softening none")
-      .refused(damaging([](const Law& law) { return law.gp != PlasticDegradation::ge; }),
-               "has no effect, plastic energy drives damage only with <>gp ge; add it, or remove this");
+      .idle([](const Material& m) { return m.law.gp != PlasticDegradation::ge; }, "<>gp is not ge");
   row.choice("damage_gradient", &Law::damage_gradient, "gradient of phi in the crack energy", "spatial",
              DamageGradient::spatial, "material", DamageGradient::material)
       .notation("(56)");

@@ -36,8 +36,7 @@ std::string hindering_contact(const Scenario& s) {
 constexpr auto eroding(auto when) {
   return [=](const Material& m, const Scenario& s) { return m.erosion.on && when(m, s); };
 }
-bool idle(const Material& m) { return !m.erosion.on; }
-const std::string useless = ": has no effect without <>erosion; add it, or remove this";
+bool off(const Material& m) { return !m.erosion.on; }
 
 void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Material::erosion);
@@ -45,7 +44,7 @@ void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
          "erosion_points", &Rule::points, "1", {0, 1, true, false},
          "part of the points of a cell that must have reached erosion_phi, _strain or _failure; 1: all of "
          "them, less than one over their number: any")
-      .barred([](const Material& m) { return idle(m) && m.erosion.points != 1; }, useless);
+      .idle(off, "<>erosion is off");
   row.number("erosion_phi", &Rule::phi, "1 phi", {0, 1, true, false},
              "with damage: a cell is broken where phi is this at its points; broken cells leave, where "
              "erosion_J, _stretch or _step is given when one of these is met, too")
@@ -53,21 +52,21 @@ void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
                 return m.erosion.phi != Rule{}.phi && !damages_here(m, s);
               }),
               ": nothing damages here; remove it")
-      .barred([](const Material& m) { return idle(m) && m.erosion.phi != Rule{}.phi; }, useless);
+      .idle(off, "<>erosion is off");
   row.number("erosion_strain", &Rule::strain, "1 alpha", or_word(positive, "none", Rule::none),
              "a cell leaves at this plastic strain at its points")
       .refused(eroding([](const Material& m, const Scenario&) {
                  return m.erosion.strain < Rule::none && m.law.model != Model::j2;
                }),
                "nothing flows; allowed with <>model j2")
-      .barred([](const Material& m) { return idle(m) && m.erosion.strain < Rule::none; }, useless);
+      .idle(off, "<>erosion is off");
   row.flag("erosion_failure", &Rule::failure, "a cell leaves when jc_failure is 1 at its points")
       .notation("(55d)")
       .refused(eroding([](const Material& m, const Scenario&) {
                  return m.erosion.failure && !(m.law.jc_failure && m.law.model == Model::j2);
                }),
                "needs <>jc_failure and <>model j2")
-      .barred([](const Material& m) { return idle(m) && m.erosion.failure; }, useless);
+      .idle(off, "<>erosion is off");
   row.choice(
          "erosion_mass", &Rule::keeps_mass,
          "the mass of a cell that leaves stays with its nodes, which fly on, or goes with it, and with it "
@@ -77,21 +76,21 @@ void add_criteria(std::vector<OptionRow<MaterialScenario>>& rows) {
                  return !m.erosion.keeps_mass && !s.explicit_steps();
                }),
                "leaves nodes that no equation moves; take keep, or -ts_type central_difference")
-      .barred([](const Material& m) { return idle(m) && !m.erosion.keeps_mass; }, useless);
+      .idle(off, "<>erosion is off");
   row.number("erosion_J", &Rule::J, "1 J", {0, 1, false, true},
              "a cell (with damage: a broken one, erosion_phi) leaves when its volume at any point is at most "
              "this part of the first one")
-      .barred([](const Material& m) { return idle(m) && m.erosion.J > 0; }, useless);
+      .idle(off, "<>erosion is off");
   row.number(
          "erosion_stretch", &Rule::stretch, "1", or_word({1, 1e3, true, false}, "none", Rule::none),
          "a cell (with damage: a broken one) leaves when the largest principal stretch at any of its points "
          "is this")
-      .barred([](const Material& m) { return idle(m) && m.erosion.stretch < Rule::none; }, useless);
+      .idle(off, "<>erosion is off");
   row.number(
          "erosion_step", &Rule::step, "1", {0, 1, false, true},
          "a cell (with damage: a broken one) leaves when its stable step is below this part of that of the "
          "undeformed cell")
-      .barred([](const Material& m) { return idle(m) && m.erosion.step > 0; }, useless);
+      .idle(off, "<>erosion is off");
 }
 
 } // namespace

@@ -207,7 +207,9 @@ OptionClass<ReleaseScenario> release_class() {
       .refused([](const Release&, const Scenario& s) { return !s.has_motion(); },
                "is for bodies that move; remove -releases")
       .refused(on_axis, "the ring meets the axis; allowed: less than the radius at which <>at is");
-  auto& along = row.text("along", &Release::along, directions, "where the crack would advance to");
+  auto& along = row.text("along", &Release::along, directions,
+                         "where the crack would advance to; on the command line what begins with a minus "
+                         "after a blank, \" -x\"");
   along.read = read_direction;
   along.misfit = [](const Release& r, int dim) {
     return dim == 2 && r.direction[2] != 0 ? ": leaves the plane; allowed: x, -x, y, -y or a vector of it"

@@ -166,9 +166,11 @@ const std::vector<Row>& rows() {
        "pressure, 1.062 with its nu; allowed: more than that; remedy: -material_beam_split volumetric"},
       {damaged({{"-material_beam_split", "star_convex"}}), ExitCode::usage,
        "-material_beam_star_gamma: missing; -material_beam_split star_convex needs it"},
-      {damaged({{"-material_beam_star_gamma", "2"}, {"-material_beam_split", "none"}}), ExitCode::usage,
-       "-material_beam_star_gamma \"2\": has no effect with -material_beam_split none; remove it, or add "
-       "-material_beam_split star_convex"},
+      {damaged(
+           {{"-material_beam_star_gamma", "2"}, {"-material_beam_split", "none"}, {"-options_strict", ""}}),
+       ExitCode::usage,
+       "without effect, because -material_beam_split is not star_convex: -material_beam_star_gamma "
+       "(-options_strict)"},
       {damaged({{"-material_beam_split", "star_convex"},
                 {"-material_beam_star_gamma", "2"},
                 {"-damage_bounds", "history"}}),
@@ -203,9 +205,9 @@ const std::vector<Row>& rows() {
        "the strength; remove it, or add -material_beam_damage wu and -material_beam_ge linear, exponential "
        "or "
        "cornelissen, or -material_beam_damage at1 and -material_beam_ge lorentz"},
-      {cohesive({{"-material_beam_lorentz_p", "2"}}), ExitCode::usage,
-       "-material_beam_lorentz_p \"2\": has no effect with -material_beam_ge cornelissen; remove it, or add "
-       "-material_beam_damage at1 and -material_beam_ge lorentz"},
+      {cohesive({{"-material_beam_lorentz_p", "2"}, {"-options_strict", ""}}), ExitCode::usage,
+       "without effect, because -material_beam_ge is not lorentz: -material_beam_lorentz_p "
+       "(-options_strict)"},
       {cohesive({{"-material_beam_gamma", "1 m"}}), ExitCode::usage,
        "-material_beam_gamma \"1\": is too long for -material_beam_strength 3e+06 with -material_beam_ge "
        "cornelissen: what reaches it would break at once; allowed: at most 0.2620643294710636, better a "
@@ -219,9 +221,9 @@ const std::vector<Row>& rows() {
        "j2; choose quadratic or cubic"},
       {damaged({{"-material_beam_ge", "ductile"}}), ExitCode::usage,
        "-material_beam_alpha_c: missing; -material_beam_ge ductile needs it"},
-      {damaged({{"-material_beam_plastic_threshold", "1e6"}}), ExitCode::usage,
-       "-material_beam_plastic_threshold \"1e+06\": has no effect, plastic energy drives damage only with "
-       "-material_beam_gp ge; add it, or remove this"},
+      {damaged({{"-material_beam_plastic_threshold", "1e6"}, {"-options_strict", ""}}), ExitCode::usage,
+       "without effect, because -material_beam_gp is not ge: -material_beam_plastic_threshold "
+       "(-options_strict)"},
       {damaged({{"-material_beam_plastic_threshold", "1e6"},
                 {"-material_beam_gp", "ge"},
                 {"-material_beam_model", "j2"},

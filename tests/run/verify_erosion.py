@@ -350,13 +350,11 @@ check("angular momentum", largest(spin["spin_solid_z"] / spin["spin_solid_z"][0]
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_erosion", "newmark"]),
-                    ({"material_middle_erosion": "off"}, ["-material_middle_erosion_stretch", "no effect"]),
+                    ({"material_middle_erosion": "off", "options_strict": "on"}, ["-material_middle_erosion_stretch", "without effect"]),
                     ({"material_middle_erosion_strain": 0.5}, ["-material_middle_erosion_strain", "j2"]),
                     ({"material_middle_erosion_failure": "on"}, ["-material_middle_erosion_failure", "jc_failure"]),
                     ({**FLOOR, "contact_floor_enforce": "impulse"}, ["-contact_floor_enforce", "penalty"]),
                     ({**SCHEMES["implicit"], "material_middle_erosion_mass": "remove"}, ["-material_middle_erosion_mass", "keep"]),
-                    ({"material_middle_erosion": "off", "material_middle_erosion_stretch": "none", "material_middle_erosion_mass": "remove"},
-                     ["-material_middle_erosion_mass", "no effect"]),
                     ({**SCHEMES["implicit"], **FLOOR}, ["-contact_floor_method", "gpts"]),
                     ({**SCHEMES["implicit"], **FLOOR, "contact_floor_method": "gpts"}, ["-contact_floor_enforce", "penalty"])):
     refused = run("refused", {**PULL, **EXPLICIT, **WEAK, **more}, code=2)
