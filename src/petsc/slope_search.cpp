@@ -49,8 +49,9 @@ private:
 };
 
 // The energy descends at `low` and rises at `high`, or has no value there. Nothing is gained by steps to the
-// edge of where it has one, nor by longer ones than Newton's.
-bool search_along(Line& line, double lambda, PetscInt most) {
+// edge of where it has one, nor by longer ones than Newton's, nor, where springs close, by those below the
+// shortest: they close one after the other.
+bool search_along(Line& line, double lambda, double shortest, PetscInt most) {
   line.look_at(lambda);
   if (line.first() < 0 && !line.halves()) {
     line.turn();
@@ -63,6 +64,7 @@ bool search_along(Line& line, double lambda, PetscInt most) {
     if (line.halves() || level || (descends && high_slope == 0)) return true;
     (descends ? low : high) = line.lambda();
     (descends ? low_slope : high_slope) = line.slope();
+    if (line.sound() && line.lambda() < shortest) return true;
     const double secant = low_slope / (low_slope - high_slope);
     line.look_at(low + (high_slope < 0 ? std::clamp(secant, 0.1, 0.8) : 0.5) * (high - low));
   }
@@ -77,7 +79,7 @@ void apply(SNESLineSearch search) {
   check(SNESLineSearchPreCheck(search, x, y, &changed_y));
   Line line(search);
   const PetscReal longest = search->maxstep / std::max(Get(VecNorm)(y, NORM_2), PETSC_MACHINE_EPSILON);
-  const bool found = search_along(line, std::min(search->lambda, longest), search->max_its);
+  const bool found = search_along(line, std::min(search->lambda, longest), search->steptol, search->max_its);
   search->lambda = line.lambda();
   if (search->monitor != nullptr)
     check(PetscViewerASCIIPrintf(search->monitor, "      Line search: lambda = %g, slope %g after %g\n",

@@ -21,6 +21,17 @@ void set_tolerances(SNES snes, PetscReal rtol, PetscInt most) {
   check(SNESSetTolerances(snes, PETSC_DEFAULT, rtol, PETSC_DEFAULT, most, PETSC_DEFAULT));
 }
 
+// Where springs of contacts close, a search that takes shorter steps closes them one after the other. It goes
+// no farther down than that; options still say otherwise.
+void set_shortest_step(SNES snes, PetscReal shortest) {
+  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
+  PetscReal given = 0;
+  check(SNESLineSearchGetTolerances(search, &given, nullptr, nullptr, nullptr, nullptr, nullptr));
+  if (constexpr PetscReal of_petsc = 1e-12; given == of_petsc)
+    check(SNESLineSearchSetTolerances(search, shortest, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                                      PETSC_DEFAULT, PETSC_DEFAULT));
+}
+
 LooseBodies loose_bodies(TS ts, MotionProblem& motion) {
   if (integrator_of(ts).inertia) return {};
   return {motion.discretisation(), motion.boundary(), motion.contacts(), motion.rigid()};
@@ -50,6 +61,8 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
                                                                         : 25;
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, most, PETSC_DEFAULT));
   set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
+  if (!motion_.contacts().empty() && line_search_of(snes_) == slope_search_type)
+    set_shortest_step(snes_, 0.1);
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.conduct.too_many = [this](PetscInt iterations) { return take_longer_than_factors(iterations); };
   install_hooks();
