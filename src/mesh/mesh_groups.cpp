@@ -3,6 +3,7 @@
 #include <impact/math/index.hpp>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/mesh.hpp>
+#include <set>
 
 // What the mesh says of its named groups: regions, boundaries, curves and points.
 
@@ -108,7 +109,8 @@ void Mesh::add_facet(PetscInt facet, PetscInt cell, FacetTable& table) const {
 FacetTable Mesh::live_facets(const std::string& name, const std::vector<char>& eroded,
                              const std::vector<char>& body) const {
   const auto gone = [&](PetscInt cell) { return eroded[at(cell - cell_start_)] != 0; };
-  FacetTable table = facets(name).without(gone);
+  const FacetTable all = facets(name);
+  FacetTable table = all.without([&](std::size_t f) { return gone(all.cell_point[f]); });
   PetscInt chart_end = 0;
   check(DMPlexGetChart(dm_, nullptr, &chart_end));
   std::vector<int> eroded_beside(at(chart_end), 0); // of facets; the cells of one may be on two ranks
@@ -210,10 +212,18 @@ std::vector<int> Mesh::nodes(const std::string& name) const {
   return result;
 }
 
-std::vector<double> Mesh::node_shares(const std::string& name) const {
-  const int group_dim = group(name).dim;
+std::vector<double> Mesh::node_shares(const std::vector<std::string>& names) const {
+  const int group_dim = group(names.front()).dim;
   std::vector<double> shares(at(node_count()), 0.0);
-  for (const PetscInt point : owned_points(name)) {
+  // What is in several of them counts once, and of a line that was refined its edges alone.
+  std::set<PetscInt> all;
+  for (const std::string& name : names)
+    for (const PetscInt point : owned_points(name)) {
+      PetscInt depth = 0;
+      check(DMPlexGetPointDepth(dm_, point, &depth));
+      if (depth == group_dim) all.insert(point);
+    }
+  for (const PetscInt point : all) {
     std::vector<int> ends = closure(point);
     const int middle = order_ == 2 && group_dim == 1 ? ends.front() : -1; // the edge itself comes first
     if (middle >= 0) ends.erase(ends.begin());

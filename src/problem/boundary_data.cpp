@@ -9,6 +9,7 @@
 #include <impact/problem/boundary_data.hpp>
 #include <impact/problem/surface_load.hpp>
 #include <map>
+#include <set>
 
 namespace impact {
 
@@ -166,9 +167,13 @@ void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
     return type == BcType::body_force || type == BcType::traction || type == BcType::pressure ||
            type == BcType::force || type == BcType::heat_flux || type == BcType::convection;
   };
+  std::map<int, std::set<PetscInt>> loaded; // [condition] facets
   visit_groups(mesh, loads, [&](int c, const BoundaryCondition& bc, const Group& group) {
     if (bc.type == BcType::body_force) {
-      for (int node : mesh.nodes(group.name)) body_nodes_.emplace_back(node, c);
+      std::vector<int>& mine = body_nodes_[c];
+      const std::vector<int> before = std::move(mine), more = mesh.nodes(group.name);
+      mine.clear();
+      std::ranges::set_union(before, more, std::back_inserter(mine));
       return;
     }
     if (bc.type == BcType::force && group.dim < dim_ - 1) {
@@ -176,7 +181,8 @@ void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
         throw UserError(ExitCode::data, "-bc_" + bc.id + "_on \"" + bc.on.front() + "," + group.name +
                                             "\": points, lines and boundaries share no force; "
                                             "give each a condition of its own");
-      const std::vector<double> shares = mesh.node_shares(group.name);
+      if (group.name != bc.on.front()) return; // all at once
+      const std::vector<double> shares = mesh.node_shares(bc.on);
       for (int node = 0; node < node_count_; ++node)
         if (const double share = shares[at(node)]; share > 0) {
           nodal_forces_.push_back({node, c, share});
@@ -190,7 +196,11 @@ void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
                                           "D), this group is " + std::to_string(group.dim) +
                                           "D; mesh has: " + groups_text(mesh.groups()));
     if (bc.type == BcType::pressure) mesh.require_outside("-bc_" + bc.id + "_on", group.name);
-    LoadedFacets load{c, mesh.facets(group.name)};
+    // What lies in several groups of a condition is loaded once.
+    std::set<PetscInt>& before = loaded[c];
+    const FacetTable all = mesh.facets(group.name);
+    LoadedFacets load{c, all.without([&](std::size_t f) { return before.contains(all.point[f]); })};
+    before.insert(all.point.begin(), all.point.end());
     force_area_[at(c)] += area_of(load.facets, dim_ == 3 ? Frame::solid : plane.frame, x_);
     (is_thermal(bc.type)           ? heat_fluxes_
      : bc.type == BcType::pressure ? pressures_
@@ -198,6 +208,11 @@ void BoundaryData::resolve_loads(const Mesh& mesh, PlaneBody plane) {
         .push_back(std::move(load));
   });
   if (!force_area_.empty()) sum_over_ranks(mesh.comm(), force_area_);
+  for (std::size_t c = 0; c < conditions_.size(); ++c)
+    if (conditions_[c].type == BcType::force && !(force_area_[c] > 0))
+      throw UserError(ExitCode::data, "-bc_" + conditions_[c].id +
+                                          "_on: has no area to carry a force, as what lies on the axis; give "
+                                          "the force to points of it");
   if (dim_ == 2 && is_flat(plane.frame))
     for (double& area : force_area_) area *= plane.thickness;
 }
@@ -242,7 +257,8 @@ void BoundaryData::set_initial_rates(double start, double dt, std::vector<double
   for (const FixedDof& fixed : fixed_) {
     const BoundaryCondition& bc = conditions_[at(fixed.condition)];
     const auto i = at(fixed.dof);
-    v[i] = a[i] = 0;
+    a[i] = 0;
+    if (const bool given = bc.type == BcType::acceleration && bc.component[fixed.component]; !given) v[i] = 0;
     if (!bc.component[fixed.component]) continue;
     const Expression& data = *bc.component[fixed.component];
     const double* x = &x_[at(fixed.dof / dim_ * dim_)];
@@ -329,11 +345,15 @@ bool BoundaryData::has(BcType type) const {
 bool BoundaryData::body_force(double t, std::vector<double>& f) const {
   if (!has(BcType::body_force)) return false;
   f.assign(at(node_count_ * dim_), 0.0);
-  for (const auto& [node, c] : body_nodes_)
-    for (int k = 0; k < dim_; ++k)
-      if (const auto& data = conditions_[at(c)].component[k])
-        f[at(node * dim_ + k)] += (*data)(&x_[at(node * dim_)], dim_, t);
+  for (const auto& [condition, nodes] : body_nodes_) add_body_force(condition, t, f);
   return true;
+}
+
+void BoundaryData::add_body_force(int condition, double t, std::vector<double>& f) const {
+  for (int k = 0; k < dim_; ++k)
+    if (const auto& data = conditions_[at(condition)].component[k])
+      for (int node : body_nodes_.at(condition))
+        f[at(node * dim_ + k)] += (*data)(&x_[at(node * dim_)], dim_, t);
 }
 
 void BoundaryData::add_nodal_forces(double t, std::vector<double>& f) const {

@@ -18,6 +18,22 @@ double Discretisation::softest_modulus() const {
   return softest;
 }
 
+std::vector<char> Discretisation::lanes_in(const std::vector<std::string>& regions) const {
+  std::vector<PetscInt> cells;
+  for (const std::string& name : regions) {
+    const auto more = mesh.region_cells(name);
+    cells.insert(cells.end(), more.begin(), more.end());
+  }
+  std::sort(cells.begin(), cells.end());
+  std::vector<char> inside;
+  for (const CellGroup& group : groups)
+    for (int b = 0; b < group.batch_count; ++b)
+      for (int l = 0; l < lanes; ++l)
+        inside.push_back(l < group.lanes_in_use(b) &&
+                         std::binary_search(cells.begin(), cells.end(), group.cell_point[at(b * lanes + l)]));
+  return inside;
+}
+
 std::size_t Discretisation::point_values(int components) const {
   std::size_t sum = 0;
   for (const CellGroup& group : groups) sum += impact::point_values(group, components);
@@ -25,7 +41,8 @@ std::size_t Discretisation::point_values(int components) const {
 }
 
 FacetTable ErodedCells::live(const FacetTable& facets, PetscInt cell_start) const {
-  return facets.without([&](PetscInt point) { return !cell.empty() && cell[at(point - cell_start)] != 0; });
+  return facets.without(
+      [&](std::size_t f) { return !cell.empty() && cell[at(facets.cell_point[f] - cell_start)] != 0; });
 }
 
 std::size_t Discretisation::batch_count() const {

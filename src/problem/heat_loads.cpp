@@ -15,24 +15,10 @@ std::size_t first_lane(const CellBatch& batch) { return batch.first_cell + at(ba
 HeatLoads::HeatLoads(const Discretisation& d, const BoundaryData& boundary)
     : d_(d), boundary_(boundary), X_(d.mesh.coordinates().begin(), d.mesh.coordinates().end()) {
   for (int c : boundary_.heat_sources()) {
-    std::vector<PetscInt> cells;
-    for (const std::string& name : boundary_.conditions()[at(c)].on) {
-      const auto more = d_.mesh.region_cells(name);
-      cells.insert(cells.end(), more.begin(), more.end());
-    }
-    std::sort(cells.begin(), cells.end());
     Source& source = sources_.emplace_back();
     source.condition = c;
-    std::size_t points = 0;
-    for (const CellGroup& group : d_.groups) {
-      points += point_values(group, 1);
-      for (int b = 0; b < group.batch_count; ++b)
-        for (int l = 0; l < lanes; ++l)
-          source.inside.push_back(
-              l < group.lanes_in_use(b) &&
-              std::binary_search(cells.begin(), cells.end(), group.cell_point[at(b * lanes + l)]));
-    }
-    for (std::vector<double>& value : source.value) value.assign(points, 0.0);
+    source.inside = d_.lanes_in(boundary_.conditions()[at(c)].on);
+    for (std::vector<double>& value : source.value) value.assign(d_.point_values(1), 0.0);
   }
   for (const LoadedFacets& load : boundary_.heat_fluxes()) {
     Surface& surface = surfaces_.emplace_back(Surface{&load, {}});

@@ -26,7 +26,8 @@ void cell_mass(const CellBatch& batch, double factor, CellMatrix& m, CellMatrix&
       for (int k = 0; k < dim; ++k) K(i * dim + k, j * dim + k) = Batch(factor) * m(i, j);
 }
 
-// The diagonal alone, with the mass of the cell: for cells of second order, as LumpedMass has it.
+} // namespace
+
 void lump(int n, CellMatrix& m) {
   Batch all = 0, diagonal = 0;
   for (int i = 0; i < n; ++i) {
@@ -36,8 +37,6 @@ void lump(int n, CellMatrix& m) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) m(i, j) = i == j ? m(i, i) * all / diagonal : Batch(0.0);
 }
-
-} // namespace
 
 void add_eroded_inertia(const CellBatch& batch, const NodalValues& acceleration, NodalValues& force) {
   CellMatrix m, M;
@@ -133,8 +132,8 @@ Vec MassMatrix::true_lumped() {
   return unscaled_;
 }
 
-void MassMatrix::multiply(Vec x, Vec y, Mass mass) {
-  if (d_.lumped_mass) return check(VecPointwiseMult(y, mass == Mass::in_use ? lumped() : true_lumped(), x));
+void MassMatrix::multiply(Vec x, Vec y) {
+  if (d_.lumped_mass) return check(VecPointwiseMult(y, lumped(), x));
   build();
   check(MatMult(all_, x, y));
 }

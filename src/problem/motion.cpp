@@ -23,8 +23,8 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
       history_(state.row("history")), drive_(state.row("drive")),
       X_(d_.mesh.coordinates().begin(), d_.mesh.coordinates().end()), u_(d_.node_values(d_.dim())),
       a_(d_.node_values(d_.dim())), r_(d_.node_values(d_.dim())), dead_load_(d_.node_values(d_.dim())),
-      soft_volume_(d_), balance_(d_), cells_diagonal_(d_.displacement.make_global()),
-      diagonal_(d_.displacement.make_global()) {
+      body_load_(d_, boundary_), soft_volume_(d_), balance_(d_),
+      cells_diagonal_(d_.displacement.make_global()), diagonal_(d_.displacement.make_global()) {
   if (!rigid_->empty() && operator_ == ContactOperator::shell)
     throw UserError(ExitCode::usage, "-contact_operator shell: not with a rigid body (-material_" +
                                          rigid_->bodies().front().name +
@@ -59,8 +59,6 @@ void MotionProblem::begin(const MotionStep& step) {
   if (step_.unilateral_scale != 1)
     check(VecAXPY(carried_, 1 - step_.unilateral_scale, d_.global_of(*step_.unilateral_carried)));
   std::fill(dead_load_.begin(), dead_load_.end(), 0.0);
-  has_body_force_ = false;
-  body_.clear();
   if (!boundary_.has_data()) return;
   agree_on_errors(d_.mesh.comm(), [&] {
     for (const LoadedFacets& load : boundary_.tractions())
@@ -68,8 +66,7 @@ void MotionProblem::begin(const MotionStep& step) {
           live_facets(load), d_.frame, X_,
           [&](const double* x, double* value) { boundary_.traction(load, x, step_.t, value); }, dead_load_);
     boundary_.add_nodal_forces(step_.t, dead_load_);
-    has_body_force_ = boundary_.body_force(step_.t, body_);
-    if (!has_body_force_) body_.clear();
+    body_load_.add(step_.t, dead_load_);
     // Follower pressures are evaluated with every residual, where a rank must not fail alone: tried out here.
     std::vector<double> unused(dead_load_.size());
     add_pressures(X_, 1, unused);
@@ -201,8 +198,7 @@ bool MotionProblem::residual(Vec u, Vec a, Vec f) {
     d_.displacement.to_local(a, a_);
   else
     std::fill(a_.begin(), a_.end(), 0.0);
-  for (std::size_t i = 0; i < body_.size(); ++i) a_[i] -= body_[i];
-  const std::vector<double>* accel = a || !body_.empty() ? &a_ : nullptr;
+  const std::vector<double>* accel = a ? &a_ : nullptr;
   for (std::size_t i = 0; i < r_.size(); ++i) r_[i] = -dead_load_[i];
   const bool sound = add_cells(u_, accel, step_.unilateral_scale, r_);
   add_pressures(u_, -1, r_);
@@ -262,11 +258,6 @@ void MotionProblem::loads(Vec u, Handle<Vec>& external) {
   r_ = dead_load_;
   add_pressures(u_, 1, r_);
   put(r_, external);
-  if (has_body_force_) { // all ranks agree on that, not on whether they have nodes
-    const Handle<Vec> Mf = d_.displacement.make_global();
-    mass_.multiply(d_.global_of(body_), Mf, MassMatrix::Mass::of_bodies);
-    check(VecAXPY(external, 1, Mf));
-  }
 }
 
 std::string MotionProblem::broken_text() const {

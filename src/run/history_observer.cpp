@@ -33,6 +33,7 @@ HistoryObserver::HistoryObserver(const Scenario& scenario, MotionProblem& motion
       cycles_ = output.cycles;
       every_ = output.every;
       dt_ = output.dt;
+      times_ = output.times;
     }
   const Discretisation& d = motion_.discretisation();
   for (std::size_t m = 0; m < d.materials.size(); ++m) {
@@ -96,6 +97,9 @@ bool HistoryObserver::due(long step, double t, double dt) const {
   if (cycles_ > 0) return marks_cycle(t, scenario_.time.period, cycles_);
   if (step == 0 || (scenario_.time.max_time > 0 && t >= scenario_.time.max_time)) return true;
   if (every_ > 0 && step % every_ == 0) return true;
+  const double tolerance = 1e-9 * std::max(std::abs(t), dt);
+  for (double time : times_)
+    if (time > t - dt + tolerance && time <= t + tolerance) return true;
   const auto count = [this](double time) { return std::floor(time / dt_ * (1 + 1e-12)); };
   return dt_ > 0 && count(t) > count(t - dt);
 }
@@ -104,8 +108,16 @@ HistoryFile::Row HistoryObserver::watch(const Snapshot& snapshot, const StepCoun
   const InStage stage(Stage::output);
   const Timed timed(Event::history);
   HistoryFile::Row now = row(snapshot, counts);
-  if (due(snapshot.step, snapshot.time, snapshot.dt)) file_->write(now);
+  not_written_.clear();
+  if (due(snapshot.step, snapshot.time, snapshot.dt))
+    file_->write(now);
+  else
+    not_written_ = now;
   return now;
+}
+
+void HistoryObserver::finish() {
+  if (!not_written_.empty()) file_->write(not_written_);
 }
 
 } // namespace impact

@@ -143,8 +143,7 @@ void Simulation::open(const std::optional<Checkpoint>& resume, const HistoryFile
 void Simulation::set_times() {
   std::vector<double> exact_times;
   for (const OutputScenario& output : s_.outputs)
-    if (output.type == OutputScenario::Type::xdmf)
-      exact_times.insert(exact_times.end(), output.times.begin(), output.times.end());
+    exact_times.insert(exact_times.end(), output.times.begin(), output.times.end());
   set_exact_times(stage_.ts, std::move(exact_times));
   if (s_.time.period > 0) set_step_period(stage_.ts, s_.time.period);
   if (!s_.time.table_times.empty()) set_step_table(stage_.ts, s_.time.table_times, s_.time.table_dts);
@@ -288,6 +287,7 @@ ExitCode Simulation::run() {
   stopped_by_ = requests_.ask(comm_, false).stop; // since the program began
   control_at_start_ = step_control_state(stage_.ts);
   const TSConvergedReason reason = solve();
+  if (!ended_by_.empty()) history_.finish(); // the row that met the condition
   if (reason == TS_CONVERGED_ITS && !(s_.time.max_time > 0 && snapshot_.time >= s_.time.max_time))
     ended_by_ = "-ts_max_steps " + std::to_string(s_.time.max_steps);
   // The last state of a run that goes on later is no output of its own.

@@ -130,8 +130,10 @@ OptionClass<BoundaryCondition> boundary_class() {
 
 OptionClass<InitialCondition> initial_class() {
   using Ic = InitialCondition;
-  OptionClass<Ic> table{"ic", "ics", "Initial conditions", "Boundary conditions win over initial ones.",
-                        &Scenario::ics};
+  OptionClass<Ic> table{
+      "ic", "ics", "Initial conditions",
+      "Boundary conditions win over initial ones; type acceleration starts with their velocity.",
+      &Scenario::ics};
   Rows row(table.rows);
   row.groups("on", &Ic::on, "groups of the mesh", [](const Ic&, int) { return 0; });
   table.rows.back().refused(

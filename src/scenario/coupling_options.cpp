@@ -168,7 +168,8 @@ void add_matrix(std::vector<OptionRow<Scenario>>& rows) {
             });
   row.choice("contact_operator", &Scenario::contact_operator,
              "contact terms in the matrix, or beside it as an operator", "assembled",
-             ContactOperator::assembled, "shell", ContactOperator::shell);
+             ContactOperator::assembled, "shell", ContactOperator::shell)
+      .idle([](const Scenario& s) { return s.contacts.empty(); }, "there is no contact");
 }
 
 /// Whether motion waits for what damage and heat make of its solution.

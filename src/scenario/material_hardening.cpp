@@ -69,7 +69,8 @@ void add_curves(MaterialRows& rows) {
       });
   row.list("hardening", &Material::hardening,
            "parts of k_0 = sigma_y + r (1 - exp(-s alpha)) + H alpha that must be given, they add; or, "
-           "alone, johnson_cook or table",
+           "alone, johnson_cook or table. What is given of linear and voce adds though it is not named: with "
+           "linear_h 0 and voce_r 0 it does not",
            {"none", "voce", "linear", "johnson_cook", "table"})
       .notation("k_0 (55')")
       .barred(flowing([](const Material& m) { return !own_yield(m).empty() && m.hardening.size() > 1; }),
@@ -121,6 +122,8 @@ void add_rate_and_softening(MaterialRows& rows) {
   row.number("jc_rate0", &Material::rate_0, "1/s rate0 (55a)", positive,
              "rate of alpha from which jc_c counts")
       .otherwise("required with jc_c")
+      .idle([](const Material& m) { return m.law.rate_c == 0 && m.law.jc_d4 == 0; },
+            "neither <>jc_c nor <>jc_d4 is given")
       .needed(flowing([](const Material& m) { return m.law.rate_c > 0; }), "a rate is needed by <>jc_c")
       .needed(flowing([](const Material& m) { return m.law.jc_d4 != 0; }), "a rate is needed by <>jc_d4");
   row.choice("softening", &Material::softening,
@@ -134,7 +137,9 @@ void add_rate_and_softening(MaterialRows& rows) {
               "slope of the linear softening")
       .otherwise("required with softening linear")
       .needed(with_softening(Softening::linear), "a positive value is needed by <>softening linear");
-  of_law.number("jc_m", &Law::softening_m, "1 m (55a)", positive, "exponent of T*");
+  of_law.number("jc_m", &Law::softening_m, "1 m (55a)", positive, "exponent of T*")
+      .idle([](const Material& m) { return m.law.softening != Softening::johnson_cook; },
+            "<>softening is not johnson_cook");
   of_law
       .number(
           "jc_theta_melt", &Law::theta_melt, "K theta_melt (55a)", positive,
@@ -152,7 +157,9 @@ void add_rate_and_softening(MaterialRows& rows) {
               });
   row.number("jc_theta_ref", &Material::theta_ref, "K theta_ref (55a)", positive,
              "temperature up to which T* is 0")
-      .otherwise("theta0");
+      .otherwise("theta0")
+      .idle([](const Material& m) { return m.law.softening != Softening::johnson_cook && m.law.jc_d5 == 0; },
+            "neither <>softening is johnson_cook nor <>jc_d5 given");
 }
 
 void add_failure(MaterialRows& rows) {

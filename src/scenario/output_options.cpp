@@ -62,6 +62,13 @@ const Output* rival(const Output& output, const Scenario& s) {
   return first != s.outputs.end() && first->id != output.id ? &*first : nullptr;
 }
 
+/// The history before this one; null: none.
+const Output* second_history(const Output& output, const Scenario& s) {
+  const auto table = [](const Output& other) { return other.type == Output::Type::csv; };
+  const auto first = std::ranges::find_if(s.outputs, table);
+  return table(output) && first->id != output.id ? &*first : nullptr;
+}
+
 /// Displacements, where nothing else is said.
 template <class Struct> void complete_fields(Struct& one, const Scenario&) {
   if (one.fields.empty()) one.fields = {"u"};
@@ -81,7 +88,12 @@ OptionClass<OutputScenario> output_class() {
       &Scenario::outputs};
   Rows row(table.rows, RestartKey::free);
   row.choice("type", &Output::type, "fields for ParaView, or the history table", "xdmf", Output::Type::xdmf,
-             "csv", Output::Type::csv);
+             "csv", Output::Type::csv)
+      .refused([](const Output& output, const Scenario& s) { return second_history(output, s) != nullptr; },
+               [](const Output& output, const Scenario& s) {
+                 return "there is one history, and output " + second_history(output, s)->id +
+                        " writes it already; remove one of them";
+               });
   row.list("fields", &Output::fields, "what an xdmf output holds", all_fields())
       .otherwise("all that the physics has, without a")
       .barred([](const Output& output) { return output.type == Output::Type::csv; },
@@ -142,7 +154,7 @@ OptionClass<MeasureScenario> measure_class() {
       .otherwise("u");
   row.choice("of", &Measure::of,
              "what is taken of the values: of those at nodes, which count alike, or of cells, which count by "
-             "their reference volume (sum: the integral)",
+             "their reference volume (sum: the integral, in the field's unit times that of volume)",
              "mean", Measure::Of::mean, "min", Measure::Of::min, "max", Measure::Of::max, "sum",
              Measure::Of::sum);
   table.complete = complete_fields<Measure>;

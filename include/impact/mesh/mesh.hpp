@@ -33,12 +33,12 @@ struct FacetTable {
   std::vector<PetscInt> point;      ///< DMPlex point of each facet
   std::vector<PetscInt> cell_point; ///< DMPlex point of the cell behind it
   int count() const { return static_cast<int>(point.size()); }
-  /// Those whose cell `leave` says no to.
+  /// Those to whose number `leave` says no.
   template <class Leave> FacetTable without(Leave&& leave) const {
     FacetTable rest{nodes_per_facet, {}, {}, {}};
     const auto corners = static_cast<std::size_t>(nodes_per_facet);
     for (std::size_t f = 0; f < point.size(); ++f) {
-      if (leave(cell_point[f])) continue;
+      if (leave(f)) continue;
       rest.point.push_back(point[f]);
       rest.cell_point.push_back(cell_point[f]);
       for (std::size_t a = 0; a < corners; ++a) rest.connectivity.push_back(connectivity[corners * f + a]);
@@ -108,9 +108,9 @@ public:
   /// Sorted local nodes of a boundary, region or point group, complete on every rank (also where a rank holds
   /// only the node and no facet or cell of the group). Collective.
   std::vector<int> nodes(const std::string& name) const;
-  /// Shares of the nodes in a group of points (1 each) or curves (half of each edge that meets there) in the
-  /// reference configuration: [local node], to be summed over the ranks that hold a node.
-  std::vector<double> node_shares(const std::string& name) const;
+  /// Shares of the nodes in groups of points (1 each) or of curves (half of each edge that meets there) in
+  /// the reference configuration: [local node], to be summed over the ranks that hold a node.
+  std::vector<double> node_shares(const std::vector<std::string>& names) const;
   /// Shortest cell edge over all ranks, computed at construction.
   double smallest_edge() const { return smallest_edge_; }
   /// For messages: names of the regions that hold a cell point, separated by commas; a node's place, "(x,

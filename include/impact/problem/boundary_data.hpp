@@ -2,6 +2,7 @@
 #include <impact/mesh/field_layout.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/boundary_conditions.hpp>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -65,7 +66,7 @@ public:
   void set_displacement(double t0, double t1, const std::vector<double>& u_n, const std::vector<double>& v_n,
                         std::vector<double>& u) const;
   /// Velocity and acceleration of the prescribed dofs at the start (one-sided differences of displacement
-  /// data over a small part of dt).
+  /// data over a small part of dt). Dofs with acceleration data keep their velocity.
   void set_initial_rates(double start, double dt, std::vector<double>& v, std::vector<double>& a) const;
   /// Takes dt^2/12 times the jerk of the data from these velocities: those of the trapezoidal rule,
   /// 2 (u_next - u)/dt - v where u is given, then follow the data without a part that alternates, which
@@ -92,8 +93,10 @@ public:
   double ambient_temperature(int condition, const double* x, double t) const; ///< of a convection, K
   double heat_coefficient(int condition, const double* x, double t) const;
 
-  /// Acceleration-like body force per mass at the nodes, [node][dim]; false when none acts.
+  /// Body forces per mass at the nodes of their regions, [node][dim], those beside others too (BodyLoad knows
+  /// whose cells they act on); false when none acts. That of one condition is added.
   bool body_force(double t, std::vector<double>& f) const;
+  void add_body_force(int condition, double t, std::vector<double>& f) const;
   /// Adds the forces on points and lines at time t to [node][dim], to be summed over ranks.
   void add_nodal_forces(double t, std::vector<double>& f) const;
   const std::vector<LoadedFacets>& tractions() const { return tractions_; } ///< dead, per reference area
@@ -115,7 +118,7 @@ private:
   std::vector<BoundaryCondition> conditions_;
   std::vector<FixedDof> fixed_;
   std::vector<char> fixed_mask_;
-  std::vector<std::pair<int, int>> body_nodes_; ///< node, condition
+  std::map<int, std::vector<int>> body_nodes_; ///< [condition] nodes of its regions
   std::vector<LoadedFacets> tractions_, pressures_, heat_fluxes_;
   std::vector<int> damage_condition_, temperature_condition_;
   struct SharedValue {

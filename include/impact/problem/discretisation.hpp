@@ -42,7 +42,7 @@ struct ErodedCells {
   FacetTable live(const FacetTable& facets, PetscInt cell_start) const;
   int in_batch(std::size_t batch) const { return lanes_of.empty() ? 0 : lanes_of[batch]; }
 };
-
+// Functions beyond the usual: one question for each kind of physics.
 struct Discretisation {
   Mesh mesh;
   FieldLayout displacement; ///< dim components
@@ -110,6 +110,8 @@ struct Discretisation {
     return has_heat() &&
            any_law([](const PointLaw& law) { return law.parameters.alpha_t != 0 || law.softens(); });
   }
+  /// [group][batch][lane] 1: the cell lies in one of these regions.
+  std::vector<char> lanes_in(const std::vector<std::string>& regions) const;
   double softest_modulus() const;  ///< Young's, of what deforms; infinite where nothing does
   std::size_t batch_count() const; ///< of all groups
   /// Doubles of a row of `components` per quadrature point, of all groups.

@@ -11,6 +11,10 @@ namespace impact {
 void add_eroded_inertia(const CellBatch& batch, const NodalValues& acceleration, NodalValues& force);
 void keep_eroded_mass(const CellBatch& batch, double factor, CellMatrix& K);
 
+/// The diagonal alone of a mass [node][node], with the mass of the cell: for cells of second order, as
+/// LumpedMass has it.
+void lump(int n, CellMatrix& m);
+
 /// The mass of all bodies, consistent or lumped as the discretisation has it, assembled when it is first
 /// asked for.
 class MassMatrix {
@@ -19,10 +23,8 @@ public:
   MassMatrix(const Discretisation& discretisation, const MotionRows& rows)
       : d_(discretisation), rows_(rows) {}
 
-  /// Mass in use, or that of the bodies without what mass scaling added.
-  enum class Mass { in_use, of_bodies };
   /// y = M x, prescribed rows included. Collective.
-  void multiply(Vec x, Vec y, Mass mass = Mass::in_use);
+  void multiply(Vec x, Vec y);
   /// The lumped mass is that of the cells times these factors, of a row with one for each point; they must
   /// outlive the matrix.
   void scale(const std::vector<double>* factors);
@@ -40,6 +42,7 @@ public:
 
   /// The lumped mass of each dof. Collective.
   Vec lumped();
+  /// Without what mass scaling added.
   Vec true_lumped();
 
 private:

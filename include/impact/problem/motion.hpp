@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/contact/contact_set.hpp>
+#include <impact/problem/body_load.hpp>
 #include <impact/problem/force_balance.hpp>
 #include <impact/problem/mass_matrix.hpp>
 #include <impact/problem/settings.hpp>
@@ -208,9 +209,9 @@ private:
   StateRow &history_, &drive_;
   MotionStep step_;
   std::unique_ptr<SparseAssembly> assembly_;
-  std::vector<double> X_, u_, a_, r_;    // local work arrays [node][dim]
-  std::vector<double> dead_load_, body_; // of the step's time; body_ empty without body forces
-  bool has_body_force_ = false;
+  std::vector<double> X_, u_, a_, r_; // local work arrays [node][dim]
+  std::vector<double> dead_load_;     // of the step's time, body forces included
+  BodyLoad body_load_;
   SoftVolume soft_volume_;
   PatchState patches_;                   // of the evaluation at work, as step_fields has them
   std::vector<CellGroup> matrix_groups_; // cells and patches, where there are patches or rigid bodies

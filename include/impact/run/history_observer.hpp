@@ -30,6 +30,8 @@ public:
   bool due(long step, double t, double dt) const;
   /// Writes the row where it is due, and returns it. Collective.
   HistoryFile::Row watch(const Snapshot& snapshot, const StepCounts& counts);
+  /// Writes the row of the last state too, where it was not due. Collective.
+  void finish();
   /// Whether every step has a row.
   bool every_step() const { return cycles_ == 0 && dt_ == 0 && every_ == 1; }
   /// Step of the last row that a resumed file kept, -1 without one. On all ranks.
@@ -66,9 +68,11 @@ private:
   const StateRow *phi_, *load_;
   const FieldSource& source_;
   std::optional<HistoryFile> file_;
-  // Of the csv outputs, the rarest; without one a row for each step, or for a thousandth of an explicit run.
+  // Of the csv output; without one a row for each step, or for a thousandth of an explicit run.
   int cycles_ = 0, every_ = 1; ///< of -ts_period between rows, 0: not by them; steps, 0: not by them
   double dt_ = 0;              ///< 0: not by time
+  std::vector<double> times_;
+  HistoryFile::Row not_written_; ///< the last row, if it was not due
   std::vector<Located> probes_;
   std::vector<std::array<std::vector<Share>, 2>> shares_; ///< of each measure: nodes, cells of a region
   std::vector<std::vector<double>> ways_; ///< of each release, what nodes advance by, local [node][dim]
