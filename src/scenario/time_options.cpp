@@ -272,7 +272,8 @@ OptionGroup time_options() {
   };
   constexpr RestartKey scheme = RestartKey::guarded, free = RestartKey::free;
   add(scheme, "ts_newmark_rho", "1 rho (97)-(98)", fraction, "1",
-      "spectral radius at infinite frequency: 1 damps nothing, 0 most; sets beta and gamma");
+      "spectral radius at infinite frequency: 1 damps nothing, 0 most; sets beta and gamma. After a kink of "
+      "prescribed motion (a pulse, a ramp that stops) reactions and accelerations alternate for ever at 1");
   add(scheme, "ts_newmark_beta", "1 beta", Interval{0, 1, true}, "1/4",
       "Newmark's beta, without -ts_newmark_rho");
   add(scheme, "ts_newmark_gamma", "1 gamma", Interval{0.5, 2}, "1/2",
