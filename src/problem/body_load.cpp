@@ -34,13 +34,13 @@ void BodyLoad::assemble(const Region& region) {
 }
 
 void BodyLoad::add(double t, std::vector<double>& load) {
+  if (regions_.empty()) return;
   bool changed = load_.empty() || weightless_ != d_.weightless;
-  std::vector<double> now;
   for (Region& region : regions_) {
-    now.assign(load.size(), 0.0);
-    boundary_.add_body_force(region.condition, t, now);
-    changed = changed || now != region.acceleration;
-    region.acceleration.swap(now);
+    now_.assign(load.size(), 0.0);
+    boundary_.add_body_force(region.condition, t, now_);
+    changed = changed || now_ != region.acceleration;
+    region.acceleration.swap(now_);
   }
   if (changed) {
     load_.assign(load.size(), 0.0);

@@ -257,9 +257,10 @@ void BoundaryData::set_initial_rates(double start, double dt, std::vector<double
   for (const FixedDof& fixed : fixed_) {
     const BoundaryCondition& bc = conditions_[at(fixed.condition)];
     const auto i = at(fixed.dof);
+    const bool given = static_cast<bool>(bc.component[fixed.component]);
     a[i] = 0;
-    if (const bool given = bc.type == BcType::acceleration && bc.component[fixed.component]; !given) v[i] = 0;
-    if (!bc.component[fixed.component]) continue;
+    if (!given || bc.type != BcType::acceleration) v[i] = 0;
+    if (!given) continue;
     const Expression& data = *bc.component[fixed.component];
     const double* x = &x_[at(fixed.dof / dim_ * dim_)];
     auto value = [&](double t) { return data(x, dim_, start + t); };

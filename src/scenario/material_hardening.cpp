@@ -183,19 +183,19 @@ void add_failure(MaterialRows& rows) {
             return m.law.failure_softening > 0 && !(m.law.jc_failure && m.law.model == Model::j2);
           },
           "needs <>jc_failure and <>model j2");
-  const auto lasts = [](const Material& m) { return !m.law.jc_failure; };
+  const auto unfollowed = [](const Material& m) { return !m.law.jc_failure; };
   const std::string off = "<>jc_failure is off";
   of_law.number("jc_d1", &Law::jc_d1, "1 D1 (55d)", any_number, "its D1")
-      .idle(lasts, off)
+      .idle(unfollowed, off)
       .needed([](const Material& m) { return m.law.jc_failure && m.law.jc_d1 == 0 && m.law.jc_d2 == 0; },
               "<>jc_failure needs it, or <>jc_d2");
-  of_law.number("jc_d2", &Law::jc_d2, "1 D2 (55d)", {0, 1e6, false, false}, "its D2").idle(lasts, off);
+  of_law.number("jc_d2", &Law::jc_d2, "1 D2 (55d)", {0, 1e6, false, false}, "its D2").idle(unfollowed, off);
   of_law.number("jc_d3", &Law::jc_d3, "1 D3 (55d)", any_number, "its D3, negative in most metals")
-      .idle(lasts, off);
+      .idle(unfollowed, off);
   of_law.number("jc_d4", &Law::jc_d4, "1 D4 (55d)", any_number, "its D4, above the rate jc_rate0")
-      .idle(lasts, off);
+      .idle(unfollowed, off);
   of_law.number("jc_d5", &Law::jc_d5, "1 D5 (55d)", any_number, "its D5, with jc_theta_ref and jc_theta_melt")
-      .idle(lasts, off);
+      .idle(unfollowed, off);
 }
 
 } // namespace

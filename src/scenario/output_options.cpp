@@ -55,18 +55,21 @@ void complete_output(Output& output, const Scenario& scenario) {
   if (!table && output.fields.empty()) output.fields = usual_fields(scenario);
 }
 
-/// The output before this one that writes the same file; null: none.
-const Output* rival(const Output& output, const Scenario& s) {
-  const auto same = [&](const Output& other) { return other.file == output.file; };
-  const auto first = std::ranges::find_if(s.outputs, same);
+/// The first output of a kind, if it is before this one; null: there is none.
+template <class Kind> const Output* earlier(const Output& output, const Scenario& s, Kind&& of_kind) {
+  const auto first = std::ranges::find_if(s.outputs, of_kind);
   return first != s.outputs.end() && first->id != output.id ? &*first : nullptr;
 }
 
-/// The history before this one; null: none.
+/// The one that writes the same file.
+const Output* rival(const Output& output, const Scenario& s) {
+  return earlier(output, s, [&](const Output& other) { return other.file == output.file; });
+}
+
+/// The history before this one.
 const Output* second_history(const Output& output, const Scenario& s) {
   const auto table = [](const Output& other) { return other.type == Output::Type::csv; };
-  const auto first = std::ranges::find_if(s.outputs, table);
-  return table(output) && first->id != output.id ? &*first : nullptr;
+  return table(output) ? earlier(output, s, table) : nullptr;
 }
 
 /// Displacements, where nothing else is said.

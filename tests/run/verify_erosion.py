@@ -355,6 +355,8 @@ for more, words in (({"ts_type": "static", "ts_dt": 1e-3}, ["-material_middle_er
                     ({"material_middle_erosion_failure": "on"}, ["-material_middle_erosion_failure", "jc_failure"]),
                     ({**FLOOR, "contact_floor_enforce": "impulse"}, ["-contact_floor_enforce", "penalty"]),
                     ({**SCHEMES["implicit"], "material_middle_erosion_mass": "remove"}, ["-material_middle_erosion_mass", "keep"]),
+                    ({"material_middle_erosion": "off", "material_middle_erosion_stretch": "none", "material_middle_erosion_mass": "remove",
+                      "options_strict": "on"}, ["-material_middle_erosion_mass", "without effect"]),
                     ({**SCHEMES["implicit"], **FLOOR}, ["-contact_floor_method", "gpts"]),
                     ({**SCHEMES["implicit"], **FLOOR, "contact_floor_method": "gpts"}, ["-contact_floor_enforce", "penalty"])):
     refused = run("refused", {**PULL, **EXPLICIT, **WEAK, **more}, code=2)

@@ -29,6 +29,7 @@ private:
   std::vector<Region> regions_;
   std::vector<int> weightless_; ///< of the discretisation, then
   std::vector<double> load_;    ///< [node][dim]
+  std::vector<double> now_;     ///< work array
 };
 
 } // namespace impact

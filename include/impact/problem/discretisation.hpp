@@ -42,6 +42,7 @@ struct ErodedCells {
   FacetTable live(const FacetTable& facets, PetscInt cell_start) const;
   int in_batch(std::size_t batch) const { return lanes_of.empty() ? 0 : lanes_of[batch]; }
 };
+
 // Functions beyond the usual: one question for each kind of physics.
 struct Discretisation {
   Mesh mesh;
