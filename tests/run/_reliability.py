@@ -154,11 +154,6 @@ def largest_difference(folder, reference, ranks=1):
     return difference(history(reference), history(folder), exact=ranks == 1)
 
 
-def long():
-    """True in the long form of a script."""
-    return "IMPACT_LONG" in os.environ
-
-
 def crashed(code):
     """Ended by a signal, its own or that of mpirun's child."""
     return code is not None and (code < 0 or code > 128)

@@ -22,6 +22,11 @@ _failures = []
 _refused = {}  # run that solved its steps -> tries that were refused and solves that were repeated in it
 
 
+def long():
+    """True in the long form of a script, which its head asks for by "# long: <limit in seconds>"."""
+    return "IMPACT_LONG" in os.environ
+
+
 class Run:
     """A finished run: `code`, `log` (all that was printed), `history` (see read_history) and its folder `dir`."""
 

@@ -1,5 +1,6 @@
 # labels: run
 # timeout: 180
+# long: 1800
 """R5: damaged checkpoints end in a message with exit status 4, or the run goes on from an older undamaged one and says
 so. No signal, no hang, no silent load. `reliability_damage_long` makes 1000 of them."""
 import os
@@ -8,8 +9,8 @@ import re
 import shutil
 import time
 
-from _reliability import BOTH, crashed, difference, finish_within, history, log_of, long, start, with_mesh
-from _runs import ENVIRONMENT, check, finish, require
+from _reliability import BOTH, crashed, difference, finish_within, history, log_of, start, with_mesh
+from _runs import ENVIRONMENT, check, finish, long, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 1000 if long() else 40))
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))

@@ -1,5 +1,6 @@
 # labels: run
 # timeout: 120
+# long: 3600
 """R9: a full disk, a quota, a folder that cannot be written. The checkpoint before stays whole and is what the next run
 goes on from; field output is given up with a message while the run goes on; everything else ends with exit status 4 and
 one line. A full disk is a write that fails (impact_faulty), a limit on the size of files, and a small tmpfs where the
@@ -11,8 +12,8 @@ import shutil
 import subprocess
 
 from _reliability import (BOTH, FAULTY, crashed, field_times, fields_fault, finish_within, largest_difference, log_of,
-                          long, ranks_of, rows, start, wait_for, with_mesh)
-from _runs import check, finish, require
+                          ranks_of, rows, start, wait_for, with_mesh)
+from _runs import check, finish, long, require
 
 OPTIONS = {**with_mesh(BOTH), "restart": "auto", "checkpoint_patience": 3}
 require("undisturbed run", finish_within(start("whole", OPTIONS), 60) == 0)

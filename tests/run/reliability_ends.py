@@ -1,6 +1,7 @@
 # labels: run
 # processors: 2
 # timeout: 240
+# long: 3600
 """How runs end and are gone on with, attacked: a signal of any kind at any moment, on one rank and two, and `-restart auto`
 then gives the undisturbed result; folders of half and finished runs in every state and with every other end are gone on
 with, refused with one line, or set aside. IMPACT_SEED and IMPACT_COUNT choose the attacks; `reliability_ends_long` takes 300."""
@@ -12,9 +13,9 @@ import signal
 import subprocess
 import time
 
-from _reliability import (BOTH, command, crashed, family_of, finish_within, kill, largest_difference, log_of, long, ranks_of, rows, start, wait_for,
+from _reliability import (BOTH, command, crashed, family_of, finish_within, kill, largest_difference, log_of, ranks_of, rows, start, wait_for,
                           with_mesh)
-from _runs import check, finish, require
+from _runs import check, finish, long, require
 
 COUNT = int(os.environ.get("IMPACT_COUNT", 150 if long() else 8))  # of each family
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))

@@ -1,6 +1,7 @@
 # labels: run
 # processors: 2
 # timeout: 120
+# long: 1800
 """R1: kill -9 at any instant, then -restart auto with the same command, gives the uninterrupted result. Half of the kills
 come by the clock, half at a write to a checkpoint, to the field output or to the history. `reliability_kills_long` makes
 200 of them on three problems and 1 and 2 ranks; `reliability_kills_fields` kills at every write of a field output."""
@@ -10,8 +11,8 @@ import re
 import shutil
 
 from _reliability import (BOTH, CONTACT, FAULTY, FRACTURE, field_times, fields_difference, fields_fault, finish_within,
-                          kill, log_of, long, largest_difference, rows, start, wait_for, with_mesh)
-from _runs import check, finish, require
+                          kill, log_of, largest_difference, rows, start, wait_for, with_mesh)
+from _runs import check, finish, long, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 200 if long() else 6))
 seed = int(os.environ.get("IMPACT_SEED", random.randrange(10**6)))

@@ -1,6 +1,7 @@
 # labels: run
 # processors: 2
 # timeout: 180
+# long: 1800
 """R1 for the field output: a run that is killed at a call that writes, syncs or renames one of its files loses at most the
 time that is being written. The times before stay readable and right; after -restart auto every time is there once, with
 the values of an undisturbed run, and no file beside those that the .xdmf names. Tried at every call of one output after a
@@ -10,9 +11,9 @@ import os
 import re
 import shutil
 
-from _reliability import (FAULTY, FRACTURE, field_times, fields_difference, fields_fault, finish_within, long, start,
+from _reliability import (FAULTY, FRACTURE, field_times, fields_difference, fields_fault, finish_within, start,
                           with_mesh)
-from _runs import check, finish, require
+from _runs import check, finish, long, require
 
 OPTIONS = {**with_mesh(FRACTURE), "ts_dt": 0.1, "ts_max_time": 0.4, "checkpoint_every": 2, "output_vis_every": 1,
            "restart": "auto"}

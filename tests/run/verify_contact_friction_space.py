@@ -1,6 +1,7 @@
 # labels: run
 # timeout: 300
 # processors: 1
+# long: 900
 """Coulomb friction in space: a block that slides along no edge of the mesh on a rigid plane or on a block of another
 mesh is braked against its velocity and stops after v^2/(2 mu g); on a slope it stays below mu and
 slides above with g (sin - mu cos); a block led along a circle loses mu N times the way; a rigid plane drawn along a block
@@ -11,9 +12,9 @@ import os
 
 import numpy
 from _fields import Fields
-from _runs import check, check_between, finish, mesh, require, run
+from _runs import check, check_between, finish, long, mesh, require, run
 
-LONG = "IMPACT_LONG" in os.environ  # all enforcements, meshes, slopes and numbers of ranks
+LONG = long()  # all enforcements, meshes, slopes and numbers of ranks
 ENFORCEMENTS = ("penalty", "auglag", "semismooth") if LONG else ("semismooth",)
 MU, G, V = 0.3, 10.0, 1.0
 RHO, E = 1000.0, 1e8
@@ -105,10 +106,10 @@ SLAB = {
     "measures": "place", "measure_place_on": "upper", "measure_place_fields": "u", "measure_place_of": "mean",
 }
 SLABS = {"dual, hexahedra": {"contact_face_multipliers": "dual"},
-         "tetrahedra of second order": {"order": 2, **POINTS, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1},
          "hexahedra of second order, mortar": {"order": 2, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1}}
 if LONG:
-    SLABS |= {"standard, tetrahedra": {"contact_face_multipliers": "standard", "mesh_set_simplices_upper": 1},
+    SLABS |= {"tetrahedra of second order": {"order": 2, **POINTS, "mesh_set_simplices_lower": 1, "mesh_set_simplices_upper": 1},
+              "standard, tetrahedra": {"contact_face_multipliers": "standard", "mesh_set_simplices_upper": 1},
               "hexahedra of second order": {"order": 2, **POINTS, "mesh_set_n_lower": 2, "mesh_set_n_upper": 1},
               "serendipity": {"order": 2, **POINTS, "mesh_serendipity": 1}}
 for kind, extra in SLABS.items():

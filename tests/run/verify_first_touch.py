@@ -10,9 +10,9 @@ import math
 
 from _runs import check, check_between, finish, mesh, require, run
 
-RADIUS, WALL, LENGTH, YIELD = 25, 3, 30, 250
+RADIUS, WALL, LENGTH, YIELD = 25, 3, 15, 250
 TUBE = {
-    "mesh": mesh("pressed_tube.geo"), "order": 2, "units": "mm_t_s_MPa", "materials": "tube", "material_tube_model": "j2",
+    "mesh": mesh("pressed_tube.geo"), "mesh_set_length": LENGTH, "order": 2, "units": "mm_t_s_MPa", "materials": "tube", "material_tube_model": "j2",
     "material_tube_E": 200e3, "material_tube_nu": 0.3, "material_tube_sigma_y": YIELD,
     "bcs": "left,low,ends", "bc_left_on": "left", "bc_left_ux": 0, "bc_low_on": "low", "bc_low_uy": 0, "bc_ends_on": "ends", "bc_ends_uz": 0,
     "contacts": "plate", "contact_plate_secondary": "skin", "contact_plate_primary": "plane", "contact_plate_plane_normal": "0,-1,0",

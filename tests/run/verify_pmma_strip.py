@@ -1,4 +1,4 @@
-# labels: run
+# labels: run long
 # timeout: 240
 """A strip of PMMA, stretched statically and let go (options/pmma_strip*.opts), smaller than there: the crack waits for nothing, is
 slower than Rayleigh's waves, takes no less than Gc per length, and energy is kept from the static state on."""

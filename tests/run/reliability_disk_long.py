@@ -1,8 +1,0 @@
-# labels: run long
-# timeout: 3600
-"""The long form of reliability_disk.py: a full disk at every call of the first checkpoint."""
-import os
-import runpy
-
-os.environ["IMPACT_LONG"] = "1"
-runpy.run_path(os.path.join(os.path.dirname(os.path.abspath(__file__)), "reliability_disk.py"), run_name="__main__")

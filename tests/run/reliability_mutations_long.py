@@ -1,8 +1,0 @@
-# labels: run long
-# timeout: 3600
-"""The long form of reliability_mutations.py."""
-import os
-import runpy
-
-os.environ["IMPACT_LONG"] = "1"
-runpy.run_path(os.path.join(os.path.dirname(os.path.abspath(__file__)), "reliability_mutations.py"), run_name="__main__")
