@@ -311,15 +311,21 @@ bool MotionSolver::has_second_way() const {
 
 // Where points close or open, or volume changes its sign in a crack, Newton may jump to and fro between two
 // states however small the step. Backtracking does not let the residual rise, so it leaves such a cycle. An
-// active set that does not come to rest: multipliers outside Newton's method do not change it.
+// active set that does not come to rest: multipliers outside Newton's method do not change it. Where friction
+// alone holds bodies the norm has minima that are no solutions, and the way goes down the slope.
 SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   const std::string first = line_search_of(snes_);
   const SNESLineSearch search = Get(SNESGetLineSearch)(snes_);
+  const ContactDemands demands = motion_.contacts().demands();
+  const bool down_the_slope = !loose_.empty() && demands.frictional && !demands.closes_gaps;
   for (ContactInterface& contact : motion_.contacts()) contact.fall_back();
   begin_again(u);
   reuse_.forget();
-  check(SNESLineSearchSetType(search, SNESLINESEARCHBT));
+  check(SNESLineSearchSetType(search, down_the_slope ? slope_search_type : SNESLINESEARCHBT));
+  if (down_the_slope) set_shortest_step(snes_, 0.1);
+  hooks_.conduct.follows_sliding = down_the_slope;
   const SNESConvergedReason reason = newton(u, most);
+  hooks_.conduct.follows_sliding = false;
   check(SNESLineSearchSetType(search, first.c_str()));
   return reason;
 }

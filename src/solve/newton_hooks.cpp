@@ -128,7 +128,7 @@ void NewtonHooks::after_step(SNESLineSearch search, Vec x, Vec y, Vec w, PetscBo
   if (conduct.patience > 0) watch_.note_step(part_of(x, y, w));
   motion_.foretell(x, w);
   if (!demands.closes_gaps && !rigid && !demands.frictional && loose_.empty()) return;
-  if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1) {
+  if (const double part = loose_.empty() ? 1 : loose_.part_of(y); part < 1 && part < part_of(x, y, w)) {
     check(VecWAXPY(w, -part, y, x));
     *changed = PETSC_TRUE;
   }
