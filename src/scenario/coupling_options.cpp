@@ -55,7 +55,8 @@ void add_passes(std::vector<OptionRow<Scenario>>& rows) {
              "passes end when the temperature changes less than this part of its largest value, where a "
              "material expands with it")
       .otherwise("-coupling_snes_atol")
-      .idle([](const Scenario& s) { return !s.has_heat(); }, "no temperature is solved for");
+      .idle([](const Scenario& s) { return s.has_damage() && !s.has_heat(); },
+            "no temperature is solved for");
   row.flag("coupling_error", &Coupling::report_error,
            "column coupling_error: nodal forces that the phi and theta of the end of a step would change, "
            "over those that the last pass balanced; costs one residual in a step");
@@ -63,6 +64,10 @@ void add_passes(std::vector<OptionRow<Scenario>>& rows) {
       "coupling_relaxation", &Coupling::relaxation,
       "what the next pass starts from: phi extrapolated along the last two passes (Aitken), or phi itself",
       "aitken", PassRelaxation::aitken, "none", PassRelaxation::none);
+  for (OptionRow<Scenario>& each : rows)
+    if (each.name.starts_with("coupling_"))
+      each.idle([](const Scenario& s) { return !s.has_damage() && !s.has_heat(); },
+                "neither damage nor a temperature is solved for");
 }
 
 /// Order of a scalar field, which cannot exceed that of the cells.

@@ -166,12 +166,14 @@ bool does_not_flow(const Material& m, const Scenario& s) {
   return s.has_motion() && m.law.model == Model::elastic;
 }
 
+bool conducts_nothing(const Material& m) { return m.law.conductivity == 0; }
 bool feels_no_heat(const Material& m, const Scenario& s) {
   return s.solves("heat") && !m.has_capacity() && !is_rigid(m);
 }
 
 void add_heat(MaterialRows& rows) {
-  const std::string cold = "<>c_v is not given, and no temperature is solved for";
+  const std::string cold = "<>c_v is not given, and no temperature is solved for",
+                    insulating = "<>conductivity is 0";
   Rows row(rows, RestartKey::guarded, &Material::law);
   row.number("taylor_quinney", &Law::taylor_quinney, "1 chi", fraction,
              "part of the plastic work that is dissipated")
@@ -202,11 +204,14 @@ void add_heat(MaterialRows& rows) {
   row.choice("conduction", &Law::conduction,
              "heat flux isotropic where the body is now, or in the reference body (the paper's)", "spatial",
              Conduction::spatial, "material", Conduction::material)
-      .notation("(63)");
+      .notation("(63)")
+      .idle(feels_no_heat, cold)
+      .idle(conducts_nothing, insulating);
   row.choice("gtheta", &Law::gtheta, "degradation of the conductivity by damage: g_e1 or 1", "ge",
              ConductionDegradation::ge, "one", ConductionDegradation::one)
       .notation("g_theta (63)")
-      .idle(feels_no_heat, cold);
+      .idle(feels_no_heat, cold)
+      .idle(conducts_nothing, insulating);
   Rows(rows)
       .number("alpha_t", &Material::alpha_t, "1/K alpha_t (46)", any_number, "thermal expansion")
       .barred(of_state, ": follows from <>eos_gamma; remove it")
