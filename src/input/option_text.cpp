@@ -171,8 +171,10 @@ std::string number_or_word(double value, const NumberWords& words) {
 OptionKind<double> number_kind(const std::string& unit, const AllowedNumbers& allowed, double fallback) {
   const Interval range = allowed.range;
   NumberWords words = allowed.words;
-  if (words.empty() && !range.contains(fallback)) words = {{"", fallback}};
+  const bool may_be_absent = words.empty() && !range.contains(fallback);
+  if (may_be_absent) words = {{"", fallback}};
   const auto read = [=](const GivenOption& option, const OptionContext& context) {
+    if (may_be_absent && option.text == "none") return fallback; // takes back what a file asks for
     return read_number(option, unit, range, words, context.units);
   };
   return {words.empty() ? "" : words[0].first, range, read,

@@ -108,10 +108,10 @@ Simulation::Simulation(RunStage& stage, const std::optional<Checkpoint>& resume,
   snapshot_.u = stage.u;
   report_solvers(stage);
   std::vector<SNES> solvers;
-  if (s_.has_motion()) solvers.push_back(stage.coupling.motion_solver().snes());
+  if (s_.has_motion() && !s_.explicit_steps()) solvers.push_back(stage.coupling.motion_solver().snes());
   if (stage.damage) solvers.push_back(stage.damage->snes());
   if (stage.heat) solvers.push_back(stage.heat->snes());
-  tell_idle_options(s_, solvers);
+  tell_idle_options(comm_, s_, solvers);
   const HistoryFile::Row columns = history_.row(snapshot_, {});
   stops_.check_names(columns);
   if (!s_.dry_run) open(resume, columns);

@@ -14,19 +14,23 @@ namespace {
 
 // Contacts that are there no more let go (-restart_allow contacts), and conditions come and go (bcs), the
 // heat that passed them with them.
-void allow_other_conditions(const Scenario& scenario, const StateTable& state, const std::string& rows,
+// True if a contact of the run before is not in this one.
+bool allow_other_conditions(const Scenario& scenario, const StateTable& state, const std::string& rows,
                             OtherRows& others) {
+  bool lets_go = false;
   std::istringstream lines(rows);
   for (std::string line; std::getline(lines, line);) {
     const std::string row = line.substr(0, line.find(" ("));
-    if (row.starts_with("bc_") ||
-        (row.starts_with("contact_") && std::ranges::none_of(scenario.contacts, [&](const auto& contact) {
-           return row.starts_with("contact_" + contact.id + "_");
-         })))
-      others.in_vain.push_back(row);
+    const bool of_lost_contact =
+        row.starts_with("contact_") && std::ranges::none_of(scenario.contacts, [&](const auto& contact) {
+          return row.starts_with("contact_" + contact.id + "_");
+        });
+    lets_go = lets_go || of_lost_contact;
+    if (row.starts_with("bc_") || of_lost_contact) others.in_vain.push_back(row);
   }
   for (const auto& row : state.rows())
     if (row->name.starts_with("bc_")) others.lacking.push_back(row->name);
+  return lets_go;
 }
 
 bool conserves(const Scenario& s) {
@@ -133,13 +137,21 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
     for (const char* name : {"u", "v", "a", "mean_rate", "history", "drive", "force_internal",
                              "force_external", "force_contact", "force_inertia"})
       state.row(name).rewritten = true;
-  for (const ContactInterface& contact : setup->contacts)
-    if (coupling.stabilised() && between_rigid_sides(*setup, contact.settings()))
+  for (const ContactInterface& contact : setup->contacts) {
+    if (!inertia || s.explicit_steps() || !between_rigid_sides(*setup, contact.settings())) continue;
+    if (coupling.stabilised())
       throw UserError(ExitCode::usage,
                       "-contact_" + contact.id() +
                           "_impact: the contact-stabilised update leaves the speed of what touches to its "
                           "stress, and both sides of this contact are rigid; take -contact_" +
                           contact.id() + "_impact conserving, or none for every contact");
+    if (contact.demands().closes_gaps)
+      throw UserError(
+          ExitCode::usage,
+          "-contact_" + contact.id() +
+              "_enforce semismooth: multipliers close the gap within a step, and give bodies that "
+              "cannot yield any speed by that; take penalty, as this contact has by default");
+  }
   set_time_options(ts);
   if (const Integrator& p = integrator_of(ts);
       inertia && conserves(s) && (p.alpha_m != 1 || p.beta != 0.25 || p.gamma != 0.5))
@@ -173,7 +185,8 @@ void RunStage::set_state(const Checkpoint* resume) {
                             {"stable_step", "damage_wait", "eroded", "erosion_totals", "patch_scale"});
       others.in_vain.insert(others.in_vain.end(), {"stable_step", "damage_wait"});
     }
-    allow_other_conditions(scenario, state, resume->rows, others);
+    const bool lets_go = allow_other_conditions(scenario, state, resume->rows, others);
+    other_forces = other_scheme || (lets_go && inertia);
     read_checkpoint(*resume, {d.mesh, d.groups, state}, others);
     time = resume->values.time;
     enter_or_leave_path(*resume);
@@ -224,7 +237,7 @@ void RunStage::start() {
 }
 
 void RunStage::resume() {
-  if (other_scheme) {
+  if (other_forces) {
     const Handle<Vec> contact = d.displacement.make_global();
     for (ContactInterface& touch : setup->contacts) touch.carry_force();
     setup->contacts.add_carried(-1, contact);

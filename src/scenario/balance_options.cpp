@@ -8,10 +8,11 @@ namespace impact {
 
 namespace {
 
-constexpr const char* duration_form = "seconds, m:ss or h:mm:ss";
+constexpr const char* duration_form = "seconds, m:ss, h:mm:ss or none";
 
 /// Seconds of "3:50:00", "50:00" or "3000"; nothing else. Minutes and seconds behind a colon are below 60.
 double read_duration(const GivenOption& option) {
+  if (option.text == "none") return 0;
   double seconds = 0;
   std::istringstream parts(option.text);
   int count = 0;

@@ -133,7 +133,7 @@ void add_penalties(ContactRows& rows) {
              "-ts_dt_cfl leaves, of 0.8 to 0.9, has room for: bodies enter each other, by a part of their "
              "strain that finer cells make less; a stiffer one takes shorter steps by itself, and impulses "
              "(_enforce) let nothing in");
-  row.number("penalty_increment", &Contact::penalty_increment, "N/m^3", or_auto(not_negative),
+  row.number("penalty_increment", &Contact::penalty_increment, "N/m^3", or_auto(positive),
              "added when the penalty grows; auto: the starting penalty, or four times its automatic value "
              "from a start below that");
   row.number("penalty_max", &Contact::penalty_max, "N/m^3", or_auto(positive),

@@ -67,7 +67,9 @@ void add_passes(std::vector<OptionRow<Scenario>>& rows) {
   for (OptionRow<Scenario>& each : rows)
     if (each.name.starts_with("coupling_"))
       each.idle([](const Scenario& s) { return !s.has_damage() && !s.has_heat(); },
-                "neither damage nor a temperature is solved for");
+                "neither damage nor a temperature is solved for")
+          .idle([](const Scenario& s) { return s.explicit_steps() && (s.has_damage() || s.has_heat()); },
+                "explicit steps pass once");
 }
 
 /// Order of a scalar field, which cannot exceed that of the cells.
@@ -77,12 +79,21 @@ OptionRow<Scenario>& order_of_field(OptionRow<Scenario>& row, int (*order)(const
                      "is more than that of the cells; allowed: 1, or -order 2");
 }
 
+bool damages_at_once(const Scenario& s) {
+  return std::ranges::any_of(s.materials, [](const MaterialScenario& m) {
+    return m.law.damage != Damage::none && !std::isfinite(m.law.c);
+  });
+}
+
 void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
   Rows row(rows, RestartKey::guarded, &Scenario::damage);
   row.choice("damage_form", &DamageScenario::form,
              "damage equation as it stands, or divided by its rate coefficient (the paper's)", "multiplied",
              DamageForm::multiplied, "divided", DamageForm::divided)
-      .notation("(111)");
+      .notation("(111)")
+      .refused([](const Scenario& s) { return s.damage.form == DamageForm::divided && damages_at_once(s); },
+               "divides by a rate, and without one damage is in balance at once; give each material that "
+               "damages a finite -material_<id>_c");
   order_of_field(
       row.count("damage_order", &DamageScenario::order, 1,
                 "order of phi: 1 on cells of second order takes the mean of the corners in the middles", 2),
@@ -105,11 +116,7 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
          "as many sub-steps as are stable, at most so many; nodes for which they are too long follow more "
          "slowly, and the log tells what part of its growth that takes; their method is "
          "-damage_ts_type euler, the default, or ssp; 0: the equation is solved")
-      .refused(by_rate([](const Scenario& s) {
-                 return std::ranges::any_of(s.materials, [](const MaterialScenario& m) {
-                   return m.law.damage != Damage::none && !std::isfinite(m.law.c);
-                 });
-               }),
+      .refused(by_rate(damages_at_once),
                "without a rate damage is in balance at once; give each material that damages a finite "
                "-material_<id>_c")
       .refused(by_rate([](const Scenario& s) {

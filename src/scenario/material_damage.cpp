@@ -116,6 +116,11 @@ void refuse_where_toughness_is_one(OptionRow<Material>& row, When when, const st
 /// A file with two columns, of the rate of strain or the temperature and of a factor on Gc.
 void read_factors(const GivenOption& option, const OptionContext& context, std::string& path,
                   std::function<double(double)>& factor, const std::string& first) {
+  if (option.text == "none") {
+    path.clear();
+    factor = {};
+    return;
+  }
   path = find_input_file(context.comm, option);
   const std::string text = read_input_file(context.comm, option, path);
   try {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <impact/input/database.hpp>
 #include <impact/input/known_options.hpp>
 #include <impact/input/option_text.hpp>
 #include <impact/petsc/bounded_newton.hpp>
@@ -216,9 +217,30 @@ std::vector<const char*> idle_names(SNES snes) {
   return names;
 }
 
+void tell(MPI_Comm comm, bool strict, const std::string& who, const std::vector<std::string>& idle) {
+  if (idle.empty()) return;
+  const std::string text = who + " " + join(idle);
+  if (strict) throw UserError(ExitCode::usage, text + " (-options_strict); remove it");
+  check(PetscPrintf(comm, "impact: %s: without effect\n", text.c_str()));
+}
+
+/// What is given of the solution of the motion, which explicit steps do not need, and of how other steps
+/// grow.
+std::vector<std::string> idle_in_explicit_steps() {
+  std::vector<std::string> idle;
+  for (const std::string& name : option_names()) {
+    const std::string lower = lower_case(name);
+    const auto begins = [&](const char* with) { return lower.starts_with(with); };
+    if ((begins("motion_") || begins("uzawa_") || begins("ts_adapt_grow") || begins("ts_adapt_easy_")) &&
+        option_text(name))
+      idle.push_back("-" + name);
+  }
+  return idle;
+}
+
 } // namespace
 
-void tell_idle_options(const Scenario& s, const std::vector<SNES>& solvers) {
+void tell_idle_options(MPI_Comm comm, const Scenario& s, const std::vector<SNES>& solvers) {
   std::vector<std::string> idle;
   for (SNES snes : solvers) {
     const char* prefix = nullptr;
@@ -226,11 +248,10 @@ void tell_idle_options(const Scenario& s, const std::vector<SNES>& solvers) {
     for (const char* name : idle_names(snes))
       if (option_text(std::string(prefix) + name)) idle.push_back(std::string("-") + prefix + name);
   }
-  if (idle.empty()) return;
-  const std::string text = "the solvers that this run chose do without " + join(idle);
-  if (s.strict) throw UserError(ExitCode::usage, text + " (-options_strict); remove it");
-  check(PetscPrintf(PetscObjectComm(reinterpret_cast<PetscObject>(solvers.front())),
-                    "impact: %s: without effect\n", text.c_str()));
+  tell(comm, s.strict, "the solvers that this run chose do without", idle);
+  if (s.explicit_steps())
+    tell(comm, s.strict, "explicit steps, which solve no equation of motion, do without",
+         idle_in_explicit_steps());
 }
 
 UnreadOptions::UnreadOptions(MPI_Comm comm, const Scenario& s) : comm_(comm), strict_(s.strict) {

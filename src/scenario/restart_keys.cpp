@@ -49,17 +49,26 @@ std::string bare(const std::string& entry) {
   return lower_case(entry.starts_with("-") ? entry.substr(1) : entry);
 }
 
-/// What an entry may be: guarded options, those of one material, condition or contact by their common
-/// beginning.
-std::string allowed_entries(const std::vector<std::string>& names) {
+/// What an entry may be: options, those of one material, condition or contact by their common beginning.
+std::vector<std::string> entries_of(const std::vector<std::string>& names) {
   std::set<std::string> entries;
   for (const std::string& name : names) {
-    if (restart_key(name) != RestartKey::guarded) continue;
     bool one_of_many = false;
     for_each_class([&](const auto& table) { one_of_many |= name.starts_with(table.word + "_"); });
     entries.insert(one_of_many ? name.substr(0, name.find('_', name.find('_') + 1)) : name);
   }
-  return join({entries.begin(), entries.end()});
+  return {entries.begin(), entries.end()};
+}
+
+std::string allowed_entries(std::vector<std::string> names) {
+  std::erase_if(names, [](const std::string& name) { return restart_key(name) != RestartKey::guarded; });
+  return join(entries_of(names));
+}
+
+/// Initial conditions are for the start, but for velocities of what was at rest.
+bool begins_with_inertia(const Changes& changes) {
+  const auto type = changes.find("ts_type");
+  return type != changes.end() && type->second.before == "static" && type->second.now != "static";
 }
 
 void check_entries(const std::vector<std::string>& allow, const Changes& changes) {
@@ -96,7 +105,7 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
   collect(stored, &Change::before, changes);
   collect(now, &Change::now, changes);
   check_entries(allow, changes);
-  std::vector<std::string> notes, refused, names;
+  std::vector<std::string> notes, refused, names, come_or_gone;
   for (const auto& [key, change] : changes) {
     const RestartKey kind = restart_key(key);
     if (kind == RestartKey::free || !is_changed(key, change)) continue;
@@ -111,12 +120,15 @@ std::vector<std::string> check_restart_options(const std::string& stored, const 
           return covers(bare(entry), lower_case(name)) ||
                  (bare(entry) == "ts_type" && name.starts_with("ts_"));
         })) {
-      notes.push_back("restart with a changed option: -" + key + " " + said);
+      const bool idle = (key == "ics" || key.starts_with("ic_")) && !begins_with_inertia(changes);
+      notes.push_back("restart with a changed option: -" + key + " " + said +
+                      (idle ? ": without effect, for the state is that of the checkpoint" : ""));
     } else {
       refused.push_back("-" + key + ": " + said);
-      names.push_back(key);
+      (change.before && change.now ? names : come_or_gone).push_back(key);
     }
   }
+  std::ranges::copy(entries_of(come_or_gone), std::back_inserter(names));
   if (!refused.empty())
     throw UserError(ExitCode::usage, join(refused, "; ") + " in checkpoint " + checkpoint +
                                          "; the physics of a run changes on restart only with "

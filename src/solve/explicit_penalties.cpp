@@ -149,25 +149,33 @@ void ExplicitContact::report_multipliers(Vec u) const {
   }
 }
 
-// By the range of the velocities along each axis over both sides: what flies with both does not count.
+// By how far velocities lie from the middle of the means of both sides: what flies with both does not count,
+// and bodies that turn close as fast whatever the axes.
 double ExplicitContact::closing(const ContactInterface& contact, const std::vector<double>& v) const {
   const Mesh& mesh = motion_.discretisation().mesh;
   if (contact.settings().rigid()) return 0; // seen at any depth
   const auto dim = at(mesh.dim());
-  std::array<double, 6> most;
-  most.fill(-HUGE_VAL);
-  for (const std::string& side : {contact.settings().secondary, contact.settings().primary})
-    for (int node : mesh.nodes(side))
+  const std::array<std::string, 2> sides = {contact.settings().secondary, contact.settings().primary};
+  std::array<double, 8> sums{}; // of the velocities of each side, and how many there are
+  for (std::size_t s = 0; s < 2; ++s)
+    for (int node : mesh.nodes(sides[s])) {
+      if (!mesh.owned(node)) continue;
+      for (std::size_t k = 0; k < dim; ++k) sums[4 * s + k] += v[dim * at(node) + k];
+      sums[4 * s + 3] += 1;
+    }
+  sum_over_ranks(mesh.comm(), sums);
+  double most = 0;
+  for (const std::string& side : sides)
+    for (int node : mesh.nodes(side)) {
+      double square = 0;
       for (std::size_t k = 0; k < dim; ++k) {
-        const double speed = v[dim * at(node) + k];
-        most[2 * k] = std::max(most[2 * k], speed);
-        most[2 * k + 1] = std::max(most[2 * k + 1], -speed);
+        const double middle = (sums[k] / sums[3] + sums[4 + k] / sums[7]) / 2,
+                     apart = v[dim * at(node) + k] - middle;
+        square += apart * apart;
       }
-  max_over_ranks(mesh.comm(), most);
-  double square = 0;
-  for (std::size_t k = 0; k < dim; ++k)
-    square += (most[2 * k] + most[2 * k + 1]) * (most[2 * k] + most[2 * k + 1]);
-  return std::sqrt(square) / contact.search().range();
+      most = std::max(most, square);
+    }
+  return 2 * std::sqrt(max_over_ranks(mesh.comm(), most)) / contact.search().range();
 }
 
 double ExplicitContact::closing(const std::vector<double>& v) const {

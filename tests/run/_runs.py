@@ -117,8 +117,9 @@ def _audit_energy(name, run):
     Newton's method leaves does next to no work. Runs with contact that starts from an overlap are let off: it pushes the bodies apart."""
     if "balance" not in run.history or not len(run["time"]) or not numpy.isfinite(run["balance"]).all():
         return
-    def column(*names):
-        return sum((run[c] for c in names if c in run.history), numpy.zeros(len(run["time"])))
+    def column(*names):  # contact may have come, or gone, at a restart
+        return sum((numpy.nan_to_num(run[c]) if c.endswith("_contact") else run[c] for c in names if c in run.history),
+                   numpy.zeros(len(run["time"])))
     energy = column("energy_kinetic", "energy_elastic", "energy_plastic", "energy_fracture", "energy_thermal", "energy_contact")
     largest = max(abs(energy).max(), abs(column("work_external")).max(), 1e-300)
     wrong = [("balance", abs(run["balance"]).max(), 1e-10)]

@@ -77,6 +77,8 @@ said = attempt("changed", {"restart": "auto", "restart_allow": "material_lower_G
                            "material_lower_Gc": 60}, 0)
 require(f"guarded and allowed: {said[:1]}", any("-material_lower_Gc" in line and "60" in line for line in said))
 said = attempt("changed", {"restart": "auto", "material_lower_Gc": 60}, 0)
+late = attempt("changed", {"restart": "auto", "material_lower_Gc": 60, "ic_flight_vx": 0.4, "restart_allow": "ic_flight"}, 0)
+require("initial conditions at a restart are told", any("-ic_flight_vx" in line and "without effect, for the state is" in line for line in late))
 require("the change is part of the later checkpoints", not any("material_lower_Gc" in line for line in said))
 
 # R7: twice in one file.

@@ -238,6 +238,34 @@ flat = run("flat", {"ts_type": "central_difference", "mesh": mesh("block.geo"), 
 require("a step that falls to a hundredth is told of once, with the cell and a remedy", len(re.findall(
     r"the stable step has fallen to .* by the cell at x=\(0.[27]5,0.[27]5\) in material solid: .*-material_<id>_erosion", flat.log)) == 1)
 
+print("bodies that cannot yield")
+# One that turns as it strikes: the automatic penalty is the same whatever the axes.
+SPIN, FALL, GAP = 20, -4, 0.02
+ends = []
+for angle in 0, 37:
+    c, s = numpy.cos(numpy.radians(angle)), numpy.sin(numpy.radians(angle))
+    ends.append(run(f"spins_{angle}", {
+        **EXPLICIT, "mesh": mesh("two_blocks.geo"), "mesh_set_n_lower": 4, "mesh_set_n_upper": 3, "mesh_set_gap": GAP, "mesh_set_inset": 0.1,
+        "mesh_set_angle": angle, "materials": "lower,upper", "material_lower_E": 1e7, "material_lower_nu": 0.3, "material_lower_rho": 1000,
+        "material_upper_model": "rigid", "material_upper_rho": 2000, "contacts": "hit", "contact_hit_secondary": "lower_top",
+        "contact_hit_primary": "upper_bottom", "ics": "fly", "ic_fly_on": "upper",
+        "ic_fly_vx": f"{3 * c - FALL * s!r} - {SPIN}*(y - {0.5 * s + (1.5 + GAP) * c!r})",
+        "ic_fly_vy": f"{3 * s + FALL * c!r} + {SPIN}*(x - {0.5 * c - (1.5 + GAP) * s!r})", "ts_max_time": 0.02}))
+check("a rigid block that spins, axes turned by 37 degrees: largest pressure", ends[1]["contact_hit_pressure_max"].max(),
+      ends[0]["contact_hit_pressure_max"].max(), 1e-9)
+check("its energy", ends[1]["energy_kinetic"][-1], ends[0]["energy_kinetic"][-1], 1e-9)
+RIGID = {**{k: v for k, v in BODY.items() if not k.startswith("material_solid")}, "material_solid_model": "rigid", "material_solid_rho": RHO,
+         "contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane", "contact_floor_plane_point": "0,-0.001",
+         "contact_floor_penalty": 1e8, "ics": "fall", "ic_fall_on": "solid", "ic_fall_vy": "0 - 1", "ts_max_time": 0.02}
+r = run("rebounds", RIGID)
+check("a rigid block on a rigid plane rebounds with its energy", r["energy_kinetic"][-1] / r["energy_kinetic"][0], 1, 1e-3)
+
+print("what it does without is told")
+r = run("told", {**BODY, "ts_max_time": 0.01, "motion_ksp_type": "cg", "motion_snes_rtol": 1e-3, "motion_tangent": "symmetric",
+                 "uzawa_snes_max_it": 3, "ts_adapt_grow": 2})
+require("options of equations that it does not solve", "explicit steps, which solve no equation of motion, do without -motion_ksp_type, "
+        "-motion_snes_rtol, -motion_tangent, -ts_adapt_grow, -uzawa_snes_max_it: without effect" in r.log)
+
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({**FLOOR, "contact_floor_enforce": "semismooth"}, ["-contact_floor_enforce", "penalty"]),

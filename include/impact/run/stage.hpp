@@ -69,6 +69,7 @@ struct RunStage {
   Handle<Vec> u, v, a;
   Handle<Vec> before;        ///< work space of `accept`
   bool other_scheme = false; ///< the checkpoint is of a run with another -ts_type
+  bool other_forces = false; ///< or of one with contacts that are no more: accelerations jump
 };
 
 } // namespace impact

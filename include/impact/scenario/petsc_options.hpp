@@ -15,7 +15,7 @@ bool asks_for_damped_steps();
 
 /// Tells which options the solvers of the fields read and have no use for, as a direct solver has for
 /// `-motion_ksp_rtol`; throws UserError(usage) with -options_strict. Collective.
-void tell_idle_options(const Scenario& scenario, const std::vector<SNES>& solvers);
+void tell_idle_options(MPI_Comm comm, const Scenario& scenario, const std::vector<SNES>& solvers);
 
 /// Options that nothing reads. Their names are right (check_option_names), so that only a solve tells which
 /// of them it had a use for: `-motion_pc_gamg_threshold` has none beside `-motion_pc_type lu`, a level's
