@@ -10,8 +10,6 @@ namespace {
 
 // Where less of a weight than this part is covered, sides do not meet.
 constexpr double least_common_part = 1e-6;
-// Least covered part of a weight that the linear solves make up for.
-constexpr double least_cover = 1e-3;
 
 } // namespace
 
@@ -150,12 +148,12 @@ void MortarForm::visit(const ContactValues& of_nodes, Derivatives derivatives,
         }
       }
     }
-    if (std::abs(cover) <= rounded_part * owner.weight) continue;
+    if (std::abs(cover) <= least_cover * owner.weight) continue;
     c.slides = slip_nodes(owner, place_of);
     gradient.resize(d * node.size(), 0.0);
     c.gap /= c.weight;
     c.stretch = area / c.weight;
-    c.cover = std::max(std::abs(cover) / owner.weight, least_cover);
+    c.cover = std::abs(cover) / owner.weight;
     c.node = node;
     c.share = share;
     if (with_gradient) c.gradient = gradient;

@@ -183,6 +183,9 @@ private:
   std::vector<int> covering(int facet, const ContactValues& x, const Facing& facing) const;
   MortarPair pair_at(int facet, int candidate, const ContactValues& u, bool with_gradient) const;
   Pieces pieces_at(const ContactValues& u, bool with_gradient) const;
+  // A node of whose weight less faces something bears nothing. Where a body comes to lie over an end of the
+  // other one that is next to nothing at first, and no pressure there closes a gap in a step with inertia.
+  static constexpr double least_cover = 0.01;
   // What rounding covers of a weight where edges lie on each other.
   static constexpr double rounded_part = 1e-10;
   static bool is_covered(const Node& owner, const Pieces& pieces);
