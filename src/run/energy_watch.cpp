@@ -16,6 +16,11 @@ constexpr double shrinks = 0.9; // of what it was, an error that grows small bes
 
 enum : std::size_t { warns, stops }; // the bounds
 
+// There the trapezoidal work of a step in which much of a body damages is too small, and no sign of anything.
+bool damages_in_cycles(const RunStage& stage) {
+  return !stage.inertia && stage.d.has_damage() && stage.scenario.time.period > 0;
+}
+
 } // namespace
 
 EnergyWatch::EnergyWatch(RunStage& stage)
@@ -50,8 +55,9 @@ Verdict EnergyWatch::judge(double before, double t) {
   const bool must_close = stage_.inertia || residual > 0;
   if (past_stop && steps_beyond_.trial[stops] >= many_steps && must_close) {
     check(PetscPrintf(comm, "impact: %s\n", text(t, "energy_stop", s.energy_stop).c_str()));
-    throw UserError(ExitCode::solver, "stopped by -energy_stop: this is no solution; " + remedy() +
-                                          " (-energy_stop 0 goes on)");
+    throw UserError(ExitCode::solver, std::string("stopped by -energy_stop: ") +
+                                          (damages_in_cycles(stage_) ? "" : "this is no solution; ") +
+                                          remedy() + " (-energy_stop 0 goes on)");
   }
   if (!past_tol) return {};
   const std::string said = text(t, "energy_tol", s.energy_tol);
@@ -187,6 +193,11 @@ std::string EnergyWatch::step_remedy() const {
   if (!inertia && !gained && damage)
     return "likely a crack ran within a step, whose energy nothing takes up without inertia, or damage lags "
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
+  if (damages_in_cycles(stage_))
+    return "likely much of a body damaged within a step of a cycle, whose work the trapezoidal rule takes "
+           "from the "
+           "forces at both ends alone: take a shorter -ts_dt to tell; damage itself knows of no error, and "
+           "-energy_stop 0 lets two steps make a cycle";
   if (const std::string key = moved_at_start(stage_.scenario);
       !inertia && !gained && !key.empty() && stage_.scenario.ics.empty())
     return "likely because of " + key +

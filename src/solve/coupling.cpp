@@ -233,6 +233,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
   if (fields_.damage || fields_.heat || follows_failure)
     fields_.motion.discretisation().displacement.to_local(u, pass_.u);
   if (follows_failure) failure_pass(result);
+  if (path_ && result.inner >= 0) path_->find_power(fields_.motion, u);
   if (fields_.damage && result.inner >= 0 && damage_pass(result) && explicit_)
     explicit_->follow_damage(u, fields_.state.row("phi").trial);
   if (fields_.state.find("fatigue") && result.inner >= 0) fatigue_pass(result);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <impact/petsc/error.hpp>
 #include <impact/solve/path_control.hpp>
 
 namespace impact {
@@ -82,8 +83,32 @@ ScalarOutcome PathControl::solve(DamageProblem& damage, DamageStep step, std::ve
   }
   row_.trial = {load_, (load_ - start()) / dt_};
   change_ = std::abs(factor - 1);
-  load_ *= factor;
+  load_ *= std::pow(factor, 1 / power_);
   return sum;
+}
+
+// Of what is prescribed or of the forces, whichever grows more.
+void PathControl::find_power(MotionProblem& motion, Vec u) {
+  constexpr double part = 1e-3;
+  const FieldLayout& layout = motion.discretisation().displacement;
+  Handle<Vec> values = layout.make_global();
+  const MotionStep here = motion.step();
+  double size[2][2]; // [at the load, beyond it][of displacements, of forces]
+  for (int beyond = 0; beyond < 2; ++beyond) {
+    MotionStep step = here;
+    step.t = load_ * (1 + beyond * part);
+    motion.begin(step);
+    check(VecSet(values, 0));
+    motion.impose(values);
+    size[beyond][0] = Get(VecNorm)(values, NORM_2);
+    motion.loads(u, values);
+    size[beyond][1] = Get(VecNorm)(values, NORM_2);
+  }
+  motion.begin(here);
+  power_ = 0;
+  for (int k = 0; k < 2; ++k)
+    if (size[0][k] > 0) power_ = std::max(power_, std::log(size[1][k] / size[0][k]) / std::log(1 + part));
+  power_ = std::abs(power_ - 1) < 1e-6 ? 1 : std::clamp(power_, 0.25, 4.0);
 }
 
 } // namespace impact

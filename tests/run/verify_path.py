@@ -16,7 +16,7 @@ H = GAMMA / PER_GAMMA
 BEHIND = (numpy.ceil(numpy.pi / 2 * PER_GAMMA) + 1) * H  # a node beyond the widest band
 
 
-def pulled(name, length, ranks=1, **more):
+def pulled(name, length, ranks=1, grows="t", **more):
     """Half a bar that breaks at its held end, where a body force on a node behind the widest band takes a tenth of the load off. At
     s = 1 it bears its strength: s (stress at the held end) = N L/E + G_c/f_t (1 - N/f_t) over f_t L/E. Returns the run, s and N/f_t."""
     pull = (STRENGTH * length - RELIEF * (length - BEHIND)) / E
@@ -26,8 +26,8 @@ def pulled(name, length, ranks=1, **more):
         "material_solid_rho": 1e-9, "material_solid_damage": "wu", "material_solid_ge": "linear", "material_solid_strength": STRENGTH,
         "material_solid_Gc": GC, "material_solid_gamma": GAMMA, "material_solid_residual_stiffness": 0, "plane": "stress",
         "bcs": "x,y,pull,relief", "bc_x_on": "left", "bc_x_ux": 0, "bc_y_on": "bottom", "bc_y_uy": 0, "bc_pull_on": "right",
-        "bc_pull_ux": f"{pull}*t", "bc_relief_on": "solid", "bc_relief_type": "body_force",
-        "bc_relief_ux": f"(x>{BEHIND - H / 2} && x<{BEHIND + H / 2} ? {1e9 * RELIEF / H} : 0)*t", "ts_type": "static", "coupling_snes_atol": 1e-5,
+        "bc_pull_ux": f"{pull}*{grows}", "bc_relief_on": "solid", "bc_relief_type": "body_force",
+        "bc_relief_ux": f"(x>{BEHIND - H / 2} && x<{BEHIND + H / 2} ? {1e9 * RELIEF / H} : 0)*{grows}", "ts_type": "static", "coupling_snes_atol": 1e-5,
         **more}, ranks=ranks)
     load = run["load_parameter"] if "load_parameter" in run.history else run["time"]
     return run, load, -run["reaction_x_x"] / STRENGTH
@@ -63,6 +63,14 @@ for name, ranks, more, most in (("tried", 1, {"test_restep": 1}, 1e-8), ("two", 
     for column in ("load_parameter", "reaction_x_x", "energy_fracture"):
         runs.check(f"bar, {name}: {column} over its largest", abs(other[column] - whole[column]).max() / abs(whole[column]).max(), 0,
                    most, relative=False)
+
+# A load that grows otherwise than t is the same path; by t^2 passes took the load to and fro without end.
+squared, root, N = pulled("squared", LONG, grows="t^2", **{**PATH, "ts_max_time": 3.2})
+runs.check("bar, by the square of t: iterations", squared["newton"].sum(), whole["newton"].sum(), 0.1)
+back = numpy.arange(len(N)) > N.argmax()
+runs.check("bar, by the square of t: stress on the way back against the closed form", abs(N - closed_form(root**2, LONG))[back].max(), 0, 0.01,
+           relative=False)
+runs.require(f"bar, by the square of t: {back.sum()} steps back", back.sum() >= 8)
 
 # Where nothing snaps back, displacement control knows the curve too.
 SHORT = 20.0

@@ -1,6 +1,7 @@
 #pragma once
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/damage.hpp>
+#include <impact/problem/motion.hpp>
 #include <impact/time/types.hpp>
 
 /// Static steps that follow a crack (theory.md, 10, (P1)-(P3)): the conditions are written over a load
@@ -25,6 +26,9 @@ public:
   /// A try of a step begins.
   void begin(double dt);
 
+  /// How the conditions at the load of the motion go with it, as s^p: displacements by a factor f are those
+  /// of s f^(1/p). Collective.
+  void find_power(MotionProblem& motion, Vec u);
   /// Solves for phi as DamageProblem::solve does, of the step's displacement at the load of the motion scaled
   /// to the load that comes next, and finds that one: cracks take up the asked energy, unless the largest
   /// load of the step gives them less. Collective.
@@ -42,6 +46,7 @@ private:
   double load_ = 0;   // that the motion sees
   double change_ = 0; // |s/load - 1|
   double slope_ = 2;  // d ln D/d ln s, as the last search met it
+  double power_ = 1;  // d ln u/d ln s
 };
 
 } // namespace impact
