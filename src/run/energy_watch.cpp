@@ -195,9 +195,8 @@ std::string EnergyWatch::step_remedy() const {
            "behind: take smaller steps or more coupling passes (-coupling_snes_max_it) to tell";
   if (damages_in_cycles(stage_))
     return "likely much of a body damaged within a step of a cycle, whose work the trapezoidal rule takes "
-           "from the "
-           "forces at both ends alone: take a shorter -ts_dt to tell; damage itself knows of no error, and "
-           "-energy_stop 0 lets two steps make a cycle";
+           "from the forces at both ends alone: take a shorter -ts_dt to tell; damage itself knows of no "
+           "error, and -energy_stop 0 lets two steps make a cycle";
   if (const std::string key = moved_at_start(stage_.scenario);
       !inertia && !gained && !key.empty() && stage_.scenario.ics.empty())
     return "likely because of " + key +

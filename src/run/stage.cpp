@@ -108,6 +108,25 @@ template <class Problem, class... Given> std::optional<Problem> made_if(bool the
   return there ? std::optional<Problem>(std::in_place, std::forward<Given>(given)...) : std::nullopt;
 }
 
+// What stops bodies by their stress, or at once, has no use for two sides that cannot yield.
+void refuse_updates_of_rigid_sides(const Setup& setup, bool stabilised) {
+  for (const ContactInterface& contact : setup.contacts) {
+    if (!between_rigid_sides(setup, contact.settings())) continue;
+    const std::string of = "-contact_" + contact.id();
+    if (stabilised)
+      throw UserError(ExitCode::usage, of +
+                                           "_impact: the contact-stabilised update leaves the speed of what "
+                                           "touches to its stress, and both sides of this contact are rigid; "
+                                           "take " +
+                                           of + "_impact conserving, or none for every contact");
+    if (contact.demands().closes_gaps)
+      throw UserError(ExitCode::usage,
+                      of + "_enforce semismooth: multipliers close the gap within a step, and "
+                           "give bodies that cannot yield any speed by that; take penalty, as "
+                           "this contact has by default");
+  }
+}
+
 } // namespace
 
 StepRows::StepRows(StateTable& state)
@@ -137,21 +156,7 @@ RunStage::RunStage(MPI_Comm comm, const Scenario& s, std::optional<GmshFile> kep
     for (const char* name : {"u", "v", "a", "mean_rate", "history", "drive", "force_internal",
                              "force_external", "force_contact", "force_inertia"})
       state.row(name).rewritten = true;
-  for (const ContactInterface& contact : setup->contacts) {
-    if (!inertia || s.explicit_steps() || !between_rigid_sides(*setup, contact.settings())) continue;
-    if (coupling.stabilised())
-      throw UserError(ExitCode::usage,
-                      "-contact_" + contact.id() +
-                          "_impact: the contact-stabilised update leaves the speed of what touches to its "
-                          "stress, and both sides of this contact are rigid; take -contact_" +
-                          contact.id() + "_impact conserving, or none for every contact");
-    if (contact.demands().closes_gaps)
-      throw UserError(
-          ExitCode::usage,
-          "-contact_" + contact.id() +
-              "_enforce semismooth: multipliers close the gap within a step, and give bodies that "
-              "cannot yield any speed by that; take penalty, as this contact has by default");
-  }
+  if (inertia && !s.explicit_steps()) refuse_updates_of_rigid_sides(*setup, coupling.stabilised());
   set_time_options(ts);
   if (const Integrator& p = integrator_of(ts);
       inertia && conserves(s) && (p.alpha_m != 1 || p.beta != 0.25 || p.gamma != 0.5))

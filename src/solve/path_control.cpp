@@ -52,7 +52,7 @@ struct PathControl::Bracket {
 };
 
 ScalarOutcome PathControl::solve(DamageProblem& damage, DamageStep step, std::vector<double>& phi) {
-  const double target = asked(), largest = (start() + dt_) / load_,
+  const double target = asked(), largest = std::pow((start() + dt_) / load_, power_),
                before = damage.crack_energy(step, *step.phi_n);
   const std::vector<double> guess = phi;
   Bracket bracket;

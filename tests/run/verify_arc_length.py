@@ -1,5 +1,5 @@
 # labels: run
-# timeout: 120
+# timeout: 240
 """Static steps that follow bodies past limits of their load (theory.md, 10, (P4), (P5)): a deep arch through limit and snap-back
 against the elastica, its load against the published one; a rubber sphere under follower pressure and a bar that flows against closed
 forms; the same path by a prescribed displacement; restarts, refused tries, two ranks; refusals."""
