@@ -83,7 +83,8 @@ void add_crack(MaterialRows& rows) {
       .denied(tires_beyond_bounds, // its energy has a kink there
               "-damage_bounds \"{damage_bounds}\": lets the fatigue of <>fatigue_a drive phi beyond 1; "
               "allowed with fatigue: vi, clip");
-  row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative, "viscous stress 2 b_d dC/dt");
+  row.number("b_d", &Law::b_d, "N.s/m^2 b_d (62)", not_negative,
+             "viscous stress 2 b_d dC/dt, of first order in time");
   row.flag("visc_degrade", &Law::visc_degrade, "damage weakens the viscous stress too")
       .idle([](const Material& m) { return m.law.b_d == 0; }, "<>b_d is 0");
 }
