@@ -25,18 +25,12 @@ void ArcLength::install(SNES snes) {
 
 double ArcLength::length() const { return settings_.path_length * motion_.step().dt / settings_.dt; }
 
-void ArcLength::go_to(double load) {
-  MotionStep step = motion_.step();
-  step.t = load;
-  motion_.begin(step);
-}
-
 void ArcLength::go_ahead(Vec u, double growth) {
   check(VecScale(direction_, 1 / Get(VecNorm)(direction_, NORM_INFINITY)));
   const PetscReal size = Get(VecNorm)(direction_, NORM_2);
   far_ = length() * size * size;
   check(VecWAXPY(u, length(), direction_, start_));
-  go_to(start() + length() * growth);
+  go_to_load(motion_, start() + length() * growth);
   motion_.impose(u);
 }
 
@@ -47,7 +41,7 @@ bool ArcLength::predict(Vec u) {
   layout.to_global(*motion_.step().u_n, start_);
   layout.to_global(rate_.committed, direction_);
   const PetscReal fastest = Get(VecNorm)(direction_, NORM_INFINITY);
-  go_to(start());
+  go_to_load(motion_, start());
   if (fastest > 0)
     go_ahead(u, row_.committed[1] / fastest);
   else
@@ -77,13 +71,13 @@ bool ArcLength::answer(SNES snes, Vec u, Vec residual, Vec p) {
   for (int looks = 0; looks == 0 || (looks < 4 && ahead > 2 * small); ++looks) { // conditions may jump
     if (looks > 0) part *= small / ahead;
     check(VecCopy(u, there));
-    go_to(load + part);
+    go_to_load(motion_, load + part);
     motion_.impose(there);
     check(VecWAXPY(r, -1, u, there));
     ahead = Get(VecNorm)(r, NORM_INFINITY);
   }
   const bool sound = motion_.residual(there, nullptr, r);
-  go_to(load);
+  go_to_load(motion_, load);
   check(VecAXPY(r, -1, residual));
   const KSP ksp = Get(SNESGetKSP)(snes);
   hooks_.conduct.alone = true;
@@ -110,7 +104,7 @@ void ArcLength::border(SNESLineSearch search, Vec x, Vec y, PetscBool* changed) 
                   rate = Get(VecDot)(direction_, p), more = (far_ - gone) / rate;
   if (!std::isfinite(more)) return;
   check(VecAXPY(end, more, p));
-  go_to(motion_.step().t + more);
+  go_to_load(motion_, motion_.step().t + more);
   motion_.impose(end);
   check(VecWAXPY(y, -1, end, x));
   *changed = PETSC_TRUE;

@@ -245,11 +245,7 @@ PassResult Coupling::pass(PetscInt number, Vec u) {
 
 bool Coupling::motion_pass(Vec u, PassResult& result) {
   const bool other_load = path_ && pass_.number > 1;
-  if (other_load) {
-    MotionStep step = fields_.motion.step();
-    step.t = path_->load();
-    fields_.motion.begin(step);
-  }
+  if (other_load) go_to_load(fields_.motion, path_->load());
   Handle<Vec> goal;
   if (pass_.number == 1 || other_load) {
     goal = solver_.imposed(u);

@@ -23,13 +23,16 @@ void set_tolerances(SNES snes, PetscReal rtol, PetscInt most) {
 
 // Where springs of contacts close, a search that takes shorter steps closes them one after the other. It goes
 // no farther down than that; options still say otherwise.
-void set_shortest_step(SNES snes, PetscReal shortest) {
-  const SNESLineSearch search = Get(SNESGetLineSearch)(snes);
-  PetscReal given = 0;
-  check(SNESLineSearchGetTolerances(search, &given, nullptr, nullptr, nullptr, nullptr, nullptr));
-  if (constexpr PetscReal of_petsc = 1e-12; given == of_petsc)
-    check(SNESLineSearchSetTolerances(search, shortest, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
-                                      PETSC_DEFAULT, PETSC_DEFAULT));
+constexpr PetscReal shortest_beside_contact = 0.1;
+
+/// Returns the one of before. One that is given stays.
+PetscReal set_shortest_step(SNESLineSearch search) {
+  PetscReal before = 0;
+  check(SNESLineSearchGetTolerances(search, &before, nullptr, nullptr, nullptr, nullptr, nullptr));
+  if (constexpr PetscReal of_petsc = 1e-12; before == of_petsc)
+    check(SNESLineSearchSetTolerances(search, shortest_beside_contact, PETSC_DEFAULT, PETSC_DEFAULT,
+                                      PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+  return before;
 }
 
 LooseBodies loose_bodies(TS ts, MotionProblem& motion) {
@@ -62,7 +65,7 @@ MotionSolver::MotionSolver(TS ts, MotionProblem& motion, const SolverDefaults& d
   check(SNESSetTolerances(snes_, motion_.reference_force(), 1e-10, 0, most, PETSC_DEFAULT));
   set_motion_solver(snes_, defaults, search, motion_.jacobian() != motion_.matrix());
   if (!motion_.contacts().empty() && line_search_of(snes_) == slope_search_type)
-    set_shortest_step(snes_, 0.1);
+    set_shortest_step(Get(SNESGetLineSearch)(snes_));
   check(SNESGetTolerances(snes_, nullptr, &rtol_, nullptr, nullptr, nullptr));
   hooks_.conduct.too_many = [this](PetscInt iterations) { return take_longer_than_factors(iterations); };
   install_hooks();
@@ -322,11 +325,13 @@ SNESConvergedReason MotionSolver::backtrack(Vec u, PetscInt most) {
   begin_again(u);
   reuse_.forget();
   check(SNESLineSearchSetType(search, down_the_slope ? slope_search_type : SNESLINESEARCHBT));
-  if (down_the_slope) set_shortest_step(snes_, 0.1);
+  const PetscReal before = down_the_slope ? set_shortest_step(search) : PETSC_DEFAULT;
   hooks_.conduct.follows_sliding = down_the_slope;
   const SNESConvergedReason reason = newton(u, most);
   hooks_.conduct.follows_sliding = false;
   check(SNESLineSearchSetType(search, first.c_str()));
+  check(SNESLineSearchSetTolerances(search, before, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT,
+                                    PETSC_DEFAULT, PETSC_DEFAULT));
   return reason;
 }
 

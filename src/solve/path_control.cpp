@@ -12,6 +12,12 @@ constexpr int most_solves = 40;
 
 } // namespace
 
+void go_to_load(MotionProblem& motion, double load) {
+  MotionStep step = motion.step();
+  step.t = load;
+  motion.begin(step);
+}
+
 PathControl::PathControl(StateTable& state, const CouplingScenario& settings)
     : settings_(settings), row_(state.add({load_parameter_row, Support::global, 2}, 2)) {
   row_.committed = row_.trial = {0, 1};
@@ -92,19 +98,17 @@ void PathControl::find_power(MotionProblem& motion, Vec u) {
   constexpr double part = 1e-3;
   const FieldLayout& layout = motion.discretisation().displacement;
   Handle<Vec> values = layout.make_global();
-  const MotionStep here = motion.step();
+  const double here = motion.step().t;
   double size[2][2]; // [at the load, beyond it][of displacements, of forces]
   for (int beyond = 0; beyond < 2; ++beyond) {
-    MotionStep step = here;
-    step.t = load_ * (1 + beyond * part);
-    motion.begin(step);
+    go_to_load(motion, load_ * (1 + beyond * part));
     check(VecSet(values, 0));
     motion.impose(values);
     size[beyond][0] = Get(VecNorm)(values, NORM_2);
     motion.loads(u, values);
     size[beyond][1] = Get(VecNorm)(values, NORM_2);
   }
-  motion.begin(here);
+  go_to_load(motion, here);
   power_ = 0;
   for (int k = 0; k < 2; ++k)
     if (size[0][k] > 0) power_ = std::max(power_, std::log(size[1][k] / size[0][k]) / std::log(1 + part));

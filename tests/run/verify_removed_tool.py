@@ -18,9 +18,9 @@ BAR = {
     "ts_type": "static", "ts_dt": 0.1, "ts_max_time": 1, "measures": "tip", "measure_tip_on": "right", "energy_tol": 0}
 back = run("back", {**BAR, "contact_tool_rigid_uy": "-8*min(t, 2 - t)", "ts_max_time": 2, "ts_times": "0,1,2", "ts_dts": "0.1,0.1"}, refused=None)
 run("taken", {**BAR, "contact_tool_rigid_uy": "-8*t"}, refused=None)
-refused = run("taken", {**{k: v for k, v in BAR.items() if not k.startswith("contact_")}, "restart": "auto", "contacts": "none", "ts_max_time": 1.1}, code=2)
-require("a contact that is gone is allowed by its name", refused.log.rstrip().endswith("-restart_allow contact_tool,contacts"))
 alone = {key: value for key, value in BAR.items() if not key.startswith("contact_")}
+refused = run("taken", {**alone, "restart": "auto", "contacts": "none", "ts_max_time": 1.1}, code=2)
+require("a contact that is gone is allowed by its name", refused.log.rstrip().endswith("-restart_allow contact_tool,contacts"))
 taken = run("taken", {**alone, "restart": "auto", "restart_allow": "contacts,contact_tool", "contacts": "none", "ts_max_time": 1.1})
 last, loaded = len(taken["time"]) - 1, int(numpy.argmin(abs(taken["time"] - 1)))
 check("place after springback, taken away over drawn back", taken["measure_tip_uy"][-1], back["measure_tip_uy"][-1], 1e-6)
@@ -32,7 +32,7 @@ lost = before["balance_first_law"] - after["balance_first_law"]
 check("what the first law misses over what the bar let go", lost * before["work_external"] / let_go, 1, 1e-3)
 
 # With inertia: a block is pressed and let go in a step of six times what a wave needs through a cell. Accelerations jump there, and the
-# energy goes on; with that of the pressed block half a step of its force was lost, 68 % of the energy.
+# energy goes on; with that of the pressed block half a step of its force was lost, 38 % of the energy.
 PRESSED = {
     "mesh": mesh("block.geo"), "mesh_set_n": 8, "materials": "solid", "material_solid_E": 1e9, "material_solid_nu": 0.3, "material_solid_rho": 2000,
     "bcs": "floor", "bc_floor_on": "bottom", "bc_floor_type": "fix", "ts_type": "newmark", "ts_newmark_rho": 1, "ts_dt": 1e-3}

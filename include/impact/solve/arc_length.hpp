@@ -38,7 +38,6 @@ public:
 private:
   void border(SNESLineSearch search, Vec x, Vec y, PetscBool* changed);
   bool answer(SNES snes, Vec u, Vec residual, Vec p);
-  void go_to(double load);
   void go_ahead(Vec u, double growth);
   double length() const;
 

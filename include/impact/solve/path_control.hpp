@@ -12,6 +12,9 @@ namespace impact {
 /// The row of a run that follows a path: the load and its growth over that of the path.
 inline constexpr const char* load_parameter_row = "load_parameter";
 
+/// The conditions of the step are those at another load of its end. Collective.
+void go_to_load(MotionProblem& motion, double load);
+
 class PathControl {
 public:
   /// Adds the row of the load parameter s. Of `settings`, which must outlive the object, the energy that
