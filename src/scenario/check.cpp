@@ -2,6 +2,7 @@
 #include <impact/input/database.hpp>
 #include <impact/petsc/error.hpp>
 #include <map>
+#include <utility>
 
 /// What the rows of the option tables demand of each other, asked of a whole Scenario.
 namespace impact {
@@ -18,6 +19,7 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
   using Of = typename OptionRule<Struct>::Of;
   for (const OptionRow<Struct>& row : rows) {
     if (row.rules.empty() || row.given(target) == of_absence) continue;
+    bool told = false; // one reason is enough
     for (const OptionRule<Struct>& rule : row.rules) {
       std::string words = (rule.of == Of::absence) == of_absence ? rule.words(target, scenario) : "";
       if (words.empty()) continue;
@@ -29,7 +31,8 @@ void ask_rules(const std::vector<OptionRow<Struct>>& rows, const Struct& target,
         words = replaced(words, "{" + other.name + "}", other.text(scenario));
       if (rule.of == Of::idle) {
         // What was taken from another material with -material_<id>_like is not told.
-        if (option_text(prefix + row.name)) idle[words] += " -" + prefix + row.name;
+        if (!std::exchange(told, true) && option_text(prefix + row.name))
+          idle[words] += " -" + prefix + row.name;
         continue;
       }
       const std::string key = rule.of == Of::other ? "" : "-" + prefix + row.name;
