@@ -62,21 +62,20 @@ void Constraints::visit(const ContactValues& u, Derivatives derivatives, const C
         wanted);
 }
 
-// On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike, nothing
-// slides: the traction along it would feel the bodies through the neighbours alone, and grow to its limit
-// against slips that nothing can close.
+// On a plane of symmetry, and wherever the node of a constraint and what it faces are held alike and never
+// moved against each other, nothing slides: the traction along it would feel the bodies through the
+// neighbours alone, and grow to its limit against slips that nothing can close.
 void Constraints::hold_slip(const ContactValues& u, Constraint& c, std::vector<double>& gradient) const {
   if (!c.slides || nodes().start.empty()) return;
   const std::size_t n = c.gradient.size(), mine = c.share.size();
   const auto own =
       static_cast<std::size_t>(std::max_element(c.share.begin(), c.share.end()) - c.share.begin());
-  const auto moved = [&](std::size_t i) { return nodes().X[i] + u[i] - nodes().start[i]; };
   for (std::size_t k = 0; k < dim_; ++k) {
     const std::size_t row = dof(c.node[own], k);
     if (!fixed(row) ||
         std::none_of(c.node.begin() + static_cast<std::ptrdiff_t>(mine), c.node.end(), [&](int other) {
           const std::size_t i = dof(other, k);
-          return fixed(i) && std::abs(moved(i) - moved(row)) <= 1e-9 * mean_length_;
+          return fixed(i) && std::abs(u[i] - u[row]) <= 1e-9 * mean_length_;
         }))
       continue;
     // The direction in which the surfaces are held, in those of the slip.

@@ -8,6 +8,7 @@
 #include <impact/petsc/error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/discretisation.hpp>
+#include <numbers>
 
 namespace impact {
 
@@ -17,6 +18,9 @@ double Discretisation::softest_modulus() const {
     if (!law.rigid()) softest = std::min(softest, young_modulus(law.parameters));
   return softest;
 }
+
+double Discretisation::small_facet() const { return small_cell() / mesh.smallest_edge(); }
+double Discretisation::small_cell() const { return depth * std::pow(mesh.smallest_edge(), dim()); }
 
 std::vector<char> Discretisation::lanes_in(const std::vector<std::string>& regions) const {
   std::vector<PetscInt> cells;
@@ -217,6 +221,22 @@ std::vector<CellGroup> pack(const Mesh& mesh, const std::vector<MaterialAssignme
   return groups;
 }
 
+// Whether shape functions of corners integrate to less than nothing over the cell: Tet10, Quad8, Hex20.
+bool has_negative_corners(Shape shape) {
+  double integral = 0; // of the first one
+  for (int q = 0; q < shape->points; ++q) integral += shape->weight[q] * shape->N[q * shape->nodes];
+  return integral < -1e-8;
+}
+
+// Collective.
+double mean_circumference(const Mesh& mesh) {
+  double sum = 0;
+  for (int node = 0; node < mesh.node_count(); ++node)
+    if (mesh.owned(node)) sum += mesh.coordinates()[at(2 * node)];
+  return 2 * std::numbers::pi * sum_over_ranks(mesh.comm(), sum) /
+         static_cast<double>(mesh.global_node_count());
+}
+
 } // namespace
 
 Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, Frame plane,
@@ -233,18 +253,24 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
   std::vector<CellGroup> groups = pack(mesh, materials, laws);
   VolumePatches patches(mesh, groups, materials);
   const Frame frame = dim == 3 ? Frame::solid : plane;
-  return {std::move(mesh),
-          std::move(displacement),
-          std::move(scalar),
-          std::move(materials),
-          std::move(groups),
-          std::move(laws),
-          frame,
-          is_flat(frame) ? thickness : 1.0,
-          {},
-          {},
-          false,
-          std::move(patches)};
+  const double depth = frame == Frame::axisymmetric ? mean_circumference(mesh) : 1;
+  Discretisation d{std::move(mesh),
+                   std::move(displacement),
+                   std::move(scalar),
+                   std::move(materials),
+                   std::move(groups),
+                   std::move(laws),
+                   frame,
+                   is_flat(frame) ? thickness : 1.0,
+                   {},
+                   {},
+                   false,
+                   std::move(patches)};
+  d.depth = depth;
+  const bool none =
+      std::ranges::none_of(d.groups, [](const CellGroup& g) { return has_negative_corners(g.shape); });
+  d.negative_corners = !all_ranks_agree(d.mesh.comm(), none);
+  return d;
 }
 
 void declare_state(const Discretisation& d, StateTable& table) {

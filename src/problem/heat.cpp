@@ -46,7 +46,7 @@ HeatProblem::HeatProblem(const Discretisation& discretisation, StateTable& state
   check(SNESSetFunction(snes_, field_.residual(), Callback<&HeatProblem::residual>::call, this));
   make_matrix();
   holds_ = !all_ranks_agree(d_.mesh.comm(), field_.owned_held().empty());
-  const double rounding = 1e-15 * capacity * temperature * std::pow(d_.mesh.smallest_edge(), d_.dim());
+  const double rounding = 1e-15 * capacity * temperature * d_.small_cell();
   field_.prepare(snes_, SNESNEWTONLS, rounding, 1e-10, 50);
   check(SNESSetFromOptions(snes_));
   settle_smoothers(Get(KSPGetPC)(Get(SNESGetKSP)(snes_)));

@@ -31,7 +31,7 @@ MotionProblem::MotionProblem(const Discretisation& discretisation, StateTable& s
                                          "_model rigid); take assembled, the default");
   rigid_->use_symmetric_tangent(symmetric_);
   if (const double softest = d_.softest_modulus(); std::isfinite(softest))
-    reference_force_ = 1e-12 * softest * std::pow(d_.mesh.smallest_edge(), d_.dim() - 1);
+    reference_force_ = 1e-12 * softest * d_.small_facet();
   for (ContactInterface& contact : contacts_) {
     contact.constraints().set_fixed_dofs(boundary_.fixed_mask());
     if (!rigid_->empty()) contact.set_rigid_nodes(rigid_->reduction(), rigid_->body_of_node());

@@ -24,6 +24,11 @@ CellGroup by_corners(const CellGroup& group) {
 
 } // namespace
 
+bool has_linear_damage(const DamageScenario& settings, const Discretisation& d) {
+  if (settings.order != 0) return settings.order == 1;
+  return d.negative_corners && settings.bounds == DamageBounds::vi;
+}
+
 ScalarField::ScalarField(const Discretisation& d, std::vector<char> held, bool linear)
     : d_(d), held_(std::move(held)), solution_(d.scalar.make_global()), residual_(d.scalar.make_global()),
       diagonal_(d.scalar.make_global()) {

@@ -13,6 +13,10 @@ constexpr double grown = 0.01;  // part of a bound by which an error grows in on
 constexpr double soft = 0.1;    // part of the elastic energy that penalties may hold without a word
 constexpr double restless = 10; // openings of what rubs
 constexpr double shrinks = 0.9; // of what it was, an error that grows small beside what comes later
+// Part of the largest energy by which a step without inertia strains bodies without work. A way across a peak
+// of the energy does so too: so many cuts tell which it was.
+constexpr double leap = 0.8;
+constexpr int cuts_of_leap = 5;
 
 enum : std::size_t { warns, stops }; // the bounds
 
@@ -41,10 +45,28 @@ bool EnergyWatch::beyond(std::size_t which, double bound, double before) {
   return is;
 }
 
-Verdict EnergyWatch::judge(double before, double t) {
+// Newton's method may find another state of equilibrium than the one next to the last: that one comes from
+// nowhere, and a shorter step does not reach it. Paths have a length of their own.
+bool EnergyWatch::leaps(double before, const Attempt& attempt) const {
+  const Scenario& s = stage_.scenario;
+  const double scale = stage_.ledger.energy_scale();
+  return !stage_.inertia && s.coupling.path_length == 0 && s.energy_stop > 0 &&
+         attempt.number <= cuts_of_leap && scale >= least_ &&
+         stage_.ledger.exchanged().strained > leap * scale &&
+         stage_.ledger.energy_error() - std::max(before, 0.0) > std::max(leap, s.energy_stop);
+}
+
+Verdict EnergyWatch::judge(double before, const Attempt& attempt) {
+  const double t = attempt.t;
   const Scenario& s = stage_.scenario;
   const MPI_Comm comm = stage_.d.mesh.comm();
   const double residual = stage_.ledger.energy_error();
+  if (leaps(before, attempt)) {
+    check(PetscPrintf(comm, "impact: %s, in one step: another state than the one next to the last\n",
+                      text(t, "energy_stop", s.energy_stop).c_str()));
+    stage_.ledger.unbook();
+    return {false, 0.5};
+  }
   const Ledger::Exchanged exchanged = stage_.ledger.exchanged();
   if (exchanged.held > most_held_) {
     most_held_ = exchanged.held;
@@ -83,6 +105,7 @@ void EnergyWatch::report_end(double t) const {
   tell_of_impacts();
   tell_of_penalties();
   tell_of_flutter();
+  tell_of_untouched();
   if (!warning_.empty())
     check(PetscPrintf(comm, "impact: WARNING, first of its kind: %s; at the end %.3g\n", warning_.c_str(),
                       left));
@@ -134,6 +157,20 @@ void EnergyWatch::tell_of_flutter() const {
         stage_.scenario.explicit_steps()
             ? "a viscosity: -material_<id>_b_d of about friction/5 * sqrt(E rho) * thickness"
             : "-ts_newmark_rho 0.5"));
+  }
+}
+
+// Sides that are not those that meet, or a plane whose normal points into the bodies, bear nothing.
+void EnergyWatch::tell_of_untouched() const {
+  for (const ContactInterface& contact : stage_.setup->contacts) {
+    const ContactMeasures m = contact.measures(stage_.u);
+    if (m.active > 0 || m.work != 0 || std::ranges::any_of(m.impulse, [](double part) { return part != 0; }))
+      continue;
+    check(
+        PetscPrintf(stage_.d.mesh.comm(),
+                    "impact: contact %s: nothing pressed in this run; where something should have: are these "
+                    "the sides that meet, and does the normal of a plane point away from its body\n",
+                    contact.id().c_str()));
   }
 }
 

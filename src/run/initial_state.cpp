@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/mesh/middle_values.hpp>
+#include <impact/problem/scalar_field.hpp>
 #include <impact/problem/toughness.hpp>
 #include <impact/run/setup.hpp>
 
@@ -66,9 +67,10 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   });
   setup.rigid.set_initial(s.time.scale(), u, v);
   set_rates(s, setup, 0, std::move(rate));
-  if (d.mesh.order() == 2 && (s.damage.order == 1 || s.heat.order == 1)) {
+  if (const bool linear_damage = has_linear_damage(s.damage, d);
+      d.mesh.order() == 2 && (linear_damage || s.heat.order == 1)) {
     const MiddleValues middles(d.mesh);
-    if (s.damage.order == 1 && state.find("phi")) middles.fill(state.row("phi").trial);
+    if (linear_damage && state.find("phi")) middles.fill(state.row("phi").trial);
     if (s.heat.order == 1 && state.find("theta")) middles.fill(state.row("theta").trial);
   }
   if (d.has_toughness()) start_toughness(d, state);

@@ -110,7 +110,8 @@ std::function<PlaceFactors(const double*)> factors_of(const MaterialScenario& m)
   };
 }
 
-// Of second order quadrilaterals and hexahedra want a cure; of simplices the cure leaves too little.
+// Of second order quadrilaterals and hexahedra want a cure; of simplices the cure leaves too little, but for
+// what all but keeps its volume.
 bool has_cure(const Mesh& mesh) {
   return mesh.order() == 1 || std::ranges::any_of(known_shapes(), [&](Shape shape) {
            return mesh.has_shape(shape) && !shape->simplex();
@@ -127,7 +128,7 @@ assign_materials(const Scenario& s, const std::vector<ObstacleBody>& obstacles, 
     if (!s.has_damage()) p.damage = Damage::none;
     if (!s.has_motion() || p.damage == Damage::none) p.fatigue_a = 0;
     if (!s.has_heat()) p.c_v = p.eos_gamma = 0;
-    if (!curable && !m.locking) p.locking = Locking::none;
+    if (!curable && !m.locking && !(p.K > 100 * p.G)) p.locking = Locking::none;
     if (!s.has_motion()) {
       p.jc_failure = false;
       p.model = Model::elastic;
@@ -271,6 +272,12 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
                     std::string(s.damage.order == 2 ? "-damage_order" : "-heat_order") +
                         " 2: the cells of the mesh are of first order; allowed: 1, or -order 2");
   Discretisation d = discretise(std::move(mesh), std::move(materials), frame_of(s.plane), s.thickness);
+  if (s.damage.order == 2 && d.has_damage() && d.negative_corners && s.damage.bounds == DamageBounds::vi)
+    throw UserError(
+        ExitCode::data,
+        "-damage_order 2: shape functions of corners integrate to less than nothing on tetrahedra and "
+        "serendipity cells of second order, and damage with bounds would grow where nothing drives it; "
+        "allowed: 1, cells without -mesh_serendipity, or -damage_bounds history");
   std::vector<BoundaryCondition> conditions = conditions_at_work(s, d.dim());
   RigidBodies rigid(d, conditions, s.time.max_time);
   BoundaryData boundary(d.mesh, std::move(conditions), s.time.max_time, rigid.body_of_node(),

@@ -185,7 +185,7 @@ Verdict Simulation::judge(const Attempt& attempt, Vec u, Vec v, Vec a) {
   const double before = stage_.ledger.energy_error();
   const bool watched = watches_ = watches(attempt);
   stage_.ledger.book(stage_.coupling.record(u), u, v, stage_.inertia ? a : stage_.a.get(), watched);
-  Verdict verdict = watched ? energy_.judge(before, attempt.t) : Verdict{};
+  Verdict verdict = watched ? energy_.judge(before, attempt) : Verdict{};
   verdict.agreed = true; // sums of all ranks say so
   if (!restep_.wants(stage_.ts, verdict)) return verdict;
   stage_.ledger.unbook();

@@ -7,6 +7,7 @@
 #include <impact/math/vector3.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/petsc/shared_cores.hpp>
+#include <impact/problem/scalar_field.hpp>
 #include <impact/problem/surface_load.hpp>
 #include <impact/run/terminal.hpp>
 #include <impact/scenario/columns.hpp>
@@ -346,16 +347,13 @@ void report_solvers(RunStage& stage) {
                       solver.reason.c_str(), solver.symmetric ? "symmetric" : "consistent",
                       solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
   if (stage.damage)
-    check(PetscPrintf(comm, "damage solver: %s\n", linear_solver_text(stage.damage->snes()).c_str()));
+    check(PetscPrintf(
+        comm, "damage solver: %s%s\n", linear_solver_text(stage.damage->snes()).c_str(),
+        d.mesh.order() == 2 && has_linear_damage(stage.scenario.damage, d) ? "; phi of first order" : ""));
   if (stage.heat)
     check(PetscPrintf(comm, "heat solver: %s; capacity %s\n", linear_solver_text(stage.heat->snes()).c_str(),
                       stage.d.lumped_capacity ? "lumped" : "consistent"));
-  PetscBool factors = PETSC_FALSE;
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  check(SNESGetKSP(snes, &ksp));
-  check(KSPGetPC(ksp, &pc));
-  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &factors, PCLU, PCCHOLESKY, ""));
+  const bool factors = has_type(Get(KSPGetPC)(Get(SNESGetKSP)(snes)), PCLU, PCCHOLESKY);
   PetscLogDouble bytes = 0;
   check(PetscMemoryGetCurrentUsage(&bytes));
   bytes = max_over_ranks(comm, bytes);

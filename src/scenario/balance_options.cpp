@@ -64,8 +64,12 @@ OptionGroup balance_options() {
              "bound of the first law's residual, with what is gained, over the largest energy: a warning in "
              "the fifth step beyond it, in statics not counting those in which it shrinks, and at the end of "
              "a run beyond it; 0: none");
-  row.number("energy_stop", &Scenario::energy_stop, "1", not_negative,
-             "residual that ends the run, in the fifth step likewise, but for losses in statics; 0: none");
+  row.number(
+      "energy_stop", &Scenario::energy_stop, "1", not_negative,
+      "residual that ends the run, in the fifth step likewise, but for losses in statics, where a step that "
+      "strains bodies by 0.8 of the largest energy without work is first tried again with half its length, "
+      "up to five "
+      "times; 0: none");
   row.choice("energy_action", &Scenario::energy_action, "what happens beyond the bound", "warn",
              Scenario::EnergyAction::warn, "cut", Scenario::EnergyAction::cut, "stop",
              Scenario::EnergyAction::stop);

@@ -74,7 +74,6 @@ void add_passes(std::vector<OptionRow<Scenario>>& rows) {
 
 /// Order of a scalar field, which cannot exceed that of the cells.
 OptionRow<Scenario>& order_of_field(OptionRow<Scenario>& row, int (*order)(const Scenario&)) {
-  row.otherwise("that of the cells");
   return row.refused([=](const Scenario& s) { return order(s) == 2 && s.mesh.order == 1; },
                      "is more than that of the cells; allowed: 1, or -order 2");
 }
@@ -94,10 +93,13 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
       .refused([](const Scenario& s) { return s.damage.form == DamageForm::divided && damages_at_once(s); },
                "divides by a rate, and without one damage is in balance at once; give each material that "
                "damages a finite -material_<id>_c");
-  order_of_field(
-      row.count("damage_order", &DamageScenario::order, 1,
-                "order of phi: 1 on cells of second order takes the mean of the corners in the middles", 2),
-      [](const Scenario& s) { return s.damage.order; })
+  order_of_field(row.count("damage_order", &DamageScenario::order, 1,
+                           "order of phi: 1 on cells of second order takes the mean of the corners in the "
+                           "middles (auto: 1 with "
+                           "-damage_bounds vi on tetrahedra and serendipity cells, else that of the cells)",
+                           2)
+                     .otherwise("auto"),
+                 [](const Scenario& s) { return s.damage.order; })
       .refused([](const Scenario& s) { return s.damage.order == 1 && s.damage.explicit_substeps > 0; },
                "goes without -damage_substeps, which lump the equation at the nodes; remove one of them");
   row.number("damage_theta", &DamageScenario::theta, "1 theta", {0, 1, true, false},
@@ -245,7 +247,8 @@ OptionGroup heat_options() {
          "auto", std::nullopt, "entropy", HeatForm::entropy, "energy", HeatForm::energy)
       .notation("(45')");
   order_of_field(row.count("heat_order", &HeatScenario::order, 1,
-                           "order of the temperature, as -damage_order; not where heat passes a contact", 2),
+                           "order of the temperature, as -damage_order; not where heat passes a contact", 2)
+                     .otherwise("that of the cells"),
                  [](const Scenario& s) { return s.heat.order; });
   row.number("heat_theta", &HeatScenario::theta, "1 theta", {0.5, 1, false, false},
              "time weight of the heat balance: 1 backward Euler, 0.5 trapezoid");

@@ -89,7 +89,7 @@ void add_elasticity(MaterialRows& rows) {
          "patches of 2 and of 8 of them, of quadrilaterals and hexahedra of second order a linear function "
          "in "
          "the cell; fbar, that of the centroid, in other cells; auto: mean for j2 and for nu from 0.45 on, "
-         "else none, as where all cells are triangles or tetrahedra of second order",
+         "else none, as where all cells are triangles or tetrahedra of second order and K is at most 100 G",
          "auto", std::nullopt, "mean", Locking::mean, "fbar", Locking::fbar, "none", Locking::none)
       .refused([](const Material& m,
                   const Scenario& s) { return s.plane == PlaneMode::stress && m.locking != Locking::none; },

@@ -3,7 +3,7 @@
 # processors: 2
 """Coulomb friction between two meshes: a block that slides on another one stops after v^2/(2 mu g), by Gauss points and mortar, on
 cells of first and of second order; the heat of friction is the energy of motion but for what the blocks vibrate with, and all of it
-with shorter steps; the ranks do not matter."""
+with shorter steps; the ranks do not matter. The force of the contact is all of it where nodes of both sides are led."""
 from _runs import check, check_between, finish, mesh, run
 
 MU, G, V = 0.3, 10.0, 1.0
@@ -52,4 +52,15 @@ check_between("slab, mortar: loss of the integrator and of closing gaps with a f
               / (r["dissipated_numerical"][-1] + r["dissipated_contact"][-1]), 0, 0.4)
 check("slab, mortar: heat with a fourth of the step over the kinetic energy",
       short["dissipated_friction"][-1] / (MASS * (V / 2) ** 2 / 2), 1, 0.04)
+
+# Nodes of both sides are led: what rubs there is in the force of the contact, too.
+LED = {key: value for key, value in SLAB.items() if key[:3] not in ("bc_", "ic_", "ts_") and "rho" not in key and key != "ics"}
+LED |= {"mesh_set_inset": 0, "mesh_set_n_lower": 2, "mesh_set_n_upper": 2, "bcs": "floor,walls,press,draw", "bc_floor_on": "lower_bottom", "bc_floor_uy": 0, "bc_walls_on": "lower_sides",
+        "bc_walls_ux": 0, "bc_press_on": "upper_top", "bc_press_uy": "-0.01*ramp(t,0,1)", "bc_draw_on": "upper_sides",
+        "bc_draw_ux": "0.1*ramp(t,1,2)", "ts_type": "static", "ts_dt": 0.25, "ts_max_time": 2.5}
+for method, extra in (("mortar", MORTAR), ("gpts", POINTS)):
+    r = run(f"led_{method}", {**LED, **extra})
+    for when, step in (("at the end of the way", -3), ("at rest", -1)):
+        check(f"led, {method}: force of the contact beside that of what draws, {when}", -r["contact_face_force_x"][step] / r["reaction_draw_x"][step],
+              1, 1e-8)
 finish()

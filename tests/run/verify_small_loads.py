@@ -1,8 +1,8 @@
 # labels: run
 """Receding contact (J. Dundurs, M. Stippes, J. Appl. Mech. 37 (1970) 965): what touches under a load does so at any size of the load,
 and all else is in proportion. A strip on a plane, pressed over its middle, lifts its long ends; three blocks with gaps between them,
-held by contact alone, close them, also where they are four facets wide. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E."""
-from _runs import check, check_between, finish, run
+held by contact alone, close them, also where they are four facets wide. Loads from 1e-9 E (blocks: 1e-8 E) to 1e-3 E. Rings of any size deform in SI units as they should."""
+from _runs import check, check_between, finish, mesh, run
 
 E = 1e5
 STRIP = """DefineConstant[n = 12];
@@ -73,4 +73,13 @@ for p in (1e-3, 0.1, 1, 100):
 for p in (0.1, 1, 100):  # 14,000 unknowns: the second block is pushed towards what it does not face yet
     r = blocks(f"fine_blocks_{p:g}", p, mesh_set_n=10, contact_c_search_radius=0.2, contact_d_search_radius=0.2)
     check(f"fine blocks, p/E = {p / E:g}: steps", len(r["time"]) - 1, 1, 0)
+# A cylinder of steel under pressure at one end, in SI units: its forces go with 2 pi R h, not with h.
+for size in (1e-8, 1e-5, 1e-2):
+    for pressure in (10, 1e5):
+        r = run(f"rings_{size:g}_{pressure:g}", {
+            "mesh": mesh("block.geo"), "mesh_scale": size, "plane": "axisymmetric", "materials": "solid", "material_solid_E": 7e10,
+            "material_solid_nu": 0, "bcs": "hold,axis,press", "bc_hold_on": "bottom", "bc_hold_uy": 0, "bc_axis_on": "left", "bc_axis_ux": 0,
+            "bc_press_on": "top", "bc_press_type": "pressure", "bc_press_value": pressure, "ts_type": "static", "ts_dt": 1, "ts_max_time": 1,
+            "measures": "end", "measure_end_on": "top", "measure_end_fields": "u", "measure_end_of": "mean"})
+        check(f"cylinder of {size:g} m under {pressure:g} Pa: shortening", -r["measure_end_uy"][-1] / size, pressure / 7e10, 1e-5)
 finish()

@@ -70,12 +70,15 @@ public:
   double energy_error() const;
   /// The largest so far of what bodies store and of what came from outside: what residuals are relative to.
   double energy_scale() const;
-  /// Energies: what penalties of contacts hold, what impacts took, and what static steps missed as gaps
-  /// closed.
+  /// Energies: what penalties of contacts hold, what impacts took, what static steps missed as gaps closed,
+  /// and what the last step strained bodies by.
   struct Exchanged {
-    double held, struck, missed;
+    double held, struck, missed, strained;
   };
-  Exchanged exchanged() const { return {sum(contact_store), sum(contact_loss), sum(gap_work)}; }
+  Exchanged exchanged() const {
+    return {sum(contact_store), sum(contact_loss), sum(gap_work),
+            energies_.total.elastic - energies_before_.total.elastic};
+  }
   const Energies& energies() const { return energies_; }
 
 private:

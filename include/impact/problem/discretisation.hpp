@@ -65,6 +65,8 @@ struct Discretisation {
   const std::vector<double>* mass_factor =
       nullptr;                  ///< of the row "mass_factor": mass in use over the true one
   bool lumped_capacity = false; ///< a cell's c_V stands at its nodes, as the mass does
+  double depth = 1; ///< of what the mesh is a section of, in integrals: of rings 2 pi R, the mean over nodes
+  bool negative_corners = false; ///< a rank has cells whose corners' functions integrate to less than nothing
 
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return laws[at(group.law)]; }
@@ -113,7 +115,10 @@ struct Discretisation {
   }
   /// [group][batch][lane] 1: the cell lies in one of these regions.
   std::vector<char> lanes_in(const std::vector<std::string>& regions) const;
-  double softest_modulus() const;  ///< Young's, of what deforms; infinite where nothing does
+  double softest_modulus() const; ///< Young's, of what deforms; infinite where nothing does
+  /// Units of what rounding leaves: h^(d-1) and h^d of the shortest edge, times depth.
+  double small_facet() const;
+  double small_cell() const;
   std::size_t batch_count() const; ///< of all groups
   /// Doubles of a row of `components` per quadrature point, of all groups.
   std::size_t point_values(int components) const;

@@ -3,12 +3,18 @@
 #include <impact/mesh/sparse_assembly.hpp>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/problem/cell_loop.hpp>
+#include <impact/problem/settings.hpp>
 #include <optional>
 #include <span>
 
 /// What the balances of damage and heat share: one unknown per node, held at some nodes, the matrix of its
 /// equation and the defaults of its solvers.
 namespace impact {
+
+/// Whether phi is of first order on the cells of a mesh of any order: where -damage_order says so, and where
+/// the bounds of each node are those of a variational inequality and a corner's part of it would be of the
+/// wrong sign.
+bool has_linear_damage(const DamageScenario&, const Discretisation&);
 
 class ScalarField {
 public:

@@ -10,17 +10,19 @@ public:
   /// Adds its row to the table: steps beyond each of the two bounds. The stage must outlive it.
   explicit EnergyWatch(RunStage& stage);
 
-  /// Judges the step to t that the ledger has booked; `before` is the error that it had until then. Throws
-  /// UserError(solver). Collective.
-  Verdict judge(double before, double t);
+  /// Judges the attempt at a step that the ledger has booked; `before` is the error that it had until then.
+  /// Throws UserError(solver). Collective.
+  Verdict judge(double before, const Attempt& attempt);
   /// Says what there is to say of the balance at the end. Collective.
   void report_end(double t) const;
 
 private:
+  bool leaps(double before, const Attempt& attempt) const;
   bool beyond(std::size_t which, double bound, double before);
   void tell_of_impacts() const;
   void tell_of_penalties() const;
   void tell_of_flutter() const;
+  void tell_of_untouched() const;
   std::string text(double t, const char* option, double bound) const;
   std::string remedy() const;
   std::string step_remedy() const;
