@@ -6,23 +6,16 @@
 /// How long a step of the projected gradient of ContactImpulses may be at each node.
 namespace impact {
 
-namespace {
-
-double square(const double* x, std::size_t n) {
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += x[k] * x[k];
-  return sum;
-}
-
-} // namespace
-
 // Bounds of the row sums of dt sum w N_A J M^-1 J^T w N_B, J the gradients of gap and slips at a point, which
 // stand across each other.
 void ContactImpulses::find_bounds(double dt) {
   const auto size = [](const ImpulseRows& rows, std::size_t i) {
-    double most = square(&rows.gradient[rows.dim * i], rows.dim);
+    const auto square = [dim = rows.dim](const std::vector<double>& gradient, std::size_t row) {
+      return inner(&gradient[dim * row], &gradient[dim * row], dim);
+    };
+    double most = square(rows.gradient, i);
     for (std::size_t a = 0; a < rows.tangents; ++a)
-      most = std::max(most, square(&rows.slip_gradient[rows.dim * (rows.tangents * i + a)], rows.dim));
+      most = std::max(most, square(rows.slip_gradient, rows.tangents * i + a));
     return std::sqrt(most);
   };
   for (ImpulseRows& rows : rows_) {

@@ -7,12 +7,6 @@ namespace impact {
 
 namespace {
 
-double inner(const double* a, const double* b, std::size_t n) {
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
-  return sum;
-}
-
 std::array<double, 3> obstacle_velocity(const ContactInterface& contact, int dim, double t, double dt) {
   const auto from = rigid_displacement(contact.settings(), dim, t),
              to = rigid_displacement(contact.settings(), dim, t + dt);

@@ -12,18 +12,6 @@ namespace {
 constexpr int most_iterations = 500;
 constexpr double small_change = 1e-9; // of the pressures in an iteration, over themselves
 
-double square(const double* x, std::size_t n) {
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += x[k] * x[k];
-  return sum;
-}
-
-double inner(const double* a, const double* b, std::size_t n) {
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
-  return sum;
-}
-
 } // namespace
 
 // Sums over the ranks at the nodes of a contact, which every rank that knows them gets.
@@ -190,7 +178,7 @@ bool ContactImpulses::improve(double& momentum) {
       double* x = &rows.x[n * node];
       for (std::size_t k = 0; k < n; ++k) x[k] = z[k] - y[k] / rows.bound[node];
       x[0] = std::max(x[0], 0.0);
-      const double limit = rows.friction * x[0], size = std::sqrt(square(x + 1, n - 1));
+      const double limit = rows.friction * x[0], size = std::sqrt(inner(x + 1, x + 1, n - 1));
       for (std::size_t k = 1; k < n && size > limit; ++k) x[k] *= limit / size;
       for (std::size_t k = 0; k < n; ++k) {
         const double change = x[k] - before[k];

@@ -9,7 +9,7 @@ namespace impact {
 namespace {
 
 // Where less of a weight than this part is covered, sides do not meet.
-constexpr double least_common_part = 1e-6;
+constexpr double least_covered = 1e-6;
 
 } // namespace
 
@@ -241,7 +241,7 @@ void MortarForm::visit_meetings(const ContactValues& of_nodes, const MeetingVisi
         }
     Meeting meeting;
     meeting.index = owner.local;
-    if (!(area > least_common_part * owner.weight)) {
+    if (!(area > least_covered * owner.weight)) {
       if (owner.facets.empty()) continue;
       share = {1};
       mine.node = {owner.slot};

@@ -164,12 +164,12 @@ CellCosts cell_costs(DM dm, const PartitionWeights& weights) {
 }
 
 // Total over all ranks, largest of a rank, smallest that costs anything.
-struct Amount {
+struct RankCosts {
   double total = 0, most = 0, unit = HUGE_VAL;
 };
 
-Amount amount_of(MPI_Comm comm, const std::vector<PetscInt>& costs) {
-  Amount amount;
+RankCosts amount_of(MPI_Comm comm, const std::vector<PetscInt>& costs) {
+  RankCosts amount;
   for (const PetscInt cost : costs) {
     amount.total += cost;
     if (cost > 0) amount.unit = std::min(amount.unit, static_cast<double>(cost));
@@ -332,7 +332,7 @@ bool evenly_shared(DM dm, const PartitionWeights& weights) {
   const double ranks = sum_over_ranks(comm, 1.0);
   const CellCosts costs = cell_costs(dm, weights);
   for (const std::vector<PetscInt>& kind : {costs.bulk, costs.contact}) {
-    const Amount amount = amount_of(comm, kind);
+    const RankCosts amount = amount_of(comm, kind);
     if (amount.most * ranks > amount.total * even_share(amount.total, amount.unit, ranks)) return false;
   }
   return true;

@@ -19,15 +19,15 @@ int count_nodes(const FacetTable& facets, int f) {
 
 using FacetVector = std::array<double, 3 * max_facet_nodes>; // [node][dim]
 
-struct FacetNodes {
+struct FacetPlaces {
   int count;
   std::array<int, max_facet_nodes> node;
   FacetVector X, x;
 };
 
-FacetNodes facet_nodes(const FacetTable& facets, int f, int dim, const std::vector<double>& X,
-                       const std::vector<double>* u) {
-  FacetNodes n{count_nodes(facets, f), {}, {}, {}};
+FacetPlaces facet_nodes(const FacetTable& facets, int f, int dim, const std::vector<double>& X,
+                        const std::vector<double>* u) {
+  FacetPlaces n{count_nodes(facets, f), {}, {}, {}};
   for (int a = 0; a < n.count; ++a) {
     const int node = facets.connectivity[at(f * facets.nodes_per_facet + a)];
     n.node[at(a)] = node;
@@ -45,7 +45,7 @@ template <class Point, class Done>
 void visit_facets(const FacetTable& facets, int dim, const std::vector<double>& X,
                   const std::vector<double>* u, Point&& point, Done&& done) {
   for (int f = 0; f < facets.count(); ++f) {
-    const FacetNodes n = facet_nodes(facets, f, dim, X, u);
+    const FacetPlaces n = facet_nodes(facets, f, dim, X, u);
     for (int q = 0; q < facet_points(dim, n.count); ++q) {
       const FacetPoint p = facet_point(dim, n.count, q);
       double x[3] = {0, 0, 0};
@@ -57,7 +57,7 @@ void visit_facets(const FacetTable& facets, int dim, const std::vector<double>& 
 }
 
 // force += load, which then is zero.
-void scatter(const FacetNodes& n, int dim, FacetVector& load, std::vector<double>& force) {
+void scatter(const FacetPlaces& n, int dim, FacetVector& load, std::vector<double>& force) {
   for (int a = 0; a < n.count; ++a)
     for (int k = 0; k < dim; ++k) force[at(n.node[at(a)] * dim + k)] += load[at(a * dim + k)];
   load.fill(0);
@@ -65,7 +65,7 @@ void scatter(const FacetNodes& n, int dim, FacetVector& load, std::vector<double
 
 // matrix += K, over `components` of each node without the held ones; K then is zero.
 template <std::size_t size>
-void add_block(const FacetNodes& n, int components, const std::vector<char>& held,
+void add_block(const FacetPlaces& n, int components, const std::vector<char>& held,
                std::span<const PetscInt> global_node, std::array<double, size>& K, Mat matrix) {
   std::array<PetscInt, 3 * max_facet_nodes> row{};
   const int count = n.count * components;
@@ -81,7 +81,7 @@ void add_block(const FacetNodes& n, int components, const std::vector<char>& hel
 // matrix += K of a scalar field that is of first order, over the corners without the held ones; K then is
 // zero.
 template <std::size_t size>
-void add_corner_block(const FacetNodes& n, const std::vector<char>& held, const MiddleValues& middles,
+void add_corner_block(const FacetPlaces& n, const std::vector<char>& held, const MiddleValues& middles,
                       std::span<const PetscInt> global_node, std::array<double, size>& K, Mat matrix) {
   for (int a = 0; a < n.count; ++a)
     for (int b = 0; b < n.count; ++b) {
@@ -105,12 +105,12 @@ void add_dead_traction(const FacetTable& facets, Frame frame, const std::vector<
   FacetVector load{};
   visit_facets(
       facets, dim, X, nullptr,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t, const double* x) {
         double t[3] = {0, 0, 0};
         traction(x, t);
         add_dead_traction(p, n.count, frame, n.X.data(), t, load.data());
       },
-      [&](const FacetNodes& n) { scatter(n, dim, load, force); });
+      [&](const FacetPlaces& n) { scatter(n, dim, load, force); });
 }
 
 void add_felt_area(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -119,13 +119,13 @@ void add_felt_area(const FacetTable& facets, Frame frame, const std::vector<doub
   FacetVector felt{};
   visit_facets(
       facets, dim, X, nullptr,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double*) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t, const double*) {
         const double area_here = reference_area(p, n.count, frame, n.X.data());
         double sum = 0;
         for (int b = 0; b < n.count; ++b) sum += std::abs(p.N[b]);
         for (int i = 0; i < n.count * dim; ++i) felt[at(i)] += area_here * std::abs(p.N[i / dim]) * sum;
       },
-      [&](const FacetNodes& n) { scatter(n, dim, felt, area); });
+      [&](const FacetPlaces& n) { scatter(n, dim, felt, area); });
 }
 
 void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -136,10 +136,10 @@ void add_follower_pressure(const FacetTable& facets, Frame frame, const std::vec
   FacetVector load{};
   visit_facets(
       facets, dim, X, &u,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t, const double* x) {
         add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), nullptr);
       },
-      [&](const FacetNodes& n) { scatter(n, dim, load, force); });
+      [&](const FacetPlaces& n) { scatter(n, dim, load, force); });
 }
 
 void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const std::vector<double>& X,
@@ -152,28 +152,28 @@ void add_follower_pressure_tangent(const FacetTable& facets, Frame frame, const 
   std::array<double, 9 * max_facet_nodes * max_facet_nodes> K{};
   visit_facets(
       facets, dim, X, &u,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double* x) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t, const double* x) {
         add_follower_pressure(p, n.count, frame, n.x.data(), pressure(x), load.data(), K.data());
       },
-      [&](const FacetNodes& n) { add_block(n, dim, fixed, global_node, K, matrix); });
+      [&](const FacetPlaces& n) { add_block(n, dim, fixed, global_node, K, matrix); });
 }
 
 void for_each_facet_point(const FacetTable& facets, Frame frame, const std::vector<double>& X,
                           const std::function<void(std::size_t index, const double* x)>& body) {
   visit_facets(
       facets, dimension(frame), X, nullptr,
-      [&](const FacetNodes&, const FacetPoint&, std::size_t i, const double* x) { body(i, x); },
-      [](const FacetNodes&) {});
+      [&](const FacetPlaces&, const FacetPoint&, std::size_t i, const double* x) { body(i, x); },
+      [](const FacetPlaces&) {});
 }
 
 double area_of(const FacetTable& facets, Frame frame, const std::vector<double>& X) {
   double area = 0;
   visit_facets(
       facets, dimension(frame), X, nullptr,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t, const double*) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t, const double*) {
         area += reference_area(p, n.count, frame, n.X.data());
       },
-      [](const FacetNodes&) {});
+      [](const FacetPlaces&) {});
   return area;
 }
 
@@ -183,7 +183,7 @@ double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector
   double total = 0;
   visit_facets(
       facets, dimension(frame), X, nullptr,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t i, const double*) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t i, const double*) {
         double temperature = 0;
         for (int a = 0; a < n.count; ++a) temperature += p.N[a] * theta[at(n.node[at(a)])];
         const double in = weight * reference_area(p, n.count, frame, n.X.data()) *
@@ -191,7 +191,7 @@ double add_surface_heat(const FacetTable& facets, Frame frame, const std::vector
         for (int a = 0; a < n.count; ++a) load[at(n.node[at(a)])] += p.N[a] * in;
         total += in;
       },
-      [](const FacetNodes&) {});
+      [](const FacetPlaces&) {});
   return total;
 }
 
@@ -202,12 +202,12 @@ void add_surface_heat_tangent(const FacetTable& facets, Frame frame, const std::
   std::array<double, max_facet_nodes * max_facet_nodes> K{};
   visit_facets(
       facets, dimension(frame), X, nullptr,
-      [&](const FacetNodes& n, const FacetPoint& p, std::size_t i, const double*) {
+      [&](const FacetPlaces& n, const FacetPoint& p, std::size_t i, const double*) {
         const double h = weight * reference_area(p, n.count, frame, n.X.data()) * heat.coefficient[i];
         for (int a = 0; a < n.count; ++a)
           for (int b = 0; b < n.count; ++b) K[at(a * n.count + b)] += h * p.N[a] * p.N[b];
       },
-      [&](const FacetNodes& n) {
+      [&](const FacetPlaces& n) {
         if (middles == nullptr)
           add_block(n, 1, held, global_node, K, matrix);
         else

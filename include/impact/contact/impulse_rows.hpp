@@ -6,6 +6,12 @@
 /// and slips, and the velocities of its nodes.
 namespace impact {
 
+inline double inner(const double* a, const double* b, std::size_t n) {
+  double sum = 0;
+  for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
+  return sum;
+}
+
 struct ImpulseStep {
   Vec u, before, free; ///< displacement; velocities on either side of it, the later one without impulses
   Vec inverse_mass;    ///< 0 at prescribed dofs
