@@ -48,7 +48,7 @@ Batch driving_energy(const MaterialParameters& m, const Drive& drive) {
 DamageProblem::DamageProblem(const Discretisation& discretisation, StateTable& state,
                              const BoundaryData& boundary, const DamageScenario& settings)
     : d_(discretisation), boundary_(boundary), settings_(settings),
-      field_(d_, held_nodes(d_, boundary_), has_linear_damage(settings_, d_)), phi_(state.row("phi")),
+      field_(d_, held_nodes(d_, boundary_), has_linear_damage(settings_, d_.mesh)), phi_(state.row("phi")),
       drive_(state.row("drive")), flow_(state.row("history")), x_(d_.node_values(1)), r_(d_.node_values(1)),
       substep_start_(d_.scalar.make_local()), substep_end_(substep_start_), lower_(d_.scalar.make_global()),
       upper_(d_.scalar.make_global()) {

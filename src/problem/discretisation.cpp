@@ -221,13 +221,6 @@ std::vector<CellGroup> pack(const Mesh& mesh, const std::vector<MaterialAssignme
   return groups;
 }
 
-// Whether shape functions of corners integrate to less than nothing over the cell: Tet10, Quad8, Hex20.
-bool has_negative_corners(Shape shape) {
-  double integral = 0; // of the first one
-  for (int q = 0; q < shape->points; ++q) integral += shape->weight[q] * shape->N[q * shape->nodes];
-  return integral < -1e-8;
-}
-
 // Collective.
 double mean_circumference(const Mesh& mesh) {
   double sum = 0;
@@ -267,9 +260,6 @@ Discretisation discretise(Mesh mesh, std::vector<MaterialAssignment> materials, 
                    false,
                    std::move(patches)};
   d.depth = depth;
-  const bool none =
-      std::ranges::none_of(d.groups, [](const CellGroup& g) { return has_negative_corners(g.shape); });
-  d.negative_corners = !all_ranks_agree(d.mesh.comm(), none);
   return d;
 }
 

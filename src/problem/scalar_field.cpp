@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <impact/petsc/field_solver.hpp>
 #include <impact/problem/scalar_field.hpp>
 
@@ -24,9 +25,17 @@ CellGroup by_corners(const CellGroup& group) {
 
 } // namespace
 
-bool has_linear_damage(const DamageScenario& settings, const Discretisation& d) {
-  if (settings.order != 0) return settings.order == 1;
-  return d.negative_corners && settings.bounds == DamageBounds::vi;
+bool bounds_fail(const DamageScenario& settings, const Mesh& mesh) {
+  const auto negative = [&](Shape shape) {
+    double integral = 0; // of the first corner's function
+    for (int q = 0; q < shape->points; ++q) integral += shape->weight[q] * shape->N[q * shape->nodes];
+    return integral < -1e-8 && mesh.has_shape(shape);
+  };
+  return settings.bounds == DamageBounds::vi && std::ranges::any_of(known_shapes(), negative);
+}
+
+bool has_linear_damage(const DamageScenario& settings, const Mesh& mesh) {
+  return settings.order == 1 || (settings.order == 0 && bounds_fail(settings, mesh));
 }
 
 ScalarField::ScalarField(const Discretisation& d, std::vector<char> held, bool linear)

@@ -67,7 +67,7 @@ void set_initial_state(const Scenario& s, Setup& setup) {
   });
   setup.rigid.set_initial(s.time.scale(), u, v);
   set_rates(s, setup, 0, std::move(rate));
-  if (const bool linear_damage = has_linear_damage(s.damage, d);
+  if (const bool linear_damage = has_linear_damage(s.damage, d.mesh);
       d.mesh.order() == 2 && (linear_damage || s.heat.order == 1)) {
     const MiddleValues middles(d.mesh);
     if (linear_damage && state.find("phi")) middles.fill(state.row("phi").trial);

@@ -5,6 +5,7 @@
 #include <impact/mesh/agreed_error.hpp>
 #include <impact/petsc/ranks.hpp>
 #include <impact/problem/rigid_motion.hpp>
+#include <impact/problem/scalar_field.hpp>
 #include <impact/run/setup.hpp>
 #include <impact/run/stop_requests.hpp>
 
@@ -272,7 +273,7 @@ std::unique_ptr<Setup> build_on(Mesh mesh, const Scenario& s, const std::vector<
                     std::string(s.damage.order == 2 ? "-damage_order" : "-heat_order") +
                         " 2: the cells of the mesh are of first order; allowed: 1, or -order 2");
   Discretisation d = discretise(std::move(mesh), std::move(materials), frame_of(s.plane), s.thickness);
-  if (s.damage.order == 2 && d.has_damage() && d.negative_corners && s.damage.bounds == DamageBounds::vi)
+  if (s.damage.order == 2 && d.has_damage() && bounds_fail(s.damage, d.mesh))
     throw UserError(
         ExitCode::data,
         "-damage_order 2: shape functions of corners integrate to less than nothing on tetrahedra and "
@@ -333,13 +334,13 @@ void convert_mesh(MPI_Comm comm, const Scenario& s) {
 }
 
 bool between_rigid_sides(const Setup& setup, const ContactSettings& contact) {
-  int deformable = 0;
+  int deforming = 0;
   for (const std::string& side : {contact.secondary, contact.primary}) {
     if (ContactSettings::rigid_name(side)) continue;
     for (int node : setup.discretisation.mesh.nodes(side))
-      if (setup.rigid.body_of_node()[at(node)] < 0) deformable = 1;
+      if (setup.rigid.body_of_node()[at(node)] < 0) deforming = 1;
   }
-  return max_over_ranks(setup.discretisation.mesh.comm(), deformable) == 0;
+  return max_over_ranks(setup.discretisation.mesh.comm(), deforming) == 0;
 }
 
 } // namespace impact

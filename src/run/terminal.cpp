@@ -347,9 +347,10 @@ void report_solvers(RunStage& stage) {
                       solver.reason.c_str(), solver.symmetric ? "symmetric" : "consistent",
                       solver.matrix == MatrixFormat::sbaij ? ", its upper half" : ""));
   if (stage.damage)
-    check(PetscPrintf(
-        comm, "damage solver: %s%s\n", linear_solver_text(stage.damage->snes()).c_str(),
-        d.mesh.order() == 2 && has_linear_damage(stage.scenario.damage, d) ? "; phi of first order" : ""));
+    check(PetscPrintf(comm, "damage solver: %s%s\n", linear_solver_text(stage.damage->snes()).c_str(),
+                      d.mesh.order() == 2 && has_linear_damage(stage.scenario.damage, d.mesh)
+                          ? "; phi of first order"
+                          : ""));
   if (stage.heat)
     check(PetscPrintf(comm, "heat solver: %s; capacity %s\n", linear_solver_text(stage.heat->snes()).c_str(),
                       stage.d.lumped_capacity ? "lumped" : "consistent"));

@@ -93,13 +93,11 @@ void add_damage_equation(std::vector<OptionRow<Scenario>>& rows) {
       .refused([](const Scenario& s) { return s.damage.form == DamageForm::divided && damages_at_once(s); },
                "divides by a rate, and without one damage is in balance at once; give each material that "
                "damages a finite -material_<id>_c");
-  order_of_field(row.count("damage_order", &DamageScenario::order, 1,
-                           "order of phi: 1 on cells of second order takes the mean of the corners in the "
-                           "middles (auto: 1 with "
-                           "-damage_bounds vi on tetrahedra and serendipity cells, else that of the cells)",
-                           2)
-                     .otherwise("auto"),
-                 [](const Scenario& s) { return s.damage.order; })
+  order_of_field(
+      row.count("damage_order", &DamageScenario::order, 1,
+                "order of phi: 1 on cells of second order takes the mean of the corners in the middles", 2)
+          .otherwise("1 with -damage_bounds vi on tetrahedra and serendipity cells, else that of the cells"),
+      [](const Scenario& s) { return s.damage.order; })
       .refused([](const Scenario& s) { return s.damage.order == 1 && s.damage.explicit_substeps > 0; },
                "goes without -damage_substeps, which lump the equation at the nodes; remove one of them");
   row.number("damage_theta", &DamageScenario::theta, "1 theta", {0, 1, true, false},

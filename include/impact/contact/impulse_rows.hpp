@@ -1,5 +1,6 @@
 #pragma once
 #include <impact/contact/interface.hpp>
+#include <numeric>
 #include <vector>
 
 /// What ContactImpulses knows of one contact in a step: its points that may meet, with the gradients of gaps
@@ -7,9 +8,7 @@
 namespace impact {
 
 inline double inner(const double* a, const double* b, std::size_t n) {
-  double sum = 0;
-  for (std::size_t k = 0; k < n; ++k) sum += a[k] * b[k];
-  return sum;
+  return std::inner_product(a, a + n, b, 0.0);
 }
 
 struct ImpulseStep {

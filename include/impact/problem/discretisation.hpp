@@ -66,7 +66,6 @@ struct Discretisation {
       nullptr;                  ///< of the row "mass_factor": mass in use over the true one
   bool lumped_capacity = false; ///< a cell's c_V stands at its nodes, as the mass does
   double depth = 1; ///< of what the mesh is a section of, in integrals: of rings 2 pi R, the mean over nodes
-  bool negative_corners = false; ///< a rank has cells whose corners' functions integrate to less than nothing
 
   int dim() const { return mesh.dim(); }
   const PointLaw& law(const CellGroup& group) const { return laws[at(group.law)]; }

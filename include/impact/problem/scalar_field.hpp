@@ -11,10 +11,12 @@
 /// equation and the defaults of its solvers.
 namespace impact {
 
-/// Whether phi is of first order on the cells of a mesh of any order: where -damage_order says so, and where
-/// the bounds of each node are those of a variational inequality and a corner's part of it would be of the
-/// wrong sign.
-bool has_linear_damage(const DamageScenario&, const Discretisation&);
+/// Whether bounds of phi at the nodes are no bounds: shape functions of corners integrate to less than
+/// nothing over Tet10, Quad8 and Hex20, so that what a variational inequality asks of a corner means the
+/// opposite there.
+bool bounds_fail(const DamageScenario&, const Mesh&);
+/// Whether phi is of first order: where -damage_order says so or, unless it says 2, where the bounds fail.
+bool has_linear_damage(const DamageScenario&, const Mesh&);
 
 class ScalarField {
 public:
