@@ -40,7 +40,8 @@ void ImpulseRows::collect(ContactInterface& of, const ImpulseStep& step) {
   dim = of.constraints().dim();
   friction = of.settings().friction;
   tangents = friction > 0 ? of.constraints().tangents() : 0;
-  for (auto* values : {&weight, &gap, &drift, &drift_before, &gradient, &slip_gradient, &share, &direction})
+  for (auto* values :
+       {&weight, &gap, &drift, &drift_before, &slip_drift, &gradient, &slip_gradient, &share, &direction})
     values->clear();
   index.clear();
   node.clear();
@@ -62,7 +63,7 @@ void ImpulseRows::collect(ContactInterface& of, const ImpulseStep& step) {
     share.insert(share.end(), c.share.begin(), c.share.end());
     lower(dim, share.data() + first_share.back(), static_cast<int>(c.share.size()));
     first_share.push_back(share.size());
-    // Gaps do not change where the obstacle and the secondary side move alike.
+    // Gaps do not change where the obstacle and the secondary side move alike, and neither do slips.
     double later = 0, earlier = 0;
     if (of.settings().rigid())
       for (std::size_t i = 0; i < dim * c.share.size(); ++i) {
@@ -77,6 +78,7 @@ void ImpulseRows::collect(ContactInterface& of, const ImpulseStep& step) {
       for (std::size_t i = 0; c.slides && i < dim * c.share.size(); ++i)
         along[i % dim] += c.slip_gradient[n * a + i];
       direction.insert(direction.end(), along, along + dim);
+      slip_drift.push_back(of.settings().rigid() ? -inner(along, after.data(), dim) : 0);
     }
     for (std::size_t b = 0; b < c.node.size(); ++b)
       for (std::size_t a = 0; a < tangents; ++a)
@@ -87,6 +89,7 @@ void ImpulseRows::collect(ContactInterface& of, const ImpulseStep& step) {
   free = nodes.exchange.gather(step.free);
   velocity = nodes.exchange.gather(step.before);
   inverse_mass = nodes.exchange.gather(step.inverse_mass);
+  gain.assign(free.size(), 0.0);
 }
 
 double ImpulseRows::rate(std::size_t point, const std::vector<double>& at_nodes) const {

@@ -34,6 +34,10 @@ void ContactImpulses::sum_all(std::vector<double> ImpulseRows::*nodal) {
   for (ImpulseRows& rows : rows_) rows.*nodal = rows.contact->nodes().exchange.gather(sum_);
 }
 
+void ContactImpulses::gather_gain() {
+  for (ImpulseRows& rows : rows_) rows.gain = rows.contact->nodes().exchange.gather(gain_);
+}
+
 void ContactImpulses::list_touched(const ContactSet& contacts) {
   long searches = 0;
   for (const ContactInterface& contact : contacts) searches += contact.searches();
@@ -102,7 +106,7 @@ bool ContactImpulses::meet(ImpulseRows& rows, const ImpulseStep& step) {
 }
 
 // v+ of the pressures and tractions z.
-void ContactImpulses::find_velocities(double dt) {
+void ContactImpulses::find_velocities(const ImpulseStep& step) {
   for (ImpulseRows& rows : rows_) {
     std::fill(rows.force.begin(), rows.force.end(), 0.0);
     const std::size_t dim = rows.dim;
@@ -126,10 +130,14 @@ void ContactImpulses::find_velocities(double dt) {
     }
   }
   sum_all(&ImpulseRows::force);
+  if (step.bodies != nullptr) {
+    step.bodies->strike(sum_, gain_);
+    gather_gain();
+  }
   for (ImpulseRows& rows : rows_) {
     rows.velocity.resize(rows.free.size());
     for (std::size_t i = 0; i < rows.velocity.size(); ++i)
-      rows.velocity[i] = rows.free[i] + dt * rows.inverse_mass[i] * rows.force[i];
+      rows.velocity[i] = rows.free[i] + step.dt * (rows.inverse_mass[i] * rows.force[i] + rows.gain[i]);
   }
 }
 
@@ -140,6 +148,10 @@ void ContactImpulses::find_rates(ImpulseRows& rows) {
   for (std::size_t q = 0; q < rows.points(); ++q) {
     if (!rows.near[q]) continue;
     double rate = rows.drift[q], slips[3] = {};
+    for (std::size_t a = 0; a < rows.tangents; ++a)
+      for (std::size_t k = 0; k < dim; ++k)
+        slips[k] +=
+            rows.slip_drift[rows.tangents * q + a] * rows.direction[dim * (rows.tangents * q + a) + k];
     for (std::size_t i = rows.first[q]; i < rows.first[q + 1]; ++i) {
       const double* v = &rows.velocity[dim * at(rows.node[i])];
       rate += inner(&rows.gradient[dim * i], v, dim);
@@ -220,10 +232,10 @@ void ContactImpulses::find(ContactSet& contacts, const ImpulseStep& step) {
     }
   }
   if (any) {
-    find_bounds(step.dt);
+    find_bounds(step);
     double momentum = 1;
     for (bool rest = false; !rest && iterations_ < most_iterations; ++iterations_) {
-      find_velocities(step.dt);
+      find_velocities(step);
       for (ImpulseRows& rows : rows_) find_rates(rows);
       rest = improve(momentum);
     }

@@ -138,7 +138,8 @@ double set_automatic_values(ContactSettings& settings, const ContactEnvironment&
     if (automatic(value)) value = by;
   };
   const double size = environment.length > 0 ? environment.length : h;
-  const double penalty = 10 * environment.modulus / size;
+  const bool needless = settings.enforce == Enforcement::impulse; // any number will do
+  const double penalty = needless && !(environment.modulus > 0) ? 1 : 10 * environment.modulus / size;
   if (automatic(settings.penalty) && !(penalty > 0))
     throw usage(settings, "penalty",
                 "auto needs Young's modulus of a side; give a number: the largest pressure "

@@ -48,10 +48,14 @@ void RigidBodies::accelerate(Vec f, Vec a) const {
   set_nodes(a, [&](std::size_t b, const Vector3& Y) { return plus(total[b].sum, total[b].moment * Y); });
 }
 
-void RigidBodies::strike(Vec f, Vec gain) const {
+void RigidBodies::strike(Vec f, Vec gain, ArmsAt at) const {
   if (empty()) return;
   set_free_rates(
-      sums_of(Weight::one, f), [&](std::size_t b) -> const Matrix3& { return start_[b].turned; }, gain);
+      sums_of(Weight::one, f),
+      [&](std::size_t b) -> const Matrix3& {
+        return at == ArmsAt::start ? start_[b].turned : reduction_.bodies()[b].trial;
+      },
+      gain);
 }
 
 void RigidBodies::keep_free_rates(Vec v) const {

@@ -36,12 +36,6 @@ std::string hindrance(const Scenario& s) {
              "_enforce); take penalty, impulse or auto, or -ts_type newmark";
     if (contact.enforce == Enforcement::impulse && contact.method == ContactMethod::mortar)
       return "has impulses at points alone (" + of + "_method mortar); take gpts or auto";
-    if (contact.enforce == Enforcement::impulse &&
-        (contact.rigid_mass > 0 ||
-         std::any_of(s.materials.begin(), s.materials.end(),
-                     [](const MaterialScenario& m) { return m.law.model == Model::rigid; })))
-      return "has impulses between deformable bodies and obstacles that move as told (" + of +
-             "_enforce impulse), not beside rigid bodies with mass; take penalty or auto";
     if (contact.impact != ImpactUpdate::automatic && contact.impact != ImpactUpdate::none)
       return "has no update of impacts (" + of + "_impact); take none or auto, or -ts_type newmark";
   }

@@ -230,7 +230,10 @@ double ExplicitBodies::push(double t, std::span<const Force> forces, std::span<c
   work_ = {};
   double largest = 0;
   for (std::size_t b = 0; b < inertia_.size(); ++b) {
-    const Motion before = body(row_->committed, b), half = body(row_->trial, b);
+    const Motion before = body(row_->committed, b);
+    Motion half = body(row_->trial, b);
+    half.velocity = plus(before.velocity, before.acceleration, dt_ / 2);
+    half.spin = plus(before.spin, before.torque, dt_ / 2);
     Motion m = half;
     std::copy_n(&sums_[sums_of_body * b + of_force], 3, m.force.begin());
     std::copy_n(&sums_[sums_of_body * b + of_moment], 9, m.moment.begin());
@@ -292,17 +295,40 @@ double ExplicitBodies::kept(double dt) const {
   return -dt * dt / 8 * sum;
 }
 
-void ExplicitBodies::put_velocity(Vec v) const {
+void ExplicitBodies::put_velocity(Vec v, double later) const {
   if (empty()) return;
   std::vector<Motion> now;
   std::vector<Vector3> turning;
   for (std::size_t b = 0; b < inertia_.size(); ++b) {
     now.push_back(body(row_->trial, b));
-    turning.push_back(velocity_of(b, now[b].turned, now[b].spin));
+    Motion& m = now.back();
+    m.velocity = plus(m.velocity, m.acceleration, later);
+    turning.push_back(velocity_of(b, m.turned, plus(m.spin, m.torque, later)));
   }
   set_nodes(v, [&](std::size_t b, const Vector3& Y) {
     return plus(now[b].velocity, cross(turning[b], now[b].turned * Y));
   });
+}
+
+void ExplicitBodies::leave_out(Vec x) const {
+  set_nodes(x, [](std::size_t, const Vector3&) { return Vector3{}; });
+}
+
+// (a.M^-1 b)^2 <= (a.M^-1 a)(b.M^-1 b), and an impulse at a node moves it by `give` times that at most.
+void ExplicitBodies::bound(Vec sizes, Vec most) const {
+  std::vector<double> sum(inertia_.size(), 0.0), root;
+  root.reserve(nodes_.size());
+  {
+    const Entries impulse(sizes);
+    for (const RigidBodies::OwnedNode& node : nodes_) {
+      const Vector3 X = plus(rigid_.bodies()[node.body].centre, node.arm);
+      root.push_back(std::sqrt(rigid_.give(node.body, X.data())));
+      sum[node.body] += root.back() * impulse[node.row];
+    }
+  }
+  sum_over_ranks(comm_, sum);
+  std::size_t i = 0;
+  set_nodes(most, [&](std::size_t b, const Vector3&) { return Vector3{root[i++] * sum[b], 0, 0}; });
 }
 
 void ExplicitBodies::put_acceleration(const std::vector<double>& half, Vec a) const {

@@ -67,10 +67,14 @@ double ExplicitContact::frequency_at_work() {
   return most[0];
 }
 
-void ExplicitContact::add_impulses(const Motion& now, Vec inverse_mass, Vec force, Vec a) {
+void ExplicitContact::add_impulses(const Motion& now, Vec inverse_mass, const ExplicitBodies& bodies,
+                                   Vec force, Vec a) {
   check(VecWAXPY(struck_.before, now.dt / 2, now.a_n, now.v));
   check(VecWAXPY(struck_.free, now.dt, a, struck_.before));
-  impulses_.find(motion_.contacts(), {now.u, struck_.before, struck_.free, inverse_mass, now.t, now.dt});
+  bodies.put_velocity(struck_.before, -now.dt / 2);
+  bodies.put_velocity(struck_.free, now.dt / 2);
+  impulses_.find(motion_.contacts(), {now.u, struck_.before, struck_.free, inverse_mass,
+                                      bodies.empty() ? nullptr : &bodies, now.t, now.dt});
   check(VecSet(struck_.force, 0));
   add_forces(now.u, true, struck_.force);
   check(VecAXPY(force, 1, struck_.force));

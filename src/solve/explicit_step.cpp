@@ -174,7 +174,7 @@ void ExplicitStep::start_acceleration(Vec u, Vec v, Vec contact, Vec a) {
   bodies_.start_forces(t, dt, {{{forces_.external, 1}}}, a);
 }
 
-// 0 at prescribed dofs.
+// 0 at prescribed dofs and on rigid bodies.
 void ExplicitStep::invert_mass() {
   const Discretisation& d = motion_.discretisation();
   if (!work_.inverse_mass) work_.inverse_mass = d.displacement.make_global();
@@ -188,6 +188,7 @@ void ExplicitStep::invert_mass() {
     if (d.mesh.owned(node)) values[d.mesh.global_node()[at(node)] * d.dim() + fixed.component - start] = 0;
   }
   check(VecRestoreArray(work_.inverse_mass, &values));
+  bodies_.leave_out(work_.inverse_mass);
 }
 
 void ExplicitStep::follow_damage(Vec u, const std::vector<double>& phi) {
@@ -221,7 +222,9 @@ bool ExplicitStep::take(Vec u, MotionProblem::Increments& sums, const HeatRows& 
       std::max(contacts_.frequency_at_work(), bodies_.push(step.t, on_bodies, contacts_.on_bodies(), a));
   if (contacts_.by_impulse()) {
     invert_mass();
-    contacts_.add_impulses({rates.t, rates.dt, u, rates.v, rates.a}, work_.inverse_mass, forces_.contact, a);
+    contacts_.add_impulses({rates.t, rates.dt, u, rates.v, rates.a}, work_.inverse_mass, bodies_,
+                           forces_.contact, a);
+    bodies_.push(step.t, on_bodies, contacts_.on_bodies(), a);
   }
   row_.trial[left] = row_.committed[left] - 1;
   if (row_.trial[left] > 0) return true;

@@ -269,7 +269,6 @@ require("options of equations that it does not solve", "explicit steps, which so
 print("what it cannot do is refused")
 FLOOR = {"contacts": "floor", "contact_floor_secondary": "bottom", "contact_floor_primary": "plane"}
 for more, words in (({**FLOOR, "contact_floor_enforce": "semismooth"}, ["-contact_floor_enforce", "penalty"]),
-                    ({**FLOOR, "contact_floor_enforce": "impulse", "contact_floor_rigid_mass": 1}, ["impulse", "rigid"]),
                     ({**FLOOR, "contact_floor_enforce": "impulse", "ts_type": "newmark", "ts_dt": 1e-3}, ["-contact_floor_enforce", "central_difference"]),
                     ({**FLOOR, "contact_floor_enforce": "auglag"}, ["-contact_floor_enforce", "penalty"]),
                     ({**FLOOR, "contact_floor_impact": "stabilised"}, ["-contact_floor_impact", "none"]),

@@ -11,9 +11,21 @@ inline double inner(const double* a, const double* b, std::size_t n) {
   return std::inner_product(a, a + n, b, 0.0);
 }
 
+/// Rigid bodies with mass whose nodes contacts push.
+class ImpulseBodies {
+public:
+  virtual ~ImpulseBodies() = default;
+  /// gain = what velocities of their nodes gain by impulses f at nodes [node][dim]. Collective.
+  virtual void strike(Vec f, Vec gain) const = 0;
+  /// A bound of that, at the first dof of each node, by impulses of any directions whose sizes stand at the
+  /// first dofs. Collective.
+  virtual void bound(Vec sizes, Vec most) const = 0;
+};
+
 struct ImpulseStep {
   Vec u, before, free; ///< displacement; velocities on either side of it, the later one without impulses
-  Vec inverse_mass;    ///< 0 at prescribed dofs
+  Vec inverse_mass;    ///< 0 at prescribed dofs and on rigid bodies
+  const ImpulseBodies* bodies; ///< null: there are none
   double t, dt;
 };
 
@@ -24,6 +36,7 @@ struct ImpulseRows {
   std::vector<int> index;                             ///< [point] of the constraint
   std::vector<double> weight, gap;                    ///< [point]
   std::vector<double> drift, drift_before;            ///< [point] rate of the gap by the obstacle's motion
+  std::vector<double> slip_drift;                     ///< [point][tangent] and of the slip
   std::vector<std::size_t> first, first_share;        ///< [point + 1]
   std::vector<int> node;                              ///< those of a point, secondary ones first
   std::vector<double> gradient, slip_gradient, share; ///< [node][dim]; [node][tangent][dim]; [secondary]
@@ -31,7 +44,7 @@ struct ImpulseRows {
   std::vector<double> inverse_mass, free, velocity;   ///< [node][dim] of the contact's nodes
   std::vector<double> area, floor, bound;             ///< [node] W, W c and D of the theory
   std::vector<double> x, x_before, z, y;              ///< [node][1 + dim]: pressure, traction
-  std::vector<double> force;                          ///< [node][dim]
+  std::vector<double> force, gain;                    ///< [node][dim]; of velocity, on rigid bodies
   std::vector<char> near, near_node;                  ///< [point], [node]
 
   std::size_t points() const { return index.size(); }

@@ -48,8 +48,7 @@ Point3 facet_normal(const FaceCorners& x);
 struct FacetView {
   double part = 0;     ///< of the secondary facet that it covers, between 0 and 1
   double smallest = 0; ///< gap over that part; where it covers none, at the primary's corners or nearest end
-  double largest = 0;  ///< likewise
-  double mean = 0;     ///< likewise
+  double largest = 0, mean = 0; ///< likewise
 };
 FacetView view_facet(const FaceCorners& x, const FaceCorners& p);
 /// How far apart balls about the two faces are, across the normal of the secondary one and less their

@@ -112,8 +112,10 @@ public:
   /// a = (affine acceleration by the forces f, [node][dim]) on the nodes of bodies. Collective.
   void accelerate(Vec f, Vec a) const;
   /// gain = rate of the rigid motion per impulse, on the nodes of bodies, by impulses f [node][dim] whose
-  /// arms are those of the start of the attempt; prescribed components gain nothing. Collective.
-  void strike(Vec f, Vec gain) const;
+  /// arms are those of the start of the attempt, or of the last turn_arms; prescribed components gain
+  /// nothing. Collective.
+  enum class ArmsAt { start, end };
+  void strike(Vec f, Vec gain, ArmsAt at = ArmsAt::start) const;
   /// Arms become those of an evaluation at u. Collective.
   void place(Vec u);
   /// On the nodes of bodies v becomes the part of it that is a rigid rate of their free components, with the

@@ -1,4 +1,5 @@
 #pragma once
+#include <impact/contact/impulse_rows.hpp>
 #include <impact/mesh/state_table.hpp>
 #include <impact/problem/motion.hpp>
 #include <impact/solve/body_work.hpp>
@@ -10,7 +11,7 @@
 /// energy exactly, and the other half. Where the bodies stand is a row of the table; their nodes follow.
 namespace impact {
 
-class ExplicitBodies {
+class ExplicitBodies : public ImpulseBodies {
 public:
   /// Adds the row "rigid_motion" where there are bodies. The references must outlive the object.
   ExplicitBodies(MotionProblem& motion, StateTable& state);
@@ -33,11 +34,16 @@ public:
   };
   void start_forces(double t, double dt, std::span<const Force> forces, Vec a);
   /// After `move`: the forces at the new places give acceleration, torque and velocity there, t being their
-  /// time. `stiffness`: of each body what this rank's contacts added to it (ContactInterface::add_residual).
-  /// Returns the largest frequency of the bodies by these, squared. Collective.
+  /// time; again, where more of them are known. `stiffness`: of each body what this rank's contacts added to
+  /// it (ContactInterface::add_residual). Returns the largest frequency of the bodies by these, squared.
+  /// Collective.
   double push(double t, std::span<const Force> forces, std::span<const double> stiffness, Vec a);
-  /// Velocities of the nodes.
-  void put_velocity(Vec v) const;
+  /// Velocities of the nodes, `later` by this time at the acceleration of now.
+  void put_velocity(Vec v, double later = 0) const;
+  /// x = 0 on their nodes.
+  void leave_out(Vec x) const;
+  void strike(Vec f, Vec gain) const override { rigid_.strike(f, gain, RigidBodies::ArmsAt::end); }
+  void bound(Vec sizes, Vec most) const override;
 
   /// Of the last step.
   const BodyWork& work() const { return work_; }

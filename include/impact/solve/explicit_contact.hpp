@@ -2,6 +2,7 @@
 #include <array>
 #include <impact/contact/impulses.hpp>
 #include <impact/problem/motion.hpp>
+#include <impact/solve/explicit_bodies.hpp>
 #include <vector>
 
 /// Contacts of an explicit step: penalties as stiff as its length allows, their forces and how stiff those
@@ -42,12 +43,13 @@ public:
   bool by_impulse() const { return struck_.before; }
   /// What moves on from u freely in the next step, if it is as long as this one, with the velocity v and the
   /// acceleration a_n at its start and `a` at its end, is pushed where it would meet something: into force
-  /// and a. Inverse masses are 0 at prescribed dofs. Collective.
+  /// and a, which are those of the bodies' nodes too once bodies.push has seen the force. Inverse masses are
+  /// 0 at prescribed dofs and on rigid bodies. Collective.
   struct Motion {
     double t, dt;
     Vec u, v, a_n;
   };
-  void add_impulses(const Motion& now, Vec inverse_mass, Vec force, Vec a);
+  void add_impulses(const Motion& now, Vec inverse_mass, const ExplicitBodies& bodies, Vec force, Vec a);
   /// Tells contacts of an accepted step what they did in it. Collective.
   void advance(Vec u_n, Vec u, double dt);
 
