@@ -12,7 +12,7 @@ import h5py
 
 import _runs
 from _histories import difference, field_times, fields_difference, history  # noqa: F401 (for the scripts)
-from _runs import BREAKING_BLOCKS, PROGRAM, mesh
+from _runs import BREAKING_BLOCKS, PROGRAM, cores, mesh
 
 FAULTY = os.environ.get("IMPACT_FAULTY", os.path.join(os.path.dirname(PROGRAM), "impact_faulty"))
 
@@ -105,6 +105,12 @@ def finish_within(process, seconds):
     except subprocess.TimeoutExpired:
         kill(process)
         return None
+
+
+def run_within(seconds, folder, options, ranks=1, *others, **more):
+    """start and finish_within, with cores of its own (_runs.cores)."""
+    with cores(ranks):
+        return finish_within(start(folder, options, ranks, *others, **more), seconds)
 
 
 def log_of(folder):

@@ -1,4 +1,6 @@
 """Runs the program from a script and compares what it writes with references."""
+import contextlib
+import fcntl
 import os
 import re
 import subprocess
@@ -55,6 +57,21 @@ def option_file(name):
     return os.path.join(SOURCE, "options", name)
 
 
+@contextlib.contextmanager
+def cores(ranks):
+    """Waits for the cores of the machine, which CTest's scripts share (IMPACT_LOCKS, a folder): a run on one rank goes beside
+    others, one on several has all cores. Ranks that wait for one that has lost its core take ten times as long."""
+    folder = os.environ.get("IMPACT_LOCKS")
+    if folder is None:
+        yield
+        return
+    with open(os.path.join(folder, "turn.lock"), "w") as turn, open(os.path.join(folder, "cores.lock"), "w") as all_cores:
+        fcntl.flock(turn, fcntl.LOCK_EX)  # nobody overtakes one that waits for all
+        fcntl.flock(all_cores, fcntl.LOCK_EX if ranks > 1 else fcntl.LOCK_SH)
+        fcntl.flock(turn, fcntl.LOCK_UN)
+        yield
+
+
 def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False):
     """Runs the program in the folder `name` with option files and then `options` (dict without the leading dashes, or
     list of words). Any other exit status than `code` (None: any) ends the script. `refused`: tries of steps that may be
@@ -73,7 +90,8 @@ def run(name, options, files=(), ranks=1, code=0, refused=0, takes_back=False):
     command = [PROGRAM] + words + ["-output_dir", name]
     if ranks > 1:
         command = ["mpirun", "-n", str(ranks)] + command
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
+    with cores(ranks):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
     if code is not None and done.returncode != code:
         print(done.stdout[-4000:])
         print(f"{name}: exit status {done.returncode}, expected {code}\n  {' '.join(command)}")

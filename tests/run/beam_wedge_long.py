@@ -1,6 +1,5 @@
 # labels: run long
 # timeout: 7200
-# processors: 2
 """The beam and the wedge of beam_wedge.opts to the end: every observable of tools/beam_wedge_observables.py. Then until the
 force has fallen, with ten times the density (the problem is quasi-static: the force may not notice), half the time step and
 half the cell size (the crack's start moves by a few per cent)."""

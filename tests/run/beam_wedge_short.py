@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 120
-# processors: 2
 """The first 20 steps of beam_wedge.opts, before plasticity and with hardly any damage, against beam theory: a cantilever in
 plane strain (bending, shear), the rotation at an edge crack as deep as the slit (Tada, Paris, Irwin: theta = 4 sigma V2(a/W)
 / E'), the shortening of the wedge and the indentation of the beam to its middle (Johnson, Contact mechanics, 5.6). The

@@ -9,7 +9,7 @@ import re
 import shutil
 import time
 
-from _reliability import BOTH, crashed, difference, finish_within, history, log_of, start, with_mesh
+from _reliability import BOTH, crashed, difference, history, log_of, run_within, start, with_mesh
 from _runs import ENVIRONMENT, check, finish, long, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 1000 if long() else 40))
@@ -23,13 +23,13 @@ for key in [k for k in options if k.startswith("output_vis")]:
 
 
 def make(folder, more):
-    require(f"{folder}: the run ends", finish_within(start(folder, {**options, **more}), 60) == 0)
+    require(f"{folder}: the run ends", run_within(60, folder, {**options, **more}) == 0)
 
 
 make("good", {"checkpoint_keep": 2})
 coarse = {**BOTH, "mesh_set_n_lower": 5, "mesh": os.path.join(os.environ["IMPACT_SOURCE_DIR"], "meshes", "two_blocks.geo"),
           "ts_max_time": 0.02, "outputs": "vis"}
-require("other_mesh: the run ends", finish_within(start("other_mesh", coarse), 60) == 0)
+require("other_mesh: the run ends", run_within(60, "other_mesh", coarse) == 0)
 make("other_physics", {"material_lower_E": 2e6})
 whole = history("good")
 
@@ -140,13 +140,13 @@ for i in range(WANTED):
             what += ", " + damage(f"hurt/checkpoints/{older}{end}") + " (the older one too)"
         expected = "refused" if both or damage is swap else "fallback"
     begun = time.monotonic()
-    code = finish_within(start("hurt", {**options, "restart": "auto"}, env=ENVIRONMENT), 10)
+    code = run_within(10, "hurt", {**options, "restart": "auto"}, env=ENVIRONMENT)
     longest = max(longest, time.monotonic() - begun)
     log = log_of("hurt")
     if code is None:
         # A process can also wait for a busy machine or in the start of MPI: a hang of ours comes again.
         late += 1
-        code = finish_within(start("hurt", {**options, "restart": "auto"}, env=ENVIRONMENT), 10)
+        code = run_within(10, "hurt", {**options, "restart": "auto"}, env=ENVIRONMENT)
         log = log_of("hurt")
     if code is None:
         hangs.append(what)

@@ -12,12 +12,12 @@ import shutil
 import subprocess
 
 from _reliability import (BOTH, FAULTY, crashed, field_times, fields_fault, finish_within, largest_difference, log_of,
-                          ranks_of, rows, start, wait_for, with_mesh)
+                          ranks_of, rows, run_within, start, wait_for, with_mesh)
 from _runs import check, finish, long, require
 
 OPTIONS = {**with_mesh(BOTH), "restart": "auto", "checkpoint_patience": 3}
-require("undisturbed run", finish_within(start("whole", OPTIONS), 60) == 0)
-require("undisturbed run on 2 ranks", finish_within(start("whole_2", OPTIONS, 2), 60) == 0)
+require("undisturbed run", run_within(60, "whole", OPTIONS) == 0)
+require("undisturbed run on 2 ranks", run_within(60, "whole_2", OPTIONS, 2) == 0)
 size = os.path.getsize("whole/checkpoints/checkpoint_000006.h5")
 print(f"     a checkpoint has {size} bytes")
 
@@ -30,7 +30,7 @@ def says(folder, code, path):
 
 
 def goes_on(folder, whole, ranks=1):
-    code = finish_within(start(folder, OPTIONS, ranks), 60)
+    code = run_within(60, folder, OPTIONS, ranks)
     require(f"{folder}: with space again the same command ends (status {code})", code == 0)
     gap, column = largest_difference(folder, whole)
     check(f"{folder}: largest difference from the undisturbed run, in {column}", gap, 0, 1e-12, relative=False)
@@ -39,7 +39,7 @@ def goes_on(folder, whole, ranks=1):
 # Checkpoints: the k-th change of a checkpoint file fails, and all after it.
 for name, first, ranks in (("at_first", 1, 1), ("in_second", 100, 1), ("in_third", 150, 2)):
     folder = "full_" + name
-    code = finish_within(start(folder, OPTIONS, ranks, FAULTY, f"full:{first}:checkpoint_"), 60)
+    code = run_within(60, folder, OPTIONS, ranks, FAULTY, f"full:{first}:checkpoint_")
     require(f"{folder}: status 4 (is {code}) and a line that names the file", says(folder, code, "checkpoint_"))
     goes_on(folder, "whole_2" if ranks == 2 else "whole", ranks)
 
@@ -54,7 +54,7 @@ for ranks in (1, 2):
     tried, wrong, code = 0, [], None
     for call in calls:
         shutil.rmtree("first", ignore_errors=True)
-        code = finish_within(start("first", ONE_STEP, ranks, FAULTY, f"full:{call}:checkpoint_"), 30)
+        code = run_within(30, "first", ONE_STEP, ranks, FAULTY, f"full:{call}:checkpoint_")
         if code == 0:
             break
         tried += 1
@@ -79,31 +79,30 @@ code = finish_within(run, 60)
 require(f"quota: status 4 (is {code}), no signal", says("quota", code, "checkpoint_") and not crashed(code))
 goes_on("quota", "whole")
 
-code = finish_within(start("fields", OPTIONS, 1, FAULTY, "full:60:vis."), 60)
+code = run_within(60, "fields", OPTIONS, 1, FAULTY, "full:60:vis.")
 log = log_of("fields")
 require(f"field output on a full disk: the run goes on to its end (status {code})",
         code == 0 and "goes on without this output" in log and rows("fields") == rows("whole"))
 require(f"field output on a full disk: what was written stays readable {fields_fault('fields')}",
         not fields_fault("fields") and 0 < len(field_times("fields")) < len(field_times("whole")))
 
-code = finish_within(start("history", OPTIONS, 1, FAULTY, "full:20:history.csv"), 60)
+code = run_within(60, "history", OPTIONS, 1, FAULTY, "full:20:history.csv")
 require(f"history on a full disk: status 4 (is {code}) and a line", says("history", code, "history.csv"))
 goes_on("history", "whole")
 
 # No folder at all.
 open("a_file", "w").close()
-code = finish_within(start("nowhere", {**OPTIONS, "checkpoint_dir": "a_file/x"}),
-                     20)
+code = run_within(20, "nowhere", {**OPTIONS, "checkpoint_dir": "a_file/x"})
 require(f"checkpoint folder below a file: status 4 (is {code})", says("nowhere", code, "a_file"))
 if os.geteuid() != 0:
     os.makedirs("locked")
     os.chmod("locked", 0o500)
-    code = finish_within(start("locked", {**OPTIONS, "checkpoint_dir": "locked/x"}), 20)
+    code = run_within(20, "locked", {**OPTIONS, "checkpoint_dir": "locked/x"})
     require(f"read-only folder: status 4 (is {code})", says("locked", code, "locked"))
     os.chmod("locked", 0o700)
 else:
     print("     read-only folder: not tried, because nothing is read-only for root; /proc takes its place")
-    code = finish_within(start("proc", {**OPTIONS, "checkpoint_dir": "/proc/impact"}), 20)
+    code = run_within(20, "proc", {**OPTIONS, "checkpoint_dir": "/proc/impact"})
     require(f"a folder that the system refuses: status 4 (is {code})", says("proc", code, "/proc/impact"))
 
 os.makedirs("small", exist_ok=True)
@@ -111,8 +110,8 @@ mounted = os.geteuid() == 0 and subprocess.run(["mount", "-t", "tmpfs", "-o", f"
                                                stderr=subprocess.DEVNULL).returncode == 0
 if mounted:
     try:
-        code = finish_within(start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_every": 2,
-                                 "checkpoint_keep": 99}), 60)
+        code = run_within(60, "tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_every": 2,
+                                 "checkpoint_keep": 99})
         require(f"full tmpfs: status 4 (is {code})", says("tmpfs", code, "checkpoint_"))
         done = start("tmpfs", {**OPTIONS, "checkpoint_dir": "small/checkpoints", "checkpoint_every": 0})
         require("full tmpfs: the run goes on from what was written before", finish_within(done, 60) == 0

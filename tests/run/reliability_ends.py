@@ -13,8 +13,8 @@ import signal
 import subprocess
 import time
 
-from _reliability import (BOTH, command, crashed, family_of, finish_within, kill, largest_difference, log_of, ranks_of, rows, start, wait_for,
-                          with_mesh)
+from _reliability import (BOTH, command, crashed, family_of, finish_within, kill, largest_difference, log_of, ranks_of, rows,
+                          run_within, start, wait_for, with_mesh)
 from _runs import check, finish, long, require
 
 COUNT = int(os.environ.get("IMPACT_COUNT", 150 if long() else 8))  # of each family
@@ -34,7 +34,7 @@ def said(folder):
 
 def run(folder, ranks=1, **more):
     options = {key: value for key, value in {**OPTIONS, **more}.items() if value is not None}
-    return finish_within(start(folder, options, ranks), 60)
+    return run_within(60, folder, options, ranks)
 
 
 def judge(attack, holds):

@@ -6,13 +6,13 @@ with status 5 and a checkpoint from which it can go on."""
 import os
 import re
 
-from _reliability import BOTH, FAULTY, finish_within, history, log_of, start, with_mesh
+from _reliability import BOTH, FAULTY, history, log_of, run_within, start, with_mesh
 from _runs import check, check_between, finish, mesh, require, run
 
 # Both bodies are plastic here, so that every point of every rank has a history.
 OPTIONS = {**with_mesh(BOTH), "checkpoint_every": 0, "output_vis_every": 1000, "material_upper_model": "j2",
            "material_upper_damage": "at2"}
-require("undisturbed run on 2 ranks", finish_within(start("whole", OPTIONS, 2), 60) == 0)
+require("undisturbed run on 2 ranks", run_within(60, "whole", OPTIONS, 2) == 0)
 whole = history("whole")
 
 
@@ -21,7 +21,7 @@ def cut_lines(log):
 
 
 # R10: rank 1 of 2, step 12, once.
-code = finish_within(start("nan_once", OPTIONS, 2, FAULTY, "nan:12:1:1"), 60)
+code = run_within(60, "nan_once", OPTIONS, 2, FAULTY, "nan:12:1:1")
 log = log_of("nan_once")
 require(f"NaN on rank 1 in step 12, once: status 0 (is {code})", code == 0)
 place = re.search(r"impact: (.*) at x=\((\S+),(\S+)\) in material (\w+), step (\d+) try (\d+)", log)
@@ -37,19 +37,19 @@ check("NaN once: kinetic energy at the end (smaller steps in between)", once["en
       whole["energy_kinetic"][-1], 0.1)
 
 # Without end.
-code = finish_within(start("nan_always", {**OPTIONS, "ts_max_reject": 4}, 2, FAULTY, "nan:12:1:99"), 60)
+code = run_within(60, "nan_always", {**OPTIONS, "ts_max_reject": 4}, 2, FAULTY, "nan:12:1:99")
 log = log_of("nan_always")
 require(f"NaN in every try: status 5 (is {code})", code == 5)
 check("NaN in every try: tries", len(cut_lines(log)), 5, 0)
 require("NaN in every try: a checkpoint of the state before",
         re.search(r"the state at t = 0.022, step 11, is in nan_always/checkpoints/checkpoint_000001.h5", log) is not None)
-code = finish_within(start("nan_always", {**OPTIONS, "restart": "auto"}, 2), 60)
+code = run_within(60, "nan_always", {**OPTIONS, "restart": "auto"}, 2)
 require(f"NaN in every try: without it the run goes on to its end (status {code})",
         code == 0 and "step 11" in log_of("nan_always") and history("nan_always")["time"][-1] == whole["time"][-1])
 
 # An expression that has no value from some time on: nothing to cut, the user's data is wrong.
-code = finish_within(start("expression", {**OPTIONS, "bc_hold_type": "displacement", "bc_hold_ux": 0,
-                                          "bc_hold_uy": "0*sqrt(0.0211-t)"}, 2), 60)
+code = run_within(60, "expression", {**OPTIONS, "bc_hold_type": "displacement", "bc_hold_ux": 0,
+                                          "bc_hold_uy": "0*sqrt(0.0211-t)"}, 2)
 said = [line for line in log_of("expression").splitlines() if line.startswith("impact: ")]
 said = [line for line in said if "-bc_hold_uy" in line]
 require(f"an expression without a value: status 3 (is {code}) and its name: {said}", code == 3 and len(said) == 1)

@@ -11,8 +11,7 @@ import os
 import re
 import shutil
 
-from _reliability import (FAULTY, FRACTURE, field_times, fields_difference, fields_fault, finish_within, start,
-                          with_mesh)
+from _reliability import FAULTY, FRACTURE, field_times, fields_difference, fields_fault, run_within, with_mesh
 from _runs import check, finish, long, require
 
 OPTIONS = {**with_mesh(FRACTURE), "ts_dt": 0.1, "ts_max_time": 0.4, "checkpoint_every": 2, "output_vis_every": 1,
@@ -28,13 +27,13 @@ def files(folder):
         return there, {"vis.xdmf"} | set(re.findall(r">([^<>:]+\.h5):", xdmf.read()))
 
 
-require("undisturbed run", finish_within(start("whole", OPTIONS), 60) == 0 and not fields_fault("whole"))
+require("undisturbed run", run_within(60, "whole", OPTIONS) == 0 and not fields_fault("whole"))
 whole = field_times("whole")
 kills, restarts, before, faults, left, worst, where = 0, 0, None, [], [], 0.0, ""
 for call in CALLS:
     folder = "killed"
     shutil.rmtree(folder, ignore_errors=True)
-    code = finish_within(start(folder, OPTIONS, 1, FAULTY, f"kill:{call}:vis."), 30)
+    code = run_within(30, folder, OPTIONS, 1, FAULTY, f"kill:{call}:vis.")
     if code == 0 and long():
         break
     if code != -9:
@@ -53,7 +52,7 @@ for call in CALLS:
     if state == before and not long():
         continue
     before, restarts = state, restarts + 1
-    code = finish_within(start(folder, OPTIONS), 30)
+    code = run_within(30, folder, OPTIONS)
     fault = fields_fault(folder)
     if code != 0 or fault or field_times(folder) != whole:
         faults.append(f"call {call}, resumed: status {code}, {fault or field_times(folder)}")
@@ -67,11 +66,11 @@ for call in CALLS:
 at_end = {**OPTIONS, "output_vis_every": 3}
 for ranks in (1, 2):
     reference, folder = f"whole_{ranks}", f"killed_{ranks}"
-    require(f"undisturbed run on {ranks} rank(s)", finish_within(start(reference, at_end, ranks), 60) == 0)
+    require(f"undisturbed run on {ranks} rank(s)", run_within(60, reference, at_end, ranks) == 0)
     right = field_times(reference)
-    killed = finish_within(start(folder, at_end, ranks, FAULTY, f"kill:1:{len(right) - 1:06d}.h5"), 30)
+    killed = run_within(30, folder, at_end, ranks, FAULTY, f"kill:1:{len(right) - 1:06d}.h5")
     left_then = field_times(folder)
-    code = finish_within(start(folder, at_end, ranks), 30)
+    code = run_within(30, folder, at_end, ranks)
     fault = fields_fault(folder)
     require(f"{ranks} rank(s), killed before the last output: {left_then}, then {field_times(folder)} of {right} {fault}",
             killed != 0 and left_then == right[:-1] and code == 0 and not fault and field_times(folder) == right)

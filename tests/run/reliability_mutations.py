@@ -11,7 +11,7 @@ import random
 import re
 import time
 
-from _reliability import BOTH, FRACTURE, command, crashed, finish_within, log_of, start, with_mesh
+from _reliability import BOTH, FRACTURE, command, crashed, log_of, run_within, start, with_mesh
 from _runs import ENVIRONMENT, check, finish, long, require
 
 WANTED = int(os.environ.get("IMPACT_COUNT", 3000 if long() else 120))
@@ -180,12 +180,12 @@ def campaign(kind, part, damages, never, statuses, write, kept=None):
         name = list(damages)[i % len(damages)]
         options = write(damages[name])
         begun = time.monotonic()
-        code = finish_within(start("hurt", options, env=ENVIRONMENT), 20)  # without a daemon of Open MPI
+        code = run_within(20, "hurt", options, env=ENVIRONMENT)  # without a daemon of Open MPI
         slowest = max(slowest, time.monotonic() - begun)
         if code is None:
             # A process can also wait for a busy machine or in the start of MPI: a hang of ours comes again.
             late += 1
-            code = finish_within(start("hurt", options, env=ENVIRONMENT), 20)  # without a daemon of Open MPI
+            code = run_within(20, "hurt", options, env=ENVIRONMENT)  # without a daemon of Open MPI
         log = log_of("hurt")
         said = [line for line in log.splitlines() if line.startswith("impact: ")]
         why = ""
@@ -300,7 +300,7 @@ FAR = {
 ANY = {"any solver", "any damage solver", "any tolerance"}
 
 for what, options in (("mesh", SMALL), ("option file", write_options(lambda text: text)), ("run", RUN)):
-    require(f"the undamaged {what} is accepted", finish_within(start("undamaged", options), 60) == 0)
+    require(f"the undamaged {what} is accepted", run_within(60, "undamaged", options) == 0)
 # A family is one line; signals and restarts have scripts of their own.
 campaign("meshes", 0.2, MESH, REFUSED, (2, 3, 4), write_mesh, hurt_file["meshes"])
 campaign("option files", 0.2, OPTIONS, {}, (2, 3, 4), write_options, hurt_file["option files"])

@@ -5,7 +5,7 @@ ones need -restart_allow, frozen ones are refused with the key and both values, 
 doubled or missing in the outputs; checkpoints of an abandoned run are never taken up. R7: an option twice in one file."""
 import os
 
-from _reliability import BOTH, field_times, fields_fault, finish_within, history, log_of, largest_difference, start, with_mesh
+from _reliability import BOTH, field_times, fields_fault, history, largest_difference, log_of, run_within, with_mesh
 from _runs import check, finish, require
 
 OPTIONS = {**with_mesh(BOTH), "ts_max_time": 0.04}
@@ -15,7 +15,7 @@ def attempt(folder, more, code):
     options = {**OPTIONS, **more}
     for key in [key for key, value in options.items() if value is None]:
         del options[key]
-    status = finish_within(start(folder, options), 60)
+    status = run_within(60, folder, options)
     said = [line for line in log_of(folder).splitlines() if line.startswith("impact: ")]
     require(f"{folder} {more}: status {status}, expected {code}", status == code)
     return said

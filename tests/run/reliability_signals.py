@@ -9,8 +9,8 @@ import signal
 import subprocess
 import time
 
-from _reliability import (BOTH, command, field_times, fields_fault, finish_within, largest_difference, log_of, ranks_of,
-                          rows, start, wait_for, with_mesh)
+from _reliability import (BOTH, command, field_times, fields_fault, finish_within, largest_difference, log_of, ranks_of, rows,
+                          run_within, start, wait_for, with_mesh)
 from _runs import check, check_between, finish, require
 
 OPTIONS = {**with_mesh(BOTH), "checkpoint_every": 0, "restart": "auto"}
@@ -27,7 +27,7 @@ def checkpoints(folder):
 
 def resumed_equals(folder, options, ranks, whole):
     """The same command again, to the end."""
-    code = finish_within(start(folder, options, ranks), 60)
+    code = run_within(60, folder, options, ranks)
     require(f"{folder}: the same command goes on and ends", code == 0 and "resumed from" in log_of(folder))
     gap, column = largest_difference(folder, whole)
     check(f"{folder}: largest difference from the undisturbed run, in {column}", gap, 0, 1e-12, relative=False)
@@ -36,7 +36,7 @@ def resumed_equals(folder, options, ranks, whole):
 
 
 for ranks in (1, 2):
-    require(f"undisturbed run on {ranks}", finish_within(start(f"whole_{ranks}", OPTIONS, ranks), 60) == 0)
+    require(f"undisturbed run on {ranks}", run_within(60, f"whole_{ranks}", OPTIONS, ranks) == 0)
 
 for name, number, ranks, to_mpirun in (("usr2", signal.SIGUSR2, 2, False), ("term", signal.SIGTERM, 1, False),
                                        ("usr2_mpirun", signal.SIGUSR2, 2, True)):
@@ -64,7 +64,7 @@ require("usr1: the run goes on to its end", finish_within(run, 60) == 0 and "fin
 
 # By the clock: the margin covers the start and the end of the process.
 begun = time.monotonic()
-code = finish_within(start("wall", {**LONG, "walltime": "0:03", "walltime_margin": 1}), 20)
+code = run_within(20, "wall", {**LONG, "walltime": "0:03", "walltime_margin": 1})
 took = time.monotonic() - begun
 require(f"walltime: exit status 0 (is {code}), stopped by request",
         code == 0 and "stopped by request (-walltime)" in log_of("wall"))

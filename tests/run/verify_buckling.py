@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 60
 """A static run that ends on a branch which a real body leaves says so, with the number of modes in which it buckles: a clamped
 strut pressed straight past none to three of Euler's loads. One with an imperfection bears the first of them, however small

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 400
-# processors: 2
 # long: 900
 """Contact on facets of second order: by Gauss points blocks whose facets lie within each other's carry the uniform pressure
 of the closed form by every enforcement, at any angle, in the plane and in space, others nearly; by mortar all do; a block

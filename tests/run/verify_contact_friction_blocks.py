@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 600
-# processors: 2
 """Coulomb friction between two meshes: a block that slides on another one stops after v^2/(2 mu g), by Gauss points and mortar, on
 cells of first and of second order; the heat of friction is the energy of motion but for what the blocks vibrate with, and all of it
 with shorter steps; the ranks do not matter. The force of the contact is all of it where nodes of both sides are led."""

@@ -1,6 +1,5 @@
 # labels: long
 # timeout: 3600
-# processors: 2
 """Static bodies that contact alone holds, the whole matrix: cylinder and sphere on a block against Hertz and a stack of
 three blocks, at steps of 1/20 and 1/1 of the load, both methods, all enforcements, without and with friction, 1 and 2
 ranks. A penalty of 10 E/h lets the surfaces in by its pressure over it, which spreads the load: 4 % hold it too."""

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 120
-# processors: 2
 """A crack that runs at a fixed load in statics, with the default number of passes: Griffith's strip (D4) on a coarse mesh starts
 at its load, runs through in one step and costs what it must, on one and on two ranks. A limit of passes that is given is kept, and
 named where it ends a run."""

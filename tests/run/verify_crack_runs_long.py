@@ -1,6 +1,5 @@
 # labels: run long
 # timeout: 900
-# processors: 2
 """Griffith's strip as options/griffith_strip.opts has it (D4), on two ranks."""
 import re
 

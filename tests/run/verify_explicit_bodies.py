@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 120
-# processors: 2
 """Rigid bodies and obstacles with mass by central differences: a box that tumbles against Euler's equations, free flight,
 impacts beside Newmark's method, prescribed motion, a light body, momenta, energies, restart, ranks, repeated steps."""
 import filecmp

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 120
-# processors: 2
 """Impulses of explicit steps where a surface meets itself: two bodies under one name, and a fork whose prongs close. Both momenta
 stay to rounding, contact never gives energy, ranks agree, and what happens is what happens under two names. Likewise on cells of
 second order, in the plane and in space."""

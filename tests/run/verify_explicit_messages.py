@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 60
-# processors: 2
 """Messages and reductions of an explicit step on two ranks, as PETSc counts them (-log_view): the displacement to the ghosts, one
 message of forces back, one reduction for the cells and one for the ledger, beside what is asked for now and then; how often
 contact with friction finds forces."""

@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 240
-# processors: 2
 """Hertz: a quarter of a steel half sphere pressed on a rigid plane in space (options/hertz_sphere.opts). Force at the
 given approach, largest pressure, radius of contact and the pressure over it against the closed form; the error falls
 under refinement, and faces of six nodes twice as large do as well; an augmented Lagrangian gives the same from penalties a

@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 240
 """Damage and temperature of first order on cells of second order (-damage_order 1, -heat_order 1). On rectangles their spaces are
 those of cells of first order: whole runs of heat and of damage alone are the same to rounding. With motion: the load of a

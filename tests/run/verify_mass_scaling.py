@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 60
-# processors: 2
 """Mass scaling of explicit steps: the stable step is the one asked for, a wave is as slow as the mass says, body forces act on
 the true mass, the limit is kept, restart and ranks."""
 import filecmp

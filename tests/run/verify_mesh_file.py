@@ -8,7 +8,7 @@ import shutil
 import subprocess
 
 from _histories import difference
-from _runs import ENVIRONMENT, PROGRAM, TWO_BLOCKS, check, finish, mesh, option_file, require, run
+from _runs import ENVIRONMENT, PROGRAM, TWO_BLOCKS, check, cores, finish, mesh, option_file, require, run
 
 SHORT = {"ts_max_steps": 8, "outputs": "none"}
 LU = {"motion_snes_rtol": 1e-12, "motion_ksp_type": "preonly", "motion_pc_type": "lu",
@@ -114,8 +114,9 @@ for wrong, code, words in REFUSED:
     options = {**PLANE, **wrong}
     command = [PROGRAM, "-output_dir", "refused"] + [word for key, value in options.items() for word in ("-" + key, str(value))]
     for ranks in (1, 2, 3):
-        done = subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + command, capture_output=True, text=True,
-                              env=ENVIRONMENT, timeout=60)
+        with cores(ranks):
+            done = subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + command, capture_output=True, text=True,
+                                  env=ENVIRONMENT, timeout=60)
         said = [line for line in done.stderr.splitlines() if line.startswith("impact: ")]
         good_words = len(said) == 1 and all(word in said[0] for word in words)
         if not require(f"{wrong} on {ranks} ranks: exit status {code} and one message", done.returncode == code and good_words):

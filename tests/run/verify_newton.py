@@ -7,7 +7,7 @@ import re
 
 import numpy
 
-from _reliability import FAULTY, finish_within, history, log_of, start
+from _reliability import FAULTY, history, run_within, start
 from _runs import check, check_between, finish, mesh, require, run
 
 BLOCK = {"mesh": mesh("block.geo"), "materials": "solid", "material_solid_E": 1e6, "material_solid_nu": 0.3,
@@ -35,7 +35,7 @@ print("a failed solve is refused")
 # iteration, in the line search of the next one. The step norms of step 5 are still about.
 whole = run("whole", BLOCK)
 for k in range(1, 6):
-    finish_within(start(f"domain_{k}", BLOCK, 1, FAULTY, f"domain:6:{k}"), 60)
+    run_within(60, f"domain_{k}", BLOCK, 1, FAULTY, f"domain:6:{k}")
     once = history(f"domain_{k}")
     require(f"no residual from evaluation {k} on in step 6: one try more, in that step alone",
             once["tries"][6] == 2 and once["tries"].sum() == len(once["tries"]) + 1)

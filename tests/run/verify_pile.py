@@ -1,6 +1,5 @@
 # labels: run
 # timeout: 300
-# processors: 2
 # long: 300
 """Three blocks fall on each other and on the floor in space (options/pile.opts): contacts close, open and close again, no
 step is refused, nothing passes through anything, the energy never rises, and 1 and 3 ranks (long: 1 to 4) give one history."""

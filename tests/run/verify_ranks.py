@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 240
 """The same histories on 1 to 4 ranks and with METIS and PTScotch: two blocks in contact by penalty and with
 multipliers, and the notched beam with plasticity and fracture."""

@@ -5,7 +5,7 @@ on two. They ran to their end before, with status 0 and a wrong answer."""
 import os
 import subprocess
 
-from _runs import ENVIRONMENT, PROGRAM, check, finish, require, run
+from _runs import ENVIRONMENT, PROGRAM, check, cores, finish, require, run
 
 
 def write_mesh(name, left=0.0, inner=False):
@@ -204,7 +204,8 @@ ROWS = [
 def start(options, ranks):
     words = options if isinstance(options, list) else start_words(options)
     command = (["mpirun", "-n", str(ranks)] if ranks > 1 else []) + [PROGRAM] + words + ["-output_dir", "out"]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
+    with cores(ranks):
+        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=ENVIRONMENT)
     return done.returncode, [line for line in done.stdout.splitlines() if line.startswith("impact: ")]
 
 

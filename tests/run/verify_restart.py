@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 120
 """Half a run, then -restart auto from its end, equals the uninterrupted run; outputs go on without doubled times."""
 from _histories import difference, field_times, fields_difference

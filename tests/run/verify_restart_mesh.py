@@ -2,7 +2,6 @@
 The same bits on the same ranks, 1e-8 on more; a changed file is refused unless it is allowed by name."""
 # labels: run
 # timeout: 120
-# processors: 2
 import os
 import shutil
 import stat

@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 180
 """A surface in contact with itself: a ring under outside pressure buckles and folds (options/ring.opts) until its
 opposite sides touch, at 5.247 EI/R^3 (Flaherty, Keller and Rubinow 1972) as the ring gets thin; it closes, opens and

@@ -1,6 +1,5 @@
 # labels: long
 # timeout: 900
-# processors: 2
 """Self-contact at length: the folding ring of options/ring.opts in every form and with every enforcement and on 1 to 4
 ranks, and in space; notches that are pressed shut; three blocks that fall on each other in space, all their surfaces under one name, against the same pile with a
 name for every side."""

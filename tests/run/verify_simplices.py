@@ -1,5 +1,4 @@
 # labels: run
-# processors: 2
 # timeout: 300
 """Linear triangles and tetrahedra that share their volume in patches: they do not lock, their pressure does not alternate, and
 steps of every kind balance their energy and are the same on other ranks and from a checkpoint."""

@@ -1,6 +1,5 @@
 # labels: run long
 # timeout: 3000
-# processors: 2
 """A crack in space at 1e5 unknowns: the notched beam of PMMA whose slot stands askew by 45 degrees, options/skew_beam.opts. In
 bending its crack twists, as it rises, into the plane of bending (Lazarus, Buchholz, Fulland, Wiebesiek, Int. J. Fract. 153
 (2008) 141), and costs what its area must."""
